@@ -443,8 +443,10 @@ mod variables {
     }
     /// Learning of what repeats from turn to turn of the path.
     pub struct Turns {
-        /// Share of the force error at the first four harmonics of a turn that is taken back per radian, half of it of the ripple that turns with the path; 0 for none
+        /// Share of the force error at the first four harmonics of a turn that is taken back per radian; 0 for none
         #[var(unit = ONE, range = 0.0..=0.5, start = 0.18, paper = 0.0, source = "measured: 0.3 swings, since the harmonics are so near")] pub gain: f64,
+        /// Share of the ripple that turns with the path, of a sweep on a mold askew, that is taken back per radian; 0 for none
+        #[var(unit = ONE, range = 0.0..=0.5, source = "measured: 0.09 halves the deviation on a mold askew, and another mold is found later")] pub ripple_gain: f64,
     }
     /// Estimate of a rigid misalignment of the mold and its feedforward.
     pub struct Misalignment {

@@ -1,4 +1,4 @@
-"""Polishing by robots that are not nominal: ten times the feed on molds askew, tips that are soft across, circular sweeps.
+"""Polishing by robots that are not nominal: ten times the feed on molds askew, tips that are soft across.
 
 The default run takes a few machines of a seed of its own, `pytest -m full -rP` the whole studies.
 """
@@ -55,12 +55,6 @@ def test_a_few_tips_that_are_soft_across() -> None:
     assert found["other"] == 0
 
 
-def test_a_few_tips_that_go_round() -> None:
-    found = lateral(machines("polish-circular", FEW))
-    assert found["rightly"] == found["warned"]
-    assert found["other"] == 0
-
-
 @pytest.mark.full
 def test_a_hundred_robots_at_ten_times_the_feed() -> None:
     found = fast(machines("polish-fast"))
@@ -74,10 +68,3 @@ def test_a_hundred_tips_that_are_soft_across() -> None:
     assert found["warned"] - found["rightly"] <= 3
     assert found["other"] <= 3
     measured("polish-lateral", "lateral", **found)
-
-
-@pytest.mark.full
-def test_a_hundred_tips_that_are_soft_across_go_round() -> None:
-    found = lateral(machines("polish-circular"))
-    assert found["warned"] == found["rightly"]
-    measured("polish-lateral", "circular", **found)

@@ -4,7 +4,7 @@
 //! b by s . b, once up and once down while the path turns round. In the phase phi of the sweep and the angle theta of the path this ripple is
 //! Re sum c_n e^(j (phi + n theta)), n = +-1, its amplitudes constant however fast the path turns; at a fixed phase it would have to be learned
 //! anew in every quarter of a turn. All three are learned at once: with the complex amplitude e of the error at phi, those that they take
-//! back are e / x of x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g half of `turns.gain`, a sum without loss: so a phase of the
+//! back are e / x of x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `turns.ripple_gain`, a sum without loss: so a phase of the
 //! response that is less than a quarter of a turn wrong keeps it stable, as it does without.
 
 use nalgebra::Complex;
@@ -16,7 +16,7 @@ use super::response::closed;
 use super::turning::{Turn, WholeTurn};
 use super::turns::ERROR_SHARE;
 use crate::interface::{Mode, Parameters};
-use crate::motion::stick_slip::phase;
+use crate::motion::stick_slip::{fastest, phase, velocity};
 
 /// What is told when the cancellation has ended itself.
 pub const FROZEN: &str = "a part of the ripple cancellation made it worse and has ended\n\
@@ -29,8 +29,6 @@ const HARMONICS: usize = 2;
 const VELOCITY_MAX: f64 = 5e-3;
 /// Fastest turn of the path with which a ripple is learned, over its frequency: the response is that at the frequency itself.
 const TURN_SHARE: f64 = 0.25;
-/// Share of `turns.gain` with which each of the two is learned.
-const SIDES: f64 = 0.5;
 /// Periods over which the amplitude of a ripple is taken.
 const WINDOW_PERIODS: u32 = 10;
 
@@ -80,9 +78,9 @@ impl RippleCancellation {
             return 0.0;
         }
         let mut velocity = 0.0;
-        let sweeps = p.turns.gain > 0.0 && p.stick_slip.mode != Mode::Off;
+        let sweeps = p.turns.ripple_gain > 0.0 && p.stick_slip.mode != Mode::Off;
         let turns = sweeps && turn.step != 0.0 && turn.step.abs() < TURN_SHARE * phase(self.half, 1);
-        let (most, learned) = (ERROR_SHARE * p.force.target, SIDES * p.turns.gain * turn.step.abs());
+        let (most, learned) = (ERROR_SHARE * p.force.target, p.turns.ripple_gain * turn.step.abs());
         for ((m, harmonic), response) in (1..).zip(&mut self.harmonics).zip(self.responses) {
             let Some(response) = response else { continue };
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
@@ -93,7 +91,7 @@ impl RippleCancellation {
             for (side, angle) in sides.iter_mut().zip([turn.angle, -turn.angle]).filter(|_| turns) {
                 let carrier = carrier * Complex::cis(angle);
                 side.observe(carrier, error);
-                side.learn(2.0 * learned, response, carrier, error.clamp(-most, most), VELOCITY_MAX);
+                side.learn(2.0 * learned, response, carrier, error.clamp(-most, most), climb(p));
                 velocity += side.output(carrier);
             }
         }
@@ -108,7 +106,7 @@ impl RippleCancellation {
     fn judge_turn(&mut self, p: &Parameters, step: f64) {
         let Some(samples) = self.turn.ends(step) else { return };
         for side in self.turning.iter_mut().flatten() {
-            self.frozen |= side.judge(p, samples, VELOCITY_MAX);
+            self.frozen |= side.judge(p, samples, climb(p));
         }
     }
 
@@ -126,12 +124,19 @@ impl RippleCancellation {
     }
 }
 
+/// Largest velocity (m/s) at which a sweep climbs on a mold that may be so much askew.
+fn climb(p: &Parameters) -> f64 {
+    let sweep = fastest(&p.stick_slip) * velocity(&p.stick_slip, p.feed.velocity);
+    VELOCITY_MAX.min(p.limits.surface_slope * sweep)
+}
+
 #[cfg(test)]
 mod tests {
     use std::ops::Range;
 
     use super::super::impedance::damping;
     use super::*;
+    use crate::interface::Turns;
 
     const P: Parameters = Parameters::START;
     const STRAIGHT: Turn = Turn { angle: 0.3, step: 0.0 };
@@ -197,6 +202,10 @@ mod tests {
         assert!((1..1000).all(|k| ripple.step(&p, k, STRAIGHT, if k % 2 == 0 { 1.0 } else { -1.0 }) == 0.0));
     }
 
+    fn turning() -> Parameters {
+        Parameters { turns: Turns { ripple_gain: 0.09, ..P.turns }, ..P }
+    }
+
     /// Largest error (N) in each of `turns` turns of a path that turns with `rate` rad/s, where a slope makes a ripple of 0.3 N
     /// that turns with it, its true phase `late` rad off; and whether the cancellation has ended itself.
     fn askew(p: &Parameters, rate: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
@@ -232,28 +241,27 @@ mod tests {
         // a path that turns slower than `ripple.gain` is followed at a fixed phase as well, which leaves less to learn from
         for (rate, share) in [(25.0, 0.1), (-25.0, 0.1), (6.0, 0.1), (1.5, 0.35)] {
             for late in [0.0, 0.8, -0.8] {
-                let (found, frozen) = askew(&P, rate, late, 12);
+                let (found, frozen) = askew(&turning(), rate, late, 12);
                 assert!(found[11] < share * found[0] && !frozen, "{rate} {late}: {found:?}");
             }
         }
         // without what is learned from turn to turn it stays
-        let mut p = P;
-        p.turns.gain = 0.0;
-        let (found, _) = askew(&p, 25.0, 0.0, 12);
+        let (found, _) = askew(&P, 25.0, 0.0, 12);
         assert!(found[11] > 0.25, "{found:?}");
     }
 
     #[test]
     fn a_turning_ripple_that_grows_ends_itself_and_a_turn_too_fast_is_left_alone() {
-        let (found, frozen) = askew(&P, 25.0, 2.6, 12);
+        let p = turning();
+        let (found, frozen) = askew(&p, 25.0, 2.6, 12);
         // a turn makes each of two e^(2 pi 0.09 cos 2.6) = 1.6 times as large, and the fourth is judged bad
         assert!(frozen && found.iter().all(|error| *error < 0.3 * 1.63f64.powi(4)), "{found:?}");
         // a quarter of 50 Hz
         for (share, learns) in [(0.99, true), (1.01, false)] {
-            let mut ripple = RippleCancellation::new(&P, &Coefficients::new(&P, damping(&P, 178e3)), 178e3);
+            let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
             let step = share * 0.25 * phase(10, 1);
             for k in 1..100 {
-                ripple.step(&P, k, Turn { angle: step * f64::from(k), step }, 0.3);
+                ripple.step(&p, k, Turn { angle: step * f64::from(k), step }, 0.3);
             }
             assert_eq!(ripple.turning.iter().flatten().any(|side| *side != Harmonic::default()), learns, "{share}");
         }

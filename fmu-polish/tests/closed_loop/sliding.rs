@@ -172,3 +172,14 @@ fn a_circle_lies_about_the_path() {
     }
     assert!(mean.abs() < 2e-6 && (40e-6..60e-6).contains(&most), "{mean} {most}");
 }
+
+#[test]
+fn what_a_sweep_climbs_on_a_mold_beside_its_place_is_learned_as_it_turns() {
+    for p in [P, circular()] {
+        let mut learning = p.clone();
+        learning.turns.ripple_gain = 0.09;
+        let build = Build { shift: nalgebra::Vector3::new(1e-4, 0.0, 0.0), ..Build::NOMINAL };
+        let [without, with] = [p, learning].map(|p| Loop::new(&p, build, 613).job(20.0).unwrap());
+        assert!(with.deviation < 0.75 * without.deviation, "{without:?} {with:?}");
+    }
+}
