@@ -33,6 +33,7 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             pulse_rate,
             pulse_counts,
             stick_slip_velocity,
+            stick_slip_acceleration,
             stick_slip_sliding,
             stick_slip_sweep,
             commission_travel,
@@ -135,11 +136,24 @@ fn pulse_counts(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
-    let (value, most) = (p.stick_slip.velocity, p.velocity_max);
+    let (value, most, times) = (p.stick_slip.velocity, p.velocity_max, stick_slip::fastest(&p.stick_slip));
     let hint = "lower it, or raise `velocity_max` if the drives allow it";
     let velocity = Parameter::new("stick_slip.velocity", value, "m/s", hint);
-    velocity
-        .must_be(p.stick_slip.mode == Mode::Off || value < most, || format!("less than `velocity_max` = `{most} m/s`"))
+    velocity.must_be(p.stick_slip.mode == Mode::Off || times * value < most, || {
+        let share =
+            if times > 1.0 { format!("; the sweep is up to `{times:.2}` times as fast") } else { String::new() };
+        format!("less than `velocity_max` = `{most} m/s`{share}")
+    })
+}
+
+/// The force of the drives is enough for the sweep.
+fn stick_slip_acceleration(p: &Parameters) -> Result<(), ParameterError> {
+    let velocity = stick_slip::velocity(&p.stick_slip, p.feed.velocity);
+    let (most, limit) = (sliding::accelerated(p), p.drive.acceleration_max);
+    let hint = "lower it, or raise `stick_slip.half_period`";
+    Parameter::new("stick_slip.velocity", velocity, "m/s", hint).must_be(velocity <= most, || {
+        format!("at most `{most:.6} m/s`, which take `drive.acceleration_max` = `{limit} m/s2` in the sweep")
+    })
 }
 
 /// There is room to raise K_v.
@@ -184,6 +198,7 @@ fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interface::Sweep;
     use control_blocks::{Refusal, assert_refusals};
 
     const REFUSALS: &[Refusal<Parameters>] = &[
@@ -209,6 +224,18 @@ mod tests {
         (|p| p.commission.force = 0.5, "commission.force", "`0.5 N`", "`0.6 N`"),
         (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`24.2"),
         (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
+        (
+            |p| (p.stick_slip.velocity, p.stick_slip.sweep) = (0.032, Sweep::Circular),
+            "stick_slip.velocity",
+            "`0.032 m/s`",
+            "`1.57` times",
+        ),
+        (
+            |p| (p.drive.acceleration_max, p.stick_slip.sweep) = (4.9, Sweep::Circular),
+            "stick_slip.velocity",
+            "`0.01 m/s`",
+            "`0.009929 m/s`",
+        ),
     ];
 
     #[test]

@@ -1,6 +1,7 @@
 //! One sample of the whole law: read, measure, decide, move, report.
 
 mod commissioning;
+mod reporting;
 
 use control_blocks::{ParameterError, SafeEnd, WaitingRequest, ramp, ticks};
 use nalgebra::Vector3;
@@ -13,12 +14,11 @@ use crate::force::contact::{ContactMonitor, Measurement};
 use crate::force::normal_motion::{NormalMeasurement, NormalMotion, PathState};
 use crate::force::orientation::Orientation;
 use crate::force::sensor::ForceSensor;
-use crate::interface::{Fault, ForceOutput, Input, MisalignmentOutput, Output, Parameters, SlidingOutput, State};
+use crate::interface::{Fault, Input, Output, Parameters, State};
 use crate::machine::{Events, graver, next};
 use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
 use crate::monitoring::job::{JobTime, budget};
-use crate::monitoring::numbers::Numbers;
 use crate::monitoring::stillness::Stillness;
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
@@ -366,73 +366,19 @@ impl Controller {
         let feed = self.feed;
         let at = PathState { path: &self.path, place: self.place, frame: &now.frame, feed };
         let normal = self.normal.step(p, &contact, self.k, &at);
+        let (share, sideways) = stick_slip::motion(&p.stick_slip, self.k, &now.frame);
         let parts = VelocityParts {
             normal: self.towards(p, now, normal),
             // eq. 2
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
             // eq. 16
-            stick_slip: stick_slip::sign(&p.stick_slip, self.k)
-                * (stick_slip::velocity(&p.stick_slip, feed) + self.sliding.raised(p)),
-            sideways: stick_slip::direction(p.stick_slip.mode, &now.frame),
+            stick_slip: share * (stick_slip::velocity(&p.stick_slip, feed) + self.sliding.raised(p)),
+            sideways,
         };
         self.way = feed * p.sample_period;
         self.place = self.path.seek(self.place, self.place.s + self.way);
         parts
-    }
-
-    fn report(&mut self, p: &Parameters, now: &Measurement, parts: &VelocityParts) -> Output {
-        let velocity = parts.sum(&now.frame, p.velocity_max);
-        let pulses = self.remainder.step(p, &velocity);
-        self.axes.send(p, &pulses);
-        let (shift, turn) = (self.normal.misalignment.shift(), self.normal.misalignment.rotation());
-        Output {
-            velocity: parts.report(&velocity),
-            pulses: pulses.into(),
-            counts: self.remainder.counts().into(),
-            force: ForceOutput {
-                measured: now.force.controlled,
-                setpoint: self.setpoint,
-                error: self.setpoint - now.force.controlled,
-            },
-            desired: now.frame.centre.into(),
-            normal: now.frame.normal.into(),
-            tangent: now.frame.tangent.into(),
-            error: now.error,
-            following: self.axes.errors().into(),
-            progress: (self.place.s / self.path.length()).min(1.0),
-            state: self.state,
-            fault: self.fault,
-            drive_enable: self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff,
-            in_contact: self.role().pressing() && touching(p, now),
-            done: self.state == State::Done && self.place.s >= self.path.length(),
-            stiffness_estimate: self.normal.stiffness,
-            sliding: SlidingOutput {
-                speed: self.sliding.speed.unwrap_or(0.0),
-                friction: self.sliding.friction,
-                added: self.sliding.added,
-            },
-            misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
-            ripple_frozen: self.normal.ripple.frozen() || self.normal.turns.frozen(),
-            path_length: self.path.length(),
-            measured: self.commissioner.measured,
-            numbers: self.numbers(p, now),
-        }
-    }
-
-    fn numbers(&self, p: &Parameters, now: &Measurement) -> Numbers {
-        let (time, time_limit) = self.time.seconds(p);
-        Numbers {
-            share: self.axes.share(p),
-            time,
-            time_limit,
-            norm: now.force.norm,
-            zero: self.sensor.zero().norm(),
-            angle: self.contact.angle(&now.frame.normal),
-            surface: now.surface,
-            noise: self.force.noise(),
-            force_error: self.force.error(p),
-        }
     }
 }
 

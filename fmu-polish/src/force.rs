@@ -11,4 +11,5 @@ pub mod response;
 pub mod ripple;
 pub mod sensor;
 pub mod stiffness;
+pub mod turning;
 pub mod turns;

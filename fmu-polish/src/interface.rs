@@ -125,12 +125,19 @@ mod variables {
         /// Normal cross tangent, always beside the path
         Cross,
     }
-    /// Wave form of the stick-slip velocity
+    /// Wave form of the linear sweep
     pub enum Wave {
         /// Square, as in the paper
         Square,
         /// Sine that travels equally far
         Sine,
+    }
+    /// Which way the stick-slip motion sweeps
+    pub enum Sweep {
+        /// To and fro along the stick-slip vector, as in the paper
+        Linear,
+        /// Round in the tangent plane, on a circle as wide as the linear sweep is long: never at rest
+        Circular,
     }
     /// Where the feed comes from
     pub enum FeedSource {
@@ -211,7 +218,7 @@ mod variables {
         #[var(unit = METRE_PER_SECOND as "mm/s")] pub tangential: f64,
         /// Size of the part of the position feedback v_p, eq. 6
         #[var(unit = METRE_PER_SECOND as "mm/s")] pub position: f64,
-        /// Part of the stick-slip v_v with its sign, eq. 16
+        /// Part of the stick-slip v_v with its sign, eq. 16; its size on a circle
         #[var(unit = METRE_PER_SECOND as "mm/s")] pub stick_slip: f64,
     }
     /// Force of the law.
@@ -352,6 +359,8 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 500.0, source = "our choice")] pub velocity_bandwidth: f64,
         /// Integral action of the velocity loop
         #[var(unit = PER_SECOND, range = 0.0..=1e4, start = 60.0, source = "our choice")] pub velocity_integral: f64,
+        /// Largest acceleration of the weakest axis, its force over what it moves, which a circular sweep and a sine must not need; 0: not told
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.0..=1e3, source = "our choice: not told")] pub acceleration_max: f64,
     }
     /// What a path may be.
     pub struct Path {
@@ -411,10 +420,12 @@ mod variables {
     /// Stick-slip motion, eqs. 7 to 17.
     pub struct StickSlip {
         #[var(start = Mode::Cross, paper = Mode::Paper, source = "our choice")] pub mode: Mode,
-        /// Velocity K_v, eq. 16; 0 for no stick-slip motion
+        /// Velocity K_v, eq. 16, of a square wave; sine and circle sweep as far at pi / 2 times of it; 0 for no stick-slip motion
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 10e-3, source = "measured", tunable)] pub velocity: f64,
         /// Samples of one sign, 1 for eq. 17
         #[var(range = 1..=1000, start = 10, paper = 1, source = "measured: 1 does nothing")] pub half_period: i32,
+        #[var(source = "paper")] pub sweep: Sweep,
+        /// Wave form of the stick-slip velocity; a circular sweep has its own
         #[var(source = "paper")] pub wave: Wave,
         /// Least mean speed at which the ball is to slide, the feed included, by more K_v; 0 for none; nothing with a `stick_slip.ratio`
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 6e-3, paper = 0.0, source = "our choice: three times a feed of 2 mm/s", tunable)] pub sliding: f64,
@@ -434,6 +445,8 @@ mod variables {
     pub struct Turns {
         /// Share of the force error at the first four harmonics of a turn that is taken back per radian; 0 for none
         #[var(unit = ONE, range = 0.0..=0.5, start = 0.18, paper = 0.0, source = "measured: 0.3 swings, since the harmonics are so near")] pub gain: f64,
+        /// Share of the ripple that turns with the path, of a sweep on a mold askew, that is taken back per radian; 0 for none
+        #[var(unit = ONE, range = 0.0..=0.5, source = "measured: 0.09 halves the deviation on a mold askew, and another mold is found later")] pub ripple_gain: f64,
     }
     /// Estimate of a rigid misalignment of the mold and its feedforward.
     pub struct Misalignment {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::commission::response::GUIDES;
 use crate::force::response::axis;
-use crate::interface::{Drive, Measured, Mode, Parameters};
+use crate::interface::{Drive, Measured, Mode, Parameters, Sweep};
 use crate::motion::sliding::highest;
 
 /// All parameters that a commission derives.
@@ -95,7 +95,7 @@ impl Values {
     }
 
     /// K_v (m/s) with which the ball slides as fast as the told axes move: on every half period the tip bends to and fro by the
-    /// friction before it does, and the axes follow as they do.
+    /// friction before it does, on a circle the bend is square to the way of the ball; and the axes follow as they do.
     fn stick_slip(&self, p: &Parameters, drive: &Drive, m: &Measured) -> f64 {
         let (told, half) = (self.stick_slip_velocity, f64::from(p.stick_slip.half_period) * p.sample_period);
         if p.stick_slip.mode == Mode::Off || p.stick_slip.ratio > 0.0 || told == 0.0 {
@@ -103,7 +103,12 @@ impl Values {
         }
         let follows = |drive: &Drive| axis(drive, PI / half).norm();
         let bent = 2.0 * m.friction * p.force.target / m.lateral_stiffness;
-        ((follows(&self.drive) * told + bent / half) / follows(drive)).min(highest(p).max(told))
+        let (slides, bends) = (follows(&self.drive) * told, bent / half);
+        let moved = match p.stick_slip.sweep {
+            Sweep::Linear => slides + bends,
+            Sweep::Circular => slides.hypot(bends),
+        };
+        (moved / follows(drive)).min(highest(p).max(told))
     }
 }
 
@@ -200,6 +205,12 @@ mod tests {
         assert!((soft.stick_slip.velocity - 10e-3 - more).abs() < 1e-8, "{}", soft.stick_slip.velocity);
         // never more than it may be raised to
         assert_eq!(derived(&p, &Measured { lateral_stiffness: 5e3, ..told }).stick_slip.velocity, 20e-3);
+        // on a circle the bend is square to the way: (10 mm/s)^2 + (2 mm/s)^2
+        let mut round = p.clone();
+        round.stick_slip.sweep = Sweep::Circular;
+        let velocity = derived(&round, &Measured { lateral_stiffness: 100e3, ..told }).stick_slip.velocity;
+        let bends = 2e-3 / axis(&p.drive, 314.159).norm();
+        assert!((velocity - 10e-3f64.hypot(bends)).abs() < 1e-8, "{velocity}");
         let slow = Measured { drive_gain: 0.6, feedforward: 0.6, ..told };
         assert!(derived(&p, &slow).stick_slip.velocity > 11e-3);
         let changes: [fn(&mut Parameters); 3] =

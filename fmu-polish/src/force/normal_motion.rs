@@ -8,6 +8,7 @@ use super::margin::{LEAST, phase_margin};
 use super::misalignment::MisalignmentEstimate;
 use super::ripple::RippleCancellation;
 use super::stiffness::Slope;
+use super::turning::Turning;
 use super::turns::TurnLearning;
 use crate::interface::Parameters;
 use crate::path::centre_path::{CentrePath, Frame, Place};
@@ -27,6 +28,7 @@ pub struct NormalMotion {
     judged: Option<(Tuned, bool)>,
     /// Cancellation of the ripple.
     pub ripple: RippleCancellation,
+    turning: Turning,
     /// What is learned from turn to turn.
     pub turns: TurnLearning,
     /// Estimate of the misalignment.
@@ -61,6 +63,7 @@ impl NormalMotion {
             following: false,
             judged: None,
             ripple: RippleCancellation::new(p, &Coefficients::new(p, p.impedance.damping), stiffness),
+            turning: Turning::default(),
             turns: TurnLearning::default(),
             misalignment: MisalignmentEstimate::new(),
         }
@@ -102,8 +105,9 @@ impl NormalMotion {
         // nothing is integrated or learned in the air
         let felt = if contact.touching { contact.error } else { 0.0 };
         velocity += self.force_law.integrate(&law, felt);
-        velocity += self.ripple.step(p, k, contact.error);
-        velocity += self.turns.step(p, &law, self.stiffness, &at.frame.tangent, felt);
+        let turn = self.turning.step(&at.frame.tangent);
+        velocity += self.ripple.step(p, k, turn, contact.error);
+        velocity += self.turns.step(p, &law, self.stiffness, turn, felt);
         if p.misalignment.enable {
             self.observe_surface(p, contact, at);
             velocity += self.feedforward(p, at);

@@ -1,4 +1,11 @@
 //! Cancels the force ripple at the frequency of the stick-slip and twice that; its phases come from the drive model.
+//!
+//! On a mold that stands askew the sweep climbs by the slope of the surface against the path, s in the plane of the mold: to and fro along
+//! b by s . b, once up and once down while the path turns round. In the phase phi of the sweep and the angle theta of the path this ripple is
+//! Re sum c_n e^(j (phi + n theta)), n = +-1, its amplitudes constant however fast the path turns; at a fixed phase it would have to be learned
+//! anew in every quarter of a turn. All three are learned at once: with the complex amplitude e of the error at phi, those that they take
+//! back are e / x of x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `turns.ripple_gain`, a sum without loss: so a phase of the
+//! response that is less than a quarter of a turn wrong keeps it stable, as it does without.
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
@@ -6,8 +13,10 @@ use serde::{Deserialize, Serialize};
 use super::harmonic::{FREQUENCY_SHARE, Harmonic};
 use super::impedance::Coefficients;
 use super::response::closed;
-use crate::interface::Parameters;
-use crate::motion::stick_slip::phase;
+use super::turning::{Turn, WholeTurn};
+use super::turns::ERROR_SHARE;
+use crate::interface::{Mode, Parameters};
+use crate::motion::stick_slip::{fastest, phase, velocity};
 
 /// What is told when the cancellation has ended itself.
 pub const FROZEN: &str = "a part of the ripple cancellation made it worse and has ended\n\
@@ -18,6 +27,8 @@ const HARMONICS: usize = 2;
 /// Largest velocity of each harmonic, m/s: a tip that bends instead of sliding on a slope of 14 degrees makes a ripple of a
 /// quarter of K_v, and 20 mm/s are the most of it.
 const VELOCITY_MAX: f64 = 5e-3;
+/// Fastest turn of the path with which a ripple is learned, over its frequency: the response is that at the frequency itself.
+const TURN_SHARE: f64 = 0.25;
 /// Periods over which the amplitude of a ripple is taken.
 const WINDOW_PERIODS: u32 = 10;
 
@@ -28,8 +39,11 @@ pub struct RippleCancellation {
     responses: [Option<Complex<f64>>; HARMONICS],
     /// velocities, m/s
     harmonics: [Harmonic; HARMONICS],
+    /// the same of what turns with the path and against it
+    turning: [[Harmonic; 2]; HARMONICS],
     half: u32,
     samples: u32,
+    turn: WholeTurn,
     frozen: bool,
 }
 
@@ -42,7 +56,15 @@ impl RippleCancellation {
             let omega = rate * (i as f64 + 1.0) / f64::from(2 * half);
             (omega <= FREQUENCY_SHARE * rate).then(|| closed(p, law, stiffness, omega))
         });
-        Self { responses, harmonics: Default::default(), half, samples: 0, frozen: false }
+        Self {
+            responses,
+            harmonics: Default::default(),
+            turning: Default::default(),
+            half,
+            samples: 0,
+            turn: WholeTurn::default(),
+            frozen: false,
+        }
     }
 
     /// Whether a ripple has grown and is not cancelled any more.
@@ -50,21 +72,42 @@ impl RippleCancellation {
         self.frozen
     }
 
-    /// Velocity (m/s) of sample `k` for the force error `error` (N).
-    pub fn step(&mut self, p: &Parameters, k: u32, error: f64) -> f64 {
+    /// Velocity (m/s) of sample `k`, in which the path turns by `turn`, for the force error `error` (N).
+    pub fn step(&mut self, p: &Parameters, k: u32, turn: Turn, error: f64) -> f64 {
         if p.ripple.gain == 0.0 {
             return 0.0;
         }
         let mut velocity = 0.0;
+        let sweeps = p.turns.ripple_gain > 0.0 && p.stick_slip.mode != Mode::Off;
+        let turns = sweeps && turn.step != 0.0 && turn.step.abs() < TURN_SHARE * phase(self.half, 1);
+        let (most, learned) = (ERROR_SHARE * p.force.target, p.turns.ripple_gain * turn.step.abs());
         for ((m, harmonic), response) in (1..).zip(&mut self.harmonics).zip(self.responses) {
             let Some(response) = response else { continue };
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
             harmonic.observe(carrier, error);
             harmonic.learn(2.0 * p.ripple.gain * p.sample_period, response, carrier, error, VELOCITY_MAX);
             velocity += harmonic.output(carrier);
+            let sides = &mut self.turning[m as usize - 1];
+            for (side, angle) in sides.iter_mut().zip([turn.angle, -turn.angle]).filter(|_| turns) {
+                let carrier = carrier * Complex::cis(angle);
+                side.observe(carrier, error);
+                side.learn(2.0 * learned, response, carrier, error.clamp(-most, most), climb(p));
+                velocity += side.output(carrier);
+            }
         }
         self.judge(p);
+        if turns {
+            self.judge_turn(p, turn.step);
+        }
         velocity
+    }
+
+    /// The same of what turns with the path, after each whole turn.
+    fn judge_turn(&mut self, p: &Parameters, step: f64) {
+        let Some(samples) = self.turn.ends(step) else { return };
+        for side in self.turning.iter_mut().flatten() {
+            self.frozen |= side.judge(p, samples, climb(p));
+        }
     }
 
     /// Freezes what makes the ripple worse: a phase of the model is more than a quarter wrong.
@@ -81,14 +124,22 @@ impl RippleCancellation {
     }
 }
 
+/// Largest velocity (m/s) at which a sweep climbs on a mold that may be so much askew.
+fn climb(p: &Parameters) -> f64 {
+    let sweep = fastest(&p.stick_slip) * velocity(&p.stick_slip, p.feed.velocity);
+    VELOCITY_MAX.min(p.limits.surface_slope * sweep)
+}
+
 #[cfg(test)]
 mod tests {
     use std::ops::Range;
 
     use super::super::impedance::damping;
     use super::*;
+    use crate::interface::Turns;
 
     const P: Parameters = Parameters::START;
+    const STRAIGHT: Turn = Turn { angle: 0.3, step: 0.0 };
 
     /// What a harmonic leaves of a ripple of the amplitude `size` N through the true response, at the angle `angle`.
     fn part(harmonic: &Harmonic, response: Complex<f64>, size: f64, angle: f64) -> f64 {
@@ -107,7 +158,7 @@ mod tests {
             // the plant in the steady state of the learned amplitudes
             let error: f64 =
                 (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, size, phase(10, m * k))).sum();
-            ripple.step(&P, k, error);
+            ripple.step(&P, k, STRAIGHT, error);
             if counted.contains(&k) {
                 worst = worst.max(error.abs());
             }
@@ -137,7 +188,7 @@ mod tests {
         p.ripple.gain = 1e-9;
         let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
         for k in 1..=200 {
-            ripple.step(&p, k, 0.1 + 0.3 * phase(10, k).cos() + 0.2 * phase(10, 2 * k).sin());
+            ripple.step(&p, k, STRAIGHT, 0.1 + 0.3 * phase(10, k).cos() + 0.2 * phase(10, 2 * k).sin());
         }
         let [one, two] = ripple.harmonics.map(|harmonic| harmonic.first().unwrap());
         assert!((one - 0.3).abs() < 1e-9 && (two - 0.2).abs() < 1e-9, "{one} {two}");
@@ -148,6 +199,71 @@ mod tests {
         let mut p = P;
         p.stick_slip.half_period = 1;
         let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, 1e4), 178e3);
-        assert!((1..1000).all(|k| ripple.step(&p, k, if k % 2 == 0 { 1.0 } else { -1.0 }) == 0.0));
+        assert!((1..1000).all(|k| ripple.step(&p, k, STRAIGHT, if k % 2 == 0 { 1.0 } else { -1.0 }) == 0.0));
+    }
+
+    fn turning() -> Parameters {
+        Parameters { turns: Turns { ripple_gain: 0.09, ..P.turns }, ..P }
+    }
+
+    /// Largest error (N) in each of `turns` turns of a path that turns with `rate` rad/s, where a slope makes a ripple of 0.3 N
+    /// that turns with it, its true phase `late` rad off; and whether the cancellation has ended itself.
+    fn askew(p: &Parameters, rate: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
+        let mut ripple = RippleCancellation::new(p, &Coefficients::new(p, damping(p, 178e3)), 178e3);
+        let truth = ripple.responses.map(|response| response.unwrap() * Complex::cis(late));
+        let (step, mut found) = (rate * p.sample_period, Vec::new());
+        let samples = (std::f64::consts::TAU / step.abs()).round() as u32;
+        for turn in 0..turns {
+            let mut worst: f64 = 0.0;
+            for k in turn * samples + 1..=(turn + 1) * samples {
+                let theta = step * f64::from(k);
+                let error: f64 = (1..)
+                    .zip(ripple.harmonics)
+                    .zip(ripple.turning)
+                    .zip(truth)
+                    .map(|(((m, h), sides), t)| {
+                        let carrier = t * Complex::cis(phase(10, m * k));
+                        let [with, against] = [theta, -theta].map(|angle| carrier * Complex::cis(angle));
+                        h.output(carrier) + sides[0].output(with) + sides[1].output(against)
+                    })
+                    .sum::<f64>()
+                    + 0.3 * theta.cos() * phase(10, k).cos();
+                ripple.step(p, k, Turn { angle: theta, step }, error);
+                worst = worst.max(error.abs());
+            }
+            found.push(worst);
+        }
+        (found, ripple.frozen())
+    }
+
+    #[test]
+    fn a_ripple_that_turns_with_the_path_vanishes_whichever_way_and_however_fast() {
+        // a path that turns slower than `ripple.gain` is followed at a fixed phase as well, which leaves less to learn from
+        for (rate, share) in [(25.0, 0.1), (-25.0, 0.1), (6.0, 0.1), (1.5, 0.35)] {
+            for late in [0.0, 0.8, -0.8] {
+                let (found, frozen) = askew(&turning(), rate, late, 12);
+                assert!(found[11] < share * found[0] && !frozen, "{rate} {late}: {found:?}");
+            }
+        }
+        // without what is learned from turn to turn it stays
+        let (found, _) = askew(&P, 25.0, 0.0, 12);
+        assert!(found[11] > 0.25, "{found:?}");
+    }
+
+    #[test]
+    fn a_turning_ripple_that_grows_ends_itself_and_a_turn_too_fast_is_left_alone() {
+        let p = turning();
+        let (found, frozen) = askew(&p, 25.0, 2.6, 12);
+        // a turn makes each of two e^(2 pi 0.09 cos 2.6) = 1.6 times as large, and the fourth is judged bad
+        assert!(frozen && found.iter().all(|error| *error < 0.3 * 1.63f64.powi(4)), "{found:?}");
+        // a quarter of 50 Hz
+        for (share, learns) in [(0.99, true), (1.01, false)] {
+            let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
+            let step = share * 0.25 * phase(10, 1);
+            for k in 1..100 {
+                ripple.step(&p, k, Turn { angle: step * f64::from(k), step }, 0.3);
+            }
+            assert_eq!(ripple.turning.iter().flatten().any(|side| *side != Harmonic::default()), learns, "{share}");
+        }
     }
 }

@@ -7,13 +7,13 @@
 //! `turns.gain` of what is left is taken back, so that a turn leaves exp(-2 pi gain), at every feed. Where the loop
 //! itself takes out more than 1 - LEAST of a way, it is left more.
 
-use control_blocks::Unwrapper;
-use nalgebra::{Complex, Vector3};
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::harmonic::{FREQUENCY_SHARE, Harmonic};
 use super::impedance::Coefficients;
 use super::response::closed;
+use super::turning::{Turn, WholeTurn};
 use crate::interface::Parameters;
 
 /// Harmonics of a turn: four reversals of two axes, and one of the third.
@@ -23,7 +23,7 @@ const RATE_CHANGE: f64 = 0.02;
 /// Largest way of each, m: friction of 5 N in drives of 0.35 N/um.
 const WAY_MAX: f64 = 15e-6;
 /// Largest force error that is learned from, over the wanted force.
-const ERROR_SHARE: f64 = 0.05;
+pub const ERROR_SHARE: f64 = 0.05;
 /// Least response, over the stiffness.
 const LEAST: f64 = 0.1;
 
@@ -34,10 +34,7 @@ pub struct TurnLearning {
     /// way to force error at a rate (rad/s), N/m
     responses: [Complex<f64>; HARMONICS],
     rate: f64,
-    angle: Unwrapper,
-    /// turned in this window, rad
-    turned: f64,
-    samples: u32,
+    window: WholeTurn,
     frozen: bool,
 }
 
@@ -47,18 +44,11 @@ impl TurnLearning {
         self.frozen
     }
 
-    /// Velocity (m/s) along the normal where the path has the direction `tangent`, from the force error `error` (N), for the
-    /// force law `law` on a contact of `stiffness` N/m.
-    pub fn step(
-        &mut self,
-        p: &Parameters,
-        law: &Coefficients,
-        stiffness: f64,
-        tangent: &Vector3<f64>,
-        error: f64,
-    ) -> f64 {
-        let turn = self.angle.step(tangent.y.atan2(tangent.x)).unwrap_or(0.0);
-        let (theta, rate) = (self.angle.reading().unwrap_or(0.0), turn / p.sample_period);
+    /// Velocity (m/s) along the normal where the path turns by `turn`, from the force error `error` (N), for the force law `law`
+    /// on a contact of `stiffness` N/m.
+    pub fn step(&mut self, p: &Parameters, law: &Coefficients, stiffness: f64, turn: Turn, error: f64) -> f64 {
+        let Turn { angle: theta, step: turn } = turn;
+        let rate = turn / p.sample_period;
         let highest = FREQUENCY_SHARE * std::f64::consts::TAU / p.sample_period;
         if p.turns.gain == 0.0 || turn == 0.0 || HARMONICS as f64 * rate.abs() > highest {
             return 0.0;
@@ -83,15 +73,10 @@ impl TurnLearning {
 
     /// Ends what makes the error worse, after each turn.
     fn judge(&mut self, p: &Parameters, turn: f64) {
-        self.samples += 1;
-        self.turned += turn.abs();
-        if self.turned < std::f64::consts::TAU {
-            return;
-        }
+        let Some(samples) = self.window.ends(turn) else { return };
         for harmonic in &mut self.harmonics {
-            self.frozen |= harmonic.judge(p, self.samples, WAY_MAX);
+            self.frozen |= harmonic.judge(p, samples, WAY_MAX);
         }
-        (self.turned, self.samples) = (0.0, 0);
     }
 }
 
@@ -104,7 +89,9 @@ fn response(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64) -> C
 #[cfg(test)]
 mod tests {
     use super::super::impedance::damping;
+    use super::super::turning::Turning;
     use super::*;
+    use nalgebra::Vector3;
 
     const P: Parameters = Parameters::START;
     const K: f64 = 178e3;
@@ -114,7 +101,7 @@ mod tests {
     /// whether the learning has ended itself.
     fn errors(p: &Parameters, rate: f64, size: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
         let law = Coefficients::new(p, damping(p, K));
-        let mut learning = TurnLearning::default();
+        let (mut learning, mut turning) = (TurnLearning::default(), Turning::default());
         let truth: [Complex<f64>; HARMONICS] = std::array::from_fn(|i| {
             let omega = rate * (i as f64 + 1.0);
             Complex::new(0.0, omega) * closed(p, &law, K, omega) * Complex::cis(-late)
@@ -132,7 +119,7 @@ mod tests {
                     .map(|((m, h), t)| h.output(t * Complex::cis(m * theta)) + size * (t * Complex::cis(m * theta)).re)
                     .sum();
                 square += error * error / period;
-                learning.step(p, &law, K, &Vector3::new(theta.cos(), theta.sin(), 0.0), error);
+                learning.step(p, &law, K, turning.step(&Vector3::new(theta.cos(), theta.sin(), 0.0)), error);
             }
             found.push(square.sqrt());
         }
@@ -166,19 +153,20 @@ mod tests {
     #[test]
     fn nothing_is_moved_on_a_straight_path_and_beyond_what_the_loop_can_do() {
         let law = Coefficients::new(&P, damping(&P, K));
-        let mut learning = TurnLearning::default();
-        assert!((0..1000).all(|_| learning.step(&P, &law, K, &Vector3::x(), 1.0) == 0.0));
+        let (mut learning, mut turning) = (TurnLearning::default(), Turning::default());
+        assert!((0..1000).all(|_| learning.step(&P, &law, K, turning.step(&Vector3::x()), 1.0) == 0.0));
         // a curve so sharp that only the lower harmonics are slow enough: none is learned
         let highest = FREQUENCY_SHARE * std::f64::consts::TAU / P.sample_period;
         for (share, moves) in [(0.99, true), (1.01, false)] {
-            let (turn, mut learning) = (share * highest / HARMONICS as f64 * P.sample_period, TurnLearning::default());
+            let turn = share * highest / HARMONICS as f64 * P.sample_period;
+            let (mut learning, mut turning) = (TurnLearning::default(), Turning::default());
             let mut step = |k: u32| {
                 let theta = turn * f64::from(k);
-                learning.step(&P, &law, K, &Vector3::new(theta.cos(), theta.sin(), 0.0), 0.5)
+                learning.step(&P, &law, K, turning.step(&Vector3::new(theta.cos(), theta.sin(), 0.0)), 0.5)
             };
             assert_eq!((0..100).any(|k| step(k) != 0.0), moves, "{share}");
         }
         // a corner within a sample
-        assert_eq!(learning.step(&P, &law, K, &-Vector3::x(), 1.0), 0.0);
+        assert_eq!(learning.step(&P, &law, K, turning.step(&-Vector3::x()), 1.0), 0.0);
     }
 }

@@ -5,20 +5,24 @@
 //! hold sliding alone, with the forces F across the normal and the ways dx of the axes. With the work W = -sum(F . dx) and
 //! Q = -sum(|F| F . dx) the friction is Q / W and the way slid W^2 / Q. No stiffness of the tip is needed. Where nothing
 //! slides W and Q are noise, so the friction is taken for no less than the root mean square of F. The way is held against
-//! the force through the lag of the sensor, else a bent tip would seem to do work.
+//! the force through the lag of the sensor, else a bent tip would seem to do work. All of it holds for a circle as well: a ball that
+//! is dragged round does W = mu F by its way, one that sticks gives none, as its bend is square to the motion.
 
 use control_blocks::ticks;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::force::contact::Measurement;
-use crate::interface::{Mode, Parameters};
+use crate::interface::{Mode, Parameters, Sweep};
 use crate::motion::felt_motion::FeltMotion;
+use crate::motion::stick_slip::{fastest, sharpest};
 
 /// Time over which it is measured, s: whole periods.
 const WINDOW_TIME: f64 = 0.2;
 /// Share of what is missing by which K_v rises in a window.
 const RISE: f64 = 0.8;
+/// Share of the wanted speed below which a ball on a circle is taken for one that sticks.
+const STICKS: f64 = 0.5;
 /// Share of the wanted speed that is still sliding: the measured one is up to 25 % off.
 const ENOUGH: f64 = 0.9;
 /// Windows in a row at the largest K_v, over which the speed is averaged for the verdict.
@@ -86,7 +90,7 @@ impl Sliding {
         } else {
             let most = (highest(p) - p.stick_slip.velocity).max(0.0);
             let raised = self.added >= most;
-            self.added = (self.added + RISE * (wanted(p) - speed)).clamp(0.0, most);
+            self.added = (self.added + rise(p, p.stick_slip.velocity + self.added, speed)).clamp(0.0, most);
             self.hear(p, speed, raised);
         }
     }
@@ -114,6 +118,22 @@ impl Sliding {
     }
 }
 
+/// By how much K_v = `velocity` (m/s) is to rise where the ball slides at `speed` (m/s).
+///
+/// To and fro each m/s of K_v is one of sliding. On a circle it slides at s, s^2 = c^2 (K_v^2 - K_0^2) with c = pi / 2 and K_0 up to where it sticks:
+/// steep there, so K_v^2 rises by what s^2 lacks over c^2. Of a ball that sticks nothing is known but that K_0 is more than K_v.
+fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
+    let (wanted, c) = (wanted(p), fastest(&p.stick_slip));
+    match p.stick_slip.sweep {
+        Sweep::Linear => RISE * (wanted - speed),
+        Sweep::Circular if speed < STICKS * wanted => RISE * (wanted - speed) / c,
+        Sweep::Circular => {
+            let square = velocity.powi(2) + RISE * (wanted.powi(2) - speed.powi(2)) / (c * c);
+            square.max(0.0).sqrt() - velocity
+        }
+    }
+}
+
 /// The least speed (m/s) that is wanted; 0 where K_v is not to be changed.
 pub fn wanted(p: &Parameters) -> f64 {
     let law = &p.stick_slip;
@@ -123,8 +143,16 @@ pub fn wanted(p: &Parameters) -> f64 {
 /// The largest K_v, m/s: that of the parameters, what the feed leaves of the drives, and no sweep that is a position error.
 pub fn highest(p: &Parameters) -> f64 {
     let sweep = f64::from(p.stick_slip.half_period) * p.sample_period;
-    let left = p.velocity_max - p.feed.velocity;
-    p.stick_slip.velocity_max.min(left).min(2.0 * SWEEP * p.limits.position_error / sweep)
+    let left = (p.velocity_max - p.feed.velocity) / fastest(&p.stick_slip);
+    p.stick_slip.velocity_max.min(left).min(2.0 * SWEEP * p.limits.position_error / sweep).min(accelerated(p))
+}
+
+/// The largest K_v (m/s) that the weakest axis can accelerate; infinite where that is not told.
+pub fn accelerated(p: &Parameters) -> f64 {
+    match sharpest(&p.stick_slip, p.sample_period) {
+        Some(sharpest) if p.drive.acceleration_max > 0.0 => p.drive.acceleration_max / sharpest,
+        _ => f64::INFINITY,
+    }
 }
 
 /// Samples of a window: whole periods of the stick-slip motion.
@@ -138,6 +166,7 @@ mod tests {
     use super::*;
     use crate::force::sensor::MeasuredForce;
     use crate::interface::{ErrorOutput, StickSlip};
+    use crate::motion::stick_slip;
     use crate::path::centre_path::Frame;
 
     const P: Parameters = Parameters::START;
@@ -185,6 +214,93 @@ mod tests {
         // 50 um to each side are 1.5 N
         let (stuck, truth) = moved(&p, 30e3, 3.5, 10e-3, 1.0);
         assert!(truth == 0.0 && stuck.speed.unwrap().abs() < 0.3e-3, "{stuck:?}");
+    }
+
+    /// A tip of `stiffness` N/m whose ball slides at `friction` N, on axes that go round as they are told by `sliding`, behind the
+    /// lag of a sensor that is `faster` times as fast as told; for `time` s: the true mean speed of sliding in the last window.
+    fn round(p: &Parameters, sliding: &mut Sliding, [stiffness, friction, faster]: [f64; 3], time: f64) -> f64 {
+        const FINE: u32 = 50;
+        let (mut bend, mut felt, mut place) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        let (dt, count) = (p.sample_period / f64::from(FINE), ticks(time, p.sample_period));
+        let mut slid = 0.0;
+        for k in 1..=count {
+            sliding.update(p, &place, &measurement(felt + 5.0 * Vector3::z()), true);
+            let (share, vector) = stick_slip::motion(&p.stick_slip, k, &measurement(felt).frame);
+            let way = vector * (share * (p.stick_slip.velocity + sliding.raised(p)) * dt);
+            for _ in 0..FINE {
+                place += way;
+                let free: Vector3<f64> = bend - way;
+                bend = free * (friction / (stiffness * free.norm())).min(1.0);
+                slid += if k + window(p) > count { (free - bend).norm() } else { 0.0 };
+                felt += (stiffness * bend - felt) * (dt * faster * p.sensor_bandwidth);
+            }
+        }
+        slid / (f64::from(window(p)) * p.sample_period)
+    }
+
+    fn circular() -> Parameters {
+        Parameters { stick_slip: StickSlip { sweep: Sweep::Circular, ..P.stick_slip }, ..P }
+    }
+
+    #[test]
+    fn a_ball_that_is_dragged_round_slides_as_derived_and_is_told_so() {
+        let still = Parameters { stick_slip: StickSlip { sliding: 0.0, ..circular().stick_slip }, ..P };
+        let fastest = fastest(&still.stick_slip) * still.stick_slip.velocity;
+        for (stiffness, friction) in [(1e6, 1.0), (209e3, 1.0), (100e3, 2.0), (50e3, 2.0), (30e3, 1.2)] {
+            let mut sliding = Sliding::default();
+            let truth = round(&still, &mut sliding, [stiffness, friction, 1.0], 0.6);
+            // 50 um are the radius, less up to 0.6 um as a sample goes straight
+            let derived = fastest * (1.0 - (friction / stiffness / 50e-6).powi(2)).sqrt();
+            assert!((truth / derived - 1.0).abs() < 0.03, "{stiffness} {friction}: {truth} {derived}");
+            let told = sliding.speed.unwrap();
+            assert!((told / truth - 1.0).abs() < 0.1, "{stiffness} {friction}: {told} {truth}");
+            assert!((sliding.friction / friction - 1.0).abs() < 0.1, "{stiffness} {friction}: {sliding:?}");
+        }
+        // 60 um of bend: it sticks, and no sensor from 120 to 400 Hz takes that for a good sliding
+        for faster in [0.6, 1.0, 2.0] {
+            let mut sliding = Sliding::default();
+            let truth = round(&still, &mut sliding, [30e3, 1.8, faster], 0.6);
+            let told = sliding.speed.unwrap();
+            assert!(truth < 1e-6 && told.abs() < 0.5 * P.stick_slip.sliding, "{faster}: {told}");
+        }
+    }
+
+    #[test]
+    fn a_circle_is_raised_until_the_ball_slides_as_fast_as_wanted_and_stays_so() {
+        let p = circular();
+        for (stiffness, friction) in [(30e3, 1.8), (30e3, 2.4), (20e3, 0.97), (60e3, 2.9)] {
+            for time in [2.4, 2.6, 2.8] {
+                let mut sliding = Sliding::default();
+                let truth = round(&p, &mut sliding, [stiffness, friction, 1.0], time);
+                let wanted = p.stick_slip.sliding;
+                // what slides fast enough without is left alone
+                let enough = sliding.added == 0.0 && truth > wanted;
+                assert!((truth / wanted - 1.0).abs() < 0.15 || enough, "{stiffness} {friction}: {truth} {sliding:?}");
+                assert!(!sliding.too_little);
+            }
+        }
+        let mut stuck = Sliding::default();
+        round(&p, &mut stuck, [15e3, 1.8, 1.0], 2.6);
+        assert!(stuck.too_little && stuck.added == 10e-3, "{stuck:?}");
+    }
+
+    #[test]
+    fn a_circle_is_raised_to_what_drives_and_speed_bear() {
+        let limited = |change: fn(&mut Parameters)| {
+            let mut p = circular();
+            change(&mut p);
+            highest(&p)
+        };
+        assert_eq!(limited(|_| ()), 20e-3);
+        let speed = limited(|p| p.velocity_max = 20e-3 + p.feed.velocity);
+        assert!((speed - 20e-3 / std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        // (pi / 2) K_v pi / 10 ms
+        let accelerated = limited(|p| p.drive.acceleration_max = 7.0);
+        assert!((accelerated - 7.0 * 2.0 * 10e-3 / std::f64::consts::PI.powi(2)).abs() < 1e-12);
+        assert_eq!(
+            highest(&Parameters { drive: crate::interface::Drive { acceleration_max: 1.0, ..P.drive }, ..P }),
+            20e-3
+        );
     }
 
     #[test]

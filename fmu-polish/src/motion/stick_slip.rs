@@ -1,14 +1,23 @@
-//! Stick-slip motion: a small velocity beside the feed that changes its sign (eqs. 7 to 17).
+//! Stick-slip motion: a small velocity beside the feed that changes its sign (eqs. 7 to 17), or goes round.
+//!
+//! A circular sweep is as wide as a square wave is long: radius a = K_v h T_s / 2 for h samples of half a period, so its speed is
+//! a pi / (h T_s) = (pi / 2) K_v, as fast as a sine of the same sweep at its fastest, but always. A tip of the stiffness k bends by d = mu F / k
+//! before the ball slides. To and fro that is lost twice in each half period, and 2 (a - d) are left. Round, friction is a force of constant
+//! size against the motion: the ball is dragged on a circle of its own, of the radius r at which the bend d is square to it, r^2 + d^2 = a^2,
+//! and slides at (pi / 2) K_v sqrt(1 - d^2 / a^2). So it slides (pi / 2) sqrt((a + d) / (a - d)) times as fast as to and fro. With d > a it
+//! sticks on either and goes with the axes.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
 
-use crate::interface::{Mode, StickSlip, Wave};
+use crate::interface::{Mode, StickSlip, Sweep, Wave};
 use crate::path::centre_path::Frame;
 
 /// A vector shorter than this has no direction, m.
 const LENGTH_MIN: f64 = 1e-9;
+/// Periods in which a circle grows from its middle, which is the place on the path.
+const GROWTH: f64 = 2.0;
 
 /// Unit vector v_v / |v_v|; zero where it has no direction.
 pub fn direction(mode: Mode, frame: &Frame) -> Vector3<f64> {
@@ -22,6 +31,42 @@ pub fn direction(mode: Mode, frame: &Frame) -> Vector3<f64> {
     let length = vector.norm();
     // a division that stays finite, whichever side of the branch is computed
     if length > LENGTH_MIN { vector / length.max(LENGTH_MIN) } else { Vector3::zeros() }
+}
+
+/// Velocity over K_v in sample `k` = 1, 2, ... and the unit vector along which it counts.
+pub fn motion(law: &StickSlip, k: u32, frame: &Frame) -> (f64, Vector3<f64>) {
+    let vector = direction(law.mode, frame);
+    match law.sweep {
+        Sweep::Linear => (sign(law, k), vector),
+        Sweep::Circular => {
+            let half = law.half_period.unsigned_abs().max(1);
+            let [across, along] = [0, 1].map(|axis| circle(half, k)[axis] - circle(half, k - 1)[axis]);
+            let velocity = across * vector + along * vector.cross(&frame.normal);
+            let size = velocity.norm();
+            (size, velocity / size.max(f64::MIN_POSITIVE))
+        }
+    }
+}
+
+/// Place on the circle after sample `k`, along the stick-slip vector and square to it, over K_v and the sample period.
+fn circle(half: u32, k: u32) -> [f64; 2] {
+    let radius = 0.5 * f64::from(half) * (f64::from(k) / (GROWTH * f64::from(2 * half))).min(1.0);
+    let (sin, cos) = phase(half, k).sin_cos();
+    [radius * cos, radius * sin]
+}
+
+/// Largest velocity over K_v.
+pub fn fastest(law: &StickSlip) -> f64 {
+    match (law.sweep, law.wave) {
+        (Sweep::Linear, Wave::Square) => 1.0,
+        (Sweep::Linear, Wave::Sine) | (Sweep::Circular, _) => FRAC_PI_2,
+    }
+}
+
+/// Largest acceleration over K_v, 1/s, in samples of `period` s; none of a square wave, which the axes round as they can.
+pub fn sharpest(law: &StickSlip, period: f64) -> Option<f64> {
+    let turning = PI / (f64::from(law.half_period.max(1)) * period);
+    (fastest(law) > 1.0).then_some(FRAC_PI_2 * turning)
 }
 
 /// The sign of sample `k` = 1, 2, ...; the motion is centred: it begins with half of a half period.
@@ -83,6 +128,60 @@ mod tests {
             assert!((most - least - f64::from(half)).abs() <= tolerance, "{wave:?} {half}: {most} {least}");
             assert!((most + least).abs() <= tolerance, "{wave:?} {half}: {most} {least}");
         }
+    }
+
+    #[test]
+    fn a_circle_is_as_wide_as_the_linear_sweep_is_long_about_the_path_and_never_rests() {
+        let u = frame(Vector3::new(0.2, -0.1, 1.0), Vector3::y(), Vector3::zeros());
+        let beside = direction(Mode::Cross, &u);
+        for half in [5, 10, 14] {
+            let law = StickSlip { sweep: Sweep::Circular, half_period: half, ..LAW };
+            let (mut place, mut speeds) = (Vector3::zeros(), Vec::new());
+            for k in 1..=6 * half as u32 {
+                let (speed, vector) = motion(&law, k, &u);
+                assert!((vector.norm() - 1.0).abs() < 1e-12 && vector.dot(&u.normal).abs() < 1e-12);
+                place += speed * vector;
+                speeds.push(speed);
+                // the middle is where the path is, from the first sample on
+                let radius = 0.5 * f64::from(half) * (f64::from(k) / f64::from(4 * half)).min(1.0);
+                assert!((place.norm() - radius).abs() < 1e-9, "{half} {k}: {place}");
+                let round = f64::from(k % (2 * half as u32)) * PI / f64::from(half);
+                assert!((place.dot(&beside) - radius * round.cos()).abs() < 1e-9, "{half} {k}");
+                assert!((place.dot(&u.tangent) - radius * round.sin()).abs() < 1e-9, "{half} {k}");
+            }
+            let steady = &speeds[4 * half as usize..];
+            let least = steady.iter().copied().fold(f64::MAX, f64::min);
+            assert!((least / fastest(&law) - 1.0).abs() < 0.02, "{half}: {least}");
+            assert!(speeds.iter().all(|speed| *speed <= 1.005 * fastest(&law)), "{half}: {speeds:?}");
+        }
+    }
+
+    #[test]
+    fn the_paper_vector_goes_round_as_well_and_one_sample_is_eq_17() {
+        let u = frame(Vector3::new(-0.3, 0.1, 1.0), Vector3::y(), Vector3::new(1e-3, 2e-3, 5e-4));
+        let law = StickSlip { mode: Mode::Paper, sweep: Sweep::Circular, half_period: 1, ..LAW };
+        for k in 10..20 {
+            let (speed, vector) = motion(&law, k, &u);
+            let expected = if k % 2 == 0 { 1.0 } else { -1.0 };
+            assert!((speed * vector.dot(&direction(Mode::Paper, &u)) - expected).abs() < 1e-9, "{k}");
+        }
+        let off = StickSlip { mode: Mode::Off, ..law };
+        assert_eq!(motion(&off, 7, &u), (0.0, Vector3::zeros()));
+    }
+
+    #[test]
+    fn speed_and_acceleration_are_those_of_the_motion() {
+        let (u, dt) = (frame(Vector3::z(), Vector3::y(), Vector3::zeros()), 1e-3);
+        for (sweep, wave) in [(Sweep::Linear, Wave::Sine), (Sweep::Circular, Wave::Square)] {
+            let law = StickSlip { sweep, wave, half_period: 50, ..LAW };
+            let velocity = |k: u32| {
+                let (size, vector) = motion(&law, k, &u);
+                size * vector
+            };
+            let change = (400..600).map(|k| (velocity(k + 1) - velocity(k)).norm() / dt).fold(0.0, f64::max);
+            assert!((change / sharpest(&law, dt).unwrap() - 1.0).abs() < 1e-3, "{sweep:?}: {change}");
+        }
+        assert_eq!((sharpest(&LAW, dt), fastest(&LAW)), (None, 1.0));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Readings and drives that fail in the middle of a job: the fault that is named, and how hard the tool presses meanwhile.
 
+mod ends;
+
 use fmu_polish::axes::Axes;
 use fmu_polish::interface::{Fault, Input, Parameters, State};
 use nalgebra::Vector3;
@@ -303,71 +305,6 @@ fn a_gain_that_is_tuned_to_swing_is_refused_at_once() {
 }
 
 #[test]
-fn a_force_that_comes_back_on_the_way_out_is_not_done() {
-    let mut run = Loop::new(&P, Build::NOMINAL, 502);
-    assert!(run.run_to(State::Retract, 20.0));
-    let until = run.time() + 3.0;
-    while run.output.state == State::Retract && run.time() < until {
-        run.step_with(|input| input.force.z += 2.0);
-    }
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::UnloadTimeout));
-    assert!(!run.output.done);
-    // it is out already
-    let counts = run.output.counts;
-    (0..300).for_each(|_| run.step());
-    assert_eq!(run.output.counts, counts);
-}
-
-#[test]
-fn a_long_way_out_is_no_timeout() {
-    let mut p = P;
-    // 5 s, more than twice `settle.time_max`
-    p.retract.velocity = 0.1e-3;
-    let mut run = Loop::new(&p, Build::NOMINAL, 506);
-    assert!(run.run_to(State::Done, 20.0), "{:?}", run.output);
-    assert!(run.output.done);
-}
-
-#[test]
-fn one_sample_without_a_force_is_not_unloaded() {
-    let mut run = Loop::new(&P, Build::NOMINAL, 507);
-    assert!(run.run_to(State::Unload, 20.0));
-    run.step_with(|input| input.force = Axes::all(0.0));
-    assert_eq!(run.output.state, State::Unload);
-    (0..10).for_each(|_| run.step());
-    assert_eq!(run.output.state, State::Unload);
-}
-
-#[test]
-fn a_knock_before_the_job_is_no_noise_in_it() {
-    let mut run = Loop::new(&P, Build::NOMINAL, 508);
-    for k in 0..100 {
-        run.step_with(|input| {
-            input.enable = false;
-            input.force.z += if k % 2 == 0 { 5.0 } else { -5.0 };
-        });
-    }
-    assert!(run.run_to(State::Approach, 1.0), "{:?}", run.output);
-}
-
-#[test]
-fn a_spike_with_the_edge_of_enable_moves_no_zero() {
-    let mut run = Loop::new(&P, Build::NOMINAL, 509);
-    run.step();
-    run.step_with(|input| input.force.z += 50.0);
-    assert!(run.run_to(State::Approach, 1.0), "{:?}", run.output);
-    let forces: Vec<f64> = std::iter::repeat_with(|| {
-        run.step();
-        run.output.force.measured
-    })
-    .take(100)
-    .collect();
-    let mean = forces.iter().sum::<f64>() / forces.len() as f64;
-    // a hundredth of the spike is 0.5 N
-    assert!(mean.abs() < 0.1, "{mean}");
-}
-
-#[test]
 fn a_drive_is_not_judged_by_readings_that_stand_in_for_lost_ones() {
     let mut p = P;
     p.limits.lost_samples = 30;
@@ -395,53 +332,4 @@ fn the_share_of_a_drive_and_the_time_of_a_job_are_told() {
     let numbers = run.output.numbers;
     assert!(run.output.fault == Fault::NoProgress && numbers.time > numbers.time_limit, "{numbers:?}");
     assert!((numbers.time_limit - 1.5).abs() < 1e-9 && numbers.time < 1.51, "{numbers:?}");
-}
-
-#[test]
-fn a_job_that_stands_ends_by_its_time_and_one_that_goes_on_does_not() {
-    for (share, fault) in [(0.0, Fault::NoProgress), (0.5, Fault::None)] {
-        let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.feed_override = share);
-        // 8 mm at 2 mm/s, four times, and some 8 s around it
-        assert_eq!(failure.fault, fault, "{failure:?}");
-        assert!(failure.most < 6.0, "{failure:?}");
-    }
-}
-
-#[test]
-fn a_graver_fault_on_the_way_out_switches_the_drives_off() {
-    let mut run = Loop::new(&P, Build::NOMINAL, 503);
-    assert!(run.run_to(State::Follow, 5.0));
-    run.robot.build.shift.z += 0.15e-3;
-    assert!(run.run_to(State::Fault, 5.0));
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::ForceLimit, true));
-    (0..6).for_each(|_| run.step_with(|input| input.position.x = f64::NAN));
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
-    (0..200).for_each(|_| run.step());
-    // it stays off, and named, until the reset; then nothing moves by itself
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
-    run.step_with(|input| input.reset_fault = true);
-    assert_eq!((run.output.state, run.output.drive_enable), (State::Idle, true));
-    (0..300).for_each(|_| run.step());
-    assert_eq!((run.output.state, run.output.pulses), (State::Idle, Axes::all(0)));
-}
-
-#[test]
-fn an_enable_that_is_on_from_the_start_moves_nothing() {
-    let mut fresh = Loop::new(&P, Build::NOMINAL, 504);
-    fresh.skip_first_edge();
-    (0..500).for_each(|_| fresh.step());
-    assert_eq!((fresh.output.state, fresh.output.pulses), (State::Idle, Axes::all(0)));
-}
-
-#[test]
-fn the_counts_are_the_sum_of_all_pulses() {
-    let mut run = Loop::new(&P, Build::NOMINAL, 505);
-    let mut sum = Vector3::<i32>::zeros();
-    for _ in 0..3000 {
-        run.step();
-        let pulses = run.output.pulses;
-        sum += Vector3::new(pulses.x, pulses.y, pulses.z);
-        assert_eq!(run.output.counts, sum.into());
-    }
-    assert!(sum.z < -150, "{sum}");
 }

@@ -1,6 +1,6 @@
 //! Tips that bend before the ball slides: what is measured of it, and what K_v makes of it.
 
-use fmu_polish::interface::{Fault, Mode, Parameters, State};
+use fmu_polish::interface::{Fault, Mode, Parameters, State, Sweep};
 
 use crate::robot::Build;
 use crate::run::Loop;
@@ -120,4 +120,66 @@ fn a_new_job_begins_with_what_is_told() {
     run.input.enable = true;
     assert!(run.run_to(State::Follow, 30.0), "{:?}", run.output.fault);
     assert_eq!(run.output.sliding.added, 0.0);
+}
+
+fn circular() -> Parameters {
+    let mut p = P;
+    p.stick_slip.sweep = Sweep::Circular;
+    p
+}
+
+#[test]
+fn a_circle_slides_half_as_far_again_and_more_the_softer_the_tip_and_the_force_stays() {
+    for (lateral, friction, least) in [(209e3, 0.2, 1.57), (100e3, 0.2, 1.65), (60e3, 0.2, 1.8)] {
+        let jobs = [&P, &circular()].map(|p| {
+            let mut p = p.clone();
+            p.stick_slip.sliding = 0.0;
+            Loop::new(&p, tip(lateral, friction), 610).job(20.0).unwrap()
+        });
+        let [line, circle] = jobs;
+        assert!(circle.gain > least * line.gain, "{lateral} {friction}: {line:?} {circle:?}");
+        assert!(circle.deviation < 0.056 && circle.least > 4.7, "{lateral} {friction}: {circle:?}");
+    }
+}
+
+#[test]
+fn a_circle_is_measured_and_raised_where_the_tip_is_soft() {
+    for (lateral, friction) in [(209e3, 0.2), (60e3, 0.4), (30e3, 0.3)] {
+        let (truth, told, _) = slides(&circular(), tip(lateral, friction));
+        assert!((told / truth - 1.0).abs() < 0.2 && truth > 5.4e-3, "{lateral} {friction}: {told} {truth}");
+    }
+}
+
+#[test]
+fn a_ball_that_sticks_on_a_circle_is_named() {
+    let mut run = Loop::new(&circular(), tip(12e3, 0.4), 611);
+    assert!(run.run_to(State::Fault, 20.0), "{:?}", run.output.sliding);
+    assert_eq!(run.output.fault, Fault::NoSliding);
+    assert!(run.output.sliding.speed < 3e-3, "{:?}", run.output.sliding);
+}
+
+#[test]
+fn a_circle_lies_about_the_path() {
+    let mut run = Loop::new(&circular(), Build::NOMINAL, 612);
+    assert!(run.run_to(State::Follow, 5.0));
+    (0..500).for_each(|_| run.step());
+    // whole periods
+    let (mut mean, mut most) = (0.0, 0.0f64);
+    for _ in 0..500 {
+        run.step();
+        mean += run.output.error.lateral / 500.0;
+        most = most.max(run.output.error.lateral.abs());
+    }
+    assert!(mean.abs() < 2e-6 && (40e-6..60e-6).contains(&most), "{mean} {most}");
+}
+
+#[test]
+fn what_a_sweep_climbs_on_a_mold_beside_its_place_is_learned_as_it_turns() {
+    for p in [P, circular()] {
+        let mut learning = p.clone();
+        learning.turns.ripple_gain = 0.09;
+        let build = Build { shift: nalgebra::Vector3::new(1e-4, 0.0, 0.0), ..Build::NOMINAL };
+        let [without, with] = [p, learning].map(|p| Loop::new(&p, build, 613).job(20.0).unwrap());
+        assert!(with.deviation < 0.75 * without.deviation, "{without:?} {with:?}");
+    }
 }
