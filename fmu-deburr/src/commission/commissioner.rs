@@ -150,6 +150,8 @@ impl Commissioner {
             lag_deviation: self.responses[i].late[1],
             natural_frequency: self.responses[i].frequency[0],
             natural_frequency_deviation: self.responses[i].frequency[1],
+            friction: self.responses[i].friction[0],
+            friction_deviation: self.responses[i].friction[1],
             delay: delays[i][0],
             delay_deviation: spread.hypot(delays[i][1]),
         });

@@ -97,6 +97,16 @@ impl<'a, R: BareRun> Identification<'a, R> {
         regression.solve()
     }
 
+    /// Sum of the weights, samples.
+    pub fn bare_lag(&self) -> f64 {
+        self.weights.iter().sum()
+    }
+
+    /// How many sums of what the weights leave, in a row, hold the noise of one reading: it is in each of them by one of the weights.
+    pub fn shared(&self) -> f64 {
+        self.bare_lag().powi(2) / self.weights.iter().map(|weight| weight * weight).sum::<f64>()
+    }
+
     /// How the noise of sample `m` comes into sum z u.
     fn seen(&self, m: isize) -> [f64; TAPS] {
         let mut sum = [0.0; TAPS];
@@ -112,8 +122,18 @@ impl<'a, R: BareRun> Identification<'a, R> {
         Weights { first: self.first, weights: self.weights, covariance }
     }
 
-    fn samples(&self) -> isize {
+    pub fn samples(&self) -> isize {
         self.run.count() as isize
+    }
+
+    /// Rates of the told loop at the weights of sample `k`, counts.
+    pub fn modelled_rates(&self, k: isize) -> [f64; TAPS] {
+        self.taps(k, |k| self.modelled(k))
+    }
+
+    /// Fastest of these.
+    pub fn fastest(&self) -> f64 {
+        self.fastest
     }
 
     fn taps(&self, k: isize, signal: impl Fn(isize) -> f64) -> [f64; TAPS] {
@@ -145,7 +165,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
     }
 
     /// What the weights leave of the error.
-    fn left(&self, k: isize) -> f64 {
+    pub fn left(&self, k: isize) -> f64 {
         self.error(k) - self.answers(k).iter().zip(&self.weights).map(|(answer, weight)| answer * weight).sum::<f64>()
     }
 }
