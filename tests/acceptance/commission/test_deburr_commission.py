@@ -15,6 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 from plants.cylindrical_robot import CylindricalRobot
+from plants.cylindrical_robot_parameters import CylindricalRobotParameters
 
 from ..measured import store
 from ..samples import studies
@@ -51,7 +52,7 @@ class Robot(machine.Machine):
 
     def held(self, axis: int) -> float:
         """Way by which friction holds a drive back, force over the stiffness of the drive, rad or m."""
-        force = getattr(CylindricalRobot.Parameters, f"axis{axis}_force")
+        force = getattr(CylindricalRobotParameters, f"axis{axis}_force")
         stiffness = stiffnesses(self.changes["plant.drive_frequency"], self.changes["plant.drive_damping"])
         return float(self.changes["plant.coulomb_friction"] * force / stiffness[axis])
 
@@ -64,7 +65,7 @@ class Robot(machine.Machine):
 @cache
 def stiffnesses(frequency: float, damping: float) -> dict[int, float]:
     """Stiffness of the drives 1 and 3, N.m/rad or N/m."""
-    plant = CylindricalRobot(CylindricalRobot.Parameters(drive_frequency=frequency, drive_damping=damping))
+    plant = CylindricalRobot(CylindricalRobotParameters(drive_frequency=frequency, drive_damping=damping))
     return {axis: float(plant.model.actuator(f"axis_{axis}").gainprm[0]) for axis in (1, 3)}
 
 
@@ -87,7 +88,7 @@ def off(found: Sequence[Robot]) -> tuple[Array, Array]:
 
 def held_off(found: Sequence[Robot]) -> Array:
     """Tell by how much friction was measured wrong, at the tip, of the axes 1 and 3, m."""
-    reach = CylindricalRobot.Parameters.tuned_radius
+    reach = CylindricalRobotParameters.tuned_radius
     return np.array(
         [
             lever * (one[f"friction_{axis}"] - one.held(axis))
