@@ -245,7 +245,7 @@ mod variables {
         #[var(unit = ONE)] pub io_delay_deviation: f64,
         /// Tool speed without load
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub idle_speed: f64,
-        /// Standard deviation of that, for a reading of 12 bits
+        /// Standard deviation of that, for a reading of 12 bits that goes to a quarter beyond the idle speed at most
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub idle_speed_deviation: f64,
         /// Noise of the reading of the tool speed, standard deviation of a sample
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_noise: f64,
