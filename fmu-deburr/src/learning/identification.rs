@@ -3,7 +3,8 @@
 //! What the loop makes of rates of the reference are the rates of the position, so the error of the run tells what any
 //! weights w leave: e - sum w dy. Noise is in e and in dy; an instrument that knows of none, what the nominal loop makes of
 //! the reference, keeps it out of the weights. How far they may be from the nominal ones is told beforehand: an axis that
-//! hardly moves keeps the nominal ones, and says so by its standard deviation.
+//! hardly moves keeps the nominal ones, and the standard deviation of `weights` says so (that of `weights_of_noise` holds the noise alone, and no doubt
+//! about what no motion has told).
 //!
 //! Friction F behind a velocity loop adds to the error in proportion to F': where it turns, and nowhere else, for its effect on the
 //! position is in dy. So a sample of a stroke weighs less the slower it is, for where it is slow friction turns and the axis sticks.
