@@ -134,13 +134,12 @@ def keep(found: Sequence[Robot]) -> None:
         tip=1e3 * max(one["tip"] for one in ran),
     )  # fmt: skip
     gain, late = off(found)
-    idle, held = [100.0 * one["idle"] for one in found], 1e6 * held_off(found)
+    idle = [100.0 * one["idle"] for one in found]
     store.measured(
         "deburr-measured", "found", robots=len(found), seconds=max(one["commissioned"] for one in found),
         gain_least=100.0 * gain.min(), gain_most=100.0 * gain.max(),
         late_least=1e3 * late.min(), late_most=1e3 * late.max(),
         rounded=sum(round(one["io_delay"]) == one.delay for one in found),
-        held_least=held.min(), held_most=held.max(), held_rms=float(np.sqrt(np.mean(held**2))),
         idle_least=min(idle), idle_most=max(idle), travel=1e3 * max(one["travel"] for one in found),
     )  # fmt: skip
 
