@@ -3,6 +3,7 @@
 pub mod commissioner;
 pub mod estimation;
 pub mod experiment;
+mod friction;
 pub mod plan;
 pub mod strokes;
 pub mod values;

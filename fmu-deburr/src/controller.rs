@@ -3,6 +3,7 @@
 mod commissioning;
 mod following;
 mod registering;
+mod reporting;
 mod watching;
 
 use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands, WaitingRequest};
@@ -12,7 +13,7 @@ use crate::bank::kept::KeptPatterns;
 use crate::bank::pattern_bank::PatternBank;
 use crate::check::check;
 use crate::commission::commissioner::Commissioner;
-use crate::interface::{AxisOutput, BankStatus, Fault, Input, Mode, Output, Parameters, State};
+use crate::interface::{BankStatus, Fault, Input, Mode, Output, Parameters, State};
 use crate::learning::feedforward::Feedforward;
 use crate::learning::learner::Learner;
 use crate::load::LoadControl;
@@ -37,8 +38,9 @@ use crate::servo;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Controller {
     path: TaughtPath,
-    /// axes at the start of the path
+    /// axes at the start of the path, where the part lies and as it was taught
     start: Joints,
+    start_as_taught: Joints,
     bank: PatternBank,
     kept: KeptPatterns,
     feedforward: Feedforward,
@@ -126,6 +128,7 @@ impl Controller {
         Ok(Self {
             path,
             start,
+            start_as_taught: start,
             bank,
             kept,
             feedforward,
@@ -143,7 +146,7 @@ impl Controller {
             load,
             reader: Reader::default(),
             watch: Watch::new(p),
-            delay: DelayMonitor::default(),
+            delay: DelayMonitor::new(p),
             tool: ToolMonitor::default(),
             standing: StandingTool::default(),
             reset: Edge::default(),
@@ -216,6 +219,7 @@ impl Controller {
         let at_rest = servo::at_rest(p, &reading.positions, &before);
         let (axes, grown) = self.watch_axes(p, &reading, &motions);
         let grown = grown && self.abandon_repetition(p);
+        self.observe_registration(p, &reading, input.contact);
         let found = self.find_fault(p, &reading, found, axes, input);
         self.decide(p, input, &reading, found, (at_rest, grown));
         self.advance(p, &reading, input);
@@ -344,7 +348,7 @@ impl Controller {
         self.load = LoadControl::new(self.path.speed);
         self.learner.restart();
         self.watch.begin_run();
-        self.delay.restart();
+        self.delay = DelayMonitor::new(p);
         self.tool.restart();
         (self.on_path, self.inside) = (true, true);
     }
@@ -386,50 +390,5 @@ impl Controller {
         self.watch.command(p, &reference, &self.compensation, &velocity);
         self.sent.iter_mut().zip(velocity).for_each(|(sent, velocity)| sent.send(velocity));
         velocity
-    }
-
-    fn report(&mut self, p: &Parameters, velocity: &Joints, output: &mut Output) {
-        let reference = servo::pulses(p, &self.joints);
-        let Output {
-            axis,
-            saturated,
-            state,
-            fault,
-            drive_enable,
-            path,
-            learn,
-            load,
-            bank,
-            numbers,
-            measured,
-            registration,
-            probe,
-        } = output;
-        *axis = std::array::from_fn(|i| AxisOutput {
-            velocity: velocity[i],
-            reference: reference[i] * p.axis[i].pulse,
-            error: self.error[i] * p.axis[i].pulse,
-            compensation: self.compensation[i] * p.axis[i].pulse,
-            rms: self.learner.errors.rms[i],
-            peak: self.learner.errors.peak[i],
-            gain: self.feedforward.drives[i].gain[0],
-            gain_deviation: self.feedforward.drives[i].gain[1],
-            lag: self.feedforward.drives[i].lag[0],
-            lag_deviation: self.feedforward.drives[i].lag[1],
-        });
-        *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
-        (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
-        *measured = self.commissioner.measured;
-        (*registration, *probe) = (self.registrar.found, self.registering);
-        *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
-        *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
-        *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);
-        *load = self.load.report(p, self.state == State::Run);
-        bank.patterns = self.bank.patterns().len() as i32;
-        bank.status = match self.learning || self.changed {
-            true if bank.patterns == 0 => BankStatus::Empty,
-            true => BankStatus::Learned,
-            false => self.origin,
-        };
     }
 }

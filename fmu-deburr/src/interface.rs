@@ -23,6 +23,7 @@ mod variables {
     /// Units of the six axes.
     const JOINT: [Unit; 6] = [RADIAN, METRE, METRE, RADIAN, RADIAN, RADIAN];
     const SHOWN: [&str; 6] = ["deg", "mm", "mm", "deg", "deg", "deg"];
+    const FINE: [&str; 6] = ["deg", "um", "um", "deg", "deg", "deg"];
     const TURN: Unit = RADIAN_PER_SECOND;
     const RATE: [Unit; 6] = [TURN, METRE_PER_SECOND, METRE_PER_SECOND, TURN, TURN, TURN];
     const PULSE: [f64; 6] = [TAU / 640e3, 2.5e-6, 5e-6, TAU / 400e3, TAU / 400e3, TAU / 400e3];
@@ -244,7 +245,7 @@ mod variables {
         #[var(unit = ONE)] pub io_delay_deviation: f64,
         /// Tool speed without load
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub idle_speed: f64,
-        /// Standard deviation of that, for a reading of 12 bits
+        /// Standard deviation of that, for a reading of 12 bits that goes to a quarter beyond the idle speed at most
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub idle_speed_deviation: f64,
         /// Noise of the reading of the tool speed, standard deviation of a sample
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_noise: f64,
@@ -266,6 +267,10 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "Hz")] pub natural_frequency: f64,
         /// Its standard deviation
         #[var(unit = RADIAN_PER_SECOND as "Hz")] pub natural_frequency_deviation: f64,
+        /// Way by which friction holds drive {n} back, F / (m wn^2)
+        #[var(unit = JOINT[INDEX] as FINE[INDEX])] pub friction: f64,
+        /// Its standard deviation
+        #[var(unit = JOINT[INDEX] as FINE[INDEX])] pub friction_deviation: f64,
         /// Samples between a command and its action on axis {n}, not rounded, less the lag of the nominal drive
         #[var(unit = ONE)] pub delay: f64,
         /// Its standard deviation, for a drive whose lag is that of the nominal one within 30 %
@@ -397,6 +402,8 @@ mod variables {
         #[var(unit = SECOND as "ms", range = 0.0..=0.1, source = "derived: 2 zeta / wn of eq. 1; below 10 us it is one of 10 us")] pub lag: f64,
         /// Natural frequency of drive {n}; 0 for the one that has this lag with `model.damping`
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "derived: 2 zeta / lag")] pub natural_frequency: f64,
+        /// Way by which Coulomb friction holds drive {n} back, F / (m wn^2); the patterns that are computed or identified make up for it
+        #[var(unit = JOINT[INDEX] as FINE[INDEX], range = 0.0..=0.01, source = "eq. 1 has none")] pub friction: f64,
     }
     /// Geometry of the robot.
     pub struct Arm {

@@ -3,6 +3,7 @@
 pub mod drive;
 pub mod errors;
 pub mod feedforward;
+pub(crate) mod friction;
 pub(crate) mod identification;
 pub mod learner;
 pub mod lookup;

@@ -129,8 +129,9 @@ fn going_on(state: State, events: &Events) -> State {
         State::Settle if over && !hold => State::Run,
         State::Run if progress == Progress::Again => State::Approach,
         State::Run if over => State::Done,
-        State::Commission | State::Register if events.break_off || mode != job => State::Stop,
+        // what has come to its end is not broken off any more
         State::Commission | State::Register if over => State::Idle,
+        State::Commission | State::Register if events.break_off || mode != job => State::Stop,
         State::Approach | State::Settle | State::Run | State::Commission | State::Register => state,
     }
 }
@@ -298,13 +299,17 @@ mod tests {
         for measures in [State::Commission, State::Register] {
             assert_eq!(next(measures, &EVENTS), measures);
             assert_eq!(next(measures, &over), State::Idle);
-            for broken in [
-                Events { break_off: true, ..over },
-                Events { mode: Mode::Learn, ..over },
-                Events { enable: false, ..over },
-                Events { end: Some(SafeEnd::Stop), ..over },
+            for ends in [
+                Events { break_off: true, ..EVENTS },
+                Events { mode: Mode::Learn, ..EVENTS },
+                Events { enable: false, ..EVENTS },
+                Events { end: Some(SafeEnd::Stop), ..EVENTS },
             ] {
-                assert_eq!(next(measures, &broken), State::Stop);
+                assert_eq!(next(measures, &ends), State::Stop);
+                // what has come to its good end is taken, not broken off
+                let late = ends.break_off || ends.mode != ends.job;
+                let over = Events { progress: Progress::Over, ..ends };
+                assert_eq!(next(measures, &over), if late { State::Idle } else { State::Stop });
             }
         }
         let stops = Events { measuring: true, ..EVENTS };

@@ -1,5 +1,6 @@
 //! The path: as it was taught, where the axes are on it, and the motions along it and to it.
 
+pub(crate) mod displacement;
 pub(crate) mod feasible;
 pub(crate) mod feed;
 pub(crate) mod geometry;
@@ -7,11 +8,11 @@ pub(crate) mod kinematics;
 pub mod path_file;
 pub(crate) mod route;
 pub(crate) mod taught_path;
+pub(crate) mod touch;
 pub(crate) mod transfer;
 
 pub use feed::Point;
 pub use geometry::{Block, Pose, Vector};
 pub use kinematics::{AXES, Joints};
 pub use taught_path::TaughtPath;
-
-pub use crate::registration::touch::Touch;
+pub use touch::Touch;

@@ -14,8 +14,9 @@ use crate::interface::{Measured, MeasuredAxis, Parameters};
 use crate::learning::drive::Drive;
 use crate::path::kinematics::{AXES, Joints};
 
-/// Steps from standstill to the idle speed that a reading of the tool speed has at least, 12 bits.
+/// Steps of a reading of the tool speed, 12 bits, and its range over the idle speed, at most: coarser ones are beyond what is told.
 const READING_STEPS: f64 = 4096.0;
+const READING_RANGE: f64 = 1.25;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -131,7 +132,7 @@ impl Commissioner {
         let (dt, count) = (p.sample_period, AXES as f64);
         let (delays, spread) = (self.responses.map(|one| [one.delay(p), one.late[1] / dt]), Response::delay_spread(p));
         let (idle, noise) = (self.tool.mean(), self.tool.sigma());
-        let (samples, step) = (f64::from(self.samples), unseen_step(idle, noise));
+        let (samples, step) = (f64::from(self.samples), unseen_step(idle, p.load.idle_speed, noise));
         let mut measured = Measured {
             io_delay: delays.iter().map(|delay| delay[0]).sum::<f64>() / count,
             // all drives may differ alike from the nominal one
@@ -150,6 +151,8 @@ impl Commissioner {
             lag_deviation: self.responses[i].late[1],
             natural_frequency: self.responses[i].frequency[0],
             natural_frequency_deviation: self.responses[i].frequency[1],
+            friction: self.responses[i].friction[0],
+            friction_deviation: self.responses[i].friction[1],
             delay: delays[i][0],
             delay_deviation: spread.hypot(delays[i][1]),
         });
@@ -157,14 +160,14 @@ impl Commissioner {
     }
 }
 
-/// Standard deviation (rad/s) that the steps of a reading of 12 bits leave to mean and noise of a speed. Noise s carries a mean
+/// Standard deviation (rad/s) that the steps of a reading leave to mean and noise of a speed, of a tool that was told to idle at `told`. Noise s carries a mean
 /// across the steps d: of the deviation d/12^(1/2) of a speed that is still it leaves exp(-2 pi^2 s^2/d^2) (Widrow, Kollar 2008).
-fn unseen_step(speed: f64, noise: f64) -> f64 {
-    let step = speed.abs() / READING_STEPS;
+fn unseen_step(speed: f64, told: f64, noise: f64) -> f64 {
     // a tool that stands is at no step
-    if step == 0.0 {
+    if speed == 0.0 {
         return 0.0;
     }
+    let step = READING_RANGE * speed.abs().max(told) / READING_STEPS;
     let rounding = step * step / 12.0;
     let carried = (noise * noise - rounding).max(0.0);
     rounding.sqrt() * (-2.0 * (PI / step).powi(2) * carried).exp()
@@ -178,24 +181,26 @@ mod tests {
 
     #[test]
     fn a_tool_that_stands_is_as_sure_as_its_noise() {
-        assert_eq!([unseen_step(0.0, 0.0), unseen_step(0.0, 0.1)], [0.0, 0.0]);
+        assert_eq!([unseen_step(0.0, 1885.0, 0.0), unseen_step(0.0, 1885.0, 0.1)], [0.0, 0.0]);
     }
 
     #[test]
     fn the_speed_of_the_tool_is_as_sure_as_the_steps_of_its_reading_let_it_be() {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(11);
-        for noise in [0.0, 0.2, 0.5, 2.0] {
-            let (mut squares, step) = (0.0, 2000.0 / READING_STEPS);
-            for _ in 0..200 {
-                let (speed, mut read) = (random.random_range(1999.0..2001.0), Welford::default());
-                for _ in 0..1000 {
-                    let normal: f64 = StandardNormal.sample(&mut random);
-                    read.push(((speed + noise * step * normal) / step).round() * step);
-                }
-                let told = unseen_step(read.mean(), read.sigma()).hypot(read.sigma() / 1000f64.sqrt());
-                squares += ((read.mean() - speed) / told).powi(2) / 200.0;
+        // of tools that idle at 0.7 to 1.3 times what is told; the reading goes to 20,000 rpm
+        let (told, step) = (1885.0, 2094.4 / READING_STEPS);
+        let (mut squares, mut most) = (0.0, 0.0f64);
+        for _ in 0..1000 {
+            let (speed, noise) = (told * random.random_range(0.7..1.3), random.random_range(0.0..1.0));
+            let mut read = Welford::default();
+            for _ in 0..1000 {
+                let normal: f64 = StandardNormal.sample(&mut random);
+                read.push(((speed + noise * normal) / step).round() * step);
             }
-            assert!((0.5..1.5).contains(&squares.sqrt()), "{noise}: {}", squares.sqrt());
+            let sure = unseen_step(read.mean(), told, read.sigma()).hypot(read.sigma() / 1000f64.sqrt());
+            let off = (read.mean() - speed) / sure;
+            (squares, most) = (squares + off * off / 1000.0, most.max(off.abs()));
         }
+        assert!((0.6..1.3).contains(&squares.sqrt()) && most < 5.0, "{} {most}", squares.sqrt());
     }
 }

@@ -9,6 +9,7 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::commission::friction::held_back;
 use crate::commission::strokes::Strokes;
 use crate::interface::Parameters;
 use crate::learning::drive::{Drive, LAG_MIN, ToldDrive};
@@ -40,6 +41,8 @@ pub struct Response {
     pub late: [f64; 2],
     /// Natural frequency, rad/s; zeros where nothing tells it.
     pub frequency: [f64; 2],
+    /// Way by which friction holds it back, rad or m.
+    pub friction: [f64; 2],
 }
 
 /// Unknowns of a drive: gain, how late it is as a whole (samples), and mu = 1/(wn T)^2.
@@ -56,7 +59,7 @@ impl Response {
         let rough = Drive::of(&told, &Identification::new(&told, strokes, modelled).weights_of_noise());
         let late = rough.lag[0] / told.period + told.delay as f64;
         let mut x = Unknowns::new(rough.gain[0], late, unknowns(&told)[2]);
-        let mut deviation = Unknowns::zeros();
+        let (mut deviation, mut friction) = (Unknowns::zeros(), [0.0; 2]);
         for _ in 0..PASSES {
             let start = limited(&told, x);
             // one that leaves it a lag
@@ -75,9 +78,10 @@ impl Response {
             x = start + inverse * (Vector3::from(found.weights) - here);
             let covariance = inverse * Matrix3::from(found.covariance) * inverse.transpose();
             deviation = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
+            friction = held_back(&identification).map(|counts| counts * p.axis[axis].pulse);
         }
         let finite = x.iter().chain(deviation.iter()).all(|value| value.is_finite());
-        if finite { Self::told(&told, &x, &deviation) } else { Self::default() }
+        if finite { Self { friction, ..Self::told(&told, &x, &deviation) } } else { Self::default() }
     }
 
     fn told(told: &ToldDrive, x: &Unknowns, deviation: &Unknowns) -> Self {
@@ -89,6 +93,7 @@ impl Response {
             late: [x[1] * told.period, late * told.period],
             // d(wn)/d(mu) = -wn/(2 mu)
             frequency: [wn, if wn > 0.0 { 0.5 * wn * mu / x[2] } else { 0.0 }],
+            friction: [0.0; 2],
         }
     }
 
@@ -135,6 +140,11 @@ mod tests {
 
     /// What is found of a drive from its strokes, with noise of `noise` counts.
     fn found(machine: &ToldDrive, noise: f64, seed: u64) -> Response {
+        held(machine, noise, seed, 0.0, 0.0)
+    }
+
+    /// The same of a drive that friction holds back by `friction` counts, with an offset of its velocity (counts in a sample).
+    fn held(machine: &ToldDrive, noise: f64, seed: u64, friction: f64, offset: f64) -> Response {
         let p = Parameters::START;
         let plan = Plan::new(&p, 0.1, &[0.0, 0.0, 0.7, 0.0, 0.0, 0.0]);
         let samples = plan.samples[AXIS];
@@ -148,7 +158,16 @@ mod tests {
             let normal: f64 = StandardNormal.sample(&mut random);
             // noise is read by the servo, too
             let read = (state.position() + noise * normal).round();
-            let command = reference.round() - read + state.position();
+            // friction takes of its place to which the drive was sent, at once where a stroke begins
+            let turns = if k == 0 {
+                -1.0
+            } else if k % samples == 0 {
+                -2.0 * (goal - 0.5 * plan.way[AXIS]).signum()
+            } else {
+                0.0
+            };
+            let beside = (turns * friction + offset) * machine.bare_lag() / machine.gain;
+            let command = reference.round() - read + state.position() + beside;
             nominal.step(&mut state, command);
             strokes.take(reference, reference.round() - read);
         }
@@ -201,6 +220,23 @@ mod tests {
                 println!("noise {noise}: mean {mean}, scatter {}, told {told}", scatter.sqrt());
                 let ratio = scatter.sqrt() / told;
                 assert!((0.6..1.4).contains(&ratio), "{noise}: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn friction_is_found_beside_the_drive_and_an_offset_is_none() {
+        let pulse = Parameters::START.axis[AXIS].pulse;
+        for delay in 0..=2 {
+            for (gain, frequency, damping) in [(1.0, 1.0, 1.0), (0.7, 0.7, 1.3), (1.3, 0.7, 0.7), (1.3, 1.3, 1.3)] {
+                let drive = machine(gain, frequency, damping, delay);
+                for (friction, offset) in [(0.0, 0.0), (4.0, 0.0), (4.0, 0.5), (-4.0, 0.0), (0.0, -0.5)] {
+                    let Response { friction: [way, deviation], .. } = held(&drive, 0.4, 7, friction, offset);
+                    let off = way / pulse - friction;
+                    println!("{drive:?} {friction} {offset}: {:.3} +- {:.3}", way / pulse, deviation / pulse);
+                    assert!(off.abs() < 3.0 * deviation / pulse, "{drive:?} {friction} {offset}: {way} {deviation}");
+                    assert!(deviation < 0.5 * pulse, "{deviation}");
+                }
             }
         }
     }

@@ -15,6 +15,8 @@ const EARLY: f64 = 0.1;
 
 /// A natural frequency is used where its standard deviation is at most this share of it.
 const FREQUENCY_SURE: f64 = 0.2;
+/// So is friction.
+const FRICTION_SURE: f64 = 0.3;
 /// Names of the parameters of the drives.
 const GAINS: [&str; AXES] = [
     "model.axis1.gain",
@@ -34,8 +36,16 @@ const FREQUENCIES: [&str; AXES] = [
     "model.axis5.natural_frequency",
     "model.axis6.natural_frequency",
 ];
+const FRICTIONS: [&str; AXES] = [
+    "model.axis1.friction",
+    "model.axis2.friction",
+    "model.axis3.friction",
+    "model.axis4.friction",
+    "model.axis5.friction",
+    "model.axis6.friction",
+];
 /// How many parameters a commission derives.
-pub const ENTRIES: usize = 3 * AXES + 4;
+pub const ENTRIES: usize = 4 * AXES + 4;
 
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +54,7 @@ pub struct Values {
     gain: Joints,
     lag: Joints,
     frequency: Joints,
+    friction: Joints,
     idle_speed: f64,
     /// share of the told speeds of target and limit
     scale: f64,
@@ -57,6 +68,7 @@ impl Values {
             gain: p.model.axis.each_ref().map(|axis| axis.gain),
             lag: p.model.axis.each_ref().map(|axis| axis.lag),
             frequency: p.model.axis.each_ref().map(|axis| axis.natural_frequency),
+            friction: p.model.axis.each_ref().map(|axis| axis.friction),
             idle_speed: p.load.idle_speed,
             scale: p.load.scale,
         }
@@ -66,7 +78,8 @@ impl Values {
     pub fn put(&self, p: &mut Parameters) {
         p.io_delay = self.io_delay;
         for (i, axis) in p.model.axis.iter_mut().enumerate() {
-            (axis.gain, axis.lag, axis.natural_frequency) = (self.gain[i], self.lag[i], self.frequency[i]);
+            (axis.gain, axis.lag) = (self.gain[i], self.lag[i]);
+            (axis.natural_frequency, axis.friction) = (self.frequency[i], self.friction[i]);
         }
         (p.load.idle_speed, p.load.scale) = (self.idle_speed, self.scale);
     }
@@ -80,10 +93,15 @@ impl Values {
             // 0 would be the nominal one
             lag: measured.axis.each_ref().map(|axis| axis.lag.max(LAG_MIN)),
             // one that is not sure follows from the lag
-            frequency: measured.axis.each_ref().map(|axis| {
-                let sure = axis.natural_frequency_deviation <= FREQUENCY_SURE * axis.natural_frequency;
-                if sure { axis.natural_frequency } else { 0.0 }
-            }),
+            frequency: measured
+                .axis
+                .each_ref()
+                .map(|axis| if_sure(axis.natural_frequency, axis.natural_frequency_deviation, FREQUENCY_SURE)),
+            // one that is not sure may be none
+            friction: measured
+                .axis
+                .each_ref()
+                .map(|axis| if_sure(axis.friction, axis.friction_deviation, FRICTION_SURE)),
             idle_speed: measured.idle_speed,
             scale: self.scale * measured.idle_speed / self.idle_speed,
         }
@@ -91,7 +109,7 @@ impl Values {
 
     /// Their names and values, with the speeds that `p` tells.
     pub fn entries(&self, p: &Parameters) -> [(&'static str, f64); ENTRIES] {
-        let all: [(&[&'static str], &[f64]); 4] = [
+        let all: [(&[&'static str], &[f64]); 5] = [
             (
                 &["io_delay", "load.idle_speed", "load.spindle_speed", "limits.spindle_speed_min"],
                 &[
@@ -104,12 +122,18 @@ impl Values {
             (&GAINS, &self.gain),
             (&LAGS, &self.lag),
             (&FREQUENCIES, &self.frequency),
+            (&FRICTIONS, &self.friction),
         ];
         let mut entries = [("", 0.0); ENTRIES];
         let values = all.iter().flat_map(|(names, values)| names.iter().zip(*values));
         entries.iter_mut().zip(values).for_each(|(entry, (name, value))| *entry = (name, *value));
         entries
     }
+}
+
+/// A value whose standard deviation is at most this share of it, else 0.
+fn if_sure(value: f64, deviation: f64, share: f64) -> f64 {
+    if deviation <= share * value { value } else { 0.0 }
 }
 
 /// The delays that a controller can bear that was told `io_delay`.
@@ -166,6 +190,8 @@ mod tests {
             natural_frequency_deviation: 20.0,
             delay: 2.13,
             delay_deviation: 0.01,
+            friction: 2e-5,
+            friction_deviation: 1e-6,
         };
         Measured {
             valid: true,
@@ -203,6 +229,11 @@ mod tests {
         unsure.axis[1].natural_frequency_deviation = 45.0;
         let unsure = Values::of(&Parameters::START).derived(&unsure);
         assert_eq!(unsure.frequency, [220.0, 0.0, 220.0, 220.0, 220.0, 220.0]);
+        assert_eq!((p.model.axis[4].friction, told("model.axis5.friction")), (2e-5, Some(2e-5)));
+        let mut unsure = good();
+        (unsure.axis[1].friction_deviation, unsure.axis[4].friction) = (6.1e-6, -2e-5);
+        let unsure = Values::of(&Parameters::START).derived(&unsure);
+        assert_eq!(unsure.friction, [2e-5, 0.0, 2e-5, 2e-5, 0.0, 2e-5]);
         assert!(entries.iter().all(|entry| !entry.0.is_empty()));
         assert_eq!(told("limits.spindle_speed_min"), Some(p.load.scale * p.limits.spindle_speed_min));
         assert_eq!(told("load.spindle_speed"), Some(p.load.scale * p.load.spindle_speed));

@@ -6,6 +6,7 @@ use crate::controller::Controller;
 use crate::interface::{Fault, Input, Mode, Parameters, State};
 use crate::learning::learner::Next;
 use crate::machine::Progress;
+use crate::monitoring::delay::DelayMonitor;
 use crate::monitoring::finding::Finding;
 use crate::path::kinematics::{AXES, Joints};
 use crate::reading::Reading;
@@ -32,7 +33,7 @@ impl Controller {
                 self.finish_if(rested >= ticks(p.transfer.settle_time, p.sample_period));
             }
             State::Commission => self.follow_commission(p),
-            State::Register => self.follow_registration(p, reading, input.contact),
+            State::Register => self.follow_registration(p),
             State::Stop if self.commissioning && self.route.over() => {
                 let stands = self.commissioner.experiment.stop(&mut self.joints, p.sample_period);
                 self.finish_if(stands);
@@ -84,7 +85,7 @@ impl Controller {
         }
         if runs && (lap || !goes_on) {
             self.ended = self.after_run(p);
-            self.delay.restart();
+            self.delay = DelayMonitor::new(p);
             self.tool.restart();
         }
         if self.job == Mode::Learn && runs && repetition_over && !self.ended.is_fault() {

@@ -4,26 +4,26 @@ use control_blocks::ticks;
 
 use crate::bank::pattern_bank::PatternBank;
 use crate::controller::Controller;
-use crate::interface::{Fault, Parameters};
+use crate::interface::{Fault, Parameters, State};
 use crate::monitoring::finding::{Finding, Numbers};
+use crate::path::displacement::Displacement;
 use crate::path::feasible::{self, Obstacle};
+use crate::path::kinematics::Joints;
 use crate::path::route::Route;
 use crate::reading::Reading;
-use crate::registration::displacement::Displacement;
 use crate::registration::plan;
 
 impl Controller {
     /// The control patterns for the path as it was taught, wherever the part lies.
     pub fn bank_as_taught(&self, p: &Parameters) -> PatternBank {
         let mut other = self.clone();
-        // what was taught was checked at the start
-        other.lay(p, Displacement::default()).ok();
+        other.lay_as_taught(p);
         other.bank
     }
 
     /// Begins on the path as it was taught.
     pub(super) fn begin_registration(&mut self, p: &Parameters, reading: &Reading) {
-        self.lay(p, Displacement::default()).ok();
+        self.lay_as_taught(p);
         self.registrar.begin(p.arm.forward(&reading.positions).tip);
         (self.on_path, self.registering) = (false, true);
         self.elapsed.restart();
@@ -37,9 +37,15 @@ impl Controller {
         }
     }
 
-    /// Takes what this sample has read, and moves the reference on.
-    pub(super) fn follow_registration(&mut self, p: &Parameters, reading: &Reading, contact: bool) {
-        self.registrar.observe(p, p.arm.forward(&reading.positions).tip, contact);
+    /// Takes what this sample has read, before it looks for faults.
+    pub(super) fn observe_registration(&mut self, p: &Parameters, reading: &Reading, contact: bool) {
+        if self.state == State::Register {
+            self.registrar.observe(p, p.arm.forward(&reading.positions).tip, contact);
+        }
+    }
+
+    /// Moves the reference on.
+    pub(super) fn follow_registration(&mut self, p: &Parameters) {
         if self.registrar.touch(&self.path.touches).is_none() {
             return;
         }
@@ -82,18 +88,27 @@ impl Controller {
 
     /// The part lies elsewhere: the path follows it, and the patterns change by what the drives need for the other motion.
     fn lay(&mut self, p: &Parameters, lies: Displacement) -> Result<(), Obstacle> {
-        let (taught, start) = (self.path.lies, self.start);
-        if lies == taught {
-            return Ok(());
+        let before = std::mem::replace(&mut self.path.lies, lies);
+        let start = feasible::walk(p, &self.path);
+        self.path.lies = before;
+        self.move_path(p, lies, start?);
+        Ok(())
+    }
+
+    /// The part lies as it was taught, where the path was found to be one that the robot can follow before the first sample.
+    fn lay_as_taught(&mut self, p: &Parameters) {
+        self.move_path(p, Displacement::default(), self.start_as_taught);
+    }
+
+    fn move_path(&mut self, p: &Parameters, lies: Displacement, start: Joints) {
+        if lies == self.path.lies {
+            return;
         }
-        self.path.lies = lies;
-        let there = feasible::walk(p, &self.path).inspect_err(|_| self.path.lies = taught)?;
         let Self { feedforward, bank, path, .. } = self;
-        for (lies, start, sign) in [(taught, start, -1.0), (lies, there, 1.0)] {
+        for (lies, start, sign) in [(path.lies, self.start, -1.0), (lies, start, 1.0)] {
             path.lies = lies;
             bank.change(|pattern| feedforward.add(p, path, &start, sign, pattern));
         }
-        self.start = there;
-        Ok(())
+        self.start = start;
     }
 }

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 use crate::learning::drive::{Drive, TAPS, ToldDrive};
+use crate::learning::friction::for_each_turn;
 use crate::learning::identification::{BareRun, Identification};
 use crate::learning::pattern::Pattern;
 use crate::learning::rates::Rates;
@@ -97,6 +98,7 @@ impl Feedforward {
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
             sample.compensation = self.compensation(k);
         }
+        self.turn(p, 1.0, pattern);
     }
 
     /// Adds the same to a pattern, `sign` times.
@@ -105,6 +107,20 @@ impl Feedforward {
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
             let more = self.compensation(k);
             sample.compensation = std::array::from_fn(|i| sample.compensation[i] + sign * more[i]);
+        }
+        self.turn(p, sign, pattern);
+    }
+
+    /// Adds what friction asks for where an axis of the walk turns round, `sign` times.
+    fn turn(&self, p: &Parameters, sign: f64, pattern: &mut Pattern) {
+        for axis in 0..AXES {
+            let held = p.model.axis[axis].friction / p.axis[axis].pulse;
+            if held > 0.0 {
+                let needed = sign * held * self.weights[axis].iter().sum::<f64>();
+                for_each_turn(&self.rates, axis, |place, change| {
+                    pattern.add(axis, place - p.io_delay as f64 - 0.5, change * needed);
+                });
+            }
         }
     }
 

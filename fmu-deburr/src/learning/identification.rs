@@ -3,7 +3,8 @@
 //! What the loop makes of rates of the reference are the rates of the position, so the error of the run tells what any
 //! weights w leave: e - sum w dy. Noise is in e and in dy; an instrument that knows of none, what the nominal loop makes of
 //! the reference, keeps it out of the weights. How far they may be from the nominal ones is told beforehand: an axis that
-//! hardly moves keeps the nominal ones, and says so by its standard deviation.
+//! hardly moves keeps the nominal ones, and the standard deviation of `weights` says so (that of `weights_of_noise` holds the noise alone, and no doubt
+//! about what no motion has told).
 //!
 //! Friction F behind a velocity loop adds to the error in proportion to F': where it turns, and nowhere else, for its effect on the
 //! position is in dy. So a sample of a stroke weighs less the slower it is, for where it is slow friction turns and the axis sticks.
@@ -97,6 +98,16 @@ impl<'a, R: BareRun> Identification<'a, R> {
         regression.solve()
     }
 
+    /// Sum of the weights, samples.
+    pub fn bare_lag(&self) -> f64 {
+        self.weights.iter().sum()
+    }
+
+    /// How many sums of what the weights leave, in a row, hold the noise of one reading: it is in each of them by one of the weights.
+    pub fn shared(&self) -> f64 {
+        self.bare_lag().powi(2) / self.weights.iter().map(|weight| weight * weight).sum::<f64>()
+    }
+
     /// How the noise of sample `m` comes into sum z u.
     fn seen(&self, m: isize) -> [f64; TAPS] {
         let mut sum = [0.0; TAPS];
@@ -112,8 +123,18 @@ impl<'a, R: BareRun> Identification<'a, R> {
         Weights { first: self.first, weights: self.weights, covariance }
     }
 
-    fn samples(&self) -> isize {
+    pub fn samples(&self) -> isize {
         self.run.count() as isize
+    }
+
+    /// Rates of the told loop at the weights of sample `k`, counts.
+    pub fn modelled_rates(&self, k: isize) -> [f64; TAPS] {
+        self.taps(k, |k| self.modelled(k))
+    }
+
+    /// Fastest of these.
+    pub fn fastest(&self) -> f64 {
+        self.fastest
     }
 
     fn taps(&self, k: isize, signal: impl Fn(isize) -> f64) -> [f64; TAPS] {
@@ -145,7 +166,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
     }
 
     /// What the weights leave of the error.
-    fn left(&self, k: isize) -> f64 {
+    pub fn left(&self, k: isize) -> f64 {
         self.error(k) - self.answers(k).iter().zip(&self.weights).map(|(answer, weight)| answer * weight).sum::<f64>()
     }
 }

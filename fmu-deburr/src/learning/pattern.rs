@@ -101,6 +101,17 @@ impl Pattern {
         self.samples[inside as usize].compensation
     }
 
+    /// Adds a value (pulses) to the compensation of an axis, in the two samples around the place `index`; beyond the ends nothing.
+    pub fn add(&mut self, axis: usize, index: f64, value: f64) {
+        let (whole, count) = (index.floor(), self.len() as isize);
+        for (k, share) in [(whole as isize, 1.0 - (index - whole)), (whole as isize + 1, index - whole)] {
+            let k = if self.cyclic { k.rem_euclid(count) } else { k };
+            if let Some(sample) = usize::try_from(k).ok().and_then(|k| self.samples.get_mut(k)) {
+                sample.compensation[axis] += share * value;
+            }
+        }
+    }
+
     /// Compensation between two samples.
     pub fn between(&self, index: f64) -> Joints {
         let whole = index.floor();
@@ -168,6 +179,22 @@ pub(crate) mod tests {
         let middle = 0.5 * (pattern.samples[40].point.distance + pattern.samples[41].point.distance);
         assert!((pattern.at(middle, 0.0, path.length()).0[0] - 40.5).abs() < 1e-9);
         assert!((pattern.at(path.length(), 0.0, path.length()).0[0] - (10 + pattern.run) as f64).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_added_is_shared_by_two_samples_and_lost_beyond_the_ends_but_of_a_lap() {
+        let mut pattern = Pattern::plan(&Parameters::START, &straight(0.1), 1.0).unwrap();
+        let last = pattern.len() - 1;
+        let of = |pattern: &Pattern, k: usize| pattern.samples[k].compensation[3];
+        pattern.add(3, 20.25, 8.0);
+        pattern.add(3, 20.0, 1.0);
+        pattern.add(3, -0.75, 4.0);
+        pattern.add(3, last as f64 + 0.5, 4.0);
+        assert_eq!([0, 19, 20, 21, 22, last].map(|k| of(&pattern, k)), [1.0, 0.0, 7.0, 2.0, 0.0, 2.0]);
+        assert!(pattern.samples.iter().all(|sample| sample.compensation[2] == 0.0));
+        pattern.cyclic = true;
+        pattern.add(3, -0.75, 4.0);
+        assert_eq!([0, last].map(|k| of(&pattern, k)), [2.0, 5.0]);
     }
 
     #[test]

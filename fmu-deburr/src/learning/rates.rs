@@ -37,6 +37,13 @@ impl Rates {
         }
     }
 
+    /// Rates (counts) of one axis, for tests.
+    #[cfg(test)]
+    pub fn of(axis: usize, rates: &[f64], cyclic: bool) -> Self {
+        let sample = |rate: &f64| std::array::from_fn(|i| if i == axis { *rate } else { 0.0 });
+        Self { samples: rates.iter().map(sample).collect(), count: rates.len(), cyclic }
+    }
+
     /// Number of samples.
     pub fn count(&self) -> usize {
         self.count

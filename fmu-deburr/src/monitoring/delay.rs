@@ -30,7 +30,7 @@ const SMOOTHED: f64 = 0.85;
 /// Samples by which it has to be another one.
 const ANOTHER: f64 = 0.75;
 
-/// Sums over one run, of one axis or of all.
+/// Sums over one run, of one axis or of all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Sums {
     answer: f64,
@@ -46,9 +46,10 @@ struct Changes {
 }
 
 /// Watches the axes, each alone and all together.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DelayMonitor {
-    all: Sums,
+    /// lag of each drive, in samples, at most one
+    lag: Joints,
     axis: [Sums; AXES],
     smoothed: [Changes; AXES],
     before: Option<Joints>,
@@ -56,9 +57,19 @@ pub struct DelayMonitor {
 }
 
 impl DelayMonitor {
-    /// Begins a run.
-    pub fn restart(&mut self) {
-        *self = Self::default();
+    /// Before a run.
+    pub fn new(p: &Parameters) -> Self {
+        let lag = |axis: usize| {
+            let ToldDrive { damping, frequency, period, .. } = ToldDrive::new(p, axis);
+            (2.0 * damping / (frequency * period)).min(1.0)
+        };
+        Self {
+            lag: std::array::from_fn(lag),
+            axis: [Sums::default(); AXES],
+            smoothed: [Changes::default(); AXES],
+            before: None,
+            motion: None,
+        }
     }
 
     /// Takes the positions (rad or m) of a sample, and what was sent before it.
@@ -72,15 +83,14 @@ impl DelayMonitor {
 
     fn compare(&mut self, p: &Parameters, axis: usize, change: f64, sent: &SentCommands) {
         // all axes in what they move the tip by
-        let scale = p.limits.axis[axis].error_max;
-        let ToldDrive { damping, frequency, period, .. } = ToldDrive::new(p, axis);
-        let lag = (2.0 * damping / (frequency * period)).min(1.0);
-        let commanded = |late: usize| (sent.before(late) - sent.before(late + 1)) * p.sample_period / scale;
-        let modelled = std::array::from_fn(|d| (1.0 - lag) * commanded(d) + lag * commanded(d + 1));
+        let scale = p.limits.axis[axis].error_max.recip();
+        let lag = self.lag[axis];
+        let change_sent = |late: usize| (sent.before(late) - sent.before(late + 1)) * (p.sample_period * scale);
+        let commanded: [f64; DELAYS + 1] = std::array::from_fn(change_sent);
+        let modelled = std::array::from_fn(|d| (1.0 - lag) * commanded[d] + lag * commanded[d + 1]);
         let smoothed = &mut self.smoothed[axis];
-        smoothed.follow(&Changes { answer: change / scale, modelled });
-        self.all.add(smoothed);
-        self.axis[axis].add(smoothed);
+        smoothed.follow(&Changes { answer: change * scale, modelled });
+        self.axis[axis].take(smoothed);
     }
 
     /// What is wrong so far: another delay than `io_delay`, of all axes or of one.
@@ -93,7 +103,8 @@ impl DelayMonitor {
             self.axis[i].another(told).filter(|delay| self.axis[i].left(*delay) < MOVED * self.axis[i].answer)
         };
         let one = || (0..AXES).find_map(|i| alone(i).map(|delay| (i + 1, delay)));
-        match self.all.another(told).map(|delay| (0, delay)).or_else(one) {
+        let all = self.axis.iter().fold(Sums::default(), Sums::with);
+        match all.another(told).map(|delay| (0, delay)).or_else(one) {
             None => Finding::NONE,
             Some((axis, delay)) => {
                 let numbers = Numbers { axis: axis as i32, value: delay as f64, limit: told as f64, share: None };
@@ -113,11 +124,22 @@ impl Changes {
 }
 
 impl Sums {
-    fn add(&mut self, changes: &Changes) {
+    /// Takes a sample.
+    fn take(&mut self, changes: &Changes) {
         self.answer += changes.answer * changes.answer;
         for (d, modelled) in changes.modelled.iter().enumerate() {
             self.product[d] += changes.answer * modelled;
             self.square[d] += modelled * modelled;
+        }
+    }
+
+    /// Of both.
+    fn with(self, other: &Self) -> Self {
+        let add = |a: &[f64; DELAYS], b: &[f64; DELAYS]| std::array::from_fn(|d| a[d] + b[d]);
+        Self {
+            answer: self.answer + other.answer,
+            product: add(&self.product, &other.product),
+            square: add(&self.square, &other.square),
         }
     }
 
@@ -152,7 +174,7 @@ mod tests {
     fn found(io_delay: i32, delay: usize, gain: f64, noise: f64) -> Finding {
         let mut p = Parameters::START;
         p.io_delay = io_delay;
-        let (mut monitor, mut sent) = (DelayMonitor::default(), [SentCommands::default(); AXES]);
+        let (mut monitor, mut sent) = (DelayMonitor::new(&p), [SentCommands::default(); AXES]);
         let mut place = 0.5;
         for k in 0..400 {
             // to and fro with ramps of 0.5 m/s2
@@ -194,7 +216,7 @@ mod tests {
             for step in 2..9 {
                 let mut p = Parameters::START;
                 p.io_delay = io_delay;
-                let (mut monitor, mut sent) = (DelayMonitor::default(), [SentCommands::default(); AXES]);
+                let (mut monitor, mut sent) = (DelayMonitor::new(&p), [SentCommands::default(); AXES]);
                 for k in 0..400 {
                     // a count more in one sample of some, to which the servo answers
                     let count = if k % step == 0 { 2.5e-6 } else { 0.0 };
@@ -212,7 +234,7 @@ mod tests {
     fn found_between(io_delay: i32, delay: f64) -> Finding {
         let mut p = Parameters::START;
         p.io_delay = io_delay;
-        let (mut monitor, mut sent) = (DelayMonitor::default(), [SentCommands::default(); AXES]);
+        let (mut monitor, mut sent) = (DelayMonitor::new(&p), [SentCommands::default(); AXES]);
         let (mut place, mut command, whole) = (0.5, 0.0, delay.floor() as usize);
         let share = delay - delay.floor() + 0.37;
         for k in 0..400 {
@@ -249,7 +271,7 @@ mod tests {
     #[test]
     fn an_axis_that_is_late_alone_is_told_and_one_that_stands_is_not() {
         let (p, mut noise) = (Parameters::START, 0.0);
-        let (mut monitor, mut sent) = (DelayMonitor::default(), [SentCommands::default(); AXES]);
+        let (mut monitor, mut sent) = (DelayMonitor::new(&p), [SentCommands::default(); AXES]);
         let mut places = [0.0, 0.2, 0.5];
         for k in 0..400 {
             let speed = (0.005 * f64::from(k % 80) - 0.05).clamp(0.0, 0.1) * if k % 160 < 80 { 1.0 } else { -1.0 };
@@ -274,7 +296,9 @@ mod tests {
     #[test]
     fn an_axis_alone_is_told_where_its_delay_leaves_less_than_a_quarter_of_it() {
         let found = |explained: f64| {
-            let mut monitor = DelayMonitor::default();
+            let mut monitor = DelayMonitor::new(&Parameters::START);
+            // all together are where they were told, by what another one does
+            (monitor.axis[1].answer, monitor.axis[1].product[1], monitor.axis[1].square[1]) = (100.0, 100.0, 100.0);
             let axis = &mut monitor.axis[4];
             (axis.answer, axis.square[1], axis.product[3], axis.square[3]) = (1.0, 1.0, explained, explained);
             monitor.found(&Parameters::START).numbers.axis

@@ -6,8 +6,8 @@ use serde::Deserialize;
 use crate::interface::Parameters;
 use crate::path::geometry::{Block, Pose, Vector};
 use crate::path::taught_path::TaughtPath;
+use crate::path::touch::Touch;
 use crate::registration::fit::{TOUCHES_MIN, geometry};
-use crate::registration::touch::Touch;
 
 /// Largest file, bytes.
 const BYTES_MAX: u64 = 64 << 20;

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::fingerprint::Fingerprint;
+use crate::path::displacement::Displacement;
 use crate::path::geometry::{Block, Pose};
-use crate::registration::displacement::Displacement;
-use crate::registration::touch::Touch;
+use crate::path::touch::Touch;
 
 /// Ends of a path that are closer than this are one place, m.
 const CLOSED: f64 = 1e-6;

@@ -14,8 +14,8 @@ use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::registration::displacement::{Displacement, turn};
-use crate::registration::touch::Touch;
+use crate::path::displacement::{Displacement, turn};
+use crate::path::touch::Touch;
 
 /// Fewest touches: three unknowns, and one that tests them.
 pub const TOUCHES_MIN: usize = 4;
@@ -94,7 +94,7 @@ pub fn geometry(touches: &[Touch]) -> Option<[f64; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::registration::touch::tests::touch;
+    use crate::path::touch::tests::touch;
     use std::f64::consts::FRAC_PI_2;
 
     /// Two faces across each other, with three touches each.

@@ -13,7 +13,7 @@ use crate::path::geometry::Vector;
 use crate::path::kinematics::{AXES, Joints};
 use crate::path::route::Route;
 use crate::path::taught_path::TaughtPath;
-use crate::registration::touch::Touch;
+use crate::path::touch::Touch;
 
 /// Axes at the begin of the approach to a touch, near others.
 pub fn outside(p: &Parameters, touch: &Touch, near: &Joints) -> Joints {
@@ -88,7 +88,7 @@ pub fn check(p: &Parameters, path: &TaughtPath, start: &Joints) -> Result<(), Pa
 mod tests {
     use super::*;
     use crate::learning::pattern::tests::straight;
-    use crate::registration::touch::tests::touch;
+    use crate::path::touch::tests::touch;
 
     fn touched() -> TaughtPath {
         let mut path = straight(0.1);

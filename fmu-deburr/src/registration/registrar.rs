@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters, Registration};
 use crate::monitoring::finding::{Finding, Numbers};
+use crate::path::displacement::Displacement;
 use crate::path::geometry::{Pose, Vector};
 use crate::path::kinematics::Joints;
-use crate::registration::displacement::Displacement;
+use crate::path::touch::Touch;
 use crate::registration::fit::{Touched, fit};
 use crate::registration::plan::{back_time, deviation};
-use crate::registration::touch::Touch;
 
 /// What the tip does at a touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,4 +1,8 @@
-//! The state `Commission`: what it finds on robots that nobody has measured, and what it keeps to.
+//! The state `Commission`: what it finds on robots that nobody has measured, and what follows from it.
+
+mod bounds;
+mod faults;
+mod friction;
 
 use fmu_deburr::interface::{BankStatus, Fault, Mode, Parameters, State};
 use rand::{RngExt, SeedableRng};
@@ -58,6 +62,7 @@ fn unknown(seed: u64) -> Build {
         damping: random.random_range(0.7..1.3),
         delay: random.random_range(0..3),
         noise: random.random_range(0.0..0.5),
+        friction: 0.0,
     }
 }
 
@@ -115,7 +120,7 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
 
 #[test]
 fn a_feed_that_swings_is_followed_as_well() {
-    let mut run = resting(&applied(), &Build { gain: 0.8, dynamics: 0.75, damping: 1.2, delay: 2, noise: 0.0 });
+    let mut run = resting(&applied(), &Build { gain: 0.8, dynamics: 0.75, damping: 1.2, delay: 2, ..Build::NOMINAL });
     commission(&mut run);
     let errors = run.largest_errors(Mode::Playback, swinging(1.0));
     assert!(errors[0] < 0.05 && errors[2] < 0.05, "{errors:?}");
@@ -187,7 +192,7 @@ fn a_delay_is_as_sure_as_its_lag_and_the_lag_of_the_nominal_drive() {
 
 #[test]
 fn the_file_of_the_results_is_taken_as_parameters() {
-    let build = Build { gain: 1.2, dynamics: 0.8, damping: 1.1, delay: 2, noise: 0.3 };
+    let build = Build { gain: 1.2, dynamics: 0.8, damping: 1.1, delay: 2, noise: 0.3, friction: 1e-5 };
     let mut run = resting(&applied(), &build);
     run.input.spindle_speed = 1700.0;
     commission(&mut run);
@@ -207,245 +212,11 @@ fn the_file_of_the_results_is_taken_as_parameters() {
         axis.gain = found[&format!("model.axis{}.gain", i + 1)];
         axis.lag = found[&format!("model.axis{}.lag", i + 1)];
         axis.natural_frequency = found[&format!("model.axis{}.natural_frequency", i + 1)];
+        axis.friction = found[&format!("model.axis{}.friction", i + 1)];
     }
     let mut other = resting(&p, &build);
     assert_eq!(other.controller.bank().patterns(), run.controller.bank().patterns());
     assert!(worst(&mut other) <= 0.03);
-}
-
-#[test]
-fn it_is_broken_off_into_rest_and_what_was_told() {
-    type Cause = fn(&mut Loop);
-    let causes: [(Cause, State); 4] = [
-        (|run| run.input.commission = false, State::Idle),
-        (|run| run.input.hold = true, State::Idle),
-        (|run| run.input.mode = Mode::DryRun, State::Idle),
-        (|run| run.input.enable = false, State::Off),
-    ];
-    // in a stroke, in a rest, and in strokes of other axes
-    for samples in [20, 90, 700, 2500] {
-        for (cause, end) in causes {
-            let mut run = resting(&applied(), &Build { gain: 0.9, ..Build::NOMINAL });
-            begin(&mut run, samples);
-            cause(&mut run);
-            let mut speed = run.output.axis.each_ref().map(|axis| axis.reference);
-            let mut before = [0.0; 6];
-            for k in 0..100 {
-                run.step();
-                let now = run.output.axis.each_ref().map(|axis| axis.reference);
-                let step: [f64; 6] = std::array::from_fn(|i| now[i] - speed[i]);
-                // 0.5 m/s2 at the tip, levers of 0.1 m and more, and counts
-                assert!(k == 0 || end == State::Off || (0..6).all(|i| (step[i] - before[i]).abs() < 5.6e-4), "{k}");
-                (speed, before) = (now, step);
-            }
-            assert_eq!((run.output.state, run.output.fault), (end, Fault::None), "{samples}");
-            // nothing begins again without a new edge
-            (run.input.hold, run.input.enable) = (false, true);
-            (0..300).for_each(|_| run.step());
-            assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None), "{samples}");
-            assert!(run.output.axis.iter().all(|axis| axis.velocity.abs() < 1e-4) && !run.output.measured.valid);
-            let mut in_force = run.parameters.clone();
-            run.controller.bring_into_force(&mut in_force);
-            assert_eq!(in_force, run.parameters);
-        }
-    }
-}
-
-#[test]
-fn a_second_one_that_is_broken_off_takes_back_what_the_first_has_found() {
-    let mut run = resting(&applied(), &Build { gain: 0.8, delay: 2, ..Build::NOMINAL });
-    commission(&mut run);
-    assert_eq!(run.output.bank.patterns, 5);
-    run.input.commission = false;
-    run.step();
-    begin(&mut run, 100);
-    run.input.commission = false;
-    (0..100).for_each(|_| run.step());
-    assert_eq!(
-        (run.output.state, run.output.bank.status, run.output.bank.patterns),
-        (State::Idle, BankStatus::Empty, 0)
-    );
-    assert_eq!(run.output.axis[2].gain, 1.0);
-}
-
-#[test]
-fn it_never_begins_by_itself() {
-    let mut run = Loop::new(&Parameters::START, &Build::NOMINAL);
-    // true from the first sample on is no edge
-    run.input.commission = true;
-    for _ in 0..300 {
-        run.step();
-        assert!(matches!(run.output.state, State::Off | State::Idle));
-    }
-    // nor is one before `enable`, or in a job
-    (run.input.enable, run.input.commission) = (false, false);
-    (0..5).for_each(|_| run.step());
-    run.input.commission = true;
-    run.step();
-    run.input.enable = true;
-    (0..100).for_each(|_| run.step());
-    assert_eq!(run.output.state, State::Idle);
-    run.input.mode = Mode::DryRun;
-    for k in 0..3000 {
-        run.input.commission = run.output.state == State::Run && k % 2 == 0 || run.output.state == State::Done;
-        run.step();
-        assert_ne!(run.output.state, State::Commission);
-        if run.output.state == State::Done {
-            break;
-        }
-    }
-}
-
-#[test]
-fn the_tip_keeps_to_its_travel_and_never_goes_down() {
-    let p = applied();
-    let mut run = resting(&p, &Build { delay: 2, gain: 1.3, ..Build::NOMINAL });
-    let start = run.robot.positions();
-    let tip = p.arm.forward(&start).tip;
-    begin(&mut run, 0);
-    let (mut far, mut low) = (0.0f64, 0.0f64);
-    while run.output.state == State::Commission {
-        run.step();
-        let now = p.arm.forward(&run.robot.positions()).tip;
-        (far, low) = (far.max((now - tip).norm()), low.min(now.z - tip.z));
-    }
-    // 1.64 v^2 / a, and what a chord is shorter than an arc
-    assert!(far > 0.03 && far < 0.0331, "{far}");
-    // the bare servo overshoots by a thousandth
-    assert!(low > -6e-5, "{low}");
-    let end = run.robot.positions();
-    assert!((0..6).all(|i| (end[i] - start[i]).abs() < 5e-5), "{start:?} {end:?}");
-}
-
-#[test]
-fn after_a_run_it_first_comes_out_of_the_part() {
-    let p = applied();
-    let mut run = resting(&p, &Build::NOMINAL);
-    assert!(run.finish(Mode::DryRun));
-    let tip = p.arm.forward(&run.robot.positions()).tip;
-    begin(&mut run, 0);
-    let mut rises = true;
-    while run.output.state == State::Commission {
-        run.step();
-        let way = p.arm.forward(&run.robot.positions()).tip - tip;
-        rises &= way.z > p.transfer.clearance - 2e-4 || way.x.hypot(way.y) < 2e-5;
-    }
-    assert!(rises && run.output.measured.valid, "{:?}", run.output);
-    assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
-    // `mode` is still that of the run, and begins nothing
-    (0..100).for_each(|_| run.step());
-    assert_eq!(run.output.state, State::Idle);
-    assert!(worst(&mut run) <= 0.03);
-}
-
-#[test]
-fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() {
-    let rejected = |change: fn(&mut Parameters), build: Build, idle: f64| {
-        let mut p = applied();
-        change(&mut p);
-        let mut run = resting(&p, &build);
-        run.input.spindle_speed = idle;
-        commission(&mut run);
-        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::CommissionRejected), "{:?}", run.output);
-        assert!(!run.output.measured.valid && run.output.drive_enable);
-        let mut in_force = run.parameters.clone();
-        run.controller.bring_into_force(&mut in_force);
-        assert_eq!(in_force, run.parameters);
-        let axis = run.output.numbers.axis;
-        (run.input.commission, run.robot.noise) = (false, 0.0);
-        (0..20).for_each(|_| run.step());
-        run.input.reset_fault = true;
-        (0..3).for_each(|_| run.step());
-        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
-        axis
-    };
-    // half a millimetre tells too little, and so does much noise
-    assert_eq!(rejected(|p| p.commission.travel = 5e-4, Build { noise: 3.0, ..Build::NOMINAL }, IDLE), 1);
-    assert_eq!(rejected(|p| p.commission.deviation_max = 5e-5, Build { noise: 2.0, ..Build::NOMINAL }, IDLE), 1);
-    // a tool that is off, and drives that are later than it can bear
-    assert_eq!(rejected(|_| (), Build::NOMINAL, 0.0), -1);
-    assert_eq!(rejected(|_| (), Build { delay: 4, ..Build::NOMINAL }, IDLE), 0);
-}
-
-#[test]
-fn a_drive_that_is_lost_turns_round_or_stands_is_found_at_once() {
-    for samples in [40, 700, 2000] {
-        for (gain, faults) in [
-            (0.0, &[Fault::FrozenReading, Fault::WeakDrive][..]),
-            (-1.0, &[Fault::DriveSign]),
-            (0.2, &[Fault::WeakDrive]),
-        ] {
-            let mut run = resting(&applied(), &Build::NOMINAL);
-            begin(&mut run, samples);
-            run.robot.gain = gain;
-            let start = run.robot.positions();
-            for _ in 0..400 {
-                if run.output.state != State::Commission {
-                    break;
-                }
-                run.step();
-            }
-            assert!(faults.contains(&run.output.fault), "{samples} {gain}: {:?}", run.output);
-            assert!(!run.output.drive_enable && run.output.axis.iter().all(|axis| axis.velocity == 0.0));
-            let far = (0..6).fold(0.0f64, |far, i| far.max((run.robot.positions()[i] - start[i]).abs()));
-            assert!(far < 0.34, "{samples} {gain}: {far}");
-            (0..200).for_each(|_| run.step());
-            assert_eq!((run.output.state, run.output.measured.valid), (State::Fault, false));
-        }
-    }
-}
-
-#[test]
-fn bad_readings_are_bridged_for_a_while_and_then_named() {
-    type Spoil = fn(&mut Loop);
-    let cases: [(Spoil, Fault); 4] = [
-        (|run| run.input.axis[2].position = f64::NAN, Fault::LostReading),
-        (|run| run.input.axis[2].position += 0.02, Fault::ReadingJump),
-        (|run| run.input.spindle_speed = f64::NAN, Fault::LostSpindle),
-        (|run| run.input.speed_override = f64::NAN, Fault::InvalidInput),
-    ];
-    for (spoil, fault) in cases {
-        let mut run = resting(&applied(), &Build { gain: 0.8, ..Build::NOMINAL });
-        begin(&mut run, 0);
-        for k in 0.. {
-            run.read();
-            (run.input.spindle_speed, run.input.speed_override) = (IDLE, 1.0);
-            // two samples of a hundred, now and then
-            if k % 100 > 97 {
-                spoil(&mut run);
-            }
-            run.tick();
-            if run.output.state != State::Commission {
-                break;
-            }
-        }
-        assert!(run.output.measured.valid, "{fault:?}: {:?}", run.output);
-        assert!(
-            run.output.measured.axis.iter().all(|axis| (axis.gain - 0.8).abs() < 4e-3),
-            "{:?}",
-            run.output.measured
-        );
-        run.input.commission = false;
-        run.step();
-        begin(&mut run, 300);
-        for _ in 0..60 {
-            run.read();
-            spoil(&mut run);
-            run.tick();
-        }
-        assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
-    }
-}
-
-#[test]
-fn it_does_not_take_longer_than_it_may() {
-    let mut p = applied();
-    p.commission.time = 28.0;
-    let mut run = resting(&p, &Build::NOMINAL);
-    // told otherwise when it had begun
-    run.parameters.commission.time = 8.0;
-    commission(&mut run);
-    assert_eq!((run.output.fault, run.output.numbers.limit), (Fault::NoProgress, 8.0));
 }
 
 #[test]

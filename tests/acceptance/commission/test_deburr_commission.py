@@ -8,10 +8,14 @@ were told.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
+from plants.cylindrical_robot import CylindricalRobot
+from plants.cylindrical_robot_parameters import CylindricalRobotParameters
 
 from ..measured import store
 from ..samples import studies
@@ -46,10 +50,23 @@ class Robot(machine.Machine):
         lag = 2.0 * self.changes["plant.drive_damping"] / self.changes["plant.drive_frequency"]
         return float(PERIOD * self.delay + lag)
 
+    def held(self, axis: int) -> float:
+        """Way by which friction holds a drive back, force over the stiffness of the drive, rad or m."""
+        force = getattr(CylindricalRobotParameters, f"axis{axis}_force")
+        stiffness = stiffnesses(self.changes["plant.drive_frequency"], self.changes["plant.drive_damping"])
+        return float(self.changes["plant.coulomb_friction"] * force / stiffness[axis])
+
     @property
     def error(self) -> float:
         """Larger of the largest errors of the axes 1 and 3 at the tip, m."""
         return max(self["error_1"], self["error_3"])
+
+
+@cache
+def stiffnesses(frequency: float, damping: float) -> dict[int, float]:
+    """Stiffness of the drives 1 and 3, N.m/rad or N/m."""
+    plant = CylindricalRobot(CylindricalRobotParameters(drive_frequency=frequency, drive_damping=damping))
+    return {axis: float(plant.model.actuator(f"axis_{axis}").gainprm[0]) for axis in (1, 3)}
 
 
 def robots(few: tuple[int, int] | None = None) -> list[Robot]:
@@ -67,6 +84,18 @@ def off(found: Sequence[Robot]) -> tuple[Array, Array]:
     gain = np.array([one[f"gain_{axis}"] / one.gain - 1.0 for one in found for axis in (1, 3)])
     late = np.array([one[f"late_{axis}"] - one.late for one in found for axis in (1, 3)])
     return gain, late
+
+
+def held_off(found: Sequence[Robot]) -> Array:
+    """Tell by how much friction was measured wrong, at the tip, of the axes 1 and 3, m."""
+    reach = CylindricalRobotParameters.tuned_radius
+    return np.array(
+        [
+            lever * (one[f"friction_{axis}"] - one.held(axis))
+            for one in found
+            for axis, lever in ((1, reach), (3, 1.0))
+        ]
+    )
 
 
 def tell(found: Sequence[Robot]) -> None:
@@ -130,6 +159,7 @@ def hold(found: Sequence[Robot], least: float) -> None:
         assert round(one["io_delay"]) == one.delay
         assert abs(one["idle"]) < 1e-3
     gain, late = off(found)
+    assert np.abs(held_off(found)).max() < 6e-6
     # friction lets a reversal be late, and is no noise
     assert np.abs(gain).max() < 5e-3
     assert np.abs(late).max() < 1e-3
@@ -147,6 +177,7 @@ def hold_deviations(found: Sequence[Robot]) -> None:
         errors[f"frequency_{axis}"] = [
             one[f"frequency_{axis}"] - one.changes["plant.drive_frequency"] for one in found
         ]
+        errors[f"friction_{axis}"] = [one[f"friction_{axis}"] - one.held(axis) for one in found]
     studies.hold_deviations(found, errors)
 
 

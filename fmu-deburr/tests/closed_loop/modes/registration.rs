@@ -276,6 +276,52 @@ fn it_is_broken_off_into_rest_and_the_path_as_it_was_taught() {
 }
 
 #[test]
+fn one_that_is_told_to_be_good_is_not_broken_off_any_more() {
+    let mut touching = Touching::new(|_| (), &NOISY, part(8));
+    touching.begin(0);
+    while !touching.run.output.registration.valid {
+        touching.step();
+    }
+    // the answer to `registration.valid`, in the very next sample
+    (touching.run.input.register, touching.run.input.mode) = (false, Mode::DryRun);
+    touching.step();
+    assert_eq!(touching.ended(), (State::Idle, Fault::None));
+    (0..100).for_each(|_| touching.step());
+    assert_eq!(touching.ended(), (State::Idle, Fault::None));
+    let taught = path_file::read(&Parameters::START, None).unwrap();
+    let moved = (touching.run.controller.path().at(0.1).tip - taught.at(0.1).tip).norm();
+    assert!(touching.run.output.registration.valid && moved > 1e-4, "{moved}");
+}
+
+#[test]
+fn a_contact_on_the_way_is_braked_from_without_a_jerk() {
+    let mut touching = Touching::new(|_| (), &Build::NOMINAL, Part::default());
+    let reference = |touching: &Touching| touching.run.output.axis.each_ref().map(|axis| axis.reference);
+    // out after the third touch, and half of the way across to the fourth
+    touching.begin(0);
+    while touching.run.output.registration.touches < 3 {
+        touching.step();
+    }
+    (0..225).for_each(|_| touching.step());
+    let mut places = vec![reference(&touching)];
+    touching.stuck = Some(true);
+    while touching.run.output.state != State::Fault {
+        touching.step();
+        places.push(reference(&touching));
+    }
+    assert_eq!(touching.run.output.fault, Fault::UnexpectedContact);
+    let levers = touching.run.parameters.arm.levers(&places[0]);
+    let most = |at: &dyn Fn(usize, usize) -> f64| {
+        (1..places.len() - 1)
+            .fold(0.0f64, |most, k| (0..6).fold(most, |most, i| most.max((at(k, i) * levers[i]).abs())))
+    };
+    let fastest = most(&|k, i| places[k][i] - places[k - 1][i]);
+    let hardest = most(&|k, i| places[k + 1][i] - 2.0 * places[k][i] + places[k - 1][i]);
+    // a thirtieth of its speed is taken in each sample
+    assert!(fastest > 2e-4 && hardest < 0.15 * fastest, "{fastest} m in a sample, changed by {hardest}");
+}
+
+#[test]
 fn it_never_begins_by_itself_nor_without_touches() {
     let mut touching = Touching::new(|p| p.path.file = String::new(), &Build::NOMINAL, Part::default());
     touching.run.input.mode = Mode::DryRun;
