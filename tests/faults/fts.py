@@ -59,6 +59,10 @@ def spike(to: str, offset: float) -> tuple[Injection, ...]:
     return (Injection(to, from_time=BEGIN, duration=STEP, offset=offset),)
 
 
+STANDS = ("loop.duration=1.2",)
+"""What ends in a fault stands long before."""
+
+
 def lost(
     name: str,
     fault: str | tuple[str, ...],
@@ -68,17 +72,17 @@ def lost(
 ) -> Row:
     """Fault that ends with the drive off, of an arm that coasts."""
     faults = (fault,) if isinstance(fault, str) else fault
-    return Row(name, faults, truth, 2e-3, COASTS, inject, changes=changes, unit="m")
+    return Row(name, faults, truth, 2e-3, COASTS, inject, changes=(*STANDS, *changes), unit="m")
 
 
 def braked(name: str, fault: str, *inject: Injection) -> Row:
     """Fault that ends with the drive off, of an arm that is braked before."""
-    return Row(name, (fault,), AFTER, 0.2e-3, BRAKED, inject, unit="m")
+    return Row(name, (fault,), AFTER, 0.2e-3, BRAKED, inject, changes=STANDS, unit="m")
 
 
 def left(name: str, fault: str, *inject: Injection, changes: tuple[str, ...] = ()) -> Row:
     """Fault that ends out of the part under control."""
-    return Row(name, (fault,), INTO, 90e-6, CONTROLLED, inject, changes=changes, unit="m")
+    return Row(name, (fault,), INTO, 90e-6, CONTROLLED, inject, changes=(*STANDS, *changes), unit="m")
 
 
 def borne(

@@ -13,6 +13,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
+from .report import browser
+
 DATA = Path(__file__).parent / "data"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 
@@ -93,6 +95,13 @@ def probe(tmp_path_factory: pytest.TempPathFactory, probe_library: bytes) -> Pat
     member = f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
     description = (DATA / "probe.xml").read_text()
     return pack(tmp_path_factory.mktemp("fmu") / "probe.fmu", description, {member: probe_library})
+
+
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a browser for all pages."""
+    with browser.started(tmp_path_factory.mktemp("chromium")) as address:
+        yield address
 
 
 @pytest.fixture(autouse=True)

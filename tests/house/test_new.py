@@ -15,7 +15,8 @@ ROOT = Path(__file__).resolve().parents[2]
 # both are kept between runs at one place, so that what did not change is compiled once
 COPY = ROOT / "target/newcomer/repository"
 BUILD = ROOT / "target/newcomer/build"
-NOT_COPIED = shutil.ignore_patterns("target", ".git", ".venv", ".*_cache", "__pycache__")
+# what Python and mypy know of modules that are the same goes with them
+NOT_COPIED = shutil.ignore_patterns("target", ".git", ".venv", ".ruff_cache", ".pytest_cache")
 NAME = "trial"
 
 

@@ -1,6 +1,7 @@
 //! `cargo xtask test`: everything that proves the project, step by step, with its times.
 
 use std::process::Command;
+use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
@@ -44,6 +45,8 @@ fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
     let program = |line: &str| line.split_whitespace().next().unwrap_or_default().to_owned();
     let cargo = |line: &str| words(workspace.cargo(&program(line)), line);
     let venv = |line: &str| words(workspace.venv_command(&program(line)), line);
+    // one more than there are cores: a fifth of the time a test waits for a browser, a cluster or a limit to pass
+    let processes = available_parallelism().map_or(2, |cores| cores.get() + 1);
     vec![
         ("rustfmt", cargo("fmt --all --check")),
         ("ruff format", venv("ruff format --check")),
@@ -58,7 +61,7 @@ fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
         ),
         ("bench", cargo("xtask bench --short")),
         ("cargo test", cargo("test --workspace --locked")),
-        ("pytest", venv("pytest --numprocesses auto --dist loadgroup --durations 20")),
+        ("pytest", venv(&format!("pytest --numprocesses {processes} --dist loadgroup --durations 20"))),
     ]
 }
 

@@ -26,10 +26,13 @@ def commission(
 ) -> Row:
     """Row of what goes wrong so long after the beginning of a commission."""
     inject = (Injection(to, when=MEASURING, after=after, **kind),)  # type: ignore[arg-type]
-    return Row(name, faults, ASTRAY, limit, why, inject, (), LASTS, "fts/commission", "m")
+    lasts = SLOW_LASTS if after == SLOW else LASTS
+    return Row(name, faults, ASTRAY, limit, why, inject, (), lasts, "fts/commission", "m")
 
 
 LASTS = ("loop.duration=10.9",)
+SLOW_LASTS = ("loop.duration=4",)
+"""What is wrong in a slow swing is told in it, three seconds before."""
 
 ROWS = (
     commission(

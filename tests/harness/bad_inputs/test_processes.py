@@ -12,7 +12,7 @@ import pytest
 
 from .. import test_cli
 from . import fmus, models, studies
-from .calling import check_refusal
+from .calling import Case, Refuse, check_refusal
 
 PLANTS = {
     "NoParameters": ("del Parameters", ("`own:Bad`", "`reset`")),
@@ -78,12 +78,11 @@ def test_a_model_that_takes_for_ever_is_named(lag: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [None, "", "{}", '{"address": 5}', "not json"])
-def test_a_bad_scheduler_file_is_named(content: str | None, lag: Path) -> None:
+def test_a_bad_scheduler_file_is_named(content: str | None, lag: Path, refuse: Refuse) -> None:
     (lag / "study.toml").write_text(studies.DRAWN + studies.RANGE)
     if content is not None:
         (lag / "dask.json").write_text(content)
-    done = test_cli.cosim("sweep", "study.toml", "--cluster", "dask.json")
-    check_refusal(("dask.json",), done.returncode, done.stdout, done.stderr)
+    refuse(Case(("sweep", "study.toml", "--cluster", "dask.json"), ("dask.json",)))
 
 
 @pytest.mark.usefixtures("lag")

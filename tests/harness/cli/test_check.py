@@ -15,7 +15,7 @@ from cosim.scenario.load import load
 from cosim.sweep.check import file_of
 
 from ..conftest import END, SCENARIO, entry
-from .commands import cosim
+from .commands import called, cosim
 
 Write = Callable[..., Path]
 COMPLETE = (
@@ -54,7 +54,7 @@ def test_an_optimization_is_checked_at_both_ends(write: Write, folder: Path) -> 
     write(COMPLETE + "[plant.parameters]\nfail_at = 0\n")
     (folder / "good.toml").write_text(OPTIMIZATION.format(0.9))
     (folder / "bad.toml").write_text(OPTIMIZATION.format(1.5))
-    done = cosim("check", "good.toml", "bad.toml")
+    done = called("check", "good.toml", "bad.toml")
     assert done.returncode == 2
     assert done.stdout == "good.toml: optimization, 40 runs, fit to run\n"
     assert "`plant.pole` is `1.5`, it must lie in 0 .. 1" in done.stderr
@@ -71,7 +71,7 @@ def test_the_studies_of_the_project_are_known_in_any_folder(folder: Path) -> Non
 def test_a_file_is_named_once(write: Write, folder: Path) -> None:
     write(COMPLETE)
     (folder / "bad.toml").write_text(STUDY.format(7.0))
-    done = cosim("check", "./bad.toml", "none.toml")
+    done = called("check", "./bad.toml", "none.toml")
     first, second = (line for line in done.stderr.splitlines() if line.startswith("error: "))
     assert first.startswith("error: `bad.toml`, case 1: ")
     assert first.count("bad.toml") == 1
@@ -81,7 +81,7 @@ def test_a_file_is_named_once(write: Write, folder: Path) -> None:
 def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Write, folder: Path) -> None:
     write(COMPLETE)
     (folder / "bad.toml").write_text(STUDY.format(7.0))
-    done = cosim("check", "bad.toml", "none.toml", "lag.toml", "--json")
+    done = called("check", "bad.toml", "none.toml", "lag.toml", "--json")
     assert done.returncode == 2
     bad, none, good = json.loads(done.stdout)
     assert (bad["kind"], bad["ok"], bad["runs"]) == ("study", False, 0)

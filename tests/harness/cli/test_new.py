@@ -11,7 +11,7 @@ import pytest
 import cosim as api
 from cosim.new.match import End, match
 
-from .commands import cosim
+from .commands import called, cosim
 
 Write = Callable[..., Path]
 MJCF = """
@@ -87,7 +87,7 @@ def test_the_new_scenario_passes_the_check_and_runs(folder: Path) -> None:
 
 def test_the_comments_are_a_scenario_once_the_marks_are_taken_away(folder: Path) -> None:
     (folder / "cart.xml").write_text(MJCF)
-    cosim("new", "probe.fmu", "cart.xml")
+    called("new", "probe.fmu", "cart.xml")
     text = (folder / "probe.toml").read_text()
     assert "# Enumeration, Off | Slow | Fast" in text
     assert "#   plant.rate: m/s, Sensor `jointvel`" in text
@@ -97,30 +97,30 @@ def test_the_comments_are_a_scenario_once_the_marks_are_taken_away(folder: Path)
     assert driven == {"controller.count", "controller.mode", "controller.flag", "plant.brake"}
     result = api.run(scenario)
     assert [verdict.criterion.id for verdict in result.criteria] == ["peak"]
-    assert cosim("check", "all.toml").stderr == ""
+    assert called("check", "all.toml").stderr == ""
 
 
 def test_the_comment_at_the_top_quiets_what_is_left(folder: Path) -> None:
     (folder / "cart.xml").write_text(MJCF)
-    cosim("new", "probe.fmu", "cart.xml")
+    called("new", "probe.fmu", "cart.xml")
     text = (folder / "probe.toml").read_text()
     (folder / "quiet.toml").write_text(text.replace("# idle = [", "idle = [", 1))
     scenario = api.load(folder / "quiet.toml")
     assert scenario.idle == ("controller.count", "controller.mode", "controller.flag", "plant.brake")
-    assert "nothing drives" not in cosim("check", "quiet.toml").stderr
+    assert "nothing drives" not in called("check", "quiet.toml").stderr
 
 
 def test_an_fmu_alone_gets_a_scenario_without_a_plant(folder: Path) -> None:
     (folder / "deep").mkdir()
-    assert cosim("new", "probe.fmu", "--out", "deep/alone.toml").returncode == 0
+    assert called("new", "probe.fmu", "--out", "deep/alone.toml").returncode == 0
     scenario = api.load(folder / "deep" / "alone.toml")
     assert (scenario.plant.name, scenario.controller.fmu) == ("", "../probe.fmu")
-    assert cosim("check", "deep/alone.toml").returncode == 0
+    assert called("check", "deep/alone.toml").returncode == 0
 
 
 def test_nothing_is_ever_overwritten(folder: Path) -> None:
     (folder / "probe.toml").write_text("mine")
-    done = cosim("new", "probe.fmu")
+    done = called("new", "probe.fmu")
     assert done.returncode == 2
     assert done.stderr == "error: `probe.toml` is there already\nhint: choose another name with `--out`\n"
     assert (folder / "probe.toml").read_text() == "mine"
@@ -139,7 +139,7 @@ def test_nothing_is_ever_overwritten(folder: Path) -> None:
 @pytest.mark.usefixtures("folder")
 def test_mistakes_are_told_and_leave_no_file(arguments: list[str], told: str) -> None:
     before = set(Path().glob("**/*.toml"))
-    done = cosim("new", *arguments)
+    done = called("new", *arguments)
     assert done.returncode == 2
     assert told in done.stderr
     assert set(Path().glob("**/*.toml")) == before

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import zipfile
 from pathlib import Path
 
@@ -42,11 +41,11 @@ def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 @browser.SCREENS
 def test_a_browser_shows_the_page_of_an_fmu_without_a_complaint(
-    page: Path, width: int, theme: str, tmp_path: Path
+    chromium: str, page: Path, width: int, theme: str
 ) -> None:
-    assert browser.complaints(page, width, theme, tmp_path) == []
+    assert browser.complaints(chromium, page, width, theme) == []
 
 
-def test_no_word_in_a_table_is_broken(page: Path, tmp_path: Path) -> None:
-    broken, _, _ = asyncio.run(browser.visit(page, 1400, "light", BROKEN, tmp_path))
+def test_no_word_in_a_table_is_broken(chromium: str, page: Path) -> None:
+    broken, _, _ = browser.visit(chromium, page, 1400, "light", BROKEN)
     assert broken == []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import shutil
 import subprocess
 import sys
@@ -99,30 +98,27 @@ def test_what_is_generated_holds_everything(site: Path) -> None:
 @browser.SCREENS
 @pytest.mark.parametrize("page", ["index.html", "fmu-dob/index.html", "examples/sweep.html"])
 def test_a_browser_shows_it_without_a_complaint(
-    site: Path, page: str, width: int, theme: str, tmp_path: Path
+    chromium: str, site: Path, page: str, width: int, theme: str
 ) -> None:
-    assert browser.complaints(site / page, width, theme, tmp_path) == []
+    assert browser.complaints(chromium, site / page, width, theme) == []
 
 
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 @pytest.mark.full
 @browser.SCREENS
 def test_a_browser_shows_every_page_without_a_complaint(
-    site: Path, width: int, theme: str, tmp_path: Path
+    chromium: str, site: Path, width: int, theme: str
 ) -> None:
     # a server shows the page for what is not there, by addresses from its root
     pages = [name for name in places(site) if name != "404.html"]
-    found = {
-        name: browser.complaints(site / name, width, theme, tmp_path / str(number))
-        for number, name in enumerate(pages)
-    }
+    found = {name: browser.complaints(chromium, site / name, width, theme) for name in pages}
     assert len(pages) > 40
     assert {name: told for name, told in found.items() if told} == {}
 
 
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 @pytest.mark.full
-def test_the_search_finds_a_page_without_a_server(site: Path, tmp_path: Path) -> None:
-    answer, _, troubles = asyncio.run(browser.visit(site / "index.html", 1400, "light", SEARCH, tmp_path))
+def test_the_search_finds_a_page_without_a_server(chromium: str, site: Path) -> None:
+    answer, _, troubles = browser.visit(chromium, site / "index.html", 1400, "light", SEARCH)
     assert troubles == []
     assert "fmu-deburr/index.html" in answer

@@ -23,6 +23,7 @@ from cosim.replay.motion import Recorded, motion, of_result
 from cosim.replay.pace import RATE
 from cosim.report.job import FILM_SECONDS, FILM_SIZE
 
+from ..cli.commands import called
 from ..cli.commands import cosim as command
 
 SMALL = Shot((160, 120), seconds=0.4)
@@ -103,7 +104,7 @@ def test_a_film_has_its_pictures(ending: str, cart: Path, folder: Path) -> None:
 @pytest.mark.usefixtures("_drawing")
 def test_the_command_films_a_trace_or_a_scenario(cart: Path, folder: Path) -> None:
     options = ("--seconds", "0.2", "--size", "64x48")
-    done = command("run", "cart.toml", "--set", "loop.record_qpos=true", "--trace", "cart.npz", "-q")
+    done = called("run", "cart.toml", "--set", "loop.record_qpos=true", "--trace", "cart.npz", "-q")
     assert done.returncode == 0, done.stderr
     films = []
     for source in (("cart.npz", "cart.toml"), ("cart.toml",)):
@@ -170,7 +171,7 @@ def test_what_cannot_draw_costs_the_picture_alone(folder: Path) -> None:
 def test_what_cannot_be_filmed_is_one_message(
     arguments: tuple[str, ...], message: str, cart: Path, folder: Path
 ) -> None:
-    done = command("video", *arguments, "-q", "--in-process")
+    done = called("video", *arguments, "-q")
     assert done.returncode == 2
     assert message in done.stderr
     assert "Traceback" not in done.stderr
@@ -232,7 +233,7 @@ def test_without_a_renderer_there_is_a_hint(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_the_viewer_takes_no_endless_time(cart: Path) -> None:
-    done = command("view", str(cart), "-q", "--in-process", "--seconds", "1e12")
+    done = called("view", str(cart), "-q", "--seconds", "1e12")
     assert done.returncode == 2
     assert "`--seconds` is `1e+12`, it must be above 0 and at most 3600" in done.stderr
 

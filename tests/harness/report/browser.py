@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import itertools
 import json
 import shutil
 import subprocess
+import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -36,9 +39,39 @@ SCREENS = pytest.mark.parametrize(
 )
 
 
-def complaints(page: Path, width: int, theme: str, folder: Path) -> list[str]:
+@contextlib.contextmanager
+def started(folder: Path) -> Iterator[str]:
+    """Address of a Chromium that ends with the block; the test is skipped where it ends before it listens.
+
+    Parameters
+    ----------
+    folder
+        Empty folder, for what it keeps.
+    """
+    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0"]
+    command = [str(PROGRAM), *options, f"--user-data-dir={folder}", "about:blank"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as chromium:
+        try:
+            yield listening(chromium, folder / "DevToolsActivePort")
+        finally:
+            chromium.kill()
+
+
+def listening(chromium: subprocess.Popen[bytes], place: Path) -> str:
+    """Wait for the file in which Chromium tells its address."""
+    for _ in range(900):
+        if place.is_file() and place.read_text().count("\n"):
+            port, path = place.read_text().splitlines()[:2]
+            return f"ws://127.0.0.1:{port}{path}"
+        if chromium.poll() is not None:
+            pytest.skip(f"`{PROGRAM}` cannot start: it ended with exit code {chromium.returncode}")
+        time.sleep(0.1)
+    pytest.fail(f"`{PROGRAM}` does not tell where it listens")
+
+
+def complaints(browser: str, page: Path, width: int, theme: str) -> list[str]:
     """Tell what is wrong with a page on a screen: its texts stand in an `article` or in `main`."""
-    answer, _, found = asyncio.run(visit(page, width, theme, QUESTION, folder))
+    answer, _, found = visit(browser, page, width, theme, QUESTION)
     if answer["sideways"] or answer["outside"]:
         found.append(f"wider than the screen: {answer['outside']}")
     if (answer["colour"] == LIGHT) != (theme == "light"):
@@ -46,39 +79,21 @@ def complaints(page: Path, width: int, theme: str, folder: Path) -> list[str]:
     return found
 
 
-async def visit(
-    page: Path, width: int, theme: str, question: str, folder: Path, printed: str = "null"
+def visit(
+    browser: str, page: Path, width: int, theme: str, question: str, printed: str = "null"
 ) -> tuple[Any, Any, list[str]]:
-    """Open a page; returns what two JavaScript expressions give in the end, and what went wrong meanwhile.
+    """Open a page as somebody who was never there.
 
-    The second one sees the page as it is printed. The test is skipped where Chromium ends before it listens.
+    Returns what two JavaScript expressions give in the end, the second one of the page as it is printed, and
+    what went wrong meanwhile.
     """
-    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0"]
-    command = [str(PROGRAM), *options, f"--user-data-dir={folder}", "about:blank"]
-    chromium = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        asking = asked(chromium, page, width, theme, (question, printed), folder)
-        return await asyncio.wait_for(asking, 90)
-    finally:
-        chromium.kill()
-        chromium.wait()
+    return asyncio.run(asyncio.wait_for(asked(browser, page, width, theme, (question, printed)), 90))
 
 
 async def asked(
-    chromium: subprocess.Popen[bytes],
-    page: Path,
-    width: int,
-    theme: str,
-    questions: tuple[str, str],
-    folder: Path,
+    browser: str, page: Path, width: int, theme: str, questions: tuple[str, str]
 ) -> tuple[Any, Any, list[str]]:
-    place = folder / "DevToolsActivePort"
-    while not (place.is_file() and place.read_text().count("\n")):
-        if chromium.poll() is not None:
-            pytest.skip(f"`{PROGRAM}` cannot start: it ended with exit code {chromium.returncode}")
-        await asyncio.sleep(0.1)
-    port, path = place.read_text().splitlines()[:2]
-    socket = await websocket_connect(f"ws://127.0.0.1:{port}{path}")
+    socket = await websocket_connect(browser)
     numbers = itertools.count(1)
     troubles: list[str] = []
     session: dict[str, str] = {}
@@ -88,14 +103,17 @@ async def asked(
         words = {"id": number, "method": method, "params": parameters, **session}
         await socket.write_message(json.dumps(words))
         while True:
-            message = json.loads(await socket.read_message() or "{}")
+            told = await socket.read_message()
+            assert told is not None, "Chromium ended"
+            message = json.loads(told)
             if message.get("id") == number:
                 return message.get("result")
             url = message.get("params", {}).get("request", {}).get("url", "file:")
             if message.get("method") in TROUBLES or not url.startswith(OWN):
                 troubles.append(json.dumps(message["params"])[:500])
 
-    target = await call("Target.createTarget", url="about:blank")
+    own = await call("Target.createBrowserContext", disposeOnDetach=True)
+    target = await call("Target.createTarget", url="about:blank", **own)
     attached = await call("Target.attachToTarget", targetId=target["targetId"], flatten=True)
     session["sessionId"] = attached["sessionId"]
     for domain in DOMAINS:
@@ -112,4 +130,6 @@ async def asked(
         await call("Emulation.setEmulatedMedia", media=media, features=[scheme])
         found = await call("Runtime.evaluate", expression=question, awaitPromise=True, returnByValue=True)
         answers.append(found["result"].get("value"))
+    # with it goes all that the page left
+    socket.close()
     return *answers, troubles

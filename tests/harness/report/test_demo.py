@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-from pathlib import Path
-
 import pytest
 
 from handbook.pages import ROOT
@@ -44,8 +41,8 @@ def test_the_page_is_small_enough_to_be_sent() -> None:
 @pytest.mark.skipif(not PAGE.is_file(), reason="`cargo xtask demo` has not made it")
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1400, 400])
-def test_the_page_opens(width: int, theme: str, tmp_path: Path) -> None:
-    answer, _, troubles = asyncio.run(browser.visit(PAGE, width, theme, QUESTION, tmp_path))
+def test_the_page_opens(chromium: str, width: int, theme: str) -> None:
+    answer, _, troubles = browser.visit(chromium, PAGE, width, theme, QUESTION)
     assert troubles == []
     rows = answer.pop("rows")
     assert 20 < rows < 60

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import base64
 import gzip
 import json
@@ -21,6 +20,7 @@ from cosim.report.page import library
 from cosim.report.series import unpacked
 from cosim.words.verdicts import row
 
+from ..cli.commands import called
 from ..cli.commands import cosim as command
 from ..conftest import DATA, END, SCENARIO
 from . import browser
@@ -238,7 +238,7 @@ def test_what_cannot_be_drawn_is_told_before_the_run(made: Path, monkeypatch: py
     monkeypatch.chdir(made)
     (made / "typo.toml").write_text(LAG.replace('columns = ["plant.x"]', 'columns = ["plant.xx"]'))
     for words in (("check",), ("report", "-o", "typo.html")):
-        done = command(words[0], "typo.toml", *words[1:], "-q", COSIM_CACHE=str(made / "cache"))
+        done = called(words[0], "typo.toml", *words[1:], "-q", COSIM_CACHE=str(made / "cache"))
         assert done.returncode == 2
         assert "`typo.toml`: `plot.panels[0].columns` names `plant.xx`, which is no column" in done.stderr
 
@@ -249,7 +249,7 @@ def test_a_failed_drawing_costs_no_verdict(made: Path, monkeypatch: pytest.Monke
     picked += '\n[plot]\nzoom = "plant.x[time > 0.01] > plant.x"\n'
     (made / "picked.toml").write_text(picked)
     words = ("test", "picked.toml", "--no-plots", "-q", "--out", "picked", "--report", "picked.html")
-    done = command(*words, COSIM_CACHE=str(made / "cache"))
+    done = called(*words, COSIM_CACHE=str(made / "cache"))
     assert done.returncode == 1, done.stderr
     assert json.loads((made / "picked/picked.json").read_text())["passed"] is False
     page = html.fromstring((made / "picked.html").read_text())
@@ -270,9 +270,9 @@ def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.
     monkeypatch.chdir(made)
     words = ("test", "lag.toml", "--no-plots", "-q")
     cache = {"COSIM_CACHE": str(made / "cache")}
-    plain = command(*words, **cache)
+    plain = called(*words, **cache)
     more = ("--report", "tested.html", "--document", "faults.md", "--study", "study.toml", "--out", "out")
-    told = command(*words, *more, **cache)
+    told = called(*words, *more, **cache)
     assert (told.returncode, told.stdout) == (plain.returncode, plain.stdout) == (1, plain.stdout)
     assert (made / "out/acceptance.txt").read_text() == told.stdout
     page = html.fromstring((made / "tested.html").read_text())
@@ -280,7 +280,7 @@ def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.
     assert page.find_class("document")
     assert "2 of 2 runs: 2 failed" in page.get_element_by_id("sweep-1").text_content()
     for option, file in (("--document", "faults.md"), ("--study", "study.toml")):
-        alone = command(*words, option, file)
+        alone = called(*words, option, file)
         assert (alone.returncode, alone.stdout) == (2, "")
         assert f"`{option}` is for the page of `--report`" in alone.stderr
 
@@ -321,9 +321,9 @@ PRINTED = """
 
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 @pytest.mark.parametrize(("width", "theme"), [(1400, "light"), (400, "dark")])
-def test_a_browser_draws_it_without_a_complaint(made: Path, width: int, theme: str, tmp_path: Path) -> None:
+def test_a_browser_draws_it_without_a_complaint(chromium: str, made: Path, width: int, theme: str) -> None:
     page = made / "page.html"
-    answer, printed, troubles = asyncio.run(browser.visit(page, width, theme, QUESTION, tmp_path, PRINTED))
+    answer, printed, troubles = browser.visit(chromium, page, width, theme, QUESTION, PRINTED)
     assert troubles == []
     # on paper as in print: light whatever the screen shows, and the still drawing of the page
     assert printed == {"colour": "rgb(255, 255, 255)", "plot": "none", "still": "block"}
