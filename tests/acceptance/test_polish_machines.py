@@ -63,8 +63,9 @@ def test_a_hundred_robots_at_ten_times_the_feed() -> None:
 
 
 @pytest.mark.full
-def test_a_hundred_tips_that_are_soft_across() -> None:
-    found = lateral(machines("polish-lateral"))
+@pytest.mark.parametrize("sweep", ["lateral", "circular"])
+def test_a_hundred_tips_that_are_soft_across(sweep: str) -> None:
+    found = lateral(machines(f"polish-{sweep}"))
     assert found["warned"] - found["rightly"] <= 3
     assert found["other"] <= 3
-    measured("polish-lateral", "lateral", **found)
+    measured("polish-lateral", sweep, **found)
