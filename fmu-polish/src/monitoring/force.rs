@@ -210,27 +210,25 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// What is wrong with the readings `forces` (N) along the normal, and the noise (N) that they have.
-    fn told(p: &Parameters, forces: impl Iterator<Item = f64>) -> (Option<Fault>, f64) {
+    /// Shows `monitor` the force `force` (N) along the normal in `state`: what is wrong with the reading.
+    fn show(monitor: &mut ForceMonitor, p: &Parameters, state: State, force: f64) -> Option<Fault> {
         let (zero, normal) = (Vector3::zeros(), Vector3::z());
         let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::x(), ratio: 1.0, feed_max: 1.0 };
         let error = ErrorOutput { tangential: 0.0, lateral: 0.0, normal: 0.0 };
+        let raw = force * normal;
+        let measured = MeasuredForce { vector: raw, unfiltered: raw, norm: force, normal: force, controlled: force };
+        let force_error = p.force.target - force;
+        let now = Measurement { frame, force: measured, force_error, offset: zero, error, surface: 0.0 };
+        let sample = ForceSample { state, raw: &raw, now: &now, normal: &normal, stiffness: 178e3, way: 0.0 };
+        monitor.update(p, &sample);
+        monitor.reading_fault(p, &sample)
+    }
+
+    /// What is wrong with the readings `forces` (N) along the normal, and the noise (N) that they have.
+    fn told(p: &Parameters, forces: impl Iterator<Item = f64>) -> (Option<Fault>, f64) {
         let (mut monitor, mut fault) = (ForceMonitor::default(), None);
         for force in forces {
-            let raw = force * normal;
-            let measured =
-                MeasuredForce { vector: raw, unfiltered: raw, norm: force, normal: force, controlled: force };
-            let now = Measurement { frame, force: measured, force_error: 0.0, offset: zero, error, surface: 0.0 };
-            let sample = ForceSample {
-                state: State::Approach,
-                raw: &raw,
-                now: &now,
-                normal: &normal,
-                stiffness: 178e3,
-                way: 0.0,
-            };
-            monitor.update(p, &sample);
-            fault = fault.or(monitor.reading_fault(p, &sample));
+            fault = fault.or(show(&mut monitor, p, State::Approach, force));
         }
         (fault, monitor.noise())
     }
@@ -263,5 +261,24 @@ mod tests {
         assert_eq!(standing(&p), Some(Fault::FrozenForce));
         p.limits.still_time = 0.0;
         assert_eq!(standing(&p), None);
+    }
+
+    #[test]
+    fn a_moment_counts_no_more_than_twice_the_largest_error_whatever_that_is() {
+        for limit in [0.25, 0.5, 1.0, 4.0] {
+            let mut p = P;
+            p.limits.force_error = limit;
+            // at twice the limit the mean square is the limit's after ERROR_TIME ln (4 / 3)
+            let after = |time: f64| {
+                let mut monitor = ForceMonitor::default();
+                (0..ticks(time, p.sample_period)).for_each(|_| {
+                    show(&mut monitor, &p, State::Follow, p.force.target + 20.0);
+                });
+                monitor.loop_fault(&p)
+            };
+            let time = ERROR_TIME * (4.0f64 / 3.0).ln();
+            assert_eq!(after(0.9 * time), None, "{limit}");
+            assert_eq!(after(1.1 * time), Some(Fault::ForceError), "{limit}");
+        }
     }
 }

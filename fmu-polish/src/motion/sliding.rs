@@ -375,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn too_little_raises_it_to_the_most_and_is_told_after_a_second_there() {
+    fn too_little_raises_it_to_the_most_and_is_told_after_a_second_there_but_not_nearly_enough() {
         // 20 mm/s are the most, 10 mm/s are told
         let slow = |time: f64| moved(&P, 30e3, 3.5, 10e-3, time).0;
         let first = slow(0.201);
@@ -386,10 +386,14 @@ mod tests {
         // what slides enough goes back to what is told
         let mut good = moved(&P, 200e3, 1.0, 10e-3, 0.15).0;
         good.added = 1e-3;
-        good.work += 1e-2;
-        good.weighted += 1e-2;
+        (good.work, good.weighted) = (good.work + 1e-2, good.weighted + 1e-2);
         (good.samples, good.too_little) = (window(&P), true);
         good.judge(&P);
         assert!(good.added == 0.0 && !good.too_little, "{good:?}");
+        for (share, expected) in [(0.95, false), (0.85, true)] {
+            let mut most = Sliding::default();
+            (0..WINDOWS).for_each(|_| most.hear(&P, share * P.stick_slip.sliding, true));
+            assert_eq!(most.too_little, expected, "{share}");
+        }
     }
 }

@@ -196,6 +196,23 @@ fn what_repeats_from_turn_to_turn_is_learned() {
 }
 
 #[test]
+fn a_tool_beside_the_begin_of_the_path_comes_to_it_while_the_force_settles() {
+    let aside = 80e-6;
+    for gain in [0.0, 2.0, 5.0] {
+        let mut p = Parameters::START;
+        p.position.gain = Axes::all(gain);
+        let mut run = Loop::beside(&p, Build::NOMINAL, 119, Vector3::new(0.0, aside, 0.0));
+        assert!(run.run_to(State::Settle, 5.0), "{:?}", run.output.fault);
+        let touched = run.time();
+        assert!(run.run_to(State::Follow, 5.0), "{:?}", run.output.fault);
+        let left = run.output.error.tangential.hypot(run.output.error.lateral) / aside;
+        // eq. 6 is a first-order lag
+        let derived = (-gain * (run.time() - touched)).exp();
+        assert!((left - derived).abs() < 0.05, "{gain}: {left} {derived}");
+    }
+}
+
+#[test]
 fn the_force_is_gone_before_the_tool_leaves() {
     let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 116);
     assert!(run.run_to(State::Retract, 20.0));
