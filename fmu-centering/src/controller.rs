@@ -173,8 +173,8 @@ impl Controller {
         if reading.fresh {
             let now = self.observation(p, due);
             self.law.observe(p, &now);
-            self.probe_delay.update(p, turned, &sample);
         }
+        self.probe_delay.update(p, turned, &sample, reading.fresh);
         turned
     }
 
@@ -314,6 +314,7 @@ impl Controller {
 
     fn report(&self, p: &Parameters) -> Output {
         let ring = self.estimate.as_ref();
+        let [surface_noise, surface_noise_deviation] = self.law.noise();
         Output {
             slide: Setpoint {
                 position_setpoint: self.motion.setpoint.position,
@@ -328,6 +329,8 @@ impl Controller {
             eccentricity: ring.map_or(0.0, |ring| ring.centre.eccentricity()),
             eccentricity_angle: ring.map_or(0.0, |ring| ring.centre.nearest()),
             eccentricity_sigma: ring.map_or(0.0, |ring| ring.sigma),
+            surface_noise,
+            surface_noise_deviation,
             spindle_speed: self.spindle.speed(),
             pusher_gap: p.probe.at_pusher - self.sample.probe,
             push: PushReport { offset: self.law.offset(), ..self.report },

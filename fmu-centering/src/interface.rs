@@ -150,6 +150,11 @@ mod variables {
         #[var(unit = RADIAN as "deg")] pub eccentricity_angle: f64,
         /// Standard deviation of the measured eccentricity
         #[var(unit = METRE as "nm")] pub eccentricity_sigma: f64,
+        /// Standard deviation of one measurement of the surface, beside a form of 2 to 20 waves per turn: at first `estimator.noise`, then as
+        /// it is found; 0 with the paper's law
+        #[var(unit = METRE as "nm")] pub surface_noise: f64,
+        /// Its standard deviation
+        #[var(unit = METRE as "nm")] pub surface_noise_deviation: f64,
         /// Estimated spindle speed
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_speed: f64,
         /// Gap between pusher and ring as the probe says

@@ -5,6 +5,8 @@ mod contact;
 mod gaussian;
 mod law;
 mod learned;
+mod noise;
+mod normal;
 mod press;
 mod ring_line;
 mod ring_model;

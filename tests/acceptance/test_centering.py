@@ -7,7 +7,7 @@ The paper gives no initial eccentricity; ours stands in the name of every sample
 
 import functools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -37,6 +37,7 @@ BADLY_KNOWN = Rings(
     spindle_error=0.3e-6,
     dirt=20e-6,
 )
+ANY_FORM = replace(BADLY_KNOWN, form=3.5e-6, noise_factor=3.0)
 HEAVIEST = Rings(mass=(70.0, 70.0), eccentricity=(1e-3, 1e-3), radius=(0.15, 0.25))
 
 
@@ -86,6 +87,11 @@ DEMANDS = [
     Demand("45 rpm and 0.5 um, e0 0.1 to 0.6 mm", Rings(speed=45.0), 6, 100, tolerance=5e-7, most_of_95=14.0),
     Demand("0.7 to 20 kg, e0 0.1 to 3 mm", OF_ALL_MASSES, 8, 100, share=0.98, most_of_95=21.0),
     Demand("badly known machines, e0 0.1 to 0.6 mm", BADLY_KNOWN, 8, 100, share=0.95, most_of_95=15.0),
+    Demand(
+        "any form of 2 to 20 waves, noise within a factor of 3", ANY_FORM, 6, 120,
+        share=0.98, most_of_95=17.0,
+    ),
+    Demand("any form and 1 um", ANY_FORM, 4, 100, tolerance=1e-6, share=0.95, most_of_95=19.0),
     Demand("70 kg and 80 Hz, e0 1 mm", HEAVIEST, 2, 20, "centering/70-kg", most=30.0),
 ]  # fmt: skip
 EACH = pytest.mark.parametrize("demand", DEMANDS, ids=[demand.name for demand in DEMANDS])

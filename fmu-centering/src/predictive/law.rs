@@ -183,6 +183,11 @@ impl CentringLaw for PredictiveLaw {
         let learned = &self.learned;
         learned.contact.mean + learned.deflection.mean + learned.recoil.mean
     }
+
+    fn noise(&self) -> [f64; 2] {
+        let noise = self.ring.noise();
+        [noise.sigma, noise.deviation()]
+    }
 }
 
 impl PredictiveLaw {
@@ -220,7 +225,7 @@ impl PredictiveLaw {
         }
         // what a full revolution will leave in doubt
         let samples = p.rates.collect * TAU / speed.abs().max(STANDING);
-        let doubt = p.estimator.noise * self.ring.misfit() * (2.0 / samples).sqrt();
+        let doubt = self.ring.noise().sigma * (2.0 / samples).sqrt();
         let worth = eccentricity > p.tolerance - p.estimator.margin * doubt;
         if certain && (full || (p.estimator.partial && worth)) {
             Verdict::Push

@@ -280,7 +280,7 @@ fn a_centred_ring_and_one_to_be_pushed_are_told_apart_by_their_doubt() {
     assert_eq!([0.99, 1.01].map(|share| told(share * most, true)), [Verdict::Centred, Verdict::Push]);
     // half a revolution: what a whole one will leave in doubt, of 66 Hz x 3 s
     let half = seen(2.4e-6, 0.5);
-    let doubt = P.estimator.noise * half.ring.misfit() * (2.0 / (P.rates.collect * 3.0)).sqrt();
+    let doubt = half.ring.noise().sigma * (2.0 / (P.rates.collect * 3.0)).sqrt();
     let edge = half.ring.eccentricity() + P.estimator.margin * doubt;
     let with = |tolerance: f64| {
         let mut p = P;
@@ -320,7 +320,7 @@ fn a_ring_that_was_moved_is_measured_anew_and_one_that_is_rough_is_not() {
     for k in 0..=404 {
         let angle = TAU * f64::from(k) / 200.0;
         let mut rough = now(State::Collect, 1e-4, angle);
-        rough.sample.probe += 1.5e-6 * (7.0 * angle).cos();
+        rough.sample.probe += 1.5e-6 * (23.0 * angle).cos();
         law.observe(&P, &rough);
         assert!(k < 4 || law.since.is_some_and(|since| since.abs() < 0.5), "{k}");
     }
