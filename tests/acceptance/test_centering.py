@@ -91,7 +91,6 @@ DEMANDS = [
         "any form of 2 to 20 waves, noise within a factor of 3", ANY_FORM, 6, 120,
         share=0.98, most_of_95=17.0,
     ),
-    Demand("any form and 1 um", ANY_FORM, 4, 100, tolerance=1e-6, share=0.95, most_of_95=19.0),
     Demand("70 kg and 80 Hz, e0 1 mm", HEAVIEST, 2, 20, "centering/70-kg", most=30.0),
 ]  # fmt: skip
 EACH = pytest.mark.parametrize("demand", DEMANDS, ids=[demand.name for demand in DEMANDS])

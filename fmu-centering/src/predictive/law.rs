@@ -107,6 +107,9 @@ impl CentringLaw for PredictiveLaw {
         if now.due.model {
             self.ring.refine();
         }
+        if self.turned >= TAU {
+            self.ring.stand_alone();
+        }
         if !now.due.collect {
             return None;
         }

@@ -68,6 +68,12 @@ impl Assumptions {
         sigmas.fixed_rows_mut::<2>(1).fill(self.centre);
         sigmas
     }
+
+    /// The same with the inverse of its covariance.
+    fn prior(&self) -> Prior {
+        let least = self.sigmas().map(|sigma| sigma.max(ROUND).powi(-2));
+        Prior { mean: Vector::zeros(), information: Matrix::from_diagonal(&least) }
+    }
 }
 
 /// Mean of the state and a square root of its covariance, which cannot become indefinite.
@@ -111,6 +117,8 @@ pub struct RingModel {
     doubtful: bool,
     /// a ring that has as much of all harmonics
     coarse: bool,
+    /// the history is a whole revolution, and tells all by itself
+    alone: bool,
     rejections: u32,
 }
 
@@ -119,8 +127,7 @@ impl RingModel {
     pub fn new(assumed: Assumptions) -> Self {
         let sigmas = assumed.sigmas();
         let now = Gaussian { mean: Vector::zeros(), root: Matrix::from_diagonal(&sigmas) };
-        let least = sigmas.map(|sigma| sigma.max(ROUND).powi(-2));
-        let prior = Prior { mean: now.mean, information: Matrix::from_diagonal(&least) };
+        let prior = assumed.prior();
         let noise = Noise::told(assumed.noise);
         Self {
             assumed,
@@ -132,6 +139,7 @@ impl RingModel {
             fitted: 0,
             doubtful: false,
             coarse: false,
+            alone: false,
             rejections: 0,
         }
     }
@@ -169,6 +177,18 @@ impl RingModel {
                 self.coarsen();
             }
         }
+    }
+
+    /// The history is a whole revolution: what a part of one has told of the ring before, perhaps too surely, counts no longer.
+    pub fn stand_alone(&mut self) {
+        if std::mem::replace(&mut self.alone, true) {
+            return;
+        }
+        self.before.0 = self.assumed.prior();
+        if std::mem::take(&mut self.coarse) {
+            return self.coarsen();
+        }
+        self.fit(false, 0.0);
     }
 
     /// The ring may have as much of all harmonics: its history tells more of them then, and less noise.
@@ -302,7 +322,7 @@ impl RingModel {
         (self.linear, self.before) = (self.now.mean, (prior, self.noise.remembered()));
         self.noise = self.before.1;
         self.history.clear();
-        (self.fitted, self.doubtful) = (0, false);
+        (self.fitted, self.doubtful, self.alone) = (0, false, false);
     }
 
     /// Whether so many measurements in a row were rejected that the model must be wrong.

@@ -42,8 +42,14 @@ fn verdict(e: f64, turns: f64) -> Verdict {
 #[test]
 fn centred_is_told_after_a_revolution_and_with_its_doubt_within_the_tolerance() {
     assert_eq!([0.9, 1.01].map(|turns| verdict(1e-6, turns)), [Verdict::Measure, Verdict::Centred]);
-    // 2.5 um less 3 standard deviations of 20 nm
-    assert_eq!([2.4e-6, 2.48e-6].map(|e| verdict(e, 1.01)), [Verdict::Centred, Verdict::Push]);
+    let law = seen(2.4e-6, 1.01);
+    let (e, sigma) = (law.ring.eccentricity(), law.ring.centre_sigma());
+    let with = |deviations: f64| {
+        let mut p = P;
+        p.tolerance = e + deviations * sigma;
+        law.verdict(&p, SPEED, sigma, true)
+    };
+    assert_eq!([3.01, 2.99].map(with), [Verdict::Centred, Verdict::Push]);
 }
 
 #[test]
@@ -197,6 +203,7 @@ fn the_ring_is_told_when_it_is_known_and_only_while_it_is_measured() {
 #[test]
 fn a_ring_is_certain_within_a_share_of_its_eccentricity() {
     let mut law = seen(1e-4, 1.01);
+    law.ring.stand_alone();
     let share = law.ring.centre_sigma() / law.ring.eccentricity();
     for (of, known) in [(1.01, true), (0.99, false)] {
         let mut p = P;

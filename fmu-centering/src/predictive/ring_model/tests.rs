@@ -298,3 +298,25 @@ fn the_noise_is_found_whatever_was_told() {
         assert!(off < 8e-8 && off < 5.0 * noise.deviation(), "{told}: {noise:?}");
     }
 }
+
+#[test]
+fn a_whole_revolution_tells_all_by_itself() {
+    let mut model = seen(Vector2::new(4e-4, 1e-4), 1.0, 200);
+    // a part of it was too sure of another form
+    model.now.mean[3] += 5e-6;
+    model.displaced(Vector2::zeros(), 1e-4);
+    let centre = Vector2::new(-2e-5, 3e-5);
+    for k in 0..=200 {
+        let angle = TAU * f64::from(k) / 200.0;
+        if !model.observe(angle, ring(centre, angle)) && model.lost() {
+            model.reconsider();
+        }
+    }
+    model.stand_alone();
+    assert!((model.centre() - centre).norm() < 2e-8, "{}", model.centre() - centre);
+    assert!((model.centred_line(0.7) - ring(Vector2::zeros(), 0.7)).abs() < 5e-8);
+    // once, until it is pushed again
+    let again = model.clone();
+    model.stand_alone();
+    assert_eq!(model.now.mean, again.now.mean);
+}
