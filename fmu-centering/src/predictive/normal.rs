@@ -57,14 +57,33 @@ impl NormalEquations {
     /// The minimum; none where rounding leaves none.
     pub fn solve(&self, prior: &Prior) -> Option<Solution> {
         // only the lower triangle is read
-        let inverse = self.information.cholesky()?.l().solve_lower_triangular(&Matrix::identity())?;
+        let inverse = inverse(&self.information.cholesky()?.l());
         let root = inverse.transpose();
         let step = root * (inverse * self.product);
-        // trace of covariance times information of the prior
-        let held = (root * inverse).component_mul(&prior.information).sum();
-        let free = STATES as f64 - held;
+        let free = STATES as f64 - held(&inverse, &prior.information);
         step.iter().all(|x| x.is_finite()).then_some(Solution { step, root, free })
     }
+}
+
+/// Inverse of a lower triangle, column by column and without what is zero.
+fn inverse(lower: &Matrix) -> Matrix {
+    let mut inverse = Matrix::identity();
+    for (j, column) in inverse.as_mut_slice().chunks_exact_mut(STATES).enumerate() {
+        for (k, pivots) in lower.as_slice().chunks_exact(STATES).enumerate().skip(j) {
+            column[k] /= pivots[k];
+            let solved = column[k];
+            column[k + 1..].iter_mut().zip(&pivots[k + 1..]).for_each(|(rest, factor)| *rest -= factor * solved);
+        }
+    }
+    inverse
+}
+
+/// Trace of a covariance times the information of the prior; the covariance by the inverse of its factor, a lower triangle.
+fn held(inverse: &Matrix, information: &Matrix) -> f64 {
+    let below = |column: usize, from: usize| &inverse.as_slice()[STATES * column + from..STATES * (column + 1)];
+    let covariance = |i: usize, j: usize| below(i, i).iter().zip(below(j, i)).map(|(a, b)| a * b).sum::<f64>();
+    let twice = |i: usize| (0..i).map(|j| covariance(i, j) * information[(i, j)]).sum::<f64>();
+    (0..STATES).map(|i| covariance(i, i) * information[(i, i)] + 2.0 * twice(i)).sum()
 }
 
 #[cfg(test)]
