@@ -12,9 +12,10 @@ use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
 use crate::monitoring::PRESSED_IN_PUSH;
 use crate::motion::Motion;
 use crate::predictive::aim::{AimInput, aim};
+use crate::predictive::assumptions::Assumptions;
 use crate::predictive::learned::{LastPush, LearnedParameters, PushKind};
 use crate::predictive::press::{Goal, Press};
-use crate::predictive::ring_model::{Assumptions, RingModel};
+use crate::predictive::ring_model::RingModel;
 use crate::sensing::{Despiker, Measurement};
 
 /// Time after a push until the ring lies still, s.
@@ -107,10 +108,9 @@ impl CentringLaw for PredictiveLaw {
         if now.due.model {
             self.ring.refine();
         }
-        if self.turned >= TAU {
-            self.ring.stand_alone();
-        }
-        if !now.due.collect {
+        let ready = self.turned < TAU || self.ring.stand_alone();
+        self.ring.advance();
+        if !ready || !now.due.collect {
             return None;
         }
         let sigma = self.ring.centre_sigma();

@@ -10,71 +10,24 @@ use arrayvec::ArrayVec;
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
-use crate::predictive::noise::{Noise, median};
-use crate::predictive::normal::{Matrix, NormalEquations, Prior};
+use crate::predictive::assumptions::{Assumptions, FINE, FINE_SHARE, ROUND};
+use crate::predictive::noise::Noise;
+use crate::predictive::normal::{Matrix, Prior};
+use crate::predictive::refit::{Evidence, HISTORY, ROUGH, Refit};
 use crate::predictive::ring_line::{STATES, Vector, form, line, place};
 
-/// Standard deviation of b0 before the first measurement, m: anywhere on the slide.
-const LINE_SIGMA: f64 = 0.1;
 /// Change of b0 and form on the way of the ring, relative (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
 const TURN: f64 = 1e-4;
 /// Relative uncertainty of the radius.
 const RADIUS: f64 = 0.02;
-/// The first harmonic that a ground ring has less of, and the share of the form that it has (our choice).
-const FINE: usize = 7;
-const FINE_SHARE: f64 = 0.025;
 /// A noise of more than so many times what was told, found by more than twice as many measurements as there are states, makes it likely that the ring is none of these: it has as much of all harmonics.
 const COARSE: f64 = 3.0;
-/// What is taken for none, m.
-const ROUND: f64 = 1e-12;
-/// Measurements kept: more than a revolution at 20 rpm and 66 Hz; later ones are taken in only once.
-const HISTORY: usize = 256;
-/// Largest noise of a ring that is only rough, m (our choice), if no more was told; beyond it was moved.
-const ROUGH: f64 = 2e-6;
 /// Least share of the measurements that a rough ring explains; else some of them belong to another place of the ring.
 const EXPLAINED: f64 = 0.9;
-/// Passes over the history from a point of linearisation that is too far, from a good one, and at most at a time.
-const PASSES: [usize; 3] = [3, 1, 5];
-/// The noise is the same up to this factor.
-const SAME: f64 = 1.2;
 /// The history is taken in again when it has grown by this share of it.
 const GROWTH: f64 = 0.25;
 /// What is further off than this share of the gate is dirt in part.
 const DOUBT: f64 = 0.5;
-
-/// What is assumed before and between the measurements.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Assumptions {
-    /// Radius of the ring, m.
-    pub radius: f64,
-    /// Standard deviation of one measurement before the first: probe, roughness, error motion, m.
-    pub noise: f64,
-    /// Standard deviation of each coordinate of the centre before the first measurement, m.
-    pub centre: f64,
-    /// Standard deviation of each form coefficient before the first measurement, m.
-    pub form: f64,
-    /// Innovations beyond this many standard deviations are dirt.
-    pub gate: f64,
-    /// So many rejected measurements in a row mean that the model is wrong, not the measurements.
-    pub rejections_max: u32,
-}
-
-impl Assumptions {
-    /// Standard deviation of each state before the first measurement, m.
-    fn sigmas(&self) -> Vector {
-        let mut sigmas = Vector::from_element(self.form);
-        sigmas.rows_range_mut(place(FINE)..).scale_mut(FINE_SHARE);
-        sigmas[0] = LINE_SIGMA;
-        sigmas.fixed_rows_mut::<2>(1).fill(self.centre);
-        sigmas
-    }
-
-    /// The same with the inverse of its covariance.
-    fn prior(&self) -> Prior {
-        let least = self.sigmas().map(|sigma| sigma.max(ROUND).powi(-2));
-        Prior { mean: Vector::zeros(), information: Matrix::from_diagonal(&least) }
-    }
-}
 
 /// Mean of the state and a square root of its covariance, which cannot become indefinite.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -119,6 +72,8 @@ pub struct RingModel {
     coarse: bool,
     /// the history is a whole revolution, and tells all by itself
     alone: bool,
+    /// the fit of the history that is under way
+    refit: Option<Refit>,
     rejections: u32,
 }
 
@@ -140,6 +95,7 @@ impl RingModel {
             doubtful: false,
             coarse: false,
             alone: false,
+            refit: None,
             rejections: 0,
         }
     }
@@ -161,34 +117,44 @@ impl RingModel {
         self.rejections = 0;
         self.now.update(innovation, &gradient, self.noise.sigma.powi(2));
         if self.history.is_full() {
-            self.linear = self.now.mean;
+            // later ones are in no fit
+            (self.linear, self.refit) = (self.now.mean, None);
         }
         true
     }
 
-    /// Takes in the history again where that tells more: linearised at what is known by now, with less weight for what
-    /// does not fit, and with the noise that it has.
+    /// Begins to take in the history again where that tells more: linearised at what is known by now, with less weight for
+    /// what does not fit, and with the noise that it has.
     pub fn refine(&mut self) {
+        if self.refit.is_some() {
+            return;
+        }
         let grown = self.history.len() as f64 >= (1.0 + GROWTH) * self.fitted as f64;
         let near = self.settled();
-        if self.doubtful || grown || !near {
-            self.fit(near, 0.0);
-            if self.history.len() > 2 * STATES && self.noise.sigma > COARSE * self.assumed.noise {
-                self.coarsen();
-            }
+        if !self.coarse && self.history.len() > 2 * STATES && self.noise.sigma > COARSE * self.assumed.noise {
+            self.coarsen();
+        } else if self.doubtful || grown || !near {
+            self.fit(near, self.noise, 0.0);
         }
     }
 
-    /// The history is a whole revolution: what a part of one has told of the ring before, perhaps too surely, counts no longer.
-    pub fn stand_alone(&mut self) {
-        if std::mem::replace(&mut self.alone, true) {
-            return;
+    /// The history is a whole revolution: what a part of one has told of the ring before, perhaps too surely, counts no
+    /// longer. Whether that is so already, or only begins.
+    pub fn stand_alone(&mut self) -> bool {
+        if self.alone || self.refit.as_ref().is_some_and(|refit| refit.alone) {
+            return self.alone;
         }
         self.before.0 = self.assumed.prior();
         if std::mem::take(&mut self.coarse) {
-            return self.coarsen();
+            self.coarsen();
+        } else {
+            self.fit(false, self.noise, 0.0);
         }
-        self.fit(false, 0.0);
+        match &mut self.refit {
+            Some(refit) => refit.alone = true,
+            None => self.alone = true,
+        }
+        self.alone
     }
 
     /// The ring may have as much of all harmonics: its history tells more of them then, and less noise.
@@ -203,49 +169,50 @@ impl RingModel {
         let least = self.assumed.form.max(ROUND).powi(-2);
         (place(FINE)..STATES).for_each(|i| prior.information[(i, i)] = least);
         *noise = Noise::told(self.assumed.noise);
-        self.noise = *noise;
-        self.fit(false, ROUGH);
+        self.fit(false, Noise::told(self.assumed.noise), ROUGH);
     }
 
-    /// Takes in the history again from what is `near` or not, with misfits that are no dirt of a ring whose noise is `rough` (m) at
-    /// least; does nothing if later measurements are not kept, or if there are none yet.
-    fn fit(&mut self, near: bool, rough: f64) {
-        if self.history.is_empty() || self.history.is_full() {
+    /// Begins to take in the history again from what is `near` or not, with misfits that are no dirt of a ring whose noise is
+    /// `rough` (m) at least; not if later measurements are not kept, or if there are none yet.
+    fn fit(&mut self, near: bool, noise: Noise, rough: f64) {
+        let kept = !self.history.is_empty() && !self.history.is_full();
+        self.refit = kept.then(|| Refit::new(self.now.mean, noise, near, rough));
+    }
+
+    /// Makes the next pass of a fit that is under way; what is known changes with the last.
+    pub fn advance(&mut self) {
+        let Some(mut refit) = self.refit.take() else { return };
+        let measured = Evidence { assumed: &self.assumed, before: &self.before, history: &self.history };
+        let Some((found, last)) = refit.pass(&measured) else {
+            self.alone |= refit.alone;
+            return;
+        };
+        let mean = refit.linear + found.step;
+        if !last {
+            refit.linear = mean;
+            self.refit = Some(refit);
             return;
         }
-        for pass in 0..PASSES[2] {
-            self.linear = self.now.mean;
-            let used = self.noise.sigma;
-            let mut equations = NormalEquations::new(&self.before.0, &self.linear);
-            let far = self.assumed.gate * self.gated().max(rough);
-            let mut magnitudes = ArrayVec::<f64, HISTORY>::new_const();
-            for &(angle, y) in &self.history {
-                let (expected, gradient) = self.expect(angle, &self.linear);
-                let misfit = y - expected;
-                magnitudes.push(misfit.abs());
-                // cauchy's weight: dirt has hardly any influence
-                let weight = if near || pass > 0 { 1.0 / (1.0 + (misfit / far).powi(2)) } else { 1.0 };
-                equations.add(misfit, &gradient, weight / used.powi(2));
-            }
-            let Some(found) = equations.solve(&self.before.0) else { return };
-            if near || pass > 0 {
-                let most = ROUGH.max(self.assumed.noise);
-                self.noise = self.before.1.after(median(&mut magnitudes), self.history.len() as f64, found.free, most);
-            }
-            self.now = Gaussian { mean: self.linear + found.step, root: found.root };
-            // with too little noise a model is too sure
-            if pass + 1 >= PASSES[usize::from(near)] && self.noise.sigma < SAME * used {
-                break;
-            }
-        }
+        self.alone |= refit.alone;
+        (self.linear, self.noise) = (refit.linear, refit.noise);
+        self.now = Gaussian { mean, root: found.root };
         (self.fitted, self.doubtful) = (self.history.len(), false);
+    }
+
+    /// Makes all passes of a fit that is under way.
+    pub fn finish(&mut self) {
+        while self.refit.is_some() {
+            self.advance();
+        }
     }
 
     /// Whether a ring that is rougher or has more form than assumed explains what was rejected; it is taken for such a one then.
     pub fn reconsider(&mut self) -> bool {
         self.coarsen();
+        self.finish();
         let explained = self.explained(self.gated()) || {
-            self.fit(false, ROUGH);
+            self.fit(false, self.noise, ROUGH);
+            self.finish();
             self.noise.sigma = self.noise.sigma.max(ROUGH);
             self.explained(self.noise.sigma)
         };
@@ -322,7 +289,7 @@ impl RingModel {
         (self.linear, self.before) = (self.now.mean, (prior, self.noise.remembered()));
         self.noise = self.before.1;
         self.history.clear();
-        (self.fitted, self.doubtful, self.alone) = (0, false, false);
+        (self.fitted, self.doubtful, self.alone, self.refit) = (0, false, false, None);
     }
 
     /// Whether so many measurements in a row were rejected that the model must be wrong.

@@ -24,19 +24,37 @@ fn now(state: State, e: f64, angle: f64) -> Observation {
 }
 
 /// Law that has seen that ring in 200 samples a revolution.
-fn seen(e: f64, turns: f64) -> PredictiveLaw {
+fn measured(e: f64, turns: f64) -> PredictiveLaw {
     let mut law = PredictiveLaw::new(&P);
     // the median is two samples late
     for k in 0..=(200.0 * turns) as u32 + 4 {
         law.observe(&P, &now(State::Collect, e, TAU * f64::from(k) / 200.0));
     }
+    law
+}
+
+/// The same, with all of it taken in again.
+fn seen(e: f64, turns: f64) -> PredictiveLaw {
+    let mut law = measured(e, turns);
     law.ring.refine();
+    law.ring.finish();
+    if law.turned >= TAU {
+        law.ring.stand_alone();
+        law.ring.finish();
+    }
     law
 }
 
 fn verdict(e: f64, turns: f64) -> Verdict {
     let mut law = seen(e, turns);
     law.conclude(&P, &now(State::Collect, e, TAU * turns)).unwrap().unwrap().1
+}
+
+#[test]
+fn a_revolution_is_judged_once_it_was_taken_in_again_a_pass_a_sample() {
+    let mut law = measured(1e-4, 1.01);
+    let waiting = (0..10).take_while(|_| law.conclude(&P, &now(State::Wait, 1e-4, TAU * 1.01)).is_none()).count();
+    assert!((2..=5).contains(&waiting), "{waiting}");
 }
 
 #[test]
@@ -203,7 +221,6 @@ fn the_ring_is_told_when_it_is_known_and_only_while_it_is_measured() {
 #[test]
 fn a_ring_is_certain_within_a_share_of_its_eccentricity() {
     let mut law = seen(1e-4, 1.01);
-    law.ring.stand_alone();
     let share = law.ring.centre_sigma() / law.ring.eccentricity();
     for (of, known) in [(1.01, true), (0.99, false)] {
         let mut p = P;
