@@ -10,6 +10,7 @@ mod detection;
 mod faults;
 mod force;
 pub mod interface;
+mod limits;
 mod machine;
 pub mod monitoring;
 mod motion;
@@ -35,7 +36,7 @@ impl Model for Controller {
     }
 
     fn numbers(vars: &Vars) -> String {
-        faults::numbers(vars)
+        faults::message::numbers(vars)
     }
 
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
