@@ -3,7 +3,7 @@
 mod judging;
 mod transitions;
 
-use control_blocks::{ParameterError, RunningLine, SafeEnd, WaitingRequest, export_commission, ticks};
+use control_blocks::{ParameterError, RunningLine, SafeEnd, WaitingRequest, export_commission, export_values, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
@@ -24,6 +24,7 @@ use crate::monitoring::numbers::Numbers;
 use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
 use crate::reading::{Reader, Reading};
+use crate::teaching::teacher::Teacher;
 
 /// The observer knows the velocity of a stage that has just been found after this many times its 1 / g_v.
 const FOUND: f64 = 10.0;
@@ -49,6 +50,7 @@ pub struct Controller {
     touch: TwoStageTouch,
     monitors: Monitors,
     commissioner: Commissioner,
+    teacher: Teacher,
     state: State,
     /// samples of the present state at constant speed
     ticks: u32,
@@ -57,6 +59,8 @@ pub struct Controller {
     asked: WaitingRequest,
     /// an edge of `commission` does
     commission_asked: WaitingRequest,
+    /// an edge of `teach` does
+    teach_asked: WaitingRequest,
     aborted: bool,
     /// the approach has not begun to move: the force at rest is taken first
     waiting: bool,
@@ -91,11 +95,13 @@ impl Controller {
             touch: TwoStageTouch::default(),
             monitors: Monitors::new(p),
             commissioner: Commissioner::new(p),
+            teacher: Teacher::new(p),
             state: State::Idle,
             ticks: 0,
             fault: Fault::None,
             asked: WaitingRequest::default(),
             commission_asked: WaitingRequest::default(),
+            teach_asked: WaitingRequest::default(),
             aborted: false,
             waiting: false,
             contact: None,
@@ -123,6 +129,14 @@ impl Controller {
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
         export_commission(&p.commission.export, &self.commissioner.derived())
+    }
+
+    /// Writes what the last good teaching has learned into the file `teach.export`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn export_bias(&self, p: &Parameters) -> Result<(), ParameterError> {
+        export_values("teach.export", &p.teach.export, &self.teacher.derived())
     }
 
     /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`], but for the tunable
@@ -197,14 +211,21 @@ impl Controller {
         let elapsed = self.count(p, reading);
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
         let waits = self.state.waits();
+        if (!reading.teach || reading.begin) && self.teacher.break_off() && !self.state.approaching() {
+            // the next job comes from farther away
+            self.depart(p);
+        }
         let contact = reading.position.and_then(|_| self.find_contact(p, reading));
         let (suspected, dismissed) = self.doubt(p, reading);
         let events = Events {
             begin: self.asked.update(waits, reading.begin, reading.enabled),
             commission: self.commission_asked.update(waits, reading.begin_commission, reading.commission),
+            teach: self.teach_asked.update(waits, reading.begin_teaching, reading.teach),
+            teaching: self.teacher.active,
+            taught: self.teacher.over(),
             break_off: !reading.commission || reading.begin,
             commissioned: self.commissioner.finished,
-            enabled: reading.enabled,
+            enabled: if self.teacher.active { !self.teacher.broken() } else { reading.enabled },
             reset: reading.reset,
             restful: reading.position.is_some() && self.tracked(p) && self.motion.at_rest(),
             fault: self.find_fault(p, elapsed, settled, reading),
@@ -333,6 +354,7 @@ impl Controller {
             },
             tracking_error: direction * error,
             measured: self.commissioner.measured,
+            taught: self.teacher.taught,
             drive_share: self.monitors.drive.share().unwrap_or(1.0),
             numbers: self.numbers,
         };

@@ -29,7 +29,9 @@ impl Fault {
             | Self::LearnTimeout
             | Self::NoProgress => SafeEnd::Retract,
             // it has retracted already, or never came near
-            Self::ContactRejected | Self::LateContact | Self::CommissionRejected => SafeEnd::Stop,
+            Self::ContactRejected | Self::LateContact | Self::CommissionRejected | Self::TeachingRejected => {
+                SafeEnd::Stop
+            }
             Self::LostReading
             | Self::FrozenReading
             | Self::ReadingJump
@@ -81,6 +83,8 @@ pub struct Symptoms<'a> {
     pub guarded: bool,
     /// What the commission has measured cannot be used.
     pub rejected: bool,
+    /// What the teaching has learned cannot be used.
+    pub mistaught: bool,
     /// The job or the commission takes too long.
     pub late: bool,
 }
@@ -110,6 +114,7 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
         (Fault::ContactRejected, s.force_left.is_some_and(|force| force.abs() > p.limits.force_left)),
         (Fault::LateContact, s.guarded),
         (Fault::CommissionRejected, s.rejected),
+        (Fault::TeachingRejected, s.mistaught),
         (Fault::NoProgress, s.late),
     ];
     let found = faults.into_iter().find_map(|(fault, found)| found.then_some(fault));

@@ -133,6 +133,7 @@ impl Controller {
             force_left: (retracted && self.contact.is_some()).then(|| self.force_left()),
             guarded: retracted && self.contact.is_some_and(|contact| contact.source == ContactSource::ForceGuard),
             rejected: state == State::Commission && self.commissioner.rejected,
+            mistaught: state == State::Teach && self.teacher.rejected,
             late: match state {
                 State::Commission => monitors.job.samples() as f64 * p.sample_period > plan::time(p),
                 _ => state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
@@ -203,6 +204,9 @@ impl Controller {
 
     /// Whether a first touch is to be touched again, and whether a second one has shown nothing.
     pub(super) fn doubt(&mut self, p: &Parameters, reading: &Reading) -> (bool, bool) {
+        if !p.touch.confirm {
+            return (false, false);
+        }
         let (Some(position), Some(ratio)) = (reading.position, self.detector.ratio()) else { return (false, false) };
         let velocity = self.motion.approach.velocity;
         match self.state {

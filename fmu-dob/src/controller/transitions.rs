@@ -12,6 +12,7 @@ use crate::machine::Events;
 use crate::monitoring::numbers::{LateContact, Numbers};
 use crate::monitoring::rest_force::RestForce;
 use crate::motion::servo::Integrator;
+use crate::motion::travel::retract_between;
 use crate::reading::Reading;
 
 impl Controller {
@@ -27,6 +28,12 @@ impl Controller {
                 self.monitors.drive.begin();
             }
             (State::Approach, Some(position)) => self.restart(p, position),
+            (State::Teach, _) if self.state == State::Retract => {
+                if let Some(contact) = self.contact.filter(|_| !self.teacher.broken()) {
+                    self.teacher.take(p, contact.position);
+                }
+            }
+            (State::Teach, _) => self.teacher.begin(),
             (State::Learn, _) => self.guard.learn(),
             (State::Detect, _) => self.touch = TwoStageTouch::default(),
             (State::Confirm, _) => {
@@ -34,10 +41,10 @@ impl Controller {
                 self.motion.go_back(self.touch.way_back(p, &self.motion.approach, reference));
             }
             (State::Contact, Some(position)) => {
-                self.motion.depart(p);
+                self.depart(p);
                 let time = self.samples as f64 * p.sample_period;
-                self.contact =
-                    events.contact.map(|source| DetectedContact { source, position, bias: p.contact_bias, time });
+                let bias = self.teacher.bias(p).at(self.motion.approach.velocity);
+                self.contact = events.contact.map(|source| DetectedContact { source, position, bias, time });
                 self.numbers.late =
                     events.contact.filter(|source| *source == ContactSource::ForceGuard).map(|_| LateContact {
                         position: p.direction() * position,
@@ -46,8 +53,8 @@ impl Controller {
                     });
             }
             (State::Fault, _) => {
-                if self.state.approaching() {
-                    self.motion.depart(p);
+                if self.teacher.break_off() || self.state.approaching() {
+                    self.depart(p);
                 }
                 if self.state.at_work() {
                     self.contact = None;
@@ -55,19 +62,30 @@ impl Controller {
                 if let Some(fault) = events.fault {
                     self.stop(p, fault, reading);
                 }
+                self.teacher.end();
             }
             (State::Retract, _) if self.state.approaching() => {
-                self.motion.depart(p);
+                self.depart(p);
                 self.aborted = true;
             }
             (State::Idle, _) if self.state == State::Fault => self.recover(reading),
+            (State::Idle, _) if self.state == State::Teach => self.teacher.end(),
             _ => {}
+        }
+    }
+
+    /// Marks where the retreat begins, as far back as the next approach needs to arm its detector.
+    pub(super) fn depart(&mut self, p: &Parameters) {
+        if self.teacher.active {
+            self.motion.go_back(retract_between(p, &self.teacher.approach_after(p)));
+        } else {
+            self.motion.depart(p);
         }
     }
 
     /// Forgets the last approach and begins a new one at rest at `position` m.
     fn restart(&mut self, p: &Parameters, position: f64) {
-        self.motion.start(position, &p.approach);
+        self.motion.start(position, &self.teacher.approach(p));
         self.deviation.clear();
         self.detector.reset(position);
         self.guard = ForceGuard::default();
@@ -81,6 +99,7 @@ impl Controller {
         self.numbers.force_left = self.force_left();
         self.numbers.force_constant = p.stage.force_constant;
         self.numbers.swings = self.monitors.swing.count();
+        self.numbers.biases = self.teacher.extremes();
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         if fault.safe_end() == SafeEnd::DriveOff {
             self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);

@@ -188,7 +188,7 @@ impl Detector {
         match &mut self.method {
             Method::Raw(monitor) | Method::Deviation(monitor) => monitor.arm(p, tests),
             Method::MultiSlope(scales) => scales.iter_mut().for_each(|s| s.monitor.arm(p, tests)),
-            Method::Glr(inner) => inner.1.arm(inner.0.sigma()),
+            Method::Glr(inner) => inner.1.arm(inner.0.sigma(), p.glr.threshold),
             Method::Slope | Method::Cusum(_) => {}
         }
         self.clear();
@@ -224,7 +224,7 @@ impl Detector {
             }
             Method::Glr(inner) => {
                 let (innovation, bank) = &mut **inner;
-                bank.update(innovation.limited()) > p.glr.threshold
+                bank.update(innovation.limited())
             }
         }
     }

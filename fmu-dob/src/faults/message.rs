@@ -66,6 +66,7 @@ pub fn numbers(vars: &Vars) -> String {
             format!(": limit of the job `{} s`, of the commission `{} s`", job_limit(p, &p.approach), plan::time(p))
         }
         Fault::CommissionRejected => rejected(p, output),
+        Fault::TeachingRejected => mistaught(p, output),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::LostSpindle => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
     }
@@ -80,6 +81,17 @@ fn late_contact(p: &Parameters, contact: Option<LateContact>) -> String {
         Unseen::Missed => format!("which the armed detector `{detector:?}` had missed"),
     };
     format!(": at `{position:.7} m`, `{force:.3} N` of `guard.force` = `{limit} N`, {why}")
+}
+
+/// What cannot be used of a teaching.
+fn mistaught(p: &Parameters, output: &Output) -> String {
+    let (taught, [least, most]) = (&output.taught, output.numbers.biases);
+    format!(
+        ": scatter of the touches `{:.2e} m`, limit `limits.touch_scatter` = `{} m`; bias from `{least:.2e} m`, not below zero, to \
+         `{most:.2e} m`, limit `limits.bias` = `{} m`, behind `teach.place` = `{} m`; its deviation `{:.2e} m`, limit \
+         `teach.deviation_max` = `{} m`",
+        taught.scatter, p.limits.touch_scatter, p.limits.bias, p.teach.place, taught.deviation, p.teach.deviation_max
+    )
 }
 
 /// What cannot be used of a commission, after which what was told is in force.

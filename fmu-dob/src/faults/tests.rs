@@ -7,6 +7,8 @@ const GOOD: Reading = Reading {
     begin: false,
     commission: false,
     begin_commission: false,
+    teach: false,
+    begin_teaching: false,
     reset: false,
     found: false,
     invalid: 0,
@@ -38,6 +40,7 @@ fn symptoms(reading: &Reading) -> Symptoms<'_> {
         force_left: Some(0.0),
         guarded: false,
         rejected: false,
+        mistaught: false,
         late: false,
     }
 }
@@ -53,7 +56,7 @@ fn each_limit_is_the_last_value_without_a_fault() {
         set(&mut reading, &mut all, value);
         find(&p, &Symptoms { reading: &reading, ..all })
     };
-    let limits: [(Set, f64, f64, Fault); 16] = [
+    let limits: [(Set, f64, f64, Fault); 17] = [
         (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
         (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
         (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
@@ -69,6 +72,7 @@ fn each_limit_is_the_last_value_without_a_fault() {
         (|_, s, x| s.force_left = Some(x), -0.3, -0.31, Fault::ContactRejected),
         (|_, s, x| s.guarded = x > 0.5, 0.0, 1.0, Fault::LateContact),
         (|_, s, x| s.rejected = x > 0.5, 0.0, 1.0, Fault::CommissionRejected),
+        (|_, s, x| s.mistaught = x > 0.5, 0.0, 1.0, Fault::TeachingRejected),
         (|_, s, x| s.learned = Some(ThresholdOutput { sigma: x, ..NOISE }), 1.0, 1.1, Fault::LearnRejected),
     ];
     for (set, last, first, fault) in limits {
@@ -134,7 +138,7 @@ fn the_gravest_fault_is_named() {
 #[test]
 fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
     let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
-    assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 3, 10]);
+    assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 4, 10]);
     assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
     assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
 }

@@ -14,3 +14,4 @@ mod readings;
 mod run;
 mod slide;
 mod state;
+mod teaching;
