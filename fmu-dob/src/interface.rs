@@ -237,10 +237,10 @@ mod variables {
         #[var(unit = METRE as "nm")] pub bias: f64,
         /// Its standard deviation
         #[var(unit = METRE as "nm")] pub bias_deviation: f64,
-        /// Part of the bias that grows with the speed, over it
-        #[var(unit = SECOND as "ms")] pub bias_fast: f64,
+        /// Part of the bias that grows with the speed, at 100 um/s
+        #[var(unit = METRE as "nm")] pub bias_fast: f64,
         /// Its standard deviation
-        #[var(unit = SECOND as "ms")] pub bias_fast_deviation: f64,
+        #[var(unit = METRE as "nm")] pub bias_fast_deviation: f64,
         /// Part of the bias that grows as the speed falls, times it
         #[var(unit = SQUARE_METRE_PER_SECOND)] pub bias_slow: f64,
         /// Its standard deviation
@@ -317,12 +317,13 @@ mod variables {
         #[var(name = "guard.force", unit = NEWTON, range = 1e-3..=1e4, start = 0.4, source = "our choice: 1.3 um at 100 um/s")] pub guard_force: f64,
         pub contact: Contact,
     }
-    /// Travel between first touch and detection, late but repeatable: bias + bias_fast v + bias_slow / v at the approach speed v
+    /// Travel between first touch and detection, late but repeatable: bias + bias_fast (v / 100 um/s)^(5/7) + bias_slow / v at the
+    /// approach speed v
     pub struct Contact {
         /// Part that is the same at every speed
         #[var(unit = METRE as "nm", range = -1e-3..=1e-3, source = "a teaching, or one calibration touch", tunable)] pub bias: f64,
-        /// Part that grows with the speed, over it
-        #[var(unit = SECOND as "ms", range = -1.0..=1.0, source = "a teaching", tunable)] pub bias_fast: f64,
+        /// Part that grows with the speed, at 100 um/s
+        #[var(unit = METRE as "nm", range = -1e-3..=1e-3, source = "a teaching", tunable)] pub bias_fast: f64,
         /// Part that grows as the speed falls, times it
         #[var(unit = SQUARE_METRE_PER_SECOND, range = -1e-6..=1e-6, source = "a teaching", tunable)] pub bias_slow: f64,
     }

@@ -18,6 +18,10 @@ pub fn speed(p: &Parameters, i: usize) -> f64 {
     p.teach.velocity_min * (p.teach.velocity_max / p.teach.velocity_min).powf(share)
 }
 
+/// What the three parts leave out at a speed, as deviation, m: the likeliest beside the scatter of the five means of 29 machines whose mass
+/// and thrust constant are wrong by up to 30 %, on work of 0.1 to 2 N/um.
+const LEFT_OUT: f64 = 6e-9;
+
 /// Touches so far; by default none.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Lesson {
@@ -60,8 +64,8 @@ impl Lesson {
         })
     }
 
-    /// What all touches say. Their scatter s is that within the speeds, and that of a mean of n is s / n^(1/2); where the three parts
-    /// leave more than that unexplained, they are less sure. A touch has at least the deviation of an encoder's step.
+    /// What all touches say. Their scatter s is that within the speeds, and that of a mean of n is s / n^(1/2), beside what the three
+    /// parts leave out; where they leave more than both unexplained, they are less sure. A touch has at least the deviation of an encoder's step.
     ///
     /// # Errors
     /// When they do not tell the three parts apart.
@@ -69,29 +73,27 @@ impl Lesson {
         let touches = f64::from(p.teach.touches);
         let within = self.late.iter().map(|late| late.sigma().powi(2)).sum::<f64>() / SPEEDS as f64;
         let scatter = f64::hypot(within.sqrt(), p.stage.encoder_resolution / 12f64.sqrt());
-        let sigma = scatter / touches.sqrt();
-        // parts in units of the speed in the middle
-        let middle = (p.teach.velocity_min * p.teach.velocity_max).sqrt();
-        let parts = |i: usize| {
-            let ratio = speed(p, i) / middle;
-            SVector::from([1.0, ratio, ratio.recip()])
-        };
+        let sigma = f64::hypot(scatter / touches.sqrt(), LEFT_OUT);
+        // parts in units of what they give at the speed in the middle
+        let units = Bias::parts_at((p.teach.velocity_min * p.teach.velocity_max).sqrt());
+        let parts = |i: usize| SVector::from(Bias::parts_at(speed(p, i))).component_div(&SVector::from(units));
         let found = least_squares(SVector::zeros(), SPEEDS, |i, value| Observation {
             residual: (parts(i).dot(value) - self.late[i].mean()) / sigma,
             gradient: parts(i) / sigma,
         })?;
         let variance = |i: usize| parts(i).dot(&(found.covariance * parts(i)));
         let deviation = (0..SPEEDS).map(variance).fold(0.0, f64::max).sqrt();
+        let unsure = p.teach.place_deviation;
         Ok(Taught {
             valid: false,
             touches: self.touches as i32,
-            bias: found.value[0],
-            bias_deviation: found.sigma(0).hypot(p.teach.place_deviation),
-            bias_fast: found.value[1] / middle,
-            bias_fast_deviation: found.sigma(1) / middle,
-            bias_slow: found.value[2] * middle,
-            bias_slow_deviation: found.sigma(2) * middle,
-            deviation: deviation.hypot(p.teach.place_deviation),
+            bias: found.value[0] / units[0],
+            bias_deviation: (found.sigma(0) / units[0]).hypot(unsure),
+            bias_fast: found.value[1] / units[1],
+            bias_fast_deviation: found.sigma(1) / units[1],
+            bias_slow: found.value[2] / units[2],
+            bias_slow_deviation: found.sigma(2) / units[2],
+            deviation: deviation.hypot(LEFT_OUT).hypot(unsure),
             scatter,
             scatter_deviation: scatter / (2.0 * SPEEDS as f64 * (touches - 1.0)).sqrt(),
         })
@@ -119,15 +121,17 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
-    const TRUTH: Bias = Bias { constant: 1.6e-7, fast: 1.3e-3, slow: 3.5e-13 };
+    const TRUTH: Bias = Bias { constant: 1.6e-7, fast: 1.3e-7, slow: 3.5e-13 };
 
-    /// A whole lesson whose touches scatter by `sigma` m.
-    fn lesson(p: &Parameters, seed: u64, sigma: f64) -> Lesson {
+    /// A whole lesson whose touches scatter by `sigma` m, and what the three parts leave out at the speeds by `left` m.
+    fn lesson(p: &Parameters, seed: u64, sigma: f64, left: f64) -> Lesson {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let mut noise =
+            |deviation: f64| -> f64 { deviation * Distribution::<f64>::sample(&StandardNormal, &mut random) };
         let mut lesson = Lesson::default();
+        let left: [f64; SPEEDS] = std::array::from_fn(|_| noise(left));
         while !lesson.over(p) {
-            let noise: f64 = StandardNormal.sample(&mut random);
-            lesson.take(TRUTH.at(lesson.velocity(p)) + sigma * noise);
+            lesson.take(TRUTH.at(lesson.velocity(p)) + left[lesson.next()] + noise(sigma));
         }
         lesson
     }
@@ -149,11 +153,11 @@ mod tests {
     #[test]
     fn the_parts_are_found_and_as_sure_as_told() {
         let p = Parameters::START;
-        let exact = lesson(&p, 1, 0.0).conclude(&p).unwrap();
+        let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p).unwrap();
         for velocity in [1e-5, 5e-5, 3e-4] {
             assert!((exact.parts().at(velocity) - TRUTH.at(velocity)).abs() < 1e-12, "{exact:?}");
         }
-        let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8).conclude(&p).unwrap()).collect();
+        let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p).unwrap()).collect();
         let rms = |of: &dyn Fn(&Taught) -> f64| (many.iter().map(|t| of(t).powi(2)).sum::<f64>() / 400.0).sqrt();
         for ratio in [
             rms(&|t| (t.bias - TRUTH.constant) / t.bias_deviation),
@@ -163,20 +167,28 @@ mod tests {
         ] {
             assert!((0.8..1.2).contains(&ratio), "{ratio}");
         }
-        // at the ends of the range it is the least sure
-        let worst = [1e-5, 3e-4].map(|v| rms(&|t| (t.parts().at(v) - TRUTH.at(v)) / t.deviation));
+        // at the ends of the range it is the least sure; what is left out there is in it besides
+        let worst = [1e-5, 3e-4].map(|v| rms(&|t| (t.parts().at(v) - TRUTH.at(v)).hypot(LEFT_OUT) / t.deviation));
         assert!(worst.iter().all(|ratio| *ratio < 1.2) && worst[0].max(worst[1]) > 0.8, "{worst:?}");
     }
 
     #[test]
     fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other() {
         let mut p = Parameters::START;
-        let sure = lesson(&p, 3, 2e-8).conclude(&p).unwrap();
+        let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap();
         p.teach.place_deviation = 1e-7;
-        let unsure = lesson(&p, 3, 2e-8).conclude(&p).unwrap();
+        let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap();
         assert!((unsure.bias_deviation.powi(2) - sure.bias_deviation.powi(2) - 1e-14).abs() < 1e-20);
         assert!((unsure.deviation.powi(2) - sure.deviation.powi(2) - 1e-14).abs() < 1e-20);
         assert_eq!(unsure.bias_fast_deviation, sure.bias_fast_deviation);
+    }
+
+    #[test]
+    fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
+        let p = Parameters::START;
+        let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p).unwrap();
+        assert!((1.0..1.5).contains(&(taught.deviation / LEFT_OUT)), "{taught:?}");
+        assert!(taught.bias_deviation > 0.3 * LEFT_OUT, "{taught:?}");
     }
 
     #[test]

@@ -93,7 +93,7 @@ fn what_was_taught_is_used_on_request_only_and_written_in_any_case() {
         assert!(run.output.taught.valid, "{:?}", run.output.taught);
         run.controller.export_bias(&p).unwrap();
         let [found, told] = touch(&mut run, 100.0);
-        let taught = run.output.taught.bias + 1e-4 * run.output.taught.bias_fast + 1e4 * run.output.taught.bias_slow;
+        let taught = run.output.taught.bias + run.output.taught.bias_fast + 1e4 * run.output.taught.bias_slow;
         let expected = if apply { taught } else { 5e-7 };
         assert!((found - told - expected).abs() < 1e-12, "{apply}: {} {expected}", found - told);
         std::fs::read_to_string(&p.teach.export).unwrap()
