@@ -14,7 +14,7 @@ pub use commission::bounds::{
     sure, told_or, whole_delay, within_factor,
 };
 pub use commission::excitation::{Excitation, ExcitationTimes};
-pub use commission::export::export_commission;
+pub use commission::export::{export_commission, export_values};
 pub use commission::in_force::InForce;
 pub use commission::multisine::{HARMONICS, Multisine, TONES};
 pub use estimation::allan::{AllanVariance, of_walk_and_white, walk_and_white};

@@ -11,6 +11,8 @@ use crate::motion::travel::arming_travel;
 
 /// Learning needs this many independent windows.
 const LEARN_WINDOWS: usize = 5;
+/// Least ratio of the speeds of a teaching.
+const SPREAD: f64 = 3.0;
 
 /// Checks all combinations; the first that fails is the error.
 ///
@@ -38,6 +40,7 @@ pub fn check_derived(p: &Parameters) -> Result<(), ParameterError> {
             starting,
             learn_limit,
             second_touch,
+            teaching_speeds,
             commission_travel,
             commission_force,
             commission_time,
@@ -90,6 +93,12 @@ fn second_touch(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "raise it, or lower `touch.suspicion`";
     Parameter::new("touch.evidence", p.touch.evidence, "", hint)
         .at_least(2.0 * p.touch.suspicion, "twice `touch.suspicion`")
+}
+
+fn teaching_speeds(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "spread the speeds, or the parts of the bias cannot be told apart";
+    Parameter::new("teach.velocity_max", p.teach.velocity_max, "m/s", hint)
+        .at_least(SPREAD * p.teach.velocity_min, "three times `teach.velocity_min`")
 }
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
@@ -177,6 +186,7 @@ mod tests {
         (|p| p.approach.direction = 0, "approach.direction", "`0`", "`-1`"),
         (|p| p.servo.bandwidth = 1000.0, "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
         (|p| p.deviation_window = 0.5, "learn.settle_time", "`0.25 s`", "`0.53 s`"),
+        (|p| p.teach.velocity_min = 2e-4, "teach.velocity_max", "`0.0003 m/s`", "`0.0006"),
         (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.15 s`"),
         (|p| p.approach.travel_max = 5e-5, "approach.travel_max", "`0.00005 m`", "armed"),
         (|p| p.retract.distance = 2e-5, "retract.distance", "`0.00002 m`", "`0.000075"),

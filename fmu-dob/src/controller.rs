@@ -1,8 +1,9 @@
 //! One sample of the whole law: read, estimate, decide, move, act, report.
 
 mod judging;
+mod transitions;
 
-use control_blocks::{ParameterError, Progress, RunningLine, SafeEnd, WaitingRequest, export_commission, ticks};
+use control_blocks::{ParameterError, RunningLine, SafeEnd, WaitingRequest, export_commission, export_values, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
@@ -12,7 +13,6 @@ use crate::detection::contact::DetectedContact;
 use crate::detection::detector::{Detector, Sample, samples};
 use crate::detection::guard::ForceGuard;
 use crate::detection::touch::TwoStageTouch;
-use crate::faults::following_limit;
 use crate::force::deviation::MovingDeviation;
 use crate::force::notch::NotchCascade;
 use crate::force::observer::DisturbanceObserver;
@@ -20,11 +20,11 @@ use crate::interface::{ContactSource, Fault, ForceOutput, Input, Output, Paramet
 use crate::machine::{Events, next};
 use crate::monitoring::drive::DriveResponse;
 use crate::monitoring::monitors::Monitors;
-use crate::monitoring::numbers::{LateContact, Numbers};
-use crate::monitoring::rest_force::RestForce;
+use crate::monitoring::numbers::Numbers;
 use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
 use crate::reading::{Reader, Reading};
+use crate::teaching::teacher::Teacher;
 
 /// The observer knows the velocity of a stage that has just been found after this many times its 1 / g_v.
 const FOUND: f64 = 10.0;
@@ -50,6 +50,7 @@ pub struct Controller {
     touch: TwoStageTouch,
     monitors: Monitors,
     commissioner: Commissioner,
+    teacher: Teacher,
     state: State,
     /// samples of the present state at constant speed
     ticks: u32,
@@ -58,6 +59,8 @@ pub struct Controller {
     asked: WaitingRequest,
     /// an edge of `commission` does
     commission_asked: WaitingRequest,
+    /// an edge of `teach` does
+    teach_asked: WaitingRequest,
     aborted: bool,
     /// the approach has not begun to move: the force at rest is taken first
     waiting: bool,
@@ -92,11 +95,13 @@ impl Controller {
             touch: TwoStageTouch::default(),
             monitors: Monitors::new(p),
             commissioner: Commissioner::new(p),
+            teacher: Teacher::new(p),
             state: State::Idle,
             ticks: 0,
             fault: Fault::None,
             asked: WaitingRequest::default(),
             commission_asked: WaitingRequest::default(),
+            teach_asked: WaitingRequest::default(),
             aborted: false,
             waiting: false,
             contact: None,
@@ -124,6 +129,14 @@ impl Controller {
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
         export_commission(&p.commission.export, &self.commissioner.derived())
+    }
+
+    /// Writes what the last good teaching has learned into the file `teach.export`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn export_bias(&self, p: &Parameters) -> Result<(), ParameterError> {
+        export_values("teach.export", &p.teach.export, &self.teacher.derived())
     }
 
     /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`], but for the tunable
@@ -198,14 +211,21 @@ impl Controller {
         let elapsed = self.count(p, reading);
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
         let waits = self.state.waits();
+        if (!reading.teach || reading.begin) && self.teacher.break_off() && !self.state.approaching() {
+            // the next job comes from farther away
+            self.depart(p);
+        }
         let contact = reading.position.and_then(|_| self.find_contact(p, reading));
         let (suspected, dismissed) = self.doubt(p, reading);
         let events = Events {
             begin: self.asked.update(waits, reading.begin, reading.enabled),
             commission: self.commission_asked.update(waits, reading.begin_commission, reading.commission),
+            teach: self.teach_asked.update(waits, reading.begin_teaching, reading.teach),
+            teaching: self.teacher.active,
+            taught: self.teacher.over(),
             break_off: !reading.commission || reading.begin,
             commissioned: self.commissioner.finished,
-            enabled: reading.enabled,
+            enabled: if self.teacher.active { !self.teacher.broken() } else { reading.enabled },
             reset: reading.reset,
             restful: reading.position.is_some() && self.tracked(p) && self.motion.at_rest(),
             fault: self.find_fault(p, elapsed, settled, reading),
@@ -262,92 +282,6 @@ impl Controller {
             }
             _ => false,
         }
-    }
-
-    /// What happens once, when `state` begins.
-    fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
-        if self.state == State::Commission && !self.commissioner.finished {
-            self.commissioner.break_off();
-        }
-        match (state, reading.position) {
-            (State::Commission, _) => {
-                self.commissioner.begin(p, self.motion.reference.position, self.observer.force());
-                self.monitors.job = Progress::default();
-                self.monitors.drive.begin();
-            }
-            (State::Approach, Some(position)) => self.restart(p, position),
-            (State::Learn, _) => self.guard.learn(),
-            (State::Detect, _) => self.touch = TwoStageTouch::default(),
-            (State::Confirm, _) => {
-                let reference = self.motion.reference.position;
-                self.motion.go_back(self.touch.way_back(p, &self.motion.approach, reference));
-            }
-            (State::Contact, Some(position)) => {
-                self.motion.depart(p);
-                let time = self.samples as f64 * p.sample_period;
-                self.contact =
-                    events.contact.map(|source| DetectedContact { source, position, bias: p.contact_bias, time });
-                self.numbers.late =
-                    events.contact.filter(|source| *source == ContactSource::ForceGuard).map(|_| LateContact {
-                        position: p.direction() * position,
-                        force: self.force.notched - self.guard.before(),
-                        unseen: self.unseen(p, reading),
-                    });
-            }
-            (State::Fault, _) => {
-                if self.state.approaching() {
-                    self.motion.depart(p);
-                }
-                if self.state.at_work() {
-                    self.contact = None;
-                }
-                if let Some(fault) = events.fault {
-                    self.stop(p, fault, reading);
-                }
-            }
-            (State::Retract, _) if self.state.approaching() => {
-                self.motion.depart(p);
-                self.aborted = true;
-            }
-            (State::Idle, _) if self.state == State::Fault => self.recover(reading),
-            _ => {}
-        }
-    }
-
-    /// Forgets the last approach and begins a new one at rest at `position` m.
-    fn restart(&mut self, p: &Parameters, position: f64) {
-        self.motion.start(position, &p.approach);
-        self.deviation.clear();
-        self.detector.reset(position);
-        self.guard = ForceGuard::default();
-        (self.aborted, self.contact, self.waiting, self.numbers) = (false, None, true, Numbers::START);
-        (self.monitors.relief, self.monitors.job) = (RestForce::default(), Progress::default());
-    }
-
-    /// Names the fault and ends what must not go on.
-    fn stop(&mut self, p: &Parameters, fault: Fault, reading: &Reading) {
-        self.fault = fault;
-        self.numbers.force_left = self.force_left();
-        self.numbers.force_constant = p.stage.force_constant;
-        self.numbers.swings = self.monitors.swing.count();
-        self.numbers.following_limit = following_limit(p) + self.motion.late(p);
-        if fault.safe_end() == SafeEnd::DriveOff {
-            self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
-            self.integrator = Integrator::default();
-            self.reader.forgive();
-            self.motion.lie(reading.position.unwrap_or(self.motion.reference.position));
-        }
-    }
-
-    /// After a reset: a stage that nothing held is brought to rest, and the drive's answer of the run before tells nothing.
-    fn recover(&mut self, reading: &Reading) {
-        if let (SafeEnd::DriveOff, Some(position)) = (self.fault.safe_end(), reading.position) {
-            self.motion.reseat(position, self.observer.velocity());
-            self.motion.hold();
-        }
-        self.amplifier.forget();
-        self.monitors.drive.begin();
-        self.fault = Fault::None;
     }
 
     /// Moves the reference; with the drive off it lies where the stage is.
@@ -420,6 +354,7 @@ impl Controller {
             },
             tracking_error: direction * error,
             measured: self.commissioner.measured,
+            taught: self.teacher.taught,
             drive_share: self.monitors.drive.share().unwrap_or(1.0),
             numbers: self.numbers,
         };

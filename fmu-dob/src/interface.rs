@@ -17,6 +17,8 @@ mod variables {
     const PER_SECOND_CUBED: Unit = Unit::si("1/s3", [0, 0, -3, 0, 0], &[]);
     /// Unit of the viscous friction.
     const NEWTON_SECOND_PER_METRE: Unit = Unit::si("N.s/m", [1, 0, -1, 0, 0], &[]);
+    /// Unit of a length that grows as the speed falls.
+    const SQUARE_METRE_PER_SECOND: Unit = Unit::si("m2/s", [0, 2, -1, 0, 0], &[]);
 
     /// What the controller is doing
     pub enum State {
@@ -40,6 +42,8 @@ mod variables {
         Commission,
         /// Goes back a little and touches again where it suspects a contact
         Confirm,
+        /// Stands between two touches of a teaching, and learns from the one before
+        Teach,
     }
     /// Why the controller is in the fault state
     pub enum Fault {
@@ -83,6 +87,8 @@ mod variables {
         #[hint("start farther from the workpiece, or choose a `detector` that sees this contact at this speed; look for vibration that hides it, and for readings that jump")] LateContact,
         /// What the commission has measured is not sure enough, or not what this controller can hold
         #[hint("allow more `commission.travel` or `commission.force`, look for vibration and friction, tell a larger `guard.force` if the work bears it, and check `stage.mass`, `stage.force_constant`, `stage.current_bandwidth` and `io_delay`")] CommissionRejected,
+        /// The touches of a teaching scatter too much, or tell a bias that is not sure enough or cannot be
+        #[hint("check `teach.place`; on work that is too soft or yields no bias can be taught; touch more often, look for vibration")] TeachingRejected,
     }
     /// What detected the contact
     pub enum ContactSource {
@@ -144,6 +150,8 @@ mod variables {
         pub enable: bool,
         /// Rising edge after the first sample measures the machine from `Idle` or `Done`, once the stage is found and at rest; false, or a rising edge of `enable`, breaks off: decelerate, `Idle`
         pub commission: bool,
+        /// Rising edge after the first sample touches the work at `teach.place` at several speeds from `Idle` or `Done`, once the stage is found and at rest; false, or a rising edge of `enable`, breaks off: decelerate, retract, `Idle`
+        pub teach: bool,
         /// Rising edge ends a fault once the stage is at rest behind its retreat, or the drive is off and `position` is good
         pub reset_fault: bool,
     }
@@ -155,14 +163,14 @@ mod variables {
         pub fault: Fault,
         /// The drive shall be on; false from a fault that the controller cannot control until it is reset
         #[var(start = true)] pub drive_enable: bool,
-        /// The approach was ended by `enable`; kept until the next approach
+        /// The approach was ended by `enable`, or broken off with its teaching; kept until the next approach
         pub aborted: bool,
         /// Contact was detected; kept until the next approach, withdrawn by a fault before `Done`
         pub contact: bool,
         pub contact_source: ContactSource,
         /// Encoder position at the detection, as in the paper
         #[var(unit = METRE as "um")] pub contact_position: f64,
-        /// Position of the first touch: `contact_position` less `contact.bias` in the direction of approach
+        /// Position of the first touch: `contact_position` less the bias at the speed of this approach, in its direction
         #[var(unit = METRE as "um")] pub contact_position_estimate: f64,
         /// Time of the detection since the initialisation
         #[var(unit = SECOND)] pub contact_time: f64,
@@ -176,6 +184,7 @@ mod variables {
         /// Numbers that are told with a fault.
         #[var(hidden, start = Numbers::START)] pub numbers: Numbers,
         pub measured: Measured,
+        pub taught: Taught,
     }
     /// What the commission has measured, each with its standard deviation; 0 before
     pub struct Measured {
@@ -217,6 +226,31 @@ mod variables {
         #[var(unit = NEWTON_PER_SECOND)] pub slope_sigma: f64,
         /// Its standard deviation
         #[var(unit = NEWTON_PER_SECOND)] pub slope_sigma_deviation: f64,
+    }
+    /// What a teaching has learned of the bias, each with its standard deviation; 0 before
+    pub struct Taught {
+        /// The last teaching came to its end, and its results are good; false from the next one on
+        pub valid: bool,
+        /// Touches of the last teaching
+        pub touches: i32,
+        /// Part of the bias that is the same at every speed, with what `teach.place` is not known to
+        #[var(unit = METRE as "nm")] pub bias: f64,
+        /// Its standard deviation
+        #[var(unit = METRE as "nm")] pub bias_deviation: f64,
+        /// Part of the bias that grows with the speed, at 100 um/s
+        #[var(unit = METRE as "nm")] pub bias_fast: f64,
+        /// Its standard deviation
+        #[var(unit = METRE as "nm")] pub bias_fast_deviation: f64,
+        /// Part of the bias that grows as the speed falls, times it
+        #[var(unit = SQUARE_METRE_PER_SECOND)] pub bias_slow: f64,
+        /// Its standard deviation
+        #[var(unit = SQUARE_METRE_PER_SECOND)] pub bias_slow_deviation: f64,
+        /// Largest standard deviation of the bias at a taught speed; that of one touch besides is `taught.scatter`
+        #[var(unit = METRE as "nm")] pub deviation: f64,
+        /// Standard deviation of the touches of one speed
+        #[var(unit = METRE as "nm")] pub scatter: f64,
+        /// Its standard deviation
+        #[var(unit = METRE as "nm")] pub scatter_deviation: f64,
     }
     /// Chain of force estimates; positive when the workpiece pushes back
     pub struct ForceOutput {
@@ -278,10 +312,20 @@ mod variables {
         pub approach: Approach,
         pub retract: Retract,
         pub commission: Commission,
+        pub teach: Teach,
         /// Force change that stops the approach whatever the detector says; must exceed the cogging
         #[var(name = "guard.force", unit = NEWTON, range = 1e-3..=1e4, start = 0.4, source = "our choice: 1.3 um at 100 um/s")] pub guard_force: f64,
-        /// Travel between first touch and detection; late but repeatable
-        #[var(name = "contact.bias", unit = METRE as "nm", range = -1e-3..=1e-3, source = "one calibration touch", tunable)] pub contact_bias: f64,
+        pub contact: Contact,
+    }
+    /// Travel between first touch and detection, late but repeatable: bias + bias_fast (v / 100 um/s)^(5/7) + bias_slow / v at the
+    /// approach speed v
+    pub struct Contact {
+        /// Part that is the same at every speed
+        #[var(unit = METRE as "nm", range = -1e-3..=1e-3, source = "a teaching, or one calibration touch", tunable)] pub bias: f64,
+        /// Part that grows with the speed, at 100 um/s
+        #[var(unit = METRE as "nm", range = -1e-3..=1e-3, source = "a teaching", tunable)] pub bias_fast: f64,
+        /// Part that grows as the speed falls, times it
+        #[var(unit = SQUARE_METRE_PER_SECOND, range = -1e-6..=1e-6, source = "a teaching", tunable)] pub bias_slow: f64,
     }
     /// Nominal model of the stage and its drive
     pub struct Stage {
@@ -361,6 +405,10 @@ mod variables {
         #[var(unit = SECOND, range = 0.0..=1e4, start = 0.0, source = "derived: 2 learn.time + settling")] pub learn_time: f64,
         /// Largest change of the force from before the contact to behind the retract
         #[var(unit = NEWTON, range = 1e-6..=1e6, start = 0.2, source = "our choice: half of `guard.force`, ten sigma of the weight balancer")] pub force_left: f64,
+        /// Largest bias at a taught speed
+        #[var(unit = METRE as "um", range = 1e-9..=1e-3, start = 1e-6, source = "our choice: twice that at 300 um/s on steel; more is soft work or a wrong place")] pub bias: f64,
+        /// Largest standard deviation of the touches of one speed in a teaching
+        #[var(unit = METRE as "nm", range = 1e-10..=1e-4, start = 6e-8, source = "our choice: two to three times that on steel")] pub touch_scatter: f64,
         /// Longest job from `enable` to `Done`; 0: what its ways and times need, and a quarter more
         #[var(unit = SECOND, range = 0.0..=1e9, start = 0.0, source = "derived: 1.25 (travel_max / v + v / a + settle_time + limits.learn_time + (travel_max + distance) / v_retract) + 1 s")] pub job_time: f64,
     }
@@ -441,6 +489,25 @@ mod variables {
         /// Use what was measured in place of what was told
         #[var(source = "our choice: first look, then trust")] pub apply: bool,
         /// File that a good commission writes: JSON, the parameters that it derives; empty: none
+        pub export: String,
+    }
+    /// Touches that teach the bias, and what becomes of it
+    pub struct Teach {
+        /// Slowest of the five speeds, which lie in equal ratios
+        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-5, source = "our choice")] pub velocity_min: f64,
+        /// Fastest of the five speeds, at least three times the slowest
+        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 3e-4, source = "our choice")] pub velocity_max: f64,
+        /// Touches at each speed
+        #[var(range = 2..=1000, start = 4, source = "our choice: half of the scatter of one touch")] pub touches: i32,
+        /// Encoder position at which the tool first touches the work
+        #[var(unit = METRE as "um", range = -1e3..=1e3, source = "measured otherwise: no touch tells its own bias")] pub place: f64,
+        /// Its standard deviation
+        #[var(unit = METRE as "nm", range = 0.0..=1e-3, source = "that of how it was measured")] pub place_deviation: f64,
+        /// Largest standard deviation of the bias at a taught speed; above it is `TeachingRejected`
+        #[var(unit = METRE as "nm", range = 1e-10..=1e-3, start = 3e-8, source = "our choice: about the scatter of one touch")] pub deviation_max: f64,
+        /// Use what was taught in place of what was told
+        #[var(source = "our choice: first look, then trust")] pub apply: bool,
+        /// File that a good teaching writes: JSON, the parameters of the bias; empty: none
         pub export: String,
     }
 }

@@ -10,10 +10,12 @@ mod detection;
 mod faults;
 mod force;
 pub mod interface;
+mod limits;
 mod machine;
 pub mod monitoring;
 mod motion;
 mod reading;
+mod teaching;
 
 use controller::Controller;
 use fmi2_export::{Env, Error, Info, Model, export, package};
@@ -23,7 +25,7 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 11,
+        state_version: 12,
         stop_time: 2.0,
         longest_step: 1.0,
         ..package!()
@@ -35,7 +37,7 @@ impl Model for Controller {
     }
 
     fn numbers(vars: &Vars) -> String {
-        faults::numbers(vars)
+        faults::message::numbers(vars)
     }
 
     fn initialise(vars: &mut Vars, _: &mut Env) -> Result<Self, Error> {
@@ -47,14 +49,17 @@ impl Model for Controller {
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
-        let before = vars.output.measured.valid;
+        let before = [vars.output.measured.valid, vars.output.taught.valid];
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
         // a fault is told with what counts from now on
         self.bring_into_force(&mut vars.in_force);
-        if vars.output.measured.valid && !before {
-            // a machine does not stop because a file cannot be written
+        // a machine does not stop because a file cannot be written
+        if vars.output.measured.valid && !before[0] {
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
+        }
+        if vars.output.taught.valid && !before[1] {
+            self.export_bias(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }
         Ok(())
     }

@@ -26,6 +26,12 @@ pub struct Events {
     pub begin: bool,
     /// A commission is asked for, see [`control_blocks::WaitingRequest`].
     pub commission: bool,
+    /// A teaching is asked for, see [`control_blocks::WaitingRequest`].
+    pub teach: bool,
+    /// A touch of a teaching has just ended.
+    pub teaching: bool,
+    /// The teaching has come to its end, or is broken off.
+    pub taught: bool,
     /// The commission is to be broken off.
     pub break_off: bool,
     /// The commission has come to its end.
@@ -54,7 +60,7 @@ pub struct Events {
 
 /// The state after `state` and `events`; a fault comes first, then contact, then `enable`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Commission, Confirm, Contact, Detect, Done, Fault, Idle, Learn, Retract};
+    use State::{Approach, Commission, Confirm, Contact, Detect, Done, Fault, Idle, Learn, Retract, Teach};
     let touched = events.contact.is_some();
     match state {
         Fault if events.reset && events.restful && events.retreated && events.fault.is_none() => Idle,
@@ -62,6 +68,9 @@ pub fn next(state: State, events: &Events) -> State {
         _ if events.fault.is_some() => Fault,
         Idle | Done if events.begin && events.restful => Approach,
         Idle | Done if events.commission && events.restful => Commission,
+        Idle | Done if events.teach && events.restful => Teach,
+        Teach if events.taught && events.retreated => Idle,
+        Teach if events.restful && events.retreated => Approach,
         Commission if events.break_off || events.commissioned => Idle,
         Approach | Learn | Detect | Confirm if touched => Contact,
         Approach | Learn | Detect | Confirm if !events.enabled => Retract,
@@ -70,6 +79,7 @@ pub fn next(state: State, events: &Events) -> State {
         Detect if events.suspected => Confirm,
         Confirm if events.dismissed => Detect,
         Contact if events.turned => Retract,
+        Retract if events.retreated && events.teaching => Teach,
         Retract if events.retreated => Done,
         unchanged => unchanged,
     }
@@ -83,6 +93,9 @@ mod tests {
     const QUIET: Events = Events {
         begin: false,
         commission: false,
+        teach: false,
+        teaching: false,
+        taught: false,
         break_off: false,
         commissioned: false,
         enabled: true,
@@ -130,17 +143,41 @@ mod tests {
 
     #[test]
     fn a_commission_begins_at_rest_and_ends_in_idle() {
-        let commission = Events { commission: true, restful: true, ..QUIET };
+        let commission = Events { commission: true, restful: true, retreated: true, ..QUIET };
         for &state in State::ALL {
-            let begins = matches!(state, State::Idle | State::Done);
-            assert_eq!(next(state, &commission), if begins { State::Commission } else { state });
-            assert_eq!(next(state, &Events { restful: false, ..commission }), state);
+            let expected = match state {
+                State::Idle | State::Done => State::Commission,
+                // the next touch, and the end of a job
+                State::Teach => State::Approach,
+                State::Retract => State::Done,
+                unchanged => unchanged,
+            };
+            assert_eq!(next(state, &commission), expected);
+            assert_eq!(next(state, &Events { restful: false, retreated: false, ..commission }), state);
         }
         // who asks for both gets the approach
         assert_eq!(next(State::Idle, &Events { begin: true, ..commission }), State::Approach);
         for events in [Events { break_off: true, ..QUIET }, Events { commissioned: true, ..QUIET }] {
             assert_eq!(next(State::Commission, &events), State::Idle);
         }
+    }
+
+    #[test]
+    fn a_teaching_goes_from_touch_to_touch_and_ends_in_idle() {
+        let teach = Events { teach: true, restful: true, retreated: true, ..QUIET };
+        for state in [State::Idle, State::Done] {
+            assert_eq!(next(state, &teach), State::Teach);
+            assert_eq!(next(state, &Events { restful: false, ..teach }), state);
+            // a commission comes first, and an approach before it
+            assert_eq!(next(state, &Events { commission: true, ..teach }), State::Commission);
+        }
+        let restful = Events { restful: true, retreated: true, ..QUIET };
+        assert_eq!([next(State::Teach, &restful), next(State::Teach, &QUIET)], [State::Approach, State::Teach]);
+        let retreated = Events { teaching: true, ..restful };
+        assert_eq!(next(State::Retract, &retreated), State::Teach);
+        assert_eq!(next(State::Teach, &Events { taught: true, ..restful }), State::Idle);
+        // broken off, and on its way back
+        assert_eq!(next(State::Teach, &Events { taught: true, retreated: false, ..restful }), State::Teach);
     }
 
     #[test]
@@ -158,9 +195,9 @@ mod tests {
     #[test]
     fn a_job_lasts_from_the_approach_to_the_retract() {
         let at_work: Vec<bool> = State::ALL.iter().map(|state| state.at_work()).collect();
-        assert_eq!(at_work, [false, true, true, true, true, true, false, false, false, true]);
+        assert_eq!(at_work, [false, true, true, true, true, true, false, false, false, true, false]);
         let approaching: Vec<bool> = State::ALL.iter().map(|state| state.approaching()).collect();
-        assert_eq!(approaching, [false, true, true, true, false, false, false, false, false, true]);
+        assert_eq!(approaching, [false, true, true, true, false, false, false, false, false, true, false]);
     }
 
     #[test]
@@ -174,6 +211,9 @@ mod tests {
         let events = Events {
             begin: true,
             commission: true,
+            teach: true,
+            teaching: true,
+            taught: true,
             break_off: true,
             commissioned: true,
             enabled: false,

@@ -65,6 +65,10 @@ pub struct Reading {
     pub commission: bool,
     /// Rising edge of `commission`.
     pub begin_commission: bool,
+    /// `teach` is set.
+    pub teach: bool,
+    /// Rising edge of `teach`.
+    pub begin_teaching: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
     /// The position is there for the first time, or again after too long.
@@ -97,6 +101,7 @@ pub struct Reader {
     started: bool,
     enable: Edge,
     commission: Edge,
+    teach: Edge,
     reset_fault: Edge,
 }
 
@@ -120,6 +125,7 @@ impl Reader {
         let spindle_speed = self.spindle(p, if speed_good { input.spindle_speed } else { f64::NAN }, expected);
         let begin = self.enable.rises(input.enable) && self.started;
         let begin_commission = self.commission.rises(input.commission) && self.started;
+        let begin_teaching = self.teach.rises(input.teach) && self.started;
         self.started = true;
         Reading {
             position,
@@ -128,6 +134,8 @@ impl Reader {
             begin,
             commission: input.commission,
             begin_commission,
+            teach: input.teach,
+            begin_teaching,
             reset: self.reset_fault.rises(input.reset_fault),
             found,
             invalid: self.invalid.update(!speed_good),

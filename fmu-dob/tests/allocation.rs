@@ -75,6 +75,21 @@ fn a_commission_that_is_applied() {
 }
 
 #[test]
+fn a_teaching_that_is_applied() {
+    let mut p = Parameters::START;
+    (p.teach.place, p.teach.apply, p.teach.touches) = (9e-5, true, 2);
+    (p.teach.velocity_min, p.limits.touch_scatter, p.teach.deviation_max) = (9e-5, 1e-6, 1e-6);
+    let mut run = Loop::new(&p, 55, 9e-5);
+    assert_no_alloc(|| {
+        (0..200).for_each(|_| run.step_with(|input| input.enable = false));
+        while !run.output.taught.valid && run.output.fault == Fault::None {
+            run.step_with(|input| (input.enable, input.teach) = (false, true));
+        }
+    });
+    assert!(run.output.taught.valid, "{:?}", run.output);
+}
+
+#[test]
 fn every_fault_and_its_reset() {
     let p = Parameters::START;
     let (mut short, mut strict, mut weak) = (p.clone(), p.clone(), p.clone());

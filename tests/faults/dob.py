@@ -5,6 +5,7 @@ from dataclasses import replace
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
+from . import dob_teaching as teaching
 from .commission import dob as commission
 from .matrix import DONE, Matrix, Row
 
@@ -576,5 +577,7 @@ MATRIX = Matrix(
         " & ~any(controller.contact & (plant.touched == 0))"
     ),
     rest="max(abs(plant.velocity[time > last(time) - 0.002])) < 1e-4",
-    rows=tuple(replace(row, changes=(*SHORT, *row.changes)) for row in (*ROWS, *commission.ROWS)),
+    rows=tuple(
+        replace(row, changes=(*SHORT, *row.changes)) for row in (*ROWS, *commission.ROWS, *teaching.ROWS)
+    ),
 )

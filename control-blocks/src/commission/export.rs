@@ -10,17 +10,25 @@ use crate::parameters::error::ParameterError;
 /// What to do when it cannot be written.
 const HINT: &str = "name a file in a folder that there is and that the importer may write to";
 
-/// Writes the file that the parameter `commission.export` names, if it names one: names and finite values in their order, in
-/// place of what it held; a path is from the working directory of the importer unless it is whole.
+/// Writes the file that the parameter `commission.export` names, as [`export_values`] does.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn export_commission(file: &str, values: &[(&str, f64)]) -> Result<(), ParameterError> {
+    export_values("commission.export", file, values)
+}
+
+/// Writes the file that a parameter `name` names, if it names one: names and finite values in their order, in
+/// place of what it held; a path is from the working directory of the importer unless it is whole.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn export_values(name: &'static str, file: &str, values: &[(&str, f64)]) -> Result<(), ParameterError> {
     if file.is_empty() {
         return Ok(());
     }
     fs::write(file, json(values)).map_err(|error| ParameterError {
-        name: "commission.export",
+        name,
         value: file.to_owned(),
         limit: format!("a file that can be written: {error}"),
         hint: HINT,

@@ -71,7 +71,7 @@ impl Values {
 
     /// Those with the response that was measured.
     pub fn with_response(self, measured: &Measured) -> Self {
-        Self { force_constant: measured.force_constant, io_delay: whole_delay(measured.io_delay), ..self }
+        Self { force_constant: measured.force_constant, io_delay: delay(measured), ..self }
     }
 
     /// Those with all that was measured.
@@ -114,7 +114,13 @@ pub fn acceptable(p: &Parameters, told: f64, longest: i32, m: &Measured) -> bool
     sure(m.force_constant, m.force_constant_deviation, p.commission.deviation_max)
         && m.io_delay_deviation <= p.commission.delay_deviation_max.hypot(loop_spread(p))
         && within_factor(m.force_constant, told, RATIO_MAX)
-        && (0..=longest).contains(&whole_delay(m.io_delay))
+        && (0..=longest).contains(&delay(m))
+}
+
+/// The delay in whole samples. No machine answers before it is asked: what is below none by no more than it may be wrong is none.
+fn delay(m: &Measured) -> i32 {
+    let none = m.io_delay < 0.0 && -m.io_delay <= SIGNIFICANT * m.io_delay_deviation;
+    if none { 0 } else { whole_delay(m.io_delay) }
 }
 
 #[cfg(test)]
@@ -212,5 +218,9 @@ mod tests {
             assert_eq!((with(set, last), with(set, first)), (true, false));
         }
         assert!(!accepted(Measured::START));
+        // less than none, by no more than three deviations
+        let early = |io_delay| Measured { io_delay, io_delay_deviation: 0.27, ..GOOD };
+        assert_eq!([-0.8, -0.82].map(|delay| accepted(early(delay))), [true, false]);
+        assert_eq!(Values::of(&p).with_response(&early(-0.8)).io_delay, 0);
     }
 }

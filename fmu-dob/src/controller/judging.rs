@@ -8,6 +8,7 @@ use crate::detection::detector::Detector;
 use crate::faults::{self, Symptoms};
 use crate::force::observer::forgetting;
 use crate::interface::{ContactSource, Fault, Parameters, State};
+use crate::limits::{disturbance_limit, following_limit};
 use crate::monitoring::numbers::Unseen;
 use crate::monitoring::rest_force::RestForce;
 use crate::motion::travel::{late, learn_limit};
@@ -71,14 +72,14 @@ impl Controller {
     fn overloaded(&self, p: &Parameters) -> bool {
         let disturbance = self.force.disturbance;
         let excess = (disturbance - self.commissioner.held()).abs();
-        disturbance.abs() > faults::disturbance_limit(p)
+        disturbance.abs() > disturbance_limit(p)
             || self.state == State::Commission && excess > plan::force(p) + p.guard_force
     }
 
     /// Monitors of the drive, of a stage at rest and of the job; what a lost position would say is no news.
     pub(super) fn watch(&mut self, p: &Parameters, reading: &Reading) {
         let watching = !self.off();
-        let following = faults::following_limit(p) + self.motion.late(p) + self.mistaken(Plan::astray);
+        let following = following_limit(p) + self.motion.late(p) + self.mistaken(Plan::astray);
         let overloaded = self.overloaded(p);
         let monitors = &mut self.monitors;
         if let Some(position) = reading.position {
@@ -132,6 +133,7 @@ impl Controller {
             force_left: (retracted && self.contact.is_some()).then(|| self.force_left()),
             guarded: retracted && self.contact.is_some_and(|contact| contact.source == ContactSource::ForceGuard),
             rejected: state == State::Commission && self.commissioner.rejected,
+            mistaught: state == State::Teach && self.teacher.rejected,
             late: match state {
                 State::Commission => monitors.job.samples() as f64 * p.sample_period > plan::time(p),
                 _ => state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
@@ -202,6 +204,9 @@ impl Controller {
 
     /// Whether a first touch is to be touched again, and whether a second one has shown nothing.
     pub(super) fn doubt(&mut self, p: &Parameters, reading: &Reading) -> (bool, bool) {
+        if !p.touch.confirm {
+            return (false, false);
+        }
         let (Some(position), Some(ratio)) = (reading.position, self.detector.ratio()) else { return (false, false) };
         let velocity = self.motion.approach.velocity;
         match self.state {

@@ -23,11 +23,12 @@ pub struct OnsetBank {
     squares: Vec<f64>,
     /// 1 / (2 var T_n), by age
     weight: Vec<f64>,
+    /// T_n at which L is the alarm level, by age
+    level: Vec<f64>,
     built: usize,
     error: PredictionError,
     /// innovations since the correlation was cleared, while learning
     seen: usize,
-    ratio: f64,
 }
 
 impl OnsetBank {
@@ -41,10 +42,10 @@ impl OnsetBank {
             correlation: empty(),
             squares: empty(),
             weight: empty(),
+            level: empty(),
             built: 0,
             error: PredictionError::zeros(),
             seen: 0,
-            ratio: 0.0,
         }
     }
 
@@ -77,7 +78,6 @@ impl OnsetBank {
     /// Forgets all innovations.
     pub fn clear(&mut self) {
         self.correlation.fill(0.0);
-        self.ratio = 0.0;
     }
 
     /// Learns how much the correlations with one more innovation (m) of mere noise scatter.
@@ -90,25 +90,25 @@ impl OnsetBank {
         }
     }
 
-    /// Weighs the ages by what was learned, with the standard deviation `sigma` (m) of the innovation.
-    pub fn arm(&mut self, sigma: f64) {
+    /// Weighs the ages by what was learned, with the standard deviation `sigma` (m) of the innovation and the alarm level `threshold` of L.
+    pub fn arm(&mut self, sigma: f64, threshold: f64) {
         let count = (self.seen + 1).saturating_sub(self.correlation.len()).max(1) as f64;
         for ((weight, energy), squares) in self.weight.iter_mut().zip(&self.energy).zip(&self.squares) {
             *weight = 0.5 / f64::max(energy * sigma * sigma, squares / count);
         }
+        self.level.iter_mut().zip(&self.weight).for_each(|(level, weight)| *level = (threshold / weight).sqrt());
     }
 
-    /// Largest log-likelihood ratio of contact sign after one more innovation (m).
-    pub fn update(&mut self, innovation: f64) -> f64 {
+    /// Takes one more innovation (m); whether L of contact sign is above the alarm level at any age. T_n says so by itself, at half of the cost.
+    pub fn update(&mut self, innovation: f64) -> bool {
         self.correlate(innovation);
-        let ratios = self.correlation.iter().zip(&self.weight).map(|(t, weight)| t * t.abs() * weight);
-        self.ratio = ratios.fold(0.0, f64::max);
-        self.ratio
+        self.correlation.iter().zip(&self.level).fold(false, |above, (t, level)| above | (t > level))
     }
 
-    /// What the newest innovation has given; 0 after [`Self::clear`].
+    /// Largest log-likelihood ratio of contact sign; 0 after [`Self::clear`].
     pub fn ratio(&self) -> f64 {
-        self.ratio
+        let ratios = self.correlation.iter().zip(&self.weight).map(|(t, weight)| t * t.abs() * weight);
+        ratios.fold(0.0, f64::max)
     }
 
     /// Every onset is one sample older: T_n = T_(n-1) + s_n nu.
@@ -127,6 +127,13 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     const SIGMA: f64 = 1e-9;
+    const LEVEL: f64 = 15.0;
+
+    /// L after one more innovation.
+    fn ratio(bank: &mut OnsetBank, innovation: f64) -> f64 {
+        bank.update(innovation);
+        bank.ratio()
+    }
 
     fn empty_bank() -> OnsetBank {
         let p = Parameters::START;
@@ -143,7 +150,7 @@ mod tests {
     /// A bank that has learned from nothing but white noise of `SIGMA`.
     fn ready_bank() -> OnsetBank {
         let mut bank = empty_bank();
-        bank.arm(SIGMA);
+        bank.arm(SIGMA, LEVEL);
         bank
     }
 
@@ -154,7 +161,7 @@ mod tests {
         let ages = 120;
         let expected = (slope / SIGMA).powi(2) * bank.template[..ages].iter().map(|s| s * s).sum::<f64>() / 2.0;
         let response: Vec<f64> = bank.template[..ages].iter().map(|s| slope * s).collect();
-        let ratio = response.iter().map(|nu| bank.update(*nu)).last();
+        let ratio = response.iter().map(|nu| ratio(&mut bank, *nu)).last();
         assert!((ratio.unwrap() / expected - 1.0).abs() < 1e-9);
         assert_eq!(ratio, Some(bank.ratio()));
     }
@@ -165,7 +172,7 @@ mod tests {
             let mut bank = empty_bank();
             // to and fro: every correlation keeps its size
             (0..samples).for_each(|k| bank.learn(if k % 2 == 0 { 1e-6 } else { -1e-6 }));
-            bank.arm(0.0);
+            bank.arm(0.0, LEVEL);
             bank.weight
         };
         let ages = empty_bank().correlation.len();
@@ -186,10 +193,26 @@ mod tests {
     }
 
     #[test]
+    fn the_alarm_is_that_of_the_ratio_in_noise_that_crosses_its_level() {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(12);
+        let mut bank = empty_bank();
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        (0..5000).for_each(|_| bank.learn(SIGMA * normal()));
+        bank.arm(SIGMA, 3.0);
+        let alarms = (0..100_000).filter(|_| {
+            let above = bank.update(SIGMA * normal());
+            assert_eq!(above, bank.ratio() > 3.0);
+            above
+        });
+        let alarms = alarms.count();
+        assert!((1000..90_000).contains(&alarms), "{alarms}");
+    }
+
+    #[test]
     fn pull_instead_of_push_is_no_contact() {
         let mut bank = ready_bank();
         let pull: Vec<f64> = bank.template[..60].iter().map(|s| -20.0 * s).collect();
-        let ratio = pull.iter().map(|nu| bank.update(*nu)).last();
+        let ratio = pull.iter().map(|nu| ratio(&mut bank, *nu)).last();
         assert!(ratio.unwrap() < 1.0, "{ratio:?}");
     }
 
@@ -197,7 +220,7 @@ mod tests {
     fn old_onsets_leave_the_bank() {
         let mut bank = ready_bank();
         bank.update(-1e-6);
-        let quiet = (0..300).map(|_| bank.update(0.0)).last().unwrap();
+        let quiet = (0..300).map(|_| ratio(&mut bank, 0.0)).last().unwrap();
         assert_eq!(quiet, 0.0);
     }
 
@@ -207,7 +230,7 @@ mod tests {
         (0..50).for_each(|_| _ = bank.update(-1e-6));
         bank.clear();
         assert_eq!(bank.ratio(), 0.0);
-        assert_eq!(bank.update(-1e-9), fresh.clone().update(-1e-9));
+        assert_eq!(ratio(&mut bank, -1e-9), ratio(&mut fresh.clone(), -1e-9));
     }
 
     #[test]
@@ -215,7 +238,7 @@ mod tests {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(11);
         let mut bank = empty_bank();
         (0..200_000).for_each(|_| bank.learn(SIGMA * Distribution::<f64>::sample(&StandardNormal, &mut random)));
-        bank.arm(SIGMA);
+        bank.arm(SIGMA, LEVEL);
         for ((weight, energy), age) in bank.weight.iter().zip(&bank.energy).zip(0..) {
             let ratio = 0.5 / (energy * SIGMA * SIGMA) / weight;
             // never less than what white noise is, and hardly more
@@ -226,10 +249,10 @@ mod tests {
     #[test]
     fn what_swings_slowly_while_the_noise_is_learned_is_no_contact_afterwards() {
         let swing = |k: i32| 0.3 * SIGMA * (0.02 * f64::from(k)).sin();
-        let largest = |mut bank: OnsetBank| (0..5000).map(|k| bank.update(swing(k))).fold(0.0, f64::max);
+        let largest = |mut bank: OnsetBank| (0..5000).map(|k| ratio(&mut bank, swing(k))).fold(0.0, f64::max);
         let mut learned = empty_bank();
         (0..5000).for_each(|k| learned.learn(swing(k)));
-        learned.arm(SIGMA);
+        learned.arm(SIGMA, LEVEL);
         learned.clear();
         let (naive, learned) = (largest(ready_bank()), largest(learned));
         // a sine is at most sqrt(2) of its own rms
@@ -241,7 +264,7 @@ mod tests {
         let mut bank = empty_bank();
         (0..5000).for_each(|_| bank.learn(1e-8));
         bank.reset();
-        bank.arm(SIGMA);
+        bank.arm(SIGMA, LEVEL);
         let fresh = ready_bank();
         assert_eq!(bank.weight, fresh.weight);
         assert_eq!((bank.correlation, bank.seen), (fresh.correlation, 0));

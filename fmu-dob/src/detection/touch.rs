@@ -31,9 +31,6 @@ pub struct TwoStageTouch {
 impl TwoStageTouch {
     /// Takes a log-likelihood ratio of the first touch at a position (m); whether the place is to be touched again.
     pub fn suspect(&mut self, p: &Parameters, position: f64, ratio: f64) -> bool {
-        if !p.touch.confirm {
-            return false;
-        }
         match &mut self.suspicion {
             None if ratio > p.touch.suspicion => self.suspicion = Some(Suspicion { position, age: 0, ratio }),
             None => {}
@@ -82,10 +79,9 @@ mod tests {
     const V: f64 = 1e-4;
 
     /// 7 for each touch, 24 together, 10 ms at 10 kHz; 2.5 um apart at 100 um/s.
-    fn with(change: fn(&mut Parameters)) -> Parameters {
+    fn confirming() -> Parameters {
         let mut p = Parameters::START;
         p.touch.confirm = true;
-        change(&mut p);
         p
     }
 
@@ -99,19 +95,17 @@ mod tests {
 
     #[test]
     fn a_suspicion_waits_for_its_dwell_and_keeps_the_largest_ratio() {
-        let p = with(|_| ());
+        let p = confirming();
         let (touch, told) = suspected(&p, &[&[6.9, 7.1, 12.0], &[3.0; 110][..]].concat());
         assert_eq!(told.iter().position(|again| *again), Some(101));
         let first = touch.suspicion.unwrap();
         assert!(first.ratio == 12.0 && (first.position - 5.01e-6).abs() < 1e-15, "{first:?}");
         assert!(suspected(&p, &[6.9; 300]).1.iter().all(|again| !again));
-        let off = with(|p| p.touch.confirm = false);
-        assert!(suspected(&off, &[9.0; 300]).1.iter().all(|again| !again));
     }
 
     #[test]
     fn both_touches_together_are_a_contact_near_one_place() {
-        let p = with(|_| ());
+        let p = confirming();
         let (first, _) = suspected(&p, &[12.0]);
         let second = |position: f64, ratio: f64| first.clone().confirm(&p, V, position, ratio);
         assert!(second(5e-6, 12.1) && !second(5e-6, 11.9));
@@ -124,7 +118,7 @@ mod tests {
 
     #[test]
     fn the_place_is_passed_where_no_contact_can_be_any_more() {
-        let p = with(|_| ());
+        let p = confirming();
         let (first, _) = suspected(&p, &[12.0]);
         assert!(first.passed(&p, V, 7.51e-6) && !first.passed(&p, V, 7.49e-6));
         // 10 times as fast, 20 um more
@@ -133,7 +127,7 @@ mod tests {
 
     #[test]
     fn the_way_back_leaves_room_to_arm_before_the_place() {
-        let p = with(|_| ());
+        let p = confirming();
         let (first, _) = suspected(&p, &[12.0]);
         // 1 um deeper by now; 0.1 um to speed, 50 ms, 2.5 um
         let way = first.way_back(&p, &p.approach, 6e-6);

@@ -15,11 +15,14 @@ pub struct Numbers {
     pub force_constant: f64,
     /// Swings of the stage, in a row.
     pub swings: u32,
+    /// Least and largest mean bias of a speed in a teaching, m.
+    pub biases: [f64; 2],
 }
 
 impl Numbers {
     /// Before the first approach.
-    pub const START: Self = Self { late: None, force_left: 0.0, following_limit: 0.0, force_constant: 0.0, swings: 0 };
+    pub const START: Self =
+        Self { late: None, force_left: 0.0, following_limit: 0.0, force_constant: 0.0, swings: 0, biases: [0.0; 2] };
 }
 
 /// A contact that the force guard has found, and the detector has not.

@@ -67,7 +67,9 @@ impl Motion {
             State::Confirm if self.way_left(p) => (-self.approach.velocity, p.retract.deceleration),
             State::Confirm => (self.approach.velocity, self.approach.acceleration),
             State::Contact => (-p.retract.velocity, p.retract.deceleration),
-            State::Retract | State::Fault if valid && self.way_left(p) => (-p.retract.velocity, p.retract.deceleration),
+            State::Retract | State::Teach | State::Fault if valid && self.way_left(p) => {
+                (-p.retract.velocity, p.retract.deceleration)
+            }
             _ => (0.0, p.retract.deceleration),
         };
         if state == State::Confirm && velocity > 0.0 {

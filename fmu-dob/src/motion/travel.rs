@@ -24,6 +24,11 @@ pub fn retract_distance(p: &Parameters, approach: &Approach) -> f64 {
     if p.retract.distance > 0.0 { p.retract.distance } else { RETRACT_SPARE * arming_travel(p, approach) }
 }
 
+/// Distance of the retract (m) from a touch of a teaching: `next` is armed there, however short `retract.distance` is.
+pub fn retract_between(p: &Parameters, next: &Approach) -> f64 {
+    retract_distance(p, next).max(RETRACT_SPARE * arming_travel(p, next))
+}
+
 /// Longest learning (s): `limits.learn_time`, or twice `learn.time` and what the filters need to settle.
 pub fn learn_limit(p: &Parameters) -> f64 {
     if p.limits.learn_time > 0.0 {
@@ -68,6 +73,9 @@ mod tests {
         near(job_limit(&p, &p.approach), 1.25 * (100.0 + 0.002 + 0.25 + 1.23 + 5.09012) + 1.0);
         (p.retract.distance, p.limits.learn_time, p.limits.job_time) = (1e-3, 3.0, 7.0);
         near(retract_distance(&p, &p.approach), 1e-3);
+        near(retract_between(&p, &p.approach), 1e-3);
+        p.retract.distance = 8e-5;
+        near(retract_between(&p, &Approach { velocity: 3e-4, ..p.approach }), 1.2 * (225e-6 + 0.9e-6));
         near(learn_limit(&p), 3.0);
         near(job_limit(&p, &p.approach), 7.0);
     }

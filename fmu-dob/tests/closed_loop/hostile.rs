@@ -42,6 +42,13 @@ pub fn finite(o: &Output) -> bool {
         o.measured.force_sigma_deviation,
         o.measured.slope_sigma,
         o.measured.slope_sigma_deviation,
+        o.taught.bias,
+        o.taught.bias_deviation,
+        o.taught.bias_fast,
+        o.taught.bias_slow,
+        o.taught.deviation,
+        o.taught.scatter,
+        o.taught.scatter_deviation,
     ];
     reals.iter().all(|x| x.is_finite())
 }
@@ -64,6 +71,7 @@ fn the_outputs_stay_finite_and_limited() {
             position_valid: calm || random.random_bool(0.7),
             enable: !calm || random.random_bool(0.999),
             commission: calm || random.random_bool(0.99),
+            teach: random.random_bool(0.5),
             reset_fault: random.random_bool(0.01),
         };
         controller.tick(&input, &p, &mut output);

@@ -2,9 +2,11 @@
 
 mod commission;
 mod detection;
+mod drive;
 mod faults;
 mod guard;
 mod hostile;
+mod jobs;
 mod law;
 mod motion;
 mod noise;
@@ -12,3 +14,4 @@ mod readings;
 mod run;
 mod slide;
 mod state;
+mod teaching;

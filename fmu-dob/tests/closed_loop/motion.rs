@@ -106,7 +106,7 @@ fn calibrated_bias_moves_the_estimate_only() {
     for direction in [1, -1] {
         let mut p = Parameters::START;
         p.approach.direction = direction;
-        p.contact_bias = 300e-9;
+        p.contact.bias = 300e-9;
         let mut controller = Controller::new(&p).unwrap();
         let mut slide = Slide::new(36, 90e-6);
         let (mut output, sign) = (Output::START, f64::from(direction));

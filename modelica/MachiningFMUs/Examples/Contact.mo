@@ -24,6 +24,7 @@ equation
   controller.spindle_speed = 3141.6;
   controller.enable = time > 0.01;
   controller.commission = false;
+  controller.teach = false;
   controller.reset_fault = false;
   annotation (
     experiment(StopTime = 2.0, Interval = 1e-4, Tolerance = 1e-8),

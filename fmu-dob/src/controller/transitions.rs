@@ -1,0 +1,122 @@
+//! What happens once, when a state begins.
+
+use control_blocks::{Progress, SafeEnd};
+
+use crate::controller::Controller;
+use crate::detection::contact::DetectedContact;
+use crate::detection::guard::ForceGuard;
+use crate::detection::touch::TwoStageTouch;
+use crate::interface::{ContactSource, Fault, Parameters, State};
+use crate::limits::following_limit;
+use crate::machine::Events;
+use crate::monitoring::numbers::{LateContact, Numbers};
+use crate::monitoring::rest_force::RestForce;
+use crate::motion::servo::Integrator;
+use crate::motion::travel::retract_between;
+use crate::reading::Reading;
+
+impl Controller {
+    /// What happens once, when `state` begins.
+    pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
+        if self.state == State::Commission && !self.commissioner.finished {
+            self.commissioner.break_off();
+        }
+        match (state, reading.position) {
+            (State::Commission, _) => {
+                self.commissioner.begin(p, self.motion.reference.position, self.observer.force());
+                self.monitors.job = Progress::default();
+                self.monitors.drive.begin();
+            }
+            (State::Approach, Some(position)) => self.restart(p, position),
+            (State::Teach, _) if self.state == State::Retract => {
+                if let Some(contact) = self.contact.filter(|_| !self.teacher.broken()) {
+                    self.teacher.take(p, contact.position);
+                }
+            }
+            (State::Teach, _) => self.teacher.begin(),
+            (State::Learn, _) => self.guard.learn(),
+            (State::Detect, _) => self.touch = TwoStageTouch::default(),
+            (State::Confirm, _) => {
+                let reference = self.motion.reference.position;
+                self.motion.go_back(self.touch.way_back(p, &self.motion.approach, reference));
+            }
+            (State::Contact, Some(position)) => {
+                self.depart(p);
+                let time = self.samples as f64 * p.sample_period;
+                let bias = self.teacher.bias(p).at(self.motion.approach.velocity);
+                self.contact = events.contact.map(|source| DetectedContact { source, position, bias, time });
+                self.numbers.late =
+                    events.contact.filter(|source| *source == ContactSource::ForceGuard).map(|_| LateContact {
+                        position: p.direction() * position,
+                        force: self.force.notched - self.guard.before(),
+                        unseen: self.unseen(p, reading),
+                    });
+            }
+            (State::Fault, _) => {
+                if self.teacher.break_off() || self.state.approaching() {
+                    self.depart(p);
+                }
+                if self.state.at_work() {
+                    self.contact = None;
+                }
+                if let Some(fault) = events.fault {
+                    self.stop(p, fault, reading);
+                }
+                self.teacher.end();
+            }
+            (State::Retract, _) if self.state.approaching() => {
+                self.depart(p);
+                self.aborted = true;
+            }
+            (State::Idle, _) if self.state == State::Fault => self.recover(reading),
+            (State::Idle, _) if self.state == State::Teach => self.teacher.end(),
+            _ => {}
+        }
+    }
+
+    /// Marks where the retreat begins, as far back as the next approach needs to arm its detector.
+    pub(super) fn depart(&mut self, p: &Parameters) {
+        if self.teacher.active {
+            self.motion.go_back(retract_between(p, &self.teacher.approach_after(p)));
+        } else {
+            self.motion.depart(p);
+        }
+    }
+
+    /// Forgets the last approach and begins a new one at rest at `position` m.
+    fn restart(&mut self, p: &Parameters, position: f64) {
+        self.motion.start(position, &self.teacher.approach(p));
+        self.deviation.clear();
+        self.detector.reset(position);
+        self.guard = ForceGuard::default();
+        (self.aborted, self.contact, self.waiting, self.numbers) = (false, None, true, Numbers::START);
+        (self.monitors.relief, self.monitors.job) = (RestForce::default(), Progress::default());
+    }
+
+    /// Names the fault and ends what must not go on.
+    pub(super) fn stop(&mut self, p: &Parameters, fault: Fault, reading: &Reading) {
+        self.fault = fault;
+        self.numbers.force_left = self.force_left();
+        self.numbers.force_constant = p.stage.force_constant;
+        self.numbers.swings = self.monitors.swing.count();
+        self.numbers.biases = self.teacher.extremes();
+        self.numbers.following_limit = following_limit(p) + self.motion.late(p);
+        if fault.safe_end() == SafeEnd::DriveOff {
+            self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
+            self.integrator = Integrator::default();
+            self.reader.forgive();
+            self.motion.lie(reading.position.unwrap_or(self.motion.reference.position));
+        }
+    }
+
+    /// After a reset: a stage that nothing held is brought to rest, and the drive's answer of the run before tells nothing.
+    fn recover(&mut self, reading: &Reading) {
+        if let (SafeEnd::DriveOff, Some(position)) = (self.fault.safe_end(), reading.position) {
+            self.motion.reseat(position, self.observer.velocity());
+            self.motion.hold();
+        }
+        self.amplifier.forget();
+        self.monitors.drive.begin();
+        self.fault = Fault::None;
+    }
+}

@@ -1,0 +1,201 @@
+//! The numbers that are told with a fault.
+
+use control_blocks::bearable_delays;
+
+use crate::check::check_derived;
+use crate::commission::plan;
+use crate::commission::response::loop_spread;
+use crate::commission::values::{self, Values, acceptable};
+use crate::faults::REVERSALS;
+use crate::interface::{Fault, Output, Parameters, Vars};
+use crate::limits::disturbance_limit;
+use crate::monitoring::numbers::{LateContact, Unseen};
+use crate::motion::stability::longest_delay;
+use crate::motion::travel::{job_limit, learn_limit};
+
+/// The numbers behind the fault, for the log.
+pub fn numbers(vars: &Vars) -> String {
+    let (p, output) = (&vars.in_force, &vars.output);
+    let row = format!("for more than `limits.lost_samples` = `{}`", p.limits.lost_samples);
+    let error = format!(
+        "tracking error `{} m`, disturbance `{} N`, share of the commanded force `{}`",
+        output.tracking_error, output.force.disturbance, output.drive_share
+    );
+    match output.fault {
+        Fault::None => String::new(),
+        Fault::TravelLimit => format!(": `{} m`", p.approach.travel_max),
+        Fault::LostReading => format!(": `{} m` {row}", vars.input.position),
+        Fault::FrozenReading => format!(
+            ": `{} m`, more than `limits.frozen` = `{} m` unanswered {row}, or equal for `limits.rest_time` = `{} s`",
+            vars.input.position, p.limits.frozen, p.limits.rest_time
+        ),
+        Fault::ReadingJump => {
+            format!(": `{} m` is beyond `limits.jump` = `{} m` {row}", vars.input.position, p.limits.jump)
+        }
+        Fault::SpindleJump => format!(
+            ": `{} rad/s`, faster than `limits.spindle_acceleration` = `{} rad/s2` {row}",
+            vars.input.spindle_speed, p.limits.spindle_acceleration
+        ),
+        Fault::FollowingError => format!(": {error}, limit of the distance `{} m`", output.numbers.following_limit),
+        Fault::Saturation => {
+            format!(": longer than `limits.saturated_time` = `{} s`; {error}", p.limits.saturated_time)
+        }
+        Fault::Overload => format!(": {error}, limit of the disturbance `{} N`", disturbance_limit(p)),
+        Fault::DriveSign => format!(": {error}"),
+        Fault::WeakDrive => format!(": {error}, least `limits.drive_share` = `{}`", p.limits.drive_share),
+        Fault::Oscillation if output.numbers.swings >= REVERSALS => format!(
+            ": `{REVERSALS}` swings beyond `guard.force` = `{} N` while the reference does not accelerate; {error}",
+            p.guard_force
+        ),
+        Fault::Oscillation => {
+            format!(": `{REVERSALS}` changes from limit to limit of `stage.current_max` = `{} A`", p.stage.current_max)
+        }
+        Fault::LearnRejected => format!(
+            ": mean `{} N/s`, sigma `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s`",
+            output.threshold.mean, output.threshold.sigma, p.limits.slope_sigma_max
+        ),
+        Fault::LearnTimeout => format!(": `{} s`", learn_limit(p)),
+        Fault::ContactRejected => {
+            format!(
+                ": `{} N` are left, limit `limits.force_left` = `{} N`",
+                output.numbers.force_left, p.limits.force_left
+            )
+        }
+        Fault::LateContact => late_contact(p, output.numbers.late),
+        Fault::NoProgress => {
+            format!(": limit of the job `{} s`, of the commission `{} s`", job_limit(p, &p.approach), plan::time(p))
+        }
+        Fault::CommissionRejected => rejected(p, output),
+        Fault::TeachingRejected => mistaught(p, output),
+        Fault::LongStep => format!(": limit `{} s`", p.sample_period),
+        Fault::LostSpindle => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
+    }
+}
+
+fn late_contact(p: &Parameters, contact: Option<LateContact>) -> String {
+    let Some(LateContact { position, force, unseen }) = contact else { return String::new() };
+    let (limit, detector) = (p.guard_force, p.detector);
+    let why = match unseen {
+        Unseen::Unarmed => format!("before the detector `{detector:?}` was armed"),
+        Unseen::Doubted => format!("after readings that the detector `{detector:?}` could not count in full"),
+        Unseen::Missed => format!("which the armed detector `{detector:?}` had missed"),
+    };
+    format!(": at `{position:.7} m`, `{force:.3} N` of `guard.force` = `{limit} N`, {why}")
+}
+
+/// What cannot be used of a teaching.
+fn mistaught(p: &Parameters, output: &Output) -> String {
+    let (taught, [least, most]) = (&output.taught, output.numbers.biases);
+    format!(
+        ": scatter of the touches `{:.2e} m`, limit `limits.touch_scatter` = `{} m`; bias from `{least:.2e} m`, not below zero, to \
+         `{most:.2e} m`, limit `limits.bias` = `{} m`, behind `teach.place` = `{} m`; its deviation `{:.2e} m`, limit \
+         `teach.deviation_max` = `{} m`",
+        taught.scatter, p.limits.touch_scatter, p.limits.bias, p.teach.place, taught.deviation, p.teach.deviation_max
+    )
+}
+
+/// What cannot be used of a commission, after which what was told is in force.
+fn rejected(p: &Parameters, output: &Output) -> String {
+    let (told, m) = (Values::of(p), &output.measured);
+    let longest = longest_delay(p, *bearable_delays(p.io_delay).end() as usize);
+    let constants = [output.numbers.force_constant, p.stage.force_constant];
+    let noise = m.slope_sigma > 0.0;
+    let good = if noise {
+        told.quiet(p, m)
+    } else {
+        constants.into_iter().all(|constant| acceptable(p, constant, longest, m))
+    };
+    if good {
+        let mut found = p.clone();
+        let derived = if noise { told.derived(p, m) } else { told.with_response(m) };
+        derived.put(&mut found);
+        if let Err(error) = check_derived(&found) {
+            return format!(": {}", error.of_derived());
+        }
+    }
+    if noise {
+        return format!(
+            ": noise of the slope `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s` as told; force that noise and cogging ask of \
+             the guard `{} N`, limit three times `guard.force` = `{} N` as told",
+            m.slope_sigma,
+            p.limits.slope_sigma_max,
+            values::guard(p, m),
+            p.guard_force
+        );
+    }
+    format!(
+        ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant`, `{} N/A` as told and `{} N/A` in \
+         force, and `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits `0` to `{longest}`, with which \
+         the loop is stable, and `commission.delay_deviation_max` = `{}` beside `{}` of the current loop",
+        m.force_constant,
+        m.force_constant_deviation,
+        p.stage.force_constant,
+        output.numbers.force_constant,
+        p.commission.deviation_max,
+        m.io_delay,
+        m.io_delay_deviation,
+        p.commission.delay_deviation_max,
+        loop_spread(p)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fault_tells_its_numbers() {
+        for &fault in Fault::ALL {
+            let mut vars = <Vars as fmi2_export::Interface>::START;
+            vars.output.fault = fault;
+            vars.output.numbers.late = Some(LateContact { position: 0.0, force: 0.0, unseen: Unseen::Missed });
+            assert_eq!(numbers(&vars).is_empty(), fault == Fault::None, "{fault:?}");
+        }
+    }
+
+    #[test]
+    fn a_late_contact_tells_place_force_and_why_the_detector_was_silent() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::LateContact;
+        for (unseen, why) in [
+            (Unseen::Unarmed, "before the detector `SlopePaper` was armed"),
+            (Unseen::Doubted, "after readings that the detector `SlopePaper` could not count in full"),
+            (Unseen::Missed, "which the armed detector `SlopePaper` had missed"),
+        ] {
+            vars.output.numbers.late = Some(LateContact { position: 5.12e-5, force: 0.4321, unseen });
+            let expected = format!(": at `0.0000512 m`, `0.432 N` of `guard.force` = `0.4 N`, {why}");
+            let detector = format!("{:?}", vars.in_force.detector);
+            assert_eq!(numbers(&vars), expected.replace("SlopePaper", &detector));
+        }
+        (vars.output.fault, vars.output.numbers.force_left) = (Fault::ContactRejected, 0.31);
+        assert!(numbers(&vars).starts_with(": `0.31 N` are left"), "{}", numbers(&vars));
+    }
+
+    #[test]
+    fn a_rejected_commission_tells_the_noise_once_that_was_measured_and_the_response_before() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::CommissionRejected;
+        assert!(numbers(&vars).starts_with(": thrust constant `0 N/A`"), "{}", numbers(&vars));
+        vars.output.measured.slope_sigma = 7.5;
+        assert!(numbers(&vars).starts_with(": noise of the slope `7.5 N/s`"), "{}", numbers(&vars));
+    }
+
+    #[test]
+    fn a_rejected_commission_tells_what_was_told_and_what_the_parameters_do_not_bear() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::CommissionRejected;
+        vars.output.numbers.force_constant = 25.0;
+        let told = numbers(&vars);
+        assert!(
+            told.contains("`20 N/A` as told and `25 N/A` in force") && told.contains("limits `0` to `3`"),
+            "{told}"
+        );
+        let m = &mut vars.output.measured;
+        (m.force_constant, m.io_delay) = (16.0, 1.0);
+        vars.in_force.commission.force = 0.9 * 20.0 * vars.in_force.stage.current_max;
+        let told = numbers(&vars);
+        assert!(told.contains("do not fit: parameter `commission.force` would be"), "{told}");
+        vars.output.measured.slope_sigma = 9.0;
+        assert!(numbers(&vars).contains("`limits.slope_sigma_max` = `5 N/s` as told"), "{}", numbers(&vars));
+    }
+}

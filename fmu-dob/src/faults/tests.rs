@@ -1,0 +1,144 @@
+use super::*;
+
+const GOOD: Reading = Reading {
+    position: Some(0.0),
+    spindle_speed: 0.0,
+    enabled: true,
+    begin: false,
+    commission: false,
+    begin_commission: false,
+    teach: false,
+    begin_teaching: false,
+    reset: false,
+    found: false,
+    invalid: 0,
+    lost: 0,
+    loss: Loss::Told,
+    alive: true,
+    whole: 0,
+    spindle_lost: 0,
+};
+const LOST: Reading = Reading { position: None, lost: 100, ..GOOD };
+const NOISE: ThresholdOutput = ThresholdOutput { sigma: 1.0, ..ThresholdOutput::START };
+
+fn symptoms(reading: &Reading) -> Symptoms<'_> {
+    Symptoms {
+        reading,
+        long_step: false,
+        standing: false,
+        steady_spindle: true,
+        limited: 0,
+        reversals: 0,
+        swings: 0,
+        astray: 0,
+        overloaded: 0,
+        share: Some(1.0),
+        judged: true,
+        travelled: false,
+        learned: Some(NOISE),
+        learning: false,
+        force_left: Some(0.0),
+        guarded: false,
+        rejected: false,
+        mistaught: false,
+        late: false,
+    }
+}
+
+#[test]
+fn each_limit_is_the_last_value_without_a_fault() {
+    let mut p = Parameters::START;
+    (p.limits.lost_samples, p.limits.saturated_time, p.limits.slope_sigma_max) = (7, 9e-4, 1.0);
+    (p.limits.drive_share, p.limits.force_left) = (0.4, 0.3);
+    type Set = fn(&mut Reading, &mut Symptoms, f64);
+    let found = |set: Set, value: f64| {
+        let (mut reading, mut all) = (GOOD, symptoms(&GOOD));
+        set(&mut reading, &mut all, value);
+        find(&p, &Symptoms { reading: &reading, ..all })
+    };
+    let limits: [(Set, f64, f64, Fault); 17] = [
+        (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
+        (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
+        (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
+        (|r, _, x| r.spindle_lost = x as u32, 7.0, 8.0, Fault::SpindleJump),
+        (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::LostSpindle),
+        (|_, s, x| s.limited = x as u32, 9.0, 10.0, Fault::Saturation),
+        (|_, s, x| s.reversals = x as u32, 5.0, 6.0, Fault::Oscillation),
+        (|_, s, x| s.swings = x as u32, 5.0, 6.0, Fault::Oscillation),
+        (|_, s, x| s.astray = x as u32, 2.0, 3.0, Fault::FollowingError),
+        (|_, s, x| s.overloaded = x as u32, 2.0, 3.0, Fault::Overload),
+        (|_, s, x| s.share = Some(x), 0.4, 0.39, Fault::WeakDrive),
+        (|_, s, x| s.share = Some(x), 0.4, -0.21, Fault::DriveSign),
+        (|_, s, x| s.force_left = Some(x), -0.3, -0.31, Fault::ContactRejected),
+        (|_, s, x| s.guarded = x > 0.5, 0.0, 1.0, Fault::LateContact),
+        (|_, s, x| s.rejected = x > 0.5, 0.0, 1.0, Fault::CommissionRejected),
+        (|_, s, x| s.mistaught = x > 0.5, 0.0, 1.0, Fault::TeachingRejected),
+        (|_, s, x| s.learned = Some(ThresholdOutput { sigma: x, ..NOISE }), 1.0, 1.1, Fault::LearnRejected),
+    ];
+    for (set, last, first, fault) in limits {
+        assert_eq!((found(set, last), found(set, first)), (None, Some(fault)));
+    }
+}
+
+#[test]
+fn the_share_of_the_commanded_force_names_the_cause() {
+    let p = Parameters::START;
+    let named = |share, judged| {
+        let all = Symptoms { share, judged, astray: 3, ..symptoms(&GOOD) };
+        find(&p, &all)
+    };
+    assert_eq!(named(Some(1.0), false), Some(Fault::FollowingError));
+    assert_eq!(named(None, false), Some(Fault::FollowingError));
+    assert_eq!(named(Some(0.5), false), Some(Fault::FollowingError));
+    assert_eq!(named(Some(0.3), false), Some(Fault::WeakDrive));
+    assert_eq!(named(Some(-0.2), false), Some(Fault::WeakDrive));
+    assert_eq!(named(Some(-0.9), false), Some(Fault::DriveSign));
+    // a share alone is no fault until it is to be judged
+    let share = |judged| find(&p, &Symptoms { share: Some(0.1), judged, ..symptoms(&GOOD) });
+    assert_eq!((share(false), share(true)), (None, Some(Fault::WeakDrive)));
+    // where the drive takes it the wrong way, the position cannot be believed either
+    let jumps = Reading { position: None, lost: 9, loss: Loss::Jumps, ..GOOD };
+    let jump = |share| find(&p, &Symptoms { share: Some(share), judged: false, ..symptoms(&jumps) });
+    assert_eq!((jump(0.1), jump(-0.3)), (Some(Fault::ReadingJump), Some(Fault::DriveSign)));
+    // a loop that swings has a drive that answers
+    let swings = |share| find(&p, &Symptoms { share: Some(share), judged: false, reversals: 9, ..symptoms(&GOOD) });
+    assert_eq!((swings(0.3), swings(-0.3)), (Some(Fault::Oscillation), Some(Fault::DriveSign)));
+}
+
+#[test]
+fn the_gravest_fault_is_named() {
+    let p = Parameters::START;
+    let reading = Reading { loss: Loss::Stands, spindle_lost: 100, ..LOST };
+    let all = Symptoms {
+        standing: false,
+        limited: 100,
+        reversals: 9,
+        astray: 9,
+        overloaded: 9,
+        travelled: true,
+        learned: Some(ThresholdOutput::START),
+        learning: true,
+        force_left: Some(9.0),
+        guarded: true,
+        late: true,
+        ..symptoms(&reading)
+    };
+    assert_eq!(find(&p, &Symptoms { long_step: true, ..all }), Some(Fault::LongStep));
+    assert_eq!(find(&p, &all), Some(Fault::FrozenReading));
+    assert_eq!(find(&p, &Symptoms { reading: &GOOD, ..all }), Some(Fault::Oscillation));
+    let nonsense = Reading { invalid: 4, spindle_lost: 4, ..GOOD };
+    assert_eq!(find(&p, &symptoms(&nonsense)), Some(Fault::LostSpindle));
+    assert_eq!(find(&p, &symptoms(&Reading { invalid: 4, ..LOST })), Some(Fault::LostReading));
+    assert_eq!(
+        find(&p, &Symptoms { reading: &GOOD, late: true, travelled: true, ..symptoms(&GOOD) }),
+        Some(Fault::TravelLimit)
+    );
+}
+
+#[test]
+fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
+    let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
+    assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 4, 10]);
+    assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
+    assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
+}

@@ -1,0 +1,5 @@
+//! How late a contact is found, taught by touches at several speeds.
+
+pub mod bias;
+pub mod lesson;
+pub mod teacher;

@@ -1,0 +1,221 @@
+//! The touches of a teaching: at which speed each is, and what all of them say about the bias.
+//!
+//! It goes through all speeds and then again, so that work which a touch dents shows as scatter.
+
+use control_blocks::{NoEstimate, Observation, Welford, least_squares};
+use nalgebra::SVector;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Parameters, Taught};
+use crate::teaching::bias::Bias;
+
+/// Speeds of a teaching, in equal ratios: two more than the bias has parts.
+pub const SPEEDS: usize = 5;
+
+/// Speed `i` of a teaching, m/s.
+pub fn speed(p: &Parameters, i: usize) -> f64 {
+    let share = i as f64 / (SPEEDS - 1) as f64;
+    p.teach.velocity_min * (p.teach.velocity_max / p.teach.velocity_min).powf(share)
+}
+
+/// What the three parts leave out at a speed, as deviation, m: the likeliest beside the scatter of the five means of 29 machines whose mass
+/// and thrust constant are wrong by up to 30 %, on work of 0.1 to 2 N/um.
+const LEFT_OUT: f64 = 6e-9;
+
+/// Touches so far; by default none.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Lesson {
+    touches: u32,
+    late: [Welford; SPEEDS],
+}
+
+impl Lesson {
+    /// Touches so far.
+    pub fn touches(&self) -> u32 {
+        self.touches
+    }
+
+    /// Speed of the next touch, m/s.
+    pub fn velocity(&self, p: &Parameters) -> f64 {
+        speed(p, self.next())
+    }
+
+    /// Speed of the touch after that (m/s), if there is one.
+    pub fn after(&self, p: &Parameters) -> Option<f64> {
+        let last = self.touches + 1 >= self.wanted(p);
+        (!last).then(|| speed(p, (self.next() + 1) % SPEEDS))
+    }
+
+    /// Whether all speeds were touched as often as they are to be.
+    pub fn over(&self, p: &Parameters) -> bool {
+        self.touches >= self.wanted(p)
+    }
+
+    /// Takes how far (m) behind the first touch a contact was found at [`Self::velocity`].
+    pub fn take(&mut self, late: f64) {
+        self.late[self.next()].push(late);
+        self.touches += 1;
+    }
+
+    /// Least and largest mean of a speed, m.
+    pub fn extremes(&self) -> [f64; 2] {
+        self.late.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], late| {
+            [least.min(late.mean()), most.max(late.mean())]
+        })
+    }
+
+    /// What all touches say. Their scatter s is that within the speeds, and that of a mean of n is s / n^(1/2), beside what the three
+    /// parts leave out; where they leave more than both unexplained, they are less sure. A touch has at least the deviation of an encoder's step.
+    ///
+    /// # Errors
+    /// When they do not tell the three parts apart.
+    pub fn conclude(&self, p: &Parameters) -> Result<Taught, NoEstimate> {
+        let touches = f64::from(p.teach.touches);
+        let within = self.late.iter().map(|late| late.sigma().powi(2)).sum::<f64>() / SPEEDS as f64;
+        let scatter = f64::hypot(within.sqrt(), p.stage.encoder_resolution / 12f64.sqrt());
+        let sigma = f64::hypot(scatter / touches.sqrt(), LEFT_OUT);
+        // parts in units of what they give at the speed in the middle
+        let units = Bias::parts_at((p.teach.velocity_min * p.teach.velocity_max).sqrt());
+        let parts = |i: usize| SVector::from(Bias::parts_at(speed(p, i))).component_div(&SVector::from(units));
+        let found = least_squares(SVector::zeros(), SPEEDS, |i, value| Observation {
+            residual: (parts(i).dot(value) - self.late[i].mean()) / sigma,
+            gradient: parts(i) / sigma,
+        })?;
+        let variance = |i: usize| parts(i).dot(&(found.covariance * parts(i)));
+        let deviation = (0..SPEEDS).map(variance).fold(0.0, f64::max).sqrt();
+        let unsure = p.teach.place_deviation;
+        Ok(Taught {
+            valid: false,
+            touches: self.touches as i32,
+            bias: found.value[0] / units[0],
+            bias_deviation: (found.sigma(0) / units[0]).hypot(unsure),
+            bias_fast: found.value[1] / units[1],
+            bias_fast_deviation: found.sigma(1) / units[1],
+            bias_slow: found.value[2] / units[2],
+            bias_slow_deviation: found.sigma(2) / units[2],
+            deviation: deviation.hypot(LEFT_OUT).hypot(unsure),
+            scatter,
+            scatter_deviation: scatter / (2.0 * SPEEDS as f64 * (touches - 1.0)).sqrt(),
+        })
+    }
+
+    fn wanted(&self, p: &Parameters) -> u32 {
+        SPEEDS as u32 * p.teach.touches.unsigned_abs()
+    }
+
+    fn next(&self) -> usize {
+        self.touches as usize % SPEEDS
+    }
+}
+
+impl Taught {
+    /// The bias that was taught.
+    pub fn parts(&self) -> Bias {
+        Bias { constant: self.bias, fast: self.bias_fast, slow: self.bias_slow }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const TRUTH: Bias = Bias { constant: 1.6e-7, fast: 1.3e-7, slow: 3.5e-13 };
+
+    /// A whole lesson whose touches scatter by `sigma` m, and what the three parts leave out at the speeds by `left` m.
+    fn lesson(p: &Parameters, seed: u64, sigma: f64, left: f64) -> Lesson {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let mut noise =
+            |deviation: f64| -> f64 { deviation * Distribution::<f64>::sample(&StandardNormal, &mut random) };
+        let mut lesson = Lesson::default();
+        let left: [f64; SPEEDS] = std::array::from_fn(|_| noise(left));
+        while !lesson.over(p) {
+            lesson.take(TRUTH.at(lesson.velocity(p)) + left[lesson.next()] + noise(sigma));
+        }
+        lesson
+    }
+
+    #[test]
+    fn it_goes_through_all_speeds_again_and_again() {
+        let p = Parameters::START;
+        let mut lesson = Lesson::default();
+        let mut seen = Vec::new();
+        while !lesson.over(&p) {
+            seen.push((1e7 * lesson.velocity(&p)).round());
+            lesson.take(0.0);
+        }
+        // 10 to 300 um/s
+        assert_eq!((seen.len(), lesson.touches()), (20, 20));
+        assert_eq!(seen[..6], [100.0, 234.0, 548.0, 1282.0, 3000.0, 100.0]);
+    }
+
+    #[test]
+    fn the_parts_are_found_and_as_sure_as_told() {
+        let p = Parameters::START;
+        let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p).unwrap();
+        for velocity in [1e-5, 5e-5, 3e-4] {
+            assert!((exact.parts().at(velocity) - TRUTH.at(velocity)).abs() < 1e-12, "{exact:?}");
+        }
+        let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p).unwrap()).collect();
+        let rms = |of: &dyn Fn(&Taught) -> f64| (many.iter().map(|t| of(t).powi(2)).sum::<f64>() / 400.0).sqrt();
+        for ratio in [
+            rms(&|t| (t.bias - TRUTH.constant) / t.bias_deviation),
+            rms(&|t| (t.bias_fast - TRUTH.fast) / t.bias_fast_deviation),
+            rms(&|t| (t.bias_slow - TRUTH.slow) / t.bias_slow_deviation),
+            rms(&|t| (t.scatter - 2e-8) / t.scatter_deviation),
+        ] {
+            assert!((0.8..1.2).contains(&ratio), "{ratio}");
+        }
+        // at the ends of the range it is the least sure; what is left out there is in it besides
+        let worst = [1e-5, 3e-4].map(|v| rms(&|t| (t.parts().at(v) - TRUTH.at(v)).hypot(LEFT_OUT) / t.deviation));
+        assert!(worst.iter().all(|ratio| *ratio < 1.2) && worst[0].max(worst[1]) > 0.8, "{worst:?}");
+    }
+
+    #[test]
+    fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other() {
+        let mut p = Parameters::START;
+        let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap();
+        p.teach.place_deviation = 1e-7;
+        let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap();
+        assert!((unsure.bias_deviation.powi(2) - sure.bias_deviation.powi(2) - 1e-14).abs() < 1e-20);
+        assert!((unsure.deviation.powi(2) - sure.deviation.powi(2) - 1e-14).abs() < 1e-20);
+        assert_eq!(unsure.bias_fast_deviation, sure.bias_fast_deviation);
+    }
+
+    #[test]
+    fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
+        let p = Parameters::START;
+        let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p).unwrap();
+        assert!((1.0..1.5).contains(&(taught.deviation / LEFT_OUT)), "{taught:?}");
+        assert!(taught.bias_deviation > 0.3 * LEFT_OUT, "{taught:?}");
+    }
+
+    #[test]
+    fn what_the_three_parts_do_not_explain_makes_them_less_sure() {
+        let p = Parameters::START;
+        let bent = |by: f64| {
+            let mut lesson = Lesson::default();
+            while !lesson.over(&p) {
+                let odd = if lesson.next() == 2 { by } else { 0.0 };
+                // to and fro by 10 nm
+                let scatter = if (lesson.touches() / SPEEDS as u32).is_multiple_of(2) { 1e-8 } else { -1e-8 };
+                lesson.take(TRUTH.at(lesson.velocity(&p)) + odd + scatter);
+            }
+            lesson.conclude(&p).unwrap().deviation
+        };
+        assert!(bent(1e-7) > 3.0 * bent(0.0), "{} {}", bent(1e-7), bent(0.0));
+    }
+
+    #[test]
+    fn the_extremes_are_means_of_a_speed() {
+        let p = Parameters::START;
+        let mut lesson = Lesson::default();
+        while !lesson.over(&p) {
+            let late = [3e-7, -1e-7, 2e-7, 2e-7, 2e-7][lesson.next()];
+            lesson.take(late + if lesson.touches() < 5 { 1e-8 } else { 0.0 });
+        }
+        let [least, most] = lesson.extremes();
+        assert!((least + 9.75e-8).abs() < 1e-15 && (most - 3.025e-7).abs() < 1e-15, "{least} {most}");
+    }
+}

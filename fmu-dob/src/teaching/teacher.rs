@@ -1,0 +1,226 @@
+//! A teaching as the controller sees it: which touch is next, what was learned, and which bias is in force.
+
+use control_blocks::{InForce, SIGNIFICANT};
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Approach, Parameters, Taught};
+use crate::teaching::bias::Bias;
+use crate::teaching::lesson::Lesson;
+
+/// One teaching after the other.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Teacher {
+    /// What was learned.
+    pub taught: Taught,
+    /// Touches are made to learn from them.
+    pub active: bool,
+    /// All touches are made, and what they say cannot be used.
+    pub rejected: bool,
+    broken: bool,
+    lesson: Lesson,
+    bias: InForce<Bias>,
+}
+
+impl Teacher {
+    /// Nothing learned so far.
+    pub fn new(p: &Parameters) -> Self {
+        Self {
+            taught: Taught::START,
+            active: false,
+            rejected: false,
+            broken: false,
+            lesson: Lesson::default(),
+            bias: InForce::new(Bias::of(p)),
+        }
+    }
+
+    /// Begins.
+    pub fn begin(&mut self) {
+        (self.taught, self.lesson) = (Taught::START, Lesson::default());
+        (self.active, self.rejected, self.broken) = (true, false, false);
+    }
+
+    /// Is to end before its end; whether that is news.
+    pub fn break_off(&mut self) -> bool {
+        let news = self.active && !self.broken && !self.rejected && !self.taught.valid;
+        self.broken |= news;
+        news
+    }
+
+    /// Whether it is to end before its end.
+    pub fn broken(&self) -> bool {
+        self.broken
+    }
+
+    /// Whether there is no touch to be made any more.
+    pub fn over(&self) -> bool {
+        self.broken || self.taught.valid
+    }
+
+    /// Ends; one that has not come to a good end leaves what was told.
+    pub fn end(&mut self) {
+        if self.active && !self.taught.valid {
+            self.bias.restore();
+        }
+        self.active = false;
+    }
+
+    /// The next approach: that of the parameters, in a teaching at the speed that is next.
+    pub fn approach(&self, p: &Parameters) -> Approach {
+        if self.active { Approach { velocity: self.lesson.velocity(p), ..p.approach } } else { p.approach }
+    }
+
+    /// The approach after the touch that is being made: the next one of the teaching, or that of a job behind it.
+    pub fn approach_after(&self, p: &Parameters) -> Approach {
+        if self.broken {
+            p.approach
+        } else {
+            self.lesson.after(p).map_or(p.approach, |velocity| Approach { velocity, ..p.approach })
+        }
+    }
+
+    /// Takes a contact (m, towards the work) of the approach that has just ended.
+    pub fn take(&mut self, p: &Parameters, contact: f64) {
+        self.lesson.take(contact - p.direction() * p.teach.place);
+        self.taught.touches = self.lesson.touches() as i32;
+        if self.lesson.over(p) {
+            self.conclude(p);
+        }
+    }
+
+    /// Least and largest mean bias of a speed, m.
+    pub fn extremes(&self) -> [f64; 2] {
+        self.lesson.extremes()
+    }
+
+    /// The bias in force: what was taught where `teach.apply` says so, else what the parameters tell now, as they are tunable.
+    pub fn bias(&self, p: &Parameters) -> Bias {
+        if self.bias.as_told() { Bias::of(p) } else { self.bias.now() }
+    }
+
+    /// Names and values of what a good teaching has learned.
+    pub fn derived(&self) -> [(&'static str, f64); 3] {
+        self.bias.derived().entries()
+    }
+
+    fn conclude(&mut self, p: &Parameters) {
+        let found = self.lesson.conclude(p);
+        self.taught = found.unwrap_or(self.taught);
+        if found.is_ok() && acceptable(p, &self.taught, self.extremes()) {
+            self.taught.valid = true;
+            self.bias.conclude(self.taught.parts(), p.teach.apply);
+        } else {
+            self.rejected = true;
+        }
+    }
+}
+
+/// Whether the touches are alike, the bias sure, and one that can be: none is found before the touch, beyond what place and scatter
+/// explain, nor so late that the work is too soft.
+fn acceptable(p: &Parameters, taught: &Taught, [least, most]: [f64; 2]) -> bool {
+    taught.scatter <= p.limits.touch_scatter
+        && taught.deviation <= p.teach.deviation_max
+        && least >= -SIGNIFICANT * taught.deviation
+        && most <= p.limits.bias
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A teaching whose touches are as late (m) as `late` says, at a place of 50 um; with what it is afterwards.
+    fn taught(p: &Parameters, late: impl Fn(f64, u32) -> f64) -> Teacher {
+        let mut teacher = Teacher::new(p);
+        teacher.begin();
+        for touch in 0..20 {
+            assert!(!teacher.over() && !teacher.rejected);
+            let velocity = teacher.approach(p).velocity;
+            teacher.take(p, p.direction() * p.teach.place + late(velocity, touch));
+        }
+        teacher
+    }
+
+    fn parameters(change: impl Fn(&mut Parameters)) -> Parameters {
+        let mut p = Parameters::START;
+        p.teach.place = 5e-5;
+        change(&mut p);
+        p
+    }
+
+    #[test]
+    fn a_good_teaching_is_in_force_where_it_is_to_be_and_derived_in_any_case() {
+        for (apply, direction) in [(false, 1), (true, 1), (true, -1)] {
+            let p = parameters(|p| (p.teach.apply, p.approach.direction) = (apply, direction));
+            let truth = Bias { constant: 2e-7, fast: 1e-7, slow: 0.0 };
+            let teacher = taught(&p, |v, _| truth.at(v));
+            assert!(teacher.taught.valid && teacher.over() && !teacher.rejected);
+            let mut later = p.clone();
+            later.contact.bias = 7e-7;
+            let expected = if apply { 3e-7 } else { 7e-7 };
+            assert!((teacher.bias(&later).at(1e-4) - expected).abs() < 1e-12, "{apply}");
+            assert!((teacher.derived()[0].1 - 2e-7).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn each_limit_is_the_last_value_that_is_accepted() {
+        let p = parameters(|p| p.limits.touch_scatter = 1.2e-8);
+        let good = |late: &dyn Fn(f64, u32) -> f64| {
+            let teacher = taught(&p, late);
+            assert_ne!(teacher.taught.valid, teacher.rejected);
+            teacher.taught.valid
+        };
+        // four touches to and fro by x have the deviation x (4/3)^(1/2)
+        let swing = |x: f64| move |_: f64, touch: u32| 2e-7 + if (touch / 5).is_multiple_of(2) { x } else { -x };
+        assert!(good(&swing(1.03e-8)) && !good(&swing(1.05e-8)));
+        // too soft, and before the touch
+        assert!(good(&|v, _| 9.9e-7 - 1e-4 * v) && !good(&|_, _| 1.01e-6));
+        // what the parts leave out, and as much of their own at an end: 8.4 nm
+        assert!(good(&|_, _| -2.4e-8) && !good(&|_, _| -2.6e-8));
+        let unsure = |deviation: f64| {
+            let p = parameters(|p| p.teach.place_deviation = deviation);
+            taught(&p, |_, _| 2e-7).taught.valid
+        };
+        assert!(unsure(2.86e-8) && !unsure(2.9e-8));
+    }
+
+    #[test]
+    fn one_that_is_broken_off_or_rejected_leaves_what_was_told() {
+        let p = parameters(|p| p.teach.apply = true);
+        for broken in [true, false] {
+            let mut teacher = taught(&p, |_, _| 2e-7);
+            teacher.end();
+            teacher.begin();
+            assert!(!teacher.taught.valid && teacher.taught.bias == 0.0);
+            if broken {
+                teacher.take(&p, 5.03e-5);
+                assert!(teacher.break_off() && !teacher.break_off());
+                assert!(teacher.over());
+            } else {
+                (0..20).for_each(|_| teacher.take(&p, 6e-5));
+                assert!(teacher.rejected && teacher.taught.bias > 9e-6);
+            }
+            teacher.end();
+            assert_eq!(teacher.bias(&p), Bias::of(&p));
+        }
+    }
+
+    #[test]
+    fn beside_a_teaching_the_approach_is_that_of_the_parameters() {
+        let p = parameters(|_| ());
+        let mut teacher = Teacher::new(&p);
+        assert_eq!(teacher.approach(&p), p.approach);
+        assert!(!teacher.break_off() && !teacher.broken());
+        teacher.begin();
+        let slowest = Approach { velocity: 1e-5, ..p.approach };
+        assert_eq!(teacher.approach(&p), slowest);
+        for touch in 0..20 {
+            let (last, after) = (touch == 19, teacher.approach_after(&p));
+            teacher.take(&p, 5.02e-5);
+            assert_eq!(after, if last { p.approach } else { teacher.approach(&p) });
+        }
+        teacher.begin();
+        assert!(teacher.break_off());
+        assert_eq!(teacher.approach_after(&p), p.approach);
+    }
+}

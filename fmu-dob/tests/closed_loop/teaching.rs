@@ -1,0 +1,209 @@
+//! The bias taught by touches: what it makes of the contact position, what it keeps to, and how it ends.
+
+use fmu_dob::interface::{ContactSource, Fault, Input, Parameters, State};
+
+use crate::run::Loop;
+use crate::slide::SPINDLE_SPEED;
+
+/// Where the work is, m.
+const PLACE: f64 = 3e-5;
+
+/// Asks for a teaching and for nothing else.
+fn ask(input: &mut Input) {
+    (input.enable, input.teach) = (false, true);
+}
+
+/// Asks for nothing.
+fn rest(input: &mut Input) {
+    input.enable = false;
+}
+
+fn parameters() -> Parameters {
+    let mut p = Parameters::START;
+    (p.teach.place, p.teach.apply) = (PLACE, true);
+    p
+}
+
+/// Steps until the teaching has begun.
+fn begin(run: &mut Loop) {
+    (0..200).for_each(|_| run.step_with(rest));
+    while run.output.state != State::Teach {
+        run.step_with(ask);
+        assert!(run.time() < 1.0, "{:?}", run.output);
+    }
+}
+
+/// Runs until the teaching is over.
+fn teach(run: &mut Loop) {
+    begin(run);
+    while !matches!(run.output.state, State::Idle | State::Fault) {
+        run.step_with(ask);
+        assert!(run.time() < 60.0, "{:?}", run.output);
+    }
+}
+
+/// Touches once at a speed (um/s); how far (m) the told first touch is behind the work, as found and less the bias.
+fn touch(run: &mut Loop, speed: f64) -> [f64; 2] {
+    run.parameters.approach.velocity = 1e-6 * speed;
+    (0..200).for_each(|_| run.step_with(rest));
+    let limit = run.time() + 30.0;
+    assert!(run.run_to(State::Approach, limit) && run.run_to(State::Done, limit), "{:?}", run.output);
+    assert_eq!(run.output.contact_source, ContactSource::Glr);
+    [run.output.contact_position - PLACE, run.output.contact_position_estimate - PLACE]
+}
+
+#[test]
+fn a_taught_bias_tells_the_first_touch_at_speeds_that_were_and_were_not_taught() {
+    let p = parameters();
+    let mut errors = Vec::new();
+    for seed in 130..133 {
+        let mut run = Loop::new(&p, seed, PLACE);
+        run.slide.mass = [7.5, 12.5, 10.0][seed as usize % 3];
+        run.slide.stiffness = [2e5, 6e5, 1.5e5][seed as usize % 3];
+        teach(&mut run);
+        let taught = run.output.taught;
+        assert_eq!((run.output.state, run.output.fault, taught.valid), (State::Idle, Fault::None, true), "{taught:?}");
+        assert_eq!(taught.touches, 20);
+        assert!(taught.deviation < 3e-8 && taught.scatter < 6e-8, "{taught:?}");
+        // as far as one arms at 300 um/s
+        run.parameters.retract.distance = 3e-4;
+        for speed in [10.0, 35.0, 170.0, 300.0] {
+            let [found, told] = touch(&mut run, speed);
+            println!("{seed}: {speed} um/s, {:.1} nm behind, {:.1} nm with the bias", 1e9 * found, 1e9 * told);
+            assert!(found > 1e-7, "{found} m");
+            errors.push(told / taught.scatter.hypot(taught.deviation));
+        }
+    }
+    let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+    println!("{rms:.2} of the deviations that are told");
+    assert!((0.3..1.7).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0), "{rms} {errors:?}");
+}
+
+#[test]
+fn what_was_taught_is_used_on_request_only_and_written_in_any_case() {
+    let files = [false, true].map(|apply| {
+        let mut p = parameters();
+        (p.teach.touches, p.teach.apply, p.contact.bias) = (2, apply, 5e-7);
+        (p.teach.velocity_min, p.limits.touch_scatter, p.teach.deviation_max) = (6e-5, 1e-6, 1e-6);
+        let folder = tempfile::tempdir().unwrap();
+        p.teach.export = folder.path().join("bias.json").to_str().unwrap().into();
+        let mut run = Loop::new(&p, 134, 8e-5);
+        run.parameters.teach.place = 8e-5;
+        teach(&mut run);
+        assert!(run.output.taught.valid, "{:?}", run.output.taught);
+        run.controller.export_bias(&p).unwrap();
+        let [found, told] = touch(&mut run, 100.0);
+        let taught = run.output.taught.bias + run.output.taught.bias_fast + 1e4 * run.output.taught.bias_slow;
+        let expected = if apply { taught } else { 5e-7 };
+        assert!((found - told - expected).abs() < 1e-12, "{apply}: {} {expected}", found - told);
+        std::fs::read_to_string(&p.teach.export).unwrap()
+    });
+    assert!(files[0] == files[1] && files[0].contains("\"contact.bias_fast\""), "{files:?}");
+}
+
+#[test]
+fn it_never_begins_by_itself_and_every_touch_keeps_to_the_travel_of_an_approach() {
+    let mut run = Loop::new(&parameters(), 135, PLACE);
+    for _ in 0..500 {
+        // true from the first sample on is no edge
+        run.step_with(ask);
+        assert_eq!(run.output.state, State::Idle);
+    }
+    let mut p = parameters();
+    // armed at 300 um/s after 226 um
+    p.approach.travel_max = 2e-4;
+    let mut run = Loop::new(&p, 136, PLACE);
+    teach(&mut run);
+    assert_eq!((run.output.fault, run.output.taught.touches), (Fault::TravelLimit, 4), "{:?}", run.output);
+    assert!(!run.output.taught.valid);
+}
+
+#[test]
+fn it_is_broken_off_by_teach_and_by_enable_and_then_a_job_is_armed_before_it_touches() {
+    for (enable, state) in
+        [(false, State::Detect), (true, State::Detect), (false, State::Contact), (true, State::Retract)]
+    {
+        let mut run = Loop::new(&parameters(), 137, PLACE);
+        begin(&mut run);
+        while run.output.state != state || run.output.taught.touches < 1 {
+            run.step_with(ask);
+        }
+        run.step_with(|input| (input.enable, input.teach) = (enable, enable));
+        let until = run.time() + 0.5;
+        while run.time() < until {
+            // nothing begins again without a new edge
+            run.step_with(|input| (input.enable, input.teach) = (enable, enable));
+        }
+        let output = &run.output;
+        assert_eq!((output.state, output.fault, output.taught.valid), (State::Idle, Fault::None, false), "{output:?}");
+        assert_eq!(output.aborted, state == State::Detect);
+        // 100 um/s, with what was told: no bias
+        let [found, told] = touch(&mut run, 100.0);
+        assert_eq!(found, told);
+    }
+}
+
+#[test]
+fn a_wrong_place_soft_work_and_touches_that_scatter_are_rejected_with_their_numbers() {
+    type Change = fn(&mut Parameters, &mut Loop);
+    let cases: [(Change, &str); 3] = [
+        (|p, _| p.teach.place = PLACE + 1e-6, "not below zero"),
+        (|p, run| (p.limits.bias, run.slide.stiffness) = (4e-7, 7e4), "`limits.bias` = `0.0000004 m`"),
+        (|p, _| p.limits.touch_scatter = 2e-9, "`limits.touch_scatter` = `0.000000002 m`"),
+    ];
+    for (change, told) in cases {
+        let mut p = parameters();
+        p.teach.touches = 2;
+        let mut run = Loop::new(&p, 138, PLACE);
+        change(&mut p, &mut run);
+        run.parameters = p;
+        teach(&mut run);
+        let output = &run.output;
+        assert_eq!((output.state, output.fault), (State::Fault, Fault::TeachingRejected), "{told}: {output:?}");
+        assert!(!output.taught.valid && output.taught.touches == 10 && output.drive_enable, "{told}: {output:?}");
+        run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
+        let [found, estimate] = touch(&mut run, 100.0);
+        assert_eq!(found, estimate);
+    }
+}
+
+#[test]
+fn what_fails_in_a_touch_ends_the_teaching_and_the_next_job_is_armed_before_it_touches() {
+    let mut run = Loop::new(&parameters(), 139, PLACE);
+    begin(&mut run);
+    while run.output.state != State::Detect {
+        run.step_with(ask);
+    }
+    for _ in 0..10 {
+        run.step_with(|input| {
+            ask(input);
+            input.spindle_speed = 0.1 * SPINDLE_SPEED;
+        });
+    }
+    assert_eq!(run.output.fault, Fault::SpindleJump);
+    (0..3000).for_each(|_| run.step_with(ask));
+    run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
+    assert_eq!((run.output.state, run.output.taught.valid), (State::Idle, false));
+    touch(&mut run, 100.0);
+}
+
+#[test]
+fn state_bytes_continue_a_teaching_bit_for_bit() {
+    let mut p = parameters();
+    (p.teach.touches, p.teach.velocity_min) = (2, 9e-5);
+    (p.limits.touch_scatter, p.teach.deviation_max) = (1e-6, 1e-6);
+    let mut run = Loop::new(&p, 140, 9e-5);
+    run.parameters.teach.place = 9e-5;
+    begin(&mut run);
+    while run.output.taught.touches < 3 {
+        run.step_with(ask);
+    }
+    let mut copy = run.reloaded();
+    while run.output.state != State::Idle {
+        run.step_with(ask);
+        copy.step_with(ask);
+        assert_eq!(copy.output, run.output);
+    }
+    assert!(run.output.taught.valid);
+}
