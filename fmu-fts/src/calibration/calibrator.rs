@@ -296,3 +296,36 @@ fn wind_up(p: &Parameters, torque: f64) -> f64 {
     let stiffness = p.tip.inertia * p.servo.inertia * p.tip.frequency * p.tip.frequency;
     if stiffness > 0.0 { torque / stiffness } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::depth_table::DepthTable;
+    use crate::path::kinematics::Arm;
+
+    #[test]
+    fn all_readings_on_a_flat_are_averaged() {
+        let p = Parameters::START;
+        let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
+        let (mut calibrator, mut input) = (Calibrator::new(&p), Input::START);
+        input.mode = Mode::CalibrateFlats;
+        let flats = [(0.1, [1.0e-3, 1.1e-3, 1.5e-3]), (0.2, [-2.0e-3, -2.3e-3, -2.6e-3])];
+        for (arm_angle, depths) in flats {
+            let now = Moment { arm_angle, torque: 0.0, slide_position: 0.0 };
+            for cut in [true, false] {
+                input.calibration.cut = cut;
+                calibrator.step(&p, &input, now, &path);
+            }
+            for (depth, capture) in depths.into_iter().flat_map(|depth| [(depth, true), (depth, false)]) {
+                (input.probe.depth, input.probe.capture) = (depth, capture);
+                calibrator.step(&p, &input, now, &path);
+            }
+        }
+        let kept = calibrator.flats.samples();
+        assert_eq!(kept.len(), flats.len());
+        for (flat, (arm_angle, depths)) in kept.iter().zip(flats) {
+            let mean = depths.iter().sum::<f64>() / 3.0;
+            assert!((flat.arm_angle - arm_angle).abs() < 1e-15 && (flat.depth - mean).abs() < 1e-15, "{flat:?} {mean}");
+        }
+    }
+}

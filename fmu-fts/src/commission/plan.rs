@@ -296,4 +296,15 @@ mod tests {
         (p.commission.travel, p.commission.torque, p.commission.time) = (2e-4, 3.0, 33.0);
         assert_eq!((travel(&p), torque(&p), time(&p)), (2e-4, 3.0, 33.0));
     }
+
+    #[test]
+    fn tones_are_made_for_arms_that_are_softer_and_stiffer_than_they_were_told() {
+        let told = Nominal::from(&Parameters::START);
+        let all = machines(&told, compensator(&told));
+        for factor in [FLEXURE_MAX.recip(), 1.0, FLEXURE_MAX] {
+            let there = all.iter().filter(|(_, tip)| (tip.frequency / told.tip.frequency / factor - 1.0).abs() < 1e-9);
+            // three inertias with three delays
+            assert_eq!(there.count(), 9, "{factor}");
+        }
+    }
 }

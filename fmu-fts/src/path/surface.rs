@@ -295,4 +295,17 @@ mod tests {
         assert!((path.depth(0.1, TAU / 50.0).unwrap() - 50.7e-6).abs() < 1e-15);
         assert!((path.depth(0.2, TAU / 100.0).unwrap() + 50.7e-6).abs() < 1e-15);
     }
+
+    #[test]
+    fn a_nose_that_nearly_fills_a_hollow_finds_its_place_beside_the_middle() {
+        let mut p = Parameters::START;
+        (p.surface.cross_curvature, p.surface.outer_radius, p.tool.nose_radius[0]) = (40.0, 0.02, 0.024);
+        for rho in [0.0, 2e-4, 4e-4, 7e-4] {
+            let z = ToolPath::new(&p).depth(slide(&p, rho), 0.0).unwrap();
+            // the centre of the nose goes round that of the hollow, 25 mm from its ground, at 1 mm
+            let across = Arm::new(&p).distance(slide(&p, rho), z);
+            let expected = centre_depth(&p.surface) - 1e-3 + (1e-6 - across * across).sqrt();
+            assert!((z - expected).abs() < 1e-9, "{rho}: {z} {expected}");
+        }
+    }
 }

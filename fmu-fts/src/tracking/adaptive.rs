@@ -305,6 +305,8 @@ mod tests {
                 fading.learn(1.0, &[Complex::ONE; 4]);
             }
             assert!((fading.torque_share() - 1.0).abs() < 1e-6, "{response}: {}", fading.torque_share());
+            let added = |of: &AdaptiveFeedforward| of.output(&[Complex::ONE; 4], &[Complex::ONE; 4]).abs();
+            assert!(added(&fading) < 1e-6 * added(&adaptive), "{response}: {:e}", added(&fading));
         }
         assert!(adaptive.torque_share() > 1.2);
         adaptive.clear();

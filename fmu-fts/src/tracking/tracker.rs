@@ -306,4 +306,33 @@ mod tests {
         assert!(phasors.from_one().len() >= 40);
         assert_eq!(tracker.row.depth(phasors.from_zero()), tracker.row.depth(Phasors::new(0.7, 60).from_zero()));
     }
+
+    #[test]
+    fn each_harmonic_learns_what_its_own_path_leaves_to_it() {
+        let (mut p, tracker) = tracker(24);
+        p.afc.automatic = false;
+        let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
+        let mut tracker = Tracker::new(&p, path, tracker.response);
+        (0..2 * tracker.highest).for_each(|_| {
+            locate(&p, &mut tracker, 0.7);
+        });
+        let phasor = Phasors::new(0.7, 24).from_one()[1];
+        let only = [Complex::ZERO, phasor];
+        let omega = 2.0 * 100.0;
+        let [response, hub_over_tool] = [tracker.response.at(omega), tracker.flexure.hub_over_tool(omega)];
+        let gain = gain_in_use(&p, response, omega, true);
+        let learned = |path: Complex<f64>| {
+            let harmonic = PathHarmonic { omega, path, response, hub_over_tool };
+            let share = AdaptiveFeedforward::new(&p, 24).tune(&p, 2, &harmonic, gain);
+            let mut alone = Resonators::new(&p);
+            alone.tune(2, gain.map(|gain| gain * (1.0 - share)));
+            alone.learn(1e-6, &only);
+            alone.output(&only)
+        };
+        let path = tracker.row.angle_harmonics();
+        let [own, other] = [path[1], path[2]].map(learned);
+        tracker.resonators.learn(1e-6, &only);
+        let found = tracker.resonators.output(&only);
+        assert!((found / own - 1.0).abs() < 1e-6 && (other / own - 1.0).abs() > 0.05, "{found} {own} {other}");
+    }
 }
