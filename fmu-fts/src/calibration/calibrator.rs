@@ -2,8 +2,8 @@
 //!
 //! While `calibration.cut` is set the tool cuts the part; afterwards `probe.capture` stores readings of the probe, the
 //! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them. All readings
-//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile. A lens was cut before, on
-//! the path that was followed last.
+//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile. A lens was cut before, when
+//! the path was followed last, with the correction that it had then.
 
 use std::f64::consts::PI;
 
@@ -54,6 +54,8 @@ pub struct Calibrator {
     points: Store<ProbePoint>,
     lens: Store<FormReading>,
     correction: Option<Correction>,
+    /// correction of the path when a lens was cut last
+    cut_with: Option<Correction>,
     form: FormOutput,
     /// Lateral position of the last stored sample, m.
     stored_at: f64,
@@ -83,6 +85,7 @@ impl Calibrator {
             points: Store::new(SAMPLES_MAX, ProbePoint { lateral: 0.0, depth: 0.0 }),
             lens: Store::new(SAMPLES_MAX, FormReading::default()),
             correction: None,
+            cut_with: None,
             form: FormOutput::START,
             stored_at: 0.0,
             cutting: Edge::default(),
@@ -112,13 +115,18 @@ impl Calibrator {
             self.store(p, input, path);
         }
         if self.solve.rises(input.calibration.solve) {
-            self.status = self.fit(p, path);
+            self.status = self.fit(p);
         }
     }
 
     /// Outside of the calibration: the next step begins anew.
     pub fn rest(&mut self) {
         self.mode = Mode::Idle;
+    }
+
+    /// A lens is cut from now on, and what is probed later is this one: a path that is joined and left again cuts none.
+    pub fn cut_lens(&mut self, path: &PathTable) {
+        self.cut_with = path.correction().copied();
     }
 
     /// How it goes.
@@ -226,20 +234,20 @@ impl Calibrator {
         }
     }
 
-    fn fit(&mut self, p: &Parameters, path: &PathTable) -> Status {
+    fn fit(&mut self, p: &Parameters) -> Status {
         let fitted = match self.mode {
             Mode::CalibrateFlats => self.fit_flats(p).map(|()| Status::Solved),
-            Mode::CalibrateForm => self.fit_form(p, path),
+            Mode::CalibrateForm => self.fit_form(p),
             _ => self.fit_toroid(p).map(|()| Status::Solved),
         };
         fitted.unwrap_or_else(Status::from)
     }
 
     /// What is no error of the form, or not sure, corrects nothing.
-    fn fit_form(&mut self, p: &Parameters, path: &PathTable) -> Result<Status, NoEstimate> {
+    fn fit_form(&mut self, p: &Parameters) -> Result<Status, NoEstimate> {
         let accuracy =
             FormAccuracy { depth: p.probe.depth_sigma, lateral: p.probe.lateral_sigma, axis: p.probe.cusp_sigma };
-        let found = form::fit(self.lens.samples(), path.correction(), &accuracy)?;
+        let found = form::fit(self.lens.samples(), self.cut_with.as_ref(), &accuracy)?;
         self.form = FormOutput { error: found.error, largest: found.largest, deviation: found.deviation, ..self.form };
         self.residual = found.residual;
         Ok(match () {
