@@ -20,6 +20,7 @@ use crate::lists::harmonics::HIGHEST;
 use crate::path::correction::Correction;
 use crate::path::path_table::PathTable;
 use crate::path::section::contact;
+use crate::reading::bounds::ANGLE_MAX;
 use crate::tracking::phasors::Phasors;
 
 /// Samples that can be stored.
@@ -28,7 +29,7 @@ const SAMPLES_MAX: usize = 512;
 const TRAVEL_MAX: f64 = 1e-5;
 /// The arm stands still while a flat is cut, rad.
 const SWING_MAX: f64 = 1e-3;
-/// No probe reads more, m or rad.
+/// No probe reads more, m.
 const READING_MAX: f64 = 1e3;
 
 /// Calibration record of the selected tool; a standard deviation is 0 as long as nothing was fitted.
@@ -56,6 +57,8 @@ pub struct Calibrator {
     correction: Option<Correction>,
     /// correction of the path when a lens was cut last
     cut_with: Option<Correction>,
+    /// a lens was fitted in this sample
+    lens_fitted: bool,
     form: FormOutput,
     /// Lateral position of the last stored sample, m.
     stored_at: f64,
@@ -86,6 +89,7 @@ impl Calibrator {
             lens: Store::new(SAMPLES_MAX, FormReading::default()),
             correction: None,
             cut_with: None,
+            lens_fitted: false,
             form: FormOutput::START,
             stored_at: 0.0,
             cutting: Edge::default(),
@@ -114,7 +118,9 @@ impl Calibrator {
         if rising || (input.probe.capture && moved) {
             self.store(p, input, path);
         }
-        if self.solve.rises(input.calibration.solve) {
+        let solve = self.solve.rises(input.calibration.solve);
+        self.lens_fitted = solve && self.mode == Mode::CalibrateForm;
+        if solve {
             self.status = self.fit(p);
         }
     }
@@ -122,6 +128,7 @@ impl Calibrator {
     /// Outside of the calibration: the next step begins anew.
     pub fn rest(&mut self) {
         self.mode = Mode::Idle;
+        self.lens_fitted = false;
     }
 
     /// A lens is cut from now on, and what is probed later is this one: a path that is joined and left again cuts none.
@@ -132,6 +139,11 @@ impl Calibrator {
     /// How it goes.
     pub fn status(&self) -> Status {
         self.status
+    }
+
+    /// Whether a lens was fitted in this sample, well or not.
+    pub fn lens_fitted(&self) -> bool {
+        self.lens_fitted
     }
 
     /// What the last lens asks the path to be corrected by; none before.
@@ -171,7 +183,9 @@ impl Calibrator {
     fn store(&mut self, p: &Parameters, input: &Input, path: &PathTable) {
         let (lateral, depth) = (input.probe.lateral, input.probe.depth);
         let refused = match input.mode {
-            _ if ![lateral, depth].into_iter().all(believable) => Some(Status::InvalidProbe),
+            _ if ![lateral, depth].into_iter().all(|reading| believable(reading, READING_MAX)) => {
+                Some(Status::InvalidProbe)
+            }
             Mode::CalibrateForm => self.keep_lens(p, input, path),
             mode => self.keep(p, mode, ProbePoint { lateral, depth }),
         };
@@ -201,7 +215,7 @@ impl Calibrator {
     /// Keeps a reading of a lens, or says why not.
     fn keep_lens(&mut self, p: &Parameters, input: &Input, path: &PathTable) -> Option<Status> {
         let &ProbeInput { lateral, depth, angle, .. } = &input.probe;
-        if !believable(angle) {
+        if !believable(angle, ANGLE_MAX) {
             return Some(Status::InvalidProbe);
         }
         // beyond the axis lies what was cut half a turn later
@@ -294,9 +308,9 @@ impl From<NoEstimate> for Status {
     }
 }
 
-/// Whether a reading of the probe (m, rad) is one.
-fn believable(reading: f64) -> bool {
-    reading.abs() <= READING_MAX
+/// Whether a reading of the probe or of the spindle under it (m, rad) is one.
+fn believable(reading: f64, most: f64) -> bool {
+    reading.abs() <= most
 }
 
 /// Angle (rad) by which the tool stays behind the encoder when the arm carries a torque (N.m): the thrust of the cut.

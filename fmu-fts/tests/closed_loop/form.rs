@@ -234,6 +234,25 @@ fn what_is_no_error_of_the_form_or_not_sure_corrects_nothing() {
 }
 
 #[test]
+fn every_fit_of_a_lens_is_one_also_with_the_same_result() {
+    let mut bench = Bench::new(Parameters::START, LONG, 7);
+    for mode in [Mode::CalibrateForm, Mode::CalibrateFlats] {
+        bench.input.mode = mode;
+        for solve in [false, true, true, false, true, false] {
+            let rises = solve && !bench.input.calibration.solve;
+            bench.input.calibration.solve = solve;
+            bench.step();
+            assert_eq!(bench.calibration.lens_fitted(), rises && mode == Mode::CalibrateForm, "{mode:?}");
+        }
+    }
+    (bench.input.mode, bench.input.calibration.solve) = (Mode::CalibrateForm, true);
+    bench.step();
+    assert!(bench.calibration.lens_fitted() && bench.calibration.status() == Status::TooFewSamples);
+    bench.calibration.rest();
+    assert!(!bench.calibration.lens_fitted());
+}
+
+#[test]
 fn of_one_side_alone_the_centre_is_as_unsure_as_the_axis_of_the_probe() {
     for (cusp_sigma, status) in [(1e-4, Status::Unsure), (1e-7, Status::Solved)] {
         let mut p = Parameters::START;
@@ -257,7 +276,8 @@ fn a_reading_that_cannot_be_one_of_the_lens_is_left_out() {
         assert_eq!(bench.calibration.status(), status, "{lateral} {angle} {depth}");
         assert_eq!(bench.calibration.report().samples, 0);
     }
-    bench.read(0.028, 0.0, 0.0);
+    // a spindle counts its turns
+    bench.read(0.028, 1e4, 0.0);
     assert_eq!(bench.calibration.report().samples, 1);
     assert_eq!(bench.solve(), Status::TooFewSamples);
     for _ in 0..600 {
