@@ -173,6 +173,16 @@ impl Controller {
         }
     }
 
+    /// Whether a lens was fitted in the last sample, well or not.
+    pub fn lens_fitted(&self) -> bool {
+        self.calibration.lens_fitted()
+    }
+
+    /// Whether there is a correction for the next path.
+    pub fn corrects(&self, p: &Parameters) -> bool {
+        p.form.apply && self.calibration.correction().is_some()
+    }
+
     /// Largest depth (m) that the harmonics of the path leave out.
     pub fn truncation(&self) -> f64 {
         self.tracker.path().truncation

@@ -2,6 +2,7 @@
 
 use control_blocks::SafeEnd;
 
+use crate::calibration::form::READINGS_MIN;
 use crate::commission::plan::FLEXURE_MAX;
 use crate::commission::values::longest_delay;
 use crate::interface::Fault::{FrozenReading, FrozenSlide, FrozenSpindle, LostReading, LostSlide, LostSpindle};
@@ -208,22 +209,35 @@ pub fn truncation(vars: &Vars) -> Option<String> {
     })
 }
 
-/// A warning of a probed lens that corrects nothing.
-pub fn form(vars: &Vars) -> Option<String> {
-    let (form, limits) = (&vars.output.form, &vars.in_force.form);
-    match vars.output.calibration.status {
-        Status::NotForm => Some(format!(
-            "the lens asks for a correction of `{:.1e} m`, limit `form.depth_max` = `{:.1e} m`: it corrects nothing\nhint: calibrate \
-             `tool.*` by a toroid and flats, and check that this part was cut on this path",
-            form.largest, limits.depth_max
-        )),
-        Status::Unsure => Some(format!(
-            "the correction has a deviation of `{:.1e} m`, limit `form.deviation_max` = `{:.1e} m`, residuals `{:.1e} m`: it corrects \
-             nothing\nhint: read more places at more angles, all that were cut, on both sides of the axis",
-            form.deviation, limits.deviation_max, vars.output.calibration.residual
-        )),
-        _ => None,
-    }
+/// A warning of a fitted lens that gives no correction; `corrects`: the next path has one of a lens before.
+pub fn form(vars: &Vars, corrects: bool) -> Option<String> {
+    let (form, limits, found) = (&vars.output.form, &vars.in_force.form, &vars.output.calibration);
+    let (what, hint) = match found.status {
+        Status::Solved => return None,
+        Status::NotForm => (
+            format!(
+                "the lens asks for a correction of `{:.1e} m`, limit `form.depth_max` = `{:.1e} m`",
+                form.largest, limits.depth_max
+            ),
+            "calibrate `tool.*` by a toroid and flats, and check that this part was cut on this path",
+        ),
+        Status::Unsure => (
+            format!(
+                "the correction has a deviation of `{:.1e} m`, limit `form.deviation_max` = `{:.1e} m`, residuals `{:.1e} m`",
+                form.deviation, limits.deviation_max, found.residual
+            ),
+            "read more places at more angles, all that were cut, on both sides of the axis",
+        ),
+        status => (
+            format!(
+                "the readings of the lens tell no correction, `{status:?}`: `{}` are stored, at least `{READINGS_MIN}` are needed",
+                found.samples
+            ),
+            "read at least nine angles on each side of the axis, and all places at each",
+        ),
+    };
+    let then = if corrects { "the correction before stays" } else { "it corrects nothing" };
+    Some(format!("{what}: {then}\nhint: {hint}"))
 }
 
 #[cfg(test)]
@@ -287,16 +301,23 @@ mod tests {
     fn a_lens_that_corrects_nothing_is_told_with_value_and_limit() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         (vars.output.form.largest, vars.output.form.deviation, vars.output.calibration.residual) = (3e-4, 5e-7, 1e-6);
+        vars.output.calibration.samples = 30;
+        let few = "`30` are stored, at least `38` are needed";
         for (status, parts) in [
-            (Status::NotForm, ["`3.0e-4 m`", "`form.depth_max` = `1.0e-4 m`", "hint: "]),
-            (Status::Unsure, ["`5.0e-7 m`", "`form.deviation_max` = `2.0e-7 m`, residuals `1.0e-6 m`", "hint: "]),
+            (Status::NotForm, ["`3.0e-4 m`", "`form.depth_max` = `1.0e-4 m`"]),
+            (Status::Unsure, ["`5.0e-7 m`", "`form.deviation_max` = `2.0e-7 m`, residuals `1.0e-6 m`"]),
+            (Status::TooFewSamples, ["`TooFewSamples`", few]),
+            (Status::NotObservable, ["`NotObservable`", few]),
+            (Status::NotConverged, ["`NotConverged`", few]),
         ] {
             vars.output.calibration.status = status;
-            let told = form(&vars).unwrap();
-            assert!(parts.iter().all(|part| told.contains(part)), "{told}");
+            for (corrects, then) in [(false, ": it corrects nothing\n"), (true, ": the correction before stays\n")] {
+                let told = form(&vars, corrects).unwrap();
+                assert!(parts.iter().chain(&[then, "hint: "]).all(|part| told.contains(part)), "{told}");
+            }
         }
         vars.output.calibration.status = Status::Solved;
-        assert_eq!(form(&vars), None);
+        assert_eq!(form(&vars, true), None);
     }
 
     #[test]

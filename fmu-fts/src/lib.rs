@@ -30,7 +30,7 @@ use texts::Tables;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "RotaryFastToolServo", state_version: 9, stop_time: 2.0, longest_step: 1.0, ..package!() };
+        Info { name: "RotaryFastToolServo", state_version: 10, stop_time: 2.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
@@ -57,7 +57,7 @@ impl Model for Controller {
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
-        let (before, status) = (vars.output.measured.valid, vars.output.calibration.status);
+        let before = vars.output.measured.valid;
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
         // a fault is told with what counts from now on
@@ -66,8 +66,8 @@ impl Model for Controller {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }
-        if vars.output.calibration.status != status {
-            faults::form(vars).into_iter().for_each(|warning| env.warn(warning));
+        if self.lens_fitted() {
+            faults::form(vars, self.corrects(&vars.in_force)).into_iter().for_each(|warning| env.warn(warning));
         }
         Ok(())
     }

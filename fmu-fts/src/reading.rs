@@ -3,7 +3,7 @@
 //! `limits.lost_samples` of an axis may be lost in a row, and no more than one of three for long.
 
 mod axis;
-mod bounds;
+pub mod bounds;
 
 use axis::GuardedAxis;
 use bounds::{ANGLE_MAX, arm, slide, spindle};

@@ -2,8 +2,8 @@
 //!
 //! While `calibration.cut` is set the tool cuts the part; afterwards `probe.capture` stores readings of the probe, the
 //! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them. All readings
-//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile. A lens was cut before, on
-//! the path that was followed last.
+//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile. A lens was cut before, when
+//! the path was followed last, with the correction that it had then.
 
 use std::f64::consts::PI;
 
@@ -20,6 +20,7 @@ use crate::lists::harmonics::HIGHEST;
 use crate::path::correction::Correction;
 use crate::path::path_table::PathTable;
 use crate::path::section::contact;
+use crate::reading::bounds::ANGLE_MAX;
 use crate::tracking::phasors::Phasors;
 
 /// Samples that can be stored.
@@ -28,7 +29,7 @@ const SAMPLES_MAX: usize = 512;
 const TRAVEL_MAX: f64 = 1e-5;
 /// The arm stands still while a flat is cut, rad.
 const SWING_MAX: f64 = 1e-3;
-/// No probe reads more, m or rad.
+/// No probe reads more, m.
 const READING_MAX: f64 = 1e3;
 
 /// Calibration record of the selected tool; a standard deviation is 0 as long as nothing was fitted.
@@ -54,6 +55,10 @@ pub struct Calibrator {
     points: Store<ProbePoint>,
     lens: Store<FormReading>,
     correction: Option<Correction>,
+    /// correction of the path when a lens was cut last
+    cut_with: Option<Correction>,
+    /// a lens was fitted in this sample
+    lens_fitted: bool,
     form: FormOutput,
     /// Lateral position of the last stored sample, m.
     stored_at: f64,
@@ -83,6 +88,8 @@ impl Calibrator {
             points: Store::new(SAMPLES_MAX, ProbePoint { lateral: 0.0, depth: 0.0 }),
             lens: Store::new(SAMPLES_MAX, FormReading::default()),
             correction: None,
+            cut_with: None,
+            lens_fitted: false,
             form: FormOutput::START,
             stored_at: 0.0,
             cutting: Edge::default(),
@@ -111,19 +118,32 @@ impl Calibrator {
         if rising || (input.probe.capture && moved) {
             self.store(p, input, path);
         }
-        if self.solve.rises(input.calibration.solve) {
-            self.status = self.fit(p, path);
+        let solve = self.solve.rises(input.calibration.solve);
+        self.lens_fitted = solve && self.mode == Mode::CalibrateForm;
+        if solve {
+            self.status = self.fit(p);
         }
     }
 
     /// Outside of the calibration: the next step begins anew.
     pub fn rest(&mut self) {
         self.mode = Mode::Idle;
+        self.lens_fitted = false;
+    }
+
+    /// A lens is cut from now on, and what is probed later is this one: a path that is joined and left again cuts none.
+    pub fn cut_lens(&mut self, path: &PathTable) {
+        self.cut_with = path.correction().copied();
     }
 
     /// How it goes.
     pub fn status(&self) -> Status {
         self.status
+    }
+
+    /// Whether a lens was fitted in this sample, well or not.
+    pub fn lens_fitted(&self) -> bool {
+        self.lens_fitted
     }
 
     /// What the last lens asks the path to be corrected by; none before.
@@ -163,7 +183,9 @@ impl Calibrator {
     fn store(&mut self, p: &Parameters, input: &Input, path: &PathTable) {
         let (lateral, depth) = (input.probe.lateral, input.probe.depth);
         let refused = match input.mode {
-            _ if ![lateral, depth].into_iter().all(believable) => Some(Status::InvalidProbe),
+            _ if ![lateral, depth].into_iter().all(|reading| believable(reading, READING_MAX)) => {
+                Some(Status::InvalidProbe)
+            }
             Mode::CalibrateForm => self.keep_lens(p, input, path),
             mode => self.keep(p, mode, ProbePoint { lateral, depth }),
         };
@@ -193,7 +215,7 @@ impl Calibrator {
     /// Keeps a reading of a lens, or says why not.
     fn keep_lens(&mut self, p: &Parameters, input: &Input, path: &PathTable) -> Option<Status> {
         let &ProbeInput { lateral, depth, angle, .. } = &input.probe;
-        if !believable(angle) {
+        if !believable(angle, ANGLE_MAX) {
             return Some(Status::InvalidProbe);
         }
         // beyond the axis lies what was cut half a turn later
@@ -226,20 +248,20 @@ impl Calibrator {
         }
     }
 
-    fn fit(&mut self, p: &Parameters, path: &PathTable) -> Status {
+    fn fit(&mut self, p: &Parameters) -> Status {
         let fitted = match self.mode {
             Mode::CalibrateFlats => self.fit_flats(p).map(|()| Status::Solved),
-            Mode::CalibrateForm => self.fit_form(p, path),
+            Mode::CalibrateForm => self.fit_form(p),
             _ => self.fit_toroid(p).map(|()| Status::Solved),
         };
         fitted.unwrap_or_else(Status::from)
     }
 
     /// What is no error of the form, or not sure, corrects nothing.
-    fn fit_form(&mut self, p: &Parameters, path: &PathTable) -> Result<Status, NoEstimate> {
+    fn fit_form(&mut self, p: &Parameters) -> Result<Status, NoEstimate> {
         let accuracy =
             FormAccuracy { depth: p.probe.depth_sigma, lateral: p.probe.lateral_sigma, axis: p.probe.cusp_sigma };
-        let found = form::fit(self.lens.samples(), path.correction(), &accuracy)?;
+        let found = form::fit(self.lens.samples(), self.cut_with.as_ref(), &accuracy)?;
         self.form = FormOutput { error: found.error, largest: found.largest, deviation: found.deviation, ..self.form };
         self.residual = found.residual;
         Ok(match () {
@@ -286,9 +308,9 @@ impl From<NoEstimate> for Status {
     }
 }
 
-/// Whether a reading of the probe (m, rad) is one.
-fn believable(reading: f64) -> bool {
-    reading.abs() <= READING_MAX
+/// Whether a reading of the probe or of the spindle under it (m, rad) is one.
+fn believable(reading: f64, most: f64) -> bool {
+    reading.abs() <= most
 }
 
 /// Angle (rad) by which the tool stays behind the encoder when the arm carries a torque (N.m): the thrust of the cut.

@@ -22,6 +22,9 @@ const WAVES: usize = 2 * HIGHEST_CORRECTED + 1;
 /// Coefficients, of which the constant is the zero of the probe, and the place of the spindle axis.
 const UNKNOWNS: usize = WAVES * POLYNOMIALS + 1;
 
+/// Readings that a fit needs at least.
+pub const READINGS_MIN: usize = UNKNOWNS + 1;
+
 /// Coefficients and the place of the spindle axis.
 type FormUnknowns = SVector<f64, UNKNOWNS>;
 
@@ -75,7 +78,7 @@ pub fn fit(
     cut_with: Option<&Correction>,
     accuracy: &FormAccuracy,
 ) -> Result<FormEstimate, NoEstimate> {
-    if readings.len() <= UNKNOWNS {
+    if readings.len() < READINGS_MIN {
         return Err(NoEstimate::TooFew);
     }
     let positions = readings.iter().map(|reading| reading.slide_position);

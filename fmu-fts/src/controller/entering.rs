@@ -58,6 +58,9 @@ impl Controller {
         if state == State::Fault && !self.ending.retracting() {
             self.tracker.forget();
         }
+        if state == State::Track {
+            self.calibration.cut_lens(self.tracker.path());
+        }
         self.state = state;
     }
 

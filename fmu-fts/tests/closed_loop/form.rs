@@ -151,6 +151,7 @@ impl Bench {
         self.probe(noise);
         assert_eq!(self.solve(), Status::Solved);
         self.path.correct(self.calibration.correction());
+        self.calibration.cut_lens(&self.path);
         self.calibration.rest();
         self.calibration.form()
     }
@@ -233,6 +234,25 @@ fn what_is_no_error_of_the_form_or_not_sure_corrects_nothing() {
 }
 
 #[test]
+fn every_fit_of_a_lens_is_one_also_with_the_same_result() {
+    let mut bench = Bench::new(Parameters::START, LONG, 7);
+    for mode in [Mode::CalibrateForm, Mode::CalibrateFlats] {
+        bench.input.mode = mode;
+        for solve in [false, true, true, false, true, false] {
+            let rises = solve && !bench.input.calibration.solve;
+            bench.input.calibration.solve = solve;
+            bench.step();
+            assert_eq!(bench.calibration.lens_fitted(), rises && mode == Mode::CalibrateForm, "{mode:?}");
+        }
+    }
+    (bench.input.mode, bench.input.calibration.solve) = (Mode::CalibrateForm, true);
+    bench.step();
+    assert!(bench.calibration.lens_fitted() && bench.calibration.status() == Status::TooFewSamples);
+    bench.calibration.rest();
+    assert!(!bench.calibration.lens_fitted());
+}
+
+#[test]
 fn of_one_side_alone_the_centre_is_as_unsure_as_the_axis_of_the_probe() {
     for (cusp_sigma, status) in [(1e-4, Status::Unsure), (1e-7, Status::Solved)] {
         let mut p = Parameters::START;
@@ -256,7 +276,8 @@ fn a_reading_that_cannot_be_one_of_the_lens_is_left_out() {
         assert_eq!(bench.calibration.status(), status, "{lateral} {angle} {depth}");
         assert_eq!(bench.calibration.report().samples, 0);
     }
-    bench.read(0.028, 0.0, 0.0);
+    // a spindle counts its turns
+    bench.read(0.028, 1e4, 0.0);
     assert_eq!(bench.calibration.report().samples, 1);
     assert_eq!(bench.solve(), Status::TooFewSamples);
     for _ in 0..600 {
@@ -270,12 +291,13 @@ fn probed(p: &Parameters) -> Loop {
     let mut run = Loop::new(p, &Build::NOMINAL, 8);
     run.input.mode = Mode::CalibrateForm;
     run.run_to(0.4);
-    probe(&mut run);
+    probe(&mut run, 3e-6);
+    assert!(!run.output.form.corrected, "before the next cut nothing changes");
     run
 }
 
-/// Probes that lens and asks for the next.
-fn probe(run: &mut Loop) {
+/// Probes a lens that is too deep by `excess` (m) twice a turn, and asks for the next.
+fn probe(run: &mut Loop, excess: f64) {
     run.input.mode = Mode::CalibrateForm;
     let p = &run.parameters;
     let path = PathTable::new(Arm::new(p), &DepthTable::of_surface(p).unwrap(), 24);
@@ -284,7 +306,7 @@ fn probe(run: &mut Loop) {
         let told = contact(&path, [2e-3, 1.5e-3], distance, Phasors::new(angle, 64).from_zero()).unwrap();
         let probe = &mut run.input.probe;
         // twice a turn, both sides of the axis are alike
-        (probe.lateral, probe.depth, probe.angle) = (side * distance, told.depth + 3e-6 * (2.0 * angle).cos(), angle);
+        (probe.lateral, probe.depth, probe.angle) = (side * distance, told.depth + excess * (2.0 * angle).cos(), angle);
         for capture in [true, false] {
             run.input.probe.capture = capture;
             run.step();
@@ -293,8 +315,22 @@ fn probe(run: &mut Loop) {
     run.input.calibration.solve = true;
     run.step();
     assert_eq!(run.output.calibration.status, Status::Solved);
-    assert!(!run.output.form.corrected, "before the next cut nothing changes");
+    run.input.calibration.solve = false;
     run.input.mode = Mode::Track;
+}
+
+/// How far the path is at most beside one that is deeper than told by `added` (m) twice a turn, m.
+fn beside(run: &mut Loop, added: f64) -> f64 {
+    let p = &run.parameters;
+    let path = PathTable::new(Arm::new(p), &DepthTable::of_surface(p).unwrap(), 24);
+    let mut most: f64 = 0.0;
+    for _ in 0..1000 {
+        run.step();
+        let Input { spindle_angle, slide_position, .. } = run.input;
+        let [told, _] = path.told_depth(slide_position, Phasors::new(spindle_angle, 64).from_zero());
+        most = most.max((run.output.reference.depth - told - added * (2.0 * spindle_angle).cos()).abs());
+    }
+    most
 }
 
 #[test]
@@ -303,19 +339,10 @@ fn what_the_lens_asks_for_is_the_next_path_where_it_may() {
         let mut p = Parameters::START;
         p.form.apply = apply;
         let mut run = probed(&p);
-        let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
         let until = run.time() + 1.0;
         run.run_to(until);
         assert_eq!(run.output.form.corrected, apply);
-        let (mut with, mut without) = (0.0, 0.0);
-        for _ in 0..1000 {
-            run.step();
-            let Input { spindle_angle, slide_position, .. } = run.input;
-            let [told, _] = path.told_depth(slide_position, Phasors::new(spindle_angle, 64).from_zero());
-            let added = run.output.reference.depth - told;
-            with = f64::max(with, (added + 3e-6 * (2.0 * spindle_angle).cos()).abs());
-            without = f64::max(without, added.abs());
-        }
+        let (with, without) = (beside(&mut run, -3e-6), beside(&mut run, 0.0));
         assert_eq!(with < 2e-7, apply, "{with:e}");
         assert_eq!(without < 2e-7, !apply, "{without:e}");
         // and the arm follows it as any other
@@ -342,13 +369,43 @@ fn a_saved_state_holds_readings_and_correction() {
 }
 
 #[test]
+fn a_path_that_was_joined_but_not_followed_has_cut_no_lens() {
+    let mut p = Parameters::START;
+    p.form.apply = true;
+    let mut run = probed(&p);
+    while run.output.state != State::Approach {
+        run.step();
+    }
+    assert!(run.output.form.corrected);
+    // no: the same lens once more
+    run.input.mode = Mode::CalibrateForm;
+    let until = run.time() + 0.5;
+    run.run_to(until);
+    let again = |run: &mut Loop, excess: f64| {
+        *run = run.reloaded();
+        probe(run, excess);
+        let until = run.time() + 1.0;
+        run.run_to(until);
+        assert_eq!((run.output.state, run.output.form.corrected), (State::Track, true));
+        let most = beside(run, -3e-6);
+        assert!(most < 2e-7, "{most:e}");
+    };
+    again(&mut run, 3e-6);
+    // the lens that was cut with the correction is good, and so is the correction
+    run.input.mode = Mode::CalibrateForm;
+    let until = run.time() + 0.5;
+    run.run_to(until);
+    again(&mut run, 0.0);
+}
+
+#[test]
 fn a_path_that_is_left_is_not_bent() {
     let mut p = Parameters::START;
     p.form.apply = true;
     let mut run = Loop::new(&p, &Build::NOMINAL, 8);
     run.run_to(0.6);
     // probed and back before the arm has left the path: it is the one that was
-    probe(&mut run);
+    probe(&mut run, 3e-6);
     let until = run.time() + 0.5;
     run.run_to(until);
     assert_eq!((run.output.state, run.output.form.corrected), (State::Track, false));
