@@ -28,6 +28,8 @@ mod variables {
     const RATE: [Unit; 6] = [TURN, METRE_PER_SECOND, METRE_PER_SECOND, TURN, TURN, TURN];
     const PULSE: [f64; 6] = [TAU / 640e3, 2.5e-6, 5e-6, TAU / 400e3, TAU / 400e3, TAU / 400e3];
     const RPM: f64 = TAU / 60.0;
+    /// Most way by which friction may hold a drive back, rad or m; the standard deviation where nothing tells it.
+    pub const FRICTION_MAX: f64 = 0.01;
 
     /// What is asked for; a job begins when the mode changes to it while `enable` is true, and when `enable` rises
     /// for the first time or with a mode that has not changed meanwhile
@@ -269,7 +271,7 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "Hz")] pub natural_frequency_deviation: f64,
         /// Way by which friction holds drive {n} back, F / (m wn^2)
         #[var(unit = JOINT[INDEX] as FINE[INDEX])] pub friction: f64,
-        /// Its standard deviation
+        /// Its standard deviation; 0.01 where the strokes do not tell it
         #[var(unit = JOINT[INDEX] as FINE[INDEX])] pub friction_deviation: f64,
         /// Samples between a command and its action on axis {n}, not rounded, less the lag of the nominal drive
         #[var(unit = ONE)] pub delay: f64,
@@ -403,7 +405,7 @@ mod variables {
         /// Natural frequency of drive {n}; 0 for the one that has this lag with `model.damping`
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "derived: 2 zeta / lag")] pub natural_frequency: f64,
         /// Way by which Coulomb friction holds drive {n} back, F / (m wn^2); the patterns that are computed or identified make up for it
-        #[var(unit = JOINT[INDEX] as FINE[INDEX], range = 0.0..=0.01, source = "eq. 1 has none")] pub friction: f64,
+        #[var(unit = JOINT[INDEX] as FINE[INDEX], range = 0.0..=FRICTION_MAX, source = "eq. 1 has none")] pub friction: f64,
     }
     /// Geometry of the robot.
     pub struct Arm {

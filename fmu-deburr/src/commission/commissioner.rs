@@ -45,7 +45,7 @@ impl Commissioner {
             measured: Measured::START,
             rejected: None,
             finished: false,
-            responses: [Response::default(); AXES],
+            responses: [Response::NONE; AXES],
             tool: Welford::default(),
             samples: 0,
             values: InForce::new(Values::of(p)),

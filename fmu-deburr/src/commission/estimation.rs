@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::commission::friction::held_back;
 use crate::commission::strokes::Strokes;
-use crate::interface::Parameters;
+use crate::interface::{FRICTION_MAX, Parameters};
 use crate::learning::drive::{Drive, LAG_MIN, ToldDrive};
 use crate::learning::identification::Identification;
 
@@ -33,7 +33,7 @@ const LAG_LEAST: f64 = 0.05;
 const STEP: f64 = 1e-4;
 
 /// What the strokes have told of a drive: values with their standard deviations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Response {
     /// Velocity over commanded velocity.
     pub gain: [f64; 2],
@@ -41,15 +41,21 @@ pub struct Response {
     pub late: [f64; 2],
     /// Natural frequency, rad/s; zeros where nothing tells it.
     pub frequency: [f64; 2],
-    /// Way by which friction holds it back, rad or m.
+    /// Way by which friction holds it back, rad or m; none that is as unsure as any is where nothing tells it.
     pub friction: [f64; 2],
 }
 
 /// Unknowns of a drive: gain, how late it is as a whole (samples), and mu = 1/(wn T)^2.
 type Unknowns = Vector3<f64>;
 
+/// Way of a friction that nothing tells: it may be any.
+const UNTOLD: [f64; 2] = [0.0, FRICTION_MAX];
+
 impl Response {
-    /// From the strokes of the axis `axis` (from 0), in `room` for twice all their samples; zeros where they tell nothing.
+    /// Of a drive of which nothing is told: gain and frequency that none has.
+    pub const NONE: Self = Self { gain: [0.0; 2], late: [0.0; 2], frequency: [0.0; 2], friction: UNTOLD };
+
+    /// From the strokes of the axis `axis` (from 0), in `room` for twice all their samples; `NONE` where they tell nothing.
     ///
     /// Three weights are short of a drive. So what is found is the drive whose own loop would show the same weights, by
     /// Newton's method, and with its derivatives the covariance of the weights is that of the unknowns.
@@ -59,7 +65,7 @@ impl Response {
         let rough = Drive::of(&told, &Identification::new(&told, strokes, modelled).weights_of_noise());
         let late = rough.lag[0] / told.period + told.delay as f64;
         let mut x = Unknowns::new(rough.gain[0], late, unknowns(&told)[2]);
-        let (mut deviation, mut friction) = (Unknowns::zeros(), [0.0; 2]);
+        let (mut deviation, mut friction) = (Unknowns::zeros(), UNTOLD);
         for _ in 0..PASSES {
             let start = limited(&told, x);
             // one that leaves it a lag
@@ -74,14 +80,15 @@ impl Response {
                 near[i] *= 1.0 + STEP;
                 (weights(&near) - here) / (STEP * start[i])
             });
-            let Some(inverse) = Matrix3::from_columns(&slopes).try_inverse() else { return Self::default() };
+            let Some(inverse) = Matrix3::from_columns(&slopes).try_inverse() else { return Self::NONE };
             x = start + inverse * (Vector3::from(found.weights) - here);
             let covariance = inverse * Matrix3::from(found.covariance) * inverse.transpose();
             deviation = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
-            friction = held_back(&identification).map(|counts| counts * p.axis[axis].pulse);
+            let way = held_back(&identification);
+            friction = way.map_or(UNTOLD, |way| way.map(|counts| counts * p.axis[axis].pulse));
         }
         let finite = x.iter().chain(deviation.iter()).all(|value| value.is_finite());
-        if finite { Self { friction, ..Self::told(&told, &x, &deviation) } } else { Self::default() }
+        if finite { Self { friction, ..Self::told(&told, &x, &deviation) } } else { Self::NONE }
     }
 
     fn told(told: &ToldDrive, x: &Unknowns, deviation: &Unknowns) -> Self {
@@ -93,7 +100,7 @@ impl Response {
             late: [x[1] * told.period, late * told.period],
             // d(wn)/d(mu) = -wn/(2 mu)
             frequency: [wn, if wn > 0.0 { 0.5 * wn * mu / x[2] } else { 0.0 }],
-            friction: [0.0; 2],
+            friction: UNTOLD,
         }
     }
 
@@ -246,6 +253,7 @@ mod tests {
         let p = Parameters::START;
         let mut strokes = Strokes::new(300);
         (0..300).for_each(|k| strokes.take(0.0, f64::from(k % 2)));
-        assert_eq!(Response::of(&p, AXIS, &strokes, &mut [0.0; 600]), Response::default());
+        assert_eq!(Response::of(&p, AXIS, &strokes, &mut [0.0; 600]), Response::NONE);
+        assert_eq!(Response::NONE.friction, [0.0, FRICTION_MAX]);
     }
 }

@@ -17,8 +17,8 @@ const UNKNOWNS: usize = 6;
 /// Least variance of the noise of a reading: that of a whole count.
 const ROUNDING: f64 = 1.0 / 12.0;
 
-/// The way and its standard deviation, counts.
-pub fn held_back<R: BareRun>(run: &Identification<R>) -> [f64; 2] {
+/// The way and its standard deviation, counts; none where the strokes do not tell it.
+pub fn held_back<R: BareRun>(run: &Identification<R>) -> Option<[f64; 2]> {
     let (lag, count, fastest) = (run.bare_lag(), run.samples(), run.fastest());
     let (mut normal, mut target) = (SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros(), SVector::<f64, UNKNOWNS>::zeros());
     let (mut squares, mut used) = (0.0, 0.0);
@@ -38,8 +38,43 @@ pub fn held_back<R: BareRun>(run: &Identification<R>) -> [f64; 2] {
         beyond += run.left(k) / lag;
         (0..TAPS).for_each(|tap| places[tap] += rates[tap]);
     }
-    let Some(inverse) = normal.cholesky().map(|normal| normal.inverse()) else { return [0.0; 2] };
+    let inverse = normal.cholesky()?.inverse();
     let found = inverse * target;
     let left = (squares - found.dot(&target)) / (used - UNKNOWNS as f64).max(1.0);
-    [found[0], (left.max(ROUNDING) * run.shared() * inverse[(0, 0)]).sqrt()]
+    let told = [found[0], (left.max(ROUNDING) * run.shared() * inverse[(0, 0)]).sqrt()];
+    told.iter().all(|value| value.is_finite()).then_some(told)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::commission::strokes::Strokes;
+    use crate::interface::Parameters;
+    use crate::learning::drive::ToldDrive;
+
+    /// Of strokes of 100 samples with these ends, counts, and an error of `error` times their rate.
+    fn way(ends: &[f64], error: f64) -> Option<[f64; 2]> {
+        let told = ToldDrive::new(&Parameters::START, 2);
+        let mut strokes = Strokes::new(1000);
+        for pair in ends.windows(2) {
+            for k in 0..100 {
+                let share = f64::from(k) / 100.0;
+                let rate = (pair[1] - pair[0]) * share * (1.0 - share) * 0.06;
+                let place = pair[0] + (pair[1] - pair[0]) * share * share * (3.0 - 2.0 * share);
+                strokes.take(place, error * rate);
+            }
+        }
+        let mut room = [0.0; 1000];
+        held_back(&Identification::new(&told, &strokes, &mut room))
+    }
+
+    #[test]
+    fn strokes_to_and_fro_tell_the_way_and_none_that_stand_or_have_no_number_do() {
+        let [_, deviation] = way(&[0.0, 1e4, 0.0, 1e4, 0.0], 2.0).unwrap();
+        assert!(deviation > 0.0 && deviation.is_finite(), "{deviation}");
+        assert_eq!(way(&[], 2.0), None);
+        assert_eq!(way(&[0.0, 0.0, 0.0], 2.0), None);
+        assert_eq!(way(&[0.0, 1e4, 0.0, 1e4, 0.0], f64::NAN), None);
+        assert_eq!(way(&[0.0, 1e4, 0.0, 1e4, 0.0], 1e200), None);
+    }
 }

@@ -6,6 +6,10 @@
 //! command in one sample of h/(g Kp T) for each h. The hold makes a ramp of it about the middle of the sample that begins d samples later; shared
 //! by two samples the middle of the ramp is where the reference turns, a fraction of a sample included. What eq. 4 mixes of two
 //! patterns keeps its area: at V the samples of a pattern of the speed V_j are passed V_j/V times as often, and the shares in V add up to V.
+//!
+//! Between two laps nothing is at rest for long: a lap begins on the side on which the one before has ended. So its turns are those of a walk
+//! that goes on for ever, one at the seam among them only where an axis turns round there, and their changes add up to 0, which leaves
+//! nothing that grows from lap to lap. The first lap alone begins on a side that nothing tells, wrong by 2 h at most.
 
 use crate::learning::rates::Rates;
 
@@ -13,12 +17,15 @@ use crate::learning::rates::Rates;
 const LEAST: f64 = 1.0;
 
 /// Tells where an axis (from 0) of the walk turns round, in samples, and by how much the sign of its velocity changes there: 2, or 1 where it
-/// begins to move; negative to the other side.
+/// begins to move; negative to the other side. Of laps it tells one that follows another; a turn at the end of that one which is known only now lies before 0.
 pub fn for_each_turn(rates: &Rates, axis: usize, mut turn: impl FnMut(f64, f64)) {
     let rate = |k: isize| rates.at(k)[axis];
     // direction, place, and the last samples at the lowest and at the highest place since it turned round
     let (mut side, mut place, mut low, mut high) = (0.0, 0.0, (0.0, 0), (0.0, 0));
-    for k in 0..rates.count() as isize {
+    // once past its lowest and highest place a walk has forgotten how it began: a lap is walked once for that
+    let count = rates.count() as isize;
+    let told = if rates.cyclic() { count } else { 0 };
+    for k in 0..told + count {
         if place <= low.0 {
             low = (place, k);
         }
@@ -28,17 +35,19 @@ pub fn for_each_turn(rates: &Rates, axis: usize, mut turn: impl FnMut(f64, f64))
         let (up, down) = (side <= 0.0 && place > low.0 + LEAST, side >= 0.0 && place < high.0 - LEAST);
         if up || down {
             let (now, at) = if up { (1.0, low.1) } else { (-1.0, high.1) };
-            turn(vertex(at, rate(at - 1), rate(at)), now - side);
+            if k >= told {
+                turn((at - told) as f64 + vertex(rate(at - 1), rate(at)), now - side);
+            }
             (side, low, high) = (now, (place, k), (place, k));
         }
         place += rate(k);
     }
 }
 
-/// Place of the extreme between the samples about `at`, of a parabola through them with the rates before and after it.
-fn vertex(at: isize, before: f64, after: f64) -> f64 {
+/// Place of the extreme, of a parabola through a sample and its neighbours with the rates before and after it: half a sample away at most.
+fn vertex(before: f64, after: f64) -> f64 {
     let bend = before - after;
-    at as f64 + if bend == 0.0 { 0.0 } else { 0.5 * (before + after) / bend }
+    if bend == 0.0 { 0.0 } else { (0.5 * (before + after) / bend).clamp(-0.5, 0.5) }
 }
 
 #[cfg(test)]
@@ -83,6 +92,79 @@ mod tests {
         let most = turns(|k| 0.51 * (0.3 * k).sin(), 200);
         assert!(most.len() > 15, "{most:?}");
         assert_eq!(turns(|k| 1e-12 * (7.0 * k).sin(), 200), []);
+    }
+
+    /// Where an axis turns round in a lap of these rates.
+    fn lap(rates: &[f64]) -> Vec<(f64, f64)> {
+        let mut found = Vec::new();
+        for_each_turn(&Rates::of(4, rates, true), 4, |at, change| found.push((at, change)));
+        found
+    }
+
+    /// Places of a lap of `count` samples, from the sample `from` of another one on.
+    fn lap_of(place: impl Fn(f64) -> f64, count: u32, from: u32) -> Vec<f64> {
+        (from..from + count).map(|k| place(f64::from((k + 1) % count)) - place(f64::from(k % count))).collect()
+    }
+
+    #[test]
+    fn an_axis_that_goes_on_across_the_seam_does_not_turn_there() {
+        for side in [1.0, -1.0] {
+            let mut rates = [side * 10.0; 60];
+            (rates[0], rates[59]) = (side * 2.9, side * 3.0);
+            // once round in a lap, as an axis that is unwound elsewhere
+            assert_eq!(lap(&rates), []);
+            rates.reverse();
+            assert_eq!(lap(&rates), []);
+            // and back on the way
+            rates[20..40].fill(side * -19.295);
+            assert_eq!(lap(&rates).iter().map(|turn| turn.1).collect::<Vec<_>>(), [-2.0 * side, 2.0 * side]);
+        }
+    }
+
+    #[test]
+    fn an_axis_that_turns_at_the_seam_turns_once_there() {
+        // up from rest to rest and back from rest to rest: at the seam and in the middle
+        let place = |k: f64| 50.0 * (1.0 - (std::f64::consts::TAU * k / 60.0).cos());
+        for side in [1.0, -1.0] {
+            let found = lap(&lap_of(|k| side * place(k), 60, 0));
+            assert_eq!(found.len(), 2, "{found:?}");
+            assert!(found[0].0.abs() < 1e-9 && found[0].1 == 2.0 * side, "{found:?}");
+            assert!((found[1].0 - 30.0).abs() < 1e-9 && found[1].1 == -2.0 * side, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_lap_has_the_same_turns_wherever_it_begins_and_they_add_up_to_nothing() {
+        let place = |k: f64| {
+            let angle = std::f64::consts::TAU * (k + 0.3) / 60.0;
+            20.0 * angle.sin() + 15.0 * (2.0 * angle).cos() + 0.4 * (11.0 * angle).sin()
+        };
+        let turns_of = |from: u32| {
+            let mut found: Vec<_> = lap(&lap_of(place, 60, from))
+                .iter()
+                .map(|(at, change)| ((at + f64::from(from)).rem_euclid(60.0), *change))
+                .collect();
+            found.sort_by(|a, b| a.0.total_cmp(&b.0));
+            found
+        };
+        let expected = turns_of(0);
+        assert!(expected.len() >= 4 && expected.iter().all(|turn| turn.1.abs() == 2.0), "{expected:?}");
+        for from in 0..60 {
+            let found = turns_of(from);
+            assert_eq!(found.iter().map(|turn| turn.1).sum::<f64>(), 0.0, "{from}: {found:?}");
+            assert_eq!(found.len(), expected.len(), "{from}: {found:?}");
+            for (one, other) in found.iter().zip(&expected) {
+                assert!((one.0 - other.0).abs() < 1e-6 && one.1 == other.1, "{from}: {found:?} {expected:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_vertex_is_half_a_sample_away_at_most() {
+        assert_eq!([vertex(0.0, 2.0), vertex(-2.0, 0.0), vertex(-1.0, 1.0), vertex(3.0, 3.0)], [-0.5, 0.5, 0.0, 0.0]);
+        for (before, after) in [(3.0, 2.9), (2.9, 3.0), (1e-16, 2e-16), (-3.0, -2.9)] {
+            assert_eq!(vertex(before, after).abs(), 0.5, "{before} {after}");
+        }
     }
 
     #[test]

@@ -49,6 +49,11 @@ impl Rates {
         self.count
     }
 
+    /// Whether one lap follows the other.
+    pub fn cyclic(&self) -> bool {
+        self.cyclic
+    }
+
     /// The sample that stands for the sample `index`: that of another lap, else none outside the pattern.
     pub fn inside(&self, index: isize) -> Option<usize> {
         let count = self.count as isize;

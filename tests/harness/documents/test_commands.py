@@ -115,13 +115,18 @@ def done() -> set[str]:
     return set()
 
 
+def fewer(line: str) -> str:
+    """Line that does the same with fewer seeds and scenarios."""
+    return line.replace("1..20", "1..2").replace("'dob*'", "'dob/no-*'")
+
+
 def quick(line: str) -> str:
     """Line that does the same sooner."""
     if line.startswith("cosim run") and "--engine" not in line:
         line += " --engine native"
     if line.startswith("cosim report"):
         line += " --no-films"
-    return line.replace("1..20", "1..2").replace("'dob*'", "'dob/no-*'")
+    return fewer(line)
 
 
 def run(folder: Path, line: str) -> None:
@@ -151,6 +156,17 @@ def test_the_commands_of_a_page_run(
         (user / "my.toml").unlink() if "cosim new" in line else (user / "my.toml").write_text(scenario)
         run(user, quick(line))
         done.add(line)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    "line", [line for line in words.listed("cosim") if here(line) and fewer(line) != line]
+)
+def test_a_command_of_many_runs_does_as_it_stands(
+    line: str, user: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COSIM_CACHE", str(user / "cache"))
+    run(user, line)
 
 
 def test_what_runs_elsewhere_stands_on_a_page() -> None:
