@@ -33,7 +33,11 @@ impl Controller {
                     self.teacher.take(p, contact.position);
                 }
             }
-            (State::Teach, _) => self.teacher.begin(),
+            (State::Teach, _) => {
+                // nothing was touched yet from which to go back
+                self.motion.hold();
+                self.teacher.begin();
+            }
             (State::Learn, _) => self.guard.learn(),
             (State::Detect, _) => self.touch = TwoStageTouch::default(),
             (State::Confirm, _) => {
@@ -53,8 +57,11 @@ impl Controller {
                     });
             }
             (State::Fault, _) => {
-                if self.teacher.break_off() || self.state.approaching() {
+                let broken = self.teacher.break_off();
+                if self.state.approaching() {
                     self.depart(p);
+                } else if broken {
+                    self.depart_farther(p);
                 }
                 if self.state.at_work() {
                     self.contact = None;
@@ -83,6 +90,11 @@ impl Controller {
         }
     }
 
+    /// A teaching is broken off in its retreat or behind it: a job may need farther back to arm than the touch that was next.
+    pub(super) fn depart_farther(&mut self, p: &Parameters) {
+        self.motion.go_farther_back(retract_between(p, &self.teacher.approach_after(p)));
+    }
+
     /// Forgets the last approach and begins a new one at rest at `position` m.
     fn restart(&mut self, p: &Parameters, position: f64) {
         self.motion.start(position, &self.teacher.approach(p));
@@ -101,6 +113,8 @@ impl Controller {
         self.numbers.swings = self.monitors.swing.count();
         self.numbers.biases = self.teacher.extremes();
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
+        self.numbers.lasted = self.lasted(p);
+        self.numbers.time_limit = self.time_limit(p);
         if fault.safe_end() == SafeEnd::DriveOff {
             self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
             self.integrator = Integrator::default();
