@@ -134,3 +134,37 @@ impl Controller {
         self.fault = Fault::None;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interface::{Approach, Input};
+    use crate::motion::travel::job_limit;
+
+    #[test]
+    fn the_limit_that_is_told_is_the_one_that_was_judged() {
+        let p = Parameters::START;
+        let mut controller = Controller::new(&p).unwrap();
+        let expected = controller.expect(&p);
+        let reading = controller.reader.read(&p, &Input::START, &expected);
+        controller.teacher.begin();
+        controller.motion.start(0.0, &controller.teacher.approach(&p));
+        controller.state = State::Detect;
+        // 500 s there at 10 um/s, ten times as long as in a job at 100 um/s
+        let slowest = Approach { velocity: p.teach.velocity_min, ..p.approach };
+        let limit = job_limit(&p, &slowest);
+        let samples = (limit / p.sample_period) as u64;
+        (0..samples).for_each(|_| controller.monitors.job.count());
+        assert_eq!(controller.find_fault(&p, false, false, &reading), None);
+        controller.monitors.job.count();
+        assert_eq!(controller.find_fault(&p, false, false, &reading), Some(Fault::NoProgress));
+        controller.stop(&p, Fault::NoProgress, &reading);
+        let Numbers { lasted, time_limit, .. } = controller.numbers;
+        assert!(limit > 630.0 && time_limit == limit, "{time_limit} s");
+        assert!(lasted > limit && lasted < limit + 1.5 * p.sample_period, "{lasted} s");
+        // a commission has a limit of its own
+        controller.state = State::Commission;
+        controller.stop(&p, Fault::NoProgress, &reading);
+        assert!((controller.numbers.time_limit - 14.6).abs() < 0.05, "{:?}", controller.numbers);
+    }
+}
