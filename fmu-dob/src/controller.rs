@@ -212,8 +212,7 @@ impl Controller {
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
         let waits = self.state.waits();
         if (!reading.teach || reading.begin) && self.teacher.break_off() && !self.state.approaching() {
-            // the next job comes from farther away
-            self.depart(p);
+            self.depart_farther(p);
         }
         let contact = reading.position.and_then(|_| self.find_contact(p, reading));
         let (suspected, dismissed) = self.doubt(p, reading);

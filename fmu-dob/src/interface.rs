@@ -88,7 +88,7 @@ mod variables {
         /// What the commission has measured is not sure enough, or not what this controller can hold
         #[hint("allow more `commission.travel` or `commission.force`, look for vibration and friction, tell a larger `guard.force` if the work bears it, and check `stage.mass`, `stage.force_constant`, `stage.current_bandwidth` and `io_delay`")] CommissionRejected,
         /// The touches of a teaching scatter too much, or tell a bias that is not sure enough or cannot be
-        #[hint("check `teach.place`; on work that is too soft or yields no bias can be taught; touch more often, look for vibration")] TeachingRejected,
+        #[hint("check `teach.place`; on work that is too soft or yields no bias can be taught; touch more often, look for vibration; allow more `approach.travel_max`, or lower `teach.velocity_max`")] TeachingRejected,
     }
     /// What detected the contact
     pub enum ContactSource {

@@ -142,7 +142,15 @@ ROWS = (
         1e-9,
         "no work, no depth",
         "plant.workpiece=false",
-        "controller.approach.travel_max=1e-4",
+        "controller.approach.travel_max=1.9e-4",
+    ),
+    teaching(
+        "teaching: travel too short for the fastest touch",
+        ("TeachingRejected",),
+        DEEP,
+        1e-9,
+        "refused before the stage moves",
+        "controller.approach.travel_max=1.8e-4",
     ),
     teaching(
         "teaching: work 5 um from the start",

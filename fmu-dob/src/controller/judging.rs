@@ -11,7 +11,7 @@ use crate::interface::{ContactSource, Fault, Parameters, State};
 use crate::limits::{disturbance_limit, following_limit};
 use crate::monitoring::numbers::Unseen;
 use crate::monitoring::rest_force::RestForce;
-use crate::motion::travel::{late, learn_limit};
+use crate::motion::travel::{job_limit, lasted, learn_limit, teaching_travel};
 use crate::reading::{Expected, Reading};
 
 /// Something holds the stage above this share of `guard.force`.
@@ -133,13 +133,25 @@ impl Controller {
             force_left: (retracted && self.contact.is_some()).then(|| self.force_left()),
             guarded: retracted && self.contact.is_some_and(|contact| contact.source == ContactSource::ForceGuard),
             rejected: state == State::Commission && self.commissioner.rejected,
-            mistaught: state == State::Teach && self.teacher.rejected,
-            late: match state {
-                State::Commission => monitors.job.samples() as f64 * p.sample_period > plan::time(p),
-                _ => state.at_work() && late(p, &self.motion.approach, monitors.job.samples()),
-            },
+            mistaught: state == State::Teach && (self.teacher.rejected || self.too_short(p)),
+            late: (state.at_work() || state == State::Commission) && self.lasted(p) > self.time_limit(p),
         };
         faults::find(p, &symptoms)
+    }
+
+    /// How long the job or the commission takes so far, s.
+    pub(super) fn lasted(&self, p: &Parameters) -> f64 {
+        lasted(p, self.monitors.job.samples())
+    }
+
+    /// How long it may, s.
+    pub(super) fn time_limit(&self, p: &Parameters) -> f64 {
+        if self.state == State::Commission { plan::time(p) } else { job_limit(p, &self.motion.approach) }
+    }
+
+    /// Whether a teaching that goes on would end at the longest travel, short of the work.
+    fn too_short(&self, p: &Parameters) -> bool {
+        !self.teacher.over() && p.approach.travel_max < teaching_travel(p)
     }
 
     /// Change of the force from before the contact to behind the retract, N.

@@ -33,7 +33,11 @@ impl Controller {
                     self.teacher.take(p, contact.position);
                 }
             }
-            (State::Teach, _) => self.teacher.begin(),
+            (State::Teach, _) => {
+                // nothing was touched yet from which to go back
+                self.motion.hold();
+                self.teacher.begin();
+            }
             (State::Learn, _) => self.guard.learn(),
             (State::Detect, _) => self.touch = TwoStageTouch::default(),
             (State::Confirm, _) => {
@@ -53,8 +57,11 @@ impl Controller {
                     });
             }
             (State::Fault, _) => {
-                if self.teacher.break_off() || self.state.approaching() {
+                let broken = self.teacher.break_off();
+                if self.state.approaching() {
                     self.depart(p);
+                } else if broken {
+                    self.depart_farther(p);
                 }
                 if self.state.at_work() {
                     self.contact = None;
@@ -83,6 +90,11 @@ impl Controller {
         }
     }
 
+    /// A teaching is broken off in its retreat or behind it: a job may need farther back to arm than the touch that was next.
+    pub(super) fn depart_farther(&mut self, p: &Parameters) {
+        self.motion.go_farther_back(retract_between(p, &self.teacher.approach_after(p)));
+    }
+
     /// Forgets the last approach and begins a new one at rest at `position` m.
     fn restart(&mut self, p: &Parameters, position: f64) {
         self.motion.start(position, &self.teacher.approach(p));
@@ -101,6 +113,8 @@ impl Controller {
         self.numbers.swings = self.monitors.swing.count();
         self.numbers.biases = self.teacher.extremes();
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
+        self.numbers.lasted = self.lasted(p);
+        self.numbers.time_limit = self.time_limit(p);
         if fault.safe_end() == SafeEnd::DriveOff {
             self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
             self.integrator = Integrator::default();
@@ -118,5 +132,39 @@ impl Controller {
         self.amplifier.forget();
         self.monitors.drive.begin();
         self.fault = Fault::None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interface::{Approach, Input};
+    use crate::motion::travel::job_limit;
+
+    #[test]
+    fn the_limit_that_is_told_is_the_one_that_was_judged() {
+        let p = Parameters::START;
+        let mut controller = Controller::new(&p).unwrap();
+        let expected = controller.expect(&p);
+        let reading = controller.reader.read(&p, &Input::START, &expected);
+        controller.teacher.begin();
+        controller.motion.start(0.0, &controller.teacher.approach(&p));
+        controller.state = State::Detect;
+        // 500 s there at 10 um/s, ten times as long as in a job at 100 um/s
+        let slowest = Approach { velocity: p.teach.velocity_min, ..p.approach };
+        let limit = job_limit(&p, &slowest);
+        let samples = (limit / p.sample_period) as u64;
+        (0..samples).for_each(|_| controller.monitors.job.count());
+        assert_eq!(controller.find_fault(&p, false, false, &reading), None);
+        controller.monitors.job.count();
+        assert_eq!(controller.find_fault(&p, false, false, &reading), Some(Fault::NoProgress));
+        controller.stop(&p, Fault::NoProgress, &reading);
+        let Numbers { lasted, time_limit, .. } = controller.numbers;
+        assert!(limit > 630.0 && time_limit == limit, "{time_limit} s");
+        assert!(lasted > limit && lasted < limit + 1.5 * p.sample_period, "{lasted} s");
+        // a commission has a limit of its own
+        controller.state = State::Commission;
+        controller.stop(&p, Fault::NoProgress, &reading);
+        assert!((controller.numbers.time_limit - 14.6).abs() < 0.05, "{:?}", controller.numbers);
     }
 }

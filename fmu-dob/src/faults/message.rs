@@ -1,9 +1,8 @@
 //! The numbers that are told with a fault.
 
-use control_blocks::bearable_delays;
+use control_blocks::{SIGNIFICANT, bearable_delays};
 
 use crate::check::check_derived;
-use crate::commission::plan;
 use crate::commission::response::loop_spread;
 use crate::commission::values::{self, Values, acceptable};
 use crate::faults::REVERSALS;
@@ -11,7 +10,7 @@ use crate::interface::{Fault, Output, Parameters, Vars};
 use crate::limits::disturbance_limit;
 use crate::monitoring::numbers::{LateContact, Unseen};
 use crate::motion::stability::longest_delay;
-use crate::motion::travel::{job_limit, learn_limit};
+use crate::motion::travel::{learn_limit, teaching_travel};
 
 /// The numbers behind the fault, for the log.
 pub fn numbers(vars: &Vars) -> String {
@@ -63,7 +62,7 @@ pub fn numbers(vars: &Vars) -> String {
         }
         Fault::LateContact => late_contact(p, output.numbers.late),
         Fault::NoProgress => {
-            format!(": limit of the job `{} s`, of the commission `{} s`", job_limit(p, &p.approach), plan::time(p))
+            format!(": `{:.4} s`, limit `{:.4} s`", output.numbers.lasted, output.numbers.time_limit)
         }
         Fault::CommissionRejected => rejected(p, output),
         Fault::TeachingRejected => mistaught(p, output),
@@ -85,12 +84,25 @@ fn late_contact(p: &Parameters, contact: Option<LateContact>) -> String {
 
 /// What cannot be used of a teaching.
 fn mistaught(p: &Parameters, output: &Output) -> String {
-    let (taught, [least, most]) = (&output.taught, output.numbers.biases);
+    let (taught, [least, most], travel) = (&output.taught, output.numbers.biases, teaching_travel(p));
+    if p.approach.travel_max < travel {
+        return format!(
+            ": `approach.travel_max` = `{} m`, less than the `{travel:.3e} m` from behind a touch to the next at \
+             `teach.velocity_max` = `{} m/s`",
+            p.approach.travel_max, p.teach.velocity_max
+        );
+    }
     format!(
-        ": scatter of the touches `{:.2e} m`, limit `limits.touch_scatter` = `{} m`; bias from `{least:.2e} m`, not below zero, to \
-         `{most:.2e} m`, limit `limits.bias` = `{} m`, behind `teach.place` = `{} m`; its deviation `{:.2e} m`, limit \
+        ": scatter of the touches `{:.2e} m`, limit `limits.touch_scatter` = `{} m`; bias from `{least:.2e} m`, limit `{:.2e} m`, \
+         three deviations, to `{most:.2e} m`, limit `limits.bias` = `{} m`, behind `teach.place` = `{} m`; its deviation `{:.2e} m`, limit \
          `teach.deviation_max` = `{} m`",
-        taught.scatter, p.limits.touch_scatter, p.limits.bias, p.teach.place, taught.deviation, p.teach.deviation_max
+        taught.scatter,
+        p.limits.touch_scatter,
+        -SIGNIFICANT * taught.deviation,
+        p.limits.bias,
+        p.teach.place,
+        taught.deviation,
+        p.teach.deviation_max
     )
 }
 
@@ -169,6 +181,31 @@ mod tests {
         }
         (vars.output.fault, vars.output.numbers.force_left) = (Fault::ContactRejected, 0.31);
         assert!(numbers(&vars).starts_with(": `0.31 N` are left"), "{}", numbers(&vars));
+    }
+
+    #[test]
+    fn a_job_that_is_late_tells_its_time_and_the_limit_that_was_judged() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::NoProgress;
+        (vars.output.numbers.lasted, vars.output.numbers.time_limit) = (634.5674, 634.5673);
+        assert_eq!(numbers(&vars), ": `634.5674 s`, limit `634.5673 s`");
+    }
+
+    #[test]
+    fn a_rejected_teaching_tells_the_limits_that_were_judged() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        vars.output.fault = Fault::TeachingRejected;
+        (vars.output.taught.deviation, vars.output.numbers.biases) = (2e-8, [-6.1e-8, 3e-7]);
+        let told = numbers(&vars);
+        assert!(
+            told.contains("bias from `-6.10e-8 m`, limit `-6.00e-8 m`, three deviations, to `3.00e-7 m`"),
+            "{told}"
+        );
+        assert!(!told.contains("travel"), "{told}");
+        vars.in_force.approach.travel_max = 2.7e-4;
+        let told = numbers(&vars);
+        assert!(told.starts_with(": `approach.travel_max` = `0.00027 m`, less than the `2.721e-4 m`"), "{told}");
+        assert!(told.contains("`teach.velocity_max` = `0.0003 m/s`"), "{told}");
     }
 
     #[test]

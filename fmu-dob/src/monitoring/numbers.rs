@@ -17,12 +17,24 @@ pub struct Numbers {
     pub swings: u32,
     /// Least and largest mean bias of a speed in a teaching, m.
     pub biases: [f64; 2],
+    /// How long the job or the commission took, s.
+    pub lasted: f64,
+    /// How long it may, s.
+    pub time_limit: f64,
 }
 
 impl Numbers {
     /// Before the first approach.
-    pub const START: Self =
-        Self { late: None, force_left: 0.0, following_limit: 0.0, force_constant: 0.0, swings: 0, biases: [0.0; 2] };
+    pub const START: Self = Self {
+        late: None,
+        force_left: 0.0,
+        following_limit: 0.0,
+        force_constant: 0.0,
+        swings: 0,
+        biases: [0.0; 2],
+        lasted: 0.0,
+        time_limit: 0.0,
+    };
 }
 
 /// A contact that the force guard has found, and the detector has not.

@@ -16,20 +16,28 @@ pub struct Motion {
     /// Motion of the reference in the last sample, m.
     pub asked: f64,
     started_at: f64,
+    retreat_from: f64,
     retreat_to: f64,
 }
 
 impl Motion {
     /// Reference at rest at 0.
     pub fn new(p: &Parameters) -> Self {
-        Self { reference: Trajectory::default(), approach: p.approach, asked: 0.0, started_at: 0.0, retreat_to: 0.0 }
+        Self {
+            reference: Trajectory::default(),
+            approach: p.approach,
+            asked: 0.0,
+            started_at: 0.0,
+            retreat_from: 0.0,
+            retreat_to: 0.0,
+        }
     }
 
     /// Begins an approach at the measured position (m), with the tunable parameters of this moment.
     pub fn start(&mut self, position: f64, approach: &Approach) {
         self.approach = *approach;
         self.reference = Trajectory { position, ..Trajectory::default() };
-        (self.started_at, self.retreat_to) = (position, position);
+        (self.started_at, self.retreat_from, self.retreat_to) = (position, position, position);
     }
 
     /// Marks where the retreat begins.
@@ -39,24 +47,31 @@ impl Motion {
 
     /// Has `way` m to go back from here.
     pub fn go_back(&mut self, way: f64) {
-        self.retreat_to = self.reference.position - way;
+        self.retreat_from = self.reference.position;
+        self.retreat_to = self.retreat_from - way;
+    }
+
+    /// Has at least `way` m to go back from where the retreat began.
+    pub fn go_farther_back(&mut self, way: f64) {
+        self.retreat_to = self.retreat_to.min(self.retreat_from - way);
     }
 
     /// Goes on from another position (m) and velocity (m/s), with the same way still to retreat.
     pub fn reseat(&mut self, position: f64, velocity: f64) {
-        self.retreat_to += position - self.reference.position;
+        let moved = position - self.reference.position;
+        (self.retreat_from, self.retreat_to) = (self.retreat_from + moved, self.retreat_to + moved);
         self.reference = Trajectory { position, velocity, acceleration: 0.0 };
     }
 
     /// Lies at a position (m), with nowhere to go: nothing moves the stage by command.
     pub fn lie(&mut self, position: f64) {
         self.reference = Trajectory::resting(position);
-        (self.asked, self.retreat_to) = (0.0, position);
+        (self.asked, self.retreat_from, self.retreat_to) = (0.0, position, position);
     }
 
     /// Has no way left to retreat once it has stopped.
     pub fn hold(&mut self) {
-        self.retreat_to = f64::INFINITY;
+        (self.retreat_from, self.retreat_to) = (f64::INFINITY, f64::INFINITY);
     }
 
     /// Moves the reference for one sample; without a valid position it only stops, and an approach that must wait stands.
@@ -202,6 +217,33 @@ mod tests {
         motion.reseat(0.5, 0.0);
         let left = motion.reference.position - motion.retreat_to;
         assert!((left - retract_distance(&p, &p.approach)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_longer_way_back_counts_from_where_the_retreat_began() {
+        let p = Parameters::START;
+        // on the way, behind it, and after the stage was found elsewhere
+        for (samples, moved) in [(100, 0.0), (3000, 0.0), (3000, 0.2)] {
+            for (farther, expected) in [(3e-5, 5e-5), (8e-5, 8e-5)] {
+                let mut motion = approaching(&p, 1000);
+                let from = motion.reference.position;
+                motion.go_back(5e-5);
+                let retract = |motion: &mut Motion, samples: u32| {
+                    (0..samples).for_each(|_| motion.step(&p, State::Retract, true, false));
+                };
+                retract(&mut motion, samples);
+                motion.reseat(motion.reference.position + moved, motion.reference.velocity);
+                motion.go_farther_back(farther);
+                retract(&mut motion, 3000);
+                let way = from + moved - motion.reference.position;
+                assert!(motion.retreated(&p) && (way - expected).abs() < 0.2e-6, "{way} m");
+            }
+        }
+        // one that is held has not retreated from anywhere
+        let mut motion = approaching(&p, 0);
+        motion.hold();
+        motion.go_farther_back(8e-5);
+        assert!(motion.retreated(&p));
     }
 
     #[test]

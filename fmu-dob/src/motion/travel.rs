@@ -49,9 +49,18 @@ pub fn job_limit(p: &Parameters, approach: &Approach) -> f64 {
     JOB_SPARE.0 * (there + back) + JOB_SPARE.1
 }
 
-/// Whether a job of so many samples takes longer than it may; `limits.job_time` may be longer than a 32-bit count.
-pub fn late(p: &Parameters, approach: &Approach, samples: u64) -> bool {
-    samples as f64 * p.sample_period > job_limit(p, approach)
+/// How long (s) so many samples take; `limits.job_time` may be longer than a 32-bit count.
+pub fn lasted(p: &Parameters, samples: u64) -> f64 {
+    samples as f64 * p.sample_period
+}
+
+/// Travel (m) that each touch of a teaching needs: from behind one to the next at the fastest speed, found as late as it may be,
+/// and to a stop.
+pub fn teaching_travel(p: &Parameters) -> f64 {
+    let fastest = Approach { velocity: p.teach.velocity_max, ..p.approach };
+    let dwell = if p.touch.confirm { p.touch.dwell } else { 0.0 };
+    let stop = fastest.velocity * dwell + stopping_distance(fastest.velocity, p.retract.deceleration);
+    retract_between(p, &fastest) + p.limits.bias + stop
 }
 
 #[cfg(test)]
@@ -81,10 +90,22 @@ mod tests {
     }
 
     #[test]
+    fn a_teaching_needs_the_way_back_of_its_fastest_touch_and_as_much_as_that_may_be_late() {
+        let mut p = Parameters::START;
+        let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-9, "{value} {expected}");
+        // 300 um/s for 0.75 s and 0.9 um to get there, a fifth more; 1 um late; 22.5 nm to stop at 2 m/s2
+        near(teaching_travel(&p), 1.2 * (225e-6 + 0.9e-6) + 1e-6 + 22.5e-9);
+        p.touch.confirm = true;
+        near(teaching_travel(&p), 1.2 * (225e-6 + 0.9e-6) + 1e-6 + 22.5e-9 + 3e-6);
+        (p.retract.distance, p.limits.bias) = (1e-3, 2e-6);
+        near(teaching_travel(&p), 1e-3 + 2e-6 + 22.5e-9 + 3e-6);
+    }
+
+    #[test]
     fn a_job_may_last_for_more_samples_than_a_counter_of_32_bit_holds() {
         let mut p = Parameters::START;
         p.limits.job_time = 1e9;
-        assert!(!late(&p, &p.approach, 2 * u64::from(u32::MAX)));
-        assert!(late(&p, &p.approach, 10_000_000_000_001));
+        assert!(lasted(&p, 2 * u64::from(u32::MAX)) < job_limit(&p, &p.approach));
+        assert!(lasted(&p, 10_000_000_000_001) > job_limit(&p, &p.approach));
     }
 }

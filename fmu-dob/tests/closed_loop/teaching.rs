@@ -110,12 +110,93 @@ fn it_never_begins_by_itself_and_every_touch_keeps_to_the_travel_of_an_approach(
         assert_eq!(run.output.state, State::Idle);
     }
     let mut p = parameters();
-    // armed at 300 um/s after 226 um
-    p.approach.travel_max = 2e-4;
-    let mut run = Loop::new(&p, 136, PLACE);
+    (p.teach.velocity_min, p.approach.travel_max) = (9e-5, 2.8e-4);
+    // the work is not where it was told to be
+    let mut run = Loop::new(&p, 136, 3e-4);
     teach(&mut run);
-    assert_eq!((run.output.fault, run.output.taught.touches), (Fault::TravelLimit, 4), "{:?}", run.output);
+    assert_eq!((run.output.fault, run.output.taught.touches), (Fault::TravelLimit, 0), "{:?}", run.output);
     assert!(!run.output.taught.valid);
+}
+
+#[test]
+fn a_travel_too_short_for_the_fastest_touch_is_refused_before_the_stage_moves() {
+    // 271.1 um back, 1 um that a contact may be late, 22.5 nm to stop
+    for (travel_max, reached) in [(2.720e-4, false), (2.722e-4, true)] {
+        let mut p = parameters();
+        (p.approach.travel_max, p.teach.velocity_min) = (travel_max, 3e-5);
+        let mut run = Loop::new(&p, 141, PLACE);
+        begin(&mut run);
+        let position = run.output.reference.position;
+        while run.output.taught.touches < 5 && run.output.state != State::Fault {
+            run.step_with(ask);
+        }
+        let output = &run.output;
+        if reached {
+            assert_eq!((output.fault, output.taught.touches), (Fault::None, 5), "{output:?}");
+            // what is tuned counts from the next touch on
+            run.parameters.approach.travel_max = 2.720e-4;
+            run.step_with(ask);
+            assert_eq!((run.output.fault, run.output.taught.touches), (Fault::TeachingRejected, 5), "{:?}", run.output);
+        } else {
+            assert_eq!((output.fault, output.taught.touches), (Fault::TeachingRejected, 0), "{output:?}");
+            (0..2000).for_each(|_| run.step_with(ask));
+            assert_eq!(run.output.reference.position, position);
+        }
+    }
+}
+
+#[test]
+fn broken_off_it_goes_back_from_the_touch_and_not_from_where_it_stands() {
+    let mut p = parameters();
+    p.teach.velocity_min = 6e-5;
+    // a job at 100 um/s needs 90 um, touches at 90 and 300 um/s 81 and 271 um
+    let cases = [
+        (0, State::Retract, 90.12e-6),
+        (1, State::Teach, 90.12e-6),
+        (3, State::Retract, 271.08e-6),
+        (4, State::Teach, 271.08e-6),
+    ];
+    let mut run = Loop::new(&p, 142, 6e-5);
+    run.parameters.teach.place = 6e-5;
+    begin(&mut run);
+    let not_yet = run.output.reference.position;
+    let end = |run: &mut Loop, failed: bool| {
+        let standing = run.output.state == State::Teach;
+        if failed && standing {
+            // too short for what comes
+            run.parameters.approach.travel_max = 1e-4;
+        }
+        for _ in 0..6000 {
+            run.step_with(|input| {
+                (input.enable, input.teach) = (false, failed);
+                if failed && !standing {
+                    input.spindle_speed = f64::NAN;
+                }
+            });
+        }
+        let fault = match (failed, standing) {
+            (false, _) => Fault::None,
+            (true, false) => Fault::LostSpindle,
+            (true, true) => Fault::TeachingRejected,
+        };
+        assert_eq!(run.output.fault, fault);
+        run.output.reference.position
+    };
+    let mut none = run.reloaded();
+    assert_eq!(end(&mut none, false), not_yet);
+    for (touches, state, expected) in cases {
+        while (run.output.taught.touches, run.output.state) != (touches, state) {
+            run.step_with(ask);
+        }
+        let touch = run.output.contact_position;
+        if state == State::Retract {
+            (0..300).for_each(|_| run.step_with(ask));
+        }
+        for failed in [false, true] {
+            let way = touch - end(&mut run.reloaded(), failed);
+            assert!((way - expected).abs() < 0.3e-6, "{touches} {state:?} {failed}: {way} m");
+        }
+    }
 }
 
 #[test]
