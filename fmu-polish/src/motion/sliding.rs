@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::force::contact::Measurement;
 use crate::interface::{Mode, Parameters, Sweep};
 use crate::motion::felt_motion::FeltMotion;
-use crate::motion::stick_slip::{fastest, sharpest};
+use crate::motion::stick_slip::{self, fastest, sharpest};
 
 /// Time over which it is measured, s: whole periods.
 const WINDOW_TIME: f64 = 0.2;
@@ -112,8 +112,13 @@ impl Sliding {
         (self.windows, self.speeds, self.too_little) = (0, 0.0, false);
     }
 
+    /// K_v (m/s) of a sample at the feed `feed` (m/s): no more than the drives accelerate, whatever has been tuned.
+    pub fn swept(&self, p: &Parameters, feed: f64) -> f64 {
+        (stick_slip::velocity(&p.stick_slip, feed) + self.raised(p)).min(accelerated(p))
+    }
+
     /// What is added (m/s) to the K_v of this sample, whose parameters may have been tuned since the last window.
-    pub fn raised(&self, p: &Parameters) -> f64 {
+    fn raised(&self, p: &Parameters) -> f64 {
         if wanted(p) > 0.0 { self.added.min((highest(p) - p.stick_slip.velocity).max(0.0)) } else { 0.0 }
     }
 }
@@ -166,7 +171,6 @@ mod tests {
     use super::*;
     use crate::force::sensor::MeasuredForce;
     use crate::interface::{ErrorOutput, StickSlip};
-    use crate::motion::stick_slip;
     use crate::path::centre_path::Frame;
 
     const P: Parameters = Parameters::START;
@@ -297,10 +301,16 @@ mod tests {
         // (pi / 2) K_v pi / 10 ms
         let accelerated = limited(|p| p.drive.acceleration_max = 7.0);
         assert!((accelerated - 7.0 * 2.0 * 10e-3 / std::f64::consts::PI.powi(2)).abs() < 1e-12);
-        assert_eq!(
-            highest(&Parameters { drive: crate::interface::Drive { acceleration_max: 1.0, ..P.drive }, ..P }),
-            20e-3
-        );
+        let weak = crate::interface::Drive { acceleration_max: 7.0, ..P.drive };
+        assert_eq!(highest(&Parameters { drive: weak, ..P }), 20e-3);
+        // what is tuned after the check, too; a square wave is rounded as the axes can
+        for (sweep, most) in [(Sweep::Circular, accelerated), (Sweep::Linear, 30e-3)] {
+            for (velocity, ratio) in [(30e-3, 0.0), (0.0, 15.0)] {
+                let tuned = StickSlip { velocity, ratio, sweep, ..P.stick_slip };
+                let p = Parameters { stick_slip: tuned, drive: weak, ..P };
+                assert!((Sliding::default().swept(&p, 2e-3) - most).abs() < 1e-12, "{sweep:?} {ratio}");
+            }
+        }
     }
 
     #[test]
