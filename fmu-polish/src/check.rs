@@ -6,7 +6,7 @@ use crate::commission::plan;
 use crate::force::impedance::{Coefficients, damping};
 use crate::force::margin::{self, LEAST};
 use crate::interface::{Force, Parameters};
-use crate::motion::{sliding, stick_slip};
+use crate::motion::{sliding, stick_slip, sweep_limits};
 
 /// Least travel of a commission, in steps of the encoders.
 const TRAVEL_STEPS: f64 = 50.0;
@@ -151,7 +151,7 @@ fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
 
 /// The force of the drives is enough for the sweep.
 fn stick_slip_acceleration(p: &Parameters) -> Result<(), ParameterError> {
-    let (most, limit) = (sliding::accelerated(p), p.drive.acceleration_max);
+    let (most, limit) = (sweep_limits::accelerated(p), p.drive.acceleration_max);
     let (setting, velocity) = swept(p, "lower it, or raise `stick_slip.half_period`");
     setting.must_be(velocity <= most, || {
         let most = match p.stick_slip.ratio {
