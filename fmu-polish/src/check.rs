@@ -5,8 +5,8 @@ use control_blocks::{Parameter, ParameterError, check_all, check_commission_time
 use crate::commission::plan;
 use crate::force::impedance::{Coefficients, damping};
 use crate::force::margin::{self, LEAST};
-use crate::interface::{Force, Mode, Parameters};
-use crate::motion::{sliding, stick_slip};
+use crate::interface::{Force, Parameters};
+use crate::motion::{sliding, stick_slip, sweep_limits};
 
 /// Least travel of a commission, in steps of the encoders.
 const TRAVEL_STEPS: f64 = 50.0;
@@ -136,24 +136,40 @@ fn pulse_counts(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
-    let (value, most, times) = (p.stick_slip.velocity, p.velocity_max, stick_slip::fastest(&p.stick_slip));
-    let hint = "lower it, or raise `velocity_max` if the drives allow it";
-    let velocity = Parameter::new("stick_slip.velocity", value, "m/s", hint);
-    velocity.must_be(p.stick_slip.mode == Mode::Off || times * value < most, || {
+    let (most, times, feed) = (p.velocity_max, stick_slip::fastest(&p.stick_slip), p.feed.velocity);
+    let (setting, velocity) = swept(p, "lower it, or raise `velocity_max` if the drives allow it");
+    setting.must_be(times * velocity < most, || {
+        let ratio = match p.stick_slip.ratio {
+            0.0 => String::new(),
+            ratio => format!("; with `feed.velocity` = `{feed} m/s` K_v is `{:.6} m/s`", ratio * feed),
+        };
         let share =
             if times > 1.0 { format!("; the sweep is up to `{times:.2}` times as fast") } else { String::new() };
-        format!("less than `velocity_max` = `{most} m/s`{share}")
+        format!("less than `velocity_max` = `{most} m/s`{ratio}{share}")
     })
 }
 
 /// The force of the drives is enough for the sweep.
 fn stick_slip_acceleration(p: &Parameters) -> Result<(), ParameterError> {
-    let velocity = stick_slip::velocity(&p.stick_slip, p.feed.velocity);
-    let (most, limit) = (sliding::accelerated(p), p.drive.acceleration_max);
-    let hint = "lower it, or raise `stick_slip.half_period`";
-    Parameter::new("stick_slip.velocity", velocity, "m/s", hint).must_be(velocity <= most, || {
-        format!("at most `{most:.6} m/s`, which take `drive.acceleration_max` = `{limit} m/s2` in the sweep")
+    let (most, limit) = (sweep_limits::accelerated(p), p.drive.acceleration_max);
+    let (setting, velocity) = swept(p, "lower it, or raise `stick_slip.half_period`");
+    setting.must_be(velocity <= most, || {
+        let most = match p.stick_slip.ratio {
+            0.0 => format!("{most:.6} m/s"),
+            _ => format!("{:.6}", most / p.feed.velocity),
+        };
+        format!("at most `{most}`, which takes `drive.acceleration_max` = `{limit} m/s2` in the sweep")
     })
+}
+
+/// What sets K_v, and the K_v (m/s) of the told feed.
+fn swept(p: &Parameters, hint: &'static str) -> (Parameter<f64>, f64) {
+    let law = &p.stick_slip;
+    let setting = match law.ratio {
+        0.0 => Parameter::new("stick_slip.velocity", law.velocity, "m/s", hint),
+        ratio => Parameter::new("stick_slip.ratio", ratio, "", hint),
+    };
+    (setting, stick_slip::velocity(law, p.feed.velocity))
 }
 
 /// There is room to raise K_v.
@@ -215,7 +231,12 @@ mod tests {
         (|p| p.impedance.mass = 1e3, "impedance.mass", "`1000 kg`", "`1 deg`"),
         (|p| (p.pulses_size, p.velocity_max) = (1e-10, 1e-3), "pulses.size", "`0.0000000001 m`", "`stroke`"),
         (|p| p.stick_slip.half_period = 100, "stick_slip.half_period", "`100 samples`", "`0.0005 m`"),
-        (|p| p.stick_slip.ratio = 60.0, "stick_slip.half_period", "`10 samples`", "`0.0006 m`"),
+        (
+            |p| (p.stick_slip.ratio, p.velocity_max) = (60.0, 0.2),
+            "stick_slip.half_period",
+            "`10 samples`",
+            "`0.0006 m`",
+        ),
         (|p| p.stick_slip.sliding = 0.02, "stick_slip.sliding", "`0.02 m/s`", "`stick_slip.velocity_max` = `0.02 m/s`"),
         (|p| p.sensor_direction_y = 0, "sensor.direction.y", "`0`", "`-1`"),
         (|p| p.sensor_direction_z = 0, "sensor.direction.z", "`0`", "`-1`"),
@@ -235,6 +256,21 @@ mod tests {
             "stick_slip.velocity",
             "`0.01 m/s`",
             "`0.009929 m/s`",
+        ),
+        (
+            |p| (p.stick_slip.ratio, p.feed.velocity, p.stick_slip.sweep) = (3.0, 0.02, Sweep::Circular),
+            "stick_slip.ratio",
+            "`3`",
+            "`velocity_max` = `0.05 m/s`; with `feed.velocity` = `0.02 m/s` K_v is `0.06",
+        ),
+        (
+            |p| {
+                (p.drive.acceleration_max, p.stick_slip.sweep) = (4.9, Sweep::Circular);
+                p.stick_slip.ratio = 5.0;
+            },
+            "stick_slip.ratio",
+            "`5`",
+            "`4.9",
         ),
     ];
 

@@ -373,7 +373,7 @@ impl Controller {
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
             // eq. 16
-            stick_slip: share * (stick_slip::velocity(&p.stick_slip, feed) + self.sliding.raised(p)),
+            stick_slip: share * self.sliding.swept(p, feed),
             sideways,
         };
         self.way = feed * p.sample_period;

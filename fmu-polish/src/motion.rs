@@ -5,4 +5,5 @@ pub mod position;
 pub mod pulses;
 pub mod sliding;
 pub mod stick_slip;
+pub mod sweep_limits;
 pub mod velocity;

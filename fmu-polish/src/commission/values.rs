@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::commission::response::GUIDES;
 use crate::force::response::axis;
 use crate::interface::{Drive, Measured, Mode, Parameters, Sweep};
-use crate::motion::sliding::highest;
+use crate::motion::sweep_limits::highest;
 
 /// All parameters that a commission derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

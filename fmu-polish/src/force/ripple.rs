@@ -20,7 +20,8 @@ use crate::motion::stick_slip::{fastest, phase, velocity};
 
 /// What is told when the cancellation has ended itself.
 pub const FROZEN: &str = "a part of the ripple cancellation made it worse and has ended\n\
-                          hint: make `drive` and `io_delay` those of the machine, or set `ripple.gain` = 0";
+                          hint: make `drive` and `io_delay` those of the machine, or set `ripple.gain`, `turns.ripple_gain` or \
+                          `turns.gain` = 0, whichever learned it";
 
 /// Harmonics of the stick-slip frequency.
 const HARMONICS: usize = 2;
@@ -74,9 +75,6 @@ impl RippleCancellation {
 
     /// Velocity (m/s) of sample `k`, in which the path turns by `turn`, for the force error `error` (N).
     pub fn step(&mut self, p: &Parameters, k: u32, turn: Turn, error: f64) -> f64 {
-        if p.ripple.gain == 0.0 {
-            return 0.0;
-        }
         let mut velocity = 0.0;
         let sweeps = p.turns.ripple_gain > 0.0 && p.stick_slip.mode != Mode::Off;
         let turns = sweeps && turn.step != 0.0 && turn.step.abs() < TURN_SHARE * phase(self.half, 1);
@@ -84,9 +82,11 @@ impl RippleCancellation {
         for ((m, harmonic), response) in (1..).zip(&mut self.harmonics).zip(self.responses) {
             let Some(response) = response else { continue };
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
-            harmonic.observe(carrier, error);
-            harmonic.learn(2.0 * p.ripple.gain * p.sample_period, response, carrier, error, VELOCITY_MAX);
-            velocity += harmonic.output(carrier);
+            if p.ripple.gain > 0.0 {
+                harmonic.observe(carrier, error);
+                harmonic.learn(2.0 * p.ripple.gain * p.sample_period, response, carrier, error, VELOCITY_MAX);
+                velocity += harmonic.output(carrier);
+            }
             let sides = &mut self.turning[m as usize - 1];
             for (side, angle) in sides.iter_mut().zip([turn.angle, -turn.angle]).filter(|_| turns) {
                 let carrier = carrier * Complex::cis(angle);
@@ -95,7 +95,9 @@ impl RippleCancellation {
                 velocity += side.output(carrier);
             }
         }
-        self.judge(p);
+        if p.ripple.gain > 0.0 {
+            self.judge(p);
+        }
         if turns {
             self.judge_turn(p, turn.step);
         }
@@ -245,6 +247,11 @@ mod tests {
                 assert!(found[11] < share * found[0] && !frozen, "{rate} {late}: {found:?}");
             }
         }
+        // alone as well
+        let mut alone = turning();
+        alone.ripple.gain = 0.0;
+        let (found, frozen) = askew(&alone, 25.0, 0.0, 12);
+        assert!(found[11] < 0.1 * found[0] && !frozen, "{found:?}");
         // without what is learned from turn to turn it stays
         let (found, _) = askew(&P, 25.0, 0.0, 12);
         assert!(found[11] > 0.25, "{found:?}");

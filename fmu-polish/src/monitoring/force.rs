@@ -5,6 +5,10 @@
 //! reading is anchored ([`Frozen`]), and a depth that has changed by more than the surface can have changed since, a way w along the path
 //! times `limits.surface_slope`, without that the force has left a band of one and a half steps, was not felt.
 //!
+//! A tip that is soft across its axis, z, follows a circle where the ball sticks. On a steep part of the mold the circle, square to the normal, goes up
+//! and down along z, and the cancellation of the ripple takes that back: what is left across z counts as depth, but the tip only bends. So with
+//! a circle no answer is missed but to what both the depth and its part along z say.
+//!
 //! The noise is told by the second difference, which slow signals do not reach: white noise of the deviation s has
 //! d = f(k) - 2 f(k-1) + f(k-2) with the variance 6 s^2.
 
@@ -15,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::axis::BAND;
 use super::swings::Swings;
 use crate::force::contact::Measurement;
-use crate::interface::{Fault, Parameters, State};
+use crate::interface::{Fault, Parameters, State, Sweep};
 
 /// Share of the normal from which on an axis carries the force.
 const CARRIES: f64 = 0.5;
@@ -41,7 +45,8 @@ pub struct ForceMonitor {
     still: [Frozen; 3],
     /// the short mean of each raw axis against the depth
     answers: [Answer; 3],
-    depth: Option<f64>,
+    /// depth along the normal and along the axis of the tip, m
+    depth: Option<[f64; 2]>,
     /// the last two forces along the normal, N
     last: Option<(f64, f64)>,
     /// variance of the noise, N2
@@ -58,6 +63,8 @@ struct Answer {
     mean: Option<f64>,
     /// N
     frozen: Frozen,
+    /// what the way along the axis of the tip makes of it since the anchor, N
+    along: f64,
     /// way along the path since the anchor, m
     way: f64,
 }
@@ -120,8 +127,9 @@ impl ForceMonitor {
     }
 
     fn update_answer(&mut self, p: &Parameters, sample: &ForceSample) {
-        let depth = sample.now.error.normal;
-        let moved = depth - self.depth.replace(depth).unwrap_or(depth);
+        let depth = [sample.now.error.normal, sample.now.offset.z];
+        let last = self.depth.replace(depth).unwrap_or(depth);
+        let [moved, along] = [0, 1].map(|i| depth[i] - last[i]);
         // no force, no answer: that is a matter of the contact
         if !sample.state.pressing() || sample.now.force.controlled < p.limits.lost_force {
             self.answers = Default::default();
@@ -134,8 +142,9 @@ impl ForceMonitor {
             let mean = before + memory(p, ANSWER_TIME) * (raw - before);
             answer.mean = Some(mean);
             answer.frozen.update(mean, sample.stiffness * moved * share, BAND * p.sensor_resolution);
+            answer.along += sample.stiffness * along * share;
             if answer.frozen.still() == 0 {
-                answer.way = 0.0;
+                (answer.along, answer.way) = (0.0, 0.0);
             }
         }
     }
@@ -177,7 +186,11 @@ impl ForceMonitor {
     fn unanswered(&self, p: &Parameters, sample: &ForceSample) -> bool {
         let felt = |answer: &Answer, share: f64| {
             let depth = p.limits.frozen_way + p.limits.surface_slope * answer.way;
-            answer.frozen.unanswered() <= BAND * p.sensor_resolution + sample.stiffness * depth * share.abs()
+            let unanswered = match p.stick_slip.sweep {
+                Sweep::Linear => answer.frozen.unanswered(),
+                Sweep::Circular => answer.frozen.unanswered().min(answer.along.abs()),
+            };
+            unanswered <= BAND * p.sensor_resolution + sample.stiffness * depth * share.abs()
         };
         self.answers
             .iter()
@@ -203,7 +216,7 @@ fn memory(p: &Parameters, time: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::force::sensor::MeasuredForce;
-    use crate::interface::ErrorOutput;
+    use crate::interface::{ErrorOutput, StickSlip};
     use crate::path::centre_path::Frame;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
@@ -231,6 +244,37 @@ mod tests {
             fault = fault.or(show(&mut monitor, p, State::Approach, force));
         }
         (fault, monitor.noise())
+    }
+
+    /// What is wrong on a path that is steep by 0.13, where the force keeps within its band for 0.1 s while the axes go round with
+    /// `radius` m, without z, and sink by `sunk` m.
+    fn round(sweep: Sweep, radius: f64, sunk: f64) -> Option<Fault> {
+        let p = Parameters { stick_slip: StickSlip { sweep, ..P.stick_slip }, ..P };
+        let (zero, normal) = (Vector3::zeros(), Vector3::new(0.13, 0.0, 1.0).normalize());
+        let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::y(), ratio: 1.0, feed_max: 1.0 };
+        let (mut monitor, mut fault) = (ForceMonitor::default(), None);
+        for k in 0..100 {
+            let angle = std::f64::consts::TAU * f64::from(k) / 20.0;
+            let offset = Vector3::new(radius * angle.cos(), radius * angle.sin(), sunk * f64::from(k) / 100.0);
+            let raw = normal * (5.0 + 0.05 * angle.sin());
+            let force = MeasuredForce { vector: raw, unfiltered: raw, norm: 5.0, normal: 5.0, controlled: 5.0 };
+            let now = Measurement { frame, force, force_error: 0.0, offset, error: frame.error(&offset), surface: 0.0 };
+            let state = State::Follow;
+            let sample = ForceSample { state, raw: &raw, now: &now, normal: &normal, stiffness: 178e3, way: 0.0 };
+            monitor.update(&p, &sample);
+            fault = fault.or(monitor.reading_fault(&p, &sample));
+        }
+        fault
+    }
+
+    #[test]
+    fn a_circle_that_only_bends_the_tip_needs_no_answer_but_the_way_along_it_does() {
+        // 26 um of depth, without a way along z
+        assert_eq!(round(Sweep::Circular, 100e-6, 0.0), None);
+        for radius in [0.0, 50e-6, 100e-6] {
+            assert_eq!(round(Sweep::Circular, radius, 50e-6), Some(Fault::FrozenForce), "{radius}");
+        }
+        assert_eq!(round(Sweep::Linear, 100e-6, 0.0), Some(Fault::FrozenForce));
     }
 
     #[test]

@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 use crate::force::contact::Measurement;
 use crate::interface::{Mode, Parameters, Sweep};
 use crate::motion::felt_motion::FeltMotion;
-use crate::motion::stick_slip::{fastest, sharpest};
+use crate::motion::stick_slip::{self, fastest};
+use crate::motion::sweep_limits::{accelerated, highest};
 
 /// Time over which it is measured, s: whole periods.
 const WINDOW_TIME: f64 = 0.2;
@@ -27,8 +28,6 @@ const STICKS: f64 = 0.5;
 const ENOUGH: f64 = 0.9;
 /// Windows in a row at the largest K_v, over which the speed is averaged for the verdict.
 const WINDOWS: u32 = 5;
-/// Largest sweep to each side, over the position error that is a fault.
-const SWEEP: f64 = 0.9;
 /// A friction below this is not felt, in steps of the sensor.
 const FELT: f64 = 2.0;
 
@@ -49,6 +48,8 @@ pub struct Sliding {
     pub friction: f64,
     /// What is added to K_v, m/s.
     pub added: f64,
+    /// largest K_v (m/s) at which a ball on a circle slid too little in this job
+    stuck: f64,
     /// windows in a row at the largest K_v since the last verdict, and the sum of their speeds, m/s
     windows: u32,
     speeds: f64,
@@ -89,8 +90,12 @@ impl Sliding {
             self.begin_verdict();
         } else {
             let most = (highest(p) - p.stick_slip.velocity).max(0.0);
-            let raised = self.added >= most;
-            self.added = (self.added + rise(p, p.stick_slip.velocity + self.added, speed)).clamp(0.0, most);
+            let (raised, velocity) = (self.added >= most, p.stick_slip.velocity + self.added);
+            if p.stick_slip.sweep == Sweep::Circular && speed < ENOUGH * wanted(p) {
+                self.stuck = self.stuck.max(velocity);
+            }
+            let least = (self.stuck - p.stick_slip.velocity).clamp(0.0, most);
+            self.added = (self.added + rise(p, velocity, speed)).clamp(least, most);
             self.hear(p, speed, raised);
         }
     }
@@ -112,8 +117,13 @@ impl Sliding {
         (self.windows, self.speeds, self.too_little) = (0, 0.0, false);
     }
 
+    /// K_v (m/s) of a sample at the feed `feed` (m/s): no more than the drives accelerate, whatever has been tuned.
+    pub fn swept(&self, p: &Parameters, feed: f64) -> f64 {
+        (stick_slip::velocity(&p.stick_slip, feed) + self.raised(p)).min(accelerated(p))
+    }
+
     /// What is added (m/s) to the K_v of this sample, whose parameters may have been tuned since the last window.
-    pub fn raised(&self, p: &Parameters) -> f64 {
+    fn raised(&self, p: &Parameters) -> f64 {
         if wanted(p) > 0.0 { self.added.min((highest(p) - p.stick_slip.velocity).max(0.0)) } else { 0.0 }
     }
 }
@@ -121,7 +131,9 @@ impl Sliding {
 /// By how much K_v = `velocity` (m/s) is to rise where the ball slides at `speed` (m/s).
 ///
 /// To and fro each m/s of K_v is one of sliding. On a circle it slides at s, s^2 = c^2 (K_v^2 - K_0^2) with c = pi / 2 and K_0 up to where it sticks:
-/// steep there, so K_v^2 rises by what s^2 lacks over c^2. Of a ball that sticks nothing is known but that K_0 is more than K_v.
+/// steep there, so K_v^2 rises by what s^2 lacks over c^2. Of a ball that sticks nothing is known but that K_0 is more than K_v. At rest friction is
+/// larger, by r: a ball that stands breaks loose at r K_0 only, and one that slides below that stands for good where anything stops it. So K_v never
+/// falls to where the ball has slid too little before in the job.
 fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
     let (wanted, c) = (wanted(p), fastest(&p.stick_slip));
     match p.stick_slip.sweep {
@@ -140,21 +152,6 @@ pub fn wanted(p: &Parameters) -> f64 {
     if law.mode == Mode::Off || law.ratio > 0.0 || law.velocity == 0.0 { 0.0 } else { law.sliding }
 }
 
-/// The largest K_v, m/s: that of the parameters, what the feed leaves of the drives, and no sweep that is a position error.
-pub fn highest(p: &Parameters) -> f64 {
-    let sweep = f64::from(p.stick_slip.half_period) * p.sample_period;
-    let left = (p.velocity_max - p.feed.velocity) / fastest(&p.stick_slip);
-    p.stick_slip.velocity_max.min(left).min(2.0 * SWEEP * p.limits.position_error / sweep).min(accelerated(p))
-}
-
-/// The largest K_v (m/s) that the weakest axis can accelerate; infinite where that is not told.
-pub fn accelerated(p: &Parameters) -> f64 {
-    match sharpest(&p.stick_slip, p.sample_period) {
-        Some(sharpest) if p.drive.acceleration_max > 0.0 => p.drive.acceleration_max / sharpest,
-        _ => f64::INFINITY,
-    }
-}
-
 /// Samples of a window: whole periods of the stick-slip motion.
 fn window(p: &Parameters) -> u32 {
     let period = 2 * p.stick_slip.half_period.unsigned_abs().max(1);
@@ -165,8 +162,7 @@ fn window(p: &Parameters) -> u32 {
 mod tests {
     use super::*;
     use crate::force::sensor::MeasuredForce;
-    use crate::interface::{ErrorOutput, StickSlip};
-    use crate::motion::stick_slip;
+    use crate::interface::{Drive, ErrorOutput, StickSlip};
     use crate::path::centre_path::Frame;
 
     const P: Parameters = Parameters::START;
@@ -285,22 +281,17 @@ mod tests {
     }
 
     #[test]
-    fn a_circle_is_raised_to_what_drives_and_speed_bear() {
-        let limited = |change: fn(&mut Parameters)| {
-            let mut p = circular();
-            change(&mut p);
-            highest(&p)
-        };
-        assert_eq!(limited(|_| ()), 20e-3);
-        let speed = limited(|p| p.velocity_max = 20e-3 + p.feed.velocity);
-        assert!((speed - 20e-3 / std::f64::consts::FRAC_PI_2).abs() < 1e-12);
-        // (pi / 2) K_v pi / 10 ms
-        let accelerated = limited(|p| p.drive.acceleration_max = 7.0);
-        assert!((accelerated - 7.0 * 2.0 * 10e-3 / std::f64::consts::PI.powi(2)).abs() < 1e-12);
-        assert_eq!(
-            highest(&Parameters { drive: crate::interface::Drive { acceleration_max: 1.0, ..P.drive }, ..P }),
-            20e-3
-        );
+    fn a_circle_is_never_lowered_to_where_the_ball_stuck() {
+        for (p, least) in [(circular(), 2.5e-3), (P, 0.0)] {
+            let mut sliding = Sliding { added: 2.5e-3, ..Sliding::default() };
+            for (speed, added) in [(3.5e-3, 2.6e-3..5e-3), (12e-3, least..least + 1e-9), (12e-3, least..least + 1e-9)] {
+                let count = f64::from(window(&p));
+                let work = speed * count * p.sample_period;
+                sliding = Sliding { samples: window(&p), work, weighted: work, square: 0.5 * count, ..sliding };
+                sliding.judge(&p);
+                assert!(added.contains(&sliding.added), "{sliding:?}");
+            }
+        }
     }
 
     #[test]
@@ -343,18 +334,18 @@ mod tests {
     }
 
     #[test]
-    fn no_sweep_is_raised_to_a_position_error() {
-        let mut p = P;
-        assert_eq!(highest(&p), 20e-3);
-        // 0.45 mm to each side in 99 ms
-        p.stick_slip.half_period = 99;
-        assert!((highest(&p) - 0.9e-3 / 99e-3).abs() < 1e-12);
-    }
-
-    #[test]
-    fn it_is_raised_to_no_more_than_the_feed_leaves_of_the_drives() {
-        let p = Parameters { velocity_max: P.feed.velocity + 12e-3, ..P };
-        assert!((highest(&p) - 12e-3).abs() < 1e-12);
+    fn no_more_is_swept_than_the_drives_accelerate_whatever_was_tuned() {
+        let weak = Drive { acceleration_max: 7.0, ..P.drive };
+        // (pi / 2) K_v pi / 10 ms
+        let accelerated = 7.0 * 2.0 * 10e-3 / std::f64::consts::PI.powi(2);
+        // a square wave is rounded as the axes can
+        for (sweep, most) in [(Sweep::Circular, accelerated), (Sweep::Linear, 30e-3)] {
+            for (velocity, ratio) in [(30e-3, 0.0), (0.0, 15.0)] {
+                let tuned = StickSlip { velocity, ratio, sweep, ..P.stick_slip };
+                let p = Parameters { stick_slip: tuned, drive: weak, ..P };
+                assert!((Sliding::default().swept(&p, 2e-3) - most).abs() < 1e-12, "{sweep:?} {ratio}");
+            }
+        }
     }
 
     #[test]
