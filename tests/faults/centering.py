@@ -124,7 +124,7 @@ MATRIX = Matrix(
         row("probe saturated", "ProbeJump", collecting(PROBE, value=0.0249)),
         row("probe scaled by 0.7", "FrozenProbe",
             Injection(PROBE, from_time=0.0, scale=0.7)),
-        row("probe 5 steps late", DONE, collecting(PROBE, late=5)),
+        row("probe 5 steps late", "LateProbe", collecting(PROBE, late=5)),
         row("probe a step late from the beginning", "LateProbe", Injection(PROBE, from_time=0.0, late=1)),
         row("probe 5 steps late from the beginning", "LateProbe", Injection(PROBE, from_time=0.0, late=5)),
         row("probe 10 steps late from the beginning", "LateProbe", Injection(PROBE, from_time=0.0, late=10)),

@@ -150,7 +150,7 @@ ROWS = (
         DEEP,
         1e-9,
         "refused before the stage moves",
-        "controller.approach.travel_max=1.8e-4",
+        "controller.approach.travel_max=8e-5",
     ),
     teaching(
         "teaching: work 5 um from the start",
