@@ -150,11 +150,6 @@ mod variables {
         #[var(unit = RADIAN as "deg")] pub eccentricity_angle: f64,
         /// Standard deviation of the measured eccentricity
         #[var(unit = METRE as "nm")] pub eccentricity_sigma: f64,
-        /// Standard deviation of one measurement of the surface, beside a form of 2 to 20 waves per turn: at first `estimator.noise`, then as
-        /// it is found; 0 with the paper's law
-        #[var(unit = METRE as "nm")] pub surface_noise: f64,
-        /// Its standard deviation
-        #[var(unit = METRE as "nm")] pub surface_noise_deviation: f64,
         /// Estimated spindle speed
         #[var(unit = RADIAN_PER_SECOND as "rpm")] pub spindle_speed: f64,
         /// Gap between pusher and ring as the probe says
@@ -353,12 +348,11 @@ mod variables {
     }
     /// Recursive model of the ring; counts with the default law.
     pub struct Estimator {
-        /// Standard deviation of one measurement before the first; the law finds its own, `surface_noise`, and tells dirt by the larger of both
+        /// Standard deviation of one measurement
         #[var(unit = METRE as "nm", range = 1e-9..=1e-3, start = 2e-7, source = "our choice: probe and roughness twice")] pub noise: f64,
         /// Standard deviation of each coordinate of the centre before the first measurement
         #[var(unit = METRE as "mm", range = 1e-6..=0.1, start = 5e-3, source = "our choice: placed by hand")] pub centre: f64,
-        /// Standard deviation of each form coefficient of 2 to 6 waves before the first measurement, of 7 to 20 a fortieth of it, or as much
-        /// where that explains more; 0 for a round ring
+        /// Standard deviation of each form coefficient before the first measurement; 0 for a round ring
         #[var(unit = METRE as "um", range = 0.0..=1e-3, start = 2e-6, source = "our choice: ground rings")] pub form: f64,
         /// Innovations beyond this many standard deviations are dirt
         #[var(unit = ONE, range = 1.0..=1e6, start = 6.0, source = "our choice")] pub gate: f64,

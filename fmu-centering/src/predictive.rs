@@ -1,15 +1,11 @@
 //! The default law: a recursive model of the ring, and pushes that are planned backwards from the centre.
 
 mod aim;
-mod assumptions;
 mod contact;
 mod gaussian;
 mod law;
 mod learned;
-mod noise;
-mod normal;
 mod press;
-mod refit;
 mod ring_line;
 mod ring_model;
 mod stroke;

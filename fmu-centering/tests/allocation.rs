@@ -95,10 +95,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
             p = Parameters::PAPER;
             ring = Ring::new(4, 0.02, 0.0);
         }
-        Fault::Unresolved => {
-            p = Parameters { tolerance: 1e-9, ..Parameters::START };
-            p.estimator.certainty = 0.01;
-        }
+        Fault::Unresolved => p = Parameters { tolerance: 1e-9, ..Parameters::START },
         Fault::NoProgress | Fault::LateProbe => p.limits.job_time = 2.0,
         // the table of the test turns by itself
         Fault::SpindleSpeed => p.spindle_speed = 1.5 * SPEED,

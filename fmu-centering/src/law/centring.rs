@@ -92,9 +92,4 @@ pub trait CentringLaw {
 
     /// Learned offset, m.
     fn offset(&self) -> f64;
-
-    /// Noise of one measurement of the surface and its standard deviation, m; 0 where the law finds none.
-    fn noise(&self) -> [f64; 2] {
-        [0.0; 2]
-    }
 }

@@ -12,10 +12,9 @@ use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
 use crate::monitoring::PRESSED_IN_PUSH;
 use crate::motion::Motion;
 use crate::predictive::aim::{AimInput, aim};
-use crate::predictive::assumptions::Assumptions;
 use crate::predictive::learned::{LastPush, LearnedParameters, PushKind};
 use crate::predictive::press::{Goal, Press};
-use crate::predictive::ring_model::RingModel;
+use crate::predictive::ring_model::{Assumptions, RingModel};
 use crate::sensing::{Despiker, Measurement};
 
 /// Time after a push until the ring lies still, s.
@@ -108,9 +107,7 @@ impl CentringLaw for PredictiveLaw {
         if now.due.model {
             self.ring.refine();
         }
-        let ready = self.turned < TAU || self.ring.stand_alone();
-        self.ring.advance();
-        if !ready || !now.due.collect {
+        if !now.due.collect {
             return None;
         }
         let sigma = self.ring.centre_sigma();
@@ -186,11 +183,6 @@ impl CentringLaw for PredictiveLaw {
         let learned = &self.learned;
         learned.contact.mean + learned.deflection.mean + learned.recoil.mean
     }
-
-    fn noise(&self) -> [f64; 2] {
-        let noise = self.ring.noise();
-        [noise.sigma, noise.deviation()]
-    }
 }
 
 impl PredictiveLaw {
@@ -228,7 +220,7 @@ impl PredictiveLaw {
         }
         // what a full revolution will leave in doubt
         let samples = p.rates.collect * TAU / speed.abs().max(STANDING);
-        let doubt = self.ring.noise().sigma * (2.0 / samples).sqrt();
+        let doubt = p.estimator.noise * self.ring.misfit() * (2.0 / samples).sqrt();
         let worth = eccentricity > p.tolerance - p.estimator.margin * doubt;
         if certain && (full || (p.estimator.partial && worth)) {
             Verdict::Push

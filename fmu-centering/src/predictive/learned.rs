@@ -132,7 +132,7 @@ impl LearnedParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::predictive::assumptions::Assumptions;
+    use crate::predictive::ring_model::Assumptions;
 
     const P: Parameters = Parameters::START;
 

@@ -7,27 +7,44 @@
 //! last moved are kept, and all of them are taken in again at the better estimate now and then (Gauss-Newton).
 
 use arrayvec::ArrayVec;
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix2, SMatrix, Vector2};
 use serde::{Deserialize, Serialize};
 
-use crate::predictive::assumptions::{Assumptions, FINE, FINE_SHARE, ROUND};
-use crate::predictive::noise::Noise;
-use crate::predictive::normal::{Matrix, Prior};
-use crate::predictive::refit::{Evidence, HISTORY, ROUGH, Refit};
-use crate::predictive::ring_line::{STATES, Vector, form, line, place};
+use crate::predictive::ring_line::{STATES, Vector, form, line};
 
+/// Standard deviation of b0 before the first measurement, m: anywhere on the slide.
+const LINE_SIGMA: f64 = 0.1;
 /// Change of b0 and form on the way of the ring, relative (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
 const TURN: f64 = 1e-4;
 /// Relative uncertainty of the radius.
 const RADIUS: f64 = 0.02;
-/// A noise of more than so many times what was told, found by more than twice as many measurements as there are states, makes it likely that the ring is none of these: it has as much of all harmonics.
-const COARSE: f64 = 3.0;
+/// Measurements kept: more than a revolution at 20 rpm and 66 Hz; later ones are taken in only once.
+const HISTORY: usize = 256;
+/// Largest misfit of a ring that is only rough (our choice: 2 um with the noise of the default); beyond it was moved.
+const MISFIT_MAX: f64 = 10.0;
 /// Least share of the measurements that a rough ring explains; else some of them belong to another place of the ring.
 const EXPLAINED: f64 = 0.9;
-/// The history is taken in again when it has grown by this share of it.
-const GROWTH: f64 = 0.25;
-/// What is further off than this share of the gate is dirt in part.
-const DOUBT: f64 = 0.5;
+/// Passes over the history at a time, at most.
+const PASSES: usize = 4;
+
+type Matrix = SMatrix<f64, STATES, STATES>;
+
+/// What is assumed before and between the measurements.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Assumptions {
+    /// Radius of the ring, m.
+    pub radius: f64,
+    /// Standard deviation of one measurement: probe, roughness, error motion, m.
+    pub noise: f64,
+    /// Standard deviation of each coordinate of the centre before the first measurement, m.
+    pub centre: f64,
+    /// Standard deviation of each form coefficient before the first measurement, m.
+    pub form: f64,
+    /// Innovations beyond this many standard deviations are dirt.
+    pub gate: f64,
+    /// So many rejected measurements in a row mean that the model is wrong, not the measurements.
+    pub rejections_max: u32,
+}
 
 /// Mean of the state and a square root of its covariance, which cannot become indefinite.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -58,195 +75,103 @@ impl Gaussian {
 pub struct RingModel {
     assumed: Assumptions,
     now: Gaussian,
-    noise: Noise,
     /// where the geometry is linearised
     linear: Vector,
     /// before the measurements of the history
-    before: (Prior, Noise),
+    before: Gaussian,
     /// angles (rad) and measurements (m) since the ring was moved
     history: ArrayVec<(f64, f64), HISTORY>,
-    /// length of the history when it was last taken in again, and whether it has had dirt since
-    fitted: usize,
-    doubtful: bool,
-    /// a ring that has as much of all harmonics
-    coarse: bool,
-    /// the history is a whole revolution, and tells all by itself
-    alone: bool,
-    /// the fit of the history that is under way
-    refit: Option<Refit>,
+    /// standard deviation of the history from its model, in that of the noise, at least 1
+    misfit: f64,
     rejections: u32,
 }
 
 impl RingModel {
     /// Nothing known but the assumptions.
     pub fn new(assumed: Assumptions) -> Self {
-        let sigmas = assumed.sigmas();
+        let mut sigmas = Vector::from_element(assumed.form);
+        sigmas[0] = LINE_SIGMA;
+        (sigmas[1], sigmas[2]) = (assumed.centre, assumed.centre);
         let now = Gaussian { mean: Vector::zeros(), root: Matrix::from_diagonal(&sigmas) };
-        let prior = assumed.prior();
-        let noise = Noise::told(assumed.noise);
-        Self {
-            assumed,
-            linear: now.mean,
-            before: (prior, noise),
-            now,
-            noise,
-            history: ArrayVec::new_const(),
-            fitted: 0,
-            doubtful: false,
-            coarse: false,
-            alone: false,
-            refit: None,
-            rejections: 0,
-        }
+        let (linear, before) = (now.mean, now.clone());
+        Self { assumed, linear, before, now, history: ArrayVec::new_const(), misfit: 1.0, rejections: 0 }
     }
 
     /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
     pub fn observe(&mut self, angle: f64, y: f64) -> bool {
         let (expected, gradient) = self.expect(angle, &self.now.mean);
-        let innovation = y - expected;
+        let (innovation, noise) = (y - expected, self.assumed.noise.powi(2));
         if !self.history.is_full() {
             self.history.push((angle, y));
         }
-        let spread = self.now.spread(&gradient) + self.gated().powi(2) + self.blur(&gradient).powi(2);
-        let off = innovation.powi(2) / (self.assumed.gate.powi(2) * spread);
-        self.doubtful |= off > DOUBT.powi(2);
-        if off > 1.0 {
+        let spread = self.now.spread(&gradient) + self.misfit.powi(2) * noise + self.blur(&gradient).powi(2);
+        if innovation.powi(2) > self.assumed.gate.powi(2) * spread {
             self.rejections += 1;
             return false;
         }
         self.rejections = 0;
-        self.now.update(innovation, &gradient, self.noise.sigma.powi(2));
+        self.now.update(innovation, &gradient, noise);
         if self.history.is_full() {
-            // later ones are in no fit
-            (self.linear, self.refit) = (self.now.mean, None);
+            self.linear = self.now.mean;
         }
         true
     }
 
-    /// Begins to take in the history again where that tells more: linearised at what is known by now, with less weight for
-    /// what does not fit, and with the noise that it has.
+    /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit;
+    /// does nothing if later measurements are not kept, or if there are none yet.
     pub fn refine(&mut self) {
-        if self.refit.is_some() {
+        self.fit(1.0);
+    }
+
+    /// The same with misfits of `rough` times the noise that are no dirt.
+    fn fit(&mut self, rough: f64) {
+        if self.history.is_empty() || self.history.is_full() {
             return;
         }
-        let grown = self.history.len() as f64 >= (1.0 + GROWTH) * self.fitted as f64;
-        let near = self.settled();
-        if !self.coarse && self.history.len() > 2 * STATES && self.noise.sigma > COARSE * self.assumed.noise {
-            self.coarsen();
-        } else if self.doubtful || grown || !near {
-            self.fit(near, self.noise, 0.0);
+        for pass in 0..PASSES {
+            self.linear = self.now.mean;
+            let mut refined = self.before.clone();
+            let mut squares = 0.0;
+            for &(angle, y) in &self.history {
+                let misfit =
+                    if pass > 0 { (y - self.expect(angle, &self.now.mean).0) / self.assumed.noise } else { 0.0 };
+                // cauchy's weight: dirt has hardly any influence
+                let weight = 1.0 / (1.0 + (misfit / (self.assumed.gate * rough)).powi(2));
+                squares += weight * misfit * misfit;
+                let (expected, gradient) = self.expect(angle, &refined.mean);
+                refined.update(y - expected, &gradient, self.assumed.noise.powi(2) / weight);
+            }
+            self.now = refined;
+            let misfit = (squares / self.history.len() as f64).sqrt().clamp(1.0, MISFIT_MAX);
+            // a few measurements fit any model
+            self.misfit = if self.history.len() > 2 * STATES { misfit } else { self.misfit.max(misfit) };
         }
     }
 
-    /// The history is a whole revolution: what a part of one has told of the ring before, perhaps too surely, counts no
-    /// longer. Whether that is so already, or only begins.
-    pub fn stand_alone(&mut self) -> bool {
-        if self.alone || self.refit.as_ref().is_some_and(|refit| refit.alone) {
-            return self.alone;
-        }
-        self.before.0 = self.assumed.prior();
-        if std::mem::take(&mut self.coarse) {
-            self.coarsen();
-        } else {
-            self.fit(false, self.noise, 0.0);
-        }
-        match &mut self.refit {
-            Some(refit) => refit.alone = true,
-            None => self.alone = true,
-        }
-        self.alone
-    }
-
-    /// The ring may have as much of all harmonics: its history tells more of them then, and less noise.
-    fn coarsen(&mut self) {
-        if std::mem::replace(&mut self.coarse, true) {
-            return;
-        }
-        let (prior, noise) = &mut self.before;
-        let fine = place(FINE)..;
-        prior.information.columns_range_mut(fine.clone()).fill(0.0);
-        prior.information.rows_range_mut(fine).fill(0.0);
-        let least = self.assumed.form.max(ROUND).powi(-2);
-        (place(FINE)..STATES).for_each(|i| prior.information[(i, i)] = least);
-        *noise = Noise::told(self.assumed.noise);
-        self.fit(false, Noise::told(self.assumed.noise), ROUGH);
-    }
-
-    /// Begins to take in the history again from what is `near` or not, with misfits that are no dirt of a ring whose noise is
-    /// `rough` (m) at least; not if later measurements are not kept, or if there are none yet.
-    fn fit(&mut self, near: bool, noise: Noise, rough: f64) {
-        let kept = !self.history.is_empty() && !self.history.is_full();
-        self.refit = kept.then(|| Refit::new(self.now.mean, noise, near, rough));
-    }
-
-    /// Makes the next pass of a fit that is under way; what is known changes with the last.
-    pub fn advance(&mut self) {
-        let Some(mut refit) = self.refit.take() else { return };
-        let measured = Evidence { assumed: &self.assumed, before: &self.before, history: &self.history };
-        let Some((found, last)) = refit.pass(&measured) else {
-            self.alone |= refit.alone;
-            return;
-        };
-        let mean = refit.linear + found.step;
-        if !last {
-            refit.linear = mean;
-            self.refit = Some(refit);
-            return;
-        }
-        self.alone |= refit.alone;
-        (self.linear, self.noise) = (refit.linear, refit.noise);
-        self.now = Gaussian { mean, root: found.root };
-        (self.fitted, self.doubtful) = (self.history.len(), false);
-    }
-
-    /// Makes all passes of a fit that is under way.
-    pub fn finish(&mut self) {
-        while self.refit.is_some() {
-            self.advance();
-        }
-    }
-
-    /// Whether a ring that is rougher or has more form than assumed explains what was rejected; it is taken for such a one then.
+    /// Whether a ring that is rougher than assumed explains what was rejected; it is taken for such a one then.
     pub fn reconsider(&mut self) -> bool {
-        self.coarsen();
-        self.finish();
-        let explained = self.explained(self.gated()) || {
-            self.fit(false, self.noise, ROUGH);
-            self.finish();
-            self.noise.sigma = self.noise.sigma.max(ROUGH);
-            self.explained(self.noise.sigma)
-        };
+        self.fit(MISFIT_MAX);
+        let (noise, rejected) = (self.misfit * self.assumed.noise, self.rejections as usize);
+        let fits =
+            |&(angle, y): &(f64, f64)| (y - self.expect(angle, &self.now.mean).0).abs() <= self.assumed.gate * noise;
+        let known = self.history.iter().filter(|seen| fits(seen)).count() as f64;
+        let explained = !self.history.is_full()
+            && known >= EXPLAINED * self.history.len() as f64
+            && self.history.iter().rev().take(rejected).all(fits);
         if explained {
             self.rejections = 0;
         }
         explained
     }
 
-    /// Whether a model with so much noise (m) explains what was measured, but for dirt, and what was rejected is no more than rough.
-    fn explained(&self, noise: f64) -> bool {
-        let rejected = self.rejections as usize;
-        let within = |&(angle, y): &(f64, f64), noise: f64| {
-            (y - self.expect(angle, &self.now.mean).0).abs() <= self.assumed.gate * noise
-        };
-        let known = self.history.iter().filter(|seen| within(seen, noise)).count() as f64;
-        !self.history.is_full()
-            && known >= EXPLAINED * self.history.len() as f64
-            && self.history.iter().rev().take(rejected).all(|seen| within(seen, ROUGH))
-    }
-
-    /// Noise by which dirt is told: what is quieter than was told may have worse places.
-    fn gated(&self) -> f64 {
-        self.noise.sigma.max(self.assumed.noise)
-    }
-
-    /// Noise of one measurement.
-    pub fn noise(&self) -> Noise {
-        self.noise
+    /// Standard deviation of what is measured from the model, in that of the noise, at least 1.
+    pub fn misfit(&self) -> f64 {
+        self.misfit
     }
 
     /// Whether the centre is so near to the point of linearisation that the curvature of the circle does not matter.
     pub fn settled(&self) -> bool {
-        self.bend(&self.step()) < self.noise.sigma
+        self.bend(&self.step()) < self.assumed.noise
     }
 
     fn step(&self) -> Vector2<f64> {
@@ -265,13 +190,9 @@ impl RingModel {
     pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
         let way = (self.centre() - centre).norm();
         let doubt = TURN * way + RADIUS * way * way / (4.0 * self.assumed.radius);
-        let mut doubts = Vector::from_element(doubt);
-        doubts.rows_range_mut(place(FINE)..).scale_mut(FINE_SHARE);
-        // what warmth moves is not known to stay by less than a measurement tells
-        doubts[0] = doubts[0].hypot(self.assumed.noise);
-        let mut covariance = self.now.root * self.now.root.transpose();
+        let mut covariance = self.now.root * self.now.root.transpose() * self.misfit.powi(2);
         for i in 0..STATES {
-            covariance[(i, i)] += doubts[i].powi(2);
+            covariance[(i, i)] += doubt.powi(2);
         }
         for i in [1, 2] {
             covariance.row_mut(i).fill(0.0);
@@ -279,17 +200,11 @@ impl RingModel {
             covariance[(i, i)] = sigma.powi(2);
         }
         self.now.mean.fixed_rows_mut::<2>(1).copy_from(&centre);
-        let Some(factor) = covariance.cholesky() else {
-            // nothing is known but the noise
-            *self = Self { noise: self.noise, ..Self::new(self.assumed) };
-            return;
-        };
-        let prior = Prior { mean: self.now.mean, information: factor.inverse() };
-        self.now.root = factor.l();
-        (self.linear, self.before) = (self.now.mean, (prior, self.noise.remembered()));
-        self.noise = self.before.1;
+        if let Some(root) = covariance.cholesky() {
+            self.now.root = root.l();
+        }
+        (self.linear, self.before) = (self.now.mean, self.now.clone());
         self.history.clear();
-        (self.fitted, self.doubtful, self.alone, self.refit) = (0, false, false, None);
     }
 
     /// Whether so many measurements in a row were rejected that the model must be wrong.
@@ -310,7 +225,7 @@ impl RingModel {
     /// Covariance of the centre, m2.
     pub fn centre_covariance(&self) -> Matrix2<f64> {
         let rows = self.now.root.fixed_rows::<2>(1);
-        rows * rows.transpose()
+        rows * rows.transpose() * self.misfit.powi(2)
     }
 
     /// Eccentricity B, m.

@@ -158,8 +158,6 @@ fn a_ring_that_cannot_be_moved_exhausts_the_pushes() {
 fn a_tolerance_below_what_the_probe_can_tell_has_a_name() {
     let mut p = Parameters::START;
     p.tolerance = 1e-9;
-    // else it is pushed on, by what it is off more surely than that
-    p.estimator.certainty = 0.01;
     let run = retreats(Loop::new(&p, Ring::new(6, 1e-4, 0.5)), Fault::Unresolved, 60.0);
     assert!(run.output.eccentricity_sigma > p.tolerance);
     assert!(run.ring.eccentricity() < 5e-7, "{} m", run.ring.eccentricity());
