@@ -4,6 +4,7 @@ pub mod correction;
 pub mod depth_table;
 pub mod feasibility;
 pub mod fourier;
+pub(crate) mod hermite;
 pub mod kinematics;
 pub mod path_file;
 pub mod path_table;

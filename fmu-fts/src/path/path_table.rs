@@ -1,7 +1,6 @@
 //! Tool path at any slide position: harmonics of depth and angle, cubic in the slide position.
 //!
-//! Between two rows the table is the cubic with the slopes of central differences (Hermite); one more row at each end,
-//! continued quadratically, gives the slopes there.
+//! Between two rows the table is Hermite's cubic, [`crate::path::hermite`].
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
@@ -10,6 +9,7 @@ use crate::lists::harmonics::HIGHEST;
 use crate::path::correction::Correction;
 use crate::path::depth_table::DepthTable;
 use crate::path::fourier::Fourier;
+use crate::path::hermite;
 use crate::path::kinematics::Arm;
 
 /// The table is used so far beyond its ends, in rows: a reading at the very end may err.
@@ -81,7 +81,7 @@ impl PathTable {
             step: table.step,
             rows: rows.len(),
             depth_count,
-            values: continued(&rows).concat(),
+            values: hermite::continued(&rows).concat(),
             velocity,
             acceleration,
             truncation: table.truncation,
@@ -138,7 +138,7 @@ impl PathTable {
     /// Interpolates at a slide position (m); outside the table the nearest end counts.
     pub fn interpolate(&self, slide_position: f64, row: &mut Row) {
         let (neighbours, t) = self.neighbours(slide_position);
-        let weights = hermite(t);
+        let weights = hermite::weights(t);
         let [r0, r1, r2, r3] = neighbours;
         for ((((value, c0), c1), c2), c3) in row.values.iter_mut().zip(r0).zip(r1).zip(r2).zip(r3) {
             *value = c0 * weights[0] + c1 * weights[1] + c2 * weights[2] + c3 * weights[3];
@@ -151,7 +151,7 @@ impl PathTable {
     /// Depth z (m) of the path as it was told, without a correction, and dz/dx, with e^(j n theta), n = 0 first.
     pub fn told_depth(&self, slide_position: f64, phasors: &[Complex<f64>]) -> [f64; 2] {
         let (neighbours, t) = self.neighbours(slide_position);
-        let (weights, slopes) = (hermite(t), hermite_slopes(t));
+        let (weights, slopes) = (hermite::weights(t), hermite::slopes(t));
         let mut found = [0.0; 2];
         for ((row, weight), slope) in neighbours.iter().zip(weights).zip(slopes) {
             let depth: f64 = row[..self.depth_count].iter().zip(phasors).map(|(c, phasor)| (c * phasor).re).sum();
@@ -224,35 +224,6 @@ impl Row {
 /// Harmonic n of a derivative to the angle.
 fn derivative(c: Complex<f64>, n: usize, order: i32) -> Complex<f64> {
     c * Complex::new(0.0, n as f64).powi(order)
-}
-
-/// One row more at each end, on the parabola through the three next.
-fn continued(rows: &[Vec<Complex<f64>>]) -> Vec<Vec<Complex<f64>>> {
-    let beyond = |[a, b, c]: [&Vec<Complex<f64>>; 3]| {
-        a.iter().zip(b).zip(c).map(|((a, b), c)| a * 3.0 - b * 3.0 + c).collect::<Vec<_>>()
-    };
-    let last = rows.len() - 1;
-    let mut all = vec![beyond([&rows[0], &rows[1], &rows[2]])];
-    all.extend_from_slice(rows);
-    all.push(beyond([&rows[last], &rows[last - 1], &rows[last - 2]]));
-    all
-}
-
-/// Weights of four neighbouring rows at the share `t` between the middle two.
-fn hermite(t: f64) -> [f64; 4] {
-    let (t2, t3) = (t * t, t * t * t);
-    [0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2) + 1.0, 0.5 * (4.0 * t2 - 3.0 * t3 + t), 0.5 * (t3 - t2)]
-}
-
-/// Derivatives of these weights to `t`.
-fn hermite_slopes(t: f64) -> [f64; 4] {
-    let t2 = t * t;
-    [
-        0.5 * (4.0 * t - 3.0 * t2 - 1.0),
-        0.5 * (9.0 * t2 - 10.0 * t),
-        0.5 * (8.0 * t - 9.0 * t2 + 1.0),
-        0.5 * (3.0 * t2 - 2.0 * t),
-    ]
 }
 
 #[cfg(test)]
@@ -353,20 +324,6 @@ mod tests {
             path.interpolate(end + MARGIN * out, &mut near);
             path.interpolate(end + 5.0 * out, &mut far);
             assert!(near.values.iter().zip(&far.values).all(|(a, b)| (a - b).norm() < 1e-15));
-        }
-    }
-
-    #[test]
-    fn between_two_rows_it_is_hermite_s_cubic() {
-        assert_eq!((hermite(0.0), hermite(1.0)), ([0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]));
-        assert_eq!(hermite(0.5), [-1.0 / 16.0, 9.0 / 16.0, 9.0 / 16.0, -1.0 / 16.0]);
-        for t in [0.1, 0.3, 0.9] {
-            let weights = hermite(t);
-            let moment =
-                |f: fn(f64) -> f64| weights.iter().zip([-1.0, 0.0, 1.0, 2.0]).map(|(w, x)| w * f(x)).sum::<f64>();
-            // exact for parabolas
-            assert!((moment(|_| 1.0) - 1.0).abs() < 1e-15 && (moment(|x| x) - t).abs() < 1e-15);
-            assert!((moment(|x| x * x) - t * t).abs() < 1e-15, "{t}");
         }
     }
 

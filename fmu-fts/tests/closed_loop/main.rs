@@ -7,6 +7,7 @@ mod form;
 mod identify;
 mod law;
 mod leaving;
+mod lens;
 mod machine;
 mod modes;
 mod robustness;
