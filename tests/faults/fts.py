@@ -94,7 +94,9 @@ def borne(
 
 OUT = ("plant.feed=5e-4", "controller.surface.inner_radius=0.0275")
 DEPTH = "controller.probe.depth"
-LENS = f'max(maximum(abs({PLACED}), controller.form.corrected)[(time > 9.45) & (controller.state == "Track")])'
+LENS = (
+    f'max(maximum(abs({PLACED}), controller.form.corrected)[(time > 9.45) & (controller.state == "Track")])'
+)
 """The second lens, which the probe of the first must not spoil; 1 m where it is corrected at all."""
 
 
