@@ -86,9 +86,10 @@ def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_pa
     assert replay("resume", folder, tmp_path) == lines[split:]
     # and the bare FMU did what it did in the loop
     reals = [v.name for v in description.modelVariables if v.type == "Real"]
-    for i, name in enumerate(reals):
+    columns = list(zip(*(line.split() for line in lines), strict=True))
+    for name, column in zip(reals, columns, strict=False):
         if f"controller.{name}" in (trace.dtype.names or ()):
-            told = [float.fromhex(line.split()[i]) for line in lines]
+            told = [float.fromhex(number) for number in column]
             assert told == trace[f"controller.{name}"][: len(lines)].tolist(), name
 
 
