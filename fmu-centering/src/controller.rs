@@ -173,8 +173,8 @@ impl Controller {
         if reading.fresh {
             let now = self.observation(p, due);
             self.law.observe(p, &now);
-            self.probe_delay.update(p, turned, &sample);
         }
+        self.probe_delay.update(p, turned, &sample, reading.fresh);
         turned
     }
 
