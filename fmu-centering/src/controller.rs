@@ -1,8 +1,9 @@
 //! One sample of the whole law: read, estimate the spindle and the ring, decide, move, report.
 
+mod entering;
 mod watching;
 
-use control_blocks::{Consecutive, ParameterError, Progress, SafeEnd, WaitingRequest, export_commission};
+use control_blocks::{Consecutive, ParameterError, Progress, WaitingRequest, export_commission};
 use serde::{Deserialize, Serialize};
 
 use crate::centre::{Centre, Estimate};
@@ -10,8 +11,7 @@ use crate::check::check;
 use crate::commission::Commissioner;
 use crate::faults::{Supervisor, cause, judge, line_moved};
 use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
-use crate::law::{ActiveLaw, Launch, Observation, Verdict};
-use crate::limits::trial_move;
+use crate::law::{ActiveLaw, Observation, Verdict};
 use crate::machine::{Events, next};
 use crate::monitoring::{DriveMonitor, FrozenProbe, Numbers, ProbeTrial};
 use crate::motion::{Follower, Motion, Table};
@@ -173,8 +173,8 @@ impl Controller {
         if reading.fresh {
             let now = self.observation(p, due);
             self.law.observe(p, &now);
-            self.probe_delay.update(p, turned, &sample);
         }
+        self.probe_delay.update(p, turned, &sample, reading.fresh);
         turned
     }
 
@@ -281,97 +281,6 @@ impl Controller {
             setpoint: self.motion.setpoint,
             bandwidth: self.bandwidth(p),
         }
-    }
-
-    /// What happens once, when `state` begins.
-    fn enter(&mut self, p: &Parameters, state: State, events: &Events, launch: Option<Launch>) {
-        if self.state == State::Commission && !self.commissioner.finished {
-            self.commissioner.break_off();
-        }
-        match state {
-            // nothing moves by itself after a reset
-            State::Idle if self.state == State::Fault => self.fault = Fault::None,
-            State::Idle => self.leave(p),
-            State::Fault => {
-                self.fault = events.fault.unwrap_or(self.fault);
-                self.leave(p);
-            }
-            State::Approach => self.restart(p),
-            State::Commission => {
-                self.motion.start(self.sample.slide);
-                self.progress.restart();
-                self.drive = DriveMonitor::default();
-                // what an approach has told is not what is measured now
-                (self.servo, self.probe_delay) = Default::default();
-                self.commissioner.begin(p, &mut self.motion);
-            }
-            State::Push => {
-                self.probe_delay.end(p);
-                self.launch(p, launch);
-            }
-            State::Settle => {
-                self.probe_delay.begin();
-                self.retract(p);
-            }
-            State::Confirm => {
-                self.trial = ProbeTrial::default();
-                self.note_trial();
-                self.try_probe(p, -trial_move(p));
-            }
-            State::Centred => {
-                self.motion.release();
-                self.centred = Some(self.clock.time(p));
-            }
-            // at once, or the slide would brake until the next beat
-            State::Follow => {
-                self.probe_delay.begin();
-                self.follower.update(p, &self.calm);
-            }
-            State::Collect | State::Model | State::Wait => {}
-        }
-    }
-
-    /// Goes back to where the approach began, if anything drives the slide.
-    fn leave(&mut self, p: &Parameters) {
-        match self.fault.safe_end() {
-            SafeEnd::Retract | SafeEnd::Stop => self.motion.retreat(p),
-            SafeEnd::DriveOff => self.motion.release(),
-        }
-    }
-
-    /// Forgets the last centring and begins a new one.
-    fn restart(&mut self, p: &Parameters) {
-        self.motion.start(self.sample.slide);
-        self.law.restart(p);
-        self.progress.restart();
-        (self.frozen, self.drive, self.trial) = Default::default();
-        (self.servo_estimator, self.servo, self.probe_delay) = Default::default();
-        (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
-        self.line = None;
-        self.commissioner.forget_rejected();
-        (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
-    }
-
-    /// Begins a push.
-    fn launch(&mut self, p: &Parameters, launch: Option<Launch>) {
-        let Some(launch) = launch else { return };
-        if let Some(end) = launch.end {
-            self.motion.go(p, end, launch.velocity);
-        }
-        self.before = self.estimate.map(|ring| ring.centre);
-        self.report.count += 1;
-        self.report.distance = launch.distance;
-        self.report.velocity = launch.velocity;
-        self.report.lead_angle = launch.lead;
-    }
-
-    /// Retracts at once after a push; where the probe has lost the ring, nobody knows how far, and the slide stops.
-    fn retract(&mut self, p: &Parameters) {
-        if self.sample.probe < p.probe.contact {
-            return self.motion.release();
-        }
-        let back = self.motion.setpoint.position - (p.probe.at_pusher - p.null());
-        self.motion.go(p, back, p.slide.velocity_max);
     }
 
     /// Moves the setpoint for one sample.

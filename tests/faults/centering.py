@@ -126,6 +126,7 @@ MATRIX = Matrix(
         row("probe 5 steps late from the beginning", "LateProbe", Injection(PROBE, from_time=0.0, late=5)),
         row("probe 10 steps late from the beginning", "LateProbe Divergence",
             Injection(PROBE, from_time=0.0, late=10)),
+        row("probe 20 steps late from the beginning", "LateProbe", Injection(PROBE, from_time=0.0, late=20)),
         row("probe free for 50 ms in a push", DONE, pushing(PROBE, value=0.0, duration=0.05)),
         row("probe is no number for one sample", DONE,
             collecting(PROBE, value=float("nan"), duration=1e-3)),

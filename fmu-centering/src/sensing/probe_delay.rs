@@ -1,8 +1,8 @@
 //! How much later than the slide the probe tells, found from a slide that brakes or starts in front of the ring.
 //!
-//! The tip is the slide less the probe, and the place of the surface. A probe that is t late leaves t x' of a slide at x with
-//! the velocity x', one of another scale a share of x, and a surface that turns by a small angle a parabola of time: least
-//! squares over the terms 1, k, k^2, x' and x, and without x where its share is none. Means and differences of neighbours belong to the same moment between them.
+//! The tip is the slide less the probe, and the place of the surface. A probe that is d samples late makes it the surface and
+//! x_k - x_(k-d) of a slide at x: all d are tried, exactly, for what a long delay leaves is no share of a velocity. A surface that
+//! turns by a small angle is a parabola of time. A probe of another scale leaves a share of x, which is tried as well.
 
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -12,38 +12,44 @@ use crate::sensing::reading::Sample;
 
 /// Longest window (s), and the turning (rad) in which a surface is a parabola: to 1 um at 1 mm of eccentricity.
 const WINDOW: (f64, f64) = (0.2, 0.5);
-/// Terms, the last ones x' and x, and the fewest samples for them.
-const TERMS: usize = 5;
-const DELAY: usize = 3;
-const SCALE: usize = 4;
+/// Delays that are tried, samples from 0 on.
+const DELAYS: usize = 26;
+/// Terms 1, k, k^2 of a surface, and x, and the fewest samples for them.
+const SURFACE: usize = 3;
+const TERMS: usize = 4;
 const FEWEST: f64 = 30.0;
-/// What is left of the information of x' or x with the other terms free, relative; less is none, as of a slide that stops
-/// like exp(-t), whose x' is a share of x.
-const INFORMATION_MIN: f64 = 1e-6;
-/// Most of x that is left where the scale of the probe is right.
-const SCALE_ERROR: f64 = 0.2;
-/// A probe is late by more than this share of a sample, and this many standard deviations of white noise: a step of the probe leaves
-/// much more than noise, and is not late.
+/// A probe is late by more than this share of a sample, and where that explains so many standard deviations of what it leaves more
+/// than any scale of the probe: a step of the probe leaves much more than noise, and is not late.
 const LATE: (f64, f64) = (0.5, 12.0);
+/// Less than this is never left, m: encoders have steps.
+const LEAST: f64 = 1e-8;
 
 /// The sums of one window, and what the last one has told.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ProbeDelay {
+    /// places of the slide (m) up to now, in a circle, and where in it now is
+    places: [f64; DELAYS],
+    now: usize,
     /// turning (rad) in the window, while it is open
     turned: Option<f64>,
     first: Option<Sample>,
-    before: Sample,
+    /// samples since then, and those of them that were measured
+    time: u32,
     samples: u32,
     information: SMatrix<f64, TERMS, TERMS>,
-    product: SVector<f64, TERMS>,
-    square: f64,
+    /// for each delay
+    products: SMatrix<f64, TERMS, DELAYS>,
+    squares: SVector<f64, DELAYS>,
+    /// of the slide's steps
+    steps: f64,
     late: Option<f64>,
 }
 
 impl ProbeDelay {
     /// Opens a window, for the probe touches and the slide moves.
     pub fn begin(&mut self) {
-        *self = Self { turned: Some(0.0), late: self.late, ..Self::default() };
+        let Self { places, now, late, .. } = *self;
+        *self = Self { places, now, late, turned: Some(0.0), ..Self::default() };
     }
 
     /// Closes a window, at its end or as a push begins; what does not tell the delay changes nothing.
@@ -54,30 +60,43 @@ impl ProbeDelay {
         }
     }
 
-    /// Takes a sample that was measured, `turned` rad after the one before.
-    pub fn update(&mut self, p: &Parameters, turned: f64, sample: &Sample) {
+    /// Takes a sample, `turned` rad after the one before; the probe counts where it was `measured` and not bridged.
+    pub fn update(&mut self, p: &Parameters, turned: f64, sample: &Sample, measured: bool) {
+        self.now = (self.now + 1) % DELAYS;
+        self.places[self.now] = sample.slide;
         let Some(so_far) = self.turned else { return };
         if so_far + turned.abs() > WINDOW.1 {
             return self.end(p);
         }
         self.turned = Some(so_far + turned.abs());
-        let Some(first) = self.first else {
-            (self.first, self.before) = (Some(*sample), *sample);
-            return;
-        };
-        let now = 0.5 * (sample.tip() + self.before.tip()) - first.tip();
-        let place = 0.5 * (sample.slide + self.before.slide) - first.slide;
-        let velocity = (sample.slide - self.before.slide) / p.sample_period;
-        let time = f64::from(self.samples) * p.sample_period / WINDOW.0;
-        let terms = SVector::from([1.0, time, time * time, velocity, place]);
-        self.information += terms * terms.transpose();
-        self.product += terms * now;
-        self.square += now * now;
-        self.before = *sample;
-        self.samples += 1;
-        if self.samples >= p.ticks(WINDOW.0) {
+        let first = *self.first.get_or_insert(*sample);
+        if measured {
+            self.take(p, sample, &first);
+        }
+        self.time += 1;
+        if self.time >= p.ticks(WINDOW.0) {
             self.end(p);
         }
+    }
+
+    /// Adds a sample to the sums.
+    fn take(&mut self, p: &Parameters, sample: &Sample, first: &Sample) {
+        let time = f64::from(self.time) * p.sample_period / WINDOW.0;
+        let terms = SVector::from([1.0, time, time * time, sample.slide - first.slide]);
+        self.information += terms * terms.transpose();
+        let tip = sample.tip() - first.tip();
+        for delay in 0..DELAYS {
+            let way = sample.slide - self.place(delay);
+            self.products.column_mut(delay).axpy(tip - way, &terms, 1.0);
+            self.squares[delay] += (tip - way).powi(2);
+        }
+        self.steps += (sample.slide - self.place(1)).powi(2);
+        self.samples += 1;
+    }
+
+    /// Where the slide was so many samples ago, m.
+    fn place(&self, delay: usize) -> f64 {
+        self.places[(self.now + DELAYS - delay) % DELAYS]
     }
 
     /// Time (s) by which the probe is later than the slide, where it is.
@@ -88,21 +107,32 @@ impl ProbeDelay {
     /// What the window tells, if it does.
     fn told(&self, p: &Parameters) -> Option<Option<f64>> {
         let all = self.information.cholesky()?.inverse();
-        let told = |i: usize| all[(i, i)] * self.information[(i, i)] * INFORMATION_MIN <= 1.0;
-        if !(told(DELAY) && told(SCALE)) {
+        let surface = self.information.fixed_view::<SURFACE, SURFACE>(0, 0).clone_owned().cholesky()?.inverse();
+        let left = |delay: usize| {
+            let product = self.products.fixed_view::<SURFACE, 1>(0, delay).clone_owned();
+            self.squares[delay] - product.dot(&(surface * product))
+        };
+        let beside = |square: f64, product: SVector<f64, TERMS>| square - product.dot(&(all * product));
+        let best = (0..DELAYS).min_by(|&a, &b| left(a).total_cmp(&left(b)))?;
+        let variance = (left(best) / (f64::from(self.samples) - SURFACE as f64)).max(LEAST.powi(2));
+        let seen = LATE.1.powi(2) * variance;
+        // what a sample of delay would leave beside any scale
+        if beside(self.steps, self.products.column(0) - self.products.column(1)) < seen {
             return None;
         }
-        if (all * self.product)[SCALE].abs() > SCALE_ERROR {
-            return Some(None);
-        }
-        // the scale is right
-        let covariance = self.information.fixed_view::<SCALE, SCALE>(0, 0).clone_owned().cholesky()?.inverse();
-        let product = self.product.fixed_rows::<SCALE>(0);
-        let factors = covariance * product;
-        let variance = (self.square - factors.dot(&product)).max(0.0) / (f64::from(self.samples) - SCALE as f64);
-        let least = f64::max(LATE.0 * p.sample_period, LATE.1 * (variance * covariance[(DELAY, DELAY)]).sqrt());
-        Some(Some(factors[DELAY]).filter(|delay| *delay > least))
+        let scaled = beside(self.squares[0], self.products.column(0).clone_owned());
+        let delay = vertex(best, left) * p.sample_period;
+        Some(Some(delay).filter(|_| delay > LATE.0 * p.sample_period && left(best) + seen < scaled))
     }
+}
+
+/// Where the parabola through the least of some values and its neighbours is lowest.
+fn vertex(best: usize, value: impl Fn(usize) -> f64) -> f64 {
+    if best == 0 || best + 1 == DELAYS {
+        return best as f64;
+    }
+    let [before, least, after] = [best - 1, best, best + 1].map(value);
+    best as f64 + 0.5 * (before - after) / (before - 2.0 * least + after)
 }
 
 #[cfg(test)]
@@ -119,12 +149,15 @@ mod tests {
     fn told_by(late: usize, scale: f64, speed: f64, slide: impl Fn(f64) -> f64) -> Option<f64> {
         let p = Parameters::START;
         let mut delay = ProbeDelay::default();
-        delay.begin();
         let surface = |k: f64| 0.02 + 5e-4 * (4.7e-3 * k + 1.0).sin();
-        for k in 0..300 {
+        // the slide was on its way before the probe has touched
+        for k in -30..300 {
+            if k == 0 {
+                delay.begin();
+            }
             let then = f64::from(k) - late as f64;
             let probe = scale * (slide(then) - surface(then));
-            delay.update(&p, 1e-3 * speed, &Sample { angle: 0.0, slide: slide(f64::from(k)), probe });
+            delay.update(&p, 1e-3 * speed, &Sample { angle: 0.0, slide: slide(f64::from(k)), probe }, true);
         }
         delay.late()
     }
@@ -132,9 +165,9 @@ mod tests {
     #[test]
     fn a_late_probe_is_told_by_its_time() {
         assert_eq!(told(0, 1.0, 4.7), None);
-        for late in [1, 2, 5] {
+        for late in [1, 2, 5, 10, 20] {
             let seconds = told(late, 1.0, 4.7).unwrap();
-            assert!((seconds / (1e-3 * late as f64) - 1.0).abs() < 0.15, "{late}: {seconds} s");
+            assert!((seconds - 1e-3 * late as f64).abs() < 2e-5, "{late}: {seconds} s");
         }
     }
 
@@ -163,9 +196,9 @@ mod tests {
         let p = Parameters::START;
         let mut delay = ProbeDelay { late: Some(3e-3), ..ProbeDelay::default() };
         delay.begin();
-        (0..50).for_each(|_| delay.update(&p, 4.7e-3, &Sample::default()));
+        (0..50).for_each(|_| delay.update(&p, 4.7e-3, &Sample::default(), true));
         delay.end(&p);
-        (0..500).for_each(|_| delay.update(&p, 4.7e-3, &Sample::default()));
+        (0..500).for_each(|_| delay.update(&p, 4.7e-3, &Sample::default(), true));
         assert_eq!(delay.late(), Some(3e-3));
     }
 }

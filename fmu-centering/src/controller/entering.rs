@@ -1,0 +1,103 @@
+//! What happens once, when a state begins: a motion, a push, a new centring, the way back.
+
+use control_blocks::SafeEnd;
+
+use crate::controller::Controller;
+use crate::interface::{Fault, Parameters, PushReport, State};
+use crate::law::Launch;
+use crate::limits::trial_move;
+use crate::machine::Events;
+use crate::monitoring::{DriveMonitor, ProbeTrial};
+
+impl Controller {
+    /// What happens once, when `state` begins.
+    pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, launch: Option<Launch>) {
+        if self.state == State::Commission && !self.commissioner.finished {
+            self.commissioner.break_off();
+        }
+        match state {
+            // nothing moves by itself after a reset
+            State::Idle if self.state == State::Fault => self.fault = Fault::None,
+            State::Idle => self.leave(p),
+            State::Fault => {
+                self.fault = events.fault.unwrap_or(self.fault);
+                self.leave(p);
+            }
+            State::Approach => self.restart(p),
+            State::Commission => {
+                self.motion.start(self.sample.slide);
+                self.progress.restart();
+                self.drive = DriveMonitor::default();
+                // what an approach has told is not what is measured now
+                (self.servo, self.probe_delay) = Default::default();
+                self.commissioner.begin(p, &mut self.motion);
+            }
+            State::Push => {
+                self.probe_delay.end(p);
+                self.launch(p, launch);
+            }
+            State::Settle => {
+                self.probe_delay.begin();
+                self.retract(p);
+            }
+            State::Confirm => {
+                self.trial = ProbeTrial::default();
+                self.note_trial();
+                self.try_probe(p, -trial_move(p));
+            }
+            State::Centred => {
+                self.motion.release();
+                self.centred = Some(self.clock.time(p));
+            }
+            // at once, or the slide would brake until the next beat
+            State::Follow => {
+                self.probe_delay.begin();
+                self.follower.update(p, &self.calm);
+            }
+            State::Collect | State::Model | State::Wait => {}
+        }
+    }
+
+    /// Goes back to where the approach began, if anything drives the slide.
+    pub(super) fn leave(&mut self, p: &Parameters) {
+        match self.fault.safe_end() {
+            SafeEnd::Retract | SafeEnd::Stop => self.motion.retreat(p),
+            SafeEnd::DriveOff => self.motion.release(),
+        }
+    }
+
+    /// Forgets the last centring and begins a new one.
+    pub(super) fn restart(&mut self, p: &Parameters) {
+        self.motion.start(self.sample.slide);
+        self.law.restart(p);
+        self.progress.restart();
+        (self.frozen, self.drive, self.trial) = Default::default();
+        (self.servo_estimator, self.servo, self.probe_delay) = Default::default();
+        (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
+        self.line = None;
+        self.commissioner.forget_rejected();
+        (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
+    }
+
+    /// Begins a push.
+    fn launch(&mut self, p: &Parameters, launch: Option<Launch>) {
+        let Some(launch) = launch else { return };
+        if let Some(end) = launch.end {
+            self.motion.go(p, end, launch.velocity);
+        }
+        self.before = self.estimate.map(|ring| ring.centre);
+        self.report.count += 1;
+        self.report.distance = launch.distance;
+        self.report.velocity = launch.velocity;
+        self.report.lead_angle = launch.lead;
+    }
+
+    /// Retracts at once after a push; where the probe has lost the ring, nobody knows how far, and the slide stops.
+    pub(super) fn retract(&mut self, p: &Parameters) {
+        if self.sample.probe < p.probe.contact {
+            return self.motion.release();
+        }
+        let back = self.motion.setpoint.position - (p.probe.at_pusher - p.null());
+        self.motion.go(p, back, p.slide.velocity_max);
+    }
+}
