@@ -1,5 +1,6 @@
 //! The other parts of the velocity, their sum and the pulses made of it.
 
+pub mod feigned;
 pub mod felt_motion;
 pub mod position;
 pub mod pulses;

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::force::contact::Measurement;
 use crate::interface::{Mode, Parameters, Sweep};
+use crate::motion::feigned::Feigned;
 use crate::motion::felt_motion::FeltMotion;
 use crate::motion::stick_slip::{self, fastest};
 use crate::motion::sweep_limits::{accelerated, highest};
@@ -35,6 +36,7 @@ const FELT: f64 = 2.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sliding {
     motion: FeltMotion,
+    feigned: Feigned,
     samples: u32,
     /// W, J
     work: f64,
@@ -61,13 +63,13 @@ impl Sliding {
     /// Takes one sample of the path, at the place `position` (m); without a contact nothing slides.
     pub fn update(&mut self, p: &Parameters, position: &Vector3<f64>, now: &Measurement, touching: bool) {
         let normal = &now.frame.normal;
-        let across = |v: &Vector3<f64>| v - normal * normal.dot(v);
-        let force = across(&now.force.unfiltered);
+        let force = now.force.unfiltered - normal * normal.dot(&now.force.unfiltered);
         if let Some((mean, felt)) = self.motion.step(p, &force, position) {
             let work = if touching { -mean.dot(&felt) } else { 0.0 };
             self.work += work;
             self.weighted += mean.norm() * work;
             self.square += mean.norm_squared();
+            self.feigned.add(&felt);
             self.samples += 1;
         }
         if self.samples >= window(p) {
@@ -79,7 +81,8 @@ impl Sliding {
         let count = f64::from(self.samples);
         let least = (self.square / count).sqrt().max(f64::MIN_POSITIVE);
         self.friction = if self.work > 0.0 { (self.weighted / self.work).max(least) } else { least };
-        let speed = self.work / self.friction / (count * p.sample_period);
+        let time = count * p.sample_period;
+        let (speed, round) = (self.work / self.friction / time, self.feigned.round(time));
         (self.samples, self.work, self.weighted, self.square) = Default::default();
         self.speed = Some(speed);
         if wanted(p) == 0.0 {
@@ -90,6 +93,7 @@ impl Sliding {
             self.begin_verdict();
         } else {
             let most = (highest(p) - p.stick_slip.velocity).max(0.0);
+            let speed = self.feigned.surely(p, speed, round);
             let (raised, velocity) = (self.added >= most, p.stick_slip.velocity + self.added);
             if p.stick_slip.sweep == Sweep::Circular && speed < ENOUGH * wanted(p) {
                 self.stuck = self.stuck.max(velocity);
@@ -108,7 +112,10 @@ impl Sliding {
         self.windows += 1;
         self.speeds += speed;
         if self.windows == WINDOWS {
-            self.too_little = self.speeds < ENOUGH * wanted(p) * f64::from(WINDOWS);
+            let mean = self.speeds / f64::from(WINDOWS);
+            self.too_little = mean < ENOUGH * wanted(p);
+            // what is told with the fault is what was judged
+            self.speed = if self.too_little { Some(mean) } else { self.speed };
             (self.windows, self.speeds) = (0, 0.0);
         }
     }
@@ -248,16 +255,14 @@ mod tests {
             // 50 um are the radius, less up to 0.6 um as a sample goes straight
             let derived = fastest * (1.0 - (friction / stiffness / 50e-6).powi(2)).sqrt();
             assert!((truth / derived - 1.0).abs() < 0.03, "{stiffness} {friction}: {truth} {derived}");
-            let told = sliding.speed.unwrap();
-            assert!((told / truth - 1.0).abs() < 0.1, "{stiffness} {friction}: {told} {truth}");
+            assert!((sliding.speed.unwrap() / truth - 1.0).abs() < 0.1, "{stiffness} {friction}: {sliding:?} {truth}");
             assert!((sliding.friction / friction - 1.0).abs() < 0.1, "{stiffness} {friction}: {sliding:?}");
         }
         // 60 um of bend: it sticks, and no sensor from 120 to 400 Hz takes that for a good sliding
         for faster in [0.6, 1.0, 2.0] {
             let mut sliding = Sliding::default();
             let truth = round(&still, &mut sliding, [30e3, 1.8, faster], 0.6);
-            let told = sliding.speed.unwrap();
-            assert!(truth < 1e-6 && told.abs() < 0.5 * P.stick_slip.sliding, "{faster}: {told}");
+            assert!(truth < 1e-6 && sliding.speed.unwrap().abs() < 0.5 * P.stick_slip.sliding, "{faster}: {sliding:?}");
         }
     }
 
@@ -267,11 +272,16 @@ mod tests {
         for (stiffness, friction) in [(30e3, 1.8), (30e3, 2.4), (20e3, 0.97), (60e3, 2.9)] {
             for time in [2.4, 2.6, 2.8] {
                 let mut sliding = Sliding::default();
-                let truth = round(&p, &mut sliding, [stiffness, friction, 1.0], time);
                 let wanted = p.stick_slip.sliding;
+                let truth = round(&p, &mut sliding, [stiffness, friction, 1.0], time);
                 // what slides fast enough without is left alone
                 let enough = sliding.added == 0.0 && truth > wanted;
-                assert!((truth / wanted - 1.0).abs() < 0.15 || enough, "{stiffness} {friction}: {truth} {sliding:?}");
+                // a ball that never stuck may owe 0.12 of its speed to the sensor
+                let doubt = 0.12 * fastest(&p.stick_slip) * (p.stick_slip.velocity + sliding.added);
+                assert!(
+                    (0.85 * wanted..1.15 * wanted + doubt).contains(&truth) || enough,
+                    "{stiffness} {friction}: {truth} {sliding:?}"
+                );
                 assert!(!sliding.too_little);
             }
         }
@@ -372,8 +382,7 @@ mod tests {
         let first = slow(0.201);
         assert!((first.added - RISE * (P.stick_slip.sliding - first.speed.unwrap())).abs() < 1e-12, "{first:?}");
         assert!(slow(0.65).added > 9.9e-3 && !slow(1.59).too_little);
-        let told = slow(1.65);
-        assert!(told.added == 10e-3 && told.too_little, "{told:?}");
+        assert!(matches!(slow(1.65), Sliding { added: 10e-3, too_little: true, .. }), "{:?}", slow(1.65));
         // what slides enough goes back to what is told
         let mut good = moved(&P, 200e3, 1.0, 10e-3, 0.15).0;
         good.added = 1e-3;

@@ -159,6 +159,16 @@ fn a_ball_that_sticks_on_a_circle_is_named() {
 }
 
 #[test]
+fn a_sensor_faster_than_told_feigns_no_sliding_on_a_circle() {
+    let mut p = circular();
+    for (share, lateral, friction) in [(0.55, 22e3, 0.32), (0.6, 30e3, 0.4), (0.55, 16e3, 0.22), (1.0, 22e3, 0.32)] {
+        p.sensor_bandwidth = share * P.sensor_bandwidth;
+        let job = Loop::new(&p, tip(lateral, friction), 614).job(20.0).unwrap();
+        assert!(job.gain >= 2.5, "{share} {lateral} {friction}: {job:?}");
+    }
+}
+
+#[test]
 fn a_circle_lies_about_the_path() {
     let mut run = Loop::new(&circular(), Build::NOMINAL, 612);
     assert!(run.run_to(State::Follow, 5.0));

@@ -1,0 +1,104 @@
+//! What a sensor that is faster than told feigns: a tip that only bends on a circle seems to slide.
+//!
+//! The force of a tip that goes round with the axes is in phase with their place. Through a sensor that is less late than told it
+//! leads the felt way by an angle e, and seems to do the work of a ball that slides at sin e of the speed at which the axes go round. Nothing slides
+//! backwards, so sin e is no more than the least share that has been seen in the job, whatever the sensor; and no more than that of a
+//! sensor twice as fast as told, e = atan(w / b) - atan(w / 2 b) at w rad/s round and b rad/s of bandwidth.
+
+use std::f64::consts::PI;
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Parameters, Sweep};
+
+/// How many times as fast as told a sensor may be.
+const FASTER: f64 = 2.0;
+
+/// Speed of the axes, and how much of it may be feigned; by default at the begin of a job.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Feigned {
+    /// way of the axes since the last window, m
+    way: f64,
+    /// least share of the speed of the axes at which the ball seemed to slide
+    least: Option<f64>,
+}
+
+impl Feigned {
+    /// Takes the way (m) that was felt in a sample.
+    pub fn add(&mut self, felt: &Vector3<f64>) {
+        self.way += felt.norm();
+    }
+
+    /// Ends a window of `time` s: the mean speed of the axes in it, m/s.
+    pub fn round(&mut self, time: f64) -> f64 {
+        std::mem::take(&mut self.way) / time
+    }
+
+    /// The part of a measured speed of sliding (m/s) that no lag feigns, where the axes go round at `round` m/s.
+    pub fn surely(&mut self, p: &Parameters, speed: f64, round: f64) -> f64 {
+        if p.stick_slip.sweep == Sweep::Linear || round == 0.0 {
+            return speed;
+        }
+        let share = self.least.unwrap_or_else(|| most(p)).min(speed / round).max(0.0);
+        self.least = Some(share);
+        speed - share * round
+    }
+}
+
+/// The largest share of the speed of the axes that a sensor may feign.
+fn most(p: &Parameters) -> f64 {
+    let turning = PI / (f64::from(p.stick_slip.half_period.max(1)) * p.sample_period * p.sensor_bandwidth);
+    (turning.atan() - (turning / FASTER).atan()).sin()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interface::StickSlip;
+
+    const P: Parameters = Parameters::START;
+
+    fn circular() -> Parameters {
+        Parameters { stick_slip: StickSlip { sweep: Sweep::Circular, ..P.stick_slip }, ..P }
+    }
+
+    #[test]
+    fn a_bent_tip_seems_to_slide_as_derived() {
+        // 50 Hz through 200 Hz that are told and 400 Hz that are true
+        let (told, truth) = (P.sensor_bandwidth, 2.0 * P.sensor_bandwidth);
+        let (omega, count) = (PI / (10.0 * P.sample_period), 2000);
+        let through = |bandwidth: f64, k: u32| {
+            let angle = omega * P.sample_period * f64::from(k) - (omega / bandwidth).atan();
+            Vector3::new(angle.cos(), angle.sin(), 0.0)
+        };
+        let work: f64 = (0..count)
+            .map(|k| {
+                let force = -0.5 * (through(truth, k) + through(truth, k + 1));
+                -force.dot(&(through(told, k + 1) - through(told, k))) / force.norm()
+            })
+            .sum();
+        let way: f64 = (0..count).map(|k| (through(told, k + 1) - through(told, k)).norm()).sum();
+        assert!((work.abs() / way / most(&P) - 1.0).abs() < 1e-9, "{} {}", work / way, most(&P));
+    }
+
+    #[test]
+    fn it_is_taken_off_up_to_what_has_been_seen_in_the_job() {
+        let (p, mut feigned) = (circular(), Feigned::default());
+        feigned.add(&Vector3::new(3e-3, 4e-3, 0.0));
+        let round = feigned.round(0.2);
+        assert!((round - 25e-3).abs() < 1e-15 && feigned.round(0.2) == 0.0);
+        // sure but for what the fastest sensor feigns, then as one sees that it is slower
+        assert!((feigned.surely(&p, 10e-3, round) - (10e-3 - most(&p) * round)).abs() < 1e-15);
+        assert!(feigned.surely(&p, 1e-3, round).abs() < 1e-15);
+        assert!((feigned.surely(&p, 10e-3, round) - 9e-3).abs() < 1e-15);
+        // a sensor slower than told feigns nothing, and takes nothing off
+        assert_eq!([-1e-3, 10e-3].map(|speed| feigned.surely(&p, speed, round)), [-1e-3, 10e-3]);
+    }
+
+    #[test]
+    fn a_sweep_to_and_fro_and_axes_at_rest_are_left_as_measured() {
+        let mut feigned = Feigned::default();
+        assert_eq!([feigned.surely(&P, 5e-3, 15e-3), feigned.surely(&circular(), 5e-3, 0.0)], [5e-3, 5e-3]);
+    }
+}
