@@ -32,7 +32,7 @@ impl Controller {
             },
             rms: turn.rms,
             peak: turn.peak,
-            harmonic: turn.harmonic.map(|c| c.norm()),
+            harmonic: turn.amplitudes,
         };
         output.spindle_speed = speed;
         output.saturated = self.closed() && self.recursion.saturated;

@@ -14,13 +14,16 @@ pub struct Turn {
     pub rms: f64,
     /// Largest magnitude.
     pub peak: f64,
-    /// Harmonics c_n of Re sum c_n e^(j n theta), n = 1 first.
-    pub harmonic: [Complex<f64>; ERROR_HARMONICS],
+    /// Amplitudes of the harmonics, n = 1 first.
+    pub amplitudes: [f64; ERROR_HARMONICS],
 }
+
+/// Harmonics c_n of Re sum c_n e^(j n theta) over one turn, n = 1 first, m.
+pub type TurnHarmonics = [Complex<f64>; ERROR_HARMONICS];
 
 impl Turn {
     /// No error.
-    pub const ZERO: Self = Self { rms: 0.0, peak: 0.0, harmonic: [Complex::new(0.0, 0.0); ERROR_HARMONICS] };
+    pub const ZERO: Self = Self { rms: 0.0, peak: 0.0, amplitudes: [0.0; ERROR_HARMONICS] };
 }
 
 /// Sums of the present turn and the result of the last one.
@@ -30,7 +33,7 @@ pub struct ErrorStatistics {
     count: f64,
     squares: f64,
     peak: f64,
-    sums: [Complex<f64>; ERROR_HARMONICS],
+    sums: TurnHarmonics,
     last: Turn,
 }
 
@@ -42,13 +45,13 @@ impl Default for ErrorStatistics {
 }
 
 impl ErrorStatistics {
-    /// Adds an error (m) at the spindle angle without wraps (rad) with e^(j n theta), n = 1 first; true when a turn is
-    /// full.
-    pub fn add(&mut self, error: f64, angle: f64, phasors: &[Complex<f64>]) -> bool {
+    /// Adds an error (m) at the spindle angle without wraps (rad) with e^(j n theta), n = 1 first; gives the harmonics of
+    /// a turn that is full.
+    pub fn add(&mut self, error: f64, angle: f64, phasors: &[Complex<f64>]) -> Option<TurnHarmonics> {
         let begin = *self.begin.get_or_insert(angle);
-        let full = (angle - begin).abs() >= TAU;
-        if full {
-            *self = Self { begin: Some(angle), last: self.finish(), ..Self::default() };
+        let full = ((angle - begin).abs() >= TAU).then(|| self.sums.map(|sum| sum * (2.0 / self.count)));
+        if let Some(harmonics) = &full {
+            *self = Self { begin: Some(angle), last: self.finish(harmonics), ..Self::default() };
         }
         self.count += 1.0;
         self.squares += error * error;
@@ -65,12 +68,8 @@ impl ErrorStatistics {
         &self.last
     }
 
-    fn finish(&self) -> Turn {
-        Turn {
-            rms: (self.squares / self.count).sqrt(),
-            peak: self.peak,
-            harmonic: self.sums.map(|sum| sum * (2.0 / self.count)),
-        }
+    fn finish(&self, harmonics: &TurnHarmonics) -> Turn {
+        Turn { rms: (self.squares / self.count).sqrt(), peak: self.peak, amplitudes: harmonics.map(|c| c.norm()) }
     }
 }
 
@@ -79,37 +78,40 @@ mod tests {
     use super::*;
     use crate::tracking::phasors::Phasors;
 
-    fn turned(samples: u32, speed: f64, error: impl Fn(f64) -> f64) -> ErrorStatistics {
-        let mut statistics = ErrorStatistics::default();
+    /// Statistics of some samples, with the harmonics of the last full turn.
+    fn turned(samples: u32, speed: f64, error: impl Fn(f64) -> f64) -> (ErrorStatistics, Option<TurnHarmonics>) {
+        let (mut statistics, mut harmonics) = (ErrorStatistics::default(), None);
         for k in 0..samples {
             let angle = speed * 1e-4 * f64::from(k);
-            statistics.add(error(angle), angle, Phasors::new(angle, 24).from_one());
+            harmonics = statistics.add(error(angle), angle, Phasors::new(angle, 24).from_one()).or(harmonics);
         }
-        statistics
+        (statistics, harmonics)
     }
 
     #[test]
     fn harmonics_peak_and_rms_of_a_turn() {
         for speed in [62.83, -251.3] {
             let error = |t: f64| 3e-6 * (12.0 * t + 0.4).cos() + 4e-6 * (2.0 * t).sin();
-            let statistics = turned(2500, speed, error);
-            let turn = statistics.last();
+            let (statistics, harmonics) = turned(2500, speed, error);
+            let (turn, harmonics) = (statistics.last(), harmonics.unwrap());
             assert!((turn.rms - 3.5355e-6).abs() < 0.02e-6, "{turn:?}");
-            assert!((turn.harmonic[11] - Complex::from_polar(3e-6, 0.4)).norm() < 0.03e-6, "{turn:?}");
-            assert!((turn.harmonic[1] - Complex::new(0.0, -4e-6)).norm() < 0.03e-6, "{turn:?}");
-            assert!(turn.harmonic[6].norm() < 0.03e-6, "{turn:?}");
+            assert!((harmonics[11] - Complex::from_polar(3e-6, 0.4)).norm() < 0.03e-6, "{turn:?}");
+            assert!((harmonics[1] - Complex::new(0.0, -4e-6)).norm() < 0.03e-6, "{turn:?}");
+            assert!(turn.amplitudes[6] < 0.03e-6, "{turn:?}");
+            assert_eq!(turn.amplitudes, harmonics.map(|c| c.norm()));
             assert!(turn.peak > 6.5e-6 && turn.peak <= 7e-6, "{turn:?}");
         }
     }
 
     #[test]
     fn before_a_full_turn_there_is_nothing() {
-        assert_eq!(turned(999, 62.83, |_| 1.0).last(), &Turn::ZERO);
-        assert!(turned(1002, 62.83, |_| 1.0).last().rms > 0.99);
+        let (statistics, harmonics) = turned(999, 62.83, |_| 1.0);
+        assert_eq!((statistics.last(), harmonics), (&Turn::ZERO, None));
+        assert!(turned(1002, 62.83, |_| 1.0).0.last().rms > 0.99);
     }
 
     #[test]
     fn at_rest_the_last_turn_stays() {
-        assert_eq!(turned(5000, 0.0, |_| 1.0).last(), &Turn::ZERO);
+        assert_eq!(turned(5000, 0.0, |_| 1.0).0.last(), &Turn::ZERO);
     }
 }

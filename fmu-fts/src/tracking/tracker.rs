@@ -172,8 +172,8 @@ impl Tracker {
 
     /// Adds the error (m) of this sample to the statistics.
     pub fn judge(&mut self, error: f64, spindle: &Spindle, phasors: &Phasors) {
-        if self.statistics.add(error, spindle.angle, phasors.from_one()) {
-            self.chooser.add(&self.statistics.last().harmonic);
+        if let Some(harmonics) = self.statistics.add(error, spindle.angle, phasors.from_one()) {
+            self.chooser.add(&harmonics);
         }
     }
 

@@ -90,6 +90,31 @@ fn what_is_no_error_of_the_form_or_not_sure_corrects_nothing() {
 }
 
 #[test]
+fn a_probe_of_three_times_the_noise_corrects_no_worse_than_it_tells_or_is_unsure() {
+    let mut solved = 0;
+    for seed in 200..212 {
+        let mut bench = Bench::new(Parameters::START, LONG, seed);
+        let before = bench.form();
+        bench.probe(3.0 * NOISE);
+        let (status, told) = (bench.solve(), bench.calibration.form());
+        match bench.calibration.correction() {
+            Some(correction) => {
+                solved += 1;
+                assert_eq!(status, Status::Solved);
+                bench.path.correct(Some(correction));
+                let after = bench.form();
+                assert!(after < 0.2 * before + 3.0 * told.deviation, "{seed}: {after:e} of {before:e}, {told:?}");
+            }
+            None => {
+                assert_eq!(status, Status::Unsure, "{seed}");
+                assert!(told.deviation > bench.p.form.deviation_max, "{told:?}");
+            }
+        }
+    }
+    println!("{solved} of 12 are corrected");
+}
+
+#[test]
 fn every_fit_of_a_lens_is_one_also_with_the_same_result() {
     let mut bench = Bench::new(Parameters::START, LONG, 7);
     for mode in [Mode::CalibrateForm, Mode::CalibrateFlats] {
