@@ -390,7 +390,7 @@ mod variables {
         /// Largest distance of a reading from where the observer expects it; a reading beyond counts as lost, one beyond half of it in part
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 1e-8, source = "our choice: ten steps of 1 nm; eight sigma of noise and rounding")] pub jump: f64,
         /// Motion that a reading may leave unanswered before it counts as lost
-        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 9e-9, source = "derived: the 1.5 nm within which a reading stands, 5.7 nm from end to end that 0.02 N at 1000 rad/s move 7 kg, and 1.8 nm of noise")] pub frozen: f64,
+        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 5e-9, source = "derived: three and a third times the 1.5 nm within which a reading stands")] pub frozen: f64,
         /// Time at rest without any change of a reading that had changed before; 0: not watched, for an encoder without noise
         #[var(unit = SECOND, range = 0.0..=100.0, start = 0.03, source = "our choice: 300 equal samples, of which noise of half a step makes every second differ")] pub rest_time: f64,
         /// Largest distance of the stage from its reference, besides the v (1 + io_delay) T_s that it is late; 0: three times what the hardest acceleration makes, at least 20 um
