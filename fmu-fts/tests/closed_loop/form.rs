@@ -111,7 +111,7 @@ fn a_probe_of_three_times_the_noise_corrects_no_worse_than_it_tells_or_is_unsure
             }
         }
     }
-    println!("{solved} of 12 are corrected");
+    assert!(solved > 0);
 }
 
 #[test]
