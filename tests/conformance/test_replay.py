@@ -86,10 +86,10 @@ def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_pa
     assert replay("resume", folder, tmp_path) == lines[split:]
     # and the bare FMU did what it did in the loop
     reals = [v.name for v in description.modelVariables if v.type == "Real"]
-    columns = list(zip(*(line.split() for line in lines), strict=True))
-    for name, column in zip(reals, columns, strict=False):
+    seen = zip(*(line.split() for line in lines), strict=True)
+    for name, numbers in zip(reals, seen, strict=False):
         if f"controller.{name}" in (trace.dtype.names or ()):
-            told = [float.fromhex(number) for number in column]
+            told = [float.fromhex(number) for number in numbers]
             assert told == trace[f"controller.{name}"][: len(lines)].tolist(), name
 
 
