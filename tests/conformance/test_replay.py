@@ -83,6 +83,7 @@ def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_pa
     record(tmp_path, rows, split, scenario.loop.step, scenario.controller.parameters)
 
     lines = replay("run", folder, tmp_path)
+    assert len(lines) == len(rows)
     assert replay("resume", folder, tmp_path) == lines[split:]
     # and the bare FMU did what it did in the loop
     reals = [v.name for v in description.modelVariables if v.type == "Real"]
