@@ -18,7 +18,7 @@ from cosim.pool.limits import memory_of, process_of
 
 LONGEST_OUTPUT = 300
 """Characters kept of what a worker process said last."""
-COMMAND = "from cosim.pool.worker import main; main({}, {}, {}, {})"
+COMMAND = "from cosim.pool.worker import main; main({}, {}, {})"
 
 
 @dataclass
@@ -27,10 +27,10 @@ class Child:
 
     Parameters
     ----------
-    memory
-        Bytes that the operating system lets it have, None for any amount.
     output
         What it prints, None where that goes to our stderr.
+    memory
+        Bytes that the operating system lets it have, None for any amount; told with its first task.
     tasks
         Tasks that it was given.
     busy
@@ -47,8 +47,8 @@ class Child:
 
     process: subprocess.Popen[bytes]
     channel: MessageChannel
-    memory: float | None
     output: IO[bytes] | None
+    memory: float | None = None
     ready: bool = False
     tasks: int = 0
     busy: bool = False
@@ -99,15 +99,13 @@ class Child:
             return 0
 
 
-def spawn(page: int, memory: float | None, relay: bool) -> Child:
+def spawn(page: int, relay: bool) -> Child:
     """Start a worker process.
 
     Parameters
     ----------
     page
         Descriptor of the file in which it notes what it is doing.
-    memory
-        Bytes that the operating system shall let it have, None is any amount.
     relay
         Whether what it prints goes to our stderr.
     """
@@ -117,7 +115,7 @@ def spawn(page: int, memory: float | None, relay: bool) -> Child:
     with theirs:
         # `-P`: a `numpy.py` of the user in the working directory is not taken for the package
         process = subprocess.Popen(
-            [sys.executable, "-P", "-c", COMMAND.format(theirs.fileno(), page, os.getpid(), memory)],
+            [sys.executable, "-P", "-c", COMMAND.format(theirs.fileno(), page, os.getpid())],
             stdin=subprocess.DEVNULL,
             stdout=output or 2,
             stderr=output,
@@ -127,7 +125,7 @@ def spawn(page: int, memory: float | None, relay: bool) -> Child:
         )
     # psutil is imported while the process starts, and needed where that ends
     process_of(process.pid)
-    return Child(process, MessageChannel(ours), memory, output)
+    return Child(process, MessageChannel(ours), output)
 
 
 def ending(code: int | None) -> str:

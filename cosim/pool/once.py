@@ -7,11 +7,29 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from cosim import interrupts
-from cosim.pool.limits import Limits
+from cosim.pool.limits import Limits, isolates
 from cosim.pool.supervisor import Worker
 
 Do = Callable[..., Any]
 """Does a task, told the steps done if there is a watcher; the outcome is a `CosimError` if it could not."""
+ahead: list[Worker] = []
+"""The worker that was started before there is a place for it."""
+
+
+@contextlib.contextmanager
+def started_ahead() -> Iterator[None]:
+    """Start the process of the first place that needs one, whose imports take as long as those of a command.
+
+    One that no place took ends with the block.
+    """
+    with contextlib.ExitStack() as stack:
+        if isolates():
+            ahead.append(stack.enter_context(Worker(Limits(), relay=True)))
+            ahead[0].prepare()
+        try:
+            yield
+        finally:
+            ahead.clear()
 
 
 @contextlib.contextmanager
@@ -24,7 +42,8 @@ def place(limits: Limits | None) -> Iterator[Do]:
         What each may take; None does them in this process, which nothing protects from them.
     """
     if limits is not None:
-        with Worker(limits, relay=True) as worker:
+        with ahead.pop() if ahead else Worker(limits, relay=True) as worker:
+            worker.limits = limits
             worker.prepare()
             yield worker.call
         return

@@ -67,7 +67,6 @@ class Worker(Closing):
             raise CosimError("runs cannot be isolated on this system", "it takes Linux or macOS")
         self.limits = limits
         self.relay = relay
-        self.confined = limits.memory if system_confines() else None
         self.child: Child | None = None
         self.told: Tell = tell
         self.lock = threading.Lock()
@@ -79,8 +78,16 @@ class Worker(Closing):
             self.page = os.dup(page.fileno())
         self.place = Place(self.page)
 
+    @property
+    def confined(self) -> float | None:
+        """Bytes that the operating system can hold the process to, None for any amount."""
+        return self.limits.memory if system_confines() else None
+
     def prepare(self) -> None:
-        """Start the process, which imports what it needs while others have something else to do."""
+        """Start the process, which imports what it needs while others have something else to do.
+
+        The limits are not told to it before its first task: until then they may be set anew.
+        """
         self.start(self.confined)
 
     def call(self, task: Task, watch: Watch | None = None, told: Tell = tell) -> Any:
@@ -119,12 +126,15 @@ class Worker(Closing):
         if child.output:
             child.output.truncate(0)
         self.place.clear()
+        first = not child.tasks
         child.tasks += 1
         child.busy, child.said = True, ""
         lines = math.inf if self.relay else most()
         try:
             # a process that dies while it starts is told of by `outcome`
             with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+                if first:
+                    child.channel.send(memory)
                 child.channel.send(Order(task, log.getEffectiveLevel(), lines))
             return self.outcome(child, watch)
         except (EOFError, OSError):
@@ -138,12 +148,13 @@ class Worker(Closing):
             if self.closed:
                 raise ClosedError
             child = self.child
-            if child is not None and child.process.poll() is None and child.memory == memory:
-                return child
-            self.kill()
-            self.release()
-            self.child = spawn(self.page, memory, self.relay)
-            return self.child
+            fits = child is not None and (child.memory == memory or not child.tasks)
+            if child is None or not fits or child.process.poll() is not None:
+                self.kill()
+                self.release()
+                child = self.child = spawn(self.page, self.relay)
+            child.memory = memory
+            return child
 
     def outcome(self, child: Child, watch: Watch | None) -> Any:
         """Outcome of the task that was sent, or the limit it did not keep."""

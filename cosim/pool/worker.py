@@ -27,7 +27,7 @@ from cosim.pool.limits import confine
 from cosim.scenario.model import Scenario
 
 READY, LOG, DONE = "ready", "log", "done"
-"""Kinds of messages of a worker process: everything is imported; a line of its log; the outcome of a task,
+"""Kinds of messages of a worker process: it has all that it needs; a line of its log; the outcome of a task,
 and whether the process is fit for another."""
 IDLE = 600.0
 """A worker process that got no task for so long ends, s; the next task starts another one."""
@@ -100,7 +100,7 @@ class Forward(logging.Handler):
             self.channel.send((LOG, (record.name, record.levelno, self.format(record))))
 
 
-def main(end: int, page: int, parent: int, memory: float | None) -> None:
+def main(end: int, page: int, parent: int) -> None:
     """Serve the channel until there is an order to end, or the other side closes it."""
     die_with(parent)
     for descriptor in (end, page):
@@ -109,8 +109,8 @@ def main(end: int, page: int, parent: int, memory: float | None) -> None:
     channel = MessageChannel(socket.socket(fileno=end))
     tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
-    refusal = refused(memory) if memory is not None else None
     told = Forward(channel)
+    refusal = refused(tasks)
     with JobRunner(Place(page)) as runner:
         channel.send((READY, None))
         before = process.belongings()
@@ -121,8 +121,11 @@ def main(end: int, page: int, parent: int, memory: float | None) -> None:
     gc.freeze()
 
 
-def refused(memory: float) -> WorkerError | None:
-    """Put a limit to the memory of this process; an error if that cannot be kept."""
+def refused(tasks: queue.SimpleQueue[Parcel]) -> WorkerError | None:
+    """Put the limit to the memory of this process, which comes first; an error if that cannot be kept."""
+    memory: float | None = tasks.get().open()
+    if memory is None:
+        return None
     try:
         confine(memory)
     except MemoryError as error:

@@ -12,9 +12,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-# both are kept between runs at one place, so that what did not change is compiled once
+# all are kept between runs at one place, so that what did not change is compiled once
 COPY = ROOT / "target/newcomer/repository"
 BUILD = ROOT / "target/newcomer/build"
+# what the crates of others are compiled to for the tests of this project is good for those of the copy
+SHARED = ROOT / "target"
 # what Python and mypy know of modules that are the same goes with them
 NOT_COPIED = shutil.ignore_patterns("target", ".git", ".venv", ".ruff_cache", ".pytest_cache")
 NAME = "trial"
@@ -42,13 +44,13 @@ def copy_repository() -> None:
     (COPY / ".venv").symlink_to(sys.prefix, target_is_directory=True)
 
 
-def run(program: str | Path, line: str) -> str:
+def run(program: str | Path, line: str, build: Path = BUILD) -> str:
     """Run a program with these words in the copy, which it must pass; what it printed."""
     environment = {
         "CARGO_NET_OFFLINE": "true",
         **os.environ,
         **QUICKLY_BUILT,
-        "CARGO_TARGET_DIR": str(BUILD),
+        "CARGO_TARGET_DIR": str(build),
         "COSIM_CACHE": str(BUILD / "extracted"),
         "PYTHONPATH": str(COPY),
     }
@@ -72,9 +74,10 @@ def test_a_new_controller_is_built_tested_and_run() -> None:
     assert (COPY / f"target/fmu/{crate}.fmu").is_file()
     run(python, f"-m cosim run {NAME}")
 
-    run("cargo", f"test --package {crate} --locked")
+    run("cargo", f"test --package {crate} --locked", SHARED)
     run("cargo", f"fmt --package {crate} --check")
-    run("cargo", f"clippy --package {crate} --no-deps --all-targets --locked -- -D warnings")
+    line = f"clippy --package {crate} --no-deps --all-targets --locked -- -D warnings"
+    run("cargo", line, SHARED)
     suite = f"tests/acceptance/test_{NAME}.py"
     made = f"plants/__init__.py plants/{NAME}.py plants/{NAME}_parameters.py {suite}"
     for tool in ("ruff check", "ruff format --check", "mypy"):

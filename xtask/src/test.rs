@@ -23,8 +23,6 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
     let fmpy = setup::fmpy_folder(workspace)?;
     for (name, mut command) in checks(workspace) {
         command.env("FMPY_DIR", &fmpy);
-        // else every process of the tests compiles all modules anew
-        command.env_remove("PYTHONDONTWRITEBYTECODE");
         if let Err(error) = timed(&mut times, name, || process::run(name, &mut command)) {
             summary(&times);
             eprintln!("error: {error:#}");

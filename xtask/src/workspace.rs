@@ -25,6 +25,8 @@ impl Workspace {
             // the environment's programs come first
             ("PATH", workspace.search_path()),
             ("VIRTUAL_ENV", workspace.path(".venv").into()),
+            // empty: else every process would compile all modules anew
+            ("PYTHONDONTWRITEBYTECODE", OsString::new()),
         ];
         workspace.0.environment = environment;
         workspace.0.arguments = vec!["--locked".into()];
