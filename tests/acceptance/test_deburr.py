@@ -3,10 +3,6 @@
 The large samples run with `pytest -m full -rP tests/acceptance/test_deburr.py`, which prints what they found.
 """
 
-import json
-import resource
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,27 +14,30 @@ import cosim
 from cosim.scenario.injection import Injection
 
 from .measured.store import measured
-from .samples.robots import DELAYS, PLAIN, Changes, Sample, joined, learn, machine, sample
-from .samples.runs import WORKERS, Columns, run, trace, value
+from .samples.robots import (
+    BURRS,
+    DELAYS,
+    MACHINES,
+    PLAIN,
+    Changes,
+    Sample,
+    errors,
+    joined,
+    learn,
+    machine,
+    sample,
+)
+from .samples.runs import WORKERS, run, trace, value
 from .samples.studies import machines
 
 pytestmark = pytest.mark.acceptance
 
 ROOT = Path(__file__).parents[2]
 
-# nothing was tuned on these seeds
-MACHINES = tuple(range(71_001, 71_011))
-BURRS = tuple(range(72_001, 72_051))
-
 RESOURCES = ROOT / "fmu-deburr/resources"
 KP = 13.0
 TOLD: Changes = ("plant.drive_frequency=280.0", "plant.encoder_noise=0.0", "plant.spindle_noise=0.0")
 """The robot that the controller is told of, which is the paper's."""
-
-
-def errors(result: cosim.Result) -> tuple[float, float]:
-    """Largest errors of the axes 1 and 3 at the tip, m."""
-    return value(result, "error_1"), value(result, "error_3")
 
 
 def told(label: str, result: cosim.Result) -> None:
@@ -90,110 +89,6 @@ def test_castings_at_60_mm_per_s() -> None:
     print(f"60 mm/s: {found}")
     assert found.good.all()
     assert found.metric("feed").min() >= 0.05
-
-
-# couplings that give way behind the encoders
-
-
-BENT = 0.92e-6
-"""What couplings of 20 Hz give way on the first line of the path, m/N."""
-
-
-def tip(seed: int, hertz: float, share: float) -> Columns:
-    """Rows on the way, with couplings of so many hertz and at a share of the taught speed."""
-    speed = f"signal.controller.speed_override.values=[{share}]"
-    soft = f"plant.coupling_frequency={hertz}"
-    rows = trace(run("deburr", soft, speed, "loop.duration=30", seed=seed))
-    return rows[rows["controller.path.speed"] > 0.005]
-
-
-def test_the_tip_gives_way_to_the_cut_by_the_force_over_the_stiffness() -> None:
-    bent = []
-    for hertz in (20.0, 40.0):
-        rows = tip(BURRS[0], hertz, 1.0)
-        steady = (
-            (rows["plant.distance"] > 0.06)
-            & (rows["plant.distance"] < 0.11)
-            & (rows["plant.cutting_force"] > 10.0)
-        )
-        bent.append(np.median(rows["plant.deviation"][steady] / rows["plant.cutting_force"][steady]))
-    assert bent[0] == pytest.approx(BENT, rel=0.15)
-    # the stiffness goes with the square of the frequency
-    assert bent[0] / bent[1] == pytest.approx(4.0, rel=0.15)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("share", [1.0, 0.6, 0.2])
-def test_a_soft_coupling_at_slower_feeds(share: float) -> None:
-    ways = [tip(seed, 20.0, share) for seed in BURRS[:10]]
-    most = max(float(np.abs(rows["plant.deviation"]).max()) for rows in ways)
-    rms = max(float(np.sqrt(np.mean(rows["plant.deviation"] ** 2))) for rows in ways)
-    force = max(float(rows["plant.cutting_force"].max()) for rows in ways)
-    print(f"{share}: {1e3 * most:.3f} mm, {1e3 * rms:.3f} mm rms, {force:.0f} N")
-    # a mode of little damping swings by twice what a force bends it that comes or goes at once
-    assert most <= 2.0 * BENT * force
-    measured("deburr-soft", f"{share}", castings=len(ways), most=1e3 * most, rms=1e3 * rms, force=force)
-
-
-def swung(hertz: float) -> Columns:
-    """Rows of the path in air with couplings of so many hertz, and encoders that count next to nothing."""
-    axes = (1, 3)
-    exact = (*(f"plant.axis{n}_pulse=1e-12" for n in axes), *(f"controller.axis{n}.pulse=1e-9" for n in axes))
-    quiet = ("plant.encoder_noise=0.0", "controller.limits.pulses_max=1e9", *exact)
-    air = ("signal.plant.workpiece.values=[0.0]", "controller.limits.spindle_change=0")
-    return trace(run("deburr/computed", f"plant.coupling_frequency={hertz}", *quiet, *air))
-
-
-@pytest.mark.full
-def test_motors_hardly_move_when_their_loads_swing() -> None:
-    stiff = swung(200.0)
-    for hertz in (20.0, 60.0):
-        rows = swung(hertz)
-        moved = {
-            n: 1e6 * lever * (rows[f"controller.axis{n}.position"] - stiff[f"controller.axis{n}.position"])
-            for n, lever in ((1, 0.75), (3, 1.0))
-        }
-        most = {n: float(np.abs(way).max()) for n, way in moved.items()}
-        rms = {n: float(np.sqrt(np.mean(way**2))) for n, way in moved.items()}
-        tip = 1e6 * float(np.abs(rows["plant.deviation"]).max())
-        # less than half a count
-        assert max(most.values()) <= 2.5
-        measured(
-            "deburr-unseen", f"{hertz:.0f}", tip=tip,
-            rms_1=rms[1], most_1=most[1], rms_3=rms[3], most_3=most[3],
-        )  # fmt: skip
-
-
-def test_a_second_pass_finishes_behind_soft_couplings() -> None:
-    most, force = [], []
-    for file in ("path.json", "two_passes.json"):
-        result = run("deburr/two-passes", f"controller.path.file='{file}'")
-        assert value(result, "good") == 1.0
-        most.append(value(result, "tip"))
-        force.append(value(result, "force"))
-    print(f"{1e3 * most[0]:.3f}, then {1e3 * most[1]:.3f} mm; {force[0]:.0f}, then {force[1]:.0f} N")
-    assert most[1] <= 3e-5
-    # so little is cut that the tip does not give way
-    assert force[1] <= 0.25 * force[0]
-
-
-@pytest.mark.full
-def test_robots_of_the_study_with_soft_couplings_finish_in_a_second_pass() -> None:
-    done = machines("deburr-soft")
-    for row, file in (("one", "path.json"), ("two", "two_passes.json")):
-        found = [one.result for one in done if one.changes["controller.path.file"] == file]
-        assert len(found) == len(done) // 2
-        assert all(value(result, "good") for result in found)
-        tips = 1e3 * np.array([value(result, "tip") for result in found])
-        measured(
-            "deburr-two-passes", row, robots=len(found), median=float(np.median(tips)),
-            high=float(np.percentile(tips, 95)), most=tips.max(), within=int(sum(tips <= 0.05)),
-            stretch=int(sum(tips <= 0.02)), force=max(value(result, "force") for result in found),
-            gouge=-1e3 * min(value(result, "gouge") for result in found),
-            time=float(np.median([value(result, "cycle") for result in found])),
-        )  # fmt: skip
-    assert np.mean(tips <= 0.05) >= 0.97
-    assert tips.max() <= 0.06
 
 
 # false faults
@@ -268,134 +163,6 @@ def test_without_identification_a_new_robot_of_another_gain_is_not() -> None:
     rows = run("deburr/new-robot", *computed, *played)
     assert value(rows, "good") == 0.0
     assert trace(rows)["controller.fault"][-1] == rows.items["controller.fault"]["PatternMismatch"]
-
-
-# patterns
-
-
-def test_what_is_imported_is_what_was_learned(tmp_path: Path) -> None:
-    bank = tmp_path / "bank.bin"
-    few = ("controller.learn.speeds='1.0 0.5'", "controller.learn.law='NormOptimal'")
-    then_played = (
-        "controller.learn.repetitions=2",
-        f"controller.bank.export='{bank}'",
-        "signal.controller.mode.times=[0.0, 45.0]",
-        "signal.controller.mode.values=['Learn', 'Playback']",
-        "signal.plant.workpiece.values=[0.0, 0.0]",
-        "loop.duration=55.0",
-        'loop.stop_when=\'controller.state == "Done" and controller.mode == "Playback"\'',
-    )
-    first = trace(run("deburr/learn", *few, *then_played))
-    second = trace(run("deburr/speed-range", *few, f"controller.bank.import='{bank}'", *STEADY))
-    played = [
-        rows[(rows["controller.mode"] == 4.0) & (rows["controller.state"] == 5.0)] for rows in (first, second)
-    ]
-    assert len(played[0]) == len(played[1]) > 300
-    for axis in range(1, 7):
-        for output in ("compensation", "reference"):
-            column = f"controller.axis{axis}.{output}"
-            assert np.array_equal(played[0][column], played[1][column]), column
-
-
-SINE = {
-    "speed_m_s": 0.1,
-    "start": {"tip_m": [0.727492092192, 0.0, -0.222507907808], "axis": [0.0, 0.0, -1.0]},
-    "blocks": [
-        {
-            "type": "arc",
-            "via_m": [0.75, 0.0, -0.168169011382],
-            "to": {"tip_m": [0.772507907808, 0.0, -0.222507907808]},
-        }
-    ],
-}
-"""Three quarters of an upright circle: axis 3 moves as 100 sin(pi t) mm/s over the upper half."""
-
-
-def sine_pattern(bank: Path, path: Path, speeds: str) -> tuple[Columns, Columns]:
-    """Distance and compensation of axis 3 in pulses at 75 mm/s, with patterns of some speeds."""
-    learned = (f"controller.path.file='{path}'", f"controller.learn.speeds='{speeds}'", *DELAYS[0])
-    learn(bank, *learned, repetitions=12)
-    played = (
-        "signal.controller.speed_override.times=[0.0]",
-        "signal.controller.speed_override.values=[0.75]",
-    )
-    rows = trace(run("deburr/speed-range", *learned, f"controller.bank.import='{bank}'", *played))
-    rows = rows[rows["controller.path.speed"] > 0.0]
-    return rows["controller.path.distance"], rows["controller.axis3.compensation"] / 5e-6
-
-
-def test_interpolated_patterns_are_those_that_repetition_forms(tmp_path: Path) -> None:
-    # the paper's Fig. 2: from 100 and 50 mm/s to 75
-    path = tmp_path / "sine.json"
-    path.write_text(json.dumps(SINE))
-    interpolated = sine_pattern(tmp_path / "two.bin", path, "1.0 0.5")
-    formed = sine_pattern(tmp_path / "one.bin", path, "0.75")
-    # 10 to 90 % of the half circle in the middle
-    place = np.linspace(0.035, 0.115, 321)
-    difference = np.interp(place, *interpolated) - np.interp(place, *formed)
-    print(f"interpolated and formed differ by {np.abs(difference).max():.1f} pulses of {formed[1].max():.0f}")
-    assert formed[1].max() > 1000.0
-    assert np.abs(difference).max() <= 4.0
-
-
-STEADY: Changes = (
-    "signal.controller.speed_override.times=[0.0]",
-    "signal.controller.speed_override.values=[1.0]",
-)
-
-
-def test_errors_of_the_files_are_told_with_a_hint() -> None:
-    for change, words in {
-        "controller.path.file='six_axis.json'": ("bank.import", "hint: "),
-        "controller.path.file='nowhere.json'": ("path.file", "nowhere.json", "hint: "),
-        "controller.axis3.pulse=1e-5": ("bank.import", "hint: "),
-    }.items():
-        command = [sys.executable, "-m", "cosim", "run", "deburr", "--set", change]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-        assert done.returncode == 2, f"{change}: {done.stdout}"
-        for word in words:
-            assert word in done.stderr, f"{change}: {done.stderr}"
-
-
-def written(bank: Path) -> cosim.Result:
-    """Learn one speed once with `bank` as the file, then deburr."""
-    return run(
-        "deburr/learn",
-        "controller.learn.speeds='1.0'",
-        "controller.learn.repetitions=1",
-        f"controller.bank.export='{bank}'",
-        "loop.duration=25.0",
-        "signal.controller.mode.times=[0.0, 16.0]",
-        "signal.plant.workpiece.times=[0.0, 18.0]",
-    )
-
-
-def told_and_kept(result: cosim.Result) -> None:
-    """See that the writing failed, was told, and that the patterns are still used."""
-    rows, status = trace(result), result.items["controller.bank.status"]
-    assert rows["controller.bank.status"][rows["time"] < 16.0][-1] == status["ExportFailed"]
-    assert value(result, "good") == 1.0
-    assert max(errors(result)) < 0.5e-3
-
-
-def test_a_bank_without_a_folder_is_told_and_kept(tmp_path: Path) -> None:
-    told_and_kept(written(tmp_path / "missing" / "bank.bin"))
-
-
-def test_a_full_disk_leaves_the_old_bank_as_it_was(tmp_path: Path) -> None:
-    bank = tmp_path / "bank.bin"
-    bank.write_text("what was there")
-    # the FMU is unpacked before files may not grow
-    run("deburr/no-bank")
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
-    try:
-        result = written(bank)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    told_and_kept(result)
-    assert bank.read_text() == "what was there"
-    assert [file.name for file in tmp_path.iterdir()] == ["bank.bin"]
 
 
 # the large samples

@@ -11,10 +11,14 @@ from numpy.typing import NDArray
 
 import cosim
 
-from .runs import WORKERS
+from .runs import WORKERS, value
 
 Changes = tuple[str, ...]
 Array = NDArray[np.float64]
+
+# nothing was tuned on these seeds
+MACHINES = tuple(range(71_001, 71_011))
+BURRS = tuple(range(72_001, 72_051))
 
 BAND = (-0.5e-3, 1.0e-3)
 """Finishing accuracy of castings for cars, m (paper)."""
@@ -31,6 +35,11 @@ PLAIN: dict[int, Changes] = {
     1: ("controller.learn.law='Plain'", "controller.learn.lead=0", "controller.lookup.preview=0"),
 }
 """The paper's own law; with a delay it stops at the best repetition, which the law as printed does not."""
+
+
+def errors(result: cosim.Result) -> tuple[float, float]:
+    """Largest errors of the axes 1 and 3 at the tip, m."""
+    return value(result, "error_1"), value(result, "error_3")
 
 
 def machine(case: int, spread: float = 0.2) -> Changes:
