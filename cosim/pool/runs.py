@@ -56,6 +56,10 @@ def run(
     """
     scenario = loaded(scenario)
     if not isolated:
+        if limits is not None:
+            raise CosimError(
+                "`limits` are of an isolated run", "`isolated=True` gives it a process of its own"
+            )
         with Session(scenario, engine=engine) as session:
             return session.run(seed, progress, stream)
     if not isolates():

@@ -190,3 +190,8 @@ def test_a_closed_session_refuses_to_run(lag: Path) -> None:
     session.close()
     with pytest.raises(CosimError, match="is closed"):
         session.run()
+
+
+def test_limits_of_a_run_in_this_process_are_refused(lag: Path) -> None:
+    with pytest.raises(CosimError, match="`limits` are of an isolated run\nhint: `isolated=True`"):
+        cosim.run(lag, limits=Limits(timeout=1.0))
