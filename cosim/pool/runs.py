@@ -124,7 +124,7 @@ def loaded(scenario: Scenario | str | Path) -> Scenario:
 
 
 def run_each(
-    scenarios: Sequence[Scenario],
+    scenarios: Sequence[Scenario | str | Path],
     workers: int | None = None,
     keep_trace: bool = False,
     engine: Engine = "native",
@@ -134,7 +134,7 @@ def run_each(
     Parameters
     ----------
     scenarios
-        One run each.
+        One run each; names and files are loaded.
     workers, keep_trace, engine
         As for `run_many`.
 
@@ -143,7 +143,8 @@ def run_each(
     list of Result or CosimError
         A run that could not be done, or whose worker process died, gives its error and stops no other.
     """
-    jobs = [Job(scenario, scenario.loop.seed, engine, keep_trace) for scenario in scenarios]
+    found = [loaded(scenario) for scenario in scenarios]
+    jobs = [Job(scenario, scenario.loop.seed, engine, keep_trace) for scenario in found]
     return list(ordered(jobs, workers))
 
 
