@@ -48,7 +48,7 @@ def sweep(
         # for copying: never wrapped
         print(f"wrote {paths.shown(folder)}")
     if not found.results:
-        _, reason = next(iter(found.troubles))
+        (_, reason), *_ = found.troubles
         report(f"none of the {found.rows} runs gave a result; the first: {reason}")
         raise typer.Exit(COULD_NOT_RUN)
     raise typer.Exit(FAILED if found.passed is False else 0)
