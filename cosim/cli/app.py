@@ -103,7 +103,7 @@ def status_of(command: Any) -> int:
             return unforeseen(error)
         report(f"cannot write the result: {error.strerror}")
         return COULD_NOT_RUN
-    except Exception as error:
+    except BaseException as error:
         return unforeseen(error)
 
 
