@@ -36,6 +36,8 @@ NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.
 """Errors of a disk behind stdout."""
 COMPLETING = "_COSIM_COMPLETE"
 """Set by a shell that asks for completions; typer ends the process when it has told them."""
+COMPLETION = ("--install-completion", "--show-completion")
+"""Options that typer answers itself, and ends the process then; 1 is a shell that it does not know."""
 
 log = logging.getLogger("cosim")
 app = typer.Typer(
@@ -72,6 +74,9 @@ def status_of(command: Any) -> int:
             sys.stdout.flush()
         if code == INTERRUPTED:
             report("interrupted")
+        if code and about_completion():
+            report("there is no completion for this shell", "bash, zsh, fish and PowerShell have it")
+            return COULD_NOT_RUN
         return code if isinstance(code, int) else 0
     except CosimError as error:
         log.debug("here:", exc_info=error)
@@ -92,14 +97,19 @@ def status_of(command: Any) -> int:
         # typer ends quietly when the reader of its output has gone; what else ends the process is no result
         if isinstance(error.__context__, BrokenPipeError):
             return READER_GONE
-        return 0 if COMPLETING in os.environ else unforeseen(error)
+        return 0 if COMPLETING in os.environ or about_completion() else unforeseen(error)
     except OSError as error:
         if error.filename is not None or error.errno not in NO_ROOM:
             return unforeseen(error)
         report(f"cannot write the result: {error.strerror}")
         return COULD_NOT_RUN
-    except Exception as error:
+    except BaseException as error:
         return unforeseen(error)
+
+
+def about_completion() -> bool:
+    """Whether the command line asks for nothing but the completion of a shell."""
+    return sys.argv[1:2] in ([option] for option in COMPLETION)
 
 
 def is_interrupt(error: BaseException | None) -> bool:

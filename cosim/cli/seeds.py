@@ -12,7 +12,7 @@ from cosim.cli.options import COULD_NOT_RUN, FAILED
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.pool.limits import Limits
-from cosim.show.console import output, progress_bar
+from cosim.show.console import output, progress_bar, report
 from cosim.words import strict
 from cosim.writing import write
 
@@ -43,6 +43,8 @@ def run_seeds(
     if file != "-":
         output().print(seeds.tables(scenario, found))
     if found.results < found.wanted:
+        (_, reason), *_ = found.troubles
+        report(f"{found.wanted - found.results} of {found.wanted} runs gave no result; the first: {reason}")
         raise typer.Exit(COULD_NOT_RUN)
     raise typer.Exit(FAILED if found.passed is False else 0)
 

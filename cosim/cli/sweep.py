@@ -9,8 +9,8 @@ import typer
 from typer import Argument, Option
 
 from cosim import paths
-from cosim.cli.options import FAILED, Quiet, Verbose
-from cosim.show.console import configure_logging, output
+from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Verbose
+from cosim.show.console import configure_logging, output, report
 from cosim.writing import write
 
 CLUSTER = (
@@ -47,4 +47,8 @@ def sweep(
         output().print(tables, crop=False)
         # for copying: never wrapped
         print(f"wrote {paths.shown(folder)}")
+    if not found.results:
+        (_, reason), *_ = found.troubles
+        report(f"none of the {found.rows} runs gave a result; the first: {reason}")
+        raise typer.Exit(COULD_NOT_RUN)
     raise typer.Exit(FAILED if found.passed is False else 0)

@@ -159,7 +159,9 @@ def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]
     if not column and len(others) == 1:
         column = others[0]
     if column not in others:
-        told = f"`{paths.shown(file)}` has no column `{column}`" if column else "`column` is missing"
+        shown = paths.shown(file)
+        several = f"`column` is missing, `{shown}` has {len(others)} beside the time"
+        told = f"`{shown}` has no column `{column}`" if column else several
         hint = closest(column, others)
         raise ScenarioError(told, hint or "values are separated by commas; the first line names the columns")
     return time, names.index(column)

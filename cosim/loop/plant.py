@@ -178,9 +178,9 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
     values = check_parameters(kind, parameters)
     try:
         plant: Plant = kind(values)
-    except CosimError:
+    except (CosimError, KeyboardInterrupt, SystemExit):
         raise
-    except Exception as error:
+    except BaseException as error:
         problem, _, hint = str(error).partition("\nhint: ")
         if isinstance(error, ValueError):
             raise PlantError(f"the plant `{name}` refused its parameters: {problem}", hint) from error

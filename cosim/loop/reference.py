@@ -114,7 +114,9 @@ def run(parts: Parts) -> Recording:
                 break
             if progress is not None and k % PROGRESS_EVERY == 0:
                 progress(k, loop.steps)
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a panic of Rust is no `Exception`
         raise located(error, fmu, scenario, k) from error
     place.end_steps([choice.shown for choice in scenario.fmus])
     return Recording(recorder.recorded(k + 1), k + 1, links.begins)
@@ -142,7 +144,9 @@ def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) 
         plant.reset(seed, scenario.loop.duration)
     except CosimError:
         raise
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a panic of Rust is no `Exception`
         raise failed_plant(f"the plant `{scenario.plant.name}` cannot be reset", error) from error
 
 
@@ -170,7 +174,7 @@ def inject(faults: list[Fault], k: int) -> None:
             fault.target.array[fault.target.index] = fault.target.convert(value)
 
 
-def located(error: Exception | SystemExit, fmu: Instance, scenario: Scenario, k: int) -> CosimError:
+def located(error: BaseException, fmu: Instance, scenario: Scenario, k: int) -> CosimError:
     """Error of a run with step and time, and with the FMU's own words if it was the FMU."""
     when = f"at t = {k * scenario.loop.step:.9g} s (step {k})"
     if isinstance(error, FMICallException):
@@ -180,7 +184,7 @@ def located(error: Exception | SystemExit, fmu: Instance, scenario: Scenario, k:
     return failed_plant(f"the plant `{scenario.plant.name}` failed {when}", error)
 
 
-def failed_plant(action: str, error: Exception | SystemExit) -> PlantError:
+def failed_plant(action: str, error: BaseException) -> PlantError:
     """Error of a plant's own code; a hint in its text becomes ours."""
     problem, _, hint = str(error).partition("\nhint: ")
     return PlantError(f"{action}: {type(error).__name__}: {problem}", hint or "`-v` shows where")

@@ -111,9 +111,29 @@ def compile_metrics(
         metric = named[name]
         with concerning(f"{name}.value"):
             made = Expression(metric.value, columns, f"`{name}.value`", units=units, known=nodes)
+        check_unit(metric, made)
         kept = functools.partial(reference, name, made)
         compiled[name], nodes[name] = made, replace(made.root, evaluate=kept, unit=metric.unit or made.unit)
     return [compiled[name] for name in named]
+
+
+def check_unit(metric: Metric, made: Expression) -> None:
+    """Check that the unit of a metric does not only rename the one that its expression is in.
+
+    A number that is multiplied or divided may be meant to convert, then nothing is known.
+
+    Raises
+    ------
+    ExpressionError
+        The unit converts to another of the same kind.
+    """
+    if not made.unit or made.converts or conversion(made.unit, metric.unit) in (None, 1.0):
+        return
+    key = f"metric.{metric.name}"
+    with concerning(f"{key}.unit"):
+        problem = f"`{key}.unit` is `{metric.unit}`, `{key}.value` = `{metric.value}` is in `{made.unit}`"
+        hint = f'a criterion may have `unit = "{metric.unit}"` and is converted; leave that of the metric out'
+        raise ExpressionError(problem, hint)
 
 
 def reference(name: str, expression: Expression, columns: Trace) -> Any:

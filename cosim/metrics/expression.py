@@ -88,6 +88,7 @@ class Expression:
             reason = error.msg if isinstance(error, SyntaxError) else str(error)
             hint = '`column("name")` takes a name that is no Python name'
             raise self.error(f"is not an expression: {reason}", hint) from None
+        self.converts = any(isinstance(part, ast.Mult | ast.Div | ast.Pow) for part in ast.walk(tree))
         try:
             self.root = self.build(tree.body)
         except RecursionError:

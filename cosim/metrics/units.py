@@ -21,7 +21,7 @@ PLAIN = ""
 ONE = "1"
 OTHERS = {ONE: (ONE, 1.0), "%": (ONE, 0.01)}
 """Units that are no names and so stand in no expression."""
-FACTOR = re.compile(r"([^\d./*^-]+)\^?(-?\d{0,2})")
+FACTOR = re.compile(r"([^\d./*^-]+)\^?(-?\d?)")
 """Unit and exponent of one factor: `m`, `s2`, `s^-1`."""
 SAME = {
     "Add", "Sub", "Mod", "USub", "UAdd", "abs", "min", "max", "minimum", "maximum", "clip", "hypot", "round",
@@ -101,7 +101,7 @@ def conversion(source: str, target: str) -> float | None:
 
 
 def reduced(unit: str) -> tuple[float, Counter[str]] | None:
-    """Scale of a unit and the exponents of its SI units; None for one that is not known."""
+    """Scale of a unit and the exponents of its SI units; None if it is not known, or beyond all numbers."""
     scale, powers = 1.0, Counter[str]()
     for place, part in enumerate(unit.split("/")):
         for text in re.split(r"[.*]", part):
@@ -114,4 +114,6 @@ def reduced(unit: str) -> tuple[float, Counter[str]] | None:
             # `rpm` is a quotient itself
             for sign, name in zip((1, -1), base.split("/"), strict=False):
                 powers[name] += sign * exponent
+    if not 0.0 < scale < math.inf:
+        return None
     return scale, Counter({name: power for name, power in powers.items() if power and name != ONE})

@@ -34,7 +34,10 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
     file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
     place.begin(file.name, plant_name, 0, 0.0)
     place.at(Stage.BUILD_PLANT)
-    driven = plant.build(plant_name, {}, Path.cwd()) if plant_name else None
+    try:
+        driven = plant.build(plant_name, {}, Path.cwd()) if plant_name else None
+    except SystemExit as error:
+        raise plant.exited(plant_name, error) from error
     sensed, commanded = (
         channels(driven.readings if driven else ()),
         channels(driven.commands if driven else ()),

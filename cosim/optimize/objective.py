@@ -66,11 +66,32 @@ def measured(problem: Problem, scenario: Scenario) -> StoredTrace | None:
             raise ScenarioError(text, closest(name, found.columns))
     if not found.columns:
         raise CosimError(f"`{paths.shown(found.file)}` has no columns beside `time`")
+    for name in problem.objective.columns or found.columns:
+        check_measured(name, found)
     end = scenario.loop.duration + scenario.loop.step
     if found.times[-1] > end:
         text = f"`{paths.shown(found.file)}` ends at {found.times[-1]:g} s, the scenario at {end:g} s"
         raise CosimError(text, "set `loop.duration` in `[set]`, or cut the trace")
     return found
+
+
+def check_measured(name: str, found: StoredTrace) -> None:
+    """Check that a column holds numbers from which a deviation can be told.
+
+    Raises
+    ------
+    CosimError
+        None of them is finite, or their spread is not.
+    """
+    known = found.data[name][np.isfinite(found.data[name])]
+    if not known.size:
+        raise CosimError(f"`{name}` in `{paths.shown(found.file)}` holds no finite number")
+    with np.errstate(over="ignore"):
+        spread = np.std(known)
+    if not np.isfinite(spread):
+        low, high = np.min(known), np.max(known)
+        told = f"goes from {low:g} to {high:g}, whose spread is beyond all numbers"
+        raise CosimError(f"`{name}` in `{paths.shown(found.file)}` {told}")
 
 
 def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float:

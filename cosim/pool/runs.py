@@ -56,6 +56,10 @@ def run(
     """
     scenario = loaded(scenario)
     if not isolated:
+        if limits is not None:
+            raise CosimError(
+                "`limits` are of an isolated run", "`isolated=True` gives it a process of its own"
+            )
         with Session(scenario, engine=engine) as session:
             return session.run(seed, progress, stream)
     if not isolates():
@@ -120,7 +124,7 @@ def loaded(scenario: Scenario | str | Path) -> Scenario:
 
 
 def run_each(
-    scenarios: Sequence[Scenario],
+    scenarios: Sequence[Scenario | str | Path],
     workers: int | None = None,
     keep_trace: bool = False,
     engine: Engine = "native",
@@ -130,7 +134,7 @@ def run_each(
     Parameters
     ----------
     scenarios
-        One run each.
+        One run each; names and files are loaded.
     workers, keep_trace, engine
         As for `run_many`.
 
@@ -139,7 +143,8 @@ def run_each(
     list of Result or CosimError
         A run that could not be done, or whose worker process died, gives its error and stops no other.
     """
-    jobs = [Job(scenario, scenario.loop.seed, engine, keep_trace) for scenario in scenarios]
+    found = [loaded(scenario) for scenario in scenarios]
+    jobs = [Job(scenario, scenario.loop.seed, engine, keep_trace) for scenario in found]
     return list(ordered(jobs, workers))
 
 

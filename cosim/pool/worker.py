@@ -65,7 +65,9 @@ class JobRunner(Closing):
             if isinstance(error.__cause__, MemoryError):
                 return WorkerError("memory", error.message, error.hint)
             return error
-        except (Exception, SystemExit) as error:  # whatever it is, it concerns only this run
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # whatever it is, it concerns only this run
             self.close()
             return unforeseen(error)
 

@@ -85,6 +85,10 @@ def check_fmu(choice: FmuChoice, loop: Loop, fail: Fail) -> None:
     if choice.step is not None and not MOST_STEPS > choice.step / loop.step > 0.5:
         fail(f"{key}.step", f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s")
     every = loop.every(choice.step)
+    if every > loop.steps:
+        fail(
+            f"{key}.step", f"is `{choice.step}` s, it must not be above `loop.duration` = `{loop.duration}` s"
+        )
     if choice.step is not None and abs(choice.step / loop.step - every) > 1e-6:
         hint = f"the nearest is {every * loop.step:.12g} s"
         fail(

@@ -64,8 +64,19 @@ def save(figure: Any, file: Path) -> None:
     """Write a figure and close it; a `CosimError` says why it cannot be written."""
     from matplotlib import pyplot
 
+    show_as_written(figure)
     try:
         with naming(file):
             figure.savefig(file, dpi=110, metadata=SVG if file.suffix == ".svg" else None)
     finally:
         pyplot.close(figure)
+
+
+def show_as_written(figure: Any) -> None:
+    """Let no `$` in a name, unit or title begin a formula; those of matplotlib are on logarithmic axes."""
+    from matplotlib.text import Text
+
+    axes = [axis for part in figure.axes for axis in (part.xaxis, part.yaxis) if axis.get_scale() == "log"]
+    formulas = {label for axis in axes for label in axis.get_ticklabels(which="both")}
+    for text in figure.findobj(Text):
+        text.set_parse_math(text in formulas)

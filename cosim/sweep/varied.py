@@ -18,6 +18,8 @@ MEMORY = {
     "maximum": MOST_MEMORY / 1e6,
     "demand": f"be positive and at most {MOST_MEMORY / 1e6:g}",
 }
+MOST_EXACT = 2.0**53
+"""Up to here 64-bit numbers tell all integers apart."""
 
 
 @dataclass(frozen=True)
@@ -145,10 +147,17 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
         )
     if not normal and not (math.isfinite(low) and math.isfinite(high)):
         fail(f"{key}", f"needs `minimum` and `maximum` of `{vary.key}`, both finite")
+    if math.isfinite(low) and math.isfinite(high) and not math.isfinite(high - low):
+        fail(f"{key}", f"is `{low}` .. `{high}`, whose width is beyond all numbers")
     if vary.distribution == "log-uniform" and low <= 0.0:
         fail(f"{key}.minimum", f"is `{low}`, a logarithmic range starts above 0")
     if vary.integer and any(math.isfinite(end) and not end.is_integer() for end in (low, high)):
         fail(f"{key}.integer", f"is true, but `{low}` .. `{high}` does not end at integers")
+    if vary.integer and any(math.isfinite(end) and abs(end) > MOST_EXACT for end in (low, high)):
+        fail(
+            f"{key}.integer",
+            f"is true, but beyond {MOST_EXACT:.0f} not every number of `{low}` .. `{high}` is one",
+        )
     if (kind == "grid") != (vary.points is not None):
         fail(f"{key}.points", "belongs to a range in a `grid`, and only there")
     if vary.points is not None and (vary.points < 2 or normal):

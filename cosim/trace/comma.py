@@ -25,9 +25,9 @@ def read(path: Path) -> StoredTrace:
     with path.open(newline="", encoding="utf-8-sig") as lines:
         names = [name.strip() for name in next(csv.reader(lines), [])]
         rows = lines.readlines()
-    table = np.loadtxt(rows, delimiter=",", ndmin=2) if rows else np.zeros((0, len(names)))
-    if not all(names) or len(set(names)) != len(names):
+    if not names or not all(names) or len(set(names)) != len(names):
         raise ValueError("its first line must hold the names of the columns, each once")
+    table = np.loadtxt(rows, delimiter=",", ndmin=2) if rows else np.zeros((0, len(names)))
     if table.size and table.shape[1] != len(names):
         raise ValueError(f"its rows have {table.shape[1]} cells, its first line has {len(names)}")
     return StoredTrace(path, Held(structured(table.reshape(-1, len(names)), names)))

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.errors import ExpressionError
-from cosim.metrics.criteria import compile_metrics
+from cosim.metrics.criteria import compile_metrics, unit_of
 from cosim.metrics.expression import Expression, Items
 from cosim.scenario.model import Metric
 from cosim.trace.columns import InOrder
@@ -282,3 +282,13 @@ def test_metrics_that_are_made_of_each_other_are_refused() -> None:
         compile_metrics(metrics, NAMES)
     with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is no other metric"):
         compile_metrics((Metric("far", "metric.far + 1"),), NAMES)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit"),
+    [("1e6 * max(plant.x)", "um"), ("max(plant.x) / um", "um"), ("max(plant.x)", "furlong")],
+)
+def test_a_metric_that_may_have_converted_keeps_the_unit_it_is_given(value: str, unit: str) -> None:
+    metrics = (Metric("far", value, unit),)
+    measured_one = compile_metrics(metrics, NAMES, {"plant.x": "m"})
+    assert unit_of(metrics[0], measured_one[0]) == unit

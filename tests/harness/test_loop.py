@@ -228,6 +228,8 @@ def test_each_of_many_scenarios_runs_with_its_own_seed_and_parameters(write: Wri
         assert [result.seed for result in each] == [3, 1, 4]
         assert [result.metrics["end"].value for result in each] == single
     assert cosim.run_each([]) == []
+    named = cosim.run_each([file, scenarios[0]], 1)
+    assert [type(done) for done in named] == [cosim.Result, cosim.Result]
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -6,6 +6,7 @@ import json
 import math
 import re
 from collections.abc import Callable
+from html import unescape
 from pathlib import Path
 
 import fmpy
@@ -242,6 +243,14 @@ def texts(write: Write, folder: Path, probe_library: bytes) -> Callable[[str], l
 
 def panel(columns: str, more: str = "") -> str:
     return f"{MODES}\n[[plot.panels]]\ncolumns = {columns}\n{more}\n"
+
+
+@pytest.mark.parametrize("more", ["", "log = true\n"])
+def test_a_dollar_begins_no_formula(texts: Callable[[str], list[str]], more: str) -> None:
+    title = r"$\frac{$ and $x$"
+    shown = texts(panel('["plant.x"]', f"title = '{title}'\nunit = '$'\n{more}"))
+    assert {title, "$"} <= {unescape(text).strip() for text in shown}
+    assert not any("mathdefault" in text for text in shown if not more)
 
 
 def test_a_panel_without_a_unit_is_in_the_display_unit_of_the_fmu(texts: Callable[[str], list[str]]) -> None:

@@ -72,6 +72,9 @@ LINES: dict[str, Case] = {
     ),
     "compare a pipe": Case(given("compare", "pipe.csv", "in.csv"), ("`pipe.csv`", "regular file")),
     "judge a trace without end": Case(given("judge", "vast.npz", "lag.toml"), ("`vast.npz` holds no trace",)),
+    "judge an empty trace": Case(
+        given("judge", "empty.csv", "lag.toml"), ("`empty.csv` holds no trace", "names of the columns")
+    ),
     "judge half a trace": Case(
         given("judge", "half.npz", "lag.toml"), ("`half.npz` holds no trace", "no npz file, or one cut off")
     ),

@@ -230,6 +230,22 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         WHOLE + "equals = 0.5\n",
         ("`criterion.end.equals`", "does not go with `maximum`"),
     ),
+    "metric in another unit of its kind": (
+        WHOLE + entry("metric", name="far", unit="um", value="max(plant.x)"),
+        ("`metric.far.unit` is `um`", "`max(plant.x)` is in `m`", "criterion"),
+    ),
+    "metric of a metric in another unit": (
+        WHOLE + entry("metric", name="far", unit="mm", value="metric.end + 1"),
+        ("`metric.far.unit` is `mm`", "is in `m`"),
+    ),
+    "time in another unit": (
+        WHOLE + entry("metric", name="when", unit="ms", value="first_time(plant.x > 0)"),
+        ("`metric.when.unit` is `ms`", "is in `s`"),
+    ),
+    "criterion in a unit beyond all numbers": (
+        WHOLE.replace("maximum = 1.0", 'maximum = 1.0\nunit = "nm^-99"'),
+        ("`criterion.end.unit` is `nm^-99`", "does not convert"),
+    ),
     "criterion in another unit": (WHOLE + 'unit = "s"\n', ("`criterion.end.unit` is `s`", "`m`", "convert")),
     # inheritance
     "extends itself": ('extends = "bad.toml"\n', (FILE, "leads back to `bad.toml`")),

@@ -43,6 +43,10 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
         ("`fmu.a.step`", "0.002 s"),
     ),
     "step too short": (edited("parameters", "step = 0.0001\nparameters", TWO), ("`fmu.a.step`", "multiple")),
+    "step beyond the end": (
+        edited("parameters", "step = 1.0\nparameters", TWO),
+        ("`fmu.a.step` is `1.0` s", "above `loop.duration`"),
+    ),
     "step 0": (edited("parameters", "step = 0\nparameters", TWO), ("`fmu.a.step` is `0.0`", "positive")),
     "step inf": (edited("parameters", "step = inf\nparameters", TWO), ("`fmu.a.step` is `inf`", "finite")),
     "no such FMU": (edited('fmu = "probe"', 'fmu = "prob"', TWO), (FILE, "`prob.fmu` does not exist")),

@@ -37,6 +37,14 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         DRAWN + VARY + "minimum = 0.1\nmaximum = inf\n",
         ("`vary[0]`", "`plant.pole`", "both finite"),
     ),
+    "range without width": (
+        DRAWN + '[[vary]]\nkey = "wire.plant.u.scale"\nminimum = -1.7e308\nmaximum = 1.7e308\n',
+        ("`vary[0]`", "`-1.7e+308` .. `1.7e+308`", "beyond all numbers"),
+    ),
+    "integers beyond all": (
+        DRAWN + VARY + "minimum = 0\nmaximum = 1e300\ninteger = true\n",
+        ("`vary[0].integer`", "9007199254740992", "`1e+300`"),
+    ),
     "end is no number": (
         DRAWN + VARY + "minimum = nan\nmaximum = 1.0\n",
         ("`vary[0].minimum` is `nan`",),

@@ -47,6 +47,7 @@ def room(lag: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def write_traces(folder: Path) -> None:
     """Write what is a trace, and what only has the name of one."""
     (folder / "in.csv").write_text("time,flag\n0,1\n1,0\n")
+    (folder / "empty.csv").touch()
     os.mkfifo(folder / "pipe.csv")
     (folder / "zero.npz").symlink_to("/dev/zero")
     header = {"descr": [("time", "<f8")], "fortran_order": False, "shape": (99999999999999,)}

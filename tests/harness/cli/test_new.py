@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 import cosim as api
 from cosim.new.match import End, match
 
+from ..conftest import DATA
 from .commands import called, cosim
 
 Write = Callable[..., Path]
@@ -132,12 +134,13 @@ def test_nothing_is_ever_overwritten(folder: Path) -> None:
         (["none.fmu"], "the FMU file `none.fmu` does not exist"),
         (["probe.fmu", "none.xml"], "the MJCF file `none.xml` does not exist"),
         (["probe.fmu", "slid"], "did you mean `slide`?"),
+        (["probe.fmu", "exiting:Any"], "the plant `exiting:Any` ended the process: `sys.exit(0)`"),
         (["probe.fmu", "--out", "a.txt"], "the name must end in `.toml`"),
         (["probe.fmu", "--out", "none/a.toml"], "cannot write `none/a.toml`: No such file"),
     ],
 )
-@pytest.mark.usefixtures("folder")
-def test_mistakes_are_told_and_leave_no_file(arguments: list[str], told: str) -> None:
+def test_mistakes_are_told_and_leave_no_file(arguments: list[str], told: str, folder: Path) -> None:
+    shutil.copy(DATA / "exiting.py", folder)
     before = set(Path().glob("**/*.toml"))
     done = called("new", *arguments)
     assert done.returncode == 2

@@ -80,6 +80,7 @@ def test_runs_without_a_result_are_exit_code_2_and_are_told(write: Write) -> Non
     done = cosim("run", "lag.toml", "--seeds", "4..6", "--set", "plant.fail_at=3", "--json", "runs.json")
     assert done.returncode == 2
     assert re.search(r"error +3 +4 +the plant .* told to fail", done.stdout)
+    assert "error: 3 of 3 runs gave no result; the first: the plant `probe_plants:Lag` failed" in done.stderr
     assert all("told to fail" in run["error"] for run in json.loads(Path("runs.json").read_text()))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from .commands import cosim
+from .commands import called, cosim
 
 Write = Callable[..., Path]
 
@@ -75,3 +75,24 @@ def test_a_wrong_command_line_points_to_the_help_of_its_command(line: list[str],
     done = cosim(*line)
     assert done.returncode == 2
     assert done.stderr.endswith(f"hint: `{asked} --help` shows what it takes\n")
+
+
+@pytest.mark.parametrize("option", ["--show-completion", "--install-completion"])
+def test_completion_is_shown_and_installed(option: str, tmp_path: Path) -> None:
+    shell = {"HOME": str(tmp_path), "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}
+    done = cosim(option, "bash", **shell)
+    assert (done.returncode, done.stderr) == (0, "")
+    files = (*tmp_path.rglob("*.sh"), *tmp_path.rglob(".bashrc"))
+    told = done.stdout + "".join(file.read_text() for file in files)
+    assert "complete -o default -F _cosim_completion cosim" in told
+
+
+@pytest.mark.parametrize("option", ["--show-completion", "--install-completion"])
+def test_completion_for_a_shell_that_is_not_known_is_refused(
+    option: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in ("typer.completion", "typer._completion_shared"):
+        monkeypatch.setattr(f"{module}._get_shell_name", lambda: None)
+    done = called(option)
+    assert done.returncode == 2
+    assert "error: there is no completion for this shell\nhint: bash, zsh, fish" in done.stderr

@@ -101,3 +101,21 @@ class EndInFilm(probe_plants.Lag):
 
     def record_qpos(self) -> None:
         os._exit(3)
+
+
+class Panic(BaseException):
+    """As that of Rust, which is no `Exception`."""
+
+
+class PanicsInInit(probe_plants.Lag):
+    """Panics when it is built."""
+
+    def __init__(self, parameters: probe_plants.LagParameters) -> None:
+        raise Panic("at the first line")
+
+
+class PanicsInStep(probe_plants.Lag):
+    """Panics when it is read."""
+
+    def sense(self) -> Any:
+        raise Panic("at the first line")

@@ -135,9 +135,18 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
     "falls": ("time,a\n0,1\n2,1\n1,1\n", r"line 4: the time `1` s does not rise, before it was `2` s"),
     "twice": ("time,a\n0,1\n0,2\n", r"line 3: the time `0` s does not rise"),
     "header": ("time,a\n", r"has no values, only a header"),
-    "empty": ("", r"`column` is missing\nhint: values are separated by commas"),
-    "semicolons": ("time;a\n0;1\n", r"`column` is missing\nhint: values are separated by commas"),
-    "choice": ("time,a,b\n0,1,2\n", r"`column` is missing\nhint: known here: `a`, `b`"),
+    "empty": (
+        "",
+        r"`column` is missing, `.*x.csv` has 0 beside the time\nhint: values are separated by commas",
+    ),
+    "semicolons": (
+        "time;a\n0;1\n",
+        r"`column` is missing, `.*x.csv` has 0 beside the time\nhint: values are separated by commas",
+    ),
+    "choice": (
+        "time,a,b\n0,1,2\n",
+        r"`column` is missing, `.*x.csv` has 2 beside the time\nhint: known here: `a`, `b`",
+    ),
     "bytes": (b"time,a\n0,\xff\n", r"not a CSV file in UTF-8"),
 }
 

@@ -314,6 +314,9 @@ WRONG = {
     "no measured trace": ('trace = "gone.csv"', GAIN, "gone.csv"),
     "unknown column": ('trace = "m.csv"\ncolumns = ["plant.y"]', GAIN, "`plant.y`"),
     "column of no run": ('trace = "m.csv"', GAIN, "the column `speed`, which is not in the trace of a run"),
+    "nothing measured": ('trace = "none.csv"', GAIN, "`plant.x` in `none.csv` holds no finite number"),
+    "measured beyond all": ('trace = "vast.csv"', GAIN, "`vast.csv` goes from -1e+308 to 1e+308"),
+    "empty trace": ('trace = "empty.csv"', GAIN, "its first line must hold the names of the columns"),
     "too long": ('trace = "long.csv"', GAIN, "`long.csv` ends at 1 s, the scenario at"),
     "columns of a metric": ('metric = "end"\ncolumns = ["plant.x"]', GAIN, "belongs to `objective.trace`"),
     "a study": ('metric = "end"', '[design]\nkind = "grid"\n' + GAIN, "`design` is of a study"),
@@ -325,6 +328,9 @@ WRONG = {
 def test_what_is_wrong_is_one_sentence(case: str, command: Run) -> None:
     wanted, vary, message = WRONG[case]
     Path("m.csv").write_text("time,speed\n0,1\n0.001,2\n")
+    Path("none.csv").write_text("time,plant.x\n0,nan\n0.001,inf\n")
+    Path("vast.csv").write_text("time,plant.x\n0,-1e308\n0.001,1e308\n")
+    Path("empty.csv").touch()
     Path("long.csv").write_text("time,plant.x\n0,1\n1,2\n")
     if vary.startswith("trials"):
         study(wanted, GAIN, trials=0)

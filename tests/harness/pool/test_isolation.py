@@ -19,6 +19,7 @@ from cosim.errors import CosimError
 from cosim.pool.job import WorkerError
 from cosim.pool.limits import Limits
 
+from ..cli.commands import called
 from ..conftest import DATA
 from . import command
 
@@ -70,6 +71,14 @@ DEATHS = {
         ["plant.name=hostile_plants:ExitInStep"],
         "the plant `hostile_plants:ExitInStep` failed at t = 0.004 s (step 4): SystemExit: 0",
     ),
+    "panic in init": (
+        ["plant.name=hostile_plants:PanicsInInit"],
+        "the plant `hostile_plants:PanicsInInit` cannot be built: at the first line",
+    ),
+    "panic in a step": (
+        ["plant.name=hostile_plants:PanicsInStep"],
+        "the plant `hostile_plants:PanicsInStep` failed at t = 0 s (step 0): Panic: at the first line",
+    ),
     "a child that lives on": (
         ["plant.name=hostile_plants:Parent"],
         "the plant `hostile_plants:Parent` crashed at t = 0 s (step 0): killed by SIGABRT",
@@ -93,6 +102,20 @@ def test_a_death_is_one_line_and_exit_code_2(changes: list[str], line: str, fold
     assert not (folder / "result.json").exists()
     if (folder / "child").exists():
         os.kill(int((folder / "child").read_text()), signal.SIGKILL)
+
+
+@pytest.mark.usefixtures("lag")
+@pytest.mark.parametrize("place", ["cosim.loop.session.Session.run", "cosim.pool.once.place"])
+def test_a_panic_of_anything_is_exit_code_2_in_this_process_too(
+    place: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def panic(*_: object, **__: object) -> None:
+        raise GeneratorExit
+
+    monkeypatch.setattr(place, panic)
+    done = called("run", "lag.toml", "--in-process")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: this should not happen: GeneratorExit")
 
 
 @pytest.mark.parametrize("engine", ["reference", "native"])
@@ -190,3 +213,8 @@ def test_a_closed_session_refuses_to_run(lag: Path) -> None:
     session.close()
     with pytest.raises(CosimError, match="is closed"):
         session.run()
+
+
+def test_limits_of_a_run_in_this_process_are_refused(lag: Path) -> None:
+    with pytest.raises(CosimError, match="`limits` are of an isolated run\nhint: `isolated=True`"):
+        cosim.run(lag, limits=Limits(timeout=1.0))

@@ -52,6 +52,9 @@ UNITS = {
     ("furlong", "furlong"): 1.0,
 }
 
+BEYOND = [("nm^-99", "m^-99"), ("nm99", "m99"), (".".join(["nm9"] * 5), ".".join(["m9"] * 5))]
+"""Units whose scale is no number of 64 bits."""
+
 
 @pytest.mark.parametrize(("units", "factor"), UNITS.items())
 def test_units_convert(units: tuple[str, str], factor: float) -> None:
@@ -59,7 +62,7 @@ def test_units_convert(units: tuple[str, str], factor: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("source", "target"), [("m", "s"), ("m", "1"), ("furlong", "m"), ("m//s", "m"), ("m2", "m")]
+    ("source", "target"), [("m", "s"), ("m", "1"), ("furlong", "m"), ("m//s", "m"), ("m2", "m"), *BEYOND]
 )
 def test_units_that_do_not_fit_do_not_convert(source: str, target: str) -> None:
     assert conversion(source, target) is None

@@ -200,3 +200,14 @@ def test_ctrl_c_keeps_results_and_the_next_call_goes_on(write: Write, folder: Pa
     (folder / "list.toml").write_text(studies.case_list([cases[0], cases[2]]))
     assert studies.sweep("list.toml").returncode == 0
     assert len(results.read_text().splitlines()) == 2
+
+
+def test_a_sweep_of_which_no_run_gives_a_result_could_not_run(write: Write, folder: Path) -> None:
+    write(studies.MEASURED.replace("last(plant.x)", "last(plant.y)"))
+    (folder / "grid.toml").write_text(studies.GRID)
+    done = studies.sweep("grid.toml", "--quiet")
+    assert done.returncode == 2
+    assert "12 of 12 runs: 12 error" in done.stdout
+    error, *_ = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
+    assert "none of the 12 runs gave a result; the first: `lag.toml`: `metric.end.value`" in error
+    assert len(studies.rows(folder / "grid.sweep")) == 12
