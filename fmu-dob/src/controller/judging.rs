@@ -207,23 +207,22 @@ impl Controller {
 
     /// Whether the second touch has confirmed the first.
     fn touched_twice(&mut self, p: &Parameters, reading: &Reading) -> bool {
-        let velocity = self.motion.approach.velocity;
-        match (self.state, reading.position, self.detector.ratio()) {
-            (State::Confirm, Some(position), Some(ratio)) => self.touch.confirm(p, velocity, position, ratio),
-            _ => false,
+        if self.state != State::Confirm {
+            return false;
         }
+        let velocity = self.motion.approach.velocity;
+        let (Some(position), Some(ratio)) = (reading.position, self.detector.ratio()) else { return false };
+        self.touch.confirm(p, velocity, position, ratio)
     }
 
     /// Whether a first touch is to be touched again, and whether a second one has shown nothing.
     pub(super) fn doubt(&mut self, p: &Parameters, reading: &Reading) -> (bool, bool) {
-        if !p.touch.confirm {
-            return (false, false);
-        }
-        let (Some(position), Some(ratio)) = (reading.position, self.detector.ratio()) else { return (false, false) };
-        let velocity = self.motion.approach.velocity;
+        let Some(position) = reading.position.filter(|_| p.touch.confirm) else { return (false, false) };
         match self.state {
-            State::Detect => (self.touch.suspect(p, position, ratio), false),
-            State::Confirm => (false, self.armed(p) && self.touch.passed(p, velocity, position)),
+            State::Detect => (self.detector.ratio().is_some_and(|ratio| self.touch.suspect(p, position, ratio)), false),
+            State::Confirm => {
+                (false, self.armed(p) && self.touch.passed(p, self.motion.approach.velocity, position))
+            }
             _ => (false, false),
         }
     }
