@@ -17,10 +17,12 @@ macro_rules! export {
             const COUNT: (usize, usize) = $crate::__private::count(TABLE);
             const ENTRIES: &[$crate::__private::Entry<Vars>; COUNT.0] = &$crate::__private::entries(TABLE);
             const COMPUTED: &[$crate::__private::Entry<Vars>; COUNT.1] = &$crate::__private::computed(ENTRIES);
+            const RUNS: &([$crate::__private::Run<Vars>; COUNT.1], usize) = &$crate::__private::runs(COMPUTED);
             static FILES: $crate::__private::Files = $crate::__private::Files::new();
 
             impl $crate::__private::Exported for $model {
-                const INDEX: $crate::__private::Index<Vars> = $crate::__private::Index::new(ENTRIES, COMPUTED);
+                const INDEX: $crate::__private::Index<Vars> =
+                    $crate::__private::Index::new(ENTRIES, COMPUTED, RUNS.0.split_at(RUNS.1).0);
                 const GUID: [u8; 36] = $crate::__private::guid::<$model>();
             }
 

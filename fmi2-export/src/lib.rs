@@ -99,7 +99,8 @@ pub mod __private {
     pub use crate::description::files::Files;
     pub use crate::exported::Exported;
     pub use crate::table::guid::of as guid;
-    pub use crate::table::index::{Entry, Index, computed, count, entries, reference};
+    pub use crate::table::index::{Entry, Index, computed, count, entries, reference, runs};
+    pub use crate::table::place::Run;
 
     /// Checks a model's table and facts; a wrong one does not compile.
     pub const fn check<M: crate::Model>() {

@@ -24,10 +24,8 @@ use crate::monitoring::numbers::Numbers;
 use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
 use crate::reading::{Reader, Reading};
+use crate::spans::Spans;
 use crate::teaching::teacher::Teacher;
-
-/// The observer knows the velocity of a stage that has just been found after this many times its 1 / g_v.
-const FOUND: f64 = 10.0;
 
 /// The controller between two samples. Everything inside is in the frame where the workpiece is in
 /// the positive direction; only [`Reader`] and the outputs know `approach.direction`.
@@ -35,6 +33,7 @@ const FOUND: f64 = 10.0;
 pub struct Controller {
     /// samples since the initialisation
     samples: u64,
+    spans: Spans,
     /// the communication step that begins is longer than a sample
     long_step: bool,
     reader: Reader,
@@ -82,6 +81,7 @@ impl Controller {
         check(p)?;
         Ok(Self {
             samples: 0,
+            spans: Spans::new(p),
             long_step: false,
             reader: Reader::default(),
             observer: DisturbanceObserver::new(p),
@@ -109,7 +109,7 @@ impl Controller {
             strayed: 0.0,
             numbers: Numbers::START,
             integrator: Integrator::default(),
-            amplifier: Amplifier::default(),
+            amplifier: Amplifier::new(p),
         })
     }
 
@@ -176,8 +176,8 @@ impl Controller {
     }
 
     /// Whether the position has been there for long enough to know the velocity.
-    fn tracked(&self, p: &Parameters) -> bool {
-        self.known >= ticks(FOUND / p.observer.velocity_bandwidth, p.sample_period)
+    fn tracked(&self) -> bool {
+        self.known >= self.spans.tracked
     }
 
     /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by coasting.
@@ -199,7 +199,7 @@ impl Controller {
             let slope = self.slope.slope(p.sample_period);
             self.force = ForceOutput { disturbance, notched, deviation, slope };
         } else {
-            self.observer.coast(p.sample_period);
+            self.observer.coast();
         }
         let ForceOutput { notched, deviation, slope, .. } = self.force;
         let Reading { position, spindle_speed, .. } = *reading;
@@ -226,7 +226,7 @@ impl Controller {
             commissioned: self.commissioner.finished,
             enabled: if self.teacher.active { !self.teacher.broken() } else { reading.enabled },
             reset: reading.reset,
-            restful: reading.position.is_some() && self.tracked(p) && self.motion.at_rest(),
+            restful: reading.position.is_some() && self.tracked() && self.motion.at_rest(),
             fault: self.find_fault(p, elapsed, settled, reading),
             contact,
             suspected,
@@ -304,7 +304,7 @@ impl Controller {
     /// feedback: feed-forward, and the last disturbance or integral, which is held, as it bears the weight.
     fn act(&mut self, p: &Parameters, reading: &Reading) -> f64 {
         if self.off() {
-            return self.amplifier.send(p, 0.0);
+            return self.amplifier.send(0.0);
         }
         let reference = self.motion.reference;
         let exciting = self.state == State::Commission && self.commissioner.experiment.exciting();
@@ -325,7 +325,7 @@ impl Controller {
             let limited = self.amplifier.limited() > 0;
             force += p.stage.mass * self.integrator.update(p, error, limited);
         }
-        self.amplifier.send(p, force / p.stage.force_constant)
+        self.amplifier.send(force / p.stage.force_constant)
     }
 
     fn report(&self, p: &Parameters, reading: &Reading, current: f64, output: &mut Output) {

@@ -1,5 +1,6 @@
 //! From the force to a contact: detectors, their thresholds, and the guard beside them.
 
+pub mod ages;
 pub mod contact;
 pub mod cusum;
 pub mod detector;
@@ -10,3 +11,4 @@ pub mod kalman;
 pub mod monitor;
 pub mod threshold;
 pub mod touch;
+pub mod transition;

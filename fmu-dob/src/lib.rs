@@ -15,6 +15,7 @@ mod machine;
 pub mod monitoring;
 mod motion;
 mod reading;
+mod spans;
 mod teaching;
 
 use controller::Controller;
@@ -25,7 +26,7 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 12,
+        state_version: 13,
         stop_time: 2.0,
         longest_step: 1.0,
         ..package!()

@@ -1,6 +1,6 @@
 //! What the value references stand for: constant tables, made from the rows when the library is compiled.
 
-use crate::table::place::Place;
+use crate::table::place::{Place, Run};
 use crate::table::variable::{Kind, Role, Variable};
 
 /// What a value reference stands for: an element of a row.
@@ -20,6 +20,8 @@ pub struct Index<V: 'static> {
     pub(crate) entries: &'static [Entry<V>],
     /// Those of the Reals that the model writes.
     pub(crate) computed: &'static [Entry<V>],
+    /// The same by where they lie.
+    pub(crate) runs: &'static [Run<V>],
 }
 
 impl<V> Clone for Entry<V> {
@@ -47,9 +49,9 @@ impl<V> Entry<V> {
 }
 
 impl<V> Index<V> {
-    /// Joins the tables that [`entries`] and [`computed`] give.
-    pub const fn new(entries: &'static [Entry<V>], computed: &'static [Entry<V>]) -> Self {
-        Self { entries, computed }
+    /// Joins the tables that [`entries`], [`computed`] and [`runs`] give.
+    pub const fn new(entries: &'static [Entry<V>], computed: &'static [Entry<V>], runs: &'static [Run<V>]) -> Self {
+        Self { entries, computed, runs }
     }
 }
 
@@ -104,6 +106,79 @@ pub const fn computed<V, const N: usize>(entries: &[Entry<V>]) -> [Entry<V>; N] 
     computed
 }
 
+/// Reals by where they lie: a table, and how many runs there are in it.
+pub const fn runs<V, const N: usize>(reals: &[Entry<V>; N]) -> ([Run<V>; N], usize) {
+    let (mut runs, mut count, mut end) = ([Run::EMPTY; N], 0, 0);
+    while let Some(place) = nearest(reals, end) {
+        match if count > 0 { runs[count - 1].with(place) } else { None } {
+            Some(longer) => runs[count - 1] = longer,
+            None => {
+                runs[count] = Run::of(place);
+                count += 1;
+            }
+        }
+        end = runs[count - 1].end();
+    }
+    (runs, count)
+}
+
+/// The first place of a Real at or behind `least` bytes.
+const fn nearest<V>(reals: &[Entry<V>], least: usize) -> Option<Place<V, f64>> {
+    let (mut nearest, mut i): (Option<Place<V, f64>>, _) = (None, 0);
+    while i < reals.len() {
+        if let Some(place) = reals[i].real
+            && place.offset() >= least
+            && (nearest.is_none() || matches!(nearest, Some(other) if place.offset() < other.offset()))
+        {
+            nearest = Some(place);
+        }
+        i += 1;
+    }
+    nearest
+}
+
 const fn is_computed<V>(row: &Variable<V>) -> bool {
     matches!(row.kind, Kind::Real { .. }) && matches!(row.role(), Role::Output | Role::Local | Role::Calculated)
+}
+
+#[cfg(test)]
+#[allow(unsafe_code)]
+mod tests {
+    use super::*;
+    use std::slice::from_ref;
+
+    #[repr(C)]
+    struct Vars {
+        last: [f64; 2],
+        apart: i32,
+        first: f64,
+        second: f64,
+        input: f64,
+    }
+
+    const START: &Vars = &Vars { last: [4.0, 5.0], apart: 0, first: 1.0, second: 2.0, input: 3.0 };
+
+    const fn row(name: &'static str, size: Option<usize>, role: Role, start: &'static [f64]) -> Variable<Vars> {
+        // SAFETY: a field.
+        let mut row = unsafe { Variable::new_real(name, size, START, start) };
+        row.role = Some(role);
+        row
+    }
+
+    const TABLE: &[Variable<Vars>] = &[
+        row("second", None, Role::Output, from_ref(&START.second)),
+        row("input", None, Role::Input, from_ref(&START.input)),
+        row("first", None, Role::Calculated, from_ref(&START.first)),
+        row("last", Some(2), Role::Local, &START.last),
+    ];
+    const ENTRIES: &[Entry<Vars>; 5] = &entries(TABLE);
+    const COMPUTED: &[Entry<Vars>; 4] = &computed(ENTRIES);
+
+    #[test]
+    fn runs_hold_every_real_that_the_model_writes_once_and_nothing_else() {
+        const RUNS: ([Run<Vars>; 4], usize) = runs(COMPUTED);
+        assert_eq!(count(TABLE), (5, 4));
+        let found: Vec<_> = RUNS.0[..RUNS.1].iter().map(|run| run.get(START)).collect();
+        assert_eq!(found, [[4.0, 5.0], [1.0, 2.0]]);
+    }
 }

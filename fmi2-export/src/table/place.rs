@@ -46,6 +46,11 @@ impl<V, T: Copy> Place<V, T> {
         Self { offset: offset as u32, types: PhantomData }
     }
 
+    /// Distance from the beginning of `V`, in bytes.
+    pub const fn offset(self) -> usize {
+        self.offset as usize
+    }
+
     /// The value.
     #[inline]
     pub fn get(self, vars: &V) -> T {
@@ -58,6 +63,55 @@ impl<V, T: Copy> Place<V, T> {
     pub fn set(self, vars: &mut V, value: T) {
         // SAFETY: a `T` lies there, see above.
         unsafe { *std::ptr::from_mut(vars).byte_add(self.offset as usize).cast::<T>() = value }
+    }
+}
+
+/// Numbers that lie side by side in `V`.
+#[derive(Debug)]
+pub struct Run<V> {
+    first: Place<V, f64>,
+    count: u32,
+}
+
+impl<V> Clone for Run<V> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<V> Copy for Run<V> {}
+
+impl<V> Run<V> {
+    /// No number.
+    pub const EMPTY: Self = Self { first: Place { offset: 0, types: PhantomData }, count: 0 };
+
+    /// One number.
+    pub const fn of(first: Place<V, f64>) -> Self {
+        Self { first, count: 1 }
+    }
+
+    /// The place behind it, in bytes.
+    pub const fn end(self) -> usize {
+        self.first.offset as usize + self.count as usize * size_of::<f64>()
+    }
+
+    /// With the number that lies at its end, if `place` does.
+    pub const fn with(self, place: Place<V, f64>) -> Option<Self> {
+        let joins = self.count > 0 && place.offset() == self.end();
+        if joins { Some(Self { first: self.first, count: self.count + 1 }) } else { None }
+    }
+
+    /// The values.
+    #[inline]
+    pub fn get(self, vars: &V) -> &[f64] {
+        if self.count == 0 {
+            return &[];
+        }
+        // SAFETY: each of the numbers lies there, one behind the other, see above.
+        unsafe {
+            let first = std::ptr::from_ref(vars).byte_add(self.first.offset as usize).cast();
+            std::slice::from_raw_parts(first, self.count as usize)
+        }
     }
 }
 
@@ -84,5 +138,15 @@ mod tests {
         assert_eq!((X.get(&vars), SECOND.get(&vars)), (10.0, 30.0));
         SECOND.set(&mut vars, 31.0);
         assert_eq!((vars.name, vars.x, vars.pair), ("other", 10.0, [20.0, 31.0]));
+    }
+
+    #[test]
+    fn a_run_is_made_of_numbers_side_by_side() {
+        let first = // SAFETY: a field.
+            unsafe { Place::of(START, &START.pair) };
+        let pair = Run::of(first).with(SECOND).unwrap();
+        assert_eq!(pair.get(START), [2.0, 3.0]);
+        assert!(Run::of(SECOND).with(first).is_none() && Run::EMPTY.with(first).is_none());
+        assert!(Run::EMPTY.get(START).is_empty());
     }
 }

@@ -4,14 +4,12 @@ use control_blocks::ticks;
 
 use crate::commission::plan::{self, Plan};
 use crate::controller::Controller;
-use crate::detection::detector::Detector;
 use crate::faults::{self, Symptoms};
-use crate::force::observer::forgetting;
 use crate::interface::{ContactSource, Fault, Parameters, State};
 use crate::limits::{disturbance_limit, following_limit};
 use crate::monitoring::numbers::Unseen;
 use crate::monitoring::rest_force::RestForce;
-use crate::motion::travel::{job_limit, lasted, learn_limit, teaching_travel};
+use crate::motion::travel::{lasted, learn_limit, teaching_travel};
 use crate::reading::{Expected, Reading};
 
 /// Something holds the stage above this share of `guard.force`.
@@ -19,20 +17,14 @@ const HELD: f64 = 0.25;
 /// Changes of the inertial force to its other side that a stable loop has as it comes to rest.
 const OVERSHOOTS: u32 = 2;
 
-/// Samples at constant speed until the observer has forgotten the acceleration to it.
-fn started(p: &Parameters) -> u32 {
-    ticks(forgetting(p), p.sample_period)
-}
-
 impl Controller {
     /// Whether all that the detector remembers are readings that counted in full.
-    fn trusted(p: &Parameters, reading: &Reading) -> bool {
-        reading.whole > Detector::memory(p)
+    fn trusted(&self, reading: &Reading) -> bool {
+        reading.whole > self.spans.memory
     }
 
     /// What the observer and the reference say about the position to come.
     pub(super) fn expect(&self, p: &Parameters) -> Expected {
-        let dt = p.sample_period;
         let commanded = self.observer.acceleration(self.amplifier.acted(p));
         let steady = matches!(self.state, State::Learn | State::Detect);
         let planned = match self.state {
@@ -42,12 +34,12 @@ impl Controller {
         };
         // a push of the guard's force, what is planned, and a drive that does anything from the contrary to twice what
         // it is told; anything while nothing is known of the velocity
-        let known = self.tracked(p) && !self.off();
+        let known = self.tracked() && !self.off();
         let push = p.guard_force / p.stage.mass;
         let unforeseen = push + planned + 2.0 * commanded.abs();
         Expected {
-            motion: self.observer.motion(commanded, dt),
-            unforeseen: if known { unforeseen * self.observer.leverage(dt) } else { f64::INFINITY },
+            motion: self.observer.motion(commanded),
+            unforeseen: if known { unforeseen * self.observer.leverage() } else { f64::INFINITY },
             reference: self.motion.reference.position,
             asked: self.motion.asked,
             behind: if steady { 0.0 } else { self.motion.late(p) + self.mistaken(Plan::unanswered) },
@@ -146,7 +138,7 @@ impl Controller {
 
     /// How long it may, s.
     pub(super) fn time_limit(&self, p: &Parameters) -> f64 {
-        if self.state == State::Commission { plan::time(p) } else { job_limit(p, &self.motion.approach) }
+        if self.state == State::Commission { plan::time(p) } else { self.motion.job_limit }
     }
 
     /// Whether a teaching that goes on would end at the longest travel, short of the work.
@@ -163,7 +155,7 @@ impl Controller {
     pub(super) fn unseen(&self, p: &Parameters, reading: &Reading) -> Unseen {
         if !self.armed(p) {
             Unseen::Unarmed
-        } else if Self::trusted(p, reading) {
+        } else if self.trusted(reading) {
             Unseen::Missed
         } else {
             Unseen::Doubted
@@ -173,7 +165,7 @@ impl Controller {
     /// Whether the stage has just been accelerated, and nothing holds it: a contact would look like a weak drive.
     fn has_started(&self, p: &Parameters) -> bool {
         let held = (self.force.notched - self.guard.before()).abs() > HELD * p.guard_force;
-        self.state == State::Approach && self.ticks == started(p) && !held
+        self.state == State::Approach && self.ticks == self.spans.forgotten && !held
     }
 
     /// Contact by the armed detector or by the guard; a position that stands proves nothing.
@@ -183,13 +175,13 @@ impl Controller {
         }
         // the observer still holds the force of inertia
         let acceleration = match self.state {
-            State::Approach if self.ticks <= started(p) => self.motion.approach.acceleration,
-            State::Confirm if self.ticks <= started(p) => p.retract.deceleration,
+            State::Approach if self.ticks <= self.spans.forgotten => self.motion.approach.acceleration,
+            State::Confirm if self.ticks <= self.spans.forgotten => p.retract.deceleration,
             _ => 0.0,
         };
         let guarded = self.guard.exceeded(p, acceleration, self.force.notched);
         // a contact pushes, it does not jump: what has counted only in part may not look like one
-        if !Self::trusted(p, reading) {
+        if !self.trusted(reading) {
             self.detector.clear();
         } else if self.armed(p) && (self.detector.test(p) || self.touched_twice(p, reading)) {
             return Some(self.detector.source());
@@ -207,23 +199,20 @@ impl Controller {
 
     /// Whether the second touch has confirmed the first.
     fn touched_twice(&mut self, p: &Parameters, reading: &Reading) -> bool {
-        let velocity = self.motion.approach.velocity;
-        match (self.state, reading.position, self.detector.ratio()) {
-            (State::Confirm, Some(position), Some(ratio)) => self.touch.confirm(p, velocity, position, ratio),
-            _ => false,
+        if self.state != State::Confirm {
+            return false;
         }
+        let velocity = self.motion.approach.velocity;
+        let (Some(position), Some(ratio)) = (reading.position, self.detector.ratio()) else { return false };
+        self.touch.confirm(p, velocity, position, ratio)
     }
 
     /// Whether a first touch is to be touched again, and whether a second one has shown nothing.
     pub(super) fn doubt(&mut self, p: &Parameters, reading: &Reading) -> (bool, bool) {
-        if !p.touch.confirm {
-            return (false, false);
-        }
-        let (Some(position), Some(ratio)) = (reading.position, self.detector.ratio()) else { return (false, false) };
-        let velocity = self.motion.approach.velocity;
+        let Some(position) = reading.position.filter(|_| p.touch.confirm) else { return (false, false) };
         match self.state {
-            State::Detect => (self.touch.suspect(p, position, ratio), false),
-            State::Confirm => (false, self.armed(p) && self.touch.passed(p, velocity, position)),
+            State::Detect => (self.detector.ratio().is_some_and(|ratio| self.touch.suspect(p, position, ratio)), false),
+            State::Confirm => (false, self.armed(p) && self.touch.passed(p, self.motion.approach.velocity, position)),
             _ => (false, false),
         }
     }

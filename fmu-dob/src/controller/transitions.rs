@@ -97,7 +97,7 @@ impl Controller {
 
     /// Forgets the last approach and begins a new one at rest at `position` m.
     fn restart(&mut self, p: &Parameters, position: f64) {
-        self.motion.start(position, &self.teacher.approach(p));
+        self.motion.start(p, position, &self.teacher.approach(p));
         self.deviation.clear();
         self.detector.reset(position);
         self.guard = ForceGuard::default();
@@ -148,7 +148,7 @@ mod tests {
         let expected = controller.expect(&p);
         let reading = controller.reader.read(&p, &Input::START, &expected);
         controller.teacher.begin();
-        controller.motion.start(0.0, &controller.teacher.approach(&p));
+        controller.motion.start(&p, 0.0, &controller.teacher.approach(&p));
         controller.state = State::Detect;
         // 500 s there at 10 um/s, ten times as long as in a job at 100 um/s
         let slowest = Approach { velocity: p.teach.velocity_min, ..p.approach };

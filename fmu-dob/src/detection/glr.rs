@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::detection::ages::Ages;
 use crate::detection::kalman::{KalmanFilter, PredictionError};
 use crate::interface::Parameters;
 
@@ -18,7 +19,7 @@ pub struct OnsetBank {
     /// energy E_n, the sum of s_i^2 up to the newest sample of the template
     energy: Vec<f64>,
     /// correlation T_n of the innovations with the template, by age
-    correlation: Vec<f64>,
+    correlation: Ages,
     /// sum of T_n^2 while the noise is learned, by age
     squares: Vec<f64>,
     /// 1 / (2 var T_n), by age
@@ -39,7 +40,7 @@ impl OnsetBank {
             sample_period: p.sample_period,
             template: empty(),
             energy: empty(),
-            correlation: empty(),
+            correlation: Ages::new(p.glr.onsets as usize),
             squares: empty(),
             weight: empty(),
             level: empty(),
@@ -77,22 +78,23 @@ impl OnsetBank {
 
     /// Forgets all innovations.
     pub fn clear(&mut self) {
-        self.correlation.fill(0.0);
+        self.correlation.clear();
     }
 
     /// Learns how much the correlations with one more innovation (m) of mere noise scatter.
     pub fn learn(&mut self, innovation: f64) {
-        self.correlate(innovation);
         self.seen += 1;
         // a correlation is whole once as many innovations are in it as its age
-        if self.seen >= self.correlation.len() {
-            self.squares.iter_mut().zip(&self.correlation).for_each(|(sum, t)| *sum += t * t);
-        }
+        let whole = self.seen >= self.correlation.count();
+        let squares = self.squares.iter_mut();
+        correlate(&mut self.correlation, &self.template, innovation, squares, |t, sum| {
+            *sum += if whole { t * t } else { 0.0 };
+        });
     }
 
     /// Weighs the ages by what was learned, with the standard deviation `sigma` (m) of the innovation and the alarm level `threshold` of L.
     pub fn arm(&mut self, sigma: f64, threshold: f64) {
-        let count = (self.seen + 1).saturating_sub(self.correlation.len()).max(1) as f64;
+        let count = (self.seen + 1).saturating_sub(self.correlation.count()).max(1) as f64;
         for ((weight, energy), squares) in self.weight.iter_mut().zip(&self.energy).zip(&self.squares) {
             *weight = 0.5 / f64::max(energy * sigma * sigma, squares / count);
         }
@@ -101,22 +103,29 @@ impl OnsetBank {
 
     /// Takes one more innovation (m); whether L of contact sign is above the alarm level at any age. T_n says so by itself, at half of the cost.
     pub fn update(&mut self, innovation: f64) -> bool {
-        self.correlate(innovation);
-        self.correlation.iter().zip(&self.level).fold(false, |above, (t, level)| above | (t > level))
+        let mut above = false;
+        correlate(&mut self.correlation, &self.template, innovation, &self.level, |t, level| above |= t > *level);
+        above
     }
 
     /// Largest log-likelihood ratio of contact sign; 0 after [`Self::clear`].
     pub fn ratio(&self) -> f64 {
-        let ratios = self.correlation.iter().zip(&self.weight).map(|(t, weight)| t * t.abs() * weight);
+        let ratios = self.correlation.values().iter().zip(&self.weight).map(|(t, weight)| t * t.abs() * weight);
         ratios.fold(0.0, f64::max)
     }
+}
 
-    /// Every onset is one sample older: T_n = T_(n-1) + s_n nu.
-    fn correlate(&mut self, innovation: f64) {
-        let last = self.correlation.len() - 1;
-        self.correlation.copy_within(..last, 1);
-        self.correlation[0] = 0.0;
-        self.correlation.iter_mut().zip(&self.template).for_each(|(t, s)| *t += s * innovation);
+/// Every onset is one sample older, T_n = T_(n-1) + s_n nu; each correlation is shown with what belongs to its age.
+fn correlate<T>(
+    correlation: &mut Ages,
+    template: &[f64],
+    innovation: f64,
+    of_age: impl IntoIterator<Item = T>,
+    mut show: impl FnMut(f64, T),
+) {
+    for ((t, s), own) in correlation.grow_older().iter_mut().zip(template).zip(of_age) {
+        *t += s * innovation;
+        show(*t, own);
     }
 }
 
@@ -175,7 +184,7 @@ mod tests {
             bank.arm(0.0, LEVEL);
             bank.weight
         };
-        let ages = empty_bank().correlation.len();
+        let ages = empty_bank().correlation.count();
         let (once, twice, often) = (learned(ages), learned(ages + 1), learned(ages + 100));
         assert!(
             once.iter()
@@ -267,6 +276,6 @@ mod tests {
         bank.arm(SIGMA, LEVEL);
         let fresh = ready_bank();
         assert_eq!(bank.weight, fresh.weight);
-        assert_eq!((bank.correlation, bank.seen), (fresh.correlation, 0));
+        assert_eq!((bank.correlation.values(), bank.seen), (fresh.correlation.values(), 0));
     }
 }

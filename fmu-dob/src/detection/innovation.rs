@@ -15,12 +15,14 @@ pub struct Innovation {
     filter: KalmanFilter,
     noise: Welford,
     value: f64,
+    /// what counts of it at most, m
+    most: f64,
 }
 
 impl Innovation {
     /// Nothing learned so far.
     pub fn new(p: &Parameters) -> Self {
-        Self { filter: KalmanFilter::new(p), noise: Welford::default(), value: 0.0 }
+        Self { filter: KalmanFilter::new(p), noise: Welford::default(), value: 0.0, most: 0.0 }
     }
 
     /// Takes a position (m; none if it is lost), the current that acted since the last one (A) and the spindle speed (rad/s).
@@ -30,19 +32,19 @@ impl Innovation {
 
     /// The innovation (m) without what only a bad sample could be.
     pub fn limited(&self) -> f64 {
-        let most = INNOVATION_MAX * self.noise.sigma();
-        self.value.clamp(-most, most)
+        self.value.clamp(-self.most, self.most)
     }
 
     /// Starts again at rest at `position` m, with nothing learned.
     pub fn reset(&mut self, position: f64) {
         self.filter.reset(position);
-        self.noise = Welford::default();
+        (self.noise, self.most) = (Welford::default(), 0.0);
     }
 
     /// Learns from the newest innovation.
     pub fn learn(&mut self) {
         self.noise.push(self.value);
+        self.most = INNOVATION_MAX * self.noise.sigma();
     }
 
     /// Learned standard deviation, m.

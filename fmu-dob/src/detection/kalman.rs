@@ -1,14 +1,14 @@
 //! Kalman filter of the stage, its disturbance and the spindle harmonics; its innovation is white before contact.
 
+use std::array;
 use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::interface::{HARMONICS_MAX, Parameters};
+use crate::detection::transition::{STATES, Transition};
+use crate::interface::Parameters;
 
-/// Position, velocity, disturbance, then sine and cosine of each harmonic.
-const STATES: usize = 3 + 2 * HARMONICS_MAX;
 /// Riccati iterations, one per sample, after a start or a speed change; then the gain is constant.
 pub const ITERATIONS: u32 = 2000;
 /// Relative speed change that makes a new model.
@@ -37,7 +37,7 @@ pub struct KalmanFilter {
     iterations_left: u32,
     noise: NoiseModel,
     force_input: Vector,
-    transition: Matrix,
+    transition: Transition,
     process: Matrix,
     covariance: Matrix,
     gain: Vector,
@@ -76,7 +76,7 @@ impl KalmanFilter {
                 position: p.kalman.position_noise.powi(2),
             },
             force_input,
-            transition: Matrix::zeros(),
+            transition: Transition::default(),
             process: Matrix::zeros(),
             covariance: Matrix::zeros(),
             gain: Vector::zeros(),
@@ -111,7 +111,7 @@ impl KalmanFilter {
             (self.gain_speed, self.iterations_left) = (speed, ITERATIONS);
         }
         let force = self.force_constant * self.mean_current(acted);
-        self.state = self.transition * self.state + self.force_input * force;
+        self.state = Vector::from(self.transition.of(self.state.data.0[0])) + self.force_input * force;
         if self.iterations_left > 0 {
             self.iterations_left -= 1;
             self.iterate();
@@ -128,7 +128,7 @@ impl KalmanFilter {
 
     /// One sample of the prediction error under an extra `force` (N) against the stage: (innovation, next error).
     pub fn error_step(&self, error: &Vector, force: f64) -> (f64, Vector) {
-        let predicted = self.transition * error - self.force_input * force;
+        let predicted = Vector::from(self.transition.of(error.data.0[0])) - self.force_input * force;
         (predicted[0], predicted - self.gain * predicted[0])
     }
 
@@ -141,46 +141,36 @@ impl KalmanFilter {
 
     /// One iteration of the Riccati equation.
     fn iterate(&mut self) {
-        let predicted = self.transition * self.covariance * self.transition.transpose() + self.process;
-        let cross = predicted.column(0).into_owned();
-        self.gain = cross / (cross[0] + self.noise.position);
-        let corrected = predicted - self.gain * cross.transpose();
-        self.covariance = 0.5 * (corrected + corrected.transpose());
+        let turned = self.transition.around(self.covariance.data.0);
+        let predicted = square(|i, j| turned[i][j] + self.process.data.0[i][j]);
+        let cross = predicted.map(|row| row[0]);
+        self.gain = Vector::from(cross) / (cross[0] + self.noise.position);
+        let gain = self.gain.data.0[0];
+        let corrected = square(|i, j| predicted[i][j] - gain[i] * cross[j]);
+        self.covariance.data.0 = square(|i, j| 0.5 * (corrected[i][j] + corrected[j][i]));
     }
 
     /// Model for the speed: M z'' = K_tn I - d - sum c_h, where (c_h, s_h) turns by h omega T_s per sample.
     fn tune(&mut self, speed: f64) {
         self.tuned_speed = speed;
-        self.transition = Matrix::identity();
-        self.transition[(0, 1)] = self.sample_period;
+        self.transition = Transition::free(self.sample_period, [-self.force_input[0], -self.force_input[1]]);
         self.process = self.force_input * self.force_input.transpose() * self.noise.force;
         self.process[(2, 2)] = self.noise.disturbance;
-        self.couple(2);
         for harmonic in 1..=self.harmonics {
             let theta = harmonic as f64 * speed * self.sample_period;
             if theta > 0.0 && theta <= NYQUIST_SHARE * PI {
-                self.turn(1 + 2 * harmonic, theta);
+                self.transition.turn(harmonic, theta);
+                for i in [1 + 2 * harmonic, 2 + 2 * harmonic] {
+                    self.process[(i, i)] = self.noise.harmonic;
+                }
             }
         }
     }
+}
 
-    /// Lets the force in `state` act against the stage.
-    fn couple(&mut self, state: usize) {
-        self.transition[(0, state)] = -self.force_input[0];
-        self.transition[(1, state)] = -self.force_input[1];
-    }
-
-    /// Makes the pair at `first` a harmonic that turns by `theta` rad per sample.
-    fn turn(&mut self, first: usize, theta: f64) {
-        let (sine, cosine) = theta.sin_cos();
-        self.couple(first);
-        for i in [first, first + 1] {
-            self.transition[(i, i)] = cosine;
-            self.process[(i, i)] = self.noise.harmonic;
-        }
-        self.transition[(first, first + 1)] = -sine;
-        self.transition[(first + 1, first)] = sine;
-    }
+/// Rows of numbers by row and column.
+fn square(number: impl Fn(usize, usize) -> f64) -> [[f64; STATES]; STATES] {
+    array::from_fn(|i| array::from_fn(|j| number(i, j)))
 }
 
 /// Prediction error of the filter, one per state.
@@ -189,6 +179,7 @@ pub type PredictionError = Vector;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interface::HARMONICS_MAX;
 
     const SPEED: f64 = 3141.592653589793;
 

@@ -25,6 +25,8 @@ pub struct DisturbanceObserver {
     momentum_gain: f64,
     force_share: f64,
     force_constant: f64,
+    sample_period: f64,
+    leverage: f64,
     position_filter: f64,
     force_filter: f64,
     velocity: f64,
@@ -43,6 +45,8 @@ impl DisturbanceObserver {
             momentum_gain: bandwidth * mass,
             force_share: share(bandwidth),
             force_constant,
+            sample_period: p.sample_period,
+            leverage: 0.5 * p.sample_period * p.sample_period + p.sample_period / velocity_bandwidth,
             position_filter: 0.0,
             force_filter: 0.0,
             velocity: 0.0,
@@ -80,9 +84,9 @@ impl DisturbanceObserver {
         self.force_filter += self.force_share * (input - self.force_filter);
     }
 
-    /// Bridges a sample of `dt` s without a position: velocity and force stay.
-    pub fn coast(&mut self, dt: f64) {
-        self.position_filter += self.velocity * dt;
+    /// Bridges a sample without a position: velocity and force stay.
+    pub fn coast(&mut self) {
+        self.position_filter += self.velocity * self.sample_period;
     }
 
     /// Moves to a position (m) and velocity (m/s) without changing the estimated force.
@@ -93,10 +97,10 @@ impl DisturbanceObserver {
         self.force_filter = force + self.momentum_gain * velocity;
     }
 
-    /// Motion (m) in a sample of `dt` s at an acceleration of `a` (m/s2): v dt + a (dt^2 / 2 + dt / g_v), where v is late by
+    /// Motion (m) in a sample of T_s at an acceleration of `a` (m/s2): v T_s + a (T_s^2 / 2 + T_s / g_v), where v is late by
     /// the 1 / g_v of its filter.
-    pub fn motion(&self, acceleration: f64, dt: f64) -> f64 {
-        self.velocity * dt + acceleration * self.leverage(dt)
+    pub fn motion(&self, acceleration: f64) -> f64 {
+        self.velocity * self.sample_period + acceleration * self.leverage
     }
 
     /// Acceleration (m/s2) of the nominal stage when the drive pushes with the current `acted` (A), if the force stays.
@@ -104,9 +108,9 @@ impl DisturbanceObserver {
         (self.force_constant * acted - self.force()) / self.mass
     }
 
-    /// What an acceleration of 1 m/s2 adds to the motion of a sample of `dt` s, m.
-    pub fn leverage(&self, dt: f64) -> f64 {
-        0.5 * dt * dt + dt / self.velocity_gain
+    /// What an acceleration of 1 m/s2 adds to the motion of a sample, m.
+    pub fn leverage(&self) -> f64 {
+        self.leverage
     }
 
     /// Estimated disturbance force, N; positive against the positive axis.
@@ -177,7 +181,7 @@ mod tests {
         let mut observer = DisturbanceObserver::new(&p);
         let position = |k: i32| 1e-3 * f64::from(k) * p.sample_period;
         (0..3000).for_each(|k| observer.update(position(k), 0.0));
-        (0..3).for_each(|_| observer.coast(p.sample_period));
+        (0..3).for_each(|_| observer.coast());
         observer.update(position(3003), 0.0);
         assert!(observer.force().abs() < 1e-9, "{} N", observer.force());
         assert!((observer.velocity() - 1e-3).abs() < 1e-12);
@@ -193,7 +197,7 @@ mod tests {
         // 5 N on 10 kg, no disturbance
         let a = observer.acceleration(current);
         assert!((a - acceleration).abs() < 1e-5, "{a}");
-        let motion = observer.motion(a, dt);
+        let motion = observer.motion(a);
         assert!((motion - (position(3000) - position(2999))).abs() < 2.5e-4 * motion, "{motion}");
         // a force of 1 N takes 0.1 m/s2 of it
         observer.force_filter += 1.0;

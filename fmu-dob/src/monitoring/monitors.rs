@@ -38,7 +38,7 @@ impl Monitors {
             rest: Rest::default(),
             standing: false,
             relief: RestForce::default(),
-            swing: Swing::default(),
+            swing: Swing::new(p),
             astray: Consecutive::NONE,
             overloaded: Consecutive::NONE,
             job: Progress::default(),

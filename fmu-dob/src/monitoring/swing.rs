@@ -11,8 +11,11 @@ use crate::interface::Parameters;
 use crate::motion::servo::SWING;
 
 /// Changes of the inertial force from beyond `guard.force` to beyond it the other way.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Swing {
+    /// samples that a side lasts at least, and of a swing at most
+    least: u32,
+    most: u32,
     /// samples in a row beyond `guard.force` on either side
     beyond: [Consecutive; 2],
     reversals: Reversals,
@@ -20,18 +23,29 @@ pub struct Swing {
 }
 
 impl Swing {
+    /// Nothing seen so far.
+    pub fn new(p: &Parameters) -> Self {
+        Self {
+            least: ticks(p.observer.bandwidth.recip(), p.sample_period),
+            most: ticks(SWING, p.sample_period),
+            beyond: [Consecutive::NONE; 2],
+            reversals: Reversals::default(),
+            count: 0,
+        }
+    }
+
     /// Begins again, after an acceleration for instance.
     pub fn clear(&mut self) {
-        *self = Self::default();
+        (self.beyond, self.reversals, self.count) = ([Consecutive::NONE; 2], Reversals::default(), 0);
     }
 
     /// Takes the inertial force (N) of a sample; whether it has changed its side.
     pub fn update(&mut self, p: &Parameters, inertia: f64) -> bool {
         let row = self.beyond[0].update(inertia >= p.guard_force).max(self.beyond[1].update(-inertia >= p.guard_force));
-        let lasting = row >= ticks(p.observer.bandwidth.recip(), p.sample_period);
+        let lasting = row >= self.least;
         let force = if lasting { inertia } else { 0.0 };
         let before = self.count;
-        self.count = self.reversals.update(force, p.guard_force, ticks(SWING, p.sample_period));
+        self.count = self.reversals.update(force, p.guard_force, self.most);
         self.count > before
     }
 
@@ -48,7 +62,7 @@ mod tests {
     /// Changes of side in 300 samples of a force that has `size` and changes its side every `half` samples, and those counted.
     fn swung(size: f64, half: u32) -> (usize, u32) {
         let p = Parameters::START;
-        let mut swing = Swing::default();
+        let mut swing = Swing::new(&p);
         let sides = (0..300u32).filter(|k| {
             let side = if (k / half).is_multiple_of(2) { 1.0 } else { -1.0 };
             swing.update(&p, side * size * p.guard_force)
@@ -71,7 +85,7 @@ mod tests {
     #[test]
     fn an_acceleration_ends_a_row() {
         let p = Parameters::START;
-        let mut swing = Swing::default();
+        let mut swing = Swing::new(&p);
         (0..60).for_each(|k| _ = swing.update(&p, if k < 30 { 9.0 } else { -9.0 }));
         assert_eq!(swing.count(), 1);
         swing.clear();

@@ -4,7 +4,7 @@ use control_blocks::{Trajectory, stopping_distance};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Approach, Parameters, State};
-use crate::motion::travel::retract_distance;
+use crate::motion::travel::{job_limit, retract_distance};
 
 /// Reference of the servo in the frame where the workpiece is in the positive direction.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -13,6 +13,8 @@ pub struct Motion {
     pub reference: Trajectory,
     /// The tunable parameters of this approach.
     pub approach: Approach,
+    /// Longest job with it, s.
+    pub job_limit: f64,
     /// Motion of the reference in the last sample, m.
     pub asked: f64,
     started_at: f64,
@@ -26,6 +28,7 @@ impl Motion {
         Self {
             reference: Trajectory::default(),
             approach: p.approach,
+            job_limit: job_limit(p, &p.approach),
             asked: 0.0,
             started_at: 0.0,
             retreat_from: 0.0,
@@ -34,8 +37,8 @@ impl Motion {
     }
 
     /// Begins an approach at the measured position (m), with the tunable parameters of this moment.
-    pub fn start(&mut self, position: f64, approach: &Approach) {
-        self.approach = *approach;
+    pub fn start(&mut self, p: &Parameters, position: f64, approach: &Approach) {
+        (self.approach, self.job_limit) = (*approach, job_limit(p, approach));
         self.reference = Trajectory { position, ..Trajectory::default() };
         (self.started_at, self.retreat_from, self.retreat_to) = (position, position, position);
     }
@@ -143,7 +146,7 @@ mod tests {
 
     fn approaching(p: &Parameters, ticks: u32) -> Motion {
         let mut motion = Motion::new(p);
-        motion.start(0.3, &p.approach);
+        motion.start(p, 0.3, &p.approach);
         for _ in 0..ticks {
             motion.step(p, State::Approach, true, false);
         }

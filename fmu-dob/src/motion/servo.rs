@@ -21,9 +21,8 @@ pub fn current_step(p: &Parameters) -> f64 {
     2.0 * p.stage.current_max / 2f64.powi(p.stage.current_bits)
 }
 
-/// The current (A) that is sent to the amplifier: limited, then rounded to its resolution.
-pub fn quantise(p: &Parameters, current: f64) -> f64 {
-    let (limit, step) = (p.stage.current_max, current_step(p));
+/// The current (A) that is sent to the amplifier: limited, then rounded to its `step`.
+fn quantise(current: f64, limit: f64, step: f64) -> f64 {
     (current.clamp(-limit, limit) / step).round() * step
 }
 
@@ -48,9 +47,15 @@ impl Integrator {
     }
 }
 
-/// Remembers which currents were sent, and for how long they were at the limit; by default none.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+/// Remembers which currents were sent, and for how long they were at the limit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Amplifier {
+    /// smallest step, limit, and what is sent there, A
+    step: f64,
+    limit: f64,
+    most: f64,
+    /// samples of a swing
+    swing: u32,
     sent: SentCommands,
     limited: Consecutive,
     reversals: Reversals,
@@ -58,18 +63,32 @@ pub struct Amplifier {
 }
 
 impl Amplifier {
+    /// No current was sent so far.
+    pub fn new(p: &Parameters) -> Self {
+        let (limit, step) = (p.stage.current_max, current_step(p));
+        Self {
+            step,
+            limit,
+            most: quantise(limit, limit, step),
+            swing: ticks(SWING, p.sample_period),
+            sent: SentCommands::default(),
+            limited: Consecutive::NONE,
+            reversals: Reversals::default(),
+            swings: 0,
+        }
+    }
+
     /// The quantised and limited current (A) that acted during the last sample, `io_delay` samples late.
     pub fn acted(&self, p: &Parameters) -> f64 {
         self.sent.before(p.io_delay as usize)
     }
 
     /// Sends a current (A) to the amplifier; returns what it will do.
-    pub fn send(&mut self, p: &Parameters, current: f64) -> f64 {
-        let sent = quantise(p, current);
+    pub fn send(&mut self, current: f64) -> f64 {
+        let sent = quantise(current, self.limit, self.step);
         self.sent.send(sent);
-        let limit = quantise(p, p.stage.current_max);
-        self.limited.update(sent.abs() >= limit);
-        self.swings = self.reversals.update(sent, limit, ticks(SWING, p.sample_period));
+        self.limited.update(sent.abs() >= self.most);
+        self.swings = self.reversals.update(sent, self.most, self.swing);
         sent
     }
 
@@ -98,11 +117,12 @@ mod tests {
         let p = Parameters::START;
         let step = current_step(&p);
         assert!((step - 152.587890625e-6).abs() < 1e-15);
-        assert_eq!(quantise(&p, 0.4 * step), 0.0);
-        assert_eq!(quantise(&p, 0.6 * step), step);
-        assert_eq!(quantise(&p, -3.4 * step), -3.0 * step);
-        assert_eq!(quantise(&p, 7.0), 5.0);
-        assert_eq!(quantise(&p, -7.0), -5.0);
+        let quantise = |current| quantise(current, 5.0, step);
+        assert_eq!(quantise(0.4 * step), 0.0);
+        assert_eq!(quantise(0.6 * step), step);
+        assert_eq!(quantise(-3.4 * step), -3.0 * step);
+        assert_eq!(quantise(7.0), 5.0);
+        assert_eq!(quantise(-7.0), -5.0);
     }
 
     #[test]
@@ -120,11 +140,11 @@ mod tests {
         for delay in 0..4 {
             let mut p = Parameters::START;
             p.io_delay = delay;
-            let mut amplifier = Amplifier::default();
+            let mut amplifier = Amplifier::new(&p);
             let mut acted = Vec::new();
             for k in 0..6 {
                 acted.push(amplifier.acted(&p));
-                amplifier.send(&p, f64::from(k + 1) * 100.0 * current_step(&p));
+                amplifier.send(f64::from(k + 1) * 100.0 * current_step(&p));
             }
             let first = acted.iter().position(|i| *i > 0.0).unwrap();
             assert_eq!(first as i32, delay + 1);
@@ -134,9 +154,9 @@ mod tests {
     #[test]
     fn samples_at_the_limit_are_counted_in_a_row() {
         let p = Parameters::START;
-        let mut amplifier = Amplifier::default();
+        let mut amplifier = Amplifier::new(&p);
         let limited = [9.0, 5.0, -9.0, 4.9, 9.0].map(|current| {
-            amplifier.send(&p, current);
+            amplifier.send(current);
             amplifier.limited()
         });
         assert_eq!(limited, [1, 2, 3, 0, 1]);
@@ -145,10 +165,10 @@ mod tests {
     #[test]
     fn swings_from_limit_to_limit_are_counted_until_they_are_forgotten() {
         let p = Parameters::START;
-        let mut amplifier = Amplifier::default();
+        let mut amplifier = Amplifier::new(&p);
         assert_eq!(amplifier.reversals(), 0);
         let swings = [9.0, -9.0, 0.0, 9.0, -9.0].map(|current| {
-            amplifier.send(&p, current);
+            amplifier.send(current);
             amplifier.reversals()
         });
         assert_eq!(swings, [0, 1, 1, 2, 3]);
