@@ -250,9 +250,9 @@ mod tests {
             let p = Parameters { stick_slip: StickSlip { wave, sweep, ..P.stick_slip }, ..P };
             let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
             // more than can be taken back
-            let mut step = |k: u32| ripple.step(&p, k, KV, STRAIGHT, 50.0 * phase(10, k).cos());
-            (1..400).for_each(|k| _ = step(k));
-            let amplitude = ((0..20).map(|k| step(400 + k).powi(2)).sum::<f64>() / 10.0).sqrt();
+            let mut step = |k: u32| ripple.step(&p, k, KV, STRAIGHT, phase(10, k).cos());
+            (1..4000).for_each(|k| _ = step(k));
+            let amplitude = ((4000..4020).map(|k| step(k).powi(2)).sum::<f64>() / 10.0).sqrt();
             assert!((amplitude / most - 1.0).abs() < 0.03, "{wave:?} {sweep:?}: {amplitude}");
         }
     }
