@@ -96,7 +96,7 @@ pub fn velocity(law: &StickSlip, feed: f64) -> f64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::interface::Parameters;
 
