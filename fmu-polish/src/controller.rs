@@ -363,8 +363,8 @@ impl Controller {
         let (force, position, touching) = (now.force.normal, reading.position, touching(p, now));
         self.sliding.update(p, &position, now, touching);
         let contact = NormalMeasurement { error, force, position, touching };
-        let feed = self.feed;
-        let at = PathState { path: &self.path, place: self.place, frame: &now.frame, feed };
+        let (feed, sweep) = (self.feed, self.sliding.swept(p, self.feed));
+        let at = PathState { path: &self.path, place: self.place, frame: &now.frame, feed, sweep };
         let normal = self.normal.step(p, &contact, self.k, &at);
         let (share, sideways) = stick_slip::motion(&p.stick_slip, self.k, &now.frame);
         let parts = VelocityParts {
@@ -373,7 +373,7 @@ impl Controller {
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
             // eq. 16
-            stick_slip: share * self.sliding.swept(p, feed),
+            stick_slip: share * sweep,
             sideways,
         };
         self.way = feed * p.sample_period;

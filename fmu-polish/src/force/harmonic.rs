@@ -50,9 +50,10 @@ impl Harmonic {
         self.canceller.output(carrier)
     }
 
-    /// Judges a window of `samples`; true when the harmonic ends because it makes the ripple worse.
-    pub fn judge(&mut self, p: &Parameters, samples: u32, most: f64) -> bool {
-        let amplitude = 2.0 * self.sum.norm() / f64::from(samples);
+    /// Judges a window of `samples`, in which what makes the ripple is `raised` times as large as told; true when the harmonic ends
+    /// because it makes the ripple worse.
+    pub fn judge(&mut self, p: &Parameters, samples: u32, raised: f64, most: f64) -> bool {
+        let amplitude = 2.0 * self.sum.norm() / f64::from(samples) / raised;
         self.sum = Complex::ZERO;
         if self.ended {
             return false;
@@ -84,8 +85,9 @@ mod tests {
     const WINDOW: u32 = 100;
     const MOST: f64 = 1e-3;
 
-    /// Which of windows with ripples of `sizes` N ends the harmonic, which has learned an output of `learned`.
-    fn ends(sizes: &[f64], learned: f64) -> Vec<bool> {
+    /// Which of windows with ripples of `sizes` N ends the harmonic, where what makes them is `raised` times as large as told and an output
+    /// of `learned` was learned.
+    fn ends(sizes: &[f64], raised: f64, learned: f64) -> Vec<bool> {
         let mut harmonic = Harmonic::default();
         harmonic.learn(1.0, Complex::ONE, Complex::ONE, -learned, MOST);
         let mut window = |&size: &f64| {
@@ -93,7 +95,7 @@ mod tests {
                 let carrier = Complex::cis(std::f64::consts::TAU * f64::from(k) / 20.0);
                 harmonic.observe(carrier, size * carrier.re);
             }
-            harmonic.judge(&P, WINDOW, MOST)
+            harmonic.judge(&P, WINDOW, raised, MOST)
         };
         sizes.iter().map(&mut window).collect()
     }
@@ -102,16 +104,19 @@ mod tests {
     fn two_windows_in_a_row_that_have_grown_end_it_once() {
         let most = GROWTH * 0.2 + P.ripple.growth_max;
         let (below, above) = (0.99 * most, 1.01 * most);
-        assert_eq!(ends(&[0.2, below, below, below], 0.0), [false; 4]);
-        assert_eq!(ends(&[0.2, above, below, above, below], 0.0), [false; 5]);
-        assert_eq!(ends(&[0.2, above, above, above, above], 0.0), [false, false, true, false, false]);
+        for raised in [1.0, 1.7] {
+            let ends = |sizes: &[f64]| ends(&sizes.iter().map(|size| raised * size).collect::<Vec<_>>(), raised, 0.0);
+            assert_eq!(ends(&[0.2, below, below, below]), [false; 4]);
+            assert_eq!(ends(&[0.2, above, below, above, below]), [false; 5]);
+            assert_eq!(ends(&[0.2, above, above, above, above]), [false, false, true, false, false]);
+        }
     }
 
     #[test]
     fn at_its_limit_it_may_grow_by_its_factor_alone() {
         let grown = [0.2, 1.01 * GROWTH * 0.2, 1.01 * GROWTH * 0.2];
-        assert_eq!(ends(&grown, 2.0 * MOST), [false, false, true]);
-        assert_eq!(ends(&grown, 0.9 * MOST), [false; 3]);
+        assert_eq!(ends(&grown, 1.0, 2.0 * MOST), [false, false, true]);
+        assert_eq!(ends(&grown, 1.0, 0.9 * MOST), [false; 3]);
     }
 
     #[test]

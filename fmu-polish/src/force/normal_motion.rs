@@ -106,7 +106,7 @@ impl NormalMotion {
         let felt = if contact.touching { contact.error } else { 0.0 };
         velocity += self.force_law.integrate(&law, felt);
         let turn = self.turning.step(&at.frame.tangent);
-        velocity += self.ripple.step(p, k, turn, contact.error);
+        velocity += self.ripple.step(p, k, at.sweep, turn, contact.error);
         velocity += self.turns.step(p, &law, self.stiffness, turn, felt);
         if p.misalignment.enable {
             self.observe_surface(p, contact, at);
@@ -168,4 +168,6 @@ pub struct PathState<'a> {
     pub frame: &'a Frame,
     /// Feed of the contact point, m/s.
     pub feed: f64,
+    /// K_v of the stick-slip motion, m/s.
+    pub sweep: f64,
 }

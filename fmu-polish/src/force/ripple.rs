@@ -15,7 +15,7 @@ use super::impedance::Coefficients;
 use super::response::closed;
 use super::turning::{Turn, WholeTurn};
 use super::turns::ERROR_SHARE;
-use crate::interface::{Mode, Parameters};
+use crate::interface::{Mode, Parameters, Sweep};
 use crate::motion::stick_slip::{fastest, phase, velocity};
 
 /// What is told when the cancellation has ended itself.
@@ -25,8 +25,8 @@ pub const FROZEN: &str = "a part of the ripple cancellation made it worse and ha
 
 /// Harmonics of the stick-slip frequency.
 const HARMONICS: usize = 2;
-/// Largest velocity of each harmonic, m/s: a tip that bends instead of sliding on a slope of 14 degrees makes a ripple of a
-/// quarter of K_v, and 20 mm/s are the most of it.
+/// Largest velocity of each harmonic, over that of the sweep over K_v, m/s: a tip that bends instead of sliding on a slope of 14
+/// degrees makes a ripple of a quarter of the sweep, and K_v = 20 mm/s is the most of it.
 const VELOCITY_MAX: f64 = 5e-3;
 /// Fastest turn of the path with which a ripple is learned, over its frequency: the response is that at the frequency itself.
 const TURN_SHARE: f64 = 0.25;
@@ -73,8 +73,9 @@ impl RippleCancellation {
         self.frozen
     }
 
-    /// Velocity (m/s) of sample `k`, in which the path turns by `turn`, for the force error `error` (N).
-    pub fn step(&mut self, p: &Parameters, k: u32, turn: Turn, error: f64) -> f64 {
+    /// Velocity (m/s) of sample `k`, in which the sweep has K_v = `sweep` (m/s) and the path turns by `turn`, for the force error
+    /// `error` (N).
+    pub fn step(&mut self, p: &Parameters, k: u32, sweep: f64, turn: Turn, error: f64) -> f64 {
         let mut velocity = 0.0;
         let sweeps = p.turns.ripple_gain > 0.0 && p.stick_slip.mode != Mode::Off;
         let turns = sweeps && turn.step != 0.0 && turn.step.abs() < TURN_SHARE * phase(self.half, 1);
@@ -84,7 +85,7 @@ impl RippleCancellation {
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
             if p.ripple.gain > 0.0 {
                 harmonic.observe(carrier, error);
-                harmonic.learn(2.0 * p.ripple.gain * p.sample_period, response, carrier, error, VELOCITY_MAX);
+                harmonic.learn(2.0 * p.ripple.gain * p.sample_period, response, carrier, error, fastest_ripple(p));
                 velocity += harmonic.output(carrier);
             }
             let sides = &mut self.turning[m as usize - 1];
@@ -96,24 +97,24 @@ impl RippleCancellation {
             }
         }
         if p.ripple.gain > 0.0 {
-            self.judge(p);
+            self.judge(p, raised(p, sweep));
         }
         if turns {
-            self.judge_turn(p, turn.step);
+            self.judge_turn(p, raised(p, sweep), turn.step);
         }
         velocity
     }
 
     /// The same of what turns with the path, after each whole turn.
-    fn judge_turn(&mut self, p: &Parameters, step: f64) {
+    fn judge_turn(&mut self, p: &Parameters, raised: f64, step: f64) {
         let Some(samples) = self.turn.ends(step) else { return };
         for side in self.turning.iter_mut().flatten() {
-            self.frozen |= side.judge(p, samples, climb(p));
+            self.frozen |= side.judge(p, samples, raised, climb(p));
         }
     }
 
     /// Freezes what makes the ripple worse: a phase of the model is more than a quarter wrong.
-    fn judge(&mut self, p: &Parameters) {
+    fn judge(&mut self, p: &Parameters, raised: f64) {
         self.samples += 1;
         let window = WINDOW_PERIODS * 2 * self.half;
         if self.samples < window {
@@ -121,15 +122,29 @@ impl RippleCancellation {
         }
         self.samples = 0;
         for harmonic in &mut self.harmonics {
-            self.frozen |= harmonic.judge(p, window, VELOCITY_MAX);
+            self.frozen |= harmonic.judge(p, window, raised, fastest_ripple(p));
         }
     }
+}
+
+/// How many times as large as told a circle is, and with it the ripple of a mold askew. To and fro nothing is granted: there it is
+/// how a mold that is not that of the path is told by its force error, before the depth takes it for a sensor that stands.
+fn raised(p: &Parameters, sweep: f64) -> f64 {
+    match p.stick_slip.sweep {
+        Sweep::Linear => 1.0,
+        Sweep::Circular => (sweep / velocity(&p.stick_slip, p.feed.velocity)).max(1.0),
+    }
+}
+
+/// Largest velocity (m/s) that cancels a harmonic.
+fn fastest_ripple(p: &Parameters) -> f64 {
+    VELOCITY_MAX * fastest(&p.stick_slip)
 }
 
 /// Largest velocity (m/s) at which a sweep climbs on a mold that may be so much askew.
 fn climb(p: &Parameters) -> f64 {
     let sweep = fastest(&p.stick_slip) * velocity(&p.stick_slip, p.feed.velocity);
-    VELOCITY_MAX.min(p.limits.surface_slope * sweep)
+    fastest_ripple(p).min(p.limits.surface_slope * sweep)
 }
 
 #[cfg(test)]
@@ -138,9 +153,12 @@ mod tests {
 
     use super::super::impedance::damping;
     use super::*;
-    use crate::interface::Turns;
+    use crate::interface::{StickSlip, Turns, Wave};
+    use crate::motion::stick_slip::tests::circular;
 
     const P: Parameters = Parameters::START;
+    /// K_v as it is told, m/s.
+    const KV: f64 = 10e-3;
     const STRAIGHT: Turn = Turn { angle: 0.3, step: 0.0 };
 
     /// What a harmonic leaves of a ripple of the amplitude `size` N through the true response, at the angle `angle`.
@@ -160,7 +178,7 @@ mod tests {
             // the plant in the steady state of the learned amplitudes
             let error: f64 =
                 (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, size, phase(10, m * k))).sum();
-            ripple.step(&P, k, STRAIGHT, error);
+            ripple.step(&P, k, KV, STRAIGHT, error);
             if counted.contains(&k) {
                 worst = worst.max(error.abs());
             }
@@ -190,7 +208,7 @@ mod tests {
         p.ripple.gain = 1e-9;
         let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
         for k in 1..=200 {
-            ripple.step(&p, k, STRAIGHT, 0.1 + 0.3 * phase(10, k).cos() + 0.2 * phase(10, 2 * k).sin());
+            ripple.step(&p, k, KV, STRAIGHT, 0.1 + 0.3 * phase(10, k).cos() + 0.2 * phase(10, 2 * k).sin());
         }
         let [one, two] = ripple.harmonics.map(|harmonic| harmonic.first().unwrap());
         assert!((one - 0.3).abs() < 1e-9 && (two - 0.2).abs() < 1e-9, "{one} {two}");
@@ -201,7 +219,49 @@ mod tests {
         let mut p = P;
         p.stick_slip.half_period = 1;
         let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, 1e4), 178e3);
-        assert!((1..1000).all(|k| ripple.step(&p, k, STRAIGHT, if k % 2 == 0 { 1.0 } else { -1.0 }) == 0.0));
+        assert!((1..1000).all(|k| ripple.step(&p, k, KV, STRAIGHT, if k % 2 == 0 { 1.0 } else { -1.0 }) == 0.0));
+    }
+
+    /// Whether a ripple of `size` N that no output changes ends the cancellation, where it was `first` N and K_v has been raised to `sweep`.
+    fn given_up(p: &Parameters, sweep: f64, first: f64, size: f64) -> bool {
+        let mut ripple = RippleCancellation::new(p, &Coefficients::new(p, damping(p, 178e3)), 178e3);
+        for k in 1..=1200 {
+            let (sweep, size) = if k <= 200 { (KV, first) } else { (sweep, size) };
+            ripple.step(p, k, sweep, STRAIGHT, size * phase(10, k).cos());
+        }
+        ripple.frozen()
+    }
+
+    #[test]
+    fn a_circle_that_is_raised_may_make_as_much_more_of_a_ripple_and_a_line_may_not() {
+        let mut p = circular();
+        p.ripple.gain = 1e-9;
+        // 1.5 times 0.2 N and 0.3 N are the most at first
+        for (sweep, most) in [(KV, 0.6), (1.6 * KV, 0.96), (0.5 * KV, 0.6)] {
+            assert_eq!([0.99, 1.01].map(|share| given_up(&p, sweep, 0.2, share * most)), [false, true], "{sweep}");
+        }
+        let line = Parameters { stick_slip: P.stick_slip, ..p.clone() };
+        assert_eq!([0.59, 0.61].map(|size| given_up(&line, 1.6 * KV, 0.2, size)), [false, true]);
+        // with a ratio K_v goes with the feed and is not raised
+        p.stick_slip.ratio = KV / p.feed.velocity;
+        assert!(given_up(&p, KV, 0.2, 0.61) && !given_up(&p, KV, 0.2, 0.59));
+    }
+
+    #[test]
+    fn a_circle_and_a_sine_are_cancelled_as_fast_as_they_go() {
+        for (wave, sweep, most) in [
+            (Wave::Square, Sweep::Linear, 5e-3),
+            (Wave::Sine, Sweep::Linear, 5e-3 * std::f64::consts::FRAC_PI_2),
+            (Wave::Square, Sweep::Circular, 5e-3 * std::f64::consts::FRAC_PI_2),
+        ] {
+            let p = Parameters { stick_slip: StickSlip { wave, sweep, ..P.stick_slip }, ..P };
+            let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
+            // more than can be taken back
+            let mut step = |k: u32| ripple.step(&p, k, KV, STRAIGHT, phase(10, k).cos());
+            (1..4000).for_each(|k| _ = step(k));
+            let amplitude = ((4000..4020).map(|k| step(k).powi(2)).sum::<f64>() / 10.0).sqrt();
+            assert!((amplitude / most - 1.0).abs() < 0.03, "{wave:?} {sweep:?}: {amplitude}");
+        }
     }
 
     fn turning() -> Parameters {
@@ -230,7 +290,7 @@ mod tests {
                     })
                     .sum::<f64>()
                     + 0.3 * theta.cos() * phase(10, k).cos();
-                ripple.step(p, k, Turn { angle: theta, step }, error);
+                ripple.step(p, k, KV, Turn { angle: theta, step }, error);
                 worst = worst.max(error.abs());
             }
             found.push(worst);
@@ -268,7 +328,7 @@ mod tests {
             let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
             let step = share * 0.25 * phase(10, 1);
             for k in 1..100 {
-                ripple.step(&p, k, Turn { angle: step * f64::from(k), step }, 0.3);
+                ripple.step(&p, k, KV, Turn { angle: step * f64::from(k), step }, 0.3);
             }
             assert_eq!(ripple.turning.iter().flatten().any(|side| *side != Harmonic::default()), learns, "{share}");
         }

@@ -75,7 +75,8 @@ impl TurnLearning {
     fn judge(&mut self, p: &Parameters, turn: f64) {
         let Some(samples) = self.window.ends(turn) else { return };
         for harmonic in &mut self.harmonics {
-            self.frozen |= harmonic.judge(p, samples, WAY_MAX);
+            // friction and mold stay as they are
+            self.frozen |= harmonic.judge(p, samples, 1.0, WAY_MAX);
         }
     }
 }

@@ -55,13 +55,9 @@ fn most(p: &Parameters) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interface::StickSlip;
+    use crate::motion::stick_slip::tests::circular;
 
     const P: Parameters = Parameters::START;
-
-    fn circular() -> Parameters {
-        Parameters { stick_slip: StickSlip { sweep: Sweep::Circular, ..P.stick_slip }, ..P }
-    }
 
     #[test]
     fn a_bent_tip_seems_to_slide_as_derived() {

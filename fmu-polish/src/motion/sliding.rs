@@ -170,6 +170,7 @@ mod tests {
     use super::*;
     use crate::force::sensor::MeasuredForce;
     use crate::interface::{Drive, ErrorOutput, StickSlip};
+    use crate::motion::stick_slip::tests::circular;
     use crate::path::centre_path::Frame;
 
     const P: Parameters = Parameters::START;
@@ -239,10 +240,6 @@ mod tests {
             }
         }
         slid / (f64::from(window(p)) * p.sample_period)
-    }
-
-    fn circular() -> Parameters {
-        Parameters { stick_slip: StickSlip { sweep: Sweep::Circular, ..P.stick_slip }, ..P }
     }
 
     #[test]

@@ -96,10 +96,16 @@ pub fn velocity(law: &StickSlip, feed: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use crate::interface::Parameters;
 
     const LAW: StickSlip = StickSlip::START;
+
+    /// Parameters with a circular sweep.
+    pub fn circular() -> Parameters {
+        Parameters { stick_slip: StickSlip { sweep: Sweep::Circular, ..LAW }, ..Parameters::START }
+    }
 
     fn frame(normal: Vector3<f64>, tangent: Vector3<f64>, contact: Vector3<f64>) -> Frame {
         let (normal, centre) = (normal.normalize(), contact);

@@ -24,13 +24,10 @@ pub fn accelerated(p: &Parameters) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interface::{Drive, StickSlip, Sweep};
+    use crate::interface::Drive;
+    use crate::motion::stick_slip::tests::circular;
 
     const P: Parameters = Parameters::START;
-
-    fn circular() -> Parameters {
-        Parameters { stick_slip: StickSlip { sweep: Sweep::Circular, ..P.stick_slip }, ..P }
-    }
 
     #[test]
     fn a_circle_is_raised_to_what_drives_and_speed_bear() {
