@@ -1,6 +1,6 @@
 //! Whether the slide does what its setpoint says: following error, and what its cause is.
 
-use control_blocks::{Following, Frozen, Response, Trajectory};
+use control_blocks::{Consecutive, Following, Frozen, Response, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
@@ -16,6 +16,11 @@ const UNANSWERED: f64 = 0.5;
 /// A slide with a smaller share goes backwards; one with less than the other is weak.
 const BACKWARDS: f64 = -0.2;
 const WEAK: f64 = 0.5;
+/// Share of `limits.following_error` that a slide may be beside a setpoint that stands (our choice: 50 um; 0.7 N of the probe are
+/// 12 um on the slowest servo).
+const AT_REST: f64 = 0.05;
+/// Time for which it may be farther, s (our choice: 20 times 1 / w of the slowest servo).
+const REST_TIME: f64 = 0.25;
 
 /// Setpoint and slide beside each other; by default before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -24,6 +29,8 @@ pub struct DriveMonitor {
     before: Option<Place>,
     frozen: Frozen,
     response: Response,
+    /// samples with a setpoint that stands, and the slide beside it
+    beside: Consecutive,
     error: f64,
     allowed: f64,
 }
@@ -51,6 +58,11 @@ impl DriveMonitor {
         self.response.update(told, done, samples);
         let moving = setpoint.velocity.abs() * p.sample_period;
         self.allowed = p.limits.following_error + moving + ahead.abs();
+        let standing = AT_REST * p.limits.following_error + ahead.abs();
+        let stands = setpoint.velocity == 0.0 && told.abs() < RESOLUTION;
+        if self.beside.update(stands && self.error.abs() > standing) > p.ticks(REST_TIME) {
+            self.allowed = standing;
+        }
     }
 
     /// Setpoint minus position, m.
@@ -206,6 +218,42 @@ mod tests {
             assert_eq!([1.49e-3, 1.51e-3].map(|error| fault(0.5 * side, error * side)), [false, true]);
             assert_eq!([0.99e-3, 1.01e-3].map(|error| fault(0.0, error * side)), [false, true]);
         }
+    }
+
+    #[test]
+    fn a_slide_beside_a_setpoint_that_stands_does_not_follow() {
+        let (rest, limit) = (P.ticks(REST_TIME), AT_REST * P.limits.following_error);
+        // the limit that is told with the fault, and after how many samples
+        let beside = |error: f64, ahead: f64| {
+            let mut drive = DriveMonitor::default();
+            (0..4 * rest).find_map(|k| {
+                drive.update(&P, &Trajectory::default(), ahead, error);
+                drive.fault(&P).map(|fault| (fault, drive.allowed(), k.abs_diff(rest) < 3))
+            })
+        };
+        for side in [1.0, -1.0] {
+            assert_eq!(beside(1.01 * side * limit, 0.0), Some((Fault::FollowingError, limit, true)));
+            assert_eq!(beside(0.99 * side * limit, 0.0), None);
+            // ahead on purpose
+            assert_eq!(beside(2.0 * side * limit, 1.1 * limit), None);
+        }
+    }
+
+    #[test]
+    fn a_slide_on_its_way_or_a_bad_sample_is_not_beside_a_setpoint_that_stands() {
+        let error = 10.0 * AT_REST * P.limits.following_error;
+        let found = |setpoint: fn(u32) -> Trajectory, slide: &dyn Fn(u32) -> f64| {
+            let mut drive = DriveMonitor::default();
+            (0..2000).find_map(|k| {
+                drive.update(&P, &setpoint(k), 0.0, slide(k));
+                drive.fault(&P)
+            })
+        };
+        let moving = |k: u32| Trajectory { position: 1e-5 * f64::from(k), velocity: 0.01, acceleration: 0.0 };
+        assert_eq!(found(moving, &|k| moving(k).position - 1e-5 - error), None);
+        let standing = |_: u32| Trajectory::default();
+        assert_eq!(found(standing, &|k| if k % 100 == 0 { 0.0 } else { error }), None);
+        assert_eq!(found(standing, &|_| error), Some(Fault::FollowingError));
     }
 
     #[test]

@@ -96,7 +96,7 @@ impl Watch {
             .then_some(if left { Fault::WeakDrive } else { Fault::FrozenReading })
             .or(share.and_then(|share| self.drive_fault(p, share)))
             .or((self.turns >= REVERSALS).then_some(Fault::Oscillation))
-            .or(behind.then_some(Fault::FollowingError))
+            .or(behind.then(|| self.left_behind(p)))
             .or((self.saturated > p.limits.saturated_share).then_some(Fault::Saturation))
             .or(self.growth.grows(p).then_some(Fault::Divergence))
             .or(poor.then_some(Fault::NoProgress))
@@ -116,6 +116,16 @@ impl Watch {
     /// Acceleration of the arm over that of the torque, where the torque is enough to tell.
     pub fn share(&self, p: &Parameters) -> Option<f64> {
         self.drive.share(p)
+    }
+
+    /// Why the arm is behind: a fast path leaves its limit before a whole `MEMORY` tells what the drive does.
+    fn left_behind(&self, p: &Parameters) -> Fault {
+        match self.drive.latest(p).filter(|share| *share < p.limits.drive_share) {
+            None => Fault::FollowingError,
+            Some(_) if p.limits.drive_share == 0.0 => Fault::FollowingError,
+            Some(share) if share < TURNED => Fault::DriveSign,
+            Some(_) => Fault::WeakDrive,
+        }
     }
 
     /// What a share of the torque means.
@@ -330,6 +340,30 @@ mod tests {
             before = torque;
             watch.find(&p, 0.08)
         })
+    }
+
+    #[test]
+    fn a_fast_path_that_leaves_its_limit_names_the_drive_by_the_last_milliseconds() {
+        // a good drive until 7 ms before, and then `gain` of it
+        let cause = |gain: f64, least: f64| {
+            let (mut p, dt, mut watch) = (Parameters::START, Parameters::START.sample_period, Watch::default());
+            p.limits.drive_share = least;
+            let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
+            for k in 0..ticks(0.107, dt) {
+                let time = dt * f64::from(k);
+                let torque = 3.0 * (TAU * 80.0 * time).cos();
+                watch.update(&p, 0.08, &Sample { wanted: angle, arm_angle: angle, torque, ..REST });
+                let acceleration = if time > 0.1 { gain } else { 1.0 } * before / p.servo.inertia;
+                angle += dt * (velocity + 0.5 * dt * acceleration);
+                velocity += dt * acceleration;
+                before = torque;
+            }
+            watch.left_behind(&p)
+        };
+        let found = [1.0, 0.7, 0.1, -1.0].map(|gain| cause(gain, 0.4));
+        assert_eq!(found, [Fault::FollowingError, Fault::FollowingError, Fault::WeakDrive, Fault::DriveSign]);
+        // where the drive is not watched
+        assert_eq!([0.1, -1.0].map(|gain| cause(gain, 0.0)), [Fault::FollowingError; 2]);
     }
 
     #[test]
