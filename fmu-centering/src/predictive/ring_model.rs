@@ -95,7 +95,14 @@ impl RingModel {
         if any.fitting().is_some() || !self.lost() || self.explains() {
             return true;
         }
-        purpose == Purpose::Refine
+        match purpose {
+            Purpose::Widen => {
+                self.any = None;
+                self.roughen()
+            }
+            Purpose::Refine => true,
+            Purpose::Reconsider => false,
+        }
     }
 
     /// Whether what is in force may be about to change: too much was rejected, or a ring of any form is tried.
@@ -131,20 +138,17 @@ impl RingModel {
         self.any = form.then(|| AnyForm::new(self.assumed, centre, sigma, &self.ground.estimate.now.mean));
     }
 
-    /// Finds out whether a ring that is rougher than assumed explains what was rejected, or begins to try one that has more form,
-    /// too; false where none can.
+    /// Begins to find out whether a ring that has more form than assumed, or is rougher, explains what was rejected; false where
+    /// none can.
     fn reconsider(&mut self) -> bool {
         if self.history.is_full() {
             return false;
         }
-        if let Some(any) = &mut self.any {
-            any.begin(Purpose::Reconsider);
-            return true;
+        match &mut self.any {
+            Some(any) => any.begin(Purpose::Reconsider),
+            None => self.widen(),
         }
-        self.roughen() || {
-            self.widen();
-            self.any.is_some()
-        }
+        self.any.is_some() || self.roughen()
     }
 
     /// Whether a ground ring that is rougher than assumed explains what was rejected; it is taken for such a one then.
