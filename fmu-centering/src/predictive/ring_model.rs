@@ -18,7 +18,7 @@ use crate::predictive::assumptions::Assumptions;
 use crate::predictive::ground_ring::GroundRing;
 use crate::predictive::refit::Purpose;
 use crate::predictive::ring_estimate::{Known, MISFIT_MAX};
-use crate::predictive::ring_line::ANY;
+use crate::predictive::ring_line::{ANY, GROUND};
 
 /// Measurements kept: more than a revolution at 20 rpm and 66 Hz; later ones are taken in only once.
 const HISTORY: usize = 256;
@@ -131,11 +131,12 @@ impl RingModel {
         self.history.len() > 2 * ANY && ring.misfit > WIDEN && beyond() as f64 > COARSE.0 * self.history.len() as f64
     }
 
-    /// Begins to try whether a ring of any form explains what was measured; a round one has none.
+    /// Begins to try whether a ring of any form explains what was measured; a few measurements are explained by any, even where
+    /// the probe is late, and a round ring has none.
     fn widen(&mut self) {
         let (centre, sigma) = self.ground.told();
-        let form = self.assumed.form > 0.0;
-        self.any = form.then(|| AnyForm::new(self.assumed, centre, sigma, &self.ground.estimate.now.mean));
+        let tell = self.history.len() > 2 * GROUND && self.assumed.form > 0.0;
+        self.any = tell.then(|| AnyForm::new(self.assumed, centre, sigma, &self.ground.estimate.now.mean));
     }
 
     /// Begins to find out whether a ring that has more form than assumed, or is rougher, explains what was rejected; false where
