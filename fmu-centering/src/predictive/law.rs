@@ -89,6 +89,7 @@ impl CentringLaw for PredictiveLaw {
         if self.rest > 0 || !(now.state.follows() || now.state == State::Settle) {
             return;
         }
+        self.ring.note_late(now.late);
         if let Some(seen) = self.seen.filter(|_| now.due.collect)
             && self.ring.observe(seen.angle, seen.tip)
         {

@@ -39,13 +39,19 @@ pub struct RingModel {
     /// angles (rad) and measurements (m) since the ring was moved
     history: ArrayVec<(f64, f64), HISTORY>,
     rejections: u32,
+    late: bool,
 }
 
 impl RingModel {
     /// Nothing known but the assumptions.
     pub fn new(assumed: Assumptions) -> Self {
         let ground = GroundRing::new(assumed);
-        Self { assumed, ground, any: None, history: ArrayVec::new_const(), rejections: 0 }
+        Self { assumed, ground, any: None, history: ArrayVec::new_const(), rejections: 0, late: false }
+    }
+
+    /// Notes whether the probe tells later than the slide: what it leaves then is no form.
+    pub fn note_late(&mut self, late: bool) {
+        self.late = late;
     }
 
     /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
@@ -131,11 +137,11 @@ impl RingModel {
         self.history.len() > 2 * ANY && ring.misfit > WIDEN && beyond() as f64 > COARSE.0 * self.history.len() as f64
     }
 
-    /// Begins to try whether a ring of any form explains what was measured; a few measurements are explained by any, even where
-    /// the probe is late, and a round ring has none.
+    /// Begins to try whether a ring of any form explains what was measured; a few measurements are explained by any, what
+    /// a late probe tells by none, and a round ring has none.
     fn widen(&mut self) {
         let (centre, sigma) = self.ground.told();
-        let tell = self.history.len() > 2 * GROUND && self.assumed.form > 0.0;
+        let tell = self.history.len() > 2 * GROUND && self.assumed.form > 0.0 && !self.late;
         self.any = tell.then(|| AnyForm::new(self.assumed, centre, sigma, &self.ground.estimate.now.mean));
     }
 

@@ -20,6 +20,7 @@ fn now(state: State, e: f64, angle: f64) -> Observation {
         sample: Sample { angle, slide: 0.1, probe: 4.5e-3 + surface },
         setpoint: Trajectory::default(),
         bandwidth: P.slide.bandwidth,
+        late: false,
     }
 }
 
