@@ -24,8 +24,6 @@ from plants.tools import contour
 
 ROUGHNESS_ORDERS = range(15, 101)
 """Waves per turn of the roughness."""
-FORM_ORDERS = range(7, 15)
-"""Waves per turn of the form that a model of few lobes does not have."""
 ERROR_ORDERS = range(2, 6)
 """Cycles per turn of the error motion: one cycle per turn is eccentricity by definition."""
 TOUCH = 1e-6
@@ -160,7 +158,8 @@ class SpindleRing(Plant):
         waves = {2: p.lobe_2, 3: p.lobe_3, 5: p.lobe_5, **dict.fromkeys(ROUGHNESS_ORDERS, roughness)}
         self._outline: Array = contour.lobed(p.radius, waves, self.stream("outline"))
         if p.form > 0.0:
-            form = dict.fromkeys(FORM_ORDERS, p.form * math.sqrt(2.0 / len(FORM_ORDERS)))
+            orders = range(round(p.form_first), round(p.form_last) + 1)
+            form = dict.fromkeys(orders, p.form * math.sqrt(2.0 / len(orders)))
             self._outline += contour.lobed(0.0, form, self.stream("form"))
         self._dirty = p.part_present and p.dirt_height > 0.0
         self._dirt: Array = contour.dirty(

@@ -56,9 +56,11 @@ class SpindleRingParameters:
     )
 
     form: float = parameter(
-        0.0, "m", "Form of 7 to 14 waves per turn, deviation, phases drawn", 0.0, 1e-4,
+        0.0, "m", "Form of `form_first` to `form_last` waves per turn, deviation, phases drawn", 0.0, 1e-4,
         "our choice: none; what chucks and rolls leave",
     )  # fmt: skip
+    form_first: float = parameter(7.0, "1", "Its fewest waves per turn, a whole number", 2.0, 100.0)
+    form_last: float = parameter(14.0, "1", "Its most waves per turn, a whole number", 2.0, 100.0)
 
     mu_static: float = parameter(
         0.2, "1", "Static friction of ring on table", 0.01, 2.0, "paper: 0.15 to 0.25"
@@ -154,6 +156,16 @@ def check_together(p: SpindleRingParameters) -> None:
         raise ParameterError(
             f"parameter `plant.mu_spread` of plant `spindle_ring`: value `{p.mu_spread:g}`, limit `0`\n"
             "hint: only the contacts have it, set `plant.bristle` to false"
+        )
+    for name in ("form_first", "form_last"):
+        if not (value := float(getattr(p, name))).is_integer():
+            raise ParameterError(
+                f"parameter `plant.{name}` of plant `spindle_ring`: value `{value:g}`, a whole number"
+            )
+    if p.form_first > p.form_last:
+        raise ParameterError(
+            f"parameter `plant.form_first` of plant `spindle_ring`: value `{p.form_first:g}`, "
+            f"limit `{p.form_last:g}`\nhint: the limit comes from `plant.form_last`"
         )
     for name, bound, value, limit in pairs:
         if value > limit:

@@ -280,6 +280,7 @@ impl Controller {
             sample: self.sample,
             setpoint: self.motion.setpoint,
             bandwidth: self.bandwidth(p),
+            late: self.probe_delay.late().is_some(),
         }
     }
 

@@ -46,6 +46,12 @@ def test_every_parameter_is_documented(name: str) -> None:
         ),
         ("spindle_ring", {"eccentricity": 0.04}, r"`plant.eccentricity`.*hint: .*`plant.start_distance`"),
         ("spindle_ring", {"probe_at_pusher": 0.03}, r"`plant.probe_at_pusher`.*hint: .*`plant.probe_stroke`"),
+        ("spindle_ring", {"form_last": 8.5}, r"`plant.form_last`.*`8.5`, a whole number"),
+        (
+            "spindle_ring",
+            {"form_first": 15.0},
+            r"`plant.form_first`.*`15`, limit `14`\nhint: .*`plant.form_last`",
+        ),
         ("orthogonal_robot", {"mold": "moon"}, r"`plant.mold`.*`moon`, one of `sphere`, `led`"),
         (
             "orthogonal_robot",

@@ -24,6 +24,8 @@ pub struct Observation {
     pub setpoint: Trajectory,
     /// Bandwidth of the servo of the slide, as told or found, rad/s.
     pub bandwidth: f64,
+    /// Whether the probe was found to tell later than the slide.
+    pub late: bool,
 }
 
 /// A push that begins.

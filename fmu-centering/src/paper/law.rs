@@ -133,6 +133,7 @@ mod tests {
             sample,
             setpoint: Trajectory::default(),
             bandwidth: P.slide.bandwidth,
+            late: false,
         }
     }
 

@@ -147,8 +147,8 @@ fn wait_for(p: &Parameters, input: &AimInput, approach: &PlannedApproach, stroke
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predictive::assumptions::Assumptions;
     use crate::predictive::press::Goal;
-    use crate::predictive::ring_model::Assumptions;
     use crate::sensing::Measurement;
     use control_blocks::wrap;
     use nalgebra::Vector2;

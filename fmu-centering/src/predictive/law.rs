@@ -12,9 +12,10 @@ use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
 use crate::monitoring::PRESSED_IN_PUSH;
 use crate::motion::Motion;
 use crate::predictive::aim::{AimInput, aim};
+use crate::predictive::assumptions::Assumptions;
 use crate::predictive::learned::{LastPush, LearnedParameters, PushKind};
 use crate::predictive::press::{Goal, Press};
-use crate::predictive::ring_model::{Assumptions, RingModel};
+use crate::predictive::ring_model::RingModel;
 use crate::sensing::{Despiker, Measurement};
 
 /// Time after a push until the ring lies still, s.
@@ -85,12 +86,17 @@ impl CentringLaw for PredictiveLaw {
         }
         self.seen = self.despiker.update(Measurement { angle: now.angle, slide: sample.slide, tip: sample.tip() });
         self.rest = self.rest.saturating_sub(1);
-        let measure = now.due.collect && (now.state.follows() || now.state == State::Settle);
-        let Some(seen) = self.seen.filter(|_| measure && self.rest == 0) else { return };
-        if self.ring.observe(seen.angle, seen.tip) {
+        if self.rest > 0 || !(now.state.follows() || now.state == State::Settle) {
+            return;
+        }
+        self.ring.note_late(now.late);
+        if let Some(seen) = self.seen.filter(|_| now.due.collect)
+            && self.ring.observe(seen.angle, seen.tip)
+        {
             let since = *self.since.get_or_insert(seen.angle);
             self.turned = (seen.angle - since).abs();
-        } else if self.ring.lost() && !self.ring.reconsider() {
+        }
+        if !self.ring.advance() {
             self.ring = RingModel::new(assumptions(p));
             (self.since, self.turned) = (None, 0.0);
         }
@@ -107,7 +113,7 @@ impl CentringLaw for PredictiveLaw {
         if now.due.model {
             self.ring.refine();
         }
-        if !now.due.collect {
+        if !now.due.collect || self.ring.undecided() {
             return None;
         }
         let sigma = self.ring.centre_sigma();
@@ -119,7 +125,7 @@ impl CentringLaw for PredictiveLaw {
 
     /// The next stroke, if it must begin before the next measurement.
     fn launch(&mut self, p: &Parameters, now: &Observation) -> Option<Launch> {
-        if !now.due.collect || now.speed.abs() < STANDING || self.seen.is_none() {
+        if !now.due.collect || now.speed.abs() < STANDING || self.seen.is_none() || self.ring.undecided() {
             return None;
         }
         let mut learned = self.relearned(p);

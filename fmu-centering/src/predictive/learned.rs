@@ -132,7 +132,7 @@ impl LearnedParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::predictive::ring_model::Assumptions;
+    use crate::predictive::assumptions::Assumptions;
 
     const P: Parameters = Parameters::START;
 

@@ -5,205 +5,188 @@
 //!
 //! The geometry is linearised at the present estimate, which is poor at first. So the measurements since the ring was
 //! last moved are kept, and all of them are taken in again at the better estimate now and then (Gauss-Newton).
+//!
+//! Most rings are ground: few orders of form are enough, and every order more makes a part of a revolution worth less. Where
+//! they do not explain what was measured, the ring is taken to have any form.
 
 use arrayvec::ArrayVec;
-use nalgebra::{Matrix2, SMatrix, Vector2};
+use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
-use crate::predictive::ring_line::{STATES, Vector, form, line};
+use crate::predictive::any_form::AnyForm;
+use crate::predictive::assumptions::Assumptions;
+use crate::predictive::ground_ring::GroundRing;
+use crate::predictive::refit::Purpose;
+use crate::predictive::ring_estimate::{Known, MISFIT_MAX};
+use crate::predictive::ring_line::{ANY, GROUND};
 
-/// Standard deviation of b0 before the first measurement, m: anywhere on the slide.
-const LINE_SIGMA: f64 = 0.1;
-/// Change of b0 and form on the way of the ring, relative (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
-const TURN: f64 = 1e-4;
-/// Relative uncertainty of the radius.
-const RADIUS: f64 = 0.02;
 /// Measurements kept: more than a revolution at 20 rpm and 66 Hz; later ones are taken in only once.
 const HISTORY: usize = 256;
-/// Largest misfit of a ring that is only rough (our choice: 2 um with the noise of the default); beyond it was moved.
-const MISFIT_MAX: f64 = 10.0;
+/// A ring that leaves its model by more than so many times the noise is no ground one (our choice: what was told may be wrong),
+/// if more than this share of the measurements does by more than so many times the noise: dirt has less of the surface.
+const WIDEN: f64 = 3.0;
+const COARSE: (f64, f64) = (0.25, 2.0);
 /// Least share of the measurements that a rough ring explains; else some of them belong to another place of the ring.
 const EXPLAINED: f64 = 0.9;
-/// Passes over the history at a time, at most.
-const PASSES: usize = 4;
-
-type Matrix = SMatrix<f64, STATES, STATES>;
-
-/// What is assumed before and between the measurements.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Assumptions {
-    /// Radius of the ring, m.
-    pub radius: f64,
-    /// Standard deviation of one measurement: probe, roughness, error motion, m.
-    pub noise: f64,
-    /// Standard deviation of each coordinate of the centre before the first measurement, m.
-    pub centre: f64,
-    /// Standard deviation of each form coefficient before the first measurement, m.
-    pub form: f64,
-    /// Innovations beyond this many standard deviations are dirt.
-    pub gate: f64,
-    /// So many rejected measurements in a row mean that the model is wrong, not the measurements.
-    pub rejections_max: u32,
-}
-
-/// Mean of the state and a square root of its covariance, which cannot become indefinite.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Gaussian {
-    mean: Vector,
-    root: Matrix,
-}
-
-impl Gaussian {
-    /// Variance of what a measurement with this gradient is expected to be.
-    fn spread(&self, gradient: &Vector) -> f64 {
-        self.root.tr_mul(gradient).norm_squared()
-    }
-
-    /// Takes in a measurement that was `innovation` larger than expected (Potter's form of eq. 21 to 23).
-    fn update(&mut self, innovation: f64, gradient: &Vector, noise: f64) {
-        let seen = self.root.tr_mul(gradient);
-        let spread = seen.norm_squared() + noise;
-        let cross = self.root * seen;
-        self.mean += cross * (innovation / spread);
-        let share = 1.0 / (spread + (noise * spread).sqrt());
-        self.root.ger(-share, &cross, &seen, 1.0);
-    }
-}
 
 /// What is known of the ring.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RingModel {
     assumed: Assumptions,
-    now: Gaussian,
-    /// where the geometry is linearised
-    linear: Vector,
-    /// before the measurements of the history
-    before: Gaussian,
+    ground: GroundRing,
+    /// of any form, where a ground ring does not explain what was measured; in force from its first fit on
+    any: Option<AnyForm>,
     /// angles (rad) and measurements (m) since the ring was moved
     history: ArrayVec<(f64, f64), HISTORY>,
-    /// standard deviation of the history from its model, in that of the noise, at least 1
-    misfit: f64,
     rejections: u32,
+    late: bool,
 }
 
 impl RingModel {
     /// Nothing known but the assumptions.
     pub fn new(assumed: Assumptions) -> Self {
-        let mut sigmas = Vector::from_element(assumed.form);
-        sigmas[0] = LINE_SIGMA;
-        (sigmas[1], sigmas[2]) = (assumed.centre, assumed.centre);
-        let now = Gaussian { mean: Vector::zeros(), root: Matrix::from_diagonal(&sigmas) };
-        let (linear, before) = (now.mean, now.clone());
-        Self { assumed, linear, before, now, history: ArrayVec::new_const(), misfit: 1.0, rejections: 0 }
+        let ground = GroundRing::new(assumed);
+        Self { assumed, ground, any: None, history: ArrayVec::new_const(), rejections: 0, late: false }
+    }
+
+    /// Notes whether the probe tells later than the slide: what it leaves then is no form.
+    pub fn note_late(&mut self, late: bool) {
+        self.late = late;
     }
 
     /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
     pub fn observe(&mut self, angle: f64, y: f64) -> bool {
-        let (expected, gradient) = self.expect(angle, &self.now.mean);
-        let (innovation, noise) = (y - expected, self.assumed.noise.powi(2));
         if !self.history.is_full() {
             self.history.push((angle, y));
         }
-        let spread = self.now.spread(&gradient) + self.misfit.powi(2) * noise + self.blur(&gradient).powi(2);
-        if innovation.powi(2) > self.assumed.gate.powi(2) * spread {
+        if !self.known_mut().observe(angle, y) {
             self.rejections += 1;
             return false;
         }
         self.rejections = 0;
-        self.now.update(innovation, &gradient, noise);
         if self.history.is_full() {
-            self.linear = self.now.mean;
+            self.known_mut().linearise();
         }
         true
     }
 
     /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit;
-    /// does nothing if later measurements are not kept, or if there are none yet.
+    /// does nothing if later measurements are not kept, or if there are none yet. A model of any form only begins it.
     pub fn refine(&mut self) {
-        self.fit(1.0);
-    }
-
-    /// The same with misfits of `rough` times the noise that are no dirt.
-    fn fit(&mut self, rough: f64) {
         if self.history.is_empty() || self.history.is_full() {
             return;
         }
-        for pass in 0..PASSES {
-            self.linear = self.now.mean;
-            let mut refined = self.before.clone();
-            let mut squares = 0.0;
-            for &(angle, y) in &self.history {
-                let misfit =
-                    if pass > 0 { (y - self.expect(angle, &self.now.mean).0) / self.assumed.noise } else { 0.0 };
-                // cauchy's weight: dirt has hardly any influence
-                let weight = 1.0 / (1.0 + (misfit / (self.assumed.gate * rough)).powi(2));
-                squares += weight * misfit * misfit;
-                let (expected, gradient) = self.expect(angle, &refined.mean);
-                refined.update(y - expected, &gradient, self.assumed.noise.powi(2) / weight);
+        let Some(any) = &mut self.any else {
+            self.ground.fit(1.0, &self.history);
+            if self.coarse() {
+                self.widen();
             }
-            self.now = refined;
-            let misfit = (squares / self.history.len() as f64).sqrt().clamp(1.0, MISFIT_MAX);
-            // a few measurements fit any model
-            self.misfit = if self.history.len() > 2 * STATES { misfit } else { self.misfit.max(misfit) };
+            return;
+        };
+        if any.fitting().is_none() {
+            any.begin(Purpose::Refine);
         }
     }
 
-    /// Whether a ring that is rougher than assumed explains what was rejected; it is taken for such a one then.
-    pub fn reconsider(&mut self) -> bool {
-        self.fit(MISFIT_MAX);
-        let (noise, rejected) = (self.misfit * self.assumed.noise, self.rejections as usize);
-        let fits =
-            |&(angle, y): &(f64, f64)| (y - self.expect(angle, &self.now.mean).0).abs() <= self.assumed.gate * noise;
-        let known = self.history.iter().filter(|seen| fits(seen)).count() as f64;
-        let explained = !self.history.is_full()
-            && known >= EXPLAINED * self.history.len() as f64
-            && self.history.iter().rev().take(rejected).all(fits);
+    /// Makes the next pass of a fit that is under way, or begins one that may explain why so many measurements were rejected;
+    /// false where none does: the ring was moved.
+    pub fn advance(&mut self) -> bool {
+        if self.history.is_full() {
+            self.give_up();
+        }
+        let Some((any, purpose)) = self.any.as_mut().and_then(|any| any.fitting().map(|purpose| (any, purpose))) else {
+            return !self.lost() || self.reconsider();
+        };
+        any.advance(&self.history);
+        if any.fitting().is_some() || !self.lost() || self.explains() {
+            return true;
+        }
+        match purpose {
+            Purpose::Widen => {
+                self.any = None;
+                self.roughen()
+            }
+            Purpose::Refine => true,
+            Purpose::Reconsider => false,
+        }
+    }
+
+    /// Whether what is in force may be about to change: too much was rejected, or a ring of any form is tried.
+    pub fn undecided(&self) -> bool {
+        self.lost() || self.tried()
+    }
+
+    fn tried(&self) -> bool {
+        self.any.as_ref().is_some_and(|any| any.fitting() == Some(Purpose::Widen))
+    }
+
+    /// Later measurements are not kept, so that no fit has them all.
+    fn give_up(&mut self) {
+        if self.tried() {
+            self.any = None;
+        } else if let Some(any) = &mut self.any {
+            any.give_up();
+        }
+    }
+
+    /// Whether a ground ring leaves its model by more than noise and dirt do; a few measurements fit any model.
+    fn coarse(&self) -> bool {
+        let ring = &self.ground.estimate;
+        let far = COARSE.1 * self.assumed.noise;
+        let beyond = || self.history.iter().filter(|(angle, y)| (y - ring.line(*angle)).abs() > far).count();
+        self.history.len() > 2 * ANY && ring.misfit > WIDEN && beyond() as f64 > COARSE.0 * self.history.len() as f64
+    }
+
+    /// Begins to try whether a ring of any form explains what was measured; a few measurements are explained by any, what
+    /// a late probe tells by none, and a round ring has none.
+    fn widen(&mut self) {
+        let (centre, sigma) = self.ground.told();
+        let tell = self.history.len() > 2 * GROUND && self.assumed.form > 0.0 && !self.late;
+        self.any = tell.then(|| AnyForm::new(self.assumed, centre, sigma, &self.ground.estimate.now.mean));
+    }
+
+    /// Begins to find out whether a ring that has more form than assumed, or is rougher, explains what was rejected; false where
+    /// none can.
+    fn reconsider(&mut self) -> bool {
+        if self.history.is_full() {
+            return false;
+        }
+        match &mut self.any {
+            Some(any) => any.begin(Purpose::Reconsider),
+            None => self.widen(),
+        }
+        self.any.is_some() || self.roughen()
+    }
+
+    /// Whether a ground ring that is rougher than assumed explains what was rejected; it is taken for such a one then.
+    fn roughen(&mut self) -> bool {
+        self.ground.fit(MISFIT_MAX, &self.history);
+        self.explains()
+    }
+
+    /// Whether the model explains what was measured, but for dirt, and what was rejected, which then counts no longer.
+    fn explains(&mut self) -> bool {
+        let known = self.known();
+        let (noise, rejected) = (known.misfit() * self.assumed.noise, self.rejections as usize);
+        let fits = |&(angle, y): &(f64, f64)| (y - known.line(angle)).abs() <= self.assumed.gate * noise;
+        let count = self.history.iter().filter(|seen| fits(seen)).count() as f64;
+        let explained =
+            count >= EXPLAINED * self.history.len() as f64 && self.history.iter().rev().take(rejected).all(fits);
         if explained {
             self.rejections = 0;
         }
         explained
     }
 
-    /// Standard deviation of what is measured from the model, in that of the noise, at least 1.
-    pub fn misfit(&self) -> f64 {
-        self.misfit
-    }
-
-    /// Whether the centre is so near to the point of linearisation that the curvature of the circle does not matter.
-    pub fn settled(&self) -> bool {
-        self.bend(&self.step()) < self.assumed.noise
-    }
-
-    fn step(&self) -> Vector2<f64> {
-        Vector2::new(self.now.mean[1] - self.linear[1], self.now.mean[2] - self.linear[2])
-    }
-
-    /// How far the circle leaves its tangent, m.
-    fn bend(&self, step: &Vector2<f64>) -> f64 {
-        step.norm_squared() / (2.0 * self.assumed.radius)
-    }
-
     /// The ring was moved: its centre is now near `centre` (table frame, m), within `sigma` (m) in each coordinate.
-    ///
-    /// What was taken for b0 and form where the ring was is less sure here: it has turned a little, and the radius is
-    /// not known exactly.
     pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
-        let way = (self.centre() - centre).norm();
-        let doubt = TURN * way + RADIUS * way * way / (4.0 * self.assumed.radius);
-        let mut covariance = self.now.root * self.now.root.transpose() * self.misfit.powi(2);
-        for i in 0..STATES {
-            covariance[(i, i)] += doubt.powi(2);
+        if self.tried() {
+            self.any = None;
         }
-        for i in [1, 2] {
-            covariance.row_mut(i).fill(0.0);
-            covariance.column_mut(i).fill(0.0);
-            covariance[(i, i)] = sigma.powi(2);
+        match &mut self.any {
+            Some(any) => any.displaced(centre, sigma),
+            None => self.ground.displaced(centre, sigma),
         }
-        self.now.mean.fixed_rows_mut::<2>(1).copy_from(&centre);
-        if let Some(root) = covariance.cholesky() {
-            self.now.root = root.l();
-        }
-        (self.linear, self.before) = (self.now.mean, self.now.clone());
         self.history.clear();
     }
 
@@ -212,20 +195,45 @@ impl RingModel {
         self.rejections > self.assumed.rejections_max
     }
 
+    /// What is in force.
+    fn known(&self) -> &dyn Known {
+        match &self.any {
+            Some(any) if !self.tried() => &any.estimate,
+            _ => &self.ground.estimate,
+        }
+    }
+
+    fn known_mut(&mut self) -> &mut dyn Known {
+        let tried = self.tried();
+        match &mut self.any {
+            Some(any) if !tried => &mut any.estimate,
+            _ => &mut self.ground.estimate,
+        }
+    }
+
+    /// Standard deviation of what is measured from the model, in that of the noise, at least 1.
+    pub fn misfit(&self) -> f64 {
+        self.known().misfit()
+    }
+
+    /// Whether the centre is so near to the point of linearisation that the curvature of the circle does not matter.
+    pub fn settled(&self) -> bool {
+        self.known().settled()
+    }
+
     /// b0: where the line of a round and centred ring is, m.
     pub fn mean_line(&self) -> f64 {
-        self.now.mean[0]
+        self.known().mean_line()
     }
 
     /// Centre of the ring in the table frame, m.
     pub fn centre(&self) -> Vector2<f64> {
-        self.now.mean.fixed_rows::<2>(1).into_owned()
+        self.known().centre()
     }
 
     /// Covariance of the centre, m2.
     pub fn centre_covariance(&self) -> Matrix2<f64> {
-        let rows = self.now.root.fixed_rows::<2>(1);
-        rows * rows.transpose() * self.misfit.powi(2)
+        self.known().centre_covariance()
     }
 
     /// Eccentricity B, m.
@@ -240,24 +248,12 @@ impl RingModel {
 
     /// What y = s - q would be at `angle` (rad) with the centre of the ring on the axis of the spindle, m.
     pub fn centred_line(&self, angle: f64) -> f64 {
-        self.now.mean[0] - form(&self.now.mean, -angle)
+        self.known().centred_line(angle)
     }
 
     /// What y = s - q is expected to be at `angle` (rad), m.
     pub fn line(&self, angle: f64) -> f64 {
-        self.expect(angle, &self.now.mean).0
-    }
-
-    /// What y is at `angle` (rad) for a state near the point of linearisation, m, and its gradient.
-    fn expect(&self, angle: f64, state: &Vector) -> (f64, Vector) {
-        line(self.assumed.radius, &self.linear, angle, state)
-    }
-
-    /// What is left of the measurement beyond its gradient: the curvature of the circle over the doubt about c_y, m.
-    fn blur(&self, gradient: &Vector) -> f64 {
-        // c_y varies with the derivative of the gradient by the angle
-        let side = Vector2::new(gradient[2], -gradient[1]);
-        0.5 * side.dot(&(self.centre_covariance() * side)) / self.assumed.radius + self.bend(&self.step())
+        self.known().line(angle)
     }
 }
 

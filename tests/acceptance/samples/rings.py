@@ -21,6 +21,10 @@ Range = tuple[float, float]
 SLACK = 0.3e-6
 """True eccentricity that a centred ring may have beyond the tolerance, m."""
 PROBE_AT_PUSHER = 0.02
+NOISE = 2e-7
+"""Noise of a measurement that the controller is told, m."""
+FORM_ORDERS = (2, 20)
+"""Waves per turn of the form that is added."""
 FEET = 0.85
 """Where the ring rests, in radii."""
 RESAMPLES = 2000
@@ -58,6 +62,10 @@ class Rings:
     """Height of particles on 2 % of the circumference, m."""
     spikes: float = 0.0
     """Height of electrical spikes on 2 % of the readings, m."""
+    form: float = 0.0
+    """Largest deviation of the form that is added, m: one order of 2 to 20, or all between two of these."""
+    noise_factor: float = 1.0
+    """The controller is told the noise of a measurement within this factor, either way."""
 
     def draw(self, seed: int) -> list[str]:
         """Return the overrides of a scenario for the ring of this seed."""
@@ -86,6 +94,15 @@ class Rings:
             "controller.ring.radius": radius * (1.0 + radius_error),
             "controller.probe.at_pusher": PROBE_AT_PUSHER + probe_error,
         }
+        if self.form > 0.0:
+            first, last = sorted(random.integers(*FORM_ORDERS, 2, endpoint=True))
+            alone = random.uniform() < 0.5
+            values |= {
+                "plant.form": random.uniform(0.2 * self.form, self.form),
+                "plant.form_first": float(first),
+                "plant.form_last": float(first if alone else last),
+                "controller.estimator.noise": NOISE * self.noise_factor ** random.uniform(-1.0, 1.0),
+            }
         return [f"{key}={value}" for key, value in values.items()]
 
 

@@ -1,0 +1,82 @@
+//! The model of a ring of any form: as many orders as a revolution can tell, fitted one pass a sample.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use crate::predictive::assumptions::Assumptions;
+use crate::predictive::normal::Prior;
+use crate::predictive::refit::{Purpose, Refit};
+use crate::predictive::ring_estimate::{Gaussian, RingEstimate};
+use crate::predictive::ring_line::{ANY, GROUND, Vector};
+
+/// Least share of the measurements that count as free: the assumptions hold the states, too.
+const FREE: f64 = 0.5;
+
+/// What is known of a ring of any form, and what was before the measurements of the history.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct AnyForm {
+    /// By now; the assumptions until the first fit is made.
+    pub estimate: RingEstimate<ANY>,
+    before: Prior,
+    /// the fit that is under way
+    refit: Option<Refit>,
+}
+
+impl AnyForm {
+    /// Of a ring whose centre was taken to be near `centre` (table frame, m), within `sigma` (m) in each coordinate, before what
+    /// has made a ground ring of the state `ground`; begins its first fit.
+    pub fn new(assumed: Assumptions, centre: Vector2<f64>, sigma: f64, ground: &Vector<GROUND>) -> Self {
+        let mut any = Self::assumed(assumed, centre, sigma);
+        let mut linear = Vector::<ANY>::zeros();
+        linear.fixed_rows_mut::<GROUND>(0).copy_from(ground);
+        any.refit = Some(Refit::new(Purpose::Widen, linear));
+        any
+    }
+
+    /// Nothing known but the assumptions and about where the centre is.
+    fn assumed(assumed: Assumptions, centre: Vector2<f64>, sigma: f64) -> Self {
+        let estimate = RingEstimate::new(assumed, centre, sigma);
+        Self { before: Prior::of(&estimate.now), estimate, refit: None }
+    }
+
+    /// The fit that is under way.
+    pub fn fitting(&self) -> Option<Purpose> {
+        self.refit.as_ref().map(|refit| refit.purpose)
+    }
+
+    /// Begins to take in the history again, from what is known by now.
+    pub fn begin(&mut self, purpose: Purpose) {
+        self.refit = Some(Refit::new(purpose, self.estimate.now.mean));
+    }
+
+    /// Later measurements are not kept: no fit has them all.
+    pub fn give_up(&mut self) {
+        self.refit = None;
+    }
+
+    /// Makes the next pass of the fit over angles (rad) and measurements (m); what is known changes with the last.
+    pub fn advance(&mut self, history: &[(f64, f64)]) {
+        let Some(mut refit) = self.refit.take() else { return };
+        let last = refit.last();
+        let Some(found) = refit.pass(&self.estimate.assumed, &self.before, history) else { return };
+        let mean = refit.linear + found.solution.step;
+        if !last {
+            refit.linear = mean;
+            self.refit = Some(refit);
+            return;
+        }
+        self.estimate.linear = refit.linear;
+        self.estimate.now = Gaussian { mean, root: found.solution.root };
+        let count = history.len() as f64;
+        self.estimate.note_misfit(found.squares, (count - ANY as f64).max(FREE * count), history.len());
+    }
+
+    /// The ring was moved: its centre is now near `centre` (table frame, m), within `sigma` (m) in each coordinate.
+    pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
+        if self.estimate.displaced(centre, sigma) {
+            (self.before, self.refit) = (Prior::of(&self.estimate.now), None);
+        } else {
+            *self = Self::assumed(self.estimate.assumed, centre, sigma);
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! What is assumed of a ring before it is measured.
+
+use serde::{Deserialize, Serialize};
+
+use crate::predictive::ring_line::Vector;
+
+/// Standard deviation of b0 before the first measurement, m: anywhere on the slide.
+const LINE_SIGMA: f64 = 0.1;
+
+/// What is assumed before and between the measurements.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Assumptions {
+    /// Radius of the ring, m.
+    pub radius: f64,
+    /// Standard deviation of one measurement: probe, roughness, error motion, m.
+    pub noise: f64,
+    /// Standard deviation of each coordinate of the centre before the first measurement, m.
+    pub centre: f64,
+    /// Standard deviation of each form coefficient before the first measurement, m.
+    pub form: f64,
+    /// Innovations beyond this many standard deviations are dirt.
+    pub gate: f64,
+    /// So many rejected measurements in a row mean that the model is wrong, not the measurements.
+    pub rejections_max: u32,
+}
+
+impl Assumptions {
+    /// Standard deviation of each state (m) of a ring whose centre is known to `centre` m.
+    pub fn sigmas<const N: usize>(&self, centre: f64) -> Vector<N> {
+        let mut sigmas = Vector::<N>::from_element(self.form);
+        sigmas[0] = LINE_SIGMA;
+        (sigmas[1], sigmas[2]) = (centre, centre);
+        sigmas
+    }
+}

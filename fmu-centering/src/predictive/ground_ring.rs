@@ -1,0 +1,60 @@
+//! The model of a ground ring, whose form has only low orders: all measurements are taken in again within a sample.
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use crate::predictive::assumptions::Assumptions;
+use crate::predictive::ring_estimate::{Gaussian, Known, RingEstimate};
+use crate::predictive::ring_line::GROUND;
+
+/// Passes over the history at a time.
+const PASSES: usize = 4;
+
+/// What is known of a ground ring, and what was before the measurements of the history.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct GroundRing {
+    /// By now.
+    pub estimate: RingEstimate<GROUND>,
+    before: Gaussian<GROUND>,
+}
+
+impl GroundRing {
+    /// Nothing known but the assumptions.
+    pub fn new(assumed: Assumptions) -> Self {
+        let estimate = RingEstimate::new(assumed, Vector2::zeros(), assumed.centre);
+        Self { before: estimate.now.clone(), estimate }
+    }
+
+    /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit; misfits of
+    /// `rough` times the noise are no dirt.
+    pub fn fit(&mut self, rough: f64, history: &[(f64, f64)]) {
+        let Self { estimate, before } = self;
+        let (noise, gate) = (estimate.assumed.noise, estimate.assumed.gate);
+        for pass in 0..PASSES {
+            estimate.linearise();
+            let mut refined = before.clone();
+            let mut squares = 0.0;
+            for &(angle, y) in history {
+                let misfit = if pass > 0 { (y - estimate.line(angle)) / noise } else { 0.0 };
+                // cauchy's weight: dirt has hardly any influence
+                let weight = 1.0 / (1.0 + (misfit / (gate * rough)).powi(2));
+                squares += weight * misfit * misfit;
+                let (expected, gradient) = estimate.expect(angle, &refined.mean);
+                refined.update(y - expected, &gradient, noise.powi(2) / weight);
+            }
+            estimate.now = refined;
+            estimate.note_misfit(squares, history.len() as f64, history.len());
+        }
+    }
+
+    /// Where the centre was taken for before the measurements (table frame, m), and how surely, m.
+    pub fn told(&self) -> (Vector2<f64>, f64) {
+        (self.before.mean.fixed_rows::<2>(1).into_owned(), self.before.root.row(1).norm())
+    }
+
+    /// The ring was moved: its centre is now near `centre` (table frame, m), within `sigma` (m) in each coordinate.
+    pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
+        self.estimate.displaced(centre, sigma);
+        self.before = self.estimate.now.clone();
+    }
+}

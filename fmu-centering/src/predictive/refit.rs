@@ -1,0 +1,136 @@
+//! All measurements since the ring was moved are taken in again, one pass over them at a time (Gauss-Newton): one pass
+//! of a model of any form is what a sample has time for.
+
+use serde::{Deserialize, Serialize};
+
+use crate::predictive::assumptions::Assumptions;
+use crate::predictive::normal::{NormalEquations, Prior, Solution};
+use crate::predictive::ring_estimate::MISFIT_MAX;
+use crate::predictive::ring_line::{ANY, Vector, line};
+
+/// What a fit is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Purpose {
+    /// The first one, from what a ground ring would be.
+    Widen,
+    /// From a model of any form that explains what was measured.
+    Refine,
+    /// From one that does not, as the ring may be rough.
+    Reconsider,
+}
+
+impl Purpose {
+    /// For each pass, how many times the noise misfits may have that are no dirt; at first all, where the model fits nothing yet.
+    fn passes(self) -> &'static [f64] {
+        match self {
+            Self::Widen | Self::Reconsider => &[f64::INFINITY, MISFIT_MAX, MISFIT_MAX, MISFIT_MAX],
+            Self::Refine => &[1.0, 1.0, 1.0],
+        }
+    }
+}
+
+/// A fit between two passes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Refit {
+    /// What it is for.
+    pub purpose: Purpose,
+    /// Where the geometry is linearised.
+    pub linear: Vector<ANY>,
+    /// passes made
+    made: usize,
+}
+
+/// What the last pass has found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// What is known now, as a deviation from the point of linearisation.
+    pub solution: Solution,
+    /// Weighted squares of what was left at that point, in those of the noise.
+    pub squares: f64,
+}
+
+impl Refit {
+    /// Before the first pass, linearised at a state.
+    pub fn new(purpose: Purpose, linear: Vector<ANY>) -> Self {
+        Self { purpose, linear, made: 0 }
+    }
+
+    /// Whether only the last pass is left.
+    pub fn last(&self) -> bool {
+        self.made + 1 == self.purpose.passes().len()
+    }
+
+    /// The next pass over angles (rad) and measurements (m); none where rounding leaves no solution.
+    pub fn pass(&mut self, assumed: &Assumptions, before: &Prior, history: &[(f64, f64)]) -> Option<Found> {
+        let far = assumed.gate * self.purpose.passes()[self.made];
+        let mut equations = NormalEquations::new(before, &self.linear);
+        let mut squares = 0.0;
+        for &(angle, y) in history {
+            let (expected, gradient) = line(assumed.radius, &self.linear, angle, &self.linear);
+            let misfit = (y - expected) / assumed.noise;
+            // cauchy's weight: dirt has hardly any influence
+            let weight = 1.0 / (1.0 + (misfit / far).powi(2));
+            squares += weight * misfit * misfit;
+            equations.add(y - expected, &gradient, weight / assumed.noise.powi(2));
+        }
+        self.made += 1;
+        Some(Found { solution: equations.solve()?, squares })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+    use crate::predictive::ring_estimate::RingEstimate;
+
+    const ASSUMED: Assumptions =
+        Assumptions { radius: 0.05, noise: 1e-7, centre: 5e-3, form: 2e-6, gate: 6.0, rejections_max: 5 };
+
+    /// What is assumed, and a revolution of a ring that is 0.2 mm off with a lobe of 3 um, as its own model has it.
+    fn revolution() -> (Prior, Vector<ANY>, Vec<(f64, f64)>) {
+        let told = RingEstimate::new(ASSUMED, Vector2::zeros(), ASSUMED.centre);
+        let mut state = Vector::zeros();
+        (state[0], state[1], state[2], state[2 * 11]) = (0.07, 2e-4, -1e-4, 3e-6);
+        let angles = (0..200).map(|k| std::f64::consts::TAU * f64::from(k) / 200.0);
+        let seen = angles.map(|angle| (angle, line(ASSUMED.radius, &state, angle, &state).0)).collect();
+        (Prior::of(&told.now), state, seen)
+    }
+
+    #[test]
+    fn the_last_pass_of_a_fit_has_found_the_ring_and_is_told() {
+        for (purpose, passes) in [(Purpose::Widen, 4), (Purpose::Reconsider, 4), (Purpose::Refine, 3)] {
+            let (before, state, seen) = revolution();
+            let mut refit = Refit::new(purpose, if purpose == Purpose::Refine { state } else { Vector::zeros() });
+            for pass in 1..=passes {
+                assert_eq!(refit.last(), pass == passes, "{purpose:?} {pass}");
+                let found = refit.pass(&ASSUMED, &before, &seen).unwrap();
+                refit.linear += found.solution.step;
+            }
+            // 0.2 nm of a lobe are what the assumptions hold back
+            assert!((refit.linear - state).amax() < 2e-9, "{purpose:?}: {}", (refit.linear - state).amax());
+        }
+    }
+
+    #[test]
+    fn dirt_has_hardly_any_weight_where_the_model_fits_and_all_of_it_before() {
+        let pull = |purpose: Purpose| {
+            let (before, state, mut seen) = revolution();
+            seen[50].1 += 2e-5;
+            let found = Refit::new(purpose, state).pass(&ASSUMED, &before, &seen).unwrap();
+            (found.solution.step.fixed_rows::<2>(1).norm(), found.squares)
+        };
+        let ((all, squares), (weighed, few)) = (pull(Purpose::Widen), pull(Purpose::Refine));
+        // of 200 times the noise, which is 33 gates off: 1 / (1 + 33^2) of its weight
+        assert!((squares - 4e4).abs() < 1e2 && (few - 4e4 / (1.0 + (200.0_f64 / 6.0).powi(2))).abs() < 0.1, "{few}");
+        assert!(all > 1e-7 && weighed < 2e-3 * all, "{all} {weighed}");
+    }
+
+    #[test]
+    fn what_rounding_leaves_nothing_of_is_no_fit() {
+        let (before, state, mut seen) = revolution();
+        seen[0].1 = f64::NAN;
+        assert!(Refit::new(Purpose::Refine, state).pass(&ASSUMED, &before, &seen).is_none());
+    }
+}
