@@ -9,7 +9,7 @@ import cosim
 
 pytestmark = pytest.mark.acceptance
 
-RESOURCES = Path(__file__).parents[2] / "fmu-polish/resources"
+RESOURCES = Path(__file__).parents[3] / "fmu-polish/resources"
 HEAD = 5
 """Lines before the first point."""
 

@@ -1,6 +1,6 @@
 """Rotary fast tool servo against the claims of Ludwick and others (1999), in closed loop with its machine.
 
-The large samples run with `pytest -m full -rP tests/acceptance/test_fts.py`, which prints what they measured.
+The large samples run with `pytest -m full -rP tests/acceptance/fts`, which prints what they measured.
 """
 
 import itertools
@@ -14,12 +14,12 @@ import pytest
 
 import cosim
 
-from .measured.store import measured
-from .samples.runs import WORKERS, run, trace, value
+from ..measured.store import measured
+from ..samples.runs import WORKERS, run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 TURN = 2.0 * math.pi
 RPM = TURN / 60.0
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from .measured.store import measured
-from .samples.robots import BURRS
-from .samples.runs import Columns, run, trace, value
-from .samples.studies import machines
+from ..measured.store import measured
+from ..samples.robots import BURRS
+from ..samples.runs import Columns, run, trace, value
+from ..samples.studies import machines
 
 pytestmark = pytest.mark.acceptance
 

@@ -11,12 +11,12 @@ import pytest
 
 import cosim
 
-from .samples.robots import DELAYS, Changes, errors, learn
-from .samples.runs import Columns, run, trace, value
+from ..samples.robots import DELAYS, Changes, errors, learn
+from ..samples.runs import Columns, run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 RESOURCES = ROOT / "fmu-deburr/resources"
 
 

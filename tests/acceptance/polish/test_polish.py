@@ -1,6 +1,6 @@
 """Polishing with stick-slip motion against the claims of Nagata and others (2010), in closed loop.
 
-The large samples run with `pytest -m full -rP tests/acceptance/test_polish.py`: it prints what they measured.
+The large samples run with `pytest -m full -rP tests/acceptance/polish`: it prints what they measured.
 """
 
 import functools
@@ -13,9 +13,9 @@ import cosim
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, roughness
 
-from .measured.store import measured
-from .samples.polishing import Changes, Run, polish, sample, worst
-from .samples.runs import WORKERS
+from ..measured.store import measured
+from ..samples.polishing import Changes, Run, polish, sample, worst
+from ..samples.runs import WORKERS
 
 pytestmark = pytest.mark.acceptance
 

@@ -1,7 +1,7 @@
 """Form of a lens: cut by machines that are not what the controller is told, probed, corrected, cut again.
 
 What counts is the truth: the depth of the nose of the tool at its true place on the part, against the lens
-that was asked for. The large sample runs with `pytest -m full -rP tests/acceptance/test_fts_form.py`.
+that was asked for. The large sample runs with `pytest -m full -rP tests/acceptance/fts/test_form.py`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from .measured.store import measured
-from .samples.runs import run, trace, value
+from ..measured.store import measured
+from ..samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 

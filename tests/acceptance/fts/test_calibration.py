@@ -1,6 +1,6 @@
 """Fast tool servo: identified and calibrated through its machine, which swings, cuts parts and probes them.
 
-The large samples run with `pytest -m full -rP tests/acceptance/test_fts_calibration.py`, which prints what
+The large samples run with `pytest -m full -rP tests/acceptance/fts/test_calibration.py`, which prints what
 they measured.
 """
 
@@ -14,12 +14,12 @@ import pytest
 
 import cosim
 
-from .measured.store import measured
-from .samples.runs import run, trace, value
+from ..measured.store import measured
+from ..samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
-README = (Path(__file__).parents[2] / "fmu-fts/README.md").read_text(encoding="utf-8")
+README = (Path(__file__).parents[3] / "fmu-fts/README.md").read_text(encoding="utf-8")
 
 # nothing was tuned on these seeds
 SOME = (63_001,)

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from .measured import store
-from .samples import studies
-from .samples.runs import run, trace, value
+from ..measured import store
+from ..samples import studies
+from ..samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 

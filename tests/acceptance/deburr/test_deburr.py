@@ -1,6 +1,6 @@
 """Variable-speed deburring against the claims of Kimura and others, in closed loop with the robot.
 
-The large samples run with `pytest -m full -rP tests/acceptance/test_deburr.py`, which prints what they found.
+The large samples run with `pytest -m full -rP tests/acceptance/deburr`, which prints what they found.
 """
 
 from collections.abc import Sequence
@@ -13,8 +13,8 @@ import pytest
 import cosim
 from cosim.scenario.injection import Injection
 
-from .measured.store import measured
-from .samples.robots import (
+from ..measured.store import measured
+from ..samples.robots import (
     BURRS,
     DELAYS,
     MACHINES,
@@ -27,12 +27,12 @@ from .samples.robots import (
     machine,
     sample,
 )
-from .samples.runs import WORKERS, run, trace, value
-from .samples.studies import machines
+from ..samples.runs import WORKERS, run, trace, value
+from ..samples.studies import machines
 
 pytestmark = pytest.mark.acceptance
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 RESOURCES = ROOT / "fmu-deburr/resources"
 KP = 13.0

@@ -12,8 +12,8 @@ from plants.tools.dwell import DepthMap
 from plants.tools.molds import MOLDS
 from plants.tools.removal import Surface, evenness, mismatch, roughness
 
-from .measured.store import measured
-from .samples.polishing import polish
+from ..measured.store import measured
+from ..samples.polishing import polish
 
 pytestmark = [pytest.mark.acceptance, pytest.mark.full]
 

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from .measured.store import measured
-from .samples.studies import Machine, machines
+from ..measured.store import measured
+from ..samples.studies import Machine, machines
 
 pytestmark = pytest.mark.acceptance
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from .measured.store import measured
-from .samples.runs import run, value
-from .samples.studies import machines
+from ..measured.store import measured
+from ..samples.runs import run, value
+from ..samples.studies import machines
 
 pytestmark = pytest.mark.acceptance
 

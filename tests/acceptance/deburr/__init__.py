@@ -1,0 +1,1 @@
+"""Variable-speed deburring in closed loop with the robot."""

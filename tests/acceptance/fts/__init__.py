@@ -1,0 +1,1 @@
+"""The rotary fast tool servo in closed loop with its machine."""

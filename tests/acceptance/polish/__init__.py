@@ -1,0 +1,1 @@
+"""Polishing with stick-slip motion in closed loop with the robot."""
