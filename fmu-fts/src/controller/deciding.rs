@@ -58,7 +58,7 @@ impl Controller {
             }
             self.enter(p, state, &events, reading);
         } else if self.state == State::Fault {
-            self.ending.escalate(p, events.fault, self.reader.arm_velocity(p));
+            self.ending.escalate(p, events.fault, self.last_motion(p));
             if !input.enable && self.stands(p) {
                 self.ending.release();
             }

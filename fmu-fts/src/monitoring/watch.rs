@@ -118,6 +118,16 @@ impl Watch {
         self.drive.share(p)
     }
 
+    /// Whether the arm was seen to do in the last millisecond what the torque asks for: a pulse brakes it then.
+    pub fn drive_obeys(&self, p: &Parameters) -> bool {
+        self.drive.now(p).is_some_and(|share| share >= p.limits.drive_share)
+    }
+
+    /// The share that a fault of the drive is told with: that of 10 ms, or the latest where it is less.
+    pub fn least_share(&self, p: &Parameters) -> f64 {
+        [self.drive.share(p), self.drive.latest(p)].into_iter().flatten().reduce(f64::min).unwrap_or(1.0)
+    }
+
     /// Why the arm is behind: a fast path leaves its limit before a whole `MEMORY` tells what the drive does.
     fn left_behind(&self, p: &Parameters) -> Fault {
         match self.drive.latest(p).filter(|share| *share < p.limits.drive_share) {
@@ -293,16 +303,7 @@ mod tests {
         for k in 0..ticks(until, dt) {
             let time = dt * f64::from(k);
             let torque = 3.0 * (TAU * 80.0 * time).cos();
-            let sample = Sample {
-                wanted: angle,
-                arm_angle: angle,
-                torque,
-                swinging: false,
-                learning: false,
-                rms: 0.0,
-                spindle_speed: 0.0,
-            };
-            watch.update(&p, 0.08, &sample);
+            watch.update(&p, 0.08, &Sample { wanted: angle, arm_angle: angle, torque, ..REST });
             let acceleration = gain(time) * before / p.servo.inertia;
             angle += dt * (velocity + 0.5 * dt * acceleration);
             velocity += dt * acceleration;
