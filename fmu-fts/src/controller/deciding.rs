@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::faults::{self, Situation};
 use crate::interface::{Input, Mode, Parameters, State};
 use crate::machine::{Events, next};
-use crate::monitoring::watch::late;
+use crate::monitoring::job::late;
 use crate::path::feasibility::infeasible;
 use crate::reading::Reading;
 

@@ -211,6 +211,36 @@ mod tests {
     }
 
     #[test]
+    fn what_it_does_now_is_told_of_more_torque_than_disturbances_and_noise_have() {
+        // a torque that turns each millisecond
+        let now = |p: &Parameters, gain: f64, torque: f64| {
+            let (dt, mut watch) = (p.sample_period, DriveWatch::default());
+            let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
+            for k in 0..200 {
+                let command = if (k / 10) % 2 == 0 { torque } else { -torque };
+                watch.update(p, angle, command);
+                let acceleration = if k < 180 { 1.0 } else { gain } * before / p.servo.inertia;
+                angle += dt * (velocity + 0.5 * dt * acceleration);
+                velocity += dt * acceleration;
+                before = command;
+            }
+            watch.now(p)
+        };
+        let mut p = Parameters::START;
+        for gain in [1.0, 0.5, 0.0, -1.0] {
+            // after two milliseconds 2 % of what was before is left
+            assert!(now(&p, gain, 5.0).is_some_and(|share| (share - gain).abs() < 0.07), "{gain}");
+        }
+        // 0.21 N.m are 0.35 N.m for a share of 0.4; the spread of 20 um asks for 2.2 N.m
+        assert_eq!([1.8, 2.9].map(|torque| now(&p, 1.0, torque).is_some()), [false, true]);
+        p.limits.arm_spread = 1e-6;
+        assert_eq!([0.3, 0.5].map(|torque| now(&p, 1.0, torque).is_some()), [false, true]);
+        // where the drive is not watched
+        p.limits.drive_share = 0.0;
+        assert_eq!(now(&p, 1.0, 5.0), None);
+    }
+
+    #[test]
     fn a_small_torque_says_nothing() {
         assert_eq!(share(1.0, |t| 0.2 * (TAU * 20.0 * t).cos(), 1e-9), None);
         assert_eq!(share(0.0, |_| 5.0, 1e-9), None);
