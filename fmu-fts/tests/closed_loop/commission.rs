@@ -284,6 +284,8 @@ fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
                 assert!(run.time() < LIMIT, "{:?}", run.output);
             }
             assert_eq!(run.output.fault, fault, "{time} {gain}");
+            // the share that was judged is told with it
+            assert!(fault == Fault::CommissionRejected || run.output.numbers.share < 0.4, "{time} {gain}");
             // its travel of 1.75 mm and the following error of 1 mm
             let way = (run.machine.tip_depth() - place).abs();
             assert!(way < 2.75e-3, "{time} {gain}: {way}");
