@@ -18,7 +18,7 @@ use crate::interface::{Input, Output, Parameters, State};
 use crate::machine::Request;
 use crate::monitoring::feed::FeedWatch;
 use crate::monitoring::watch::{Sample, Watch};
-use crate::motion::ending::Ending;
+use crate::motion::ending::{Ending, LastMotion};
 use crate::motion::hold::HoldMotion;
 use crate::path::depth_table::DepthTable;
 use crate::path::kinematics::Arm;
@@ -232,6 +232,11 @@ impl Controller {
             State::Fault => self.ending.retracting(),
             _ => true,
         }
+    }
+
+    /// What a pulse of the brake would begin from.
+    fn last_motion(&self, p: &Parameters) -> LastMotion {
+        LastMotion { velocity: self.reader.arm_velocity(p), obeyed: self.watch.drive_obeys(p) }
     }
 
     /// What the next sample is judged by.

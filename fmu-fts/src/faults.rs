@@ -40,19 +40,15 @@ pub struct Situation<'a> {
 }
 
 impl Fault {
-    /// Whether a torque does to the arm what it should, as far as is known.
-    pub fn drive_obeys(self) -> bool {
-        !matches!(
-            self,
-            Self::DriveSign
-                | Self::WeakDrive
-                | Self::Oscillation
-                // which a drive that does not obey may cause
-                | Self::FollowingError
-                | Self::Saturation
-                // of whose commands the last alone is seen
-                | Self::LongStep
-        )
+    /// Whether a torque does to the arm what it should, as far as is known; `seen`: it did in the last millisecond.
+    pub fn drive_obeys(self, seen: bool) -> bool {
+        match self {
+            // of a long step the last command alone is seen
+            Self::DriveSign | Self::WeakDrive | Self::Oscillation | Self::LongStep => false,
+            // which a drive that does not obey may cause
+            Self::FollowingError | Self::Saturation => seen,
+            _ => true,
+        }
     }
 
     /// How the job ends. The arm obeys wherever its encoder, its drive and its loop do, and leaves the part then; without
@@ -115,10 +111,10 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
 /// The numbers behind a fault.
 pub fn numbers(vars: &Vars) -> String {
     let Vars { input, output, in_force: p, .. } = vars;
-    let Numbers { saturated, turns, begin, late, fed, table: [first, last] } = output.numbers;
+    let Numbers { saturated, turns, begin, share, late, fed, table: [first, last] } = output.numbers;
     let share = format!(
-        "`{:.2}` of what the torque should do, at least `limits.drive_share` = `{}`",
-        output.drive_share, p.limits.drive_share
+        "`{share:.2}` of what the torque should do, at least `limits.drive_share` = `{}`",
+        p.limits.drive_share
     );
     let lost = format!("more than `limits.lost_samples` = `{}` readings", p.limits.lost_samples);
     let error = format!(
@@ -266,7 +262,8 @@ mod tests {
         vars.input.spindle_angle = 7.0;
         vars.output.error.rms = 50e-6;
         vars.output.numbers =
-            Numbers { saturated: 0.31, turns: 5, begin: 24e-6, late: None, fed: Some(1e-6), table: [0.04, 0.09] };
+            Numbers { saturated: 0.31, turns: 5, begin: 24e-6, share: -0.9, fed: Some(1e-6), ..Numbers::START };
+        vars.output.numbers.table = [0.04, 0.09];
         let tracking = "error over a turn `50.0 um`, `limits.tracking_error` = `20.0 um`";
         let mut told = |fault, expected: &str| {
             vars.output.fault = fault;
@@ -275,6 +272,10 @@ mod tests {
         told(
             Fault::Saturation,
             ": `0.31` of the samples at `servo.torque_max` = `7 N.m`, at most `limits.saturated_share` = `0.18`",
+        );
+        told(
+            Fault::DriveSign,
+            ": the arm does `-0.90` of what the torque should do, at least `limits.drive_share` = `0.4`",
         );
         told(Fault::Divergence, &format!(": from `24.0 um` in `5` turns; {tracking}"));
         told(Fault::NoProgress, &format!(": {tracking}, for `2.4 s` of learning"));

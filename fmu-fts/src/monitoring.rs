@@ -3,6 +3,7 @@
 pub mod drive;
 pub mod feed;
 pub mod growth;
+pub mod job;
 pub mod life;
 pub mod numbers;
 pub mod watch;

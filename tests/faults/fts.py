@@ -40,6 +40,7 @@ OFF = f'max(abs({PLACED}[(time > {BEGIN}) & (controller.state == "Track")]))'
 FOLLOWED = "max(abs((plant.tip_depth - controller.reference.depth)[time > 0.5]))"
 """Beside what the controller wants, out of the part as well."""
 BRAKED = "v (5 T_s + J v / (2 l T_max)), and 0.06 mm for an inertia that is not the told one"
+LEFT_BEHIND = "the following error of 1 mm, and v (2 T_s + (2 - g) J v / (2 l^2 T_max)) with g of the torque"
 COASTS = "J v^2 / (2 l^2 F): the arm coasts against 2 N of the cut"
 CONTROLLED = "5 % of the path's 1.75 mm: under control"
 GOOD = "as good as without the fault: 20 um"
@@ -61,6 +62,8 @@ def spike(to: str, offset: float) -> tuple[Injection, ...]:
 
 STANDS = ("loop.duration=1.2",)
 """What ends in a fault stands long before."""
+FAST = ("plant.spindle_speed=251.327", "controller.surface.outer_radius=0.032")
+"""2400 rpm, at which the lens is feasible: v = 0.88 m/s; of 3 cm at 870 rpm it is 2.75 m/s."""
 
 
 def lost(
@@ -231,6 +234,36 @@ MATRIX = Matrix(
             truth=AFTER,
         ),
         lost("drive gives 0.3 of the torque", "WeakDrive", *at_once(TORQUE, scale=0.3)),
+        Row(
+            "drive gives 0.6 of the torque at 2400 rpm",
+            ("FollowingError",),
+            INTO,
+            2e-3,
+            LEFT_BEHIND,
+            at_once(TORQUE, scale=0.6),
+            changes=(*STANDS, *FAST),
+            unit="m",
+        ),
+        Row(
+            "drive gives 0.8 of the torque",
+            ("FollowingError",),
+            INTO,
+            8e-3,
+            LEFT_BEHIND,
+            at_once(TORQUE, scale=0.8),
+            scenario="fts/3cm",
+            unit="m",
+        ),
+        Row(
+            "torque with the wrong sign at 2400 rpm",
+            ("DriveSign",),
+            INTO,
+            24e-3,
+            COASTS,
+            at_once(TORQUE, scale=-1.0),
+            changes=(*STANDS, *FAST),
+            unit="m",
+        ),
         lost("no torque", "WeakDrive", *at_once(TORQUE, value=0.0)),
         lost("torque stuck", ("WeakDrive", "DriveSign"), *at_once(TORQUE, frozen=True)),
         lost("amplifier trips", "WeakDrive", *at_once("plant.enable", value=0.0)),

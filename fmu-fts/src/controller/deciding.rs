@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::faults::{self, Situation};
 use crate::interface::{Input, Mode, Parameters, State};
 use crate::machine::{Events, next};
-use crate::monitoring::watch::late;
+use crate::monitoring::job::late;
 use crate::path::feasibility::infeasible;
 use crate::reading::Reading;
 
@@ -58,7 +58,7 @@ impl Controller {
             }
             self.enter(p, state, &events, reading);
         } else if self.state == State::Fault {
-            self.ending.escalate(p, events.fault, self.reader.arm_velocity(p));
+            self.ending.escalate(p, events.fault, self.last_motion(p));
             if !input.enable && self.stands(p) {
                 self.ending.release();
             }

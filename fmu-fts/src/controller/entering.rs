@@ -16,7 +16,7 @@ impl Controller {
     pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         let closed = self.closed();
         let fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
-        self.ending.begin(p, fault, closed && state == State::Fault, self.reader.arm_velocity(p));
+        self.ending.begin(p, fault, closed && state == State::Fault, self.last_motion(p));
         if self.state == State::Commission && !self.commissioner.finished {
             self.commissioner.break_off();
         }

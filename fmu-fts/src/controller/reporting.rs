@@ -39,7 +39,13 @@ impl Controller {
         output.path_torque = needed_torque(p, path, speed);
         output.path_torque_share = self.tracker.torque_share();
         output.path_truncation = path.truncation;
-        output.numbers = Numbers { late: self.late, fed: self.feed.lost(), table: path.ends(), ..self.watch.numbers() };
+        output.numbers = Numbers {
+            share: self.watch.least_share(p),
+            late: self.late,
+            fed: self.feed.lost(),
+            table: path.ends(),
+            ..self.watch.numbers()
+        };
         output.calibration = self.calibration.report();
         output.form = FormOutput { corrected: path.correction().is_some(), ..self.calibration.form() };
         output.measured = self.commissioner.measured;

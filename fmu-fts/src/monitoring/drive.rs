@@ -3,6 +3,10 @@
 //! The second difference of three readings answers the mean of the two commands that acted between them,
 //! y_k - 2 y_(k-1) + y_(k-2) = T_s^2 (u_(k-1-d) + u_(k-2-d)) / (2 J). Both sides lose what is slower than 20 ms, a thrust that
 //! only the torque balances, and what is faster than 200 Hz, where the arm is no rigid body and encoders are noisy.
+//!
+//! What the drive does now cannot wait for 200 Hz: within two milliseconds an arm is left behind whose drive has turned. Without that
+//! filter only a large torque tells it, one that stands above disturbances and above the noise of a second difference, sqrt(6)
+//! of that of a reading.
 
 use std::f64::consts::TAU;
 
@@ -18,6 +22,10 @@ const FAST: f64 = TAU * 200.0;
 /// Time after which a motion is forgotten, s; and where only the cause counts.
 const MEMORY: f64 = 0.01;
 const SHORT: f64 = 0.002;
+/// Time constant of what it does now, s: after a millisecond a seventh of what was before is left.
+const NOW: f64 = 5e-4;
+/// Deviations of a second difference, three of them, over the spread of readings at rest, six of theirs.
+const NOISE: f64 = 3.0 * 2.449_489_742_783_178 / 6.0;
 
 /// A signal without its slow and its fast part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,12 +36,14 @@ struct Band {
 }
 
 impl Band {
-    fn update(&mut self, value: f64, dt: f64) -> f64 {
+    /// The signal without its slow part; and without both.
+    fn update(&mut self, value: f64, dt: f64) -> [f64; 2] {
         let keep = (-FAST * dt).exp();
         self.slow += (value - self.slow) * (dt / SLOW);
-        self.first = keep * self.first + (1.0 - keep) * (value - self.slow);
+        let quick = value - self.slow;
+        self.first = keep * self.first + (1.0 - keep) * quick;
         self.second = keep * self.second + (1.0 - keep) * self.first;
-        self.second
+        [quick, self.second]
     }
 }
 
@@ -45,6 +55,7 @@ pub struct DriveWatch {
     told: Band,
     done: Band,
     response: Response,
+    now: Response,
     latest: Response,
     moving: Response,
 }
@@ -59,8 +70,9 @@ impl DriveWatch {
         let torques = self.sent.before(late) + self.sent.before((late + 1).min(DELAY_MAX));
         self.sent.send(torque);
         if let Some((before, earlier)) = before.zip(earlier) {
-            let told = self.told.update(0.5 * torques / p.servo.inertia, dt);
-            let done = self.done.update((arm_angle - 2.0 * before + earlier) / (dt * dt), dt);
+            let [told_now, told] = self.told.update(0.5 * torques / p.servo.inertia, dt);
+            let [done_now, done] = self.done.update((arm_angle - 2.0 * before + earlier) / (dt * dt), dt);
+            self.now.update(told_now, done_now, NOW / dt);
             self.response.update(told, done, MEMORY / dt);
             self.latest.update(told, done, SHORT / dt);
             if arm_angle != before {
@@ -69,13 +81,25 @@ impl DriveWatch {
         }
     }
 
-    /// The same over the last 2 ms, where what was before does not blur what a fault has become.
-    pub fn latest(&self, p: &Parameters) -> Option<f64> {
-        let least = disturbance(p) / p.servo.inertia;
-        self.latest.share(SHORT / p.sample_period * least * least)
+    /// The same of the last millisecond, with what is fast; none while disturbances could take it below `limits.drive_share`, or three
+    /// deviations of the noise a drive that does nothing above it.
+    pub fn now(&self, p: &Parameters) -> Option<f64> {
+        let (dt, least_share) = (p.sample_period, p.limits.drive_share);
+        if least_share == 0.0 {
+            return None;
+        }
+        let disturbed = disturbance(p) / (p.servo.inertia * (1.0 - least_share));
+        let noise = NOISE * p.limits.arm_spread / (dt * dt * least_share);
+        self.now.share((NOW / dt * disturbed * disturbed).max(noise * noise))
     }
 
-    /// The same when the reading last changed: an arm that its drive has left comes to rest, an encoder freezes in motion.
+    /// What it does now; of a small torque over the last 2 ms, where what was before hardly blurs what a fault has become.
+    pub fn latest(&self, p: &Parameters) -> Option<f64> {
+        let least = disturbance(p) / p.servo.inertia;
+        self.now(p).or(self.latest.share(SHORT / p.sample_period * least * least))
+    }
+
+    /// The same, over 2 ms, when the reading last changed: an arm that its drive has left comes to rest, an encoder freezes in motion.
     pub fn moving(&self, p: &Parameters) -> Option<f64> {
         let least = disturbance(p) / p.servo.inertia;
         self.moving.share(SHORT / p.sample_period * least * least)
@@ -125,7 +149,7 @@ mod tests {
             let begin = (settle as u32).div_ceil(period) * period;
             for k in 0..begin + period {
                 let phase = omega * dt * f64::from(k);
-                let passed = band.update(phase.cos(), dt);
+                let [_, passed] = band.update(phase.cos(), dt);
                 if k >= begin {
                     sum += nalgebra::Complex::new(phase.cos(), -phase.sin()) * passed * 2.0 / f64::from(period);
                 }
@@ -184,6 +208,36 @@ mod tests {
                 assert_eq!(share.is_some(), tells, "{torque}: {share:?}");
             }
         }
+    }
+
+    #[test]
+    fn what_it_does_now_is_told_of_more_torque_than_disturbances_and_noise_have() {
+        // a torque that turns each millisecond
+        let now = |p: &Parameters, gain: f64, torque: f64| {
+            let (dt, mut watch) = (p.sample_period, DriveWatch::default());
+            let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
+            for k in 0..200 {
+                let command = if (k / 10) % 2 == 0 { torque } else { -torque };
+                watch.update(p, angle, command);
+                let acceleration = if k < 180 { 1.0 } else { gain } * before / p.servo.inertia;
+                angle += dt * (velocity + 0.5 * dt * acceleration);
+                velocity += dt * acceleration;
+                before = command;
+            }
+            watch.now(p)
+        };
+        let mut p = Parameters::START;
+        for gain in [1.0, 0.5, 0.0, -1.0] {
+            // after two milliseconds 2 % of what was before is left
+            assert!(now(&p, gain, 5.0).is_some_and(|share| (share - gain).abs() < 0.07), "{gain}");
+        }
+        // 0.21 N.m are 0.35 N.m for a share of 0.4; the spread of 20 um asks for 2.2 N.m
+        assert_eq!([1.8, 2.9].map(|torque| now(&p, 1.0, torque).is_some()), [false, true]);
+        p.limits.arm_spread = 1e-6;
+        assert_eq!([0.3, 0.5].map(|torque| now(&p, 1.0, torque).is_some()), [false, true]);
+        // where the drive is not watched
+        p.limits.drive_share = 0.0;
+        assert_eq!(now(&p, 1.0, 5.0), None);
     }
 
     #[test]

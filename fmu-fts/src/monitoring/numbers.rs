@@ -11,6 +11,8 @@ pub struct Numbers {
     pub turns: u32,
     /// Error over a turn where it began to rise, root mean square, m.
     pub begin: f64,
+    /// Acceleration of the arm over that of the torque, as a fault of the drive is judged by it.
+    pub share: f64,
     /// Time of a job that takes too long, and its limit, s.
     pub late: Option<[f64; 2]>,
     /// Way of the slide in a turn in which it did not go on with its feed, m.
@@ -21,5 +23,6 @@ pub struct Numbers {
 
 impl Numbers {
     /// Before the first sample.
-    pub const START: Self = Self { saturated: 0.0, turns: 0, begin: 0.0, late: None, fed: None, table: [0.0; 2] };
+    pub const START: Self =
+        Self { saturated: 0.0, turns: 0, begin: 0.0, share: 1.0, late: None, fed: None, table: [0.0; 2] };
 }

@@ -1,16 +1,13 @@
 //! All monitors of the closed loop, and the fault that they find.
 
-use std::f64::consts::TAU;
-
-use control_blocks::{Progress, Reversals, quintic_duration, ticks};
+use control_blocks::{Reversals, ticks};
 use serde::{Deserialize, Serialize};
 
-use crate::interface::{Fault, Parameters, State};
+use crate::interface::{Fault, Parameters};
 use crate::monitoring::drive::DriveWatch;
 use crate::monitoring::growth::GrowthWatch;
 use crate::monitoring::life::LifeWatch;
 use crate::monitoring::numbers::Numbers;
-use crate::path::path_table::PathTable;
 
 /// Below this share the arm accelerates against the torque.
 const AGAINST: f64 = -0.2;
@@ -24,8 +21,6 @@ const REVERSAL: f64 = 5e-3;
 pub const REVERSALS: u32 = 8;
 /// Time constants of the cancellation within which its error becomes small: also after the tool has gone into the part.
 pub const SETTLED: f64 = 8.0;
-/// The slowest feed of a cut, m/s.
-const SLOWEST: f64 = 1e-6;
 
 /// One sample of the closed loop.
 #[derive(Clone, Copy, Debug)]
@@ -118,6 +113,16 @@ impl Watch {
         self.drive.share(p)
     }
 
+    /// Whether the arm was seen to do in the last millisecond what the torque asks for: a pulse brakes it then.
+    pub fn drive_obeys(&self, p: &Parameters) -> bool {
+        self.drive.now(p).is_some_and(|share| share >= p.limits.drive_share)
+    }
+
+    /// The share that a fault of the drive is told with: that of 10 ms, or the latest where it is less.
+    pub fn least_share(&self, p: &Parameters) -> f64 {
+        [self.drive.share(p), self.drive.latest(p)].into_iter().flatten().reduce(f64::min).unwrap_or(1.0)
+    }
+
     /// Why the arm is behind: a fast path leaves its limit before a whole `MEMORY` tells what the drive does.
     fn left_behind(&self, p: &Parameters) -> Fault {
         match self.drive.latest(p).filter(|share| *share < p.limits.drive_share) {
@@ -144,33 +149,13 @@ impl Watch {
     }
 }
 
-/// Time of a job that has taken longer than it may, and its limit, s: a cut, an identification of `identify` s, or a commission
-/// that may take `commission` s. Holding has no end.
-pub fn late(
-    p: &Parameters,
-    path: &PathTable,
-    [identify, commission]: [f64; 2],
-    state: State,
-    job: &Progress,
-) -> Option<[f64; 2]> {
-    let told = |usual: f64| if p.limits.job_time > 0.0 { p.limits.job_time } else { usual };
-    let limit = match state {
-        State::Approach | State::Ready | State::Track => told(path.extent() / SLOWEST),
-        // before it, at most two turns to `hold_angle` and the way off the path
-        State::Identify => told(2.0 * (identify + p.approach_time + quintic_duration(2.0 * TAU, p.hold_speed))),
-        State::Commission => commission,
-        _ => return None,
-    };
-    let time = job.samples() as f64 * p.sample_period;
-    (time > limit).then_some([time, limit])
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::path::depth_table::DepthTable;
-    use crate::path::kinematics::Arm;
+    use std::f64::consts::TAU;
+
     use control_blocks::SafeEnd;
+
+    use super::*;
 
     const REST: Sample = Sample {
         wanted: 0.0,
@@ -266,59 +251,37 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_job_may_last_as_long_as_is_told_or_twice_the_measurement() {
-        let mut p = Parameters::START;
-        let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
-        let limit = |p: &Parameters, state: State, time: f64| {
-            let mut job = Progress::default();
-            (0..(time / p.sample_period) as u32).for_each(|_| job.count());
-            late(p, &path, [1.0, 3.0], state, &job).map(|[_, limit]| limit)
-        };
-        // 1 s of measurement, 0.3 s of approach, two turns on a quintic of 2 rad/s
-        let most = 2.0 * (1.3 + quintic_duration(2.0 * TAU, 2.0));
-        assert_eq!(limit(&p, State::Identify, most - 0.01), None);
-        assert_eq!(limit(&p, State::Identify, most + 0.01), Some(most));
-        assert_eq!((limit(&p, State::Hold, 100.0), limit(&p, State::Track, 100.0)), (None, None));
-        p.limits.job_time = 0.5;
-        assert_eq!((limit(&p, State::Commission, 2.99), limit(&p, State::Commission, 3.01)), (None, Some(3.0)));
-        assert_eq!((limit(&p, State::Track, 0.49), limit(&p, State::Track, 0.51)), (None, Some(0.5)));
-        assert_eq!(limit(&p, State::Hold, 0.51), None);
-    }
-
-    /// What is found of a rigid arm whose drive does `gain` (of the time) of a torque of 3 N.m at 80 Hz, at the time `until` s.
-    fn driven(gain: impl Fn(f64) -> f64, until: f64) -> Option<Fault> {
-        let (p, dt, mut watch) = (Parameters::START, Parameters::START.sample_period, Watch::default());
+    /// The monitors at the time `until` s, of a rigid arm whose drive does `gain` (of the time) of a torque of 6 N.m at 80 Hz.
+    fn watched(p: &Parameters, gain: impl Fn(f64) -> f64, until: f64) -> Watch {
+        let (dt, mut watch) = (p.sample_period, Watch::default());
         let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
         for k in 0..ticks(until, dt) {
             let time = dt * f64::from(k);
-            let torque = 3.0 * (TAU * 80.0 * time).cos();
-            let sample = Sample {
-                wanted: angle,
-                arm_angle: angle,
-                torque,
-                swinging: false,
-                learning: false,
-                rms: 0.0,
-                spindle_speed: 0.0,
-            };
-            watch.update(&p, 0.08, &sample);
+            let torque = 6.0 * (TAU * 80.0 * time).cos();
+            watch.update(p, 0.08, &Sample { wanted: angle, arm_angle: angle, torque, ..REST });
             let acceleration = gain(time) * before / p.servo.inertia;
             angle += dt * (velocity + 0.5 * dt * acceleration);
             velocity += dt * acceleration;
             before = torque;
         }
-        watch.find(&p, 0.08)
+        watch
+    }
+
+    /// The same of a drive that is good until `after` s before the end.
+    fn turned(p: &Parameters, gain: f64, after: f64) -> Watch {
+        watched(p, |time| if time < 0.1 { 1.0 } else { gain }, 0.1 + after)
+    }
+
+    fn driven(gain: f64) -> Option<Fault> {
+        watched(&Parameters::START, |_| gain, 0.1).find(&Parameters::START, 0.08)
     }
 
     #[test]
     fn a_weak_drive_is_weak_and_one_that_has_just_turned_has_the_wrong_sign() {
-        assert_eq!(driven(|_| 1.0, 0.1), None);
-        assert_eq!(driven(|_| 0.3, 0.1), Some(Fault::WeakDrive));
-        assert_eq!(driven(|_| -1.0, 0.1), Some(Fault::DriveSign));
+        assert_eq!([1.0, 0.3, -1.0].map(driven), [None, Some(Fault::WeakDrive), Some(Fault::DriveSign)]);
         // half of what is remembered is from before
-        let turned = |after: f64| driven(|time| if time < 0.1 { 1.0 } else { -1.0 }, 0.1 + after);
-        let first = (1..100).find_map(|k| turned(1e-4 * f64::from(k)));
+        let p = Parameters::START;
+        let first = (1..100).find_map(|k| turned(&p, -1.0, 1e-4 * f64::from(k)).find(&p, 0.08));
         assert_eq!(first, Some(Fault::DriveSign));
     }
 
@@ -344,26 +307,29 @@ mod tests {
 
     #[test]
     fn a_fast_path_that_leaves_its_limit_names_the_drive_by_the_last_milliseconds() {
-        // a good drive until 7 ms before, and then `gain` of it
-        let cause = |gain: f64, least: f64| {
-            let (mut p, dt, mut watch) = (Parameters::START, Parameters::START.sample_period, Watch::default());
-            p.limits.drive_share = least;
-            let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
-            for k in 0..ticks(0.107, dt) {
-                let time = dt * f64::from(k);
-                let torque = 3.0 * (TAU * 80.0 * time).cos();
-                watch.update(&p, 0.08, &Sample { wanted: angle, arm_angle: angle, torque, ..REST });
-                let acceleration = if time > 0.1 { gain } else { 1.0 } * before / p.servo.inertia;
-                angle += dt * (velocity + 0.5 * dt * acceleration);
-                velocity += dt * acceleration;
-                before = torque;
-            }
-            watch.left_behind(&p)
-        };
-        let found = [1.0, 0.7, 0.1, -1.0].map(|gain| cause(gain, 0.4));
-        assert_eq!(found, [Fault::FollowingError, Fault::FollowingError, Fault::WeakDrive, Fault::DriveSign]);
+        let mut p = Parameters::START;
+        for after in [2e-3, 7e-3] {
+            let found = [1.0, 0.7, 0.1, -1.0].map(|gain| turned(&p, gain, after).left_behind(&p));
+            assert_eq!(found, [Fault::FollowingError, Fault::FollowingError, Fault::WeakDrive, Fault::DriveSign]);
+        }
         // where the drive is not watched
-        assert_eq!([0.1, -1.0].map(|gain| cause(gain, 0.0)), [Fault::FollowingError; 2]);
+        p.limits.drive_share = 0.0;
+        assert_eq!([0.1, -1.0].map(|gain| turned(&p, gain, 7e-3).left_behind(&p)), [Fault::FollowingError; 2]);
+    }
+
+    #[test]
+    fn a_drive_obeys_that_does_now_what_it_should() {
+        let p = Parameters::START;
+        let obeys = |gain: f64, after: f64| turned(&p, gain, after).drive_obeys(&p);
+        assert_eq!([1.0, 0.6].map(|gain| obeys(gain, 0.007)), [true; 2]);
+        for k in 15..200 {
+            let after = 1e-4 * f64::from(k);
+            assert_eq!([0.0, -0.5, -1.0].map(|gain| obeys(gain, after)), [false; 3], "{after} s");
+        }
+        // a share of what it did is told with the fault, the least
+        let told = turned(&p, -1.0, 2e-3).least_share(&p);
+        assert!(told < TURNED && turned(&p, -1.0, 2e-3).share(&p).is_some_and(|share| share > 0.4), "{told}");
+        assert_eq!(Watch::default().least_share(&p), 1.0);
     }
 
     #[test]

@@ -31,6 +31,15 @@ struct Pulse {
     acts: bool,
 }
 
+/// What is known of the arm when its loop opens.
+#[derive(Clone, Copy, Debug)]
+pub struct LastMotion {
+    /// Velocity, rad/s.
+    pub velocity: f64,
+    /// The drive was seen to obey in the last millisecond.
+    pub obeyed: bool,
+}
+
 impl Default for Ending {
     fn default() -> Self {
         Self { fault: Fault::None, end: SafeEnd::Retract, retracting: false, brake: Pulse::default() }
@@ -38,17 +47,17 @@ impl Default for Ending {
 }
 
 impl Ending {
-    /// Begins the end of a fault; of an arm that was under control before (`closed`) with its `velocity` (rad/s).
-    pub fn begin(&mut self, p: &Parameters, fault: Fault, closed: bool, velocity: f64) {
+    /// Begins the end of a fault; of an arm that was under control before (`closed`).
+    pub fn begin(&mut self, p: &Parameters, fault: Fault, closed: bool, arm: LastMotion) {
         *self = Self { fault, end: fault.safe_end(), retracting: closed, brake: Pulse::default() };
-        self.switch_off(p, velocity);
+        self.switch_off(p, arm);
     }
 
     /// A later fault may ask for more and never for less.
-    pub fn escalate(&mut self, p: &Parameters, fault: Option<Fault>, velocity: f64) {
+    pub fn escalate(&mut self, p: &Parameters, fault: Option<Fault>, arm: LastMotion) {
         if let Some(fault) = fault.filter(|fault| fault.safe_end() > self.end) {
             (self.fault, self.end) = (fault, fault.safe_end());
-            self.switch_off(p, velocity);
+            self.switch_off(p, arm);
         }
     }
 
@@ -84,12 +93,12 @@ impl Ending {
         if self.brake.acts { self.brake.torque } else { 0.0 }
     }
 
-    fn switch_off(&mut self, p: &Parameters, velocity: f64) {
+    fn switch_off(&mut self, p: &Parameters, arm: LastMotion) {
         if self.end < SafeEnd::DriveOff {
             return;
         }
-        if self.retracting && self.fault.drive_obeys() {
-            self.brake = Pulse::against(p, velocity);
+        if self.retracting && self.fault.drive_obeys(arm.obeyed) {
+            self.brake = Pulse::against(p, arm.velocity);
         }
         self.retracting = false;
     }
@@ -109,10 +118,16 @@ impl Pulse {
 mod tests {
     use super::*;
 
+    const MOVES: LastMotion = LastMotion { velocity: 5.0, obeyed: true };
+
     /// Torques after a fault of an arm that moves with `velocity`, and the samples for which the drive is on.
     fn ended(fault: Fault, closed: bool, velocity: f64) -> (Vec<f64>, usize) {
+        of(fault, closed, LastMotion { velocity, ..MOVES })
+    }
+
+    fn of(fault: Fault, closed: bool, arm: LastMotion) -> (Vec<f64>, usize) {
         let (p, mut ending) = (Parameters::START, Ending::default());
-        ending.begin(&p, fault, closed, velocity);
+        ending.begin(&p, fault, closed, arm);
         let (mut torques, mut on) = (Vec::new(), 0);
         for _ in 0..200 {
             torques.push(ending.torque());
@@ -136,7 +151,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_braked_is_off_at_once() {
-        for fault in [Fault::DriveSign, Fault::WeakDrive, Fault::Oscillation] {
+        for fault in [Fault::DriveSign, Fault::WeakDrive, Fault::Oscillation, Fault::LongStep] {
             assert_eq!(ended(fault, true, 5.0), (vec![0.0; 200], 0), "{fault:?}");
         }
         // an arm at rest, or one that nobody held
@@ -147,26 +162,34 @@ mod tests {
     }
 
     #[test]
+    fn an_arm_that_is_behind_is_braked_where_its_drive_was_seen_to_obey() {
+        for (fault, unseen) in [(Fault::FollowingError, 0), (Fault::Saturation, 0), (Fault::LostReading, 6)] {
+            let on = [true, false].map(|obeyed| of(fault, true, LastMotion { obeyed, ..MOVES }).1);
+            assert_eq!(on, [6, unseen], "{fault:?}");
+        }
+    }
+
+    #[test]
     fn a_graver_fault_takes_over_and_a_lighter_one_never_does() {
         let (p, mut ending) = (Parameters::START, Ending::default());
-        ending.begin(&p, Fault::LostSpindle, true, 5.0);
+        ending.begin(&p, Fault::LostSpindle, true, MOVES);
         assert_eq!((ending.retracting(), ending.braking(), ending.drive_enable()), (true, false, true));
-        ending.escalate(&p, Some(Fault::NoProgress), 5.0);
+        ending.escalate(&p, Some(Fault::NoProgress), MOVES);
         assert_eq!((ending.fault(), ending.retracting()), (Fault::LostSpindle, true));
-        ending.escalate(&p, Some(Fault::ReadingJump), 5.0);
+        ending.escalate(&p, Some(Fault::ReadingJump), MOVES);
         assert_eq!((ending.fault(), ending.retracting(), ending.braking()), (Fault::ReadingJump, false, true));
         while ending.torque() < 0.0 {
             assert!(ending.drive_enable());
         }
         assert!(!ending.drive_enable() && !ending.braking());
-        ending.escalate(&p, Some(Fault::LostSpindle), 5.0);
+        ending.escalate(&p, Some(Fault::LostSpindle), MOVES);
         assert_eq!((ending.fault(), ending.drive_enable()), (Fault::ReadingJump, false));
     }
 
     #[test]
     fn what_is_let_go_may_keep_its_drive() {
         let (p, mut ending) = (Parameters::START, Ending::default());
-        ending.begin(&p, Fault::LostSlide, true, 5.0);
+        ending.begin(&p, Fault::LostSlide, true, MOVES);
         ending.release();
         assert_eq!((ending.retracting(), ending.drive_enable(), ending.torque()), (false, true, 0.0));
     }

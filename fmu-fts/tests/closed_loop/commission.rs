@@ -267,11 +267,11 @@ fn what_is_not_sure_or_not_for_this_controller_is_rejected_with_its_numbers() {
 
 #[test]
 fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
-    // a lost drive is told by the error that it leaves, and by nothing where the tones are smaller than the error that is a fault
+    // a lost drive is found by the error that it leaves, with its name, and by nothing where the tones are smaller than the error that is a fault
     for (time, faults) in [
-        (0.3, [(0.0, Fault::FollowingError), (-1.0, Fault::FollowingError)]),
-        (2.6, [(0.0, Fault::FollowingError), (-1.0, Fault::WeakDrive)]),
-        (6.0, [(0.0, Fault::CommissionRejected), (-1.0, Fault::FollowingError)]),
+        (0.3, [(0.0, Fault::WeakDrive), (-1.0, Fault::DriveSign)]),
+        (2.6, [(0.0, Fault::WeakDrive), (-1.0, Fault::WeakDrive)]),
+        (6.0, [(0.0, Fault::CommissionRejected), (-1.0, Fault::DriveSign)]),
     ] {
         for (gain, fault) in faults {
             let mut run = Loop::new(&applied(), &STANDING, 89);
@@ -284,6 +284,8 @@ fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
                 assert!(run.time() < LIMIT, "{:?}", run.output);
             }
             assert_eq!(run.output.fault, fault, "{time} {gain}");
+            // the share that was judged is told with it
+            assert!(fault == Fault::CommissionRejected || run.output.numbers.share < 0.4, "{time} {gain}");
             // its travel of 1.75 mm and the following error of 1 mm
             let way = (run.machine.tip_depth() - place).abs();
             assert!(way < 2.75e-3, "{time} {gain}: {way}");

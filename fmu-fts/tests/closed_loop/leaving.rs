@@ -271,3 +271,52 @@ fn an_arm_whose_encoder_is_lost_is_braked_before_the_drive_is_off() {
         }
     }
 }
+
+/// The fault of a run, and whether its drive stays on for a pulse of torque, and the deepest in the 0.3 s from now on.
+fn ended(mut run: Loop) -> (Fault, bool, f64) {
+    let (until, mut high, mut first) = (run.time() + 0.3, f64::NEG_INFINITY, None);
+    while run.time() < until {
+        run.step();
+        high = high.max(run.machine.tip_depth());
+        if run.output.fault != Fault::None {
+            first.get_or_insert((run.output.fault, run.output.drive_enable && run.output.torque != 0.0));
+        }
+    }
+    assert!(!run.output.drive_enable && run.output.torque == 0.0);
+    let (fault, braked) = first.unwrap();
+    (fault, braked, high)
+}
+
+#[test]
+fn an_arm_that_its_drive_leaves_behind_is_braked_where_that_was_seen_to_obey() {
+    let (p, build) = &cuts()[2];
+    let mut tracking = Loop::new(p, build, 17);
+    tracking.run_to(1.0);
+    let most = range(&mut tracking, 0.11).1;
+    for phase in 0..12 {
+        tracking.run_to(tracking.time() + 0.0011);
+        let with = |gain: f64| {
+            let mut run = tracking.clone();
+            run.machine.set_gain(gain);
+            ended(run)
+        };
+        let (fault, braked, high) = with(0.6);
+        assert_eq!((fault, braked), (Fault::FollowingError, true), "{phase}");
+        // coasting, it went 6 mm beyond the path
+        assert!(high < most + 2e-3, "{phase}: {high} {most}");
+        for gain in [0.0, -1.0] {
+            assert!(!with(gain).1, "{phase} {gain}: {:?}", with(gain));
+        }
+    }
+}
+
+#[test]
+fn an_arm_that_is_behind_without_a_torque_that_tells_its_drive_is_let_go() {
+    let (mut p, build) = cuts()[0].clone();
+    p.limits.following_error = 120e-6;
+    let mut run = Loop::new(&p, &build, 17);
+    run.run_to(1.0);
+    (run.input.feedforward_enable, run.input.afc_enable) = (false, false);
+    let (fault, braked, _) = ended(run);
+    assert_eq!((fault, braked), (Fault::FollowingError, false));
+}

@@ -1,0 +1,59 @@
+//! How long a job may last.
+
+use std::f64::consts::TAU;
+
+use control_blocks::{Progress, quintic_duration};
+
+use crate::interface::{Parameters, State};
+use crate::path::path_table::PathTable;
+
+/// The slowest feed of a cut, m/s.
+const SLOWEST: f64 = 1e-6;
+
+/// Time of a job that has taken longer than it may, and its limit, s: a cut, an identification of `identify` s, or a commission
+/// that may take `commission` s. Holding has no end.
+pub fn late(
+    p: &Parameters,
+    path: &PathTable,
+    [identify, commission]: [f64; 2],
+    state: State,
+    job: &Progress,
+) -> Option<[f64; 2]> {
+    let told = |usual: f64| if p.limits.job_time > 0.0 { p.limits.job_time } else { usual };
+    let limit = match state {
+        State::Approach | State::Ready | State::Track => told(path.extent() / SLOWEST),
+        // before it, at most two turns to `hold_angle` and the way off the path
+        State::Identify => told(2.0 * (identify + p.approach_time + quintic_duration(2.0 * TAU, p.hold_speed))),
+        State::Commission => commission,
+        _ => return None,
+    };
+    let time = job.samples() as f64 * p.sample_period;
+    (time > limit).then_some([time, limit])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::depth_table::DepthTable;
+    use crate::path::kinematics::Arm;
+
+    #[test]
+    fn a_job_may_last_as_long_as_is_told_or_twice_the_measurement() {
+        let mut p = Parameters::START;
+        let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
+        let limit = |p: &Parameters, state: State, time: f64| {
+            let mut job = Progress::default();
+            (0..(time / p.sample_period) as u32).for_each(|_| job.count());
+            late(p, &path, [1.0, 3.0], state, &job).map(|[_, limit]| limit)
+        };
+        // 1 s of measurement, 0.3 s of approach, two turns on a quintic of 2 rad/s
+        let most = 2.0 * (1.3 + quintic_duration(2.0 * TAU, 2.0));
+        assert_eq!(limit(&p, State::Identify, most - 0.01), None);
+        assert_eq!(limit(&p, State::Identify, most + 0.01), Some(most));
+        assert_eq!((limit(&p, State::Hold, 100.0), limit(&p, State::Track, 100.0)), (None, None));
+        p.limits.job_time = 0.5;
+        assert_eq!((limit(&p, State::Commission, 2.99), limit(&p, State::Commission, 3.01)), (None, Some(3.0)));
+        assert_eq!((limit(&p, State::Track, 0.49), limit(&p, State::Track, 0.51)), (None, Some(0.5)));
+        assert_eq!(limit(&p, State::Hold, 0.51), None);
+    }
+}
