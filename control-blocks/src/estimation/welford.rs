@@ -34,7 +34,8 @@ impl Welford {
 
     /// Standard deviation of the samples, 0 with fewer than two.
     pub fn sigma(&self) -> f64 {
-        if self.count > 1.0 { (self.squares / (self.count - 1.0)).sqrt() } else { 0.0 }
+        // fewer have no squares; a branch around 0 / 0 would be computed ahead and raise a floating-point flag
+        (self.squares / (self.count - 1.0).max(1.0)).sqrt()
     }
 }
 
