@@ -23,9 +23,12 @@ def started_ahead() -> Iterator[None]:
     One that no place took ends with the block.
     """
     with contextlib.ExitStack() as stack:
-        if isolates():
-            ahead.append(stack.enter_context(Worker(Limits(), relay=True)))
-            ahead[0].prepare()
+        # a place that finds none starts its own, and tells what hinders it
+        with contextlib.suppress(OSError):
+            if isolates():
+                worker = stack.enter_context(Worker(Limits(), relay=True))
+                worker.prepare()
+                ahead.append(worker)
         try:
             yield
         finally:

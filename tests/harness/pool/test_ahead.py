@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 import cosim
-from cosim.pool import once
+from cosim.pool import once, supervisor
 from cosim.pool.job import Job, WorkerError
 from cosim.pool.limits import Limits
 
@@ -49,6 +49,17 @@ def test_the_first_place_takes_it_and_holds_it_to_its_limits(write: Write, folde
             assert isinstance(do(counting), cosim.Result)
     first, second = (folder / "processes").read_text().split()
     assert int(first) == started != int(second)
+
+
+def test_what_hinders_it_is_told_by_the_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: object) -> None:
+        raise BlockingIOError
+
+    monkeypatch.setattr(supervisor, "spawn", refused)
+    with once.started_ahead():
+        assert not once.ahead
+        with pytest.raises(BlockingIOError), once.place(Limits()):
+            pass
 
 
 def test_it_ends_where_no_place_takes_it() -> None:
