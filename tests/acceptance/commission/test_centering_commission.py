@@ -19,7 +19,7 @@ from . import machine
 
 pytestmark = pytest.mark.acceptance
 
-FEW = (8, 92_043)
+FEW = (5, 92_043)
 """Machines of the default run, and their seed; no study has it."""
 
 

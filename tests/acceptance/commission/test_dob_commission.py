@@ -18,7 +18,7 @@ from . import machine
 
 pytestmark = pytest.mark.acceptance
 
-FEW = (8, 91_017)
+FEW = (5, 91_017)
 """Machines of the default run, and their seed; no study has it."""
 NOMINAL_MASS = 10.0
 

@@ -18,9 +18,9 @@ from . import machine
 
 pytestmark = pytest.mark.acceptance
 
-FEW = (6, 93_017)
+FEW = (4, 93_017)
 """Machines of the default run, and their seed; no study has it."""
-FEW_AT_500_HZ = (3, 93_018)
+FEW_AT_500_HZ = (2, 93_018)
 TURN = 2.0 * np.pi
 NEAR = {
     "inertia": 0.01, "dry_friction": 0.06, "viscous_friction": 0.15, "io_delay": 0.5,
