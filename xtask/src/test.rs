@@ -1,7 +1,9 @@
 //! `cargo xtask test`: everything that proves the project, step by step, with its times.
 
+use std::panic::resume_unwind;
+use std::path::Path;
 use std::process::Command;
-use std::thread::available_parallelism;
+use std::thread::{self, available_parallelism};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
@@ -16,35 +18,29 @@ use crate::workspace::Workspace;
 /// # Errors
 /// When something that the checks need is missing or does not build.
 pub fn run(workspace: &Workspace) -> Result<bool> {
-    let mut times = Vec::new();
-    timed(&mut times, "setup", || setup::run(workspace))?;
-    timed(&mut times, "FMUs", || fmu::pack_all(workspace, &fmu::controllers(workspace)))?;
-
+    let mut steps = Steps { start: Instant::now(), times: Vec::new() };
+    steps.timed("setup", || setup::run(workspace))?;
     let fmpy = setup::fmpy_folder(workspace)?;
-    for (name, mut command) in checks(workspace) {
-        command.env("FMPY_DIR", &fmpy);
-        if let Err(error) = timed(&mut times, name, || process::run(name, &mut command)) {
-            summary(&times);
-            eprintln!("error: {error:#}");
-            eprintln!("hint: this step alone: `{}`", process::display(&command));
-            return Ok(false);
-        }
-    }
-    summary(&times);
-    Ok(true)
+
+    // an FMU is optimised as a whole, on one core
+    let passed = thread::scope(|scope| {
+        let fmus = scope.spawn(|| clocked(|| fmu::pack_all(workspace, &fmu::controllers(workspace))));
+        let passed = steps.pass(of_sources(workspace), &fmpy);
+        let (result, time) = fmus.join().unwrap_or_else(|panic| resume_unwind(panic));
+        steps.times.push(("FMUs", time, result.is_ok()));
+        result.map(|()| passed)
+    })?;
+    let passed = passed && steps.pass(of_runs(workspace), &fmpy);
+    steps.summary();
+    Ok(passed)
 }
 
-/// The checks by name, quick ones first.
-fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
-    let words = |mut command: Command, line: &str| {
-        command.args(line.split_whitespace().skip(1));
-        command
-    };
-    let program = |line: &str| line.split_whitespace().next().unwrap_or_default().to_owned();
-    let cargo = |line: &str| words(workspace.cargo(&program(line)), line);
-    let venv = |line: &str| words(workspace.venv_command(&program(line)), line);
-    // one more than there are cores: a fifth of the time a test waits for a browser, a cluster or a limit to pass
-    let processes = available_parallelism().map_or(2, |cores| cores.get() + 1);
+type Check = (&'static str, Command);
+
+/// The checks of what is written, quick ones first.
+fn of_sources(workspace: &Workspace) -> Vec<Check> {
+    let cargo = |line| with_words(|name| workspace.cargo(name), line);
+    let venv = |line| with_words(|name| workspace.venv_command(name), line);
     vec![
         ("rustfmt", cargo("fmt --all --check")),
         ("ruff format", venv("ruff format --check")),
@@ -57,30 +53,70 @@ fn checks(workspace: &Workspace) -> Vec<(&'static str, Command)> {
                 "clippy --workspace --all-targets --features machining-native/extension-module --locked -- -D warnings",
             ),
         ),
-        ("bench", cargo("xtask bench --short")),
-        ("cargo test", cargo("test --workspace --locked")),
-        ("pytest", venv(&format!("pytest --numprocesses {processes} --dist loadgroup --durations 20"))),
     ]
 }
 
-fn timed(
-    times: &mut Vec<(&'static str, Duration, bool)>,
-    name: &'static str,
-    step: impl FnOnce() -> Result<()>,
-) -> Result<()> {
-    let start = Instant::now();
-    let result = step();
-    times.push((name, start.elapsed(), result.is_ok()));
-    result
+/// The checks of what runs, which need the FMUs.
+fn of_runs(workspace: &Workspace) -> Vec<Check> {
+    let cargo = |line| with_words(|name| workspace.cargo(name), line);
+    // one more than there are cores: a fifth of the time a test waits for a browser, a cluster or a limit to pass
+    let processes = available_parallelism().map_or(2, |cores| cores.get() + 1);
+    let pytest = format!("pytest --numprocesses {processes} --dist loadgroup --durations 20");
+    vec![
+        ("bench", cargo("xtask bench --short")),
+        ("cargo test", cargo("test --workspace --locked")),
+        ("pytest", with_words(|name| workspace.venv_command(name), &pytest)),
+    ]
 }
 
-fn summary(times: &[(&str, Duration, bool)]) {
-    eprintln!("\n==> summary");
-    for (name, time, passed) in times {
-        eprintln!("{name:<12} {:>7.1} s  {}", time.as_secs_f64(), if *passed { "passed" } else { "FAILED" });
+/// The command of a program, the first word, with the others as its arguments.
+fn with_words(command: impl Fn(&str) -> Command, line: &str) -> Command {
+    let (program, arguments) = line.split_once(' ').unwrap_or((line, ""));
+    let mut command = command(program);
+    command.args(arguments.split_whitespace());
+    command
+}
+
+/// What was done, how long it took and whether it passed.
+struct Steps {
+    start: Instant,
+    times: Vec<(&'static str, Duration, bool)>,
+}
+
+impl Steps {
+    /// Runs these checks up to the first that fails; true when all passed.
+    fn pass(&mut self, checks: Vec<Check>, fmpy: &Path) -> bool {
+        for (name, mut command) in checks {
+            command.env("FMPY_DIR", fmpy);
+            if let Err(error) = self.timed(name, || process::run(name, &mut command)) {
+                eprintln!("error: {error:#}");
+                eprintln!("hint: this step alone: `{}`", process::display(&command));
+                return false;
+            }
+        }
+        true
     }
-    let total: Duration = times.iter().map(|(_, time, _)| *time).sum();
-    eprintln!("{:<12} {:>7.1} s", "total", total.as_secs_f64());
+
+    fn timed(&mut self, name: &'static str, step: impl FnOnce() -> Result<()>) -> Result<()> {
+        let (result, time) = clocked(step);
+        self.times.push((name, time, result.is_ok()));
+        result
+    }
+
+    fn summary(&self) {
+        eprintln!("\n==> summary");
+        for (name, time, passed) in &self.times {
+            eprintln!("{name:<12} {:>7.1} s  {}", time.as_secs_f64(), if *passed { "passed" } else { "FAILED" });
+        }
+        eprintln!("{:<12} {:>7.1} s", "total", self.start.elapsed().as_secs_f64());
+    }
+}
+
+/// What a step gives, and how long it took.
+fn clocked<T>(step: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let result = step();
+    (result, start.elapsed())
 }
 
 #[cfg(test)]
@@ -89,7 +125,8 @@ mod tests {
 
     #[test]
     fn warnings_fail_and_formatting_is_only_checked() {
-        let checks = checks(&Workspace::load().unwrap());
+        let workspace = Workspace::load().unwrap();
+        let checks: Vec<_> = of_sources(&workspace).into_iter().chain(of_runs(&workspace)).collect();
         let line = |wanted: &str| {
             let (_, command) = checks.iter().find(|(name, _)| *name == wanted).unwrap();
             process::display(command)
@@ -100,13 +137,13 @@ mod tests {
     }
 
     #[test]
-    fn a_step_keeps_its_time_and_its_result() {
-        let mut times = Vec::new();
-        timed(&mut times, "good", || Ok(())).unwrap();
-        timed(&mut times, "bad", || anyhow::bail!("broken")).unwrap_err();
-        assert_eq!(
-            times.iter().map(|(name, _, passed)| (*name, *passed)).collect::<Vec<_>>(),
-            [("good", true), ("bad", false)]
-        );
+    fn a_step_keeps_its_result_and_the_first_that_fails_is_the_last() {
+        let mut steps = Steps { start: Instant::now(), times: Vec::new() };
+        let workspace = Workspace::load().unwrap();
+        let cargo = |line| with_words(|name| workspace.cargo(name), line);
+        let checks = vec![("good", cargo("--version")), ("bad", cargo("no-such")), ("never", cargo("--version"))];
+        assert!(!steps.pass(checks, Path::new("")));
+        let found: Vec<_> = steps.times.iter().map(|(name, _, passed)| (*name, *passed)).collect();
+        assert_eq!(found, [("good", true), ("bad", false)]);
     }
 }

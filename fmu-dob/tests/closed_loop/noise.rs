@@ -1,4 +1,4 @@
-//! False alarms in an hour of noise: the paper's fixed alpha against the automatic one.
+//! False alarms in minutes of noise: the paper's fixed alpha against the automatic one. Ignored tests take hours.
 
 use fmu_dob::interface::{ContactSource, DetectorKind, Parameters, State};
 
@@ -29,16 +29,14 @@ fn false_alarms(parameters: &Parameters, first_seed: u64, hours: f64) -> usize {
 /// 10 kHz holds some 80 triples above mu + 4 sigma, and this test fails if it ever becomes none.
 #[test]
 fn fixed_alpha_of_the_paper_alarms_every_minute() {
-    let alarms = false_alarms(&Parameters::PAPER, 500_000, 1.0);
-    println!("paper's law: {alarms} false alarms per hour");
-    assert!((40..=200).contains(&alarms), "{alarms} per hour");
+    let alarms = false_alarms(&Parameters::PAPER, 500_000, 0.25);
+    assert!((10..=50).contains(&alarms), "{alarms} in a quarter of an hour");
 }
 
 #[test]
-fn automatic_alpha_alarms_at_most_twice() {
-    let alarms = false_alarms(&Parameters::START, 600_000, 1.0);
-    println!("default law: {alarms} false alarms per hour");
-    assert!(alarms <= 2, "{alarms} per hour");
+fn automatic_alpha_alarms_at_most_once() {
+    let alarms = false_alarms(&Parameters::START, 600_000, 0.25);
+    assert!(alarms <= 1, "{alarms} in a quarter of an hour");
 }
 
 /// Touches at four speeds by turns, each on a slide with its own noise, for `hours`; how many, and how many were stopped early.
@@ -119,7 +117,7 @@ fn what_only_looks_like_a_contact_is_touched_again_and_dismissed() {
 }
 
 #[test]
-fn two_touches_alarm_at_most_once_in_an_hour() {
-    let alarms = false_alarms(&twice(), 702_000, 1.0);
-    assert!(alarms <= 1, "{alarms} per hour");
+fn two_touches_alarm_at_most_once() {
+    let alarms = false_alarms(&twice(), 702_000, 0.25);
+    assert!(alarms <= 1, "{alarms} in a quarter of an hour");
 }
