@@ -58,6 +58,8 @@ pub struct DriveWatch {
     now: Response,
     latest: Response,
     moving: Response,
+    /// the last share that `now` told, and the samples since
+    seen: Option<(f64, u32)>,
 }
 
 impl DriveWatch {
@@ -78,6 +80,8 @@ impl DriveWatch {
             if arm_angle != before {
                 self.moving = self.latest;
             }
+            let kept = self.seen.map(|(share, age)| (share, age + 1));
+            self.seen = self.now(p).map(|share| (share, 0)).or(kept.filter(|&(_, age)| f64::from(age) * dt < MEMORY));
         }
     }
 
@@ -91,6 +95,12 @@ impl DriveWatch {
         let disturbed = disturbance(p) / (p.servo.inertia * (1.0 - least_share));
         let noise = NOISE * p.limits.arm_spread / (dt * dt * least_share);
         self.now.share((NOW / dt * disturbed * disturbed).max(noise * noise))
+    }
+
+    /// The same, while the torque is too small to tell it, of the last one that was not: what takes the arm 1 mm from its
+    /// path in `MEMORY` is none that is too small.
+    pub fn seen(&self) -> Option<f64> {
+        self.seen.map(|(share, _)| share)
     }
 
     /// What it does now; of a small torque over the last 2 ms, where what was before hardly blurs what a fault has become.

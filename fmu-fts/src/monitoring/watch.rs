@@ -113,9 +113,11 @@ impl Watch {
         self.drive.share(p)
     }
 
-    /// Whether the arm was seen to do in the last millisecond what the torque asks for: a pulse brakes it then.
+    /// Whether the arm did what the torque asked for when it was last seen, and nothing was seen against it since: a pulse
+    /// brakes it then.
     pub fn drive_obeys(&self, p: &Parameters) -> bool {
-        self.drive.now(p).is_some_and(|share| share >= p.limits.drive_share)
+        let obeys = |share: f64| share >= p.limits.drive_share;
+        self.drive.seen().is_some_and(obeys) && self.drive.latest(p).is_none_or(obeys)
     }
 
     /// The share that a fault of the drive is told with: that of 10 ms, or the latest where it is less.
