@@ -236,7 +236,7 @@ impl Controller {
 
     /// What a pulse of the brake would begin from.
     fn last_motion(&self, p: &Parameters) -> LastMotion {
-        LastMotion { velocity: self.reader.arm_velocity(p), obeyed: self.watch.drive_obeys(p) }
+        LastMotion { velocity: self.reader.arm_velocity(p), answer: self.watch.answer(p) }
     }
 
     /// What the next sample is judged by.

@@ -40,14 +40,16 @@ pub struct Situation<'a> {
 }
 
 impl Fault {
-    /// Whether a torque does to the arm what it should, as far as is known; `seen`: it did in the last millisecond.
-    pub fn drive_obeys(self, seen: bool) -> bool {
+    /// What a torque does to the arm, as far as is known: 1 if what it should, -1 if the opposite, 0 if that is not sure; `seen`
+    /// is what it was seen to do.
+    pub fn answer(self, seen: f64) -> f64 {
         match self {
             // of a long step the last command alone is seen
-            Self::DriveSign | Self::WeakDrive | Self::Oscillation | Self::LongStep => false,
+            Self::WeakDrive | Self::Oscillation | Self::LongStep => 0.0,
             // which a drive that does not obey may cause
-            Self::FollowingError | Self::Saturation => seen,
-            _ => true,
+            Self::FollowingError | Self::Saturation => seen.max(0.0),
+            Self::DriveSign => seen.min(0.0),
+            _ => 1.0,
         }
     }
 

@@ -58,6 +58,8 @@ pub struct DriveWatch {
     now: Response,
     latest: Response,
     moving: Response,
+    /// the last share that `now` told, and the samples since
+    seen: Option<(f64, u32)>,
 }
 
 impl DriveWatch {
@@ -78,6 +80,8 @@ impl DriveWatch {
             if arm_angle != before {
                 self.moving = self.latest;
             }
+            let kept = self.seen.map(|(share, age)| (share, age + 1));
+            self.seen = self.now(p).map(|share| (share, 0)).or(kept.filter(|&(_, age)| f64::from(age) * dt < MEMORY));
         }
     }
 
@@ -88,9 +92,19 @@ impl DriveWatch {
         if least_share == 0.0 {
             return None;
         }
-        let disturbed = disturbance(p) / (p.servo.inertia * (1.0 - least_share));
         let noise = NOISE * p.limits.arm_spread / (dt * dt * least_share);
-        self.now.share((NOW / dt * disturbed * disturbed).max(noise * noise))
+        self.now.share(undisturbed(p, NOW).max(noise * noise))
+    }
+
+    /// The same, while the torque is too small to tell it, of the last one that was not: what takes the arm 1 mm from its
+    /// path in `MEMORY` is none that is too small.
+    pub fn seen(&self) -> Option<f64> {
+        self.seen.map(|(share, _)| share)
+    }
+
+    /// What names a drive that is known to be wrong by more: it now, with the noise of a reading in it, or the latest.
+    pub fn cause(&self, p: &Parameters) -> Option<f64> {
+        self.now.share(undisturbed(p, NOW)).or(self.latest(p))
     }
 
     /// What it does now; of a small torque over the last 2 ms, where what was before hardly blurs what a fault has become.
@@ -108,9 +122,14 @@ impl DriveWatch {
     /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could take the
     /// share, at worst 1 - d / u, of a good drive below `limits.drive_share`.
     pub fn share(&self, p: &Parameters) -> Option<f64> {
-        let least = disturbance(p) / (p.servo.inertia * (1.0 - p.limits.drive_share));
-        self.response.share(MEMORY / p.sample_period * least * least)
+        self.response.share(undisturbed(p, MEMORY))
     }
+}
+
+/// Square of accelerations in the time `memory` (s), of a torque that disturbances cannot take below `limits.drive_share`.
+fn undisturbed(p: &Parameters, memory: f64) -> f64 {
+    let least = disturbance(p) / (p.servo.inertia * (1.0 - p.limits.drive_share));
+    memory / p.sample_period * least * least
 }
 
 /// Torque of friction and cut that may come without a command, N.m.

@@ -113,9 +113,14 @@ impl Watch {
         self.drive.share(p)
     }
 
-    /// Whether the arm was seen to do in the last millisecond what the torque asks for: a pulse brakes it then.
-    pub fn drive_obeys(&self, p: &Parameters) -> bool {
-        self.drive.now(p).is_some_and(|share| share >= p.limits.drive_share)
+    /// What a torque is known to do to the arm: 1 if the drive obeyed when it was last seen, and nothing was seen against it
+    /// since; -1 if it has turned; 0 if neither is sure.
+    pub fn answer(&self, p: &Parameters) -> f64 {
+        let obeys = |share: f64| share >= p.limits.drive_share;
+        if self.drive.cause(p).is_some_and(|share| share < TURNED) {
+            return -1.0;
+        }
+        f64::from(u8::from(self.drive.seen().is_some_and(obeys) && self.drive.latest(p).is_none_or(obeys)))
     }
 
     /// The share that a fault of the drive is told with: that of 10 ms, or the latest where it is less.
@@ -125,7 +130,7 @@ impl Watch {
 
     /// Why the arm is behind: a fast path leaves its limit before a whole `MEMORY` tells what the drive does.
     fn left_behind(&self, p: &Parameters) -> Fault {
-        match self.drive.latest(p).filter(|share| *share < p.limits.drive_share) {
+        match self.drive.cause(p).filter(|share| *share < p.limits.drive_share) {
             None => Fault::FollowingError,
             Some(_) if p.limits.drive_share == 0.0 => Fault::FollowingError,
             Some(share) if share < TURNED => Fault::DriveSign,
@@ -139,7 +144,7 @@ impl Watch {
             return None;
         }
         let stands = share.abs() < 0.1 && f64::from(self.life.still()) * p.sample_period > 5e-3;
-        Some(if share < AGAINST || self.drive.latest(p).is_some_and(|latest| latest < TURNED) {
+        Some(if share < AGAINST || self.drive.cause(p).is_some_and(|cause| cause < TURNED) {
             Fault::DriveSign
         } else if stands {
             Fault::FrozenReading
@@ -318,18 +323,40 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_obeys_that_does_now_what_it_should() {
+    fn a_torque_does_what_it_was_last_seen_to_do() {
         let p = Parameters::START;
-        let obeys = |gain: f64, after: f64| turned(&p, gain, after).drive_obeys(&p);
-        assert_eq!([1.0, 0.6].map(|gain| obeys(gain, 0.007)), [true; 2]);
+        let answer = |gain: f64, after: f64| turned(&p, gain, after).answer(&p);
         for k in 15..200 {
             let after = 1e-4 * f64::from(k);
-            assert_eq!([0.0, -0.5, -1.0].map(|gain| obeys(gain, after)), [false; 3], "{after} s");
+            // where the torque turns, too
+            assert_eq!([1.0, 0.6].map(|gain| answer(gain, after)), [1.0; 2], "{after} s");
+            assert_eq!([0.0, -0.3].map(|gain| answer(gain, after)), [0.0; 2], "{after} s");
+            assert!(answer(-1.0, after) <= 0.0, "{after} s");
         }
+        assert_eq!([0.003, 0.007].map(|after| answer(-1.0, after)), [-1.0; 2]);
         // a share of what it did is told with the fault, the least
         let told = turned(&p, -1.0, 2e-3).least_share(&p);
         assert!(told < TURNED && turned(&p, -1.0, 2e-3).share(&p).is_some_and(|share| share > 0.4), "{told}");
         assert_eq!(Watch::default().least_share(&p), 1.0);
+    }
+
+    #[test]
+    fn what_was_seen_of_a_drive_counts_for_ten_milliseconds() {
+        let p = Parameters::START;
+        // a torque that turns each millisecond, then none
+        let answer = |rest: u32| {
+            let (dt, mut watch) = (p.sample_period, Watch::default());
+            let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
+            for k in 0..200 + rest {
+                let torque = if k >= 200 { 0.0 } else { 5.0 * f64::from(1 - 2 * ((k / 10) as i32 % 2)) };
+                watch.update(&p, 0.08, &Sample { wanted: angle, arm_angle: angle, torque, ..REST });
+                angle += dt * velocity + 0.5 * dt * dt * before / p.servo.inertia;
+                velocity += dt * before / p.servo.inertia;
+                before = torque;
+            }
+            watch.answer(&p)
+        };
+        assert_eq!([1, 60, 130].map(answer), [1.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! The arm has no brake. Where its drive obeys, a pulse of torque takes its last known speed v before the drive is off: the
 //! whole `servo.torque_max` for J |v| / T_max, over which it goes J v^2 / (2 T_max) further. An inertia that is told wrong
-//! by the share s leaves the speed s v.
+//! by the share s leaves the speed s v. A drive that is seen to do the opposite gets the opposite pulse.
 
 use control_blocks::SafeEnd;
 use serde::{Deserialize, Serialize};
@@ -36,8 +36,8 @@ struct Pulse {
 pub struct LastMotion {
     /// Velocity, rad/s.
     pub velocity: f64,
-    /// The drive was seen to obey in the last millisecond.
-    pub obeyed: bool,
+    /// What a torque was seen to do: 1 as it should, -1 the opposite, 0 not sure.
+    pub answer: f64,
 }
 
 impl Default for Ending {
@@ -97,8 +97,8 @@ impl Ending {
         if self.end < SafeEnd::DriveOff {
             return;
         }
-        if self.retracting && self.fault.drive_obeys(arm.obeyed) {
-            self.brake = Pulse::against(p, arm.velocity);
+        if self.retracting {
+            self.brake = Pulse::against(p, arm.velocity * self.fault.answer(arm.answer));
         }
         self.retracting = false;
     }
@@ -118,7 +118,7 @@ impl Pulse {
 mod tests {
     use super::*;
 
-    const MOVES: LastMotion = LastMotion { velocity: 5.0, obeyed: true };
+    const MOVES: LastMotion = LastMotion { velocity: 5.0, answer: 1.0 };
 
     /// Torques after a fault of an arm that moves with `velocity`, and the samples for which the drive is on.
     fn ended(fault: Fault, closed: bool, velocity: f64) -> (Vec<f64>, usize) {
@@ -164,8 +164,19 @@ mod tests {
     #[test]
     fn an_arm_that_is_behind_is_braked_where_its_drive_was_seen_to_obey() {
         for (fault, unseen) in [(Fault::FollowingError, 0), (Fault::Saturation, 0), (Fault::LostReading, 6)] {
-            let on = [true, false].map(|obeyed| of(fault, true, LastMotion { obeyed, ..MOVES }).1);
+            let on = [1.0, 0.0].map(|answer| of(fault, true, LastMotion { answer, ..MOVES }).1);
             assert_eq!(on, [6, unseen], "{fault:?}");
+        }
+    }
+
+    #[test]
+    fn a_drive_that_has_turned_is_braked_by_the_opposite_pulse() {
+        let pulse = |fault, answer| of(fault, true, LastMotion { answer, ..MOVES }).0;
+        let opposite: Vec<_> = pulse(Fault::LostReading, -1.0).iter().map(|torque| -torque).collect();
+        assert!(opposite[0] > 0.0);
+        assert_eq!(pulse(Fault::DriveSign, -1.0), opposite);
+        for fault in [Fault::FollowingError, Fault::Saturation, Fault::WeakDrive] {
+            assert_eq!(pulse(fault, -1.0), vec![0.0; 200], "{fault:?}");
         }
     }
 
