@@ -100,6 +100,17 @@ mod tests {
     }
 
     #[test]
+    fn the_last_sample_of_a_row_must_have_been_read_too() {
+        let mut heard = Heard::default();
+        (0..40).for_each(|k| heard.update(place(k), 0));
+        [place(37), place(38), place(39) + 5e-10]
+            .into_iter()
+            .zip(1..)
+            .for_each(|(z, doubted)| heard.update(z, doubted));
+        assert_eq!(heard.late(3), None);
+    }
+
+    #[test]
     fn a_lost_reading_is_none_that_was_read_before() {
         let mut heard = Heard::default();
         (1..=8).for_each(|doubted| heard.update(f64::NAN, doubted));
