@@ -35,6 +35,7 @@ impl Fault {
             Self::LostReading
             | Self::FrozenReading
             | Self::ReadingJump
+            | Self::LateReading
             | Self::FollowingError
             | Self::Saturation
             | Self::Overload
@@ -67,6 +68,8 @@ pub struct Symptoms<'a> {
     pub astray: u32,
     /// Samples in a row with a disturbance beyond its limit.
     pub overloaded: u32,
+    /// While the velocity is unknown: the last readings bend more than any force of this machine bends its path.
+    pub bent: bool,
     /// Share of the commanded force that accelerates the stage, where it is known.
     pub share: Option<f64>,
     /// The drive is to be judged by that share now.
@@ -99,6 +102,7 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
     let faults = [
         (Fault::LongStep, s.long_step),
         (Fault::FrozenReading, s.standing || lost(Loss::Stands)),
+        (Fault::LateReading, lost(Loss::Jumps) && s.reading.late.is_some()),
         (Fault::ReadingJump, lost(Loss::Jumps)),
         (Fault::LostReading, lost(Loss::Told)),
         (Fault::Oscillation, s.reversals.max(s.swings) >= REVERSALS),
@@ -118,7 +122,10 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
         (Fault::NoProgress, s.late),
     ];
     let found = faults.into_iter().find_map(|(fault, found)| found.then_some(fault));
-    found.map(|fault| cause(p, fault, s.share))
+    found.map(|fault| match fault {
+        Fault::Overload | Fault::FollowingError if s.bent => Fault::ReadingJump,
+        _ => cause(p, fault, s.share),
+    })
 }
 
 /// The cause of a fault: a stage that does not follow, or goes where it cannot be, may have a drive that pushes the wrong

@@ -54,9 +54,9 @@ mod variables {
         /// `position_valid` was false, or `position` NaN, infinite or beyond 1 km, for too many samples in a row
         #[hint("check the encoder and its link")] LostReading,
         /// `position` stands although the stage must have moved
-        #[hint("check the encoder and its link; is the drive later than `io_delay`? a position without any noise at rest needs `limits.rest_time` = 0")] FrozenReading,
+        #[hint("check the encoder, the unit of `position` and its link; is the drive later than `io_delay`? a position without any noise at rest needs `limits.rest_time` = 0")] FrozenReading,
         /// `position` is where the stage cannot be, for too many samples in a row
-        #[hint("check the encoder, its link and its noise against `limits.jump`; does the drive do more than `stage.force_constant` says, or act later than `io_delay`?")] ReadingJump,
+        #[hint("check the encoder, the unit of `position`, its link and its noise against `limits.jump`; does the drive do more than `stage.force_constant` says, or act later than `io_delay`?")] ReadingJump,
         /// `spindle_speed` changes faster than a spindle can, for too many samples in a row
         #[hint("check the signal of the spindle, or raise `limits.spindle_acceleration`")] SpindleJump,
         /// The stage is too far from its reference
@@ -89,6 +89,8 @@ mod variables {
         #[hint("allow more `commission.travel` or `commission.force`, look for vibration and friction, tell a larger `guard.force` if the work bears it, and check `stage.mass`, `stage.force_constant`, `stage.current_bandwidth` and `io_delay`")] CommissionRejected,
         /// The touches of a teaching scatter too much, or tell a bias that is not sure enough or cannot be
         #[hint("check `teach.place`; on work that is too soft or yields no bias can be taught; touch more often, look for vibration; allow more `approach.travel_max`, or lower `teach.velocity_max`")] TeachingRejected,
+        /// `position` says again what it has said some samples before, for too many samples in a row
+        #[hint("look for a link or a filter of the encoder that has fallen behind")] LateReading,
     }
     /// What detected the contact
     pub enum ContactSource {

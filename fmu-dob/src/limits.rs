@@ -29,6 +29,13 @@ pub fn disturbance_limit(p: &Parameters) -> f64 {
     f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * hardest(p))
 }
 
+/// Largest second difference (m) of readings of the stage: what `limits.disturbance` and the drive make together of a sample, and
+/// four readings that are `limits.jump` off.
+pub fn bend_limit(p: &Parameters) -> f64 {
+    let force = disturbance_limit(p) + p.stage.force_constant * p.stage.current_max;
+    force / p.stage.mass * p.sample_period * p.sample_period + 4.0 * p.limits.jump
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,5 +61,11 @@ mod tests {
         assert_eq!(disturbance_limit(&p), 200.4);
         p.limits.disturbance = 7.0;
         assert_eq!(disturbance_limit(&p), 7.0);
+    }
+
+    #[test]
+    fn no_force_bends_a_path_by_more_than_disturbance_and_drive_together() {
+        // 150 N on 10 kg for 0.1 ms: 150 nm, and four times 10 nm
+        assert!((bend_limit(&Parameters::START) / 190e-9 - 1.0).abs() < 1e-9);
     }
 }

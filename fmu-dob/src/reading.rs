@@ -4,6 +4,7 @@ use control_blocks::{Consecutive, Edge, Frozen, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
+use crate::monitoring::heard::Heard;
 
 /// No machine has a longer axis, m.
 const POSITION_MAX: f64 = 1e3;
@@ -79,6 +80,8 @@ pub struct Reading {
     pub lost: u32,
     /// Why the last of them had none.
     pub loss: Loss,
+    /// By how many samples those that jumped are late, if the encoder says again what it has said.
+    pub late: Option<u32>,
     /// The position answers the motion of the reference.
     pub alive: bool,
     /// Believed positions in a row, lost samples between them left out, that counted in full.
@@ -96,6 +99,8 @@ pub struct Reader {
     invalid: Consecutive,
     whole: Consecutive,
     standing: Frozen,
+    /// The last readings as they came.
+    pub heard: Heard,
     position: JumpGuard,
     spindle_speed: JumpGuard,
     started: bool,
@@ -120,6 +125,7 @@ impl Reader {
         let given = (input.position_valid && position_good).then_some(p.direction() * input.position);
         let lost_too_long = self.lost.count() > p.limits.lost_samples.unsigned_abs();
         let position = self.believe(p, given, expected, lost_too_long);
+        self.heard.update(given.unwrap_or(f64::NAN), self.position.doubted());
         let found = position.is_some() && (!self.known || lost_too_long);
         self.known |= position.is_some();
         let spindle_speed = self.spindle(p, if speed_good { input.spindle_speed } else { f64::NAN }, expected);
@@ -141,6 +147,7 @@ impl Reader {
             invalid: self.invalid.update(!speed_good),
             lost: self.lost.update(position.is_none()),
             loss: self.loss,
+            late: self.heard.late(self.position.doubted()),
             alive: self.standing.unanswered() <= 0.5 * p.limits.frozen,
             whole: self.whole.count(),
             spindle_lost: self.spindle_speed.doubted(),

@@ -285,6 +285,30 @@ ROWS = (
     Row(
         "encoder 3 samples late", (DONE,), DEEP, 4.5e-7, "a touch, and 3 samples of 10 nm", (at(0.0, late=3),)
     ),
+    Row(
+        "encoder 10 samples late from now on",
+        ("LateReading",),
+        CRUISING,
+        5e-8,
+        OFF,
+        (wrong(POSITION, late=10),),
+    ),
+    Row(
+        "encoder 10 samples late on the way back",
+        ("LateReading",),
+        ASTRAY,
+        1e-6,
+        "1 mm/s for the 4 samples until it is told, and the 0.2 um that it is late",
+        (wrong(POSITION, 'controller.state == "Retract"', 0.002, late=10),),
+    ),
+    Row(
+        "encoder in mm",
+        ("ReadingJump",),
+        "max(abs(plant.position - first(plant.position))[controller.drive_enable])",
+        5e-6,
+        "5 A, 97 N: 9.3 m/s2 for the 1 ms until it is told",
+        (at(0.0, scale=1e3),),
+    ),
     # the spindle
     Row(
         "spindle signal lost",

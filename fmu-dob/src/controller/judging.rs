@@ -6,7 +6,7 @@ use crate::commission::plan::{self, Plan};
 use crate::controller::Controller;
 use crate::faults::{self, Symptoms};
 use crate::interface::{ContactSource, Fault, Parameters, State};
-use crate::limits::{disturbance_limit, following_limit};
+use crate::limits::{bend_limit, disturbance_limit, following_limit};
 use crate::monitoring::numbers::Unseen;
 use crate::monitoring::rest_force::RestForce;
 use crate::motion::travel::{lasted, learn_limit, teaching_travel};
@@ -117,6 +117,7 @@ impl Controller {
             swings: monitors.swing.count(),
             astray: monitors.astray.count(),
             overloaded: monitors.overloaded.count(),
+            bent: !self.tracked() && self.reader.heard.bend() > bend_limit(p),
             share: monitors.drive.share(),
             judged: retracted || self.has_started(p),
             travelled: state.approaching() && self.motion.beyond_travel(p),

@@ -111,6 +111,8 @@ impl Controller {
         self.numbers.force_left = self.force_left();
         self.numbers.force_constant = p.stage.force_constant;
         self.numbers.swings = self.monitors.swing.count();
+        self.numbers.late_by = reading.late.unwrap_or(0);
+        self.numbers.bend = if reading.lost > 0 { 0.0 } else { self.reader.heard.bend() };
         self.numbers.biases = self.teacher.extremes();
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         self.numbers.lasted = self.lasted(p);

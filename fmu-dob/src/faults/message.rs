@@ -7,7 +7,7 @@ use crate::commission::response::loop_spread;
 use crate::commission::values::{self, Values, acceptable};
 use crate::faults::REVERSALS;
 use crate::interface::{Fault, Output, Parameters, Vars};
-use crate::limits::disturbance_limit;
+use crate::limits::{bend_limit, disturbance_limit};
 use crate::monitoring::numbers::{LateContact, Unseen};
 use crate::motion::stability::longest_delay;
 use crate::motion::travel::{learn_limit, teaching_travel};
@@ -27,6 +27,15 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::FrozenReading => format!(
             ": `{} m`, more than `limits.frozen` = `{} m` unanswered {row}, or equal for `limits.rest_time` = `{} s`",
             vars.input.position, p.limits.frozen, p.limits.rest_time
+        ),
+        Fault::LateReading => {
+            format!(": `{} m` was read `{}` samples before, {row}", vars.input.position, output.numbers.late_by)
+        }
+        Fault::ReadingJump if output.numbers.bend > 0.0 => format!(
+            ": second differences of `{:.3e} m`, limit `{:.3e} m`, what `{} N` and the drive make of a sample; {error}",
+            output.numbers.bend,
+            bend_limit(p),
+            disturbance_limit(p)
         ),
         Fault::ReadingJump => {
             format!(": `{} m` is beyond `limits.jump` = `{} m` {row}", vars.input.position, p.limits.jump)
@@ -181,6 +190,21 @@ mod tests {
         }
         (vars.output.fault, vars.output.numbers.force_left) = (Fault::ContactRejected, 0.31);
         assert!(numbers(&vars).starts_with(": `0.31 N` are left"), "{}", numbers(&vars));
+    }
+
+    #[test]
+    fn readings_that_jump_tell_how_late_they_are_or_how_far_they_bend() {
+        let mut vars = <Vars as fmi2_export::Interface>::START;
+        (vars.output.fault, vars.output.numbers.late_by) = (Fault::LateReading, 10);
+        assert!(numbers(&vars).contains("was read `10` samples before"), "{}", numbers(&vars));
+        vars.output.fault = Fault::ReadingJump;
+        assert!(numbers(&vars).contains("`limits.jump`"), "{}", numbers(&vars));
+        vars.output.numbers.bend = 2e-6;
+        assert!(
+            numbers(&vars).starts_with(": second differences of `2.000e-6 m`, limit `1.900e-7 m`"),
+            "{}",
+            numbers(&vars)
+        );
     }
 
     #[test]

@@ -14,6 +14,7 @@ const GOOD: Reading = Reading {
     invalid: 0,
     lost: 0,
     loss: Loss::Told,
+    late: None,
     alive: true,
     whole: 0,
     spindle_lost: 0,
@@ -32,6 +33,7 @@ fn symptoms(reading: &Reading) -> Symptoms<'_> {
         swings: 0,
         astray: 0,
         overloaded: 0,
+        bent: false,
         share: Some(1.0),
         judged: true,
         travelled: false,
@@ -56,9 +58,10 @@ fn each_limit_is_the_last_value_without_a_fault() {
         set(&mut reading, &mut all, value);
         find(&p, &Symptoms { reading: &reading, ..all })
     };
-    let limits: [(Set, f64, f64, Fault); 17] = [
+    let limits: [(Set, f64, f64, Fault); 18] = [
         (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
         (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
+        (|r, _, x| (r.lost, r.loss, r.late) = (x as u32, Loss::Jumps, Some(4)), 7.0, 8.0, Fault::LateReading),
         (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
         (|r, _, x| r.spindle_lost = x as u32, 7.0, 8.0, Fault::SpindleJump),
         (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::LostSpindle),
@@ -100,6 +103,10 @@ fn the_share_of_the_commanded_force_names_the_cause() {
     let jumps = Reading { position: None, lost: 9, loss: Loss::Jumps, ..GOOD };
     let jump = |share| find(&p, &Symptoms { share: Some(share), judged: false, ..symptoms(&jumps) });
     assert_eq!((jump(0.1), jump(-0.3)), (Some(Fault::ReadingJump), Some(Fault::DriveSign)));
+    // readings that no force explains are no force, whatever the drive seems to do
+    let overload = |bent, share| find(&p, &Symptoms { bent, share: Some(share), overloaded: 3, ..symptoms(&GOOD) });
+    assert_eq!([false, true].map(|bent| overload(bent, 1.0)), [Some(Fault::Overload), Some(Fault::ReadingJump)]);
+    assert_eq!([false, true].map(|bent| overload(bent, 0.1)), [Some(Fault::WeakDrive), Some(Fault::ReadingJump)]);
     // a loop that swings has a drive that answers
     let swings = |share| find(&p, &Symptoms { share: Some(share), judged: false, reversals: 9, ..symptoms(&GOOD) });
     assert_eq!((swings(0.3), swings(-0.3)), (Some(Fault::Oscillation), Some(Fault::DriveSign)));
@@ -138,7 +145,7 @@ fn the_gravest_fault_is_named() {
 #[test]
 fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
     let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
-    assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 4, 10]);
+    assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 4, 11]);
     assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
     assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
 }

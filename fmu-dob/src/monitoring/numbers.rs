@@ -15,6 +15,10 @@ pub struct Numbers {
     pub force_constant: f64,
     /// Swings of the stage, in a row.
     pub swings: u32,
+    /// Samples by which the readings are late.
+    pub late_by: u32,
+    /// Second difference of the last readings, m; 0 where they jumped.
+    pub bend: f64,
     /// Least and largest mean bias of a speed in a teaching, m.
     pub biases: [f64; 2],
     /// How long the job or the commission took, s.
@@ -31,6 +35,8 @@ impl Numbers {
         following_limit: 0.0,
         force_constant: 0.0,
         swings: 0,
+        late_by: 0,
+        bend: 0.0,
         biases: [0.0; 2],
         lasted: 0.0,
         time_limit: 0.0,

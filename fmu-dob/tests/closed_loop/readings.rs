@@ -68,6 +68,55 @@ fn a_frozen_encoder_is_told_while_learning_and_on_the_way_back() {
 }
 
 #[test]
+fn a_link_that_falls_behind_is_told_as_late_and_another_jump_back_is_not() {
+    for state in [State::Learn, State::Detect] {
+        for seed in 70..73 {
+            let armed = running(&Parameters::START, seed, state);
+            for late in [3usize, 4, 10, 31] {
+                let mut run = armed.clone();
+                let mut said = Vec::new();
+                (0..40).for_each(|_| run.step_with(|input| said.push(input.position)));
+                until_told(&mut run, 10, |input| {
+                    said.push(input.position);
+                    input.position = said[said.len() - 1 - late];
+                });
+                assert_eq!(run.output.fault, Fault::LateReading, "{state:?} {late}");
+                assert_eq!((run.output.numbers.late_by, run.output.drive_enable), (late as u32, false));
+                let mut run = armed.clone();
+                // half a step beside any that was read
+                until_told(&mut run, 10, |input| input.position -= 1e-8 * late as f64 + 0.5e-9);
+                assert_eq!(run.output.fault, Fault::ReadingJump, "{state:?} {late}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_encoder_in_another_unit_is_no_force() {
+    for scale in [100.0, 1e3, 1e6] {
+        for seed in 73..76 {
+            let mut run = Loop::new(&Parameters::START, seed, NO_WORKPIECE);
+            let way = until_told(&mut run, 100, |input| input.position *= scale);
+            assert_eq!(run.output.fault, Fault::ReadingJump, "{scale} {seed}");
+            assert!(way < 1e-6, "{scale} {seed}: {way} m");
+        }
+    }
+}
+
+#[test]
+fn a_stage_that_falls_is_no_reading_that_jumps() {
+    let p = Parameters::START;
+    let mut run = Loop::new(&p, 76, NO_WORKPIECE);
+    let mut k = 0.0;
+    // 98 N on 10 kg, more than half the drive
+    until_told(&mut run, 100, |input| {
+        input.position += 0.5 * 9.8 * (k * p.sample_period).powi(2);
+        k += 1.0;
+    });
+    assert!(matches!(run.output.fault, Fault::Overload | Fault::DriveSign), "{:?}", run.output);
+}
+
+#[test]
 fn an_encoder_that_freezes_at_rest_is_told_before_or_as_the_approach_begins() {
     // long before, just before, and with a last bit that flickers
     for (at, enable, flicker) in [(4000, 9000, 0.0), (4000, 4050, 0.0), (4000, 4050, 1e-9), (0, 300, 0.0)] {

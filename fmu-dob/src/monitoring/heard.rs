@@ -1,0 +1,133 @@
+//! The last readings as they came: what they say of a link that has fallen behind, and of a scale that is not the told one.
+//!
+//! From the moment when a position comes n samples late, each of the next n is one that was read before, noise and all; any
+//! other jump back makes other noise. One by just n samples of motion repeats a noise of half a step by chance, in half of the
+//! samples.
+//!
+//! The second difference of two steps is force: no machine bends its path by more than the strongest one makes of a sample.
+//! It needs no velocity, so that it tells noise in the wrong unit from a true disturbance in the first samples.
+
+use serde::{Deserialize, Serialize};
+
+/// How many readings are kept.
+const KEPT: usize = 32;
+/// Least repeated readings in a row that are no chance.
+const LEAST: u32 = 3;
+
+/// The last readings, the newest first, with those that repeat.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Heard {
+    readings: [f64; KEPT],
+    /// where in the ring the next one goes
+    next: usize,
+    /// by its bit, each delay by which all readings since the jump were read before
+    delays: u32,
+}
+
+impl Default for Heard {
+    fn default() -> Self {
+        Self { readings: [f64::NAN; KEPT], next: 0, delays: 0 }
+    }
+}
+
+impl Heard {
+    /// Takes a reading (m; NaN where there is none), the `doubted`th in a row where the stage cannot be; 0: where it can.
+    pub fn update(&mut self, reading: f64, doubted: u32) {
+        if doubted == 0 {
+            self.delays = u32::MAX << LEAST;
+        } else {
+            let other = |delay: &u32| *delay >= doubted && self.before(*delay as usize) != reading;
+            let ended = (LEAST..KEPT as u32).filter(other).fold(0, |all, delay| all | 1 << delay);
+            self.delays &= !ended;
+        }
+        self.readings[self.next] = reading;
+        self.next = (self.next + 1) % KEPT;
+    }
+
+    /// The reading `samples` before the one to come, m.
+    fn before(&self, samples: usize) -> f64 {
+        self.readings[(self.next + KEPT - samples) % KEPT]
+    }
+
+    /// By how many samples the last readings are late, `doubted` of them in a row where the stage cannot be; none if they are not.
+    pub fn late(&self, doubted: u32) -> Option<u32> {
+        (doubted >= LEAST && self.delays != 0).then(|| self.delays.trailing_zeros())
+    }
+
+    /// Largest second difference of the readings, m.
+    pub fn bend(&self) -> f64 {
+        let bend = |k| self.before(k) - 2.0 * self.before(k + 1) + self.before(k + 2);
+        // NaN is no maximum
+        (1..=KEPT - 2).map(|k| bend(k).abs()).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 10 nm in a sample, with noise of some steps of 1 nm.
+    fn place(k: u32) -> f64 {
+        1e-9 * f64::from(10 * k + k * k % 7 % 3)
+    }
+
+    /// Delay that is told at each of eight samples that are `late`, after the first 40 that were not.
+    fn told(late: u32, offset: f64) -> Vec<Option<u32>> {
+        let mut heard = Heard::default();
+        (0..40).for_each(|k| heard.update(place(k), 0));
+        let samples = (1..=8).map(|doubted| {
+            heard.update(place(39 + doubted - late) + offset, doubted);
+            heard.late(doubted)
+        });
+        samples.collect()
+    }
+
+    #[test]
+    fn a_link_that_falls_behind_is_told_with_its_delay_from_the_third_sample_on() {
+        for late in [3, 4, 10, 31] {
+            let samples = told(late, 0.0);
+            assert_eq!(samples[..2], [None, None]);
+            assert!(samples[2..].iter().all(|told| *told == Some(late)), "{late}: {samples:?}");
+        }
+    }
+
+    #[test]
+    fn a_jump_whose_readings_were_not_read_before_is_not_late() {
+        // later than is kept, too short for a row, half a step beside, and forwards
+        for (late, offset) in [(32, 0.0), (2, 0.0), (10, 5e-10), (0, 1e-7)] {
+            assert_eq!(told(late, offset), [None; 8], "{late} {offset}");
+        }
+    }
+
+    #[test]
+    fn the_last_sample_of_a_row_must_have_been_read_too() {
+        let mut heard = Heard::default();
+        (0..40).for_each(|k| heard.update(place(k), 0));
+        [place(37), place(38), place(39) + 5e-10]
+            .into_iter()
+            .zip(1..)
+            .for_each(|(z, doubted)| heard.update(z, doubted));
+        assert_eq!(heard.late(3), None);
+    }
+
+    #[test]
+    fn a_lost_reading_is_none_that_was_read_before() {
+        let mut heard = Heard::default();
+        (1..=8).for_each(|doubted| heard.update(f64::NAN, doubted));
+        assert_eq!((heard.late(8), heard.bend()), (None, 0.0));
+    }
+
+    #[test]
+    fn the_largest_bend_is_kept_as_long_as_its_readings() {
+        let mut heard = Heard::default();
+        let unit = 2f64.powi(-30);
+        let bends = (0..40u32).map(|k| {
+            heard.update(unit * f64::from(3 * k + u32::from(k == 5)), 0);
+            heard.bend() / unit
+        });
+        let bends: Vec<f64> = bends.collect();
+        // in before it and after it, behind it twice
+        assert_eq!(bends[..8], [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0]);
+        assert_eq!(bends[35..], [2.0, 1.0, 0.0, 0.0, 0.0]);
+    }
+}
