@@ -357,6 +357,7 @@ impl Controller {
     fn begin(&mut self, p: &Parameters, mode: Mode) {
         self.job = mode;
         self.standing = StandingTool::default();
+        self.watch.begin_job();
         self.elapsed.restart();
         self.budget = budget(p, &self.path, mode);
         self.export |= mode == Mode::Export;

@@ -99,12 +99,18 @@ pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
     match output.fault {
         Fault::None | Fault::BankEmpty | Fault::NoTouches => String::new(),
         Fault::InvalidInput => format!(": `speed_override` = `{}` {row}", input.speed_override),
+        Fault::ReadingJump if limit > 0.0 => {
+            format!(": axis {axis} has lost `{value:.6} {unit}` in steps, limit `{limit:.6} {unit}`", unit = unit(axis))
+        }
         Fault::ReadingJump | Fault::LostReading => {
             let position = axis.checked_sub(1).and_then(|i| input.axis.get(i as usize)).map_or(0.0, |i| i.position);
             format!(": `axis{axis}.position` = `{position} {}` {row}", unit(axis))
         }
         Fault::SpindleJump | Fault::LostSpindle => format!(": `spindle_speed` = `{} rad/s` {row}", input.spindle_speed),
         Fault::FrozenSpindle => format!(": `spindle_speed` stands for `{value:.2} s`, limit `{limit:.2} s`"),
+        Fault::FrozenReading if share.is_none() => {
+            format!(": axis {axis} stands for `{value:.2} s`, limit `{limit:.2} s`, and it flickered before")
+        }
         Fault::FrozenReading
         | Fault::Oscillation
         | Fault::DriveSign
@@ -315,7 +321,13 @@ mod tests {
                 ": `axis1.position` = `0 rad` for more than `limits.lost_samples` = `3` samples",
             ),
             (Fault::FrozenSpindle, plain, ": `spindle_speed` stands for `2.50 s`, limit `1.25 s`"),
-            (Fault::FrozenReading, axis, ": axis 1 by `2.500000 rad`, limit `1.250000 rad`"),
+            (Fault::ReadingJump, axis, ": axis 1 has lost `2.500000 rad` in steps, limit `1.250000 rad`"),
+            (Fault::FrozenReading, axis, ": axis 1 stands for `2.50 s`, limit `1.25 s`, and it flickered before"),
+            (
+                Fault::FrozenReading,
+                Numbers { share: Some(0.0), ..axis },
+                ": axis 1 by `2.500000 rad`, limit `1.250000 rad`; it does `0.00` of what it is told",
+            ),
             (Fault::WrongDelay, plain, ": they answer after `2.5` samples, `io_delay` = `1.25`"),
             (Fault::WrongDelay, axis, ": axis 1 answers after `2.5` samples, `io_delay` = `1.25`"),
             (Fault::PatternTooLarge, plain, ": limit `32767 pulses`"),

@@ -78,9 +78,9 @@ mod variables {
         None,
         /// `speed_override` was NaN or infinite for more than `limits.lost_samples` samples
         #[hint("check what is wired to `speed_override`")] InvalidInput,
-        /// The reading of an axis was for more than `limits.lost_samples` samples where the axis cannot be
+        /// The reading of an axis was for more than `limits.lost_samples` samples where the axis cannot be, or it loses counts again and again
         #[hint("look at the cable and the counter of the encoder")] ReadingJump,
-        /// An axis was told to move and its reading stands
+        /// An axis was told to move and its reading stands, or a reading that flickered stands where nothing moves
         #[hint("does the encoder count, is the drive on and its brake open?")] FrozenReading,
         /// An axis does not follow, and its command swings from one side to the other
         #[hint("lower `servo.gain`, and see that `io_delay` is that of the importer")] Oscillation,

@@ -1,10 +1,11 @@
-//! What watches the machine: axes against the model of their loop, the delay of their answers,
+//! What watches the machine: axes against the model of their loop, the flicker of their readings, the delay of their answers,
 //! the tool's speed and its reading, the time of a job.
 
 pub mod axis;
 pub mod budget;
 pub mod delay;
 pub mod finding;
+pub mod flicker;
 pub mod numbers;
 pub mod rest;
 pub mod standing;

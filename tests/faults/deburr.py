@@ -20,6 +20,7 @@ FROM_REST = "max(hypot(plant.tip_x - first(plant.tip_x), plant.tip_y - first(pla
 """Way of the tip beside where it was at first."""
 
 AXIS1, AXIS2, AXIS3 = ("controller.axis1.position", "controller.axis2.position", "controller.axis3.position")
+AXIS5 = "controller.axis5.position"
 DRIVE1, DRIVE3 = ("plant.axis1_velocity", "plant.axis3_velocity")
 TOOL = "controller.spindle_speed"
 FLICKERS = ("plant.spindle_noise=1.0",)
@@ -59,6 +60,36 @@ ROWS = (
     ),
     Row("encoder 3 frozen in the burr", ("FrozenReading",), TIP, 8.9e-4, FROZEN, at(4.0, AXIS3, frozen=True)),
     Row(
+        "encoder 5 frozen in the burr where it stands, its drive creeps by 10 mm/s at the tip",
+        ("FrozenReading",),
+        TIP,
+        1.4e-2,
+        "10 mm/s for as long as its noise may stand, then closed brakes",
+        (*at(4.0, AXIS5, frozen=True), *at(4.0, "plant.axis5_velocity", offset=0.05)),
+    ),
+    Row(
+        "encoder 2 frozen in the burr where it stands, after a rest of 2 s, its drive creeps by 5 mm/s",
+        ("FrozenReading",),
+        BEYOND,
+        1.4e-2,
+        "5 mm/s for as long as its noise may stand, then closed brakes",
+        (*at(5.2, AXIS2, frozen=True), *at(5.2, "plant.axis2_velocity", offset=-5e-3)),
+        changes=("controller.transfer.settle_time=2.0",),
+    ),
+    Row(
+        "encoder 5 without noise frozen in the burr where it stands, its drive creeps by 10 mm/s at the tip",
+        (),
+        TIP,
+        2.1e-2,
+        "10 mm/s until it creeps no more",
+        (
+            Injection(AXIS5, from_time=4.0, frozen=True),
+            Injection("plant.axis5_velocity", from_time=4.0, duration=1.8, offset=0.05),
+        ),
+        changes=("plant.encoder_noise=0",),
+        untold="without noise a live reading stands, too; only a motion of the axis tells",
+    ),
+    Row(
         "encoder 3 off by 20 mm for one sample",
         (DONE,),
         TIP,
@@ -74,6 +105,64 @@ ROWS = (
         3.4e-4,
         "the offset, twice with its recovery",
         at(4.0, AXIS3, offset=3e-4),
+    ),
+    Row(
+        "encoder 3 loses 0.2 mm every 0.1 s",
+        ("ReadingJump",),
+        TIP,
+        1.8e-3,
+        "1 mm lost, of axes across a path at 46 degrees, and 2 steps until it is found",
+        tuple(Injection(AXIS3, from_time=3.5 + 0.1 * k, offset=-2e-4) for k in range(20)),
+    ),
+    Row(
+        "encoder 1 loses 0.1 mrad every 50 ms",
+        ("ReadingJump",),
+        TIP,
+        1.8e-3,
+        "1.5 mrad lost at 0.75 m, and 2 steps until it is found",
+        tuple(Injection(AXIS1, from_time=3.5 + 0.05 * k, offset=1e-4) for k in range(45)),
+    ),
+    Row(
+        "encoder 3 tells inches for 25.4 mm",
+        ("WeakDrive",),
+        FROM_REST,
+        1.8e-2,
+        "half of what is commanded unanswered",
+        at(0.0, AXIS3, scale=1.0 / 25.4),
+    ),
+    Row(
+        "encoder 1 counts a tenth too few",
+        ("PatternMismatch",),
+        TIP,
+        9e-3,
+        "a tenth of the angle from where it reads 0, until the path is fast",
+        at(0.0, AXIS1, scale=0.9),
+    ),
+    Row(
+        "encoder 1 counts 3 % too few",
+        (),
+        TIP,
+        2.6e-3,
+        "3 % of the angle from where it reads 0, 0.1 rad at 0.7 m",
+        at(0.0, AXIS1, scale=0.97),
+        untold="a drive of 0.97 of its gain answers alike; a touch at two places or a gauge tells",
+    ),
+    Row(
+        "part 1 mm aside, not registered",
+        (),
+        TIP,
+        1.4e-3,
+        "the millimetre, and what patterns leave",
+        changes=("plant.part_x=1e-3",),
+        untold="a burr of 1 to 2 mm varies by as much, and so does the load",
+    ),
+    Row(
+        "part 5 mm aside, the longest gap of its burr told",
+        ("NoCut",),
+        TIP,
+        5.5e-3,
+        "the 5 mm across the path, for the way that was told",
+        changes=("plant.part_y=-5e-3", "controller.limits.idle_way=0.03"),
     ),
     Row(
         "encoder 3 drifts by 20 mm/s",

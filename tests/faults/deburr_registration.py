@@ -161,6 +161,15 @@ ROWS = (
         end=60.0,
     ),
     registration(
+        "encoder 1 counts 2 % too few",
+        ("TouchMismatch",),
+        DEFLECTION,
+        6e-4,
+        SEEKS,
+        (Injection("controller.axis1.position", from_time=0.0, scale=0.98),),
+        end=60.0,
+    ),
+    registration(
         "encoder 3 frozen on its way to the part",
         ("FrozenReading",),
         DEFLECTION,

@@ -36,6 +36,16 @@ impl Controller {
         }
     }
 
+    /// Looks at how the readings flicker while a job goes on; `held` is one that stands on its way.
+    fn watch_flicker(&mut self, p: &Parameters, reading: &Reading, held: bool) -> Finding {
+        let goes_on = matches!(self.state, State::Approach | State::Settle | State::Run);
+        if !goes_on || held {
+            self.watch.pause();
+            return Finding::NONE;
+        }
+        self.watch.look_at_flicker(p, &reading.positions, !(self.cuts() && self.tool.loaded()))
+    }
+
     /// Patterns do not match where the answer comes at another time than told; a fault that ends graver than a wrong
     /// delay stands.
     fn cause(&self, p: &Parameters, finding: Finding) -> Finding {
@@ -74,6 +84,8 @@ impl Controller {
         let long_step = std::mem::take(&mut self.long_step);
         let starts = input.enable && self.state.waits() && input.mode != self.job;
         let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
+        let flicker = self.watch_flicker(p, reading, input.hold || reading.share == 0.0);
+        let axes = if axes.is_fault() { axes } else { flicker };
         let tool = self.watch_tool(p, reading);
         let commissions = self.state == State::Commission;
         let registers = self.state == State::Register;

@@ -11,6 +11,7 @@
 
 mod answer;
 mod lag;
+mod slips;
 #[cfg(test)]
 mod tests;
 mod unanswered;
@@ -22,6 +23,7 @@ use crate::interface::{Fault, Parameters};
 use crate::learning::nominal::{LoopState, Nominal};
 use crate::monitoring::axis::answer::{Answer, EXCITED};
 use crate::monitoring::axis::lag::Lag;
+use crate::monitoring::axis::slips::Slips;
 use crate::monitoring::axis::unanswered::Unanswered;
 use crate::monitoring::finding::{Finding, Numbers};
 
@@ -40,6 +42,7 @@ pub struct AxisMonitor {
     lag: Lag,
     answer: Answer,
     unanswered: Unanswered,
+    slips: Slips,
     unexplained: Consecutive,
     far: Consecutive,
     off: Consecutive,
@@ -87,6 +90,7 @@ impl AxisMonitor {
             lag: Lag::default(),
             answer: Answer::default(),
             unanswered: Unanswered::resting(0.0),
+            slips: Slips::default(),
             unexplained: Consecutive::NONE,
             far: Consecutive::NONE,
             off: Consecutive::NONE,
@@ -99,7 +103,13 @@ impl AxisMonitor {
         self.model = LoopState::resting(place);
         (self.lag, self.answer) = (Lag::resting(place * pulse), Answer::resting(position));
         self.unanswered = Unanswered::resting(position);
+        self.begin_run();
         (self.unexplained, self.far, self.off) = (Consecutive::NONE, Consecutive::NONE, Consecutive::NONE);
+    }
+
+    /// Begins a run.
+    pub fn begin_run(&mut self) {
+        self.slips.restart();
     }
 
     /// Position beyond that of the model, rad or m.
@@ -110,6 +120,11 @@ impl AxisMonitor {
     /// How far the position may be from the model in the rest after a run, because the drive is slow, rad or m.
     pub fn allowance(&self) -> f64 {
         MISMATCH * self.lag.tail
+    }
+
+    /// Whether the axis `axis` (from 0) rests: the model of its loop does, for as long as the axis takes.
+    pub fn rests(&self, p: &Parameters, axis: usize) -> bool {
+        self.unanswered.rests(p.servo_gain[axis])
     }
 
     /// Takes what was sent: reference and compensation in counts, and the velocity command (rad/s or m/s).
@@ -128,6 +143,7 @@ impl AxisMonitor {
         let (pulse, limits) = (p.axis[axis].pulse, &p.limits.axis[axis]);
         self.unanswered.update(p, axis, position, commanded);
         self.answer.update(position, commanded);
+        let slipped = self.slips.update(p, axis, position, commanded);
         let unanswered = self.unanswered.motion();
         if self.unanswered.stands(p) && unanswered > limits.error_max {
             return self.wrong(axis, Fault::FollowingError, unanswered, limits.error_max, p);
@@ -153,7 +169,7 @@ impl AxisMonitor {
             let consequence = if explained { Fault::PatternMismatch } else { Fault::FollowingError };
             return self.wrong(axis, consequence, error.abs(), most, p);
         }
-        Verdict::Good
+        if slipped.is_fault() { Verdict::Wrong(slipped) } else { Verdict::Good }
     }
 
     fn wrong(&self, axis: usize, consequence: Fault, value: f64, limit: f64, p: &Parameters) -> Verdict {
@@ -166,7 +182,8 @@ impl AxisMonitor {
             true => Some(Fault::FrozenReading),
             false => self.answer.cause(pulse),
         };
-        let numbers = Numbers { axis: axis as i32 + 1, value, limit, share: self.answer.share(pulse) };
+        let share = self.answer.share(pulse).or((cause == Some(Fault::FrozenReading)).then_some(0.0));
+        let numbers = Numbers { axis: axis as i32 + 1, value, limit, share };
         Verdict::Wrong(Finding { fault: cause.unwrap_or(consequence), numbers })
     }
 }

@@ -28,6 +28,11 @@ impl ToolMonitor {
         *self = Self::default();
     }
 
+    /// Whether the tool was loaded since the path began.
+    pub fn loaded(&self) -> bool {
+        self.idle.is_some()
+    }
+
     /// Takes the tool speed (rad/s) of a sample in which the tool cuts, and the way since the last one (m).
     pub fn update(&mut self, p: &Parameters, speed: f64, way: f64) -> Finding {
         let (least, bridged) = (p.load.scale * p.limits.spindle_speed_min, p.limits.lost_samples.unsigned_abs());

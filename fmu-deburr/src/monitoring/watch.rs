@@ -5,20 +5,26 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::axis::{AxisMonitor, Expectation, Motion, Verdict};
 use crate::monitoring::finding::{Finding, Numbers};
+use crate::monitoring::flicker::Flicker;
 use crate::monitoring::rest::RestError;
 use crate::path::kinematics::{AXES, Joints};
 
-/// Six monitors, and what is left in the rest after a run.
+/// Six monitors, how their readings flicker, and what is left in the rest after a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Watch {
     axes: [AxisMonitor; AXES],
+    flicker: [Flicker; AXES],
     rest: RestError,
 }
 
 impl Watch {
     /// At rest at zero.
     pub fn new(p: &Parameters) -> Self {
-        Self { axes: std::array::from_fn(|i| AxisMonitor::new(p, i)), rest: RestError::default() }
+        Self {
+            axes: std::array::from_fn(|i| AxisMonitor::new(p, i)),
+            flicker: [Flicker::default(); AXES],
+            rest: RestError::default(),
+        }
     }
 
     /// The loops close at rest at these positions, rad or m.
@@ -55,9 +61,27 @@ impl Watch {
         }
     }
 
+    /// Begins a job: a tool that runs or not may shake the readings.
+    pub fn begin_job(&mut self) {
+        self.flicker = [Flicker::default(); AXES];
+    }
+
+    /// Looks at how the readings (rad or m) of a job that goes on flicker, undisturbed by a cut or not. The first that stands.
+    pub fn look_at_flicker(&mut self, p: &Parameters, positions: &Joints, undisturbed: bool) -> Finding {
+        let found: [Finding; AXES] =
+            std::array::from_fn(|i| self.flicker[i].update(p, i, positions[i], self.axes[i].rests(p, i), undisturbed));
+        found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
+    }
+
+    /// The job is held.
+    pub fn pause(&mut self) {
+        self.flicker.iter_mut().for_each(Flicker::pause);
+    }
+
     /// Begins a run.
     pub fn begin_run(&mut self) {
         self.rest = RestError::default();
+        self.axes.iter_mut().for_each(AxisMonitor::begin_run);
     }
 
     /// Takes a sample of the rest after a run.
@@ -66,14 +90,16 @@ impl Watch {
         self.rest.update(&residual, &std::array::from_fn(|i| self.axes[i].allowance()));
     }
 
-    /// What is wrong with a run that has come to rest: an axis that does not stand where its loop brings it.
+    /// What is wrong with a run that has come to rest: an axis that does not stand where its loop brings it, or a reading that is dead.
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let (mean, allowed) = self.rest.means();
         let limit = |i: usize| p.limits.axis[i].rest_error + allowed[i];
-        (0..AXES).find(|i| mean[*i].abs() > limit(*i)).map_or(Finding::NONE, |i| {
+        let beside = (0..AXES).find(|i| mean[*i].abs() > limit(*i)).map(|i| {
             let numbers = Numbers { axis: i as i32 + 1, value: mean[i].abs(), limit: limit(i), share: None };
             Finding { fault: Fault::FollowingError, numbers }
-        })
+        });
+        let dead = || (0..AXES).map(|i| self.flicker[i].after_run(p, i)).find(Finding::is_fault);
+        beside.or_else(dead).unwrap_or(Finding::NONE)
     }
 }
 

@@ -78,7 +78,7 @@ impl Unanswered {
         if self.frozen.still() == 0 {
             self.missing = (self.commanded - (position - self.place)) / f64::from(self.samples);
             self.unsure = ROUNDED * pulse / f64::from(self.samples);
-            if self.rest.is_some_and(|rest| kp * rest > STANDS.1) {
+            if self.rests(kp) {
                 self.offset = commanded;
             }
             (self.place, self.commanded, self.samples) = (position, 0.0, 0);
@@ -86,6 +86,11 @@ impl Unanswered {
         let large = LARGEST * turns * p.limits.axis[axis].error_max;
         let told = self.unsure.max((commanded - self.missing).abs()) < EXPLAINED * commanded.abs();
         self.explained = told && commanded.abs() < large;
+    }
+
+    /// Whether the model has stood until the axis does, too; `kp` in 1/s.
+    pub fn rests(&self, kp: f64) -> bool {
+        self.rest.is_some_and(|rest| kp * rest > STANDS.1)
     }
 
     /// Whether the reading has stood for longer than is bridged.

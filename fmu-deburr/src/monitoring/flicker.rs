@@ -1,0 +1,262 @@
+//! The reading of an axis that stands where nothing is commanded, although it flickered before.
+//!
+//! There no motion goes unanswered, and a command that makes up for the offset of the drive is the same whether the axis stands or
+//! creeps. A live reading still flickers by its noise. Its variance s^2, in steps, is half the mean square of its changes less the 1/12
+//! of the steps, here less two deviations of the estimate, 2 sqrt(3/n). In the middle of a step, where a reading stands for longest, it leaves it
+//! in a sample with the chance e = 2/(1 + exp(0.851/s)) (the logistic curve for the normal one), and stands for n samples with (1 - e)^n,
+//! which bounds n: 1e-9 in a sample, 1e-6 once, at the end of a run.
+//!
+//! One that flickers between neighbours shows only that its axis stands at the edge of a step: noise is what turns by two steps. It has to
+//! be as large until the reading stands, or a swing has died away. One that never turns tells nothing.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interface::{Fault, Parameters};
+use crate::monitoring::finding::{Finding, Numbers};
+
+/// Chance of a live reading to stand for as long, decades: in each sample, and at the end of a run.
+const DECADES: f64 = 9.0;
+const DECADES_ONCE: f64 = 6.0;
+/// Shortest stand that is a fault, s (our choice: six time constants 1/Kp).
+const STAND_MIN: f64 = 0.5;
+/// Way back that is a turn, in the smallest change that was read: two steps.
+const TURN: f64 = 1.5;
+/// Turns that have to show it.
+const TURNS_MIN: u32 = 3;
+/// Last samples before the stand, and the share of the mean square below which a swing dies away in them.
+const RECENT: f64 = 25.0;
+const DIED_AWAY: f64 = 0.4;
+/// Variance of a step, and deviations of the noise for which it may be less.
+const STEP: f64 = 1.0 / 12.0;
+const UNSURE: f64 = 2.0;
+
+/// One reading, since its job began.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Flicker {
+    before: Option<f64>,
+    /// smallest change that was read, rad or m
+    bit: f64,
+    /// farthest reading since the last turn (rad or m), and whether it went up
+    farthest: f64,
+    up: bool,
+    /// samples since the reading changed, and whether it has turned in this rest
+    still: u32,
+    turned: bool,
+    /// squares of the changes, (rad or m)^2, their recent mean, in how many samples, and turns among them
+    squares: f64,
+    recent: f64,
+    seen: u32,
+    turns: u32,
+}
+
+impl Default for Flicker {
+    /// Nothing read.
+    fn default() -> Self {
+        Self {
+            before: None,
+            bit: f64::MAX,
+            farthest: 0.0,
+            up: true,
+            still: 0,
+            turned: false,
+            squares: 0.0,
+            recent: 0.0,
+            seen: 0,
+            turns: 0,
+        }
+    }
+}
+
+impl Flicker {
+    /// Takes a reading of the axis `axis` (from 0), rad or m: whether the axis `rests`, and whether it is `undisturbed`, so that
+    /// nothing but noise turns it; what is wrong with it.
+    pub fn update(&mut self, p: &Parameters, axis: usize, position: f64, rests: bool, undisturbed: bool) -> Finding {
+        let change = self.before.replace(position).map_or(0.0, |before| (position - before).abs());
+        self.still = self.still.saturating_add(1);
+        let measures = rests && undisturbed;
+        if rests {
+            self.turn(position, measures);
+        } else {
+            (self.turned, self.farthest) = (false, position);
+        }
+        if change > 0.0 {
+            self.bit = self.bit.min(change.max(p.axis[axis].pulse));
+            if measures {
+                let left = (-f64::from(self.still) / RECENT).exp();
+                self.recent = left * self.recent + change * change / RECENT;
+                (self.squares, self.seen) = (self.squares + change * change, self.seen.saturating_add(self.still));
+            }
+            self.still = 0;
+        }
+        self.stands(p, axis, DECADES)
+    }
+
+    /// What stands while the job is held does not count.
+    pub fn pause(&mut self) {
+        (self.still, self.turned) = (0, false);
+    }
+
+    /// What is wrong with the reading of the axis `axis` (from 0) at the end of a run.
+    pub fn after_run(&self, p: &Parameters, axis: usize) -> Finding {
+        self.stands(p, axis, DECADES_ONCE)
+    }
+
+    fn turn(&mut self, position: f64, measures: bool) {
+        if (position >= self.farthest) == self.up {
+            self.farthest = position;
+        } else if (position - self.farthest).abs() > TURN * self.bit {
+            // the first one in a rest is of the motion before
+            self.turns = self.turns.saturating_add(u32::from(measures && self.turned));
+            (self.farthest, self.up, self.turned) = (position, !self.up, true);
+        }
+    }
+
+    fn stands(&self, p: &Parameters, axis: usize, decades: f64) -> Finding {
+        let seconds = |samples: f64| samples * p.sample_period;
+        let (stands, most) = (seconds(f64::from(self.still)), seconds(self.most(decades)).max(STAND_MIN));
+        let lasts = self.recent * f64::from(self.seen) > DIED_AWAY * self.squares;
+        if self.turns < TURNS_MIN || !lasts || stands <= most {
+            return Finding::NONE;
+        }
+        let numbers = Numbers { axis: axis as i32 + 1, value: stands, limit: most, share: None };
+        Finding { fault: Fault::FrozenReading, numbers }
+    }
+
+    /// Samples for which a live reading stands with the chance 10^-`decades`.
+    fn most(&self, decades: f64) -> f64 {
+        let seen = f64::from(self.seen.max(1));
+        let variance = self.squares / (2.0 * seen * self.bit * self.bit);
+        let least = variance * (1.0 - UNSURE * (3.0 / seen).sqrt()) - STEP;
+        let leaves = 2.0 / (1.0 + (0.851 / least.max(1e-4).sqrt()).exp());
+        -decades * std::f64::consts::LN_10 / (-leaves).ln_1p()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    const P: Parameters = Parameters::START;
+
+    /// Readings of axis 3 at a place between two counts with a noise, both in counts, in steps of `step` counts.
+    fn readings(place: f64, noise: f64, step: f64, seed: u64) -> impl FnMut() -> f64 {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        move || {
+            let normal: f64 = StandardNormal.sample(&mut random);
+            ((1e5 + place + noise * normal) / step).round() * step * P.axis[2].pulse
+        }
+    }
+
+    /// Takes `samples` of them at rest, undisturbed.
+    fn lived(samples: u32, mut reading: impl FnMut() -> f64) -> Flicker {
+        let mut flicker = Flicker::default();
+        (0..samples).for_each(|_| assert!(!flicker.update(&P, 2, reading(), true, true).is_fault()));
+        flicker
+    }
+
+    /// Samples after which a reading that stands is a fault.
+    fn told(flicker: &Flicker) -> Option<(u32, Finding)> {
+        let (mut flicker, position) = (*flicker, flicker.before.unwrap_or(0.7));
+        (1..4000).map(|k| (k, flicker.update(&P, 2, position, true, false))).find(|(_, found)| found.is_fault())
+    }
+
+    #[test]
+    fn one_that_flickered_and_stands_is_told_with_its_axis_and_times() {
+        for seed in 0..20 {
+            let flicker = lived(230, readings(0.05 * seed as f64, 0.5, 1.0, seed));
+            let (after, found) = told(&flicker).unwrap();
+            assert_eq!((found.fault, found.numbers.axis, found.numbers.share), (Fault::FrozenReading, 3, None));
+            assert!(found.numbers.value > found.numbers.limit && found.numbers.value < found.numbers.limit + 0.011);
+            // half a count stands for 55 samples with 1e-9, if one were sure of it
+            assert!((55..110).contains(&after), "{after}");
+        }
+        // a coarser one is told by its own steps, a wide one after half a second
+        assert!(told(&lived(230, readings(3.0, 5.0, 10.0, 1))).is_some_and(|(after, _)| after < 110));
+        let wide = told(&lived(230, readings(0.0, 3.0, 1.0, 1))).unwrap().1;
+        assert!((wide.numbers.value - 0.51).abs() < 1e-9 && wide.numbers.limit == 0.5);
+    }
+
+    #[test]
+    fn the_end_of_a_run_is_one_test_and_asks_for_less() {
+        for seed in 0..10 {
+            let mut flicker = lived(90, readings(0.1 * seed as f64, 0.5, 1.0, seed));
+            let (always, _) = told(&flicker).unwrap_or((4000, Finding::NONE));
+            let position = flicker.before.unwrap();
+            let once = (1..4000).find(|_| {
+                flicker.update(&P, 2, position, true, false);
+                flicker.after_run(&P, 2).is_fault()
+            });
+            assert!(once.is_some_and(|once| 3 * once <= 2 * always + 3 && once >= 50), "{once:?} {always}");
+        }
+    }
+
+    #[test]
+    fn few_samples_leave_the_noise_unsure() {
+        let after = [60, 120, 1000].map(|samples| told(&lived(samples, readings(0.0, 0.5, 1.0, 7))).unwrap().0);
+        assert!(after.windows(2).all(|pair| pair[0] > pair[1]), "{after:?}");
+    }
+
+    #[test]
+    fn a_live_reading_is_no_fault_wherever_in_a_step_it_comes_to_stand() {
+        for (seed, noise) in (0..).zip([0.05, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.7, 2.0]) {
+            for place in [0.0, 0.25, 0.5] {
+                let mut flicker = lived(300, readings(place, noise, 1.0, seed));
+                // from then on in the middle of a step
+                let mut reading = readings(0.0, noise, 1.0, seed + 100);
+                for k in 0..20_000 {
+                    let found = flicker.update(&P, 2, reading(), true, false);
+                    assert!(!found.is_fault(), "{noise} {place} {k} {found:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_between_neighbours_that_only_moves_or_whose_swing_dies_away_tells_nothing() {
+        let swing = |k: u32| 20.0 * (-0.02 * f64::from(k)).exp() * (0.8 * f64::from(k)).sin();
+        let cases: [fn(u32) -> f64; 3] = [|k| f64::from(k % 2), |k| f64::from(k), |_| 0.0];
+        for reading in cases.into_iter().chain([swing as fn(u32) -> f64]) {
+            let mut k = 0;
+            let flicker = lived(900, || {
+                k += 1;
+                reading(k).round() * P.axis[2].pulse
+            });
+            assert_eq!(told(&flicker), None);
+        }
+    }
+
+    #[test]
+    fn a_last_bit_of_the_number_is_no_step() {
+        let mut k = 0;
+        let flicker = lived(900, || {
+            k += 1;
+            0.7 + P.axis[2].pulse * f64::from(k % 2) + 1e-12 * f64::from(k % 3)
+        });
+        assert_eq!(told(&flicker), None);
+    }
+
+    #[test]
+    fn what_is_read_in_motion_or_while_the_tool_cuts_is_no_measure() {
+        for (rests, undisturbed) in [(false, true), (true, false)] {
+            let (mut flicker, mut reading) = (Flicker::default(), readings(0.0, 0.5, 1.0, 3));
+            for _ in 0..900 {
+                flicker.update(&P, 2, reading(), rests, undisturbed);
+            }
+            assert_eq!(told(&flicker), None, "{rests} {undisturbed}");
+        }
+        // what is held begins the stand anew, and a motion does not
+        for (held, expected) in [(true, false), (false, true)] {
+            let mut flicker = lived(1000, readings(0.0, 0.5, 1.0, 3));
+            let found = (0..400).any(|k| {
+                if held && k % 45 == 0 {
+                    flicker.pause();
+                }
+                flicker.update(&P, 2, 0.7, k % 45 > 0, true).is_fault()
+            });
+            assert_eq!(found, expected);
+        }
+    }
+}
