@@ -282,6 +282,7 @@ ENCODERS = (
         why="50 um at 178 N/mm are 9 N, less what the law takes back meanwhile, and 5 N",
         changes=WHOLE,
     ),
+    row("encoder z with 10 um of noise", DONE, midway("controller.position.z", noise=10e-6), changes=WHOLE),
     row(
         "encoder y drifts by 0.2 mm/s",
         "FollowingError",
