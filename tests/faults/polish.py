@@ -74,7 +74,7 @@ SENSOR = (
             "controller.force.z", when='controller.state == "Approach"', after=0.35, duration=0.2, frozen=True
         ),
         most=15.0,
-        why="0.2 s at `approach.velocity`, 20 um of them in the air, and `limits.lost_samples`: 83 um at 178 N/mm",
+        why="0.2 s at `approach.velocity`, 20 um in the air, and 6 samples to tell it: 83 um at 178 N/mm",
     ),
     row(
         "force flickers about its zero on the approach",
