@@ -126,7 +126,7 @@ impl Controller {
         if self.at_rest() {
             self.reader.rest(p, input);
         }
-        let reading = self.reader.read(p, input, self.normal.stiffness);
+        let reading = self.reader.read(p, input, self.growth(p));
         let now = self.measure(p, &reading);
         self.decide(p, &reading, &now);
         self.long_step = false;
@@ -145,6 +145,16 @@ impl Controller {
             State::Fault => self.halted,
             _ => false,
         }
+    }
+
+    /// Largest growth of the force in a sample, N. On the approach no more than its own velocity makes: a reading that has grown
+    /// more has stood while the tool went on, or the tool has hit what is in the way.
+    fn growth(&self, p: &Parameters) -> f64 {
+        let (stiffness, velocity) = match self.role() {
+            State::Approach => (p.limits.stiffness_ratio * self.normal.stiffness, p.approach.velocity),
+            _ => (self.normal.stiffness, p.velocity_max),
+        };
+        stiffness * velocity * p.sample_period
     }
 
     fn measure(&mut self, p: &Parameters, reading: &Reading) -> Measurement {

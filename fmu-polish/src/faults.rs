@@ -220,7 +220,7 @@ mod tests {
                 halted: false,
                 ticks: 0,
                 travelled: 0.0,
-                reading: Reader::new().read(&P, &Input::START, P.stiffness_nominal),
+                reading: Reader::new().read(&P, &Input::START, 0.0),
                 now: Measurement { frame, force, force_error: 0.0, offset: none, error, surface: 0.0 },
                 zero: None,
                 stiffness_ratio: 1.0,

@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod force;
 pub mod job;
+mod noise;
 pub mod numbers;
 pub mod stillness;
 mod swings;

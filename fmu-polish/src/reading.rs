@@ -15,6 +15,8 @@ const OVERRIDE_MAX: f64 = 2.0;
 
 /// Spread of readings at rest, in steps of the encoders or of the force sensor.
 const SPREAD: f64 = 10.0;
+/// The same of a sensor of finer steps, in largest deviations of its noise.
+const NOISE: f64 = 5.0;
 
 /// The usable inputs: those of this sample, or the last good ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,11 +98,11 @@ impl Reader {
         }
     }
 
-    /// Reads one sample, on a contact of `stiffness` N/m.
-    pub fn read(&mut self, p: &Parameters, input: &Input, stiffness: f64) -> Reading {
-        let way = p.velocity_max * p.sample_period;
-        let force = Reach { motion: stiffness * way, spread: SPREAD * p.sensor_resolution };
-        let position = Reach { motion: way, spread: SPREAD * p.encoder_resolution };
+    /// Reads one sample, in which the tool presses at most by `growth` N more.
+    pub fn read(&mut self, p: &Parameters, input: &Input, growth: f64) -> Reading {
+        let noise = (SPREAD * p.sensor_resolution).max(NOISE * p.limits.force_noise);
+        let force = Reach { motion: growth, spread: noise };
+        let position = Reach { motion: p.velocity_max * p.sample_period, spread: SPREAD * p.encoder_resolution };
         let (x, f) = (input.position.vector(), input.force.vector());
         let missing = [x.map(|x| !believable(x, POSITION_MAX)), f.map(|f| !believable(f, FORCE_MAX))];
         let lost = [0, 1].map(|i| self.lost[i].update(missing[i].iter().any(|missing| *missing)));
@@ -164,7 +166,8 @@ mod tests {
     use control_blocks::with_nonsense;
 
     const P: Parameters = Parameters::START;
-    const K: f64 = 178e3;
+    /// 178 N/mm at the fastest, N.
+    const GROWTH: f64 = 178e3 * 50e-6;
 
     fn resting() -> Input {
         Input { position: Axes::all(1e-3), force: Axes::all(2.0), feed_override: 0.5, ..Input::START }
@@ -181,15 +184,15 @@ mod tests {
         ];
         for bad in with_nonsense(&resting(), &changes) {
             let mut reader = Reader::new();
-            let before = reader.read(&P, &resting(), K);
+            let before = reader.read(&P, &resting(), GROWTH);
             assert!(before.fresh && before.invalid == 0);
             for k in 1..4 {
-                let now = reader.read(&P, &bad, K);
+                let now = reader.read(&P, &bad, GROWTH);
                 assert_eq!((now.position, now.force), (before.position, before.force));
                 assert_eq!((now.feed_override, now.force_override), (0.5, 1.0));
                 assert_eq!(now.position_doubt.lost + now.force_doubt.lost + now.invalid, k);
             }
-            assert!(reader.read(&P, &resting(), K).fresh);
+            assert!(reader.read(&P, &resting(), GROWTH).fresh);
         }
     }
 
@@ -197,15 +200,15 @@ mod tests {
     fn one_spike_is_not_used() {
         for (position, force) in [(0.2e-3, 0.0), (0.0, -30.0), (0.0, 12.0), (-5e-3, 0.0)] {
             let mut reader = Reader::new();
-            let before = reader.read(&P, &resting(), K);
+            let before = reader.read(&P, &resting(), GROWTH);
             let mut spike = resting();
             spike.position.y += position;
             spike.force.z += force;
-            let now = reader.read(&P, &spike, K);
+            let now = reader.read(&P, &spike, GROWTH);
             assert_eq!((now.position, now.force), (before.position, before.force));
             let moved = u32::from(position != 0.0);
             assert_eq!([now.position_doubt, now.force_doubt].map(|doubt| doubt.doubted), [moved, 1 - moved]);
-            assert!(!now.fresh && reader.read(&P, &resting(), K).fresh);
+            assert!(!now.fresh && reader.read(&P, &resting(), GROWTH).fresh);
         }
     }
 
@@ -215,8 +218,23 @@ mod tests {
         for k in 0..200 {
             let mut input = resting();
             input.position.z -= 50e-6 * f64::from(k);
-            input.force.z += K * 50e-6 * f64::from(k);
-            assert!(reader.read(&P, &input, K).fresh);
+            input.force.z += GROWTH * f64::from(k);
+            assert!(reader.read(&P, &input, GROWTH).fresh);
+        }
+    }
+
+    #[test]
+    fn a_force_that_has_grown_faster_than_the_tool_presses_is_not_believed() {
+        // ten steps of 0.178 N, or five times 0.35 N of noise
+        for (step, spread) in [(0.178, 1.78), (0.4, 4.0), (0.01, 1.75)] {
+            let p = Parameters { sensor_resolution: step, ..P };
+            for (grown, fresh) in [(0.999 * (spread + 0.2), true), (1.001 * (spread + 0.2), false)] {
+                let mut reader = Reader::new();
+                reader.read(&p, &resting(), 0.2);
+                let mut input = resting();
+                input.force.z += grown;
+                assert_eq!(reader.read(&p, &input, 0.2).fresh, fresh, "{step}: {grown}");
+            }
         }
     }
 
@@ -224,11 +242,11 @@ mod tests {
     fn overrides_are_limited_and_switches_are_edges() {
         let mut reader = Reader::new();
         let input = Input { feed_override: 7.0, force_override: -1.0, ..Input::START };
-        reader.read(&P, &input, K);
+        reader.read(&P, &input, GROWTH);
         let on = Input { enable: true, ..input };
-        let first = reader.read(&P, &on, K);
+        let first = reader.read(&P, &on, GROWTH);
         assert_eq!((first.feed_override, first.force_override, first.start), (2.0, 0.0, true));
-        assert!(!reader.read(&P, &on, K).start);
+        assert!(!reader.read(&P, &on, GROWTH).start);
     }
 
     #[test]
@@ -239,7 +257,7 @@ mod tests {
         let mut reader = Reader::new();
         let mut read = |input: &Input| {
             reader.rest(&P, input);
-            reader.read(&P, input, K)
+            reader.read(&P, input, GROWTH)
         };
         read(&off);
         let edge = read(&moved);
@@ -254,12 +272,12 @@ mod tests {
     fn at_rest_a_place_is_doubted_for_as_many_samples_as_may_be_lost() {
         let mut reader = Reader::new();
         let on = Input { enable: true, ..resting() };
-        reader.read(&P, &on, K);
+        reader.read(&P, &on, GROWTH);
         let mut moved = on;
         moved.position.x = 0.1;
         let doubts = (0..20).take_while(|_| {
             reader.rest(&P, &moved);
-            !reader.read(&P, &moved, K).fresh
+            !reader.read(&P, &moved, GROWTH).fresh
         });
         // one more than that is what is a fault on the way
         assert_eq!(doubts.count(), P.limits.lost_samples as usize + 1);
@@ -269,18 +287,18 @@ mod tests {
     fn an_enable_or_a_commission_that_was_never_off_starts_nothing() {
         let mut reader = Reader::new();
         let on = Input { enable: true, commission: true, ..Input::START };
-        assert!((0..10).map(|_| reader.read(&P, &on, K)).all(|now| !now.start && !now.begin_commission));
+        assert!((0..10).map(|_| reader.read(&P, &on, GROWTH)).all(|now| !now.start && !now.begin_commission));
     }
 
     #[test]
     fn a_commission_is_an_edge_of_a_good_sample() {
         let mut reader = Reader::new();
-        reader.read(&P, &resting(), K);
+        reader.read(&P, &resting(), GROWTH);
         let on = Input { commission: true, ..resting() };
         let lost = Input { force: Axes::all(f64::NAN), ..on.clone() };
-        assert!(!reader.read(&P, &lost, K).begin_commission);
-        assert!(reader.read(&P, &on, K).begin_commission);
-        let after = reader.read(&P, &on, K);
+        assert!(!reader.read(&P, &lost, GROWTH).begin_commission);
+        assert!(reader.read(&P, &on, GROWTH).begin_commission);
+        let after = reader.read(&P, &on, GROWTH);
         assert!(after.commission && !after.begin_commission);
     }
 }

@@ -68,6 +68,15 @@ SENSOR = (
         why=TOUCH,
     ),
     row(
+        "force stands for 0.2 s about the touch",
+        "ForceJump",
+        Injection(
+            "controller.force.z", when='controller.state == "Approach"', after=0.35, duration=0.2, frozen=True
+        ),
+        most=15.0,
+        why="0.2 s at `approach.velocity`, 20 um in the air, and 6 samples to tell it: 83 um at 178 N/mm",
+    ),
+    row(
         "force flickers about its zero on the approach",
         "ApproachTimeout",
         Injection("controller.force.z", when='controller.state == "Approach"', value=0.0),
@@ -273,6 +282,7 @@ ENCODERS = (
         why="50 um at 178 N/mm are 9 N, less what the law takes back meanwhile, and 5 N",
         changes=WHOLE,
     ),
+    row("encoder z with 10 um of noise", DONE, midway("controller.position.z", noise=10e-6), changes=WHOLE),
     row(
         "encoder y drifts by 0.2 mm/s",
         "FollowingError",

@@ -60,6 +60,11 @@ def test_every_parameter_is_documented(name: str) -> None:
         ),
         ("orthogonal_robot", {"friction": math.nan}, r"`plant.friction`.*`nan` 1"),
         ("orthogonal_robot", {"step_height": 2e-4}, r"`plant.step_width`.*`0.0005` m, limit `0.001"),
+        (
+            "orthogonal_robot",
+            {"contact_stiffness": 1e7, "tip_stiffness": 4e5},
+            r"`plant.contact_stiffness`.*`1e\+07` N/m, limit `3e\+06` N/m at .*`timestep` = `0.0001` s",
+        ),
         ("rotary_arm", {"arm_length": -1.0}, r"`plant.arm_length`.*`-1` m.*`0.01` to `0.5` m"),
         (
             "rotary_arm",

@@ -17,6 +17,8 @@ const BEGIN: f64 = 0.25;
 const COMPARED: u32 = 3;
 /// Time for which a reading may stand where an axis turns round later than told, s.
 const TURN: f64 = 0.015;
+/// Share of the unanswered way that a reading that stands is apart from the model.
+const APART: f64 = 0.5;
 /// A reading lives beyond this, in its steps: the last bit may flicker.
 pub const BAND: f64 = 1.5;
 
@@ -89,8 +91,10 @@ impl Axis {
     /// The cause, where something is wrong.
     fn fault(&self, p: &Parameters) -> Option<Fault> {
         let beyond = self.error.abs() > p.limits.following_error;
-        let unanswered = self.frozen.unanswered() > BAND * p.encoder_resolution + p.limits.frozen_way;
-        if unanswered && (beyond || self.frozen.still() > ticks(TURN, p.sample_period)) {
+        let way = BAND * p.encoder_resolution + p.limits.frozen_way;
+        // an axis that has come to rest sooner than told stands where the model comes to
+        let stands = self.frozen.still() > ticks(TURN, p.sample_period) && self.error.abs() > APART * way;
+        if self.frozen.unanswered() > way && (beyond || stands) {
             return Some(Fault::FrozenReading);
         }
         beyond.then(|| match self.share(p) {
@@ -218,10 +222,12 @@ mod tests {
         };
         let (way, far) = (BAND * P.encoder_resolution + P.limits.frozen_way, 1.001 * P.limits.following_error);
         assert_eq!(
-            (standing(1.001 * way, 15, 0.0), standing(1.001 * way, 16, 0.0)),
+            (standing(1.001 * way, 15, -0.501 * way), standing(1.001 * way, 16, -0.501 * way)),
             (None, Some(Fault::FrozenReading))
         );
-        assert_eq!((standing(way, 16, 0.0), standing(way, 16, far)), (None, Some(Fault::FollowingError)));
+        // it has come to rest where the model comes to
+        assert_eq!(standing(1.001 * way, 100, 0.5 * way), None);
+        assert_eq!((standing(way, 16, -0.501 * way), standing(way, 16, far)), (None, Some(Fault::FollowingError)));
         assert_eq!(standing(1.001 * way, 1, far), Some(Fault::FrozenReading));
     }
 

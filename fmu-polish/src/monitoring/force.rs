@@ -3,32 +3,28 @@
 //! At rest and on the approach nothing moves the force but its noise, so a reading that stands to the bit for
 //! `limits.still_time` is not alive. In contact it must answer the way into the mold: a short mean of the
 //! reading is anchored ([`Frozen`]), and a depth that has changed by more than the surface can have changed since, a way w along the path
-//! times `limits.surface_slope`, without that the force has left a band of one and a half steps, was not felt.
+//! times `limits.surface_slope`, without that the force has left a band of one and a half steps, was not felt. What the noise of the
+//! encoders makes of a depth is no way.
 //!
 //! A tip that is soft across its axis, z, follows a circle where the ball sticks. On a steep part of the mold the circle, square to the normal, goes up
 //! and down along z, and the cancellation of the ripple takes that back: what is left across z counts as depth, but the tip only bends. So with
 //! a circle no answer is missed but to what both the depth and its part along z say.
 //!
-//! The noise is told by the second difference, which slow signals do not reach: white noise of the deviation s has
-//! d = f(k) - 2 f(k-1) + f(k-2) with the variance 6 s^2.
 
 use control_blocks::{Frozen, ticks};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::axis::BAND;
+use super::noise::{Noise, memory};
 use super::swings::Swings;
 use crate::force::contact::Measurement;
 use crate::interface::{Fault, Parameters, State, Sweep};
 
 /// Share of the normal from which on an axis carries the force.
 const CARRIES: f64 = 0.5;
-/// Memory of the noise, s.
-const NOISE_TIME: f64 = 0.1;
-/// Variance of the second difference over that of the noise.
-const DIFFERENCES: f64 = 6.0;
-/// A difference counts as no more than this, in deviations: one spike is no noise.
-const CLIP: f64 = 4.0;
+/// Noise of a depth beyond the step of the encoders that is no way, in deviations: the farthest two of 10,000 samples are 7.7 apart.
+const NOISES: f64 = 8.0;
 /// Memory of the answer to the depth, s: 5 um at `approach.velocity`.
 const ANSWER_TIME: f64 = 0.01;
 /// Memory of the force error, s.
@@ -47,10 +43,10 @@ pub struct ForceMonitor {
     answers: [Answer; 3],
     /// depth along the normal and along the axis of the tip, m
     depth: Option<[f64; 2]>,
-    /// the last two forces along the normal, N
-    last: Option<(f64, f64)>,
-    /// variance of the noise, N2
-    noise: f64,
+    /// of the depth along the normal, m
+    depth_noise: Noise,
+    /// of the force along the normal, N
+    noise: Noise,
     /// mean square of the force error, N2
     error: f64,
     swings: Swings,
@@ -97,7 +93,8 @@ impl ForceMonitor {
         for (still, raw) in self.still.iter_mut().zip(sample.raw.iter()) {
             still.update(*raw, 0.0, 0.0);
         }
-        self.update_noise(p, sample.raw.dot(sample.normal));
+        self.noise.update(p, sample.raw.dot(sample.normal), p.limits.force_noise);
+        self.depth_noise.update(p, sample.now.error.normal, p.limits.frozen_way);
         self.update_answer(p, sample);
         self.update_error(p, sample);
     }
@@ -115,15 +112,6 @@ impl ForceMonitor {
             let square = error.abs().min(ERROR_CLIP * limit).powi(2);
             self.error += memory(p, ERROR_TIME) * (square - self.error);
         }
-    }
-
-    fn update_noise(&mut self, p: &Parameters, force: f64) {
-        if let Some((one, two)) = self.last {
-            let most = DIFFERENCES * (CLIP * p.limits.force_noise).powi(2);
-            let difference = (force - 2.0 * one + two).powi(2).min(most);
-            self.noise += memory(p, NOISE_TIME) * (difference / DIFFERENCES - self.noise);
-        }
-        self.last = Some((force, self.last.map_or(force, |(one, _)| one)));
     }
 
     fn update_answer(&mut self, p: &Parameters, sample: &ForceSample) {
@@ -169,7 +157,7 @@ impl ForceMonitor {
 
     /// Standard deviation of the noise, N.
     pub fn noise(&self) -> f64 {
-        self.noise.sqrt()
+        self.noise.deviation()
     }
 
     /// Force error, root mean square, and its limit, N.
@@ -184,8 +172,9 @@ impl ForceMonitor {
     }
 
     fn unanswered(&self, p: &Parameters, sample: &ForceSample) -> bool {
+        let noise = NOISES * (self.depth_noise.deviation() - p.encoder_resolution).max(0.0);
         let felt = |answer: &Answer, share: f64| {
-            let depth = p.limits.frozen_way + p.limits.surface_slope * answer.way;
+            let depth = p.limits.frozen_way + p.limits.surface_slope * answer.way + noise;
             let unanswered = match p.stick_slip.sweep {
                 Sweep::Linear => answer.frozen.unanswered(),
                 Sweep::Circular => answer.frozen.unanswered().min(answer.along.abs()),
@@ -205,11 +194,6 @@ fn error_limit(p: &Parameters) -> f64 {
         0.0 => ERROR_SHARE * p.force.target,
         limit => limit,
     }
-}
-
-/// Share of a new sample in a mean over `time` s.
-fn memory(p: &Parameters, time: f64) -> f64 {
-    -(-p.sample_period / time).exp_m1()
 }
 
 #[cfg(test)]
@@ -237,34 +221,53 @@ mod tests {
         monitor.reading_fault(p, &sample)
     }
 
-    /// What is wrong with the readings `forces` (N) along the normal, and the noise (N) that they have.
-    fn told(p: &Parameters, forces: impl Iterator<Item = f64>) -> (Option<Fault>, f64) {
-        let (mut monitor, mut fault) = (ForceMonitor::default(), None);
-        for force in forces {
-            fault = fault.or(show(&mut monitor, p, State::Approach, force));
-        }
-        (fault, monitor.noise())
+    /// What is wrong with the readings `forces` (N) along the normal.
+    fn told(p: &Parameters, forces: impl Iterator<Item = f64>) -> Option<Fault> {
+        let mut monitor = ForceMonitor::default();
+        forces.fold(None, |fault, force| fault.or(show(&mut monitor, p, State::Approach, force)))
     }
 
-    /// What is wrong on a path that is steep by 0.13, where the force keeps within its band for 0.1 s while the axes go round with
-    /// `radius` m, without z, and sink by `sunk` m.
-    fn round(sweep: Sweep, radius: f64, sunk: f64) -> Option<Fault> {
-        let p = Parameters { stick_slip: StickSlip { sweep, ..P.stick_slip }, ..P };
-        let (zero, normal) = (Vector3::zeros(), Vector3::new(0.13, 0.0, 1.0).normalize());
-        let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::y(), ratio: 1.0, feed_max: 1.0 };
-        let (mut monitor, mut fault) = (ForceMonitor::default(), None);
-        for k in 0..100 {
-            let angle = std::f64::consts::TAU * f64::from(k) / 20.0;
-            let offset = Vector3::new(radius * angle.cos(), radius * angle.sin(), sunk * f64::from(k) / 100.0);
-            let raw = normal * (5.0 + 0.05 * angle.sin());
+    /// A force that keeps within its band on a path along y that is steep by `slope`, wherever the tool goes.
+    struct Judge {
+        p: Parameters,
+        normal: Vector3<f64>,
+        state: State,
+        monitor: ForceMonitor,
+        samples: u32,
+        fault: Option<Fault>,
+    }
+
+    impl Judge {
+        fn new(sweep: Sweep, slope: f64) -> Self {
+            let p = Parameters { stick_slip: StickSlip { sweep, ..P.stick_slip }, ..P };
+            let normal = Vector3::new(slope, 0.0, 1.0).normalize();
+            let (state, monitor) = (State::Follow, ForceMonitor::default());
+            Self { p, normal, state, monitor, samples: 0, fault: None }
+        }
+
+        /// Takes a sample `offset` m off the path.
+        fn show(mut self, offset: Vector3<f64>) -> Self {
+            let (zero, normal) = (Vector3::zeros(), self.normal);
+            let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::y(), ratio: 1.0, feed_max: 1.0 };
+            let raw = normal * (5.0 + 0.05 * (0.3 * f64::from(self.samples)).sin());
             let force = MeasuredForce { vector: raw, unfiltered: raw, norm: 5.0, normal: 5.0, controlled: 5.0 };
             let now = Measurement { frame, force, force_error: 0.0, offset, error: frame.error(&offset), surface: 0.0 };
-            let state = State::Follow;
+            let state = self.state;
             let sample = ForceSample { state, raw: &raw, now: &now, normal: &normal, stiffness: 178e3, way: 0.0 };
-            monitor.update(&p, &sample);
-            fault = fault.or(monitor.reading_fault(&p, &sample));
+            self.monitor.update(&self.p, &sample);
+            self.fault = self.fault.or(self.monitor.reading_fault(&self.p, &sample));
+            self.samples += 1;
+            self
         }
-        fault
+    }
+
+    /// What is wrong on a path that is steep by 0.13, where the axes go round for 0.1 s with `radius` m, without z, and sink by `sunk` m.
+    fn round(sweep: Sweep, radius: f64, sunk: f64) -> Option<Fault> {
+        let offset = |k: u32| {
+            let angle = std::f64::consts::TAU * f64::from(k) / 20.0;
+            Vector3::new(radius * angle.cos(), radius * angle.sin(), sunk * f64::from(k) / 100.0)
+        };
+        (0..100).map(offset).fold(Judge::new(sweep, 0.13), Judge::show).fault
     }
 
     #[test]
@@ -277,31 +280,39 @@ mod tests {
         assert_eq!(round(Sweep::Linear, 100e-6, 0.0), Some(Fault::FrozenForce));
     }
 
+    /// What is wrong where the encoders have 10 um of noise, on the way down and for 4 s in which the force keeps within its band and the
+    /// tool sinks by `sunk` m.
+    fn noisy(sweep: Sweep, sunk: f64) -> Option<Fault> {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(8);
+        let mut depth = |depth: f64| -> Vector3<f64> {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            Vector3::z() * (depth + 10e-6 * noise)
+        };
+        let judge = Judge { state: State::Approach, ..Judge::new(sweep, 0.0) };
+        let above = (0..300).map(|_| depth(0.0)).fold(judge, Judge::show);
+        let pressing = Judge { state: State::Follow, ..above };
+        (0..4000).map(|k| depth(sunk * f64::from(k) / 4e3)).fold(pressing, Judge::show).fault
+    }
+
+    #[test]
+    fn noise_of_the_encoders_is_no_way_and_hides_none() {
+        for sweep in [Sweep::Linear, Sweep::Circular] {
+            assert_eq!([0.0, 150e-6].map(|sunk| noisy(sweep, sunk)), [None, Some(Fault::FrozenForce)], "{sweep:?}");
+        }
+    }
+
     #[test]
     fn only_the_last_step_of_the_sensor_is_its_end() {
-        let at = |force: f64| told(&P, std::iter::once(force)).0;
+        let at = |force: f64| told(&P, std::iter::once(force));
         assert_eq!(at(P.sensor_range), Some(Fault::Saturation));
         assert_eq!(at(-P.sensor_range), Some(Fault::Saturation));
         assert_eq!(at(P.sensor_range - P.sensor_resolution), None);
     }
 
     #[test]
-    fn noise_is_told_as_its_deviation_whatever_force_it_lies_on() {
-        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(7);
-        let sigma = 0.5 * P.limits.force_noise;
-        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-        let mut noisy = |slope: f64| told(&P, (0..2000).map(|k| slope * f64::from(k) + sigma * normal())).1;
-        // in 100 ms there are 100 samples, a third of them independent
-        for slope in [0.0, 1e-3] {
-            let found = noisy(slope);
-            assert!((found / sigma - 1.0).abs() < 0.3, "{slope}: {found} of {sigma}");
-        }
-    }
-
-    #[test]
     fn a_force_that_stands_is_frozen_only_where_that_is_watched() {
         let mut p = P;
-        let standing = |p: &Parameters| told(p, std::iter::repeat_n(1.0, 5000)).0;
+        let standing = |p: &Parameters| told(p, std::iter::repeat_n(1.0, 5000));
         assert_eq!(standing(&p), Some(Fault::FrozenForce));
         p.limits.still_time = 0.0;
         assert_eq!(standing(&p), None);

@@ -74,6 +74,20 @@ fn a_force_that_stands_is_frozen_and_the_tool_leaves() {
 }
 
 #[test]
+fn a_force_that_stood_at_the_touch_and_then_jumps_ends_the_job() {
+    // 0.2 mm of air are 0.4 s of the way down
+    for (from, samples) in [(350, 120), (350, 200), (390, 60)] {
+        let failure = fails(&P, Build::NOMINAL, State::Approach, |input, k| {
+            if (from..from + samples).contains(&k) {
+                input.force.z = 0.0;
+            }
+        });
+        assert_eq!((failure.fault, failure.drive_enable), (Fault::ForceJump, true), "{from} {samples}: {failure:?}");
+        assert!(failure.most < 0.178 * 0.5 * f64::from(samples), "{from} {samples}: {failure:?}");
+    }
+}
+
+#[test]
 fn a_last_bit_that_flickers_hides_no_frozen_force() {
     for (state, value, limit) in [(State::Settle, 1.0, 10.0), (State::Follow, 4.0, 18.0)] {
         let failure = fails(&P, Build::NOMINAL, state, |input, k| {
