@@ -13,7 +13,7 @@ use crate::faults::{Supervisor, cause, judge, line_moved};
 use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Observation, Verdict};
 use crate::machine::{Events, next};
-use crate::monitoring::{DriveMonitor, FrozenProbe, Numbers, ProbeTrial};
+use crate::monitoring::{DriveMonitor, EarlyContact, FrozenProbe, Numbers, ProbeTrial};
 use crate::motion::{Follower, Motion, Table};
 use crate::sensing::{Calm, Clock, Due, ProbeDelay, Reader, Reading, Sample, Servo, ServoEstimator, Spindle};
 
@@ -28,6 +28,7 @@ pub struct Controller {
     spindle: Spindle,
     follower: Follower,
     frozen: FrozenProbe,
+    early_contact: EarlyContact,
     drive: DriveMonitor,
     /// of the approach, and what it has told when that was over
     servo_estimator: ServoEstimator,
@@ -79,6 +80,7 @@ impl Controller {
             spindle: Spindle::new(p),
             follower: Follower::default(),
             frozen: FrozenProbe::default(),
+            early_contact: EarlyContact::default(),
             drive: DriveMonitor::default(),
             servo_estimator: ServoEstimator::default(),
             servo: None,
@@ -346,6 +348,7 @@ impl Controller {
                 line: self.line,
                 first: self.first.unwrap_or_default(),
                 probe_delay: self.probe_delay.late().unwrap_or_default(),
+                met: self.early_contact.met(p).unwrap_or_default(),
             },
         }
     }

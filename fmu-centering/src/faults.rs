@@ -66,7 +66,9 @@ impl Fault {
             | Self::SpindleSpeed
             | Self::NoProgress
             | Self::CommissionRejected
-            | Self::LateProbe => SafeEnd::Retract,
+            | Self::LateProbe
+            | Self::LateReading
+            | Self::EarlyContact => SafeEnd::Retract,
         }
     }
 }
@@ -77,16 +79,24 @@ pub fn graver(found: &[Option<Fault>]) -> Option<Fault> {
     found.iter().copied().flatten().reduce(worse)
 }
 
-/// The cause of a fault with a probe that is `late` s later than the slide: whatever makes no sense of the ring then follows from that.
+/// The cause of a fault with a probe that is `late` s later than the slide, or earlier: whatever makes no sense of the ring then
+/// follows from that.
 pub fn cause(fault: Fault, late: Option<f64>) -> Fault {
     use Fault::{
-        Centrifugal, Divergence, FrozenProbe, LateProbe, NoProgress, ProbeJump, ProbeRange, PushBudget, Unresolved,
+        Centrifugal, Divergence, EarlyContact, FrozenProbe, LateProbe, LateReading, NoProgress, ProbeJump, ProbeRange,
+        PushBudget, Unresolved,
     };
-    match fault {
-        ProbeRange | Centrifugal | PushBudget | ProbeJump | FrozenProbe | Divergence | Unresolved | NoProgress
-            if late.is_some() =>
-        {
-            LateProbe
+    match (fault, late) {
+        (
+            ProbeRange | Centrifugal | PushBudget | ProbeJump | FrozenProbe | Divergence | Unresolved | NoProgress
+            | EarlyContact,
+            Some(late),
+        ) => {
+            if late > 0.0 {
+                LateProbe
+            } else {
+                LateReading
+            }
         }
         _ => fault,
     }
@@ -240,7 +250,7 @@ pub fn numbers(vars: &Vars) -> String {
 fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
     let Vars { input, output, in_force: p, .. } = vars;
     let Input { spindle_angle, slide_position, probe_position, .. } = input;
-    let Numbers { following_limit, forward, endless, line, first, probe_delay } = output.numbers;
+    let Numbers { following_limit, forward, endless, line, first, probe_delay, met } = output.numbers;
     let (pushes, speed) = (output.push.count, output.spindle_speed);
     let row = format!("for more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
     let error = format!(
@@ -302,6 +312,15 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             ": `{:.2} ms` after the slide, `sample_period` = `{:.2} ms`",
             1e3 * probe_delay,
             1e3 * p.sample_period
+        ),
+        Fault::LateReading => format!(
+            ": `{:.2} ms` after the probe, `sample_period` = `{:.2} ms`",
+            -1e3 * probe_delay,
+            1e3 * p.sample_period
+        ),
+        Fault::EarlyContact => format!(
+            ": met with the probe at `{met:.6} m`, `probe.at_pusher` = `{} m`; it is at `{probe_position:.6} m` now",
+            p.probe.at_pusher
         ),
         Fault::LostSpindle | Fault::SpindleJump => format!(": spindle at `{spindle_angle} rad` {row}"),
         Fault::FrozenSpindle => {

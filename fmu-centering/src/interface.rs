@@ -63,7 +63,7 @@ mod variables {
         /// The probe is for more than `limits.lost_samples` samples where neither slide nor ring can have brought it, or the ring's centred surface is elsewhere than before
         #[hint("check counter and cable of the probe, and of the slide, and the scale of the spindle encoder; was the ring touched?")] ProbeJump,
         /// The probe keeps its value although slide or ring moves, or does not answer the slide by what that moves
-        #[hint("is the probe jammed, its link dead, or its scale wrong? was the ring touched?")] FrozenProbe,
+        #[hint("is the probe jammed, its link dead, or its scale wrong? was the ring touched? does the pusher meet it before `probe.at_pusher`?")] FrozenProbe,
         /// The slide encoder is NaN, infinite or absurd for more than `limits.lost_samples` samples
         #[hint("check the slide encoder and its link")] LostReading,
         /// The slide is further from its setpoint than `limits.following_error`
@@ -100,6 +100,10 @@ mod variables {
         #[hint("set the communication step of the importer to `sample_period`")] LongStep,
         /// The probe tells later than the slide where it was, and what both say of the ring makes no sense
         #[hint("read probe and slide at the same moment: look for a filter or a slow link of the probe")] LateProbe,
+        /// The slide encoder tells later than the probe where it was, and what both say of the ring makes no sense
+        #[hint("read probe and slide at the same moment: look for a filter or a slow link of the slide encoder")] LateReading,
+        /// In a stroke the probe has come out although the slide goes in: the pusher has met the ring before it should
+        #[hint("the pusher is longer than told: measure `probe.at_pusher` anew")] EarlyContact,
     }
     /// Which law centres the ring.
     pub enum Law {

@@ -96,7 +96,9 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
             ring = Ring::new(4, 0.02, 0.0);
         }
         Fault::Unresolved => p = Parameters { tolerance: 1e-9, ..Parameters::START },
-        Fault::NoProgress | Fault::LateProbe => p.limits.job_time = 2.0,
+        Fault::NoProgress | Fault::LateProbe | Fault::LateReading => p.limits.job_time = 2.0,
+        // the paper's law follows just before the pusher
+        Fault::EarlyContact => p = Parameters::START,
         // the table of the test turns by itself
         Fault::SpindleSpeed => p.spindle_speed = 1.5 * SPEED,
         Fault::SlowServo => {
@@ -145,6 +147,13 @@ fn disturb(fault: Fault, run: &mut Loop) {
                 told[0] = input.probe_position;
                 input.probe_position = told[5];
             }
+            Fault::LateReading => {
+                told.rotate_right(1);
+                told[0] = input.slide_position;
+                input.slide_position = told[5];
+            }
+            // a pusher that meets the ring there
+            Fault::EarlyContact => input.probe_position = input.probe_position.min(0.032 - input.probe_position),
             Fault::FrozenProbe => input.probe_position = probe,
             Fault::LostSpindle => input.spindle_angle = f64::NAN,
             Fault::SpindleJump => input.spindle_angle += 1.0,
@@ -197,6 +206,7 @@ fn every_fault_and_what_comes_after_its_reset() {
         // drive and delay show in the approach
         if ![
             Fault::LateProbe,
+            Fault::LateReading,
             Fault::FrozenReading,
             Fault::FollowingError,
             Fault::DriveSign,

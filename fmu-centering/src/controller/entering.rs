@@ -7,7 +7,7 @@ use crate::interface::{Fault, Parameters, PushReport, State};
 use crate::law::Launch;
 use crate::limits::trial_move;
 use crate::machine::Events;
-use crate::monitoring::{DriveMonitor, ProbeTrial};
+use crate::monitoring::{DriveMonitor, EarlyContact, ProbeTrial};
 
 impl Controller {
     /// What happens once, when `state` begins.
@@ -34,6 +34,7 @@ impl Controller {
             }
             State::Push => {
                 self.probe_delay.end(p);
+                self.early_contact = EarlyContact::default();
                 self.launch(p, launch);
             }
             State::Settle => {

@@ -33,7 +33,12 @@ impl Controller {
     /// The gravest fault of this sample.
     pub(super) fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
         let frozen = reading.fresh && self.frozen.update(p, self.phase(), &self.sample, turned) && self.state.active();
-        let astray = self.state == State::Push && self.law.astray(p);
+        let pushing = self.state == State::Push;
+        if pushing {
+            self.early_contact.update(self.calm.probe);
+        }
+        let hit = pushing && self.early_contact.met(p).is_some();
+        let astray = pushing && self.law.astray(p);
         // a ring that was found is further away by no more than the probe gives way
         let slack = if self.state == State::Approach { 0.0 } else { p.probe.stroke };
         let travel = p.approach.travel_max + slack;
@@ -59,7 +64,7 @@ impl Controller {
         let found = [
             (self.long_step && (self.state.active() || commission)).then_some(Fault::LongStep),
             reading.fault,
-            (frozen || astray).then_some(Fault::FrozenProbe),
+            (frozen || astray).then_some(if hit { Fault::EarlyContact } else { Fault::FrozenProbe }),
             self.drive.fault(p),
             self.supervisor.check(p, &view),
             (self.state.active() && self.table.disobeys(p)).then_some(Fault::SpindleSpeed),

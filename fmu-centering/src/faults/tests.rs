@@ -266,8 +266,11 @@ fn each_judgement_begins_at_its_limit() {
 }
 
 #[test]
-fn a_late_probe_is_the_cause_of_what_makes_no_sense_of_the_ring_and_of_nothing_else() {
-    let renamed: Vec<Fault> = Fault::ALL.iter().copied().filter(|fault| cause(*fault, Some(2e-3)) != *fault).collect();
+fn a_late_probe_or_slide_is_the_cause_of_what_makes_no_sense_of_the_ring_and_of_nothing_else() {
+    let renamed = |late: f64, name: Fault| -> Vec<Fault> {
+        let of = Fault::ALL.iter().copied().filter(|&fault| fault != name && cause(fault, Some(late)) == name);
+        of.collect()
+    };
     let of_the_ring = [
         Fault::ProbeRange,
         Fault::Centrifugal,
@@ -277,8 +280,10 @@ fn a_late_probe_is_the_cause_of_what_makes_no_sense_of_the_ring_and_of_nothing_e
         Fault::Divergence,
         Fault::Unresolved,
         Fault::NoProgress,
+        Fault::EarlyContact,
     ];
-    assert_eq!(renamed, of_the_ring);
+    assert_eq!(renamed(2e-3, Fault::LateProbe), of_the_ring);
+    assert_eq!(renamed(-2e-3, Fault::LateReading), of_the_ring);
     assert!(Fault::ALL.iter().all(|fault| cause(*fault, None) == *fault));
 }
 
@@ -290,8 +295,15 @@ fn each_fault_is_told_in_its_own_words() {
     (vars.input.spindle_angle, vars.input.slide_position, vars.input.probe_position) = (1.5, 0.25, 0.0125);
     let monitor = &mut vars.output.monitor;
     (monitor.following_error, monitor.drive_share, monitor.job_time) = (0.0015, 0.25, 12.34);
-    vars.output.numbers =
-        Numbers { following_limit: 0.0012, forward: 0.5, endless: None, line: None, first: 10.0e-6, probe_delay: 2e-3 };
+    vars.output.numbers = Numbers {
+        following_limit: 0.0012,
+        forward: 0.5,
+        endless: None,
+        line: None,
+        first: 10.0e-6,
+        probe_delay: 2e-3,
+        met: 0.017,
+    };
     (vars.in_force.limits.job_time, vars.in_force.commission.time) = (10.0, 15.9);
     vars.output.state = State::Centred;
     assert_eq!(numbers(&vars), "; eccentricity `12.35 um`");
@@ -318,6 +330,10 @@ fn each_fault_is_told_in_its_own_words() {
         (Fault::LostProbe, &format!(": probe at `0.0125 m` {row}")),
         (Fault::ProbeJump, &format!(": probe at `0.0125 m` {row}")),
         (Fault::LateProbe, ": `2.00 ms` after the slide, `sample_period` = `1.00 ms`"),
+        (
+            Fault::EarlyContact,
+            ": met with the probe at `0.017000 m`, `probe.at_pusher` = `0.02 m`; it is at `0.012500 m` now",
+        ),
         (Fault::LostSpindle, &format!(": spindle at `1.5 rad` {row}")),
         (Fault::SpindleJump, &format!(": spindle at `1.5 rad` {row}")),
         (Fault::LostReading, &format!(": slide at `0.25 m` {row}")),
@@ -333,6 +349,8 @@ fn each_fault_is_told_in_its_own_words() {
         vars.output.fault = fault;
         assert_eq!(numbers(&vars), expected, "{fault:?}");
     }
+    (vars.output.fault, vars.output.numbers.probe_delay) = (Fault::LateReading, -3e-3);
+    assert_eq!(numbers(&vars), ": `3.00 ms` after the probe, `sample_period` = `1.00 ms`");
     let measured = &mut vars.output.measured;
     (measured.slide_bandwidth, measured.slide_bandwidth_deviation, measured.slide_damping) = (188.5, 9.43, 0.284);
     (measured.io_delay, measured.io_delay_deviation) = (1.254, 0.3127);

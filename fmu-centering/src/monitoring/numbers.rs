@@ -15,12 +15,14 @@ pub struct Numbers {
     pub line: Option<[f64; 2]>,
     /// Eccentricity of the first model, m.
     pub first: f64,
-    /// Time by which the probe is later than the slide, s.
+    /// Time by which the probe is later than the slide, s; negative if it is the slide.
     pub probe_delay: f64,
+    /// Where the probe was when the pusher met the ring too early, m.
+    pub met: f64,
 }
 
 impl Numbers {
     /// Before the first centring.
     pub const START: Self =
-        Self { following_limit: 0.0, forward: 1.0, endless: None, line: None, first: 0.0, probe_delay: 0.0 };
+        Self { following_limit: 0.0, forward: 1.0, endless: None, line: None, first: 0.0, probe_delay: 0.0, met: 0.0 };
 }

@@ -1,8 +1,9 @@
 //! How much later than the slide the probe tells, found from a slide that brakes or starts in front of the ring.
 //!
 //! The tip is the slide less the probe, and the place of the surface. A probe that is d samples late makes it the surface and
-//! x_k - x_(k-d) of a slide at x: all d are tried, exactly, for what a long delay leaves is no share of a velocity. A surface that
-//! turns by a small angle is a parabola of time. A probe of another scale leaves a share of x, which is tried as well.
+//! x_k - x_(k-d) of a slide at x: all d are tried, exactly, for what a long delay leaves is no share of a velocity. A slide that is
+//! late makes it the same of a negative d, which is known some samples later. A surface that turns by a small angle is a parabola
+//! of time. A probe of another scale leaves a share of x, which is tried as well.
 
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -12,13 +13,16 @@ use crate::sensing::reading::Sample;
 
 /// Longest window (s), and the turning (rad) in which a surface is a parabola: to 1 um at 1 mm of eccentricity.
 const WINDOW: (f64, f64) = (0.2, 0.5);
-/// Delays that are tried, samples from 0 on.
-const DELAYS: usize = 26;
+/// Most samples by which the slide and the probe may be late (our choice: 32 delays are tried; a slide that is later by more hardly
+/// keeps to `limits.following_error`).
+const EARLY: usize = 6;
+const LATEST: usize = 25;
+const DELAYS: usize = EARLY + 1 + LATEST;
 /// Terms 1, k, k^2 of a surface, and x, and the fewest samples for them.
 const SURFACE: usize = 3;
 const TERMS: usize = 4;
 const FEWEST: f64 = 30.0;
-/// A probe is late by more than this share of a sample, and where that explains so many standard deviations of what it leaves more
+/// Either is late by more than this share of a sample, and where that explains so many standard deviations of what it leaves more
 /// than any scale of the probe: a step of the probe leaves much more than noise, and is not late.
 const LATE: (f64, f64) = (0.5, 12.0);
 /// Less than this is never left, m: encoders have steps.
@@ -27,8 +31,9 @@ const LEAST: f64 = 1e-8;
 /// The sums of one window, and what the last one has told.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ProbeDelay {
-    /// places of the slide (m) up to now, in a circle, and where in it now is
+    /// places of the slide (m) up to now and tips (m), where they were measured, in a circle, and where in it now is
     places: [f64; DELAYS],
+    tips: [Option<f64>; DELAYS],
     now: usize,
     /// turning (rad) in the window, while it is open
     turned: Option<f64>,
@@ -48,8 +53,8 @@ pub struct ProbeDelay {
 impl ProbeDelay {
     /// Opens a window, for the probe touches and the slide moves.
     pub fn begin(&mut self) {
-        let Self { places, now, late, .. } = *self;
-        *self = Self { places, now, late, turned: Some(0.0), ..Self::default() };
+        let Self { places, tips, now, late, .. } = *self;
+        *self = Self { places, tips, now, late, turned: Some(0.0), ..Self::default() };
     }
 
     /// Closes a window, at its end or as a push begins; what does not tell the delay changes nothing.
@@ -64,14 +69,15 @@ impl ProbeDelay {
     pub fn update(&mut self, p: &Parameters, turned: f64, sample: &Sample, measured: bool) {
         self.now = (self.now + 1) % DELAYS;
         self.places[self.now] = sample.slide;
+        self.tips[self.now] = measured.then(|| sample.tip());
         let Some(so_far) = self.turned else { return };
         if so_far + turned.abs() > WINDOW.1 {
             return self.end(p);
         }
         self.turned = Some(so_far + turned.abs());
         let first = *self.first.get_or_insert(*sample);
-        if measured {
-            self.take(p, sample, &first);
+        if let Some(tip) = self.tips[self.before(EARLY)].filter(|_| self.time >= EARLY as u32) {
+            self.take(p, tip - first.tip(), &first);
         }
         self.time += 1;
         if self.time >= p.ticks(WINDOW.0) {
@@ -79,27 +85,27 @@ impl ProbeDelay {
         }
     }
 
-    /// Adds a sample to the sums.
-    fn take(&mut self, p: &Parameters, sample: &Sample, first: &Sample) {
-        let time = f64::from(self.time) * p.sample_period / WINDOW.0;
-        let terms = SVector::from([1.0, time, time * time, sample.slide - first.slide]);
+    /// Adds the sample of [`EARLY`] samples ago to the sums, its tip counted from the first.
+    fn take(&mut self, p: &Parameters, tip: f64, first: &Sample) {
+        let time = (f64::from(self.time) - EARLY as f64) * p.sample_period / WINDOW.0;
+        let slide = self.places[self.before(EARLY)];
+        let terms = SVector::from([1.0, time, time * time, slide - first.slide]);
         self.information += terms * terms.transpose();
-        let tip = sample.tip() - first.tip();
         for delay in 0..DELAYS {
-            let way = sample.slide - self.place(delay);
+            let way = slide - self.places[self.before(delay)];
             self.products.column_mut(delay).axpy(tip - way, &terms, 1.0);
             self.squares[delay] += (tip - way).powi(2);
         }
-        self.steps += (sample.slide - self.place(1)).powi(2);
+        self.steps += (slide - self.places[self.before(EARLY + 1)]).powi(2);
         self.samples += 1;
     }
 
-    /// Where the slide was so many samples ago, m.
-    fn place(&self, delay: usize) -> f64 {
-        self.places[(self.now + DELAYS - delay) % DELAYS]
+    /// Where in the circle so many samples ago is.
+    fn before(&self, samples: usize) -> usize {
+        (self.now + DELAYS - samples) % DELAYS
     }
 
-    /// Time (s) by which the probe is later than the slide, where it is.
+    /// Time (s) by which the probe is later than the slide, where it is; negative where the slide is later.
     pub fn late(&self) -> Option<f64> {
         self.late
     }
@@ -117,12 +123,12 @@ impl ProbeDelay {
         let variance = (left(best) / (f64::from(self.samples) - SURFACE as f64)).max(LEAST.powi(2));
         let seen = LATE.1.powi(2) * variance;
         // what a sample of delay would leave beside any scale
-        if beside(self.steps, self.products.column(0) - self.products.column(1)) < seen {
+        if beside(self.steps, self.products.column(EARLY) - self.products.column(EARLY + 1)) < seen {
             return None;
         }
-        let scaled = beside(self.squares[0], self.products.column(0).clone_owned());
-        let delay = vertex(best, left) * p.sample_period;
-        Some(Some(delay).filter(|_| delay > LATE.0 * p.sample_period && left(best) + seen < scaled))
+        let scaled = beside(self.squares[EARLY], self.products.column(EARLY).clone_owned());
+        let delay = (vertex(best, left) - EARLY as f64) * p.sample_period;
+        Some(Some(delay).filter(|_| delay.abs() > LATE.0 * p.sample_period && left(best) + seen < scaled))
     }
 }
 
@@ -139,14 +145,14 @@ fn vertex(best: usize, value: impl Fn(usize) -> f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// What is told of a probe that is `late` samples late and has a `scale`, in front of a ring of 0.5 mm at 45 rpm, by a
-    /// slide that brakes from 80 mm/s.
-    fn told(late: usize, scale: f64, speed: f64) -> Option<f64> {
+    /// What is told of a probe that is `late` samples later than the slide and has a `scale`, in front of a ring of 0.5 mm at 45 rpm,
+    /// by a slide that brakes from 80 mm/s.
+    fn told(late: i32, scale: f64, speed: f64) -> Option<f64> {
         // 4 m/s2 for 20 ms
         told_by(late, scale, speed, |k| 8e-4 - 2e-6 * (20.0 - k.min(20.0)).powi(2))
     }
 
-    fn told_by(late: usize, scale: f64, speed: f64, slide: impl Fn(f64) -> f64) -> Option<f64> {
+    fn told_by(late: i32, scale: f64, speed: f64, slide: impl Fn(f64) -> f64) -> Option<f64> {
         let p = Parameters::START;
         let mut delay = ProbeDelay::default();
         let surface = |k: f64| 0.02 + 5e-4 * (4.7e-3 * k + 1.0).sin();
@@ -155,19 +161,19 @@ mod tests {
             if k == 0 {
                 delay.begin();
             }
-            let then = f64::from(k) - late as f64;
-            let probe = scale * (slide(then) - surface(then));
-            delay.update(&p, 1e-3 * speed, &Sample { angle: 0.0, slide: slide(f64::from(k)), probe }, true);
+            let [probe, now] = [late.max(0), (-late).max(0)].map(|late| f64::from(k - late));
+            let sample = Sample { angle: 0.0, slide: slide(now), probe: scale * (slide(probe) - surface(probe)) };
+            delay.update(&p, 1e-3 * speed, &sample, true);
         }
         delay.late()
     }
 
     #[test]
-    fn a_late_probe_is_told_by_its_time() {
+    fn a_late_probe_or_slide_is_told_by_its_time() {
         assert_eq!(told(0, 1.0, 4.7), None);
-        for late in [1, 2, 5, 10, 20] {
+        for late in [-6, -5, -3, -1, 1, 2, 5, 10, 20] {
             let seconds = told(late, 1.0, 4.7).unwrap();
-            assert!((seconds - 1e-3 * late as f64).abs() < 2e-5, "{late}: {seconds} s");
+            assert!((seconds - 1e-3 * f64::from(late)).abs() < 2e-5, "{late}: {seconds} s");
         }
     }
 

@@ -85,6 +85,36 @@ fn a_probe_that_is_late_is_named_before_and_after_a_push() {
 }
 
 #[test]
+fn a_slide_that_is_late_is_named() {
+    let mut ring = Ring::new(1, 5e-4, 0.5);
+    ring.speed = 4.71;
+    let mut run = Loop::new(&P, ring);
+    assert!(run.run_to(State::Approach, 10.0), "{:?}", run.output);
+    let mut told = std::collections::VecDeque::new();
+    while run.output.state != State::Fault {
+        run.step_with(|input| {
+            told.push_front(input.slide_position);
+            told.truncate(6);
+            input.slide_position = *told.back().unwrap();
+        });
+        assert!(run.time() < 30.0 && run.output.state != State::Centred, "{:?}", run.output);
+    }
+    assert_eq!(run.output.fault, Fault::LateReading);
+    assert!((run.output.numbers.probe_delay + 5e-3).abs() < 1e-4, "{:?}", run.output.numbers);
+}
+
+#[test]
+fn a_pusher_that_meets_the_ring_too_early_is_named_with_its_place() {
+    // from there on the ring runs ahead of the slide as fast as that follows
+    let met = 0.016;
+    let run = running(&P, State::Push);
+    let run = faulted(run, Fault::EarlyContact, |_, input| {
+        input.probe_position = input.probe_position.min(2.0 * met - input.probe_position);
+    });
+    assert!((run.output.numbers.met - met).abs() < 2e-4, "{:?}", run.output.numbers);
+}
+
+#[test]
 fn an_encoder_of_the_slide_that_stands_ends_a_stroke_before_the_ring() {
     let run = running(&P, State::Push);
     let stands = run.output.slide.position_setpoint;
