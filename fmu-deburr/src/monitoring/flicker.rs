@@ -34,7 +34,7 @@ const UNSURE: f64 = 2.0;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Flicker {
     before: Option<f64>,
-    /// smallest change that was read, rad or m
+    /// smallest change that was read, rad or m; infinite before the first
     bit: f64,
     /// farthest reading since the last turn (rad or m), and whether it went up
     farthest: f64,
@@ -54,7 +54,7 @@ impl Default for Flicker {
     fn default() -> Self {
         Self {
             before: None,
-            bit: f64::MAX,
+            bit: f64::INFINITY,
             farthest: 0.0,
             up: true,
             still: 0,
@@ -112,10 +112,13 @@ impl Flicker {
     }
 
     fn stands(&self, p: &Parameters, axis: usize, decades: f64) -> Finding {
+        let lasts = self.recent * f64::from(self.seen) > DIED_AWAY * self.squares;
+        if self.turns < TURNS_MIN || !lasts {
+            return Finding::NONE;
+        }
         let seconds = |samples: f64| samples * p.sample_period;
         let (stands, most) = (seconds(f64::from(self.still)), seconds(self.most(decades)).max(STAND_MIN));
-        let lasts = self.recent * f64::from(self.seen) > DIED_AWAY * self.squares;
-        if self.turns < TURNS_MIN || !lasts || stands <= most {
+        if stands <= most {
             return Finding::NONE;
         }
         let numbers = Numbers { axis: axis as i32 + 1, value: stands, limit: most, share: None };

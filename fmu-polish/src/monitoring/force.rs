@@ -9,7 +9,6 @@
 //! A tip that is soft across its axis, z, follows a circle where the ball sticks. On a steep part of the mold the circle, square to the normal, goes up
 //! and down along z, and the cancellation of the ripple takes that back: what is left across z counts as depth, but the tip only bends. So with
 //! a circle no answer is missed but to what both the depth and its part along z say.
-//!
 
 use control_blocks::{Frozen, ticks};
 use nalgebra::Vector3;
