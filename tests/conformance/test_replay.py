@@ -70,7 +70,7 @@ def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_pa
     trace = result.trace
     assert trace is not None
     busy = np.flatnonzero(trace["controller.state"] == result.items["controller.state"][state])
-    split = int(busy[len(busy) // 2]) + 1
+    split = int(busy[len(busy) // 4]) + 1
     assert trace["controller.state"][split - 1] == trace["controller.state"][split]
 
     file = ROOT / f"target/fmu/{scenario.controller.fmu}.fmu"

@@ -18,7 +18,7 @@ from . import machine
 
 pytestmark = pytest.mark.acceptance
 
-FEW = (4, 93_017)
+FEW = (3, 93_017)
 """Machines of the default run, and their seed; no study has it."""
 FEW_AT_500_HZ = (2, 93_018)
 TURN = 2.0 * np.pi

@@ -53,8 +53,9 @@ def environment(**more: str) -> dict[str, str]:
 
 
 def sweep(study: str, *options: str, **more: str) -> subprocess.CompletedProcess[str]:
-    """Run `cosim sweep` in the working directory."""
-    command = [sys.executable, "-m", "cosim", "sweep", study, "--no-plots", *options]
+    """Run `cosim sweep` in the working directory, unless told with one worker: a second starts as long as all runs take."""
+    where = () if {"--workers", "--cluster"} & set(options) else ("--workers", "1")
+    command = [sys.executable, "-m", "cosim", "sweep", study, "--no-plots", *where, *options]
     env = environment(**more)
     done = subprocess.run(command, capture_output=True, text=True, env=env, check=False, timeout=120)
     # the runs of each sweep of the lag tell once that its plant is no native code
