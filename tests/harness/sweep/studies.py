@@ -53,7 +53,7 @@ def environment(**more: str) -> dict[str, str]:
 
 
 def sweep(study: str, *options: str, **more: str) -> subprocess.CompletedProcess[str]:
-    """Run `cosim sweep` in the working directory, unless told with one worker: a second starts as long as all runs take."""
+    """Run `cosim sweep` in the working directory; with one worker unless told, for the runs are short."""
     where = () if {"--workers", "--cluster"} & set(options) else ("--workers", "1")
     command = [sys.executable, "-m", "cosim", "sweep", study, "--no-plots", *where, *options]
     env = environment(**more)
