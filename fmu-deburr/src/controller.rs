@@ -329,9 +329,13 @@ impl Controller {
                     _ => Route::around(p, &self.joints, &self.start, self.inside),
                 };
                 self.on_path = false;
+                self.watch.forget_slips();
             }
             State::Retract => (self.route, self.on_path) = (Route::out(p, &self.joints), false),
-            State::Settle => self.rested = Consecutive::NONE,
+            State::Settle => {
+                self.rested = Consecutive::NONE;
+                self.watch.settle();
+            }
             State::Fault => self.holds = before.closed(),
             State::Run => self.begin_run(p),
             State::Commission => self.begin_commission(p),

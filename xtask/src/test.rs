@@ -23,13 +23,17 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
     let fmpy = setup::fmpy_folder(workspace)?;
 
     // an FMU is optimised as a whole, on one core
-    let passed = thread::scope(|scope| {
+    let (passed, fmus) = thread::scope(|scope| {
         let fmus = scope.spawn(|| clocked(|| fmu::pack_all(workspace, &fmu::controllers(workspace))));
         let passed = steps.pass(of_sources(workspace), &fmpy);
         let (result, time) = fmus.join().unwrap_or_else(|panic| resume_unwind(panic));
         steps.times.push(("FMUs", time, result.is_ok()));
-        result.map(|()| passed)
-    })?;
+        (passed, result)
+    });
+    if fmus.is_err() {
+        steps.summary();
+    }
+    fmus?;
     let passed = passed && steps.pass(of_runs(workspace), &fmpy);
     steps.summary();
     Ok(passed)

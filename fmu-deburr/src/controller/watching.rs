@@ -22,6 +22,9 @@ impl Controller {
                 self.watch.rests(p, &reading.positions);
             }
         }
+        if self.state.waits() {
+            self.watch.forget_slips();
+        }
         let (runs, compensates) = (self.state == State::Run, self.compensates(p, self.job));
         let expected = match self.job {
             // the error that has ended a repetition fades while it stops

@@ -103,12 +103,12 @@ impl AxisMonitor {
         self.model = LoopState::resting(place);
         (self.lag, self.answer) = (Lag::resting(place * pulse), Answer::resting(position));
         self.unanswered = Unanswered::resting(position);
-        self.begin_run();
+        self.forget_slips();
         (self.unexplained, self.far, self.off) = (Consecutive::NONE, Consecutive::NONE, Consecutive::NONE);
     }
 
-    /// Begins a run.
-    pub fn begin_run(&mut self) {
+    /// Begins to count anew what the encoder loses.
+    pub fn forget_slips(&mut self) {
         self.slips.restart();
     }
 

@@ -91,9 +91,14 @@ impl Flicker {
         self.stands(p, axis, DECADES)
     }
 
-    /// What stands while the job is held does not count.
+    /// What stands while the job is held does not count, nor does the way until it goes on.
     pub fn pause(&mut self) {
-        (self.still, self.turned) = (0, false);
+        (self.before, self.still, self.turned) = (None, 0, false);
+    }
+
+    /// What has shaken the axis may have ended: noise shows itself anew.
+    pub fn settle(&mut self) {
+        self.recent = 0.0;
     }
 
     /// What is wrong with the reading of the axis `axis` (from 0) at the end of a run.
@@ -229,6 +234,38 @@ mod tests {
             });
             assert_eq!(told(&flicker), None);
         }
+    }
+
+    #[test]
+    fn the_way_during_a_hold_is_no_noise() {
+        for seed in 0..10 {
+            let (mut flicker, mut reading) =
+                (lived(300, readings(0.0, 0.25, 1.0, seed)), readings(2e3, 0.25, 1.0, seed + 50));
+            flicker.pause();
+            assert!((0..20_000).all(|_| !flicker.update(&P, 2, reading(), true, true).is_fault()), "{seed}");
+        }
+    }
+
+    #[test]
+    fn what_has_shaken_an_axis_and_ended_is_no_noise() {
+        let shaken = |settles: bool| {
+            let mut k = 0u32;
+            let mut flicker = lived(120, || {
+                k += 1;
+                f64::from(k % 5) * P.axis[2].pulse
+            });
+            if settles {
+                flicker.settle();
+            }
+            told(&flicker)
+        };
+        assert!(shaken(false).is_some());
+        assert_eq!(shaken(true), None);
+        // noise that goes on is soon known again
+        let (mut flicker, mut reading) = (lived(230, readings(0.0, 0.5, 1.0, 5)), readings(0.0, 0.5, 1.0, 6));
+        flicker.settle();
+        (0..60).for_each(|_| assert!(!flicker.update(&P, 2, reading(), true, true).is_fault()));
+        assert!(told(&flicker).is_some_and(|(after, _)| after < 110));
     }
 
     #[test]

@@ -78,10 +78,20 @@ impl Watch {
         self.flicker.iter_mut().for_each(Flicker::pause);
     }
 
+    /// All axes come to rest.
+    pub fn settle(&mut self) {
+        self.flicker.iter_mut().for_each(Flicker::settle);
+    }
+
+    /// Counts that were lost are those of a motion: it begins, or there is none.
+    pub fn forget_slips(&mut self) {
+        self.axes.iter_mut().for_each(AxisMonitor::forget_slips);
+    }
+
     /// Begins a run.
     pub fn begin_run(&mut self) {
         self.rest = RestError::default();
-        self.axes.iter_mut().for_each(AxisMonitor::begin_run);
+        self.forget_slips();
     }
 
     /// Takes a sample of the rest after a run.

@@ -96,13 +96,13 @@ impl DriveWatch {
         self.now.share(undisturbed(p, NOW).max(noise * noise))
     }
 
-    /// The same, while the torque is too small to tell it, of the last one that was not: what takes the arm 1 mm from its
-    /// path in `MEMORY` is none that is too small.
+    /// The last share that [`Self::now`] told, for `MEMORY` after it: a torque that takes the arm 1 mm from its path in that time
+    /// is not too small to tell one.
     pub fn seen(&self) -> Option<f64> {
         self.seen.map(|(share, _)| share)
     }
 
-    /// What names a drive that is known to be wrong by more: it now, with the noise of a reading in it, or the latest.
+    /// The share that names the cause: that of `now` without its margin for noise, or the latest.
     pub fn cause(&self, p: &Parameters) -> Option<f64> {
         self.now.share(undisturbed(p, NOW)).or(self.latest(p))
     }
