@@ -18,7 +18,7 @@ use crate::workspace::Workspace;
 /// # Errors
 /// When something that the checks need is missing or does not build.
 pub fn run(workspace: &Workspace) -> Result<bool> {
-    let mut steps = Steps { start: Instant::now(), times: Vec::new() };
+    let mut steps = Steps { start: Instant::now(), times: Vec::new(), failure: None };
     steps.timed("setup", || setup::run(workspace))?;
     let fmpy = setup::fmpy_folder(workspace)?;
 
@@ -85,6 +85,8 @@ fn with_words(command: impl Fn(&str) -> Command, line: &str) -> Command {
 struct Steps {
     start: Instant,
     times: Vec<(&'static str, Duration, bool)>,
+    /// What is said at the end, where what goes on beside a check that failed does not bury it.
+    failure: Option<String>,
 }
 
 impl Steps {
@@ -93,8 +95,8 @@ impl Steps {
         for (name, mut command) in checks {
             command.env("FMPY_DIR", fmpy);
             if let Err(error) = self.timed(name, || process::run(name, &mut command)) {
-                eprintln!("error: {error:#}");
-                eprintln!("hint: this step alone: `{}`", process::display(&command));
+                let hint = format!("hint: this step alone: `{}`", process::display(&command));
+                self.failure = Some(format!("error: {error:#}\n{hint}"));
                 return false;
             }
         }
@@ -113,6 +115,9 @@ impl Steps {
             eprintln!("{name:<12} {:>7.1} s  {}", time.as_secs_f64(), if *passed { "passed" } else { "FAILED" });
         }
         eprintln!("{:<12} {:>7.1} s", "total", self.start.elapsed().as_secs_f64());
+        if let Some(failure) = &self.failure {
+            eprintln!("{failure}");
+        }
     }
 }
 
@@ -142,12 +147,13 @@ mod tests {
 
     #[test]
     fn a_step_keeps_its_result_and_the_first_that_fails_is_the_last() {
-        let mut steps = Steps { start: Instant::now(), times: Vec::new() };
+        let mut steps = Steps { start: Instant::now(), times: Vec::new(), failure: None };
         let workspace = Workspace::load().unwrap();
         let cargo = |line| with_words(|name| workspace.cargo(name), line);
         let checks = vec![("good", cargo("--version")), ("bad", cargo("no-such")), ("never", cargo("--version"))];
         assert!(!steps.pass(checks, Path::new("")));
         let found: Vec<_> = steps.times.iter().map(|(name, _, passed)| (*name, *passed)).collect();
         assert_eq!(found, [("good", true), ("bad", false)]);
+        assert!(steps.failure.is_some_and(|text| text.starts_with("error: ") && text.contains("no-such`")));
     }
 }
