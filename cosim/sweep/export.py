@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import importlib
+import io
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,8 @@ from cosim.writing import whole
 
 Table = dict[str, list[Any]]
 """Columns by name, all of one length; None where a run has no value."""
+BLOCK = 1 << 20
+"""Bytes that are read at once; a row is never longer."""
 
 
 def save_csv(table: Table, file: Path) -> None:
@@ -43,19 +47,37 @@ def save_parquet(table: Table, file: Path) -> bool:
     try:
         pyarrow: Any = importlib.import_module("pyarrow")
         parquet: Any = importlib.import_module("pyarrow.parquet")
+        reader: Any = importlib.import_module("pyarrow.json")
     except ImportError:
         return False
-    columns = {name: typed(pyarrow, values) for name, values in table.items()}
+    columns = {name: of_one_kind(values) for name, values in table.items()}
+    lines = io.BytesIO()
+    rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+    longest = max((lines.write(json.dumps(row).encode() + b"\n") for row in rows), default=0)
+    if longest:
+        lines.seek(0)
+        # `pyarrow.array` would import pandas, which takes longer than all else at the end of a short sweep
+        types = reader.ParseOptions(explicit_schema=pyarrow.schema(fields(pyarrow, columns)))
+        typed = reader.read_json(lines, reader.ReadOptions(block_size=max(BLOCK, longest)), types)
+    else:
+        typed = pyarrow.table({name: pyarrow.nulls(0) for name in columns})
     with whole(file) as partial:
-        parquet.write_table(pyarrow.table(columns), partial)
+        parquet.write_table(typed.select(list(columns)), partial)
     return True
 
 
-def typed(pyarrow: Any, values: list[Any]) -> Any:
-    """Column of one type; of texts where the values have several."""
+def fields(pyarrow: Any, columns: Table) -> list[tuple[str, Any]]:
+    """Names and types of the columns of scalars."""
+    known = {bool: pyarrow.bool_(), int: pyarrow.int64(), float: pyarrow.float64(), str: pyarrow.string()}
+    kinds = {name: {type(value) for value in values if value is not None} for name, values in columns.items()}
+    return [(name, known[kind]) for name, found in kinds.items() for kind in found if kind in known]
+
+
+def of_one_kind(values: list[Any]) -> list[Any]:
+    """Values of a column: with a point where some number has one, as texts where there are several types."""
     kinds = {type(value) for value in values if value is not None}
     if kinds == {int, float}:
-        values = [None if value is None else float(value) for value in values]
-    elif len(kinds) > 1:
-        values = [None if value is None else str(value) for value in values]
-    return pyarrow.array(values)
+        return [None if value is None else float(value) for value in values]
+    if len(kinds) > 1:
+        return [None if value is None else str(value) for value in values]
+    return values

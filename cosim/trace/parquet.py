@@ -59,7 +59,7 @@ class Writer(Closing):
         OSError
             The file cannot be written.
         """
-        arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
+        arrays = [values(np.ascontiguousarray(column)) for column in columns]
         self.writer.write_table(pyarrow.Table.from_arrays(arrays, schema=self.schema), self.rows)
 
     def finish(self, simulated: float) -> None:
@@ -94,6 +94,11 @@ def field(name: str, about: dict[str, Any]) -> Any:
     of_it = {label: about[label][name] for label in LABELS if about.get(label, {}).get(name)}
     texts = {label: value if isinstance(value, str) else strict.line(value) for label, value in of_it.items()}
     return pyarrow.field(name, pyarrow.float64(), nullable=False, metadata=texts)
+
+
+def values(column: Array) -> Any:
+    """Column as it lies in memory; `pyarrow.array` would import pandas, which takes as long as a short run."""
+    return pyarrow.Array.from_buffers(pyarrow.float64(), len(column), [None, pyarrow.py_buffer(column)])
 
 
 class Read(Mapping[str, Array]):
