@@ -97,7 +97,7 @@ def field(name: str, about: dict[str, Any]) -> Any:
 
 
 def values(column: Array) -> Any:
-    """Column as it lies in memory; `pyarrow.array` would import pandas, which takes as long as a short run."""
+    """Column as it lies in memory: `pyarrow.array` would import pandas, which takes as long as a run."""
     return pyarrow.Array.from_buffers(pyarrow.float64(), len(column), [None, pyarrow.py_buffer(column)])
 
 
