@@ -39,14 +39,9 @@ def test_criteria_hold(name: str, seeds: tuple[int, ...]) -> None:
 def test_same_seed_same_bytes(loop: str, tmp_path: Path) -> None:
     scenario = cosim.load(loop)
     first = cosim.run(scenario, 73).trace
-    # from the first row to the last the native engine, by which the other tests run, gives what FMPy gives
-    again, other = (cosim.run(scenario, seed, engine="native").trace for seed in (73, 74))
     assert first is not None
-    assert again is not None
-    assert other is not None
-    assert again.tobytes() == first.tobytes()
-    assert other.tobytes() != first.tobytes()
-    # and in another process, by the command line
+    # from the first row to the last the native engine, by which the other tests run, gives what FMPy gives,
+    # here in another process, by the command line
     file = tmp_path / "trace.npz"
     command = [sys.executable, "-m", "cosim", "run", loop, "--engine", "native", "--seed", "73"]
     command += ["--trace", str(file)]
@@ -54,3 +49,7 @@ def test_same_seed_same_bytes(loop: str, tmp_path: Path) -> None:
     assert done.returncode in (0, 1), done.stderr
     with np.load(file) as archive:
         assert archive[archive.files[0]].tobytes() == first.tobytes()
+    # and another seed what is another
+    other = cosim.run(cosim.load(loop, ["loop.duration=0.1"]), 74, engine="native").trace
+    assert other is not None
+    assert other.tobytes() != first[: len(other)].tobytes()
