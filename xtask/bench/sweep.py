@@ -1,4 +1,4 @@
-"""Throughput and memory of a sweep on two workers, against one core alone; JSON for `cargo xtask bench`."""
+"""A sweep on two workers against cores that only run, and its memory; JSON for `cargo xtask bench`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
+from statistics import mean
+from typing import Any, NamedTuple
 
 from cosim.pool.worker import JobRunner
 from cosim.sweep import study
@@ -19,8 +20,8 @@ from cosim.sweep.command import Options, execute
 from cosim.sweep.plan import Plan
 
 WORKERS = 2
-ALONE = 40
-"""At most so many runs of the study are done in this process, for the rate of one core."""
+ALONE = 60
+"""At most so many runs are done by a core that does nothing else, each time."""
 STUDY = """
 scenario = "dob"
 
@@ -44,25 +45,46 @@ failed = 0
 """
 
 
-def one_core(file: Path) -> tuple[float, float]:
-    """Rate of one core that does nothing but the runs, 1/s, and its processor time for one, s."""
-    plan = Plan(study.load(file))
-    jobs = [plan.job(run) for run in plan.runs[: ALONE + 1]]
-    count = len(jobs) - 1
+class Cores(NamedTuple):
+    """Cores that do nothing but the runs: their rate, 1/s, and the processor time of one run, s."""
+
+    rate: float
+    processor: float
+
+
+def core(runs: int) -> Cores:
+    """Do the first runs of the study in this process."""
+    with tempfile.TemporaryDirectory() as folder:
+        plan = Plan(study.load(written(folder, runs + 1)))
+    jobs = [plan.job(run) for run in plan.runs]
     with contextlib.closing(JobRunner()) as runner:
         # the first opens FMU and plant
         runner.run(jobs[0])
         begin, spent = time.perf_counter(), time.process_time()
         for job in jobs[1:]:
             runner.run(job)
-        return count / (time.perf_counter() - begin), (time.process_time() - spent) / count
+        return Cores(runs / (time.perf_counter() - begin), (time.process_time() - spent) / runs)
+
+
+def cores(count: int, runs: int) -> Cores:
+    """Do the runs in so many processes beside each other."""
+    command = [sys.executable, __file__, "core", str(runs)]
+    processes = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(count)]
+    found = [Cores(*json.loads(process.communicate()[0])) for process in processes]
+    return Cores(sum(one.rate for one in found), mean(one.processor for one in found))
+
+
+def written(folder: str, runs: int) -> Path:
+    """File of the study."""
+    file = Path(folder) / "study.toml"
+    file.write_text(STUDY.format(runs))
+    return file
 
 
 def sweep(runs: int) -> dict[str, Any]:
-    """Run a sweep; ratios are to one core alone, memory is that of all processes together."""
+    """Run a sweep: rate, 1/s, processor time of all processes for a run, s, and their memory, MB."""
     with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "study.toml"
-        file.write_text(STUDY.format(runs))
+        file = written(folder, runs)
         begin = time.perf_counter()
         found, _ = execute(Options(file, Path(folder) / "out", WORKERS, plots=False, quiet=True))
         took = time.perf_counter() - begin
@@ -70,11 +92,9 @@ def sweep(runs: int) -> dict[str, Any]:
         parent, workers = (
             resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
         )
-        rate, processor = one_core(file)
         return {
-            "throughput": runs / took / (WORKERS * rate),
             "rate": runs / took,
-            "processor": sum(part.ru_utime + part.ru_stime for part in (parent, workers)) / runs / processor,
+            "processor": sum(part.ru_utime + part.ru_stime for part in (parent, workers)) / runs,
             "memory": (parent.ru_maxrss + WORKERS * workers.ru_maxrss) * 1024 / 1e6,
         }
 
@@ -86,10 +106,26 @@ def in_process_of_its_own(runs: int) -> dict[str, Any]:
     return dict(json.loads(done.stdout))
 
 
+def main(runs: int) -> dict[str, Any]:
+    """Run two sweeps, one of a fifth of the runs, and before and after them cores that only run."""
+    few = min(ALONE, runs)
+
+    def only_run() -> tuple[Cores, Cores]:
+        return cores(1, few), cores(WORKERS, few)
+
+    before = only_run()
+    fifth, whole = in_process_of_its_own(runs // 5), in_process_of_its_own(runs)
+    alone, beside = zip(before, only_run(), strict=True)
+    return {
+        **whole,
+        "throughput": whole["rate"] / WORKERS / mean(one.rate for one in alone),
+        "beside": whole["rate"] / mean(one.rate for one in beside),
+        "processor": whole["processor"] / mean(one.processor for one in beside),
+        "growth": whole["memory"] / fifth["memory"],
+    }
+
+
 if __name__ == "__main__":
-    if sys.argv[1] == "sweep":
-        json.dump(sweep(int(sys.argv[2])), sys.stdout)
-    else:
-        most = int(sys.argv[1])
-        few, many = in_process_of_its_own(most // 5), in_process_of_its_own(most)
-        json.dump({**many, "growth": many["memory"] / few["memory"]}, sys.stdout)
+    tasks = {"core": core, "sweep": sweep, "all": main}
+    task, number = sys.argv[1:]
+    json.dump(tasks[task](int(number)), sys.stdout)

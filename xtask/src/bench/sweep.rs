@@ -14,7 +14,9 @@ pub struct SweepCosts {
     pub throughput: f64,
     /// Runs per second.
     pub rate: f64,
-    /// Processor time of all processes over that of the runs alone.
+    /// Runs per second over those of two cores that do nothing but the runs beside each other.
+    pub beside: f64,
+    /// Processor time of all processes for a run over that of such a core.
     pub processor: f64,
     /// Largest resident memory of all processes together, MB.
     pub memory: f64,
@@ -29,6 +31,6 @@ pub struct SweepCosts {
 pub fn measure(workspace: &Workspace, effort: &Effort) -> Result<SweepCosts> {
     process::header(&format!("measure a sweep of {} runs", effort.sweep));
     let mut command = workspace.venv_command("python");
-    command.args(["xtask/bench/sweep.py", &effort.sweep.to_string()]);
+    command.args(["xtask/bench/sweep.py", "all", &effort.sweep.to_string()]);
     serde_json::from_str(&process::text(&mut command)?).context("the sweep printed no numbers")
 }
