@@ -41,7 +41,7 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
 
 type Check = (&'static str, Command);
 
-/// The checks of what is written, quick ones first.
+/// The checks of what is written, quick ones first, and the tests in Rust as far as they can be built without FMUs.
 fn of_sources(workspace: &Workspace) -> Vec<Check> {
     let cargo = |line| with_words(|name| workspace.cargo(name), line);
     let venv = |line| with_words(|name| workspace.venv_command(name), line);
@@ -57,6 +57,7 @@ fn of_sources(workspace: &Workspace) -> Vec<Check> {
                 "clippy --workspace --all-targets --features machining-native/extension-module --locked -- -D warnings",
             ),
         ),
+        ("build tests", cargo("test --workspace --locked --no-run")),
     ]
 }
 
