@@ -37,7 +37,7 @@ def check(file: Path) -> None:
     Raises
     ------
     CosimError
-        Unknown ending, no such folder, or matplotlib is not installed.
+        Unknown ending, no such folder, or matplotlib is not installed or does not start.
     """
     if file.suffix not in ENDINGS:
         endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
@@ -46,14 +46,29 @@ def check(file: Path) -> None:
         raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
     if not can_plot():
         raise CosimError("matplotlib is not installed, it makes the plots", extras.hint("report"))
+    library()
+
+
+def library() -> Any:
+    """Give matplotlib, which draws into files.
+
+    Raises
+    ------
+    CosimError
+        It does not start.
+    """
+    try:
+        import matplotlib
+    except ValueError as error:  # of a backend that is none
+        raise CosimError(f"matplotlib does not start: {error}", "unset `MPLBACKEND`") from error
+    matplotlib.use("agg")
+    return matplotlib
 
 
 @contextlib.contextmanager
 def styled(changes: Any = None) -> Iterator[Any]:
     """Give `pyplot` in the style of all figures, but for some settings of matplotlib by name."""
-    import matplotlib
-
-    matplotlib.use("agg")
+    matplotlib = library()
     from matplotlib import pyplot
 
     with matplotlib.rc_context(STYLE | (changes or {})):

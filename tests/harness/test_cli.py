@@ -54,6 +54,15 @@ def test_exit_code_1_when_a_criterion_does_not_hold(write: Write) -> None:
     assert done.stderr == ""
 
 
+def test_a_backend_of_matplotlib_that_is_none_is_named_before_the_run(write: Write) -> None:
+    write(CRITERION)
+    done = cosim("run", "lag.toml", "--plot", "x.svg", "--json", "x.json", MPLBACKEND="nope")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert re.match("error: matplotlib does not start: .*'nope'.*\nhint: unset `MPLBACKEND`", done.stderr)
+    assert not Path("x.json").exists()
+
+
 def test_json_to_stdout_is_nothing_but_json(write: Write) -> None:
     write(CRITERION)
     done = cosim("run", "lag.toml", "--json", "-", "--seed", "9", "--delay", "0", "--duration", "0.02")
