@@ -17,7 +17,7 @@ from machining_native import Cell
 from plants.base.plant import Array, Channel, Plant, vector
 from plants.looks import orthogonal_robot as looks
 from plants.orthogonal_robot_parameters import (
-    SOLIMP,
+    IMPEDANCE,
     TURN,
     OrthogonalRobotParameters,
     check_together,
@@ -101,10 +101,15 @@ class OrthogonalRobot(Plant):
         p, pair = self.parameters, spec.pair("contact")
         spec.geom("ball").size[0] = p.ball_radius
         pair.friction[:2] = p.friction
-        # a direct reference is divided by the impedance: with the mass of the tip it gives N/m and N.s/m
-        share = (1.0 - SOLIMP) / p.tip_mass
+        # a direct reference is divided by the impedance d: with the mass of the tip it gives N/m and N.s/m
+        d = p.contact_impedance
+        share = (1.0 - d) / p.tip_mass
         pair.solref[:] = -p.contact_stiffness * share, -p.contact_damping * share
-        pair.solimp[:2] = SOLIMP
+        pair.solimp[:2] = d
+        # a ball comes to rest as fast, and creeps as much, at any impedance
+        rest = d / IMPEDANCE * (1.0 - IMPEDANCE) / p.tip_mass
+        pair.solreffriction[:] = -p.contact_stiffness * rest, -p.contact_damping * rest
+        spec.option.impratio *= (1.0 - d) / d / ((1.0 - IMPEDANCE) / IMPEDANCE)
 
     def _masses(self) -> tuple[float, float, float]:
         return self.parameters.mass_x, self.parameters.mass_y, self.parameters.mass_z

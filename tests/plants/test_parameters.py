@@ -65,6 +65,11 @@ def test_every_parameter_is_documented(name: str) -> None:
             {"contact_stiffness": 1e7, "tip_stiffness": 4e5},
             r"`plant.contact_stiffness`.*`1e\+07` N/m, limit `3e\+06` N/m at .*`timestep` = `0.0001` s",
         ),
+        (
+            "orthogonal_robot",
+            {"contact_impedance": 0.5},
+            r"`plant.contact_impedance`.*`0.5`, limit `0.8` at .*`timestep` = `0.0001` s",
+        ),
         ("rotary_arm", {"arm_length": -1.0}, r"`plant.arm_length`.*`-1` m.*`0.01` to `0.5` m"),
         (
             "rotary_arm",
