@@ -8,8 +8,9 @@
 //!
 //! One that flickers between neighbours shows only that its axis stands at the edge of a step: noise is what turns by two steps, beyond
 //! what the model of the loop moves. Noise forgets: the product of two changes in a row is -1/2 of their square on average, and 0 where
-//! the place wanders, or more where it swings. It has to be as large until the reading stands, or a swing has died away, and what was
-//! seen before all axes came to rest was of their motion. One that never turns tells nothing.
+//! the place wanders, or more where it swings. It has to be as large until the reading stands, or a swing has died away. Before all axes
+//! came to rest it may have been of their motion: that makes the variance surer, where the rest has shown no less by a deviation,
+//! and no turn. One that never turns tells nothing.
 
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,8 @@ pub struct Flicker {
     recent: f64,
     seen: u32,
     turns: u32,
+    /// squares before all axes came to rest, (rad or m)^2, and in how many samples
+    earlier: (f64, u32),
 }
 
 impl Default for Flicker {
@@ -84,6 +87,7 @@ impl Default for Flicker {
             recent: 0.0,
             seen: 0,
             turns: 0,
+            earlier: (0.0, 0),
         }
     }
 }
@@ -123,8 +127,8 @@ impl Flicker {
 
     /// What has shaken the axis may have ended: noise shows itself anew.
     pub fn settle(&mut self) {
-        *self =
-            Self { bit: self.bit, before: self.before, still: self.still, farthest: self.farthest, ..Self::default() };
+        let Self { before, bit, farthest, model, still, squares, seen, .. } = *self;
+        *self = Self { before, bit, farthest, model, still, earlier: (squares, seen), ..Self::default() };
     }
 
     /// What is wrong with the reading of the axis `axis` (from 0) at the end of a run.
@@ -159,12 +163,25 @@ impl Flicker {
 
     /// Samples for which a live reading stands with the chance 10^-`decades`.
     fn most(&self, decades: f64) -> f64 {
-        let seen = f64::from(self.seen.max(1));
-        let variance = self.squares / (2.0 * seen * self.bit * self.bit);
-        let least = variance * (1.0 - UNSURE * (3.0 / seen).sqrt()) - STEP;
+        let (squares, seen) = self.shown();
+        let variance = squares / (2.0 * seen * self.bit * self.bit);
+        let least = variance * (1.0 - UNSURE * deviation(seen)) - STEP;
         let leaves = 2.0 / (1.0 + (0.851 / least.max(1e-4).sqrt()).exp());
         -decades * std::f64::consts::LN_10 / (-leaves).ln_1p()
     }
+
+    /// Squares of the changes, (rad or m)^2, and in how many samples.
+    fn shown(&self) -> (f64, f64) {
+        let (squares, seen) = (self.squares, f64::from(self.seen.max(1)));
+        let (before, long) = (self.earlier.0, f64::from(self.earlier.1));
+        let as_large = squares * long >= before * seen * (1.0 - deviation(seen));
+        if as_large { (squares + before, seen + long) } else { (squares, seen) }
+    }
+}
+
+/// Relative deviation of the mean square of so many changes.
+fn deviation(seen: f64) -> f64 {
+    (3.0 / seen).sqrt()
 }
 
 #[cfg(test)]
