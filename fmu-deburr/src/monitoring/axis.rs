@@ -33,6 +33,9 @@ const MISMATCH: f64 = 0.5;
 const BARE: f64 = 2.0;
 /// Error in lags of the bare servo from which a pattern that is learned does harm.
 const GROWN: f64 = 1.0;
+/// Counts that the model may have to go where its axis rests, and the time until the axis does, in 1/Kp.
+const LAST: f64 = 2.5;
+const COMES_TO_REST: f64 = 4.0;
 
 /// What one axis is watched with.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -46,6 +49,8 @@ pub struct AxisMonitor {
     unexplained: Consecutive,
     far: Consecutive,
     off: Consecutive,
+    /// samples since the model had more than the last counts to go
+    calm: u32,
 }
 
 /// What one axis does, rad or m.
@@ -94,6 +99,7 @@ impl AxisMonitor {
             unexplained: Consecutive::NONE,
             far: Consecutive::NONE,
             off: Consecutive::NONE,
+            calm: 0,
         }
     }
 
@@ -105,6 +111,7 @@ impl AxisMonitor {
         self.unanswered = Unanswered::resting(position);
         self.forget_slips();
         (self.unexplained, self.far, self.off) = (Consecutive::NONE, Consecutive::NONE, Consecutive::NONE);
+        self.calm = 0;
     }
 
     /// Begins to count anew what the encoder loses.
@@ -114,7 +121,7 @@ impl AxisMonitor {
 
     /// Position beyond that of the model, rad or m.
     pub fn residual(&self, position: f64, pulse: f64) -> f64 {
-        position - self.model.position() * pulse
+        position - self.model(pulse)
     }
 
     /// How far the position may be from the model in the rest after a run, because the drive is slow, rad or m.
@@ -122,9 +129,14 @@ impl AxisMonitor {
         MISMATCH * self.lag.tail
     }
 
-    /// Whether the axis `axis` (from 0) rests: the model of its loop does, for as long as the axis takes.
+    /// Place of the model, rad or m.
+    pub fn model(&self, pulse: f64) -> f64 {
+        self.model.position() * pulse
+    }
+
+    /// Whether the axis `axis` (from 0) rests but for the last counts of its patterns, for as long as it takes.
     pub fn rests(&self, p: &Parameters, axis: usize) -> bool {
-        self.unanswered.rests(p.servo_gain[axis])
+        p.servo_gain[axis] * p.sample_period * f64::from(self.calm) > COMES_TO_REST
     }
 
     /// Takes what was sent: reference and compensation in counts, and the velocity command (rad/s or m/s).
@@ -133,6 +145,8 @@ impl AxisMonitor {
         let left = reference + compensation - self.model.position();
         let moves = (self.model.position() - stood).abs().max(p.servo_gain[axis] * p.sample_period * left.abs());
         self.unanswered.expect(p, moves);
+        let calm = moves < LAST * p.servo_gain[axis] * p.sample_period;
+        self.calm = if calm { self.calm.saturating_add(1) } else { 0 };
         self.lag.command(p, axis, reference * p.axis[axis].pulse);
         self.answer.command(p, axis, velocity);
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::axis::{AxisMonitor, Expectation, Motion, Verdict};
 use crate::monitoring::finding::{Finding, Numbers};
-use crate::monitoring::flicker::Flicker;
+use crate::monitoring::flicker::{Flicker, Places};
 use crate::monitoring::rest::RestError;
 use crate::path::kinematics::{AXES, Joints};
 
@@ -68,8 +68,10 @@ impl Watch {
 
     /// Looks at how the readings (rad or m) of a job that goes on flicker, undisturbed by a cut or not. The first that stands.
     pub fn look_at_flicker(&mut self, p: &Parameters, positions: &Joints, undisturbed: bool) -> Finding {
-        let found: [Finding; AXES] =
-            std::array::from_fn(|i| self.flicker[i].update(p, i, positions[i], self.axes[i].rests(p, i), undisturbed));
+        let found: [Finding; AXES] = std::array::from_fn(|i| {
+            let places = Places { position: positions[i], model: self.axes[i].model(p.axis[i].pulse) };
+            self.flicker[i].update(p, i, places, self.axes[i].rests(p, i), undisturbed)
+        });
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
 

@@ -1,6 +1,7 @@
 //! Faults of the axes and of the job: the right one, at once, with zero commands.
 
 mod learning;
+mod lost_counts;
 mod tool;
 
 use fmu_deburr::interface::{Fault, Input, Mode, Parameters, State};

@@ -89,7 +89,7 @@ impl Unanswered {
     }
 
     /// Whether the model has stood until the axis does, too; `kp` in 1/s.
-    pub fn rests(&self, kp: f64) -> bool {
+    fn rests(&self, kp: f64) -> bool {
         self.rest.is_some_and(|rest| kp * rest > STANDS.1)
     }
 
