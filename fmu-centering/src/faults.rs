@@ -13,6 +13,7 @@ use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, held_surface_velocity, job_time, servo_damping, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
 use crate::motion::TOLERANCE;
+use crate::sensing::ProbeDelay;
 
 /// A probe that has no contact for longer has lost the ring, s.
 const LOST_TIME: f64 = 0.1;
@@ -308,16 +309,15 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             };
             format!(": probe at `{probe_position} m`{tested}")
         }
-        Fault::LateProbe => format!(
-            ": `{:.2} ms` after the slide, `sample_period` = `{:.2} ms`",
-            1e3 * probe_delay,
-            1e3 * p.sample_period
-        ),
-        Fault::LateReading => format!(
-            ": `{:.2} ms` after the probe, `sample_period` = `{:.2} ms`",
-            -1e3 * probe_delay,
-            1e3 * p.sample_period
-        ),
+        Fault::LateProbe | Fault::LateReading => {
+            let first = if fault == Fault::LateProbe { "slide" } else { "probe" };
+            let least = if ProbeDelay::longest(p, probe_delay) { "at least " } else { "" };
+            format!(
+                ": {least}`{:.2} ms` after the {first}, `sample_period` = `{:.2} ms`",
+                1e3 * probe_delay.abs(),
+                1e3 * p.sample_period
+            )
+        }
         Fault::EarlyContact => format!(
             ": met with the probe at `{met:.6} m`, `probe.at_pusher` = `{} m`; it is at `{probe_position:.6} m` now",
             p.probe.at_pusher

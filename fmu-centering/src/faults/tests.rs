@@ -351,6 +351,8 @@ fn each_fault_is_told_in_its_own_words() {
     }
     (vars.output.fault, vars.output.numbers.probe_delay) = (Fault::LateReading, -3e-3);
     assert_eq!(numbers(&vars), ": `3.00 ms` after the probe, `sample_period` = `1.00 ms`");
+    vars.output.numbers.probe_delay = -6e-3;
+    assert_eq!(numbers(&vars), ": at least `6.00 ms` after the probe, `sample_period` = `1.00 ms`");
     let measured = &mut vars.output.measured;
     (measured.slide_bandwidth, measured.slide_bandwidth_deviation, measured.slide_damping) = (188.5, 9.43, 0.284);
     (measured.io_delay, measured.io_delay_deviation) = (1.254, 0.3127);

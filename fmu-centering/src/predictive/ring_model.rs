@@ -137,11 +137,15 @@ impl RingModel {
         self.history.len() > 2 * ANY && ring.misfit > WIDEN && beyond() as f64 > COARSE.0 * self.history.len() as f64
     }
 
-    /// Begins to try whether a ring of any form explains what was measured; a few measurements are explained by any, what
-    /// a late probe tells by none, and a round ring has none.
+    /// Whether more form may explain anything: what a late probe tells is none, and a round ring has none.
+    fn widens(&self) -> bool {
+        self.assumed.form > 0.0 && !self.late
+    }
+
+    /// Begins to try whether a ring of any form explains what was measured; a few measurements are explained by any.
     fn widen(&mut self) {
         let (centre, sigma) = self.ground.told();
-        let tell = self.history.len() > 2 * GROUND && self.assumed.form > 0.0 && !self.late;
+        let tell = self.history.len() > 2 * GROUND && self.widens();
         self.any = tell.then(|| AnyForm::new(self.assumed, centre, sigma, &self.ground.estimate.now.mean));
     }
 
@@ -155,7 +159,12 @@ impl RingModel {
             Some(any) => any.begin(Purpose::Reconsider),
             None => self.widen(),
         }
-        self.any.is_some() || self.roughen()
+        self.any.is_some() || self.roughen() || self.waits()
+    }
+
+    /// Whether more measurements may tell that a ring of which nothing was known before them has more form than assumed.
+    fn waits(&self) -> bool {
+        self.widens() && self.history.len() <= 2 * GROUND && self.ground.told().1 >= self.assumed.centre
     }
 
     /// Whether a ground ring that is rougher than assumed explains what was rejected; it is taken for such a one then.

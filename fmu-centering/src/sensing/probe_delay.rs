@@ -18,15 +18,17 @@ const WINDOW: (f64, f64) = (0.2, 0.5);
 const EARLY: usize = 6;
 const LATEST: usize = 25;
 const DELAYS: usize = EARLY + 1 + LATEST;
-/// Terms 1, k, k^2 of a surface, and x, and the fewest samples for them.
+/// Terms 1, k, k^2 of a surface, and x, and the fewest samples: three for each of the surface, in a window of 15 with [`EARLY`].
 const SURFACE: usize = 3;
 const TERMS: usize = 4;
-const FEWEST: f64 = 30.0;
+const FEWEST: f64 = 9.0;
 /// Either is late by more than this share of a sample, and where that explains so many standard deviations of what it leaves more
 /// than any scale of the probe: a step of the probe leaves much more than noise, and is not late.
 const LATE: (f64, f64) = (0.5, 12.0);
-/// Less than this is never left, m: encoders have steps.
+/// Less than this is never left, m: encoders have steps. Where more is left than the steps of a coarse probe leave, the surface has
+/// lobes, which look like a delay by chance.
 const LEAST: f64 = 1e-8;
+const MOST: f64 = 1e-6;
 
 /// The sums of one window, and what the last one has told.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -110,6 +112,12 @@ impl ProbeDelay {
         self.late
     }
 
+    /// Whether `late` s are the longest delay that is tried: the true one may be longer.
+    pub fn longest(p: &Parameters, late: f64) -> bool {
+        let tried = if late > 0.0 { LATEST } else { EARLY } as f64;
+        late.abs() > (tried - LATE.0) * p.sample_period
+    }
+
     /// What the window tells, if it does.
     fn told(&self, p: &Parameters) -> Option<Option<f64>> {
         let all = self.information.cholesky()?.inverse();
@@ -120,29 +128,35 @@ impl ProbeDelay {
         };
         let beside = |square: f64, product: SVector<f64, TERMS>| square - product.dot(&(all * product));
         let best = (0..DELAYS).min_by(|&a, &b| left(a).total_cmp(&left(b)))?;
-        let variance = (left(best) / (f64::from(self.samples) - SURFACE as f64)).max(LEAST.powi(2));
+        let (place, least) = lowest(best, left);
+        let variance = (least / (f64::from(self.samples) - SURFACE as f64)).max(LEAST.powi(2));
         let seen = LATE.1.powi(2) * variance;
         // what a sample of delay would leave beside any scale
-        if beside(self.steps, self.products.column(EARLY) - self.products.column(EARLY + 1)) < seen {
+        if variance > MOST.powi(2)
+            || beside(self.steps, self.products.column(EARLY) - self.products.column(EARLY + 1)) < seen
+        {
             return None;
         }
         let scaled = beside(self.squares[EARLY], self.products.column(EARLY).clone_owned());
-        let delay = (vertex(best, left) - EARLY as f64) * p.sample_period;
-        Some(Some(delay).filter(|_| delay.abs() > LATE.0 * p.sample_period && left(best) + seen < scaled))
+        let delay = (place - EARLY as f64) * p.sample_period;
+        Some(Some(delay).filter(|_| delay.abs() > LATE.0 * p.sample_period && least + seen < scaled))
     }
 }
 
-/// Where the parabola through the least of some values and its neighbours is lowest.
-fn vertex(best: usize, value: impl Fn(usize) -> f64) -> f64 {
+/// Where the parabola through the least of some values and its neighbours is lowest, and its value there.
+fn lowest(best: usize, value: impl Fn(usize) -> f64) -> (f64, f64) {
     if best == 0 || best + 1 == DELAYS {
-        return best as f64;
+        return (best as f64, value(best));
     }
     let [before, least, after] = [best - 1, best, best + 1].map(value);
-    best as f64 + 0.5 * (before - after) / (before - 2.0 * least + after)
+    let (slope, bend) = (0.5 * (before - after), before - 2.0 * least + after);
+    (best as f64 + slope / bend, least - 0.5 * slope.powi(2) / bend)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     /// What is told of a probe that is `late` samples later than the slide and has a `scale`, in front of a ring of 0.5 mm at 45 rpm,
@@ -175,6 +189,77 @@ mod tests {
             let seconds = told(late, 1.0, 4.7).unwrap();
             assert!((seconds - 1e-3 * f64::from(late)).abs() < 2e-5, "{late}: {seconds} s");
         }
+    }
+
+    /// A slide that brakes from 120 mm/s with 2.56 m/s2.
+    fn braking(time: f64) -> f64 {
+        let brake = 0.12 / 2.56;
+        0.12 * time.min(0.0) - 1.28 * (brake - time.clamp(0.0, brake)).powi(2)
+    }
+
+    /// One that goes back with 120 mm/s.
+    fn retracting(time: f64) -> f64 {
+        -braking(0.0) - braking(0.12 / 2.56 - time.max(0.0))
+    }
+
+    /// What is told, in samples of `period` s, of a ring with 20 waves of `lobe` m that turns by `speed` rad/s from `angle` rad on;
+    /// probe and slide have steps of 50 nm.
+    fn told_in_samples(period: f64, late: f64, speed: f64, lobe: [f64; 2], slide: fn(f64) -> f64) -> Option<f64> {
+        let p = Parameters { sample_period: period, ..Parameters::START };
+        let mut delay = ProbeDelay::default();
+        let [lobe, angle] = lobe;
+        let surface = |time: f64| {
+            let angle = speed * time + angle;
+            0.02 + 5e-4 * angle.sin() + lobe * (20.0 * angle).sin()
+        };
+        for k in -30..(0.5 / period) as i32 {
+            if k == 0 {
+                delay.begin();
+            }
+            let [probe, now] = [late.max(0.0), (-late).max(0.0)].map(|late| period * (f64::from(k) - late));
+            let step = |place: f64| (place / 5e-8).round() * 5e-8;
+            let probe = step(slide(probe) - surface(probe));
+            let sample = Sample { angle: 0.0, slide: step(slide(now)), probe };
+            delay.update(&p, speed * period, &sample, true);
+        }
+        delay.late().map(|late| late / period)
+    }
+
+    #[test]
+    fn slow_samples_tell_it_too_at_the_speeds_of_the_paper() {
+        let slow = [1e-3, 3e-3, 5.5e-3, 6e-3, 6.6e-3, 8e-3, 0.01].map(|period| (2.1, period));
+        for (speed, period) in slow.into_iter().chain([(4.7, 3e-3), (4.7, 6e-3), (4.7, 6.6e-3)]) {
+            assert_eq!(told_in_samples(period, 0.0, speed, [0.0, 1.0], braking), None, "{period}");
+            for late in [-6.0, -5.0, -2.0, -1.0, 1.0, 3.0, 8.0] {
+                let told = told_in_samples(period, late, speed, [0.0, 1.0], braking);
+                assert!(told.is_some_and(|samples| (samples - late).abs() < 0.35), "{period}: {late} {told:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_delay_between_two_samples_is_told_by_its_time() {
+        for late in [-4.5, -1.5, -0.6, 0.7, 1.6, 2.5, 7.5] {
+            let told = told_in_samples(1e-3, late, 2.1, [0.0, 1.0], braking);
+            assert!(told.is_some_and(|samples| (samples - late).abs() < 5e-3), "{late} {told:?}");
+        }
+        assert_eq!([-0.4, 0.4].map(|late| told_in_samples(1e-3, late, 2.1, [0.0, 1.0], braking)), [None; 2]);
+    }
+
+    #[test]
+    fn lobes_of_the_surface_are_no_delay() {
+        for lobe in [3e-6, 8e-6, 1.7e-5, 3e-5] {
+            for k in 0..20 {
+                let told = told_in_samples(1e-3, 0.0, 4.7, [lobe, TAU / 400.0 * f64::from(k)], retracting);
+                assert_eq!(told, None, "{lobe} {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn only_the_longest_delays_may_be_longer() {
+        let longest = |late: f64| ProbeDelay::longest(&Parameters::START, late);
+        assert_eq!([-6e-3, -5.4e-3, 5e-3, 24.4e-3, 25e-3].map(longest), [true, false, false, false, true]);
     }
 
     #[test]

@@ -338,3 +338,26 @@ fn the_deflection_from_which_a_ring_is_heavy_is_more_than_its_limit() {
     };
     assert!(!tapped(P.tap.deflection_min) && tapped(1.001 * P.tap.deflection_min));
 }
+
+#[test]
+fn a_ring_of_fine_lobes_and_too_little_told_noise_is_measured_in_one_go() {
+    // 20 waves of 5 um, 75 times the noise, 88 measurements a revolution
+    let mut p = P;
+    p.estimator.noise = 6.7e-8;
+    let mut law = PredictiveLaw::new(&p);
+    for k in 0..=95 {
+        let angle = TAU * f64::from(k) / 88.0;
+        let mut rough = now(State::Collect, 5e-4, angle);
+        rough.sample.probe += 5e-6 * (20.0 * angle + 1.0).cos();
+        // a fit takes samples in which nothing is measured
+        rough.due.collect = false;
+        (0..4).for_each(|_| law.observe(&p, &rough));
+        rough.due.collect = true;
+        law.observe(&p, &rough);
+        assert!(k < 1 || law.since.is_some_and(|since| since < 0.1), "{k}: {:?}", law.since);
+        if k % 7 == 6 {
+            law.ring.refine();
+        }
+    }
+    assert!((law.ring.eccentricity() - 5e-4).abs() < 1e-6, "{}", law.ring.eccentricity());
+}
