@@ -132,7 +132,7 @@ fn readings(p: &Parameters) -> Result<(), ParameterError> {
     Parameter::new("limits.jump", p.limits.jump, "m", hint)
         .at_least(4.0 * step, "four times `stage.encoder_resolution`")?;
     Parameter::new("limits.frozen", p.limits.frozen, "m", hint)
-        .at_least(3.0 * step, "three times `stage.encoder_resolution`")
+        .at_least(4.5 * step, "four and a half times `stage.encoder_resolution`")
 }
 
 fn stability(p: &Parameters) -> Result<(), ParameterError> {
@@ -191,7 +191,7 @@ mod tests {
         (|p| p.approach.travel_max = 5e-5, "approach.travel_max", "`0.00005 m`", "armed"),
         (|p| p.retract.distance = 2e-5, "retract.distance", "`0.00002 m`", "`0.000075"),
         (|p| p.limits.jump = 3e-9, "limits.jump", "`0.000000003 m`", "`stage.encoder_resolution`"),
-        (|p| p.stage.encoder_resolution = 2e-9, "limits.frozen", "`0.000000005 m`", "`stage.encoder_resolution`"),
+        (|p| p.stage.encoder_resolution = 2e-9, "limits.frozen", "`0.0000000075 m`", "`stage.encoder_resolution`"),
         // limit cycles that the ranges allow
         (|p| (p.servo.bandwidth, p.observer.bandwidth) = (785.0, 3000.0), "servo.bandwidth", "`785 rad/s`", "stable"),
         (

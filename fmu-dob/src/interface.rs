@@ -66,7 +66,7 @@ mod variables {
         /// The estimated disturbance is larger than the machine can have
         #[hint("check that nothing blocks the stage, and `stage.mass` and `stage.force_constant`")] Overload,
         /// The stage moves against the current
-        #[hint("swap the sign of the current or of the encoder, and check `approach.direction`")] DriveSign,
+        #[hint("swap the sign of the current or of the encoder, and check `approach.direction`; if the stage has moved rightly before, look for a link of the encoder or of the drive that has fallen behind")] DriveSign,
         /// The stage moves far less than the current should move it: the drive is weak or off, or the stage is held
         #[hint("check the amplifier, its cable and its limit, that the stage moves freely, and `stage.force_constant`")] WeakDrive,
         /// The loop swings: the current from limit to limit, or the stage about a reference that does not accelerate
@@ -392,7 +392,7 @@ mod variables {
         /// Largest distance of a reading from where the observer expects it; a reading beyond counts as lost, one beyond half of it in part
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 1e-8, source = "our choice: ten steps of 1 nm; eight sigma of noise and rounding")] pub jump: f64,
         /// Motion that a reading may leave unanswered before it counts as lost
-        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 5e-9, source = "derived: three and a third times the 1.5 nm within which a reading stands")] pub frozen: f64,
+        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 7.5e-9, source = "derived: five times the 1.5 nm within which a reading stands")] pub frozen: f64,
         /// Time at rest without any change of a reading that had changed before; 0: not watched, for an encoder without noise
         #[var(unit = SECOND, range = 0.0..=100.0, start = 0.03, source = "our choice: 300 equal samples, of which noise of half a step makes every second differ")] pub rest_time: f64,
         /// Largest distance of the stage from its reference, besides the v (1 + io_delay) T_s that it is late; 0: three times what the hardest acceleration makes, at least 20 um
@@ -478,8 +478,8 @@ mod variables {
     }
     /// Bounds of the state `Commission`, and what becomes of its results
     pub struct Commission {
-        /// Farthest way back from where it begins; 0: what learning the noise at the approach speed takes, and a fifth more
-        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / a + v (settle_time + learn.time))")] pub travel: f64,
+        /// Farthest way back from where it begins; 0: what learning the noise at the approach speed takes, and a fifth more, at least what the excitation needs
+        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / a + v (settle_time + learn.time)), at least 90 um")] pub travel: f64,
         /// Largest force beside the one that holds the stage, at least `guard.force`; 0: that of the hardest braking, or half of the drive's
         #[var(unit = NEWTON, range = 0.0..=1e6, start = 0.0, source = "derived: min(M_n a_stop, K_tn I_max / 2), at least guard.force")] pub force: f64,
         /// Longest time; 0: what its motions take, a quarter more and 1 s

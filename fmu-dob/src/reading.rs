@@ -12,7 +12,8 @@ const POSITION_MAX: f64 = 1e3;
 const SPEED_MAX: f64 = 1e5;
 /// A reading stands while it is within this many steps of the encoder, one of them a last bit that flickers.
 const STANDS: f64 = 1.5;
-/// A stage follows its reference within this many times `limits.frozen`.
+/// Shares of `limits.frozen`: what a reading may leave unanswered to prove a contact, and how far a stage follows its reference.
+const ALIVE: f64 = 1.0 / 3.0;
 const WITH_IT: f64 = 4.0;
 /// A reading counts up to this share of `limits.jump` from where it is expected, so that a bad sample that is just believed
 /// leaves the good ones after it within `limits.jump`: 0.5 of it, and what the velocity that it makes adds in a sample.
@@ -148,7 +149,7 @@ impl Reader {
             lost: self.lost.update(position.is_none()),
             loss: self.loss,
             late: self.heard.late(self.position.doubted()),
-            alive: self.standing.unanswered() <= 0.5 * p.limits.frozen,
+            alive: self.standing.unanswered() <= ALIVE * p.limits.frozen,
             whole: self.whole.count(),
             spindle_lost: self.spindle_speed.doubted(),
         }
@@ -373,7 +374,7 @@ mod tests {
     #[test]
     fn a_stage_that_was_hardly_astray_may_not_stand() {
         let mut reader = cruising();
-        // 20 nm behind its reference, within the 10 nm that are unanswered and four times the 5 nm
+        // 20 nm behind its reference, within the 10 nm that are unanswered and four times the 7.5 nm
         let near = Expected { motion: 0.0, reference: 1.01e-6, ..CRUISING };
         let stuck = reader.read(&Parameters::START, &at(99e-8), &near);
         assert_eq!((stuck.position, stuck.loss), (None, Loss::Stands));

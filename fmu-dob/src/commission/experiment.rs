@@ -6,7 +6,7 @@ use control_blocks::{PeriodicSpectra, Quintic, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::noise::Noise;
-use crate::commission::plan::{Plan, STROKES};
+use crate::commission::plan::{Plan, STROKES, TURN};
 use crate::interface::{ForceOutput, Parameters};
 
 /// Part of the experiment.
@@ -69,6 +69,12 @@ impl Experiment {
     /// Whether the stage is held by the servo of the plan, without any model.
     pub fn exciting(&self) -> bool {
         matches!(self.phase, Phase::Back | Phase::Excite)
+    }
+
+    /// Motion (m) of the reference that a living stage may leave unanswered at its turns: those of the excitation, or that of a stroke
+    /// whose reference still brakes with `acceleration` (m/s2).
+    pub fn unanswered(&self, acceleration: f64) -> f64 {
+        if self.exciting() { self.plan.unanswered() } else { acceleration.abs() * TURN * TURN }
     }
 
     /// Whether all strokes are over.

@@ -30,12 +30,13 @@ const PERIODS: u32 = 12;
 const TIMES: ExcitationTimes = ExcitationTimes { ramp: 0.5, settle: 0.5, rest: 0.2 };
 /// Strokes at the approach speed, back and forth.
 pub const STROKES: u32 = 4;
-/// The travel is longer than a stroke by this share.
-const TRAVEL_SPARE: f64 = 1.2;
+/// The travel is longer than a stroke by this share, and at least so long (m): on less, of the slowest approaches, the excitation tells
+/// no delay of a stage whose noise is that of the defaults.
+const TRAVEL: (f64, f64) = (1.2, 90e-6);
 /// Share of the drive's force that the excitation may take if nothing else is told.
 const DRIVE_SHARE: f64 = 0.5;
 /// A stage of another mass than told stands at its turns while the reference still moves, at most for this time, s.
-const TURN: f64 = 1e-3;
+pub const TURN: f64 = 1e-3;
 
 /// The motions of a commission.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -111,9 +112,9 @@ pub fn stroke(p: &Parameters) -> f64 {
     velocity * velocity / acceleration + velocity * cruise
 }
 
-/// Farthest way back (m): `commission.travel`, or a stroke and some more.
+/// Farthest way back (m): `commission.travel`, or a stroke and some more, and what the excitation needs.
 pub fn travel(p: &Parameters) -> f64 {
-    told_or(p.commission.travel, || TRAVEL_SPARE * stroke(p))
+    told_or(p.commission.travel, || f64::max(TRAVEL.0 * stroke(p), TRAVEL.1))
 }
 
 /// Largest force (N) beside that which holds the stage: `commission.force`, or that of the hardest braking, at most half of
@@ -220,5 +221,10 @@ mod tests {
         near(travel(&p), 2e-4);
         near(force(&p), 3.0);
         near(time(&p), 33.0);
+        // strokes of 7.5 um would leave the excitation a tenth of its way
+        let mut slow = Parameters::START;
+        slow.approach.velocity = 1e-5;
+        near(travel(&slow), 90e-6);
+        assert_eq!(Plan::new(&slow).back, 45e-6);
     }
 }

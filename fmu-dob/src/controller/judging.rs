@@ -2,7 +2,7 @@
 
 use control_blocks::ticks;
 
-use crate::commission::plan::{self, Plan};
+use crate::commission::plan;
 use crate::controller::Controller;
 use crate::faults::{self, Symptoms};
 use crate::interface::{ContactSource, Fault, Parameters, State};
@@ -42,16 +42,22 @@ impl Controller {
             unforeseen: if known { unforeseen * self.observer.leverage() } else { f64::INFINITY },
             reference: self.motion.reference.position,
             asked: self.motion.asked,
-            behind: if steady { 0.0 } else { self.motion.late(p) + self.mistaken(Plan::unanswered) },
-            astray: self.mistaken(Plan::astray),
+            behind: if steady { 0.0 } else { self.motion.late(p) + self.unanswered() },
+            astray: self.astray(),
             steady_spindle: self.steady_spindle(),
         }
     }
 
-    /// What the plan of the excitation allows a stage that is not what was told; 0 at any other time.
-    fn mistaken(&self, allowed: impl Fn(&Plan) -> f64) -> f64 {
+    /// Motion (m) that a commission lets a stage that is not what was told leave unanswered at its turns.
+    fn unanswered(&self) -> f64 {
+        let acceleration = self.motion.reference.acceleration;
+        if self.state == State::Commission { self.commissioner.experiment.unanswered(acceleration) } else { 0.0 }
+    }
+
+    /// How far (m) its excitation lets that stage be from the reference.
+    fn astray(&self) -> f64 {
         let experiment = &self.commissioner.experiment;
-        if self.state == State::Commission && experiment.exciting() { allowed(&experiment.plan) } else { 0.0 }
+        if self.state == State::Commission && experiment.exciting() { experiment.plan.astray() } else { 0.0 }
     }
 
     /// Whether the spindle must be steady now.
@@ -71,7 +77,7 @@ impl Controller {
     /// Monitors of the drive, of a stage at rest and of the job; what a lost position would say is no news.
     pub(super) fn watch(&mut self, p: &Parameters, reading: &Reading) {
         let watching = !self.off();
-        let following = following_limit(p) + self.motion.late(p) + self.mistaken(Plan::astray);
+        let following = following_limit(p) + self.motion.late(p) + self.astray();
         let overloaded = self.overloaded(p);
         let monitors = &mut self.monitors;
         if let Some(position) = reading.position {

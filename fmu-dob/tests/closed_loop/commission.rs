@@ -106,6 +106,20 @@ fn unknown_machines_are_measured_within_their_deviations() {
 }
 
 #[test]
+fn before_a_slow_approach_it_is_as_sure_and_before_a_fast_one_a_stage_that_turns_is_no_frozen_encoder() {
+    let mut p = Parameters::START;
+    for velocity in [1e-5, 2e-4, 3e-4] {
+        p.approach.velocity = velocity;
+        for seed in 150..158 {
+            let mut run = unknown(&p, seed);
+            commission(&mut run);
+            let told = (run.output.fault, run.output.measured.valid);
+            assert_eq!(told, (Fault::None, true), "{velocity} {seed}: {:?}", run.output.measured);
+        }
+    }
+}
+
+#[test]
 fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
     for apply in [false, true] {
         let mut p = Parameters::START;

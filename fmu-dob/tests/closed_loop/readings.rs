@@ -54,6 +54,23 @@ fn a_frozen_encoder_is_told_before_it_looks_like_a_contact() {
 }
 
 #[test]
+fn a_slow_stage_that_noise_lets_stand_for_a_moment_is_neither_frozen_nor_a_contact() {
+    let mut p = Parameters::START;
+    p.approach.velocity = 1e-5;
+    for seed in 60..66 {
+        let mut run = running(&p, seed, State::Detect);
+        // 7 of the 7.5 nm, and then where it truly is
+        let mut held = None;
+        for _ in 0..8 {
+            run.step_with(|input| input.position = *held.get_or_insert(input.position));
+        }
+        (0..2000).for_each(|_| run.step());
+        let told = (run.output.state, run.output.fault, run.output.contact);
+        assert_eq!(told, (State::Detect, Fault::None, false), "{seed}");
+    }
+}
+
+#[test]
 fn a_frozen_encoder_is_told_while_learning_and_on_the_way_back() {
     for state in [State::Approach, State::Learn, State::Retract] {
         let mut run = Loop::new(&Parameters::START, 64, 90e-6);
