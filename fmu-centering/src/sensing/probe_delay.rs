@@ -89,7 +89,7 @@ impl ProbeDelay {
 
     /// Adds the sample of [`EARLY`] samples ago to the sums, its tip counted from the first.
     fn take(&mut self, p: &Parameters, tip: f64, first: &Sample) {
-        let time = (f64::from(self.time) - EARLY as f64) * p.sample_period / WINDOW.0;
+        let time = f64::from(self.time) * p.sample_period / WINDOW.0;
         let slide = self.places[self.before(EARLY)];
         let terms = SVector::from([1.0, time, time * time, slide - first.slide]);
         self.information += terms * terms.transpose();

@@ -1,4 +1,5 @@
 use super::*;
+use crate::interface::Estimator;
 use crate::predictive::gaussian::GaussianEstimate;
 use crate::predictive::press::Ending;
 use crate::predictive::stroke::Stroke;
@@ -360,4 +361,28 @@ fn a_ring_of_fine_lobes_and_too_little_told_noise_is_measured_in_one_go() {
         }
     }
     assert!((law.ring.eccentricity() - 5e-4).abs() < 1e-6, "{}", law.ring.eccentricity());
+}
+
+#[test]
+fn a_ring_that_was_known_or_can_have_no_more_form_is_given_up_at_once() {
+    let begins_anew = |p: &Parameters, known: bool, late: bool| {
+        let mut law = PredictiveLaw::new(p);
+        if known {
+            law = seen(5e-4, 1.01);
+            law.ring.displaced(Vector2::new(5e-4, 0.0), 5e-6);
+            (law.since, law.despiker) = (None, Despiker::default());
+        }
+        // 20 waves of 20 um in 88 measurements a revolution, fewer than may tell them
+        (0..28).any(|k| {
+            let angle = TAU * f64::from(k) / 88.0;
+            let mut rough = now(State::Collect, 5e-4, angle);
+            rough.late = late;
+            rough.sample.probe += 2e-5 * (20.0 * angle + 1.0).cos();
+            law.observe(p, &rough);
+            law.since.is_some_and(|since| since > 0.3)
+        })
+    };
+    let round = Parameters { estimator: Estimator { form: 0.0, ..P.estimator }, ..P };
+    let found = [(&P, false, false), (&P, true, false), (&P, false, true), (&round, false, false)];
+    assert_eq!(found.map(|(p, known, late)| begins_anew(p, known, late)), [false, true, true, true]);
 }
