@@ -301,6 +301,18 @@ mod tests {
     }
 
     #[test]
+    fn the_last_bit_of_an_encoder_is_no_noise_that_a_way_may_hide_in() {
+        // 21.5 um may be unanswered, and noise of 0.8 steps would allow 6.5 um more
+        let fault = |sweep: Sweep, sunk: f64| {
+            let depth = |k: u32| sunk * f64::from(k) / 1e3 + P.encoder_resolution * f64::from(k % 2);
+            (0..1000).map(|k| Vector3::z() * depth(k)).fold(Judge::new(sweep, 0.0), Judge::show).fault
+        };
+        for sweep in [Sweep::Linear, Sweep::Circular] {
+            assert_eq!([18e-6, 25e-6].map(|sunk| fault(sweep, sunk)), [None, Some(Fault::FrozenForce)], "{sweep:?}");
+        }
+    }
+
+    #[test]
     fn only_the_last_step_of_the_sensor_is_its_end() {
         let at = |force: f64| told(&P, std::iter::once(force));
         assert_eq!(at(P.sensor_range), Some(Fault::Saturation));
