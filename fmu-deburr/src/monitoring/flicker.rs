@@ -127,8 +127,8 @@ impl Flicker {
 
     /// What has shaken the axis may have ended: noise shows itself anew.
     pub fn settle(&mut self) {
-        let Self { before, bit, farthest, model, still, squares, seen, .. } = *self;
-        *self = Self { before, bit, farthest, model, still, earlier: (squares, seen), ..Self::default() };
+        let Self { bit, farthest, model, still, squares, seen, .. } = *self;
+        *self = Self { bit, farthest, model, still, earlier: (squares, seen), ..Self::default() };
     }
 
     /// What is wrong with the reading of the axis `axis` (from 0) at the end of a run.
@@ -294,6 +294,12 @@ mod tests {
                 (lived(300, readings(0.0, 0.25, 1.0, seed)), readings(2e3, 0.25, 1.0, seed + 50));
             flicker.pause();
             assert!((0..20_000).all(|_| !flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()), "{seed}");
+            // and what has frozen afterwards is told
+            let (mut flicker, mut reading) =
+                (lived(300, readings(0.0, 0.5, 1.0, seed)), readings(2e3, 0.5, 1.0, seed + 50));
+            flicker.pause();
+            (0..100).for_each(|_| assert!(!flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()));
+            assert!(told(&flicker).is_some());
         }
     }
 
@@ -362,11 +368,55 @@ mod tests {
     }
 
     #[test]
+    fn three_turns_by_two_steps_beside_the_first_are_noise() {
+        // at the edge of a step, and sometimes two steps away
+        let after = |excursions: u32| {
+            let mut k = 0;
+            let flicker = lived(200, || {
+                k += 1;
+                f64::from(if k % 60 == 50 && k / 60 < excursions { 2 } else { k % 2 }) * P.axis[2].pulse
+            });
+            told(&flicker)
+        };
+        assert_eq!(after(2), None);
+        assert!(after(3).is_some());
+    }
+
+    #[test]
+    fn noise_that_dies_away_in_a_rest_tells_nothing() {
+        for seed in 0..10 {
+            let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+            let mut noise = 20.0;
+            let flicker = lived(400, || {
+                let normal: f64 = StandardNormal.sample(&mut random);
+                noise *= 0.98;
+                (noise * normal).round() * P.axis[2].pulse
+            });
+            assert_eq!(told(&flicker), None);
+        }
+    }
+
+    #[test]
+    fn noise_before_the_rest_counts_where_it_was_no_larger() {
+        let rest = |before: Option<f64>, seed: u64| {
+            let mut flicker = before.map_or_else(Flicker::default, |noise| lived(300, readings(0.2, noise, 1.0, seed)));
+            flicker.settle();
+            let mut reading = readings(0.2, 0.5, 1.0, seed + 50);
+            (0..150).for_each(|_| assert!(!flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()));
+            told(&flicker).map_or(4000, |(after, _)| after)
+        };
+        let each = |before: Option<f64>| (0..10).map(|seed| rest(before, seed)).collect::<Vec<_>>();
+        let (alone, same, louder) = (each(None), each(Some(0.5)), each(Some(2.0)));
+        assert!(same.iter().sum::<u32>() + 20 < alone.iter().sum::<u32>(), "{same:?} {alone:?}");
+        assert!(louder.iter().zip(&alone).all(|(louder, alone)| *louder + 3 > *alone), "{louder:?} {alone:?}");
+    }
+
+    #[test]
     fn a_last_bit_of_the_number_is_no_step() {
         let mut k = 0;
         let flicker = lived(900, || {
             k += 1;
-            0.7 + P.axis[2].pulse * f64::from(k % 2) + 1e-12 * f64::from(k % 3)
+            0.7 + P.axis[2].pulse * f64::from(k / 2 % 2) + 1e-12 * f64::from(k % 3)
         });
         assert_eq!(told(&flicker), None);
     }

@@ -151,6 +151,51 @@ mod tests {
         assert_eq!(Watch::new(&p).after_run(&p), Finding::NONE);
     }
 
+    /// Axis 5 at rest with a noise of two counts for 180 samples, then the same reading for half a second.
+    fn frozen(meanwhile: impl Fn(&mut Watch, usize)) -> (Watch, Finding) {
+        let p = Parameters::START;
+        let (mut watch, mut positions, mut found) = (Watch::new(&p), [0.0; AXES], Finding::NONE);
+        watch.restart(&p, &positions);
+        for k in 0..230 {
+            watch.command(&p, &[0.0; AXES], &[0.0; AXES], &[0.0; AXES]);
+            meanwhile(&mut watch, k);
+            if k < 180 {
+                positions[4] = [2.0, -1.0, 1.0, -2.0, 0.0, -1.0, 2.0][k % 7] * p.axis[4].pulse;
+            }
+            let now = watch.look_at_flicker(&p, &positions, true);
+            found = if found.is_fault() { found } else { now };
+        }
+        (watch, found)
+    }
+
+    #[test]
+    fn a_reading_that_stands_is_told_with_its_axis_but_of_another_job_or_where_it_is_held() {
+        let (_, found) = frozen(|_, _| {});
+        assert_eq!(found, Finding::NONE);
+        let p = Parameters::START;
+        let longer = |begin: usize, pause: usize| {
+            let (mut watch, _) = frozen(|watch, k| {
+                if k == begin {
+                    watch.begin_job();
+                }
+            });
+            let mut positions = [0.0; AXES];
+            positions[4] = [2.0, -1.0, 1.0, -2.0, 0.0, -1.0, 2.0][179 % 7] * p.axis[4].pulse;
+            for k in 0..20 {
+                if k == pause {
+                    watch.pause();
+                }
+                watch.command(&p, &[0.0; AXES], &[0.0; AXES], &[0.0; AXES]);
+                watch.look_at_flicker(&p, &positions, true);
+            }
+            let found = watch.after_run(&p);
+            (found.fault, found.numbers.axis)
+        };
+        assert_eq!(longer(0, 99), (Fault::FrozenReading, 5));
+        assert_eq!(longer(179, 99).0, Fault::None);
+        assert_eq!(longer(0, 5).0, Fault::None);
+    }
+
     #[test]
     fn the_lag_of_a_motion_is_allowed_beside() {
         let p = Parameters::START;

@@ -163,6 +163,23 @@ fn a_bank_that_learning_has_begun_to_change_is_not_told_as_that_of_a_file() {
 }
 
 #[test]
+fn a_bank_that_learning_has_not_changed_before_it_was_broken_off_is_still_that_of_a_file() {
+    let mut p = Parameters::START;
+    p.learn.from_bank = true;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    assert!(run.finish(Mode::Learn) && run.controller.take_export());
+    run.output.bank.status = BankStatus::Exported;
+    for mode in [Mode::Idle, Mode::Learn] {
+        run.input.mode = mode;
+        run.step();
+    }
+    assert_eq!(run.output.state, State::Approach);
+    run.input.mode = Mode::Idle;
+    run_until(&mut run, |run| run.output.state == State::Idle);
+    assert_eq!((run.output.bank.status, run.output.learn.done), (BankStatus::Exported, false));
+}
+
+#[test]
 fn time_at_an_override_of_zero_does_not_count_but_when_it_learns() {
     let job = |mode: Mode, share: f64, hold: bool| {
         let mut p = Parameters::START;

@@ -141,6 +141,8 @@ mod tests {
         let speed = |k: u32| 3.0 * f64::from((k % 60).min(60 - k % 60));
         assert_eq!(said(|k| noise(k) + (0..k).map(speed).sum::<f64>()), None);
         assert_eq!(said(|k| 40.0 * noise(k)), None);
+        // steps of a reading that is as noisy
+        assert_eq!(said(|k| 20.0 * noise(k) + 300.0 * f64::from(k / 20)), None);
         // held for a sample of three
         assert_eq!(said(|k| if k % 3 == 0 { -10.0 } else { 0.0 }), None);
     }

@@ -293,3 +293,25 @@ fn a_weak_drive_that_still_creeps_when_its_model_begins_anew_has_no_offset() {
         assert_eq!(verdict, Verdict::Good, "{k}");
     }
 }
+
+#[test]
+fn an_axis_rests_while_its_patterns_go_to_and_fro_by_a_count_and_not_before_it_has_come_to_rest() {
+    let p = Parameters::START;
+    let mut monitor = AxisMonitor::new(&p, 2);
+    monitor.restart(0.0, p.axis[2].pulse);
+    let mut rests = |samples: u32, reference: f64, compensation: fn(u32) -> f64| -> Vec<bool> {
+        let sample = |k| {
+            monitor.command(&p, 2, reference, compensation(k), 0.0);
+            monitor.rests(&p, 2)
+        };
+        (0..samples).map(sample).collect()
+    };
+    // four time constants of 1/13 s
+    let stands = rests(200, 0.0, |_| 0.0);
+    assert_eq!(stands.iter().position(|rests| *rests), Some(30));
+    assert!(rests(200, 0.0, |k| f64::from(k / 8 % 3) - 1.0).iter().all(|rests| *rests));
+    // a hundred counts away it goes on for some more
+    let comes = rests(200, 100.0, |_| 0.0);
+    let came = comes.iter().position(|rests| *rests).unwrap();
+    assert!((50..75).contains(&came) && comes[came..].iter().all(|rests| *rests), "{came}");
+}

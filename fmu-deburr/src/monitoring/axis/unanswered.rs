@@ -125,4 +125,20 @@ mod tests {
             assert_eq!(axis.explained(), explained, "{commanded} m");
         }
     }
+    #[test]
+    fn a_reading_stands_for_more_samples_than_are_bridged() {
+        let mut p = Parameters::START;
+        for bridged in [0, 3, 10] {
+            p.limits.lost_samples = bridged;
+            let mut axis = Unanswered::resting(0.0);
+            // far from where it was, then there
+            let stands: Vec<_> = (0..20)
+                .map(|_| {
+                    axis.update(&p, 2, 0.5, 1e-3);
+                    axis.stands(&p)
+                })
+                .collect();
+            assert_eq!(stands.iter().position(|stands| *stands), Some(bridged as usize + 1));
+        }
+    }
 }
