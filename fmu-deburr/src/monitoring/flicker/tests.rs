@@ -1,0 +1,254 @@
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::*;
+
+const P: Parameters = Parameters::START;
+
+/// A reading of an axis whose model stands.
+fn stands_at(position: f64) -> Places {
+    Places { position, model: 0.7 }
+}
+
+/// Readings of axis 3 at a place between two counts with a noise, both in counts, in steps of `step` counts.
+fn readings(place: f64, noise: f64, step: f64, seed: u64) -> impl FnMut() -> f64 {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    move || {
+        let normal: f64 = StandardNormal.sample(&mut random);
+        ((1e5 + place + noise * normal) / step).round() * step * P.axis[2].pulse
+    }
+}
+
+/// Takes `samples` of them at rest, undisturbed.
+fn lived(samples: u32, mut reading: impl FnMut() -> f64) -> Flicker {
+    let mut flicker = Flicker::default();
+    (0..samples).for_each(|_| assert!(!flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()));
+    flicker
+}
+
+/// Samples after which a reading that stands is a fault.
+fn told(flicker: &Flicker) -> Option<(u32, Finding)> {
+    let (mut flicker, position) = (*flicker, flicker.before.unwrap_or(0.7));
+    (1..4000).map(|k| (k, flicker.update(&P, 2, stands_at(position), true, false))).find(|(_, found)| found.is_fault())
+}
+
+#[test]
+fn one_that_flickered_and_stands_is_told_with_its_axis_and_times() {
+    for seed in 0..20 {
+        let flicker = lived(230, readings(0.05 * seed as f64, 0.5, 1.0, seed));
+        let (after, found) = told(&flicker).unwrap();
+        assert_eq!((found.fault, found.numbers.axis, found.numbers.share), (Fault::FrozenReading, 3, None));
+        assert!(found.numbers.value > found.numbers.limit && found.numbers.value < found.numbers.limit + 0.011);
+        // half a count stands for 55 samples with 1e-9, if one were sure of it
+        assert!((55..110).contains(&after), "{after}");
+    }
+    // a coarser one is told by its own steps, a wide one after half a second
+    assert!(told(&lived(230, readings(3.0, 5.0, 10.0, 1))).is_some_and(|(after, _)| after < 110));
+    let wide = told(&lived(230, readings(0.0, 3.0, 1.0, 1))).unwrap().1;
+    assert!((wide.numbers.value - 0.51).abs() < 1e-9 && wide.numbers.limit == 0.5);
+}
+
+#[test]
+fn the_end_of_a_run_is_one_test_and_asks_for_less() {
+    for seed in 0..10 {
+        let mut flicker = lived(90, readings(0.1 * seed as f64, 0.5, 1.0, seed));
+        let (always, _) = told(&flicker).unwrap_or((4000, Finding::NONE));
+        let position = flicker.before.unwrap();
+        let once = (1..4000).find(|_| {
+            flicker.update(&P, 2, stands_at(position), true, false);
+            flicker.after_run(&P, 2).is_fault()
+        });
+        assert!(once.is_some_and(|once| 3 * once <= 2 * always + 3 && once >= 50), "{once:?} {always}");
+    }
+}
+
+#[test]
+fn few_samples_leave_the_noise_unsure() {
+    let after = [60, 120, 1000].map(|samples| told(&lived(samples, readings(0.0, 0.5, 1.0, 7))).unwrap().0);
+    assert!(after.windows(2).all(|pair| pair[0] > pair[1]), "{after:?}");
+}
+
+#[test]
+fn a_live_reading_is_no_fault_wherever_in_a_step_it_comes_to_stand() {
+    for (seed, noise) in (0..).zip([0.05, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.7, 2.0]) {
+        for place in [0.0, 0.25, 0.5] {
+            let mut flicker = lived(300, readings(place, noise, 1.0, seed));
+            // from then on in the middle of a step
+            let mut reading = readings(0.0, noise, 1.0, seed + 100);
+            for k in 0..20_000 {
+                let found = flicker.update(&P, 2, stands_at(reading()), true, false);
+                assert!(!found.is_fault(), "{noise} {place} {k} {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn one_between_neighbours_that_only_moves_or_whose_swing_dies_away_tells_nothing() {
+    let swing = |k: u32| 20.0 * (-0.02 * f64::from(k)).exp() * (0.8 * f64::from(k)).sin();
+    let cases: [fn(u32) -> f64; 3] = [|k| f64::from(k % 2), |k| f64::from(k), |_| 0.0];
+    for reading in cases.into_iter().chain([swing as fn(u32) -> f64]) {
+        let mut k = 0;
+        let flicker = lived(900, || {
+            k += 1;
+            reading(k).round() * P.axis[2].pulse
+        });
+        assert_eq!(told(&flicker), None);
+    }
+}
+
+#[test]
+fn the_way_during_a_hold_is_no_noise() {
+    for seed in 0..10 {
+        let (mut flicker, mut reading) =
+            (lived(300, readings(0.0, 0.25, 1.0, seed)), readings(2e3, 0.25, 1.0, seed + 50));
+        flicker.pause();
+        assert!((0..20_000).all(|_| !flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()), "{seed}");
+        // and what has frozen afterwards is told
+        let (mut flicker, mut reading) =
+            (lived(300, readings(0.0, 0.5, 1.0, seed)), readings(2e3, 0.5, 1.0, seed + 50));
+        flicker.pause();
+        (0..100).for_each(|_| assert!(!flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()));
+        assert!(told(&flicker).is_some());
+    }
+}
+
+#[test]
+fn what_has_shaken_an_axis_before_it_came_to_rest_is_no_noise() {
+    for (seed, (shaken, noise)) in (0..).zip([(0.4, 0.1), (0.5, 0.2), (0.5, 0.25), (0.7, 0.25), (0.7, 0.3)]) {
+        for place in [0.1, 0.3, 0.5] {
+            let mut flicker = lived(250, readings(place, shaken, 1.0, seed));
+            assert!(told(&flicker).is_some());
+            flicker.settle();
+            let mut reading = readings(place, noise, 1.0, seed + 50);
+            (0..100).for_each(|_| assert!(!flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()));
+            let mut reading = readings(0.0, noise, 1.0, seed + 100);
+            for _ in 0..2000 {
+                let found = flicker.update(&P, 2, stands_at(reading()), true, false);
+                assert!(!found.is_fault() && !flicker.after_run(&P, 2).is_fault(), "{shaken} {noise} {found:?}");
+            }
+        }
+    }
+    // noise that goes on is soon known again: a reading that stands for the rest of a run is told
+    let known = (0..20).filter(|seed| {
+        let (mut flicker, mut reading) =
+            (lived(230, readings(0.0, 0.5, 1.0, *seed)), readings(0.0, 0.5, 1.0, seed + 50));
+        flicker.settle();
+        (0..130).for_each(|_| assert!(!flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()));
+        told(&flicker).is_some_and(|(after, _)| after < 190)
+    });
+    assert!(known.count() >= 18);
+}
+
+#[test]
+fn pushes_and_a_slow_swing_of_an_axis_are_no_noise() {
+    let push = |k: u32| 30.0 * (-0.13 * f64::from(k % 20)).exp();
+    let swing = |k: u32| 3.0 * (0.6 * f64::from(k)).sin();
+    for reading in [push as fn(u32) -> f64, swing] {
+        let mut k = 0;
+        let flicker = lived(200, || {
+            k += 1;
+            reading(k).round() * P.axis[2].pulse
+        });
+        assert!(flicker.turns >= TURNS_MIN);
+        assert_eq!(told(&flicker), None);
+    }
+}
+
+#[test]
+fn what_patterns_move_by_a_count_is_no_turn() {
+    // at the edge of a step a tiny noise flickers, and the patterns of the axis go to and fro
+    let flicker = |count: f64| {
+        let mut flicker = Flicker::default();
+        for k in 0..200u32 {
+            let model = count * f64::from(k / 8 % 2);
+            let position = (model + f64::from(k % 2)).round() * P.axis[2].pulse;
+            flicker.update(&P, 2, Places { position, model: 0.7 + model * P.axis[2].pulse }, true, true);
+        }
+        flicker
+    };
+    assert_eq!((flicker(1.0).turns, told(&flicker(1.0))), (0, None));
+    // and noise beside them is still known
+    let (mut live, mut reading) = (Flicker::default(), readings(0.0, 0.5, 1.0, 3));
+    for k in 0..200u32 {
+        let moved = f64::from(k / 8 % 2) * P.axis[2].pulse;
+        live.update(&P, 2, Places { position: reading() + moved, model: 0.7 + moved }, true, true);
+    }
+    assert!(told(&live).is_some_and(|(after, _)| after < 110));
+}
+
+#[test]
+fn three_turns_by_two_steps_beside_the_first_are_noise() {
+    // at the edge of a step, and sometimes two steps away
+    let after = |excursions: u32| {
+        let mut k = 0;
+        let flicker = lived(200, || {
+            k += 1;
+            f64::from(if k % 60 == 50 && k / 60 < excursions { 2 } else { k % 2 }) * P.axis[2].pulse
+        });
+        told(&flicker)
+    };
+    assert_eq!(after(2), None);
+    assert!(after(3).is_some());
+}
+
+#[test]
+fn noise_that_dies_away_in_a_rest_tells_nothing() {
+    for seed in 0..10 {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let mut noise = 20.0;
+        let flicker = lived(400, || {
+            let normal: f64 = StandardNormal.sample(&mut random);
+            noise *= 0.98;
+            (noise * normal).round() * P.axis[2].pulse
+        });
+        assert_eq!(told(&flicker), None);
+    }
+}
+
+#[test]
+fn noise_before_the_rest_counts_where_it_was_no_larger() {
+    let rest = |before: Option<f64>, seed: u64| {
+        let mut flicker = before.map_or_else(Flicker::default, |noise| lived(300, readings(0.2, noise, 1.0, seed)));
+        flicker.settle();
+        let mut reading = readings(0.2, 0.5, 1.0, seed + 50);
+        (0..150).for_each(|_| assert!(!flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()));
+        told(&flicker).map_or(4000, |(after, _)| after)
+    };
+    let each = |before: Option<f64>| (0..10).map(|seed| rest(before, seed)).collect::<Vec<_>>();
+    let (alone, same, louder) = (each(None), each(Some(0.5)), each(Some(2.0)));
+    assert!(same.iter().sum::<u32>() + 20 < alone.iter().sum::<u32>(), "{same:?} {alone:?}");
+    assert!(louder.iter().zip(&alone).all(|(louder, alone)| *louder + 3 > *alone), "{louder:?} {alone:?}");
+}
+
+#[test]
+fn a_last_bit_of_the_number_is_no_step() {
+    let mut k = 0;
+    let flicker = lived(900, || {
+        k += 1;
+        0.7 + P.axis[2].pulse * f64::from(k / 2 % 2) + 1e-12 * f64::from(k % 3)
+    });
+    assert_eq!(told(&flicker), None);
+}
+
+#[test]
+fn what_is_read_in_motion_or_while_the_tool_cuts_is_no_measure() {
+    for (rests, undisturbed) in [(false, true), (true, false)] {
+        let (mut flicker, mut reading) = (Flicker::default(), readings(0.0, 0.5, 1.0, 3));
+        for _ in 0..900 {
+            flicker.update(&P, 2, stands_at(reading()), rests, undisturbed);
+        }
+        assert_eq!(told(&flicker), None, "{rests} {undisturbed}");
+    }
+    // what is held begins the stand anew, and a motion does not
+    for (held, expected) in [(true, false), (false, true)] {
+        let mut flicker = lived(1000, readings(0.0, 0.5, 1.0, 3));
+        let found = (0..400).any(|k| {
+            if held && k % 45 == 0 {
+                flicker.pause();
+            }
+            flicker.update(&P, 2, stands_at(0.7), k % 45 > 0, true).is_fault()
+        });
+        assert_eq!(found, expected);
+    }
+}
