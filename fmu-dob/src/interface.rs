@@ -479,7 +479,7 @@ mod variables {
     /// Bounds of the state `Commission`, and what becomes of its results
     pub struct Commission {
         /// Farthest way back from where it begins; 0: what learning the noise at the approach speed takes, and a fifth more, at least what the excitation needs
-        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / a + v (settle_time + learn.time)), at least 90 um")] pub travel: f64,
+        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / a + v (settle_time + learn.time)), at least 45 um")] pub travel: f64,
         /// Largest force beside the one that holds the stage, at least `guard.force`; 0: that of the hardest braking, or half of the drive's
         #[var(unit = NEWTON, range = 0.0..=1e6, start = 0.0, source = "derived: min(M_n a_stop, K_tn I_max / 2), at least guard.force")] pub force: f64,
         /// Longest time; 0: what its motions take, a quarter more and 1 s

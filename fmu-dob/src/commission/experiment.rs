@@ -165,3 +165,20 @@ impl Experiment {
         if self.over() { Milestone::Finished } else { Milestone::None }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stroke_may_leave_its_turn_unanswered_while_it_brakes_and_nothing_at_its_speed() {
+        let p = Parameters::START;
+        let mut experiment = Experiment::new(&p, 0.0);
+        assert_eq!(experiment.unanswered(0.0), experiment.plan.unanswered());
+        experiment.phase = Phase::Strokes;
+        // 0.05 m/s2 for 1 ms, and that speed for as long
+        for (acceleration, left) in [(0.0, 0.0), (0.05, 50e-9), (-0.05, 50e-9)] {
+            assert!((experiment.unanswered(acceleration) - left).abs() < 1e-18, "{acceleration}");
+        }
+    }
+}

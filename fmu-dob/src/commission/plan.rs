@@ -32,7 +32,7 @@ const TIMES: ExcitationTimes = ExcitationTimes { ramp: 0.5, settle: 0.5, rest: 0
 pub const STROKES: u32 = 4;
 /// The travel is longer than a stroke by this share, and at least so long (m): on less, of the slowest approaches, the excitation tells
 /// no delay of a stage whose noise is that of the defaults.
-const TRAVEL: (f64, f64) = (1.2, 90e-6);
+const TRAVEL: (f64, f64) = (1.2, 45e-6);
 /// Share of the drive's force that the excitation may take if nothing else is told.
 const DRIVE_SHARE: f64 = 0.5;
 /// A stage of another mass than told stands at its turns while the reference still moves, at most for this time, s.
@@ -221,10 +221,10 @@ mod tests {
         near(travel(&p), 2e-4);
         near(force(&p), 3.0);
         near(time(&p), 33.0);
-        // strokes of 7.5 um would leave the excitation a tenth of its way
+        // strokes of 7.5 um would leave the excitation a fifth of its way
         let mut slow = Parameters::START;
         slow.approach.velocity = 1e-5;
-        near(travel(&slow), 90e-6);
-        assert_eq!(Plan::new(&slow).back, 45e-6);
+        near(travel(&slow), 45e-6);
+        assert_eq!(Plan::new(&slow).back, 22.5e-6);
     }
 }
