@@ -202,6 +202,15 @@ mod tests {
     }
 
     #[test]
+    fn how_far_the_setpoint_is_beyond_the_stroke_is_told_with_preload_and_correction() {
+        let goal = Goal { deflection: 4e-5, ..GOAL };
+        let (press, added) = added(&goal, 60, 2e-5, goal.contact);
+        let last = added[added.len() - 1];
+        // all of the preload, and 60 1/s of 20 um for 60 ms
+        assert!((last - 4e-5 - 7.2e-5).abs() < 2e-6 && (press.ahead() - last).abs() < 1e-12, "{last} m");
+    }
+
+    #[test]
     fn a_blow_is_the_stroke_told_in_advance() {
         let stroke = stroke();
         let mut press = Press::new(stroke.clone(), Ending::Blow, 0.0, 0.003, P.slide.bandwidth);

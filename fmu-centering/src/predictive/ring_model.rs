@@ -164,7 +164,7 @@ impl RingModel {
 
     /// Whether more measurements may tell that a ring of which nothing was known before them has more form than assumed.
     fn waits(&self) -> bool {
-        self.widens() && self.history.len() <= 2 * GROUND && self.ground.told().1 >= self.assumed.centre
+        self.widens() && self.ground.told().1 >= self.assumed.centre
     }
 
     /// Whether a ground ring that is rougher than assumed explains what was rejected; it is taken for such a one then.

@@ -270,6 +270,24 @@ mod tests {
     }
 
     #[test]
+    fn a_bridged_sample_is_none_of_the_surface() {
+        let p = Parameters::START;
+        let mut delay = ProbeDelay::default();
+        for k in -30..300 {
+            if k == 0 {
+                delay.begin();
+            }
+            let slide = braking(1e-3 * f64::from(k) - 5e-3);
+            let late = braking(1e-3 * f64::from(k - 5) - 5e-3);
+            // one of seven is not measured, and keeps what was there before
+            let measured = k % 7 != 3 || k < 0;
+            let probe = if measured { late + 0.02 } else { 0.02 };
+            delay.update(&p, 2.1e-3, &Sample { angle: 0.0, slide, probe }, measured);
+        }
+        assert!(delay.late().is_some_and(|late| (late - 5e-3).abs() < 5e-5), "{:?}", delay.late());
+    }
+
+    #[test]
     fn a_slide_whose_velocity_is_a_share_of_its_way_tells_nothing() {
         for scale in [0.7, 1.0, 1.3] {
             assert_eq!(told_by(5, scale, 4.7, |k| 2e-3 * (1.0 - (-k / 25.0).exp())), None, "{scale}");
