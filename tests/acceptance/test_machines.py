@@ -46,7 +46,7 @@ ALL = {
     "deburr": Ends(178, 0),
     "dob": Ends(140, 33),
     "fts": Ends(183, 2),
-    "polish": Ends(178, 21),
+    "polish": Ends(196, 0),
 }
 
 

@@ -66,6 +66,6 @@ def test_a_hundred_robots_at_ten_times_the_feed() -> None:
 @pytest.mark.parametrize("sweep", ["lateral", "circular"])
 def test_a_hundred_tips_that_are_soft_across(sweep: str) -> None:
     found = lateral(machines(f"polish-{sweep}"))
+    measured("polish-lateral", sweep, **found)
     assert found["warned"] - found["rightly"] <= 3
     assert found["other"] <= 3
-    measured("polish-lateral", sweep, **found)
