@@ -128,7 +128,7 @@ def check_together(p: OrthogonalRobotParameters) -> None:
     Raises
     ------
     ParameterError
-        The ball does not reach the bottom of a step, or the plant steps over its contact.
+        The ball does not reach the bottom of a step, or the plant steps over its contact or swings on it.
     """
     _check_contact(p)
     _check_impedance(p)
@@ -182,7 +182,8 @@ def _check_impedance(p: OrthogonalRobotParameters) -> None:
     if p.contact_impedance < limit:
         raise ParameterError(
             f"parameter `plant.contact_impedance` of plant `orthogonal_robot`: "
-            f"value `{p.contact_impedance:g}`, limit `{limit:g}` at `tip_mass` = `{p.tip_mass:g}` kg, "
-            f"`contact_damping` = `{p.contact_damping:g}` N.s/m and `timestep` = `{p.timestep:g}` s\n"
-            "hint: take a shorter `timestep` and more `loop.substeps`"
+            f"value `{p.contact_impedance:g}`, limit at least `{limit:g}` at "
+            f"`tip_mass` = `{p.tip_mass:g}` kg, `contact_damping` = `{p.contact_damping:g}` N.s/m and `timestep` = `{p.timestep:g}` s\n"
+            "hint: take a shorter `timestep` and more `loop.substeps`, or more impedance, "
+            "less damping or a heavier tip"
         )

@@ -73,7 +73,7 @@ def run_tests(
     from cosim.acceptance import junit as xml
     from cosim.acceptance import runner, table
     from cosim.acceptance.selection import select
-    from cosim.show.figure import can_plot
+    from cosim.show.figure import wanted
 
     check_outputs(json, None, None)
     if junit is not None:
@@ -86,7 +86,7 @@ def run_tests(
     if out is not None and out.is_dir():
         check_text("--out", out / TABLE, "acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
-    options = runner.RunOptions(out, plots and can_plot(), workers, engines.checked(engine), limits, quiet)
+    options = runner.RunOptions(out, wanted(plots), workers, engines.checked(engine), limits, quiet)
     chosen = select(scenarios or ())
     if page is None:
         found = runner.run(chosen, options)

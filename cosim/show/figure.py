@@ -31,6 +31,20 @@ def can_plot() -> bool:
     return importlib.util.find_spec("matplotlib") is not None
 
 
+def wanted(plots: bool) -> bool:
+    """Whether plots are asked for and matplotlib is installed.
+
+    Raises
+    ------
+    CosimError
+        It does not start.
+    """
+    if plots and can_plot():
+        library()
+        return True
+    return False
+
+
 def check(file: Path) -> None:
     """Check that a figure can be made.
 

@@ -6,7 +6,7 @@ import contextlib
 import functools
 import logging
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,7 +19,7 @@ from cosim.loop.reference import Progress
 from cosim.pool import cluster, local
 from cosim.pool.limits import processors
 from cosim.show.bar import bar
-from cosim.show.figure import can_plot
+from cosim.show.figure import wanted
 from cosim.show.lines import ProgressLines
 from cosim.sweep import influence, overview, study
 from cosim.sweep.check import check_charts
@@ -68,13 +68,14 @@ def run_study(options: Options, take: Callable[[Plan, Store, Survey], T]) -> T:
     Raises
     ------
     CosimError
-        The study is wrong, the folder cannot be written, or no worker can be had.
+        The study is wrong, the folder cannot be written, no worker can be had, or matplotlib does not start.
     KeyboardInterrupt
         After the summary of what was done has been written.
     """
     with planning(options) as told:
         plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine), told)
     check_charts(plan)
+    options = replace(options, plots=wanted(options.plots))
     with Store(options.folder) as store:
         try:
             with progress(plan, store, options) as observe:
@@ -91,9 +92,9 @@ def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
     """Write tables and plots of the rows that are there."""
     save_csv(found.columns, folder / "summary.csv")
     save_parquet(found.columns, folder / "summary.parquet")
-    if plots and found.results and can_plot():
+    if plots and found.results:
         overview.save_plots(plan, found, folder / "summary.svg")
-    if plots and found.influences and can_plot():
+    if plots and found.influences:
         influence.save_plots(
             found.influences, plan.study.title or plan.study.name, folder / "sensitivity.svg"
         )

@@ -13,7 +13,6 @@ from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.pool.job import Finished, Numbered, Outcome
 from cosim.show import plot
-from cosim.show.figure import can_plot
 from cosim.sweep.plan import Plan, Run
 from cosim.sweep.store import DONE, TROUBLES, Row, Store, row_of
 from cosim.sweep.survey import Survey
@@ -69,7 +68,7 @@ def outcomes(
 def save_traces(plan: Plan, store: Store, found: Survey, pool: Pool, plots: bool) -> None:
     """Run the failed and the worst runs again, save their traces and plot the worst; what is there stays."""
     folder = store.folder / "traces"
-    drawn = worst(plan, found)[:MOST_PLOTS] if plots and can_plot() else []
+    drawn = worst(plan, found)[:MOST_PLOTS] if plots else []
     names = {number: f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen(plan, found)}
     files = {number: folder / name for number, name in names.items()}
     missing = [number for number, file in files.items() if not file.exists()]

@@ -59,7 +59,7 @@ class Writer(Closing):
         OSError
             The file cannot be written.
         """
-        arrays = [values(np.ascontiguousarray(column)) for column in columns]
+        arrays = [values(np.ascontiguousarray(column, dtype=np.float64)) for column in columns]
         self.writer.write_table(pyarrow.Table.from_arrays(arrays, schema=self.schema), self.rows)
 
     def finish(self, simulated: float) -> None:

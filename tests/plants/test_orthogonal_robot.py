@@ -142,7 +142,7 @@ def test_sliding_lifts_the_ball_by_less_than_two_micrometres(
 
 
 @pytest.mark.parametrize(("impedance", "keeps"), [(0.95, False), (0.5, True)])
-def test_only_an_impedance_of_a_half_keeps_the_load_of_a_tip_that_breaks_away(
+def test_an_impedance_of_a_half_keeps_the_load_of_a_tip_that_breaks_away(
     impedance: float, keeps: bool
 ) -> None:
     # soft across, it leaps at 45 mm/s: mu v c is more than the 5 N, so MuJoCo lifts it out of the mold

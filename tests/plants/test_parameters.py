@@ -68,7 +68,7 @@ def test_every_parameter_is_documented(name: str) -> None:
         (
             "orthogonal_robot",
             {"contact_impedance": 0.5},
-            r"`plant.contact_impedance`.*`0.5`, limit `0.8` at .*`timestep` = `0.0001` s",
+            r"`plant.contact_impedance`.*`0.5`, limit at least `0.8` at .*`timestep` = `0.0001` s",
         ),
         ("rotary_arm", {"arm_length": -1.0}, r"`plant.arm_length`.*`-1` m.*`0.01` to `0.5` m"),
         (

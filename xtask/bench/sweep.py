@@ -70,7 +70,9 @@ def cores(count: int, runs: int) -> Cores:
     """Do the runs in so many processes beside each other."""
     command = [sys.executable, __file__, "core", str(runs)]
     processes = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(count)]
-    found = [Cores(*json.loads(process.communicate()[0])) for process in processes]
+    told = [process.communicate()[0] for process in processes]
+    assert all(process.returncode == 0 for process in processes)
+    found = [Cores(*json.loads(text)) for text in told]
     return Cores(sum(one.rate for one in found), mean(one.processor for one in found))
 
 

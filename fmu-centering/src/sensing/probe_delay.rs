@@ -150,6 +150,9 @@ fn lowest(best: usize, value: impl Fn(usize) -> f64) -> (f64, f64) {
     }
     let [before, least, after] = [best - 1, best, best + 1].map(value);
     let (slope, bend) = (0.5 * (before - after), before - 2.0 * least + after);
+    if bend <= 0.0 {
+        return (best as f64, least);
+    }
     (best as f64 + slope / bend, least - 0.5 * slope.powi(2) / bend)
 }
 

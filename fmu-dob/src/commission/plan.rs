@@ -31,7 +31,7 @@ const TIMES: ExcitationTimes = ExcitationTimes { ramp: 0.5, settle: 0.5, rest: 0
 /// Strokes at the approach speed, back and forth.
 pub const STROKES: u32 = 4;
 /// The travel is longer than a stroke by this share, and at least so long (m): on less, of the slowest approaches, the excitation tells
-/// no delay of a stage whose noise is that of the defaults.
+/// no delay of a stage whose noise is that of the defaults. With more, faults of theirs would go farther than 50 um.
 const TRAVEL: (f64, f64) = (1.2, 45e-6);
 /// Share of the drive's force that the excitation may take if nothing else is told.
 const DRIVE_SHARE: f64 = 0.5;

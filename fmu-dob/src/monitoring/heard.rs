@@ -57,7 +57,7 @@ impl Heard {
         (doubted >= LEAST && self.delays != 0).then(|| self.delays.trailing_zeros())
     }
 
-    /// Largest second difference of the readings (m), as soon as it can be told beside those of one bad sample.
+    /// Largest second difference of the readings (m); once more than six are known, beside those of one bad sample.
     pub fn bend(&self) -> f64 {
         let bend = |k| self.before(k) - 2.0 * self.before(k + 1) + self.before(k + 2);
         let (mut largest, mut known) = ([0.0_f64; SPIKE + 1], 0);
