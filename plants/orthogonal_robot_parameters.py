@@ -182,8 +182,8 @@ def _check_impedance(p: OrthogonalRobotParameters) -> None:
     if p.contact_impedance < limit:
         raise ParameterError(
             f"parameter `plant.contact_impedance` of plant `orthogonal_robot`: "
-            f"value `{p.contact_impedance:g}`, limit at least `{limit:g}` at "
-            f"`tip_mass` = `{p.tip_mass:g}` kg, `contact_damping` = `{p.contact_damping:g}` N.s/m and `timestep` = `{p.timestep:g}` s\n"
-            "hint: take a shorter `timestep` and more `loop.substeps`, or more impedance, "
-            "less damping or a heavier tip"
+            f"value `{p.contact_impedance:g}`, limit at least `{limit:g}` at `tip_mass` = `{p.tip_mass:g}` kg"
+            f", `contact_damping` = `{p.contact_damping:g}` N.s/m and `timestep` = `{p.timestep:g}` s\n"
+            "hint: take a shorter `timestep` and more `loop.substeps`, or more impedance, less damping "
+            "or a heavier tip"
         )

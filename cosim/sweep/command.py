@@ -68,7 +68,7 @@ def run_study(options: Options, take: Callable[[Plan, Store, Survey], T]) -> T:
     Raises
     ------
     CosimError
-        The study is wrong, the folder cannot be written, no worker can be had, or matplotlib does not start.
+        The study is wrong, the folder cannot be written, no worker can be had, or plots do not start.
     KeyboardInterrupt
         After the summary of what was done has been written.
     """
