@@ -114,6 +114,15 @@ def test_tables_hold_all_runs_and_traces_the_worst(study: Path, folder: Path) ->
     assert f"12 of 12 runs: {studies.statuses(study).count('passed')} passed" in done.stdout
 
 
+def test_plots_that_cannot_start_are_told_before_the_first_run(study: Path) -> None:
+    command = [sys.executable, "-m", "cosim", "sweep", "grid.toml"]
+    variables = studies.environment(MPLBACKEND="nope")
+    done = subprocess.run(command, capture_output=True, text=True, env=variables, check=False)
+    assert done.returncode == 2
+    assert "error: matplotlib does not start: " in done.stderr
+    assert not (study / "results.jsonl").exists()
+
+
 def test_the_summary_as_json_counts_and_plots_are_drawn(study: Path, folder: Path) -> None:
     traces = '\n[traces]\nworst = 1\nfailed = 0\nmetric = "end"\n'
     (folder / "grid.toml").write_text(studies.GRID + traces)
