@@ -72,7 +72,7 @@ impl Experiment {
     }
 
     /// Motion (m) of the reference that a living stage may leave unanswered at its turns: those of the excitation, or that of a stroke
-    /// whose reference still brakes with `acceleration` (m/s2).
+    /// or way back whose reference speeds up or brakes with `acceleration` (m/s2).
     pub fn unanswered(&self, acceleration: f64) -> f64 {
         if self.exciting() { self.plan.unanswered() } else { acceleration.abs() * TURN * TURN }
     }
