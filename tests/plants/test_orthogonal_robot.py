@@ -134,11 +134,14 @@ def test_sliding_lifts_the_ball_by_less_than_two_micrometres(
     friction: float, impedance: float, share: float
 ) -> None:
     # MuJoCo's contact gives way by mu v c / k while it slides: 0.8 and 1.7 um at 10 mm/s
-    plant = robot(**PRESSED, friction=friction, timestep=2.5e-5, contact_impedance=impedance)
-    rows = run(plant, 60, lambda k: (10.0 if k > 20 else 0.0, 0.0, 0.0))
-    lift = rows["contact_force"][-10:] / 1.2e6 + rows["gap"][-10:]
-    # 0.03 um more are measured at the low impedances, also where load and gap are of one plant step
-    assert lift.mean() == pytest.approx(share * friction * 0.01 * 500.0 / 1.2e6, rel=0.1, abs=4e-8)
+    def height(friction: float) -> float:
+        plant = robot(**PRESSED, friction=friction, timestep=2.5e-5, contact_impedance=impedance)
+        rows = run(plant, 60, lambda k: (10.0 if k > 20 else 0.0, 0.0, 0.0))
+        return float((rows["contact_force"][-10:] / 1.2e6 + rows["gap"][-10:]).mean())
+
+    # the way along the mold makes 0.03 um without friction, too
+    lift = height(friction) - height(1e-4)
+    assert lift == pytest.approx(share * friction * 0.01 * 500.0 / 1.2e6, rel=0.05)
 
 
 @pytest.mark.parametrize(("impedance", "keeps"), [(0.95, False), (0.5, True)])
