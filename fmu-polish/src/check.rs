@@ -36,6 +36,7 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             stick_slip_acceleration,
             stick_slip_sliding,
             stick_slip_sweep,
+            stick_slip_longest,
             commission_travel,
             commission_force,
             commission_time,
@@ -190,6 +191,23 @@ fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
+/// So is the longest one, with what K_v must be raised to before.
+fn stick_slip_longest(p: &Parameters) -> Result<(), ParameterError> {
+    let (told, longest) = (p.stick_slip.half_period, p.stick_slip.half_period_max);
+    let velocity = sweep_limits::highest(p).max(p.stick_slip.velocity);
+    let half = 0.5 * velocity * f64::from(longest) * p.sample_period;
+    let (most, limit) = (sweep_limits::SWEEP * p.limits.position_error, p.limits.position_error);
+    let period = Parameter::new(
+        "stick_slip.half_period_max",
+        longest,
+        "samples",
+        "a shorter one, or less `velocity_max` of `stick_slip`",
+    );
+    period.must_be(longest == 0 || longest >= told && half <= most, || {
+        format!("`0`, or from `stick_slip.half_period` = `{told}` on, with a sweep of at most 0.9 of `limits.position_error` = `{limit} m` to each side, not `{half} m`")
+    })
+}
+
 /// The rubbing must be longer than an encoder can tell.
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
     let (travel, least) = (plan::travel(p), TRAVEL_STEPS * p.encoder_resolution);
@@ -237,6 +255,13 @@ mod tests {
             "`10 samples`",
             "`0.0006 m`",
         ),
+        (
+            |p| p.stick_slip.half_period_max = 9,
+            "stick_slip.half_period_max",
+            "`9 samples`",
+            "`stick_slip.half_period` = `10`",
+        ),
+        (|p| p.stick_slip.half_period_max = 46, "stick_slip.half_period_max", "`46 samples`", "not `0.00046 m`"),
         (|p| p.stick_slip.sliding = 0.02, "stick_slip.sliding", "`0.02 m/s`", "`stick_slip.velocity_max` = `0.02 m/s`"),
         (|p| p.sensor_direction_y = 0, "sensor.direction.y", "`0`", "`-1`"),
         (|p| p.sensor_direction_z = 0, "sensor.direction.z", "`0`", "`-1`"),

@@ -57,8 +57,10 @@ pub struct Controller {
     setpoint: f64,
     normal: NormalMotion,
     feedback: PositionFeedback,
-    /// samples of stick-slip
+    /// samples of the sweep
     k: u32,
+    /// half period (samples) that was told
+    half_period: i32,
     sliding: Sliding,
     remainder: Remainder,
     /// way along the path in the last sample, m
@@ -97,6 +99,7 @@ impl Controller {
             normal: NormalMotion::new(p),
             feedback: PositionFeedback::new(),
             k: 0,
+            half_period: p.stick_slip.half_period,
             sliding: Sliding::default(),
             remainder: Remainder::new(),
             way: 0.0,
@@ -369,6 +372,9 @@ impl Controller {
     fn follow(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> VelocityParts {
         let error = self.want(p, reading, now);
         self.feed = next_feed(p, self.feed, reading.feed_override, now.frame.feed_max);
+        if self.k == 0 && self.sliding.lengthened > 0 {
+            self.normal.sweep_anew(p);
+        }
         self.k = self.k.wrapping_add(1).max(1);
         let (force, position, touching) = (now.force.normal, reading.position, touching(p, now));
         self.sliding.update(p, &position, now, touching);
@@ -386,6 +392,9 @@ impl Controller {
             stick_slip: share * sweep,
             sideways,
         };
+        if self.sliding.lengthen(p, self.k) {
+            self.k = 0;
+        }
         self.way = feed * p.sample_period;
         self.place = self.path.seek(self.place, self.place.s + self.way);
         parts

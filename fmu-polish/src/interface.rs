@@ -91,8 +91,8 @@ mod variables {
         #[hint("look at the force sensor: its zero may have moved")] UnloadTimeout,
         /// The job took longer than `limits.job_time`
         #[hint("raise it, or `feed_override`")] NoProgress,
-        /// The ball slid at less than 0.9 of `stick_slip.sliding`, with K_v raised as far as `stick_slip.velocity_max` and the sweep let it
-        #[hint("raise `stick_slip.half_period` or `stick_slip.velocity_max`, take a tip that is stiffer across its axis, or lower `stick_slip.sliding`; check scale and sign of the force across the tip, and `sensor.bandwidth`: a sensor that is slower than told shows less sliding")] NoSliding,
+        /// The ball slid at less than 0.9 of `stick_slip.sliding`, with K_v and half period raised as far as `stick_slip.velocity_max`, `stick_slip.half_period_max` and the sweep let them
+        #[hint("raise `stick_slip.half_period_max` or `stick_slip.velocity_max`, take a tip that is stiffer across its axis, or lower `stick_slip.sliding`; check scale and sign of the force across the tip, and `sensor.bandwidth`: a sensor that is slower than told shows less sliding")] NoSliding,
         /// The force was NaN, infinite or beyond any sensor for more samples than `limits.lost_samples`
         #[hint("check the wires of the force sensor")] LostForce,
         /// The force was farther from the last than the fastest motion can bring it for more samples than `limits.lost_samples`
@@ -247,6 +247,8 @@ mod variables {
         #[var(unit = NEWTON)] pub friction: f64,
         /// What is added to K_v so that the ball slides
         #[var(unit = METRE_PER_SECOND as "mm/s")] pub added: f64,
+        /// Samples that are added to `stick_slip.half_period` so that the ball slides
+        pub lengthened: i32,
     }
     /// Estimated misalignment of the mold.
     pub struct MisalignmentOutput {
@@ -427,10 +429,12 @@ mod variables {
         #[var(source = "paper")] pub sweep: Sweep,
         /// Wave form of the stick-slip velocity; a circular sweep has its own
         #[var(source = "paper")] pub wave: Wave,
-        /// Least mean speed at which the ball is to slide, the feed included, by more K_v; 0 for none; nothing with a `stick_slip.ratio`
+        /// Least mean speed at which the ball is to slide, the feed included, by more K_v and longer half periods; 0 for none; nothing with a `stick_slip.ratio`
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 6e-3, paper = 0.0, source = "our choice: three times a feed of 2 mm/s", tunable)] pub sliding: f64,
         /// Largest K_v to which `stick_slip.sliding` raises it
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 20e-3, source = "our choice: ten times a feed of 2 mm/s")] pub velocity_max: f64,
+        /// Half period (samples) to which `stick_slip.sliding` raises `stick_slip.half_period` where the ball slides too little at the largest K_v; 0 for none
+        #[var(range = 0..=1000, source = "our choice")] pub half_period_max: i32,
         /// K_v over the feed, keeps the removal per length; 0 for `stick_slip.velocity`
         #[var(unit = ONE, range = 0.0..=100.0, source = "our choice", tunable)] pub ratio: f64,
     }

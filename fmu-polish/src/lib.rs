@@ -24,7 +24,7 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "StickSlipPolishing", state_version: 9, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "StickSlipPolishing", state_version: 10, stop_time: 60.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn numbers(vars: &Vars) -> String {

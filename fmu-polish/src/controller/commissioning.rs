@@ -14,9 +14,12 @@ use crate::motion::velocity::VelocityParts;
 use crate::reading::Reading;
 
 impl Controller {
-    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    /// Puts what a commission has measured into the parameters, where `commission.apply` says so, and the half period of the sweep; before each
+    /// sample.
     pub fn bring_into_force(&mut self, p: &mut Parameters) {
+        p.stick_slip.half_period = self.half_period;
         self.commissioner.put(p);
+        p.stick_slip.half_period += self.sliding.lengthened;
     }
 
     /// Writes what the last good commission derives into the file `commission.export`.

@@ -41,6 +41,7 @@ impl Controller {
                 speed: self.sliding.speed.unwrap_or(0.0),
                 friction: self.sliding.friction,
                 added: self.sliding.added,
+                lengthened: self.sliding.lengthened,
             },
             misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
             ripple_frozen: self.normal.ripple.frozen() || self.normal.turns.frozen(),

@@ -80,10 +80,11 @@ pub fn numbers(vars: &Vars) -> String {
         ),
         Fault::UnloadTimeout => format!(" = `{} s`: `{:.2} N`", p.settle.time_max, force.measured),
         Fault::NoSliding => format!(
-            " {place}: `{:.4} m/s` of `{:.4} m/s` at K_v = `{:.4} m/s`, with a friction of `{:.2} N`",
+            " {place}: `{:.4} m/s` of `{:.4} m/s` at K_v = `{:.4} m/s` for `{} samples`, with a friction of `{:.2} N`",
             output.sliding.speed,
             p.stick_slip.sliding,
             p.stick_slip.velocity + output.sliding.added,
+            p.stick_slip.half_period,
             output.sliding.friction
         ),
         Fault::NoProgress => format!(" = `{:.1} s`: `{:.1} s` {place}", n.time_limit, n.time),

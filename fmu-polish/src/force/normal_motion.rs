@@ -83,6 +83,11 @@ impl NormalMotion {
         self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
     }
 
+    /// The sweep has another half period: its ripple is learned anew.
+    pub fn sweep_anew(&mut self, p: &Parameters) {
+        self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
+    }
+
     /// Begins to take the force away.
     pub fn unload(&mut self) {
         self.force_law.integral = 0.0;

@@ -6,9 +6,9 @@
 //! times `limits.surface_slope`, without that the force has left a band of one and a half steps, was not felt. What the noise of the
 //! encoders makes of a depth is no way.
 //!
-//! A tip that is soft across its axis, z, follows a circle where the ball sticks. On a steep part of the mold the circle, square to the normal, goes up
+//! A tip that is soft across its axis, z, follows a wide sweep where the ball sticks. On a steep part of the mold the sweep, square to the normal, goes up
 //! and down along z, and the cancellation of the ripple takes that back: what is left across z counts as depth, but the tip only bends. So with
-//! a circle no answer is missed but to what both the depth and its part along z say.
+//! a circle, and with a half period that has been raised, no answer is missed but to what both the depth and its part along z say.
 
 use control_blocks::{Frozen, ticks};
 use nalgebra::Vector3;
@@ -18,7 +18,8 @@ use super::axis::BAND;
 use super::noise::{Noise, memory};
 use super::swings::Swings;
 use crate::force::contact::Measurement;
-use crate::interface::{Fault, Parameters, State, Sweep};
+use crate::interface::{Fault, Parameters, State};
+use crate::motion::stick_slip::bends;
 
 /// Share of the normal from which on an axis carries the force.
 const CARRIES: f64 = 0.5;
@@ -174,9 +175,10 @@ impl ForceMonitor {
         let noise = NOISES * (self.depth_noise.deviation() - p.encoder_resolution).max(0.0);
         let felt = |answer: &Answer, share: f64| {
             let depth = p.limits.frozen_way + p.limits.surface_slope * answer.way + noise;
-            let unanswered = match p.stick_slip.sweep {
-                Sweep::Linear => answer.frozen.unanswered(),
-                Sweep::Circular => answer.frozen.unanswered().min(answer.along.abs()),
+            let unanswered = if bends(&p.stick_slip) {
+                answer.frozen.unanswered().min(answer.along.abs())
+            } else {
+                answer.frozen.unanswered()
             };
             unanswered <= BAND * p.sensor_resolution + sample.stiffness * depth * share.abs()
         };
@@ -199,7 +201,7 @@ fn error_limit(p: &Parameters) -> f64 {
 mod tests {
     use super::*;
     use crate::force::sensor::MeasuredForce;
-    use crate::interface::{ErrorOutput, StickSlip};
+    use crate::interface::{ErrorOutput, StickSlip, Sweep};
     use crate::path::centre_path::Frame;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
@@ -261,22 +263,33 @@ mod tests {
     }
 
     /// What is wrong on a path that is steep by 0.13, where the axes go round for 0.1 s with `radius` m, without z, and sink by `sunk` m.
-    fn round(sweep: Sweep, radius: f64, sunk: f64) -> Option<Fault> {
+    fn round(judge: Judge, radius: f64, sunk: f64) -> Option<Fault> {
         let offset = |k: u32| {
             let angle = std::f64::consts::TAU * f64::from(k) / 20.0;
             Vector3::new(radius * angle.cos(), radius * angle.sin(), sunk * f64::from(k) / 100.0)
         };
-        (0..100).map(offset).fold(Judge::new(sweep, 0.13), Judge::show).fault
+        (0..100).map(offset).fold(judge, Judge::show).fault
     }
 
     #[test]
-    fn a_circle_that_only_bends_the_tip_needs_no_answer_but_the_way_along_it_does() {
-        // 26 um of depth, without a way along z
-        assert_eq!(round(Sweep::Circular, 100e-6, 0.0), None);
-        for radius in [0.0, 50e-6, 100e-6] {
-            assert_eq!(round(Sweep::Circular, radius, 50e-6), Some(Fault::FrozenForce), "{radius}");
+    fn a_wide_sweep_that_only_bends_the_tip_needs_no_answer_but_the_way_along_it_does() {
+        let judge = |sweep: Sweep, half_period: i32, half_period_max: i32| {
+            let mut judge = Judge::new(sweep, 0.13);
+            judge.p.stick_slip = StickSlip { half_period, half_period_max, ..judge.p.stick_slip };
+            judge
+        };
+        for (sweep, half, longest) in [(Sweep::Circular, 10, 0), (Sweep::Circular, 10, 20), (Sweep::Linear, 20, 20)] {
+            // 26 um of depth, without a way along z
+            assert_eq!(round(judge(sweep, half, longest), 100e-6, 0.0), None);
+            for radius in [0.0, 50e-6, 100e-6] {
+                let fault = round(judge(sweep, half, longest), radius, 50e-6);
+                assert_eq!(fault, Some(Fault::FrozenForce), "{sweep:?} {half} {radius}");
+            }
         }
-        assert_eq!(round(Sweep::Linear, 100e-6, 0.0), Some(Fault::FrozenForce));
+        for (half, longest) in [(10, 0), (10, 20), (20, 0)] {
+            let fault = round(judge(Sweep::Linear, half, longest), 100e-6, 0.0);
+            assert_eq!(fault, Some(Fault::FrozenForce), "{half} {longest}");
+        }
     }
 
     /// What is wrong where the encoders have 10 um of noise, on the way down and for 4 s in which the force keeps within its band and the

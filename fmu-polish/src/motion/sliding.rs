@@ -1,5 +1,5 @@
 //! Does the ball slide, or does the tip only bend? Told by the work that the axes do against the lateral force, and K_v
-//! is raised where it slides too little.
+//! is raised where it slides too little, then the half period.
 //!
 //! What bends the tip comes back when it is bent the other way: over whole periods the integrals of F . dx and of |F| F . dx
 //! hold sliding alone, with the forces F across the normal and the ways dx of the axes. With the work W = -sum(F . dx) and
@@ -50,6 +50,10 @@ pub struct Sliding {
     pub friction: f64,
     /// What is added to K_v, m/s.
     pub added: f64,
+    /// Samples that are added to the half period.
+    pub lengthened: i32,
+    /// the half period is to be lengthened where a period ends
+    short: bool,
     /// largest K_v (m/s) at which a ball on a circle slid too little in this job
     stuck: f64,
     /// windows in a row at the largest K_v since the last verdict, and the sum of their speeds, m/s
@@ -113,15 +117,30 @@ impl Sliding {
         self.speeds += speed;
         if self.windows == WINDOWS {
             let mean = self.speeds / f64::from(WINDOWS);
-            self.too_little = mean < ENOUGH * wanted(p);
+            let slow = mean < ENOUGH * wanted(p);
+            self.short = slow && p.stick_slip.half_period < p.stick_slip.half_period_max;
+            self.too_little = slow && !self.short;
             // what is told with the fault is what was judged
-            self.speed = if self.too_little { Some(mean) } else { self.speed };
+            self.speed = if slow { Some(mean) } else { self.speed };
             (self.windows, self.speeds) = (0, 0.0);
         }
     }
 
+    /// Lengthens the half period after sample `k` of the sweep, if it is too short and this ends a period, where the axes are in the middle of the
+    /// sweep; whether it has. K_v begins anew, and what was measured with the short one counts no more.
+    pub fn lengthen(&mut self, p: &Parameters, k: u32) -> bool {
+        let law = &p.stick_slip;
+        let longer = self.short && k.is_multiple_of(2 * law.half_period.unsigned_abs());
+        if longer {
+            let lengthened = self.lengthened + law.half_period_max - law.half_period;
+            let Self { motion, speed, friction, .. } = *self;
+            *self = Self { motion, speed, friction, lengthened, ..Self::default() };
+        }
+        longer
+    }
+
     fn begin_verdict(&mut self) {
-        (self.windows, self.speeds, self.too_little) = (0, 0.0, false);
+        (self.windows, self.speeds, self.too_little, self.short) = (0, 0.0, false, false);
     }
 
     /// K_v (m/s) of a sample at the feed `feed` (m/s): no more than the drives accelerate, whatever has been tuned.
@@ -392,5 +411,29 @@ mod tests {
             (0..WINDOWS).for_each(|_| most.hear(&P, share * P.stick_slip.sliding, true));
             assert_eq!(most.too_little, expected, "{share}");
         }
+    }
+
+    #[test]
+    fn the_half_period_is_raised_once_at_the_end_of_a_period_and_then_it_is_too_little() {
+        let mut p = P;
+        p.stick_slip.half_period_max = 30;
+        let slow = |sliding: &mut Sliding, p: &Parameters| {
+            (0..WINDOWS).for_each(|_| sliding.hear(p, 0.85 * p.stick_slip.sliding, true));
+        };
+        let mut sliding = Sliding { added: 10e-3, stuck: 19e-3, speed: Some(5e-3), ..Sliding::default() };
+        assert!(!sliding.lengthen(&p, 20));
+        slow(&mut sliding, &p);
+        assert!(!sliding.too_little && !sliding.lengthen(&p, 30) && sliding.lengthen(&p, 40));
+        let begun = Sliding { lengthened: 20, speed: sliding.speed, ..Sliding::default() };
+        assert_eq!(sliding, begun);
+        p.stick_slip.half_period = 30;
+        slow(&mut sliding, &p);
+        assert!(sliding.too_little && !sliding.lengthen(&p, 60) && sliding.lengthened == 20);
+        // what is tuned off meanwhile is not lengthened
+        (sliding, p.stick_slip.half_period) = (Sliding::default(), 10);
+        slow(&mut sliding, &p);
+        p.stick_slip.sliding = 0.0;
+        sliding.judge(&p);
+        assert!(!sliding.lengthen(&p, 20));
     }
 }

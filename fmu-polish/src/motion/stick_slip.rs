@@ -55,6 +55,11 @@ fn circle(half: u32, k: u32) -> [f64; 2] {
     [radius * cos, radius * sin]
 }
 
+/// Whether a soft tip may bend with the whole sweep: on a circle, and where the half period has been raised as far as it may.
+pub fn bends(law: &StickSlip) -> bool {
+    law.sweep == Sweep::Circular || (law.half_period_max > 0 && law.half_period >= law.half_period_max)
+}
+
 /// Largest velocity over K_v.
 pub fn fastest(law: &StickSlip) -> f64 {
     match (law.sweep, law.wave) {

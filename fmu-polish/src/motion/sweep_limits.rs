@@ -4,7 +4,7 @@ use crate::interface::Parameters;
 use crate::motion::stick_slip::{fastest, sharpest};
 
 /// Largest sweep to each side, over the position error that is a fault.
-const SWEEP: f64 = 0.9;
+pub const SWEEP: f64 = 0.9;
 
 /// The largest K_v, m/s: that of the parameters, what the feed leaves of the drives, and no sweep that is a position error.
 pub fn highest(p: &Parameters) -> f64 {

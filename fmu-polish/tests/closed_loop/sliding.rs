@@ -193,3 +193,87 @@ fn what_a_sweep_climbs_on_a_mold_beside_its_place_is_learned_as_it_turns() {
         assert!(with.deviation < 0.75 * without.deviation, "{without:?} {with:?}");
     }
 }
+
+/// The half period may be raised to 20 samples; the path takes 8 s.
+fn longer(sweep: Sweep) -> Parameters {
+    let mut p = P;
+    (p.stick_slip.sweep, p.stick_slip.half_period_max, p.feed.velocity) = (sweep, 20, 1e-3);
+    p
+}
+
+#[test]
+fn what_slides_too_little_at_the_largest_velocity_slides_in_longer_half_periods() {
+    for (sweep, lateral, friction) in
+        [(Sweep::Linear, 20e3, 0.4), (Sweep::Linear, 12e3, 0.25), (Sweep::Circular, 12e3, 0.4)]
+    {
+        let mut short = longer(sweep);
+        short.stick_slip.half_period_max = 0;
+        let mut run = Loop::new(&short, tip(lateral, friction), 615);
+        assert!(!run.run_to(State::Unload, 20.0) && run.output.fault == Fault::NoSliding, "{lateral}");
+        let mut run = Loop::new(&longer(sweep), tip(lateral, friction), 615);
+        assert!(run.run_to(State::Follow, 5.0));
+        let mut slid = vec![run.robot.slid];
+        while run.output.state == State::Follow {
+            run.step();
+            slid.push(run.robot.slid);
+        }
+        let last = slid[slid.len() - 1] - slid[slid.len() - 1001];
+        assert_eq!((run.output.fault, run.output.sliding.lengthened), (Fault::None, 10), "{lateral}: {last}");
+        assert!(last > 5e-3, "{sweep:?} {lateral} {friction}: {last} m in the last second, {:?}", run.output.sliding);
+    }
+}
+
+#[test]
+fn a_longer_sweep_begins_where_the_short_one_ends_with_the_told_velocity() {
+    let mut run = Loop::new(&longer(Sweep::Linear), tip(12e3, 0.25), 616);
+    while run.output.sliding.lengthened == 0 {
+        run.step();
+        assert!(run.output.state != State::Fault, "{:?}", run.output.fault);
+    }
+    assert_eq!(run.output.sliding.added, 0.0);
+    // whole periods, before K_v is raised again
+    let (mut mean, mut most) = (0.0, 0.0f64);
+    for _ in 0..160 {
+        run.step();
+        mean += run.output.error.lateral / 160.0;
+        most = most.max(run.output.error.lateral.abs());
+        assert_eq!(run.output.velocity.stick_slip.abs(), 10e-3);
+    }
+    assert!(mean.abs() < 10e-6 && (60e-6..150e-6).contains(&most), "{mean} {most}");
+}
+
+#[test]
+fn a_ball_that_sticks_in_the_longest_half_period_too_is_named_and_a_new_job_begins_with_what_is_told() {
+    let mut run = Loop::new(&longer(Sweep::Linear), tip(5e3, 0.4), 617);
+    assert!(run.run_to(State::Fault, 20.0));
+    assert_eq!((run.output.fault, run.output.sliding.lengthened), (Fault::NoSliding, 10));
+    assert_eq!(run.parameters.stick_slip.half_period, 20);
+    run.input.enable = false;
+    (0..3000).for_each(|_| run.step());
+    run.input.reset_fault = true;
+    assert!(run.run_to(State::Idle, 30.0), "{:?}", run.output.state);
+    run.robot = Loop::new(&longer(Sweep::Linear), Build::NOMINAL, 617).robot;
+    (0..20).for_each(|_| run.step());
+    run.input.enable = true;
+    assert!(run.run_to(State::Follow, 40.0), "{:?}", run.output.fault);
+    run.step();
+    assert_eq!((run.output.sliding.lengthened, run.parameters.stick_slip.half_period), (0, 10));
+}
+
+#[test]
+fn a_force_that_freezes_in_longer_half_periods_is_frozen() {
+    for (value, limit) in [(5.0, 6.0), (4.0, 18.0)] {
+        let mut run = Loop::new(&longer(Sweep::Linear), tip(12e3, 0.25), 618);
+        while run.output.sliding.lengthened == 0 {
+            run.step();
+        }
+        (0..400).for_each(|_| run.step());
+        let mut most: f64 = 0.0;
+        while run.output.state == State::Follow {
+            run.step_with(|input| input.force.z = value);
+            most = most.max(run.robot.normal_force);
+        }
+        assert_eq!(run.output.fault, Fault::FrozenForce, "{value}: {most}");
+        assert!(most <= limit, "{value}: {most}");
+    }
+}

@@ -30,9 +30,10 @@ class Machine:
         return value(self.result, metric)
 
 
-def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
-    """All machines of a study, or so many that are drawn anew with a seed: (samples, seed)."""
+def machines(name: str, few: tuple[int, int] | None = None, changes: Case | None = None) -> list[Machine]:
+    """All machines of a study, with changes, or so many that are drawn anew with a seed: (samples, seed)."""
     wanted = study.load(FOLDER / f"{name}.toml")
+    wanted = replace(wanted, set={**wanted.set, **(changes or {})})
     if few is not None:
         samples, seed = few
         wanted = replace(wanted, seed=seed, design=replace(wanted.design, samples=samples))
