@@ -147,13 +147,18 @@ impl Flicker {
     }
 
     fn stands(&self, p: &Parameters, axis: usize, decades: f64) -> Finding {
+        let seconds = |samples: f64| samples * p.sample_period;
+        let stands = seconds(f64::from(self.still));
+        // asked in every sample of every axis
+        if stands <= STAND_MIN {
+            return Finding::NONE;
+        }
         let lasts = self.recent * f64::from(self.seen) > DIED_AWAY * self.squares;
         let forgets = self.products < FORGETS * self.squares;
         if self.turns < TURNS_MIN || !lasts || !forgets {
             return Finding::NONE;
         }
-        let seconds = |samples: f64| samples * p.sample_period;
-        let (stands, most) = (seconds(f64::from(self.still)), seconds(self.most(decades)).max(STAND_MIN));
+        let most = seconds(self.most(decades)).max(STAND_MIN);
         if stands <= most {
             return Finding::NONE;
         }
