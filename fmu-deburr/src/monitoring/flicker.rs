@@ -11,6 +11,9 @@
 //! the place wanders, or more where it swings. It has to be as large until the reading stands, or a swing has died away. Before all axes
 //! came to rest it may have been of their motion: that makes the variance surer, where the rest has shown no less by a deviation,
 //! and no turn. One that never turns tells nothing.
+//!
+//! A rest before a job is too short to tell noise and to miss it as well. So a second one of these is kept of the rests of all axes, whatever
+//! job comes between them, as long as the tool runs or stands as it did: noise of a reading that was there in one is there in the next.
 
 use serde::{Deserialize, Serialize};
 
