@@ -40,6 +40,12 @@ def at(time: float, to: str, **kind: float | bool) -> tuple[Injection, ...]:
     return (Injection(to, from_time=time, **kind),)  # type: ignore[arg-type]
 
 
+SECOND_REST = tuple(
+    Injection(to, when='controller.state == "Settle" and time > 8', after=0.1, **kind)
+    for to, kind in ((AXIS2, {"frozen": True}), ("plant.axis2_velocity", {"offset": -5e-3}))
+)
+"""Encoder 2 stands from 0.1 s after the begin of that rest on, while its drive creeps down."""
+
 ROWS = (
     Row(
         "encoder 1 frozen before it moves",
@@ -75,6 +81,26 @@ ROWS = (
         "5 mm/s for as long as its noise may stand, then closed brakes",
         (*at(5.2, AXIS2, frozen=True), *at(5.2, "plant.axis2_velocity", offset=-5e-3)),
         changes=("controller.transfer.settle_time=2.0",),
+    ),
+    Row(
+        "encoder 2 frozen early in the rest before a second job, its drive creeps by 5 mm/s",
+        ("FrozenReading",),
+        BEYOND,
+        9e-3,
+        "5 mm/s for as long as its noise in the rests before may stand, then closed brakes",
+        SECOND_REST,
+        (Signal("controller.mode", (0.0, 6.6, 10.4), ("Deburr", "Idle", "Deburr")),),
+        changes=("controller.limits.spindle_change=0",),  # the burr is off
+    ),
+    Row(
+        "the same, and the job is ended in that rest",
+        ("FrozenReading",),
+        BEYOND,
+        9e-3,
+        "5 mm/s for as long as its noise in the rests before may stand, then closed brakes",
+        SECOND_REST,
+        (Signal("controller.mode", (0.0, 6.6, 10.4, 15.3), ("Deburr", "Idle", "Deburr", "Idle")),),
+        changes=("controller.limits.spindle_change=0",),
     ),
     Row(
         "encoder 5 without noise frozen in the burr where it stands, its drive creeps by 10 mm/s at the tip",

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::predictive::assumptions::Assumptions;
 use crate::predictive::ring_estimate::{Gaussian, Known, RingEstimate};
-use crate::predictive::ring_line::GROUND;
+use crate::predictive::ring_line::{GROUND, Tangent};
 
 /// Passes over the history at a time.
 const PASSES: usize = 4;
@@ -35,12 +35,13 @@ impl GroundRing {
             let mut refined = before.clone();
             let mut squares = 0.0;
             for &(angle, y) in history {
-                let misfit = if pass > 0 { (y - estimate.line(angle)) / noise } else { 0.0 };
+                let tangent = Tangent::new(estimate.assumed.radius, &estimate.linear, angle);
+                let expected = |state| tangent.at(&estimate.linear, state);
+                let misfit = if pass > 0 { (y - expected(&estimate.now.mean)) / noise } else { 0.0 };
                 // cauchy's weight: dirt has hardly any influence
                 let weight = 1.0 / (1.0 + (misfit / (gate * rough)).powi(2));
                 squares += weight * misfit * misfit;
-                let (expected, gradient) = estimate.expect(angle, &refined.mean);
-                refined.update(y - expected, &gradient, noise.powi(2) / weight);
+                refined.update(y - expected(&refined.mean), &tangent.gradient, noise.powi(2) / weight);
             }
             estimate.now = refined;
             estimate.note_misfit(squares, history.len() as f64, history.len());

@@ -22,22 +22,43 @@ const fn states(highest: usize) -> usize {
 /// y = b0 + r - (c_x + sqrt(R^2 - c_y^2)), eq. 4 with the centre in the world frame, of a ring of `radius` m at the
 /// spindle angle (rad), for a state near the point of linearisation, and its gradient.
 pub fn line<const N: usize>(radius: f64, linear: &Vector<N>, angle: f64, state: &Vector<N>) -> (f64, Vector<N>) {
-    let (sine, cosine) = angle.sin_cos();
-    let (x, y) = (linear[1], linear[2]);
-    let (across, along) = (sine * x + cosine * y, cosine * x - sine * y);
-    let lever = (across / radius).clamp(-LEVER_MAX, LEVER_MAX);
-    let root = radius * (1.0 - lever * lever).sqrt();
-    let tilt = radius * lever / root;
-    // the chord changes by more than the radius
-    let mut gradient = harmonics::<N>(-lever.asin() - angle) * (-radius / root);
-    gradient[0] = 1.0;
-    gradient[1] = -cosine + tilt * sine;
-    gradient[2] = sine + tilt * cosine;
-    let mut rest = state - linear;
-    // b0 and form enter linearly
-    rest[0] = state[0];
-    rest.rows_range_mut(3..).copy_from(&state.rows_range(3..));
-    (radius - along - root + gradient.dot(&rest), gradient)
+    let tangent = Tangent::new(radius, linear, angle);
+    (tangent.at(linear, state), tangent.gradient)
+}
+
+/// That line at one spindle angle, linearised.
+pub struct Tangent<const N: usize> {
+    /// y of a round ring where it is linearised, less b0, m.
+    round: f64,
+    /// By the state.
+    pub gradient: Vector<N>,
+}
+
+impl<const N: usize> Tangent<N> {
+    /// Of a ring of `radius` m at the spindle angle (rad).
+    pub fn new(radius: f64, linear: &Vector<N>, angle: f64) -> Self {
+        let (sine, cosine) = angle.sin_cos();
+        let (x, y) = (linear[1], linear[2]);
+        let (across, along) = (sine * x + cosine * y, cosine * x - sine * y);
+        let lever = (across / radius).clamp(-LEVER_MAX, LEVER_MAX);
+        let root = radius * (1.0 - lever * lever).sqrt();
+        let tilt = radius * lever / root;
+        // the chord changes by more than the radius
+        let mut gradient = harmonics::<N>(-lever.asin() - angle) * (-radius / root);
+        gradient[0] = 1.0;
+        gradient[1] = -cosine + tilt * sine;
+        gradient[2] = sine + tilt * cosine;
+        Self { round: radius - along - root, gradient }
+    }
+
+    /// y of a state near the point of linearisation, m.
+    pub fn at(&self, linear: &Vector<N>, state: &Vector<N>) -> f64 {
+        let mut rest = state - linear;
+        // b0 and form enter linearly
+        rest[0] = state[0];
+        rest.rows_range_mut(3..).copy_from(&state.rows_range(3..));
+        self.round + self.gradient.dot(&rest)
+    }
 }
 
 /// Deviation of the ring from its radius in the direction `phi` (rad, ring frame), m.

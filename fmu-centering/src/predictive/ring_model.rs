@@ -63,7 +63,10 @@ impl RingModel {
             self.rejections += 1;
             return false;
         }
-        self.rejections = 0;
+        // one that fits by chance tells no more than those that do not
+        if !self.waits() {
+            self.rejections = 0;
+        }
         if self.history.is_full() {
             self.known_mut().linearise();
         }
@@ -95,7 +98,7 @@ impl RingModel {
             self.give_up();
         }
         let Some((any, purpose)) = self.any.as_mut().and_then(|any| any.fitting().map(|purpose| (any, purpose))) else {
-            return !self.lost() || self.reconsider();
+            return !self.lost() || self.waits() || self.reconsider();
         };
         any.advance(&self.history);
         if any.fitting().is_some() || !self.lost() || self.explains() {
@@ -159,12 +162,14 @@ impl RingModel {
             Some(any) => any.begin(Purpose::Reconsider),
             None => self.widen(),
         }
-        self.any.is_some() || self.roughen() || self.waits()
+        self.any.is_some() || self.roughen()
     }
 
-    /// Whether more measurements may tell that a ring of which nothing was known before them has more form than assumed.
+    /// Whether too much was rejected of a ring of which nothing was known before, and more measurements may tell that it has more
+    /// form than assumed: so few are explained by any roughness, too.
     fn waits(&self) -> bool {
-        self.widens() && self.ground.told().1 >= self.assumed.centre
+        let few = self.any.is_none() && self.history.len() <= 2 * GROUND;
+        self.lost() && few && self.widens() && self.ground.told().1 >= self.assumed.centre
     }
 
     /// Whether a ground ring that is rougher than assumed explains what was rejected; it is taken for such a one then.

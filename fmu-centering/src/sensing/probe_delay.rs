@@ -18,10 +18,13 @@ const WINDOW: (f64, f64) = (0.2, 0.5);
 const EARLY: usize = 6;
 const LATEST: usize = 25;
 const DELAYS: usize = EARLY + 1 + LATEST;
-/// Terms 1, k, k^2 of a surface, and x, and the fewest samples: three for each of the surface, in a window of 15 with [`EARLY`].
+/// Terms 1, k, k^2 of a surface, and x, and the fewest samples: three for each of the surface and one for the delay, in a window of 16
+/// with [`EARLY`].
 const SURFACE: usize = 3;
 const TERMS: usize = 4;
-const FEWEST: f64 = 9.0;
+const FEWEST: f64 = 10.0;
+/// Fewest samples that tell what a delay between two would leave: of fewer the parabola through three of them goes below the noise.
+const BETWEEN: f64 = 40.0;
 /// Either is late by more than this share of a sample, and where that explains so many standard deviations of what it leaves more
 /// than any scale of the probe: a step of the probe leaves much more than noise, and is not late.
 const LATE: (f64, f64) = (0.5, 12.0);
@@ -128,8 +131,9 @@ impl ProbeDelay {
         };
         let beside = |square: f64, product: SVector<f64, TERMS>| square - product.dot(&(all * product));
         let best = (0..DELAYS).min_by(|&a, &b| left(a).total_cmp(&left(b)))?;
-        let (place, least) = lowest(best, left);
-        let variance = (least / (f64::from(self.samples) - SURFACE as f64)).max(LEAST.powi(2));
+        let (place, between) = lowest(best, left);
+        let least = if f64::from(self.samples) < BETWEEN { left(best) } else { between };
+        let variance = (least / (f64::from(self.samples) - TERMS as f64)).max(LEAST.powi(2));
         let seen = LATE.1.powi(2) * variance;
         // what a sample of delay would leave beside any scale
         if variance > MOST.powi(2)
@@ -159,6 +163,9 @@ fn lowest(best: usize, value: impl Fn(usize) -> f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
 
@@ -257,6 +264,74 @@ mod tests {
                 assert_eq!(told, None, "{lobe} {k}");
             }
         }
+    }
+
+    /// What is told, in samples of `period` s, of a probe with a noise of `noise` m that is `late` samples later than a slide that
+    /// brakes, by a window of at most so many samples.
+    fn told_with_noise(period: f64, late: f64, noise: f64, longest: u32, seed: u64) -> Option<f64> {
+        let p = Parameters { sample_period: period, ..Parameters::START };
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let (mut delay, speed) = (ProbeDelay::default(), 2.1);
+        // it begins between two samples
+        let begin = -30.0 - 0.1 * (seed % 10) as f64;
+        for k in 0..30 + longest {
+            if k == 30 {
+                delay.begin();
+            }
+            let time = |late: f64| period * (begin + f64::from(k) - late);
+            let step = |place: f64| (place / 5e-8).round() * 5e-8;
+            let surface = 0.02 + 5e-4 * (speed * time(late) + 1.0).sin();
+            let normal: f64 = StandardNormal.sample(&mut random);
+            let probe = step(braking(time(late)) - surface + noise * normal);
+            delay.update(&p, speed * period, &Sample { angle: 0.0, slide: step(braking(time(0.0))), probe }, true);
+        }
+        delay.end(&p);
+        delay.late().map(|late| late / period)
+    }
+
+    /// Delays of 0 to 9 samples, in quarters.
+    fn quarters() -> impl Iterator<Item = f64> {
+        (0..=36).map(|k| 0.25 * f64::from(k))
+    }
+
+    #[test]
+    fn noise_of_the_probe_makes_no_delay_and_hides_none() {
+        for noise in [3e-8, 2e-7, 5e-7] {
+            for (late, seed) in quarters().zip(0..) {
+                let told = told_with_noise(1e-3, late, noise, 500, seed);
+                // half a sample is the limit
+                assert!(told.is_some() == (late > 0.5) || late == 0.5, "{noise} {late} {told:?}");
+                assert!(told.is_none_or(|told| (told - late).abs() < 0.05), "{noise} {late} {told:?}");
+            }
+        }
+        // too much of it tells nothing
+        assert!(quarters().all(|late| told_with_noise(1e-3, late, 2e-6, 500, 7).is_none()));
+        // nor do slow samples of a delay between two, and of a whole one within a fifth
+        for period in [2e-3, 3e-3, 5.5e-3, 8e-3, 0.01] {
+            for (late, seed) in quarters().zip(0..) {
+                let told = told_with_noise(period, late, 5e-7, 500, seed);
+                assert!(late != late.round() || told.is_some() == (late > 0.5), "{period} {late} {told:?}");
+                assert!(told.is_none_or(|told| (told - late).abs() < 0.2), "{period} {late} {told:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_short_window_with_noise_tells_no_other_delay() {
+        let (mut told, mut wrong) = (0, 0);
+        for longest in [15, 16, 17, 18, 20, 22, 26, 30, 34, 45] {
+            for period in [1e-3, 2e-3, 3e-3, 5.5e-3, 0.01] {
+                for (k, noise) in [3e-8, 2e-7, 8e-7].into_iter().enumerate() {
+                    for (late, seed) in quarters().zip(10 * k as u64..) {
+                        let found = told_with_noise(period, late, noise, longest, seed);
+                        assert!(found.is_none() || longest > 15, "{period} {noise} {late}");
+                        told += u32::from(found.is_some());
+                        wrong += u32::from(found.is_some_and(|found| (found - late).abs() > 0.55));
+                    }
+                }
+            }
+        }
+        assert!(told > 500 && 500 * wrong < told, "{wrong} of {told}");
     }
 
     #[test]

@@ -10,6 +10,9 @@ use crate::monitoring::finding::Finding;
 use crate::path::kinematics::Joints;
 use crate::reading::Reading;
 
+/// Share of the speed without load from which the tool runs.
+const TOOL_RUNS: f64 = 0.5;
+
 impl Controller {
     /// Looks at the axes while their loops are closed: what is wrong, and whether a pattern grows.
     pub(super) fn watch_axes(&mut self, p: &Parameters, reading: &Reading, motions: &Joints) -> (Finding, bool) {
@@ -39,14 +42,23 @@ impl Controller {
         }
     }
 
-    /// Looks at how the readings flicker while a job goes on; `held` is one that stands on its way.
+    /// Looks at how the readings flicker in rests and while a job goes on; `held` is one that stands on its way.
     fn watch_flicker(&mut self, p: &Parameters, reading: &Reading, held: bool) -> Finding {
-        let goes_on = matches!(self.state, State::Approach | State::Settle | State::Run);
-        if !goes_on || held {
+        let goes_on = matches!(self.state, State::Approach | State::Settle | State::Run) && !held;
+        let (rests, on_path) = (goes_on || self.state.waits(), self.state == State::Run);
+        let resting = if rests {
+            let tool = reading.spindle_speed > TOOL_RUNS * p.load.idle_speed;
+            self.watch.look_at_rests(p, &reading.positions, tool, on_path)
+        } else {
+            self.watch.pause_rests();
+            Finding::NONE
+        };
+        if !goes_on {
             self.watch.pause();
-            return Finding::NONE;
+            return resting;
         }
-        self.watch.look_at_flicker(p, &reading.positions, !(self.cuts() && self.tool.loaded()))
+        let found = self.watch.look_at_flicker(p, &reading.positions, !(self.cuts() && self.tool.loaded()));
+        if found.is_fault() { found } else { resting }
     }
 
     /// Patterns do not match where the answer comes at another time than told; a fault that ends graver than a wrong

@@ -11,15 +11,19 @@
 //! the place wanders, or more where it swings. It has to be as large until the reading stands, or a swing has died away. Before all axes
 //! came to rest it may have been of their motion: that makes the variance surer, where the rest has shown no less by a deviation,
 //! and no turn. One that never turns tells nothing.
+//!
+//! A rest before a job is too short to tell noise and to miss it as well. So a second one of these is kept of the rests of all axes, whatever
+//! job comes between them, as long as the tool runs or stands as it did: noise of a reading that was there in one is there in the next.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::{Finding, Numbers};
 
-/// Chance of a live reading to stand for as long, decades: in each sample, and at the end of a run.
+/// Chance of a live reading to stand for as long, decades: in each sample of a job, at the end of a run, and in each sample of days.
 const DECADES: f64 = 9.0;
 const DECADES_ONCE: f64 = 6.0;
+const DECADES_DAYS: f64 = 12.0;
 /// Shortest stand that is a fault, s (our choice: six time constants 1/Kp).
 const STAND_MIN: f64 = 0.5;
 /// Way back that is a turn, in the smallest change that was read: two steps.
@@ -96,6 +100,17 @@ impl Flicker {
     /// Takes a reading of the axis `axis` (from 0) and the place of the model of its loop, rad or m: whether the axis `rests`, and
     /// whether it is `undisturbed`, so that nothing but noise turns it; what is wrong with it.
     pub fn update(&mut self, p: &Parameters, axis: usize, places: Places, rests: bool, undisturbed: bool) -> Finding {
+        self.take(p, axis, places, rests, undisturbed);
+        self.stands(p, axis, DECADES)
+    }
+
+    /// The same of a reading that is watched for days, where no job goes on as well.
+    pub fn watch(&mut self, p: &Parameters, axis: usize, places: Places, rests: bool, undisturbed: bool) -> Finding {
+        self.take(p, axis, places, rests, undisturbed);
+        self.stands(p, axis, DECADES_DAYS)
+    }
+
+    fn take(&mut self, p: &Parameters, axis: usize, places: Places, rests: bool, undisturbed: bool) {
         let Places { position, model } = places;
         let change = self.before.replace(position).map_or(0.0, |before| position - before);
         self.still = self.still.saturating_add(1);
@@ -117,7 +132,6 @@ impl Flicker {
             self.still = 0;
         }
         self.last = change;
-        self.stands(p, axis, DECADES)
     }
 
     /// What stands while the job is held does not count, nor does the way until it goes on.
@@ -147,13 +161,18 @@ impl Flicker {
     }
 
     fn stands(&self, p: &Parameters, axis: usize, decades: f64) -> Finding {
+        let seconds = |samples: f64| samples * p.sample_period;
+        let stands = seconds(f64::from(self.still));
+        // asked in every sample of every axis
+        if stands <= STAND_MIN {
+            return Finding::NONE;
+        }
         let lasts = self.recent * f64::from(self.seen) > DIED_AWAY * self.squares;
         let forgets = self.products < FORGETS * self.squares;
         if self.turns < TURNS_MIN || !lasts || !forgets {
             return Finding::NONE;
         }
-        let seconds = |samples: f64| samples * p.sample_period;
-        let (stands, most) = (seconds(f64::from(self.still)), seconds(self.most(decades)).max(STAND_MIN));
+        let most = seconds(self.most(decades)).max(STAND_MIN);
         if stands <= most {
             return Finding::NONE;
         }

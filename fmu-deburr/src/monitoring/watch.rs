@@ -14,6 +14,9 @@ use crate::path::kinematics::{AXES, Joints};
 pub struct Watch {
     axes: [AxisMonitor; AXES],
     flicker: [Flicker; AXES],
+    /// the same where all axes rest, in whichever job or none, and whether the tool runs
+    resting: [Flicker; AXES],
+    tool: bool,
     rest: RestError,
 }
 
@@ -23,6 +26,8 @@ impl Watch {
         Self {
             axes: std::array::from_fn(|i| AxisMonitor::new(p, i)),
             flicker: [Flicker::default(); AXES],
+            resting: [Flicker::default(); AXES],
+            tool: false,
             rest: RestError::default(),
         }
     }
@@ -32,6 +37,7 @@ impl Watch {
         for (i, axis) in self.axes.iter_mut().enumerate() {
             axis.restart(positions[i], p.axis[i].pulse);
         }
+        self.resting = [Flicker::default(); AXES];
     }
 
     /// Looks at all axes: positions, commanded motions (rad or m) and errors (counts). The first that is wrong.
@@ -75,9 +81,31 @@ impl Watch {
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
 
+    /// Looks at how the readings (rad or m) flicker in rests, before, between and in jobs, with a `tool` that runs or not: noise that
+    /// was known in one is known in the next. What is read on the path is no measure of it, and what stands from the rest before it
+    /// on counts there. The first that stands.
+    pub fn look_at_rests(&mut self, p: &Parameters, positions: &Joints, tool: bool, on_path: bool) -> Finding {
+        // what runs or not may shake the readings
+        if std::mem::replace(&mut self.tool, tool) != tool {
+            self.resting = [Flicker::default(); AXES];
+        }
+        let rests: [bool; AXES] = std::array::from_fn(|i| self.axes[i].rests(p, i));
+        let undisturbed = !on_path && rests.iter().all(|rests| *rests);
+        let found: [Finding; AXES] = std::array::from_fn(|i| {
+            let places = Places { position: positions[i], model: self.axes[i].model(p.axis[i].pulse) };
+            self.resting[i].watch(p, i, places, rests[i], undisturbed)
+        });
+        found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
+    }
+
     /// The job is held.
     pub fn pause(&mut self) {
         self.flicker.iter_mut().for_each(Flicker::pause);
+    }
+
+    /// What is done now is none of the rests that are looked at.
+    pub fn pause_rests(&mut self) {
+        self.resting.iter_mut().for_each(Flicker::pause);
     }
 
     /// All axes come to rest.
@@ -194,6 +222,60 @@ mod tests {
         assert_eq!(longer(0, 99), (Fault::FrozenReading, 5));
         assert_eq!(longer(179, 99).0, Fault::None);
         assert_eq!(longer(0, 5).0, Fault::None);
+    }
+
+    /// What the rests tell of axis 5 that has a noise of two counts for 300 samples, and then stands for 200.
+    fn rested_with(meanwhile: impl Fn(&mut Watch, usize) -> (f64, bool, bool)) -> (Fault, i32) {
+        let p = Parameters::START;
+        let (mut watch, mut positions) = (Watch::new(&p), [0.0; AXES]);
+        watch.restart(&p, &positions);
+        for k in 0..500 {
+            let (moves, tool, on_path) = meanwhile(&mut watch, k);
+            watch.command(&p, &[moves, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; AXES], &[0.0; AXES]);
+            if k < 300 {
+                positions[4] = [2.0, -1.0, 1.0, -2.0, 0.0, -1.0, 2.0][k % 7] * p.axis[4].pulse;
+            }
+            let found = watch.look_at_rests(&p, &positions, tool, on_path);
+            if found.is_fault() {
+                return (found.fault, found.numbers.axis);
+            }
+        }
+        (Fault::None, 0)
+    }
+
+    #[test]
+    fn noise_that_was_known_in_a_rest_is_known_in_the_next_whatever_job_begins() {
+        let told = (Fault::FrozenReading, 5);
+        assert_eq!(rested_with(|_, _| (0.0, true, false)), told);
+        let jobs = rested_with(|watch, k| {
+            if k == 310 {
+                watch.begin_job();
+                watch.settle();
+            }
+            (0.0, true, k > 320)
+        });
+        assert_eq!(jobs, told);
+    }
+
+    #[test]
+    fn noise_of_another_tool_of_the_path_of_other_axes_or_before_the_loops_were_open_is_none() {
+        assert_eq!(rested_with(|_, k| (0.0, k < 300, false)).0, Fault::None);
+        assert_eq!(rested_with(|_, k| (0.0, true, k < 300)).0, Fault::None);
+        assert_eq!(rested_with(|_, k| (if k < 300 { 50.0 * k as f64 } else { 15_000.0 }, true, false)).0, Fault::None);
+        let opened = rested_with(|watch, k| {
+            if k == 300 {
+                watch.restart(&Parameters::START, &[0.0; AXES]);
+            }
+            (0.0, true, false)
+        });
+        assert_eq!(opened.0, Fault::None);
+        let elsewhere = rested_with(|watch, k| {
+            if k % 40 == 0 {
+                watch.pause_rests();
+            }
+            (0.0, true, false)
+        });
+        assert_eq!(elsewhere.0, Fault::None);
     }
 
     #[test]

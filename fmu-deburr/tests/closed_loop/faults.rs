@@ -2,6 +2,7 @@
 
 mod learning;
 mod lost_counts;
+mod rests;
 mod tool;
 
 use fmu_deburr::interface::{Fault, Input, Mode, Parameters, State};

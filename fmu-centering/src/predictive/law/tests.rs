@@ -364,6 +364,32 @@ fn a_ring_of_fine_lobes_and_too_little_told_noise_is_measured_in_one_go() {
 }
 
 #[test]
+fn a_ring_that_waits_for_measurements_is_not_judged_because_one_of_them_fits() {
+    // 88 measurements a revolution, told with a third of the noise
+    let mut p = P;
+    p.estimator.noise = 6.7e-8;
+    for (waves, lobe, phase) in [(16.0, 5e-6, 9.0), (12.0, 2e-5, 2.0), (20.0, 2e-5, 9.0), (9.0, 2e-5, 3.0)] {
+        let (mut law, mut waited) = (PredictiveLaw::new(&p), 0);
+        for k in 0..88 {
+            let angle = TAU * f64::from(k) / 88.0;
+            let mut rough = now(State::Collect, 5e-4, angle);
+            rough.sample.probe += lobe * (waves * angle + TAU / 12.0 * phase).cos();
+            rough.due = Due { collect: false, model: false, ..rough.due };
+            (0..6).for_each(|_| law.observe(&p, &rough));
+            rough.due = Due { collect: true, model: k % 7 == 6, ..rough.due };
+            law.observe(&p, &rough);
+            waited += u32::from(law.ring.lost());
+            if matches!(law.conclude(&p, &rough), Some(Ok((Some(_), Verdict::Push)))) && waited > 0 {
+                let error = (law.ring.centre() - Vector2::new(5e-4, 0.0)).norm();
+                assert!(k >= 26 && error < p.estimator.certainty * 5e-4, "{waves} waves, {k}: {error} m");
+                break;
+            }
+        }
+        assert!(waited > 1, "{waves} waves: {waited}");
+    }
+}
+
+#[test]
 fn a_ring_that_was_known_or_can_have_no_more_form_is_given_up_at_once() {
     let begins_anew = |p: &Parameters, known: bool, late: bool| {
         let mut law = PredictiveLaw::new(p);

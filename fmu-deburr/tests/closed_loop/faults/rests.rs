@@ -1,0 +1,94 @@
+//! Readings that freeze in a rest: told by the noise that they had in the rests before, and what has shaken them there is none.
+
+use fmu_deburr::interface::{Fault, Mode, Parameters, State};
+
+use crate::robot::Build;
+use crate::setup::{Loop, stands_with};
+
+/// A robot whose encoders have a noise of half a count, after a job and two seconds of rest.
+fn worked() -> Loop {
+    let mut p = Parameters::START;
+    p.lookup.enable = false;
+    let mut run = Loop::new(&p, &Build { noise: 0.5, ..Build::NOMINAL });
+    assert!(run.finish(Mode::DryRun));
+    (0..200).for_each(|_| run.step());
+    run
+}
+
+/// Goes on to `wait` samples in the rest before the next job.
+fn settling(run: &mut Loop, wait: u32) {
+    for mode in [Mode::Idle, Mode::DryRun] {
+        run.input.mode = mode;
+        run.step();
+    }
+    while run.output.state != State::Settle {
+        run.step();
+    }
+    (0..wait).for_each(|_| run.step());
+}
+
+/// Samples until a fault, the reading of the axis `axis` (from 0) frozen; none of 400.
+fn frozen(run: &mut Loop, axis: usize) -> Option<u32> {
+    let stuck = run.robot.read()[axis];
+    (0..400).find(|_| {
+        let mut positions = run.robot.read();
+        positions[axis] = stuck;
+        run.set_positions(&positions);
+        run.tick();
+        run.output.fault != Fault::None
+    })
+}
+
+#[test]
+fn one_that_freezes_in_the_rest_before_a_job_is_told_whether_the_job_goes_on_or_is_ended() {
+    for axis in [1, 4] {
+        for wait in [0, 5, 10, 20, 30, 50, 70] {
+            for idle in [false, true] {
+                let mut run = worked();
+                settling(&mut run, wait);
+                if idle {
+                    run.input.mode = Mode::Idle;
+                }
+                let after = frozen(&mut run, axis);
+                stands_with(&run, Fault::FrozenReading);
+                assert_eq!(run.output.numbers.axis, axis as i32 + 1);
+                assert!(!run.output.drive_enable && after.is_some_and(|after| (49..140).contains(&after)), "{after:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn one_that_freezes_between_two_jobs_is_told_and_a_live_one_may_stand_there_for_ever() {
+    let mut run = worked();
+    let after = frozen(&mut run, 4);
+    stands_with(&run, Fault::FrozenReading);
+    assert!(after.is_some_and(|after| after < 140), "{after:?}");
+    for noise in [0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 1.0] {
+        let mut run = Loop::new(&Parameters::START, &Build { noise, ..Build::NOMINAL });
+        (0..60_000).for_each(|_| run.step());
+        assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None), "{noise}");
+    }
+}
+
+#[test]
+fn what_a_tool_or_a_motion_has_shaken_may_stand() {
+    // it runs down between two jobs, and the next one is in air
+    let mut run = worked();
+    (run.input.spindle_speed, run.robot.noise) = (0.0, 0.0);
+    (0..1000).for_each(|_| run.step());
+    assert!(run.finish(Mode::DryRun), "{:?}", run.output.numbers);
+    // an axis that stands is shaken by those that move
+    let mut p = Parameters::START;
+    p.lookup.enable = false;
+    let mut run = Loop::new(&p, &Build::NOMINAL);
+    for mode in [Mode::DryRun, Mode::Idle, Mode::DryRun, Mode::Idle] {
+        run.input.mode = mode;
+        for _ in 0..1500 {
+            run.robot.noise = if run.output.state == State::Approach { 0.5 } else { 0.0 };
+            run.step();
+            assert_eq!(run.output.fault, Fault::None, "{:?}", run.output.numbers);
+        }
+    }
+    assert_eq!(run.output.state, State::Idle);
+}
