@@ -5,7 +5,7 @@ use control_blocks::{Parameter, ParameterError, check_all, check_commission_time
 use crate::commission::plan;
 use crate::force::impedance::{Coefficients, damping};
 use crate::force::margin::{self, LEAST};
-use crate::interface::{Force, Parameters};
+use crate::interface::{Force, Parameters, Sweep};
 use crate::motion::{sliding, stick_slip, sweep_limits};
 
 /// Least travel of a commission, in steps of the encoders.
@@ -191,20 +191,21 @@ fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
-/// So is the longest one, with what K_v must be raised to before.
+/// So is half of the longest sweep, at the K_v to which it is raised; a circle begins beside its place by as much as the told one is wide.
 fn stick_slip_longest(p: &Parameters) -> Result<(), ParameterError> {
     let (told, longest) = (p.stick_slip.half_period, p.stick_slip.half_period_max);
+    let beside = if p.stick_slip.sweep == Sweep::Circular { told } else { 0 };
     let velocity = sweep_limits::highest(p).max(p.stick_slip.velocity);
-    let half = 0.5 * velocity * f64::from(longest) * p.sample_period;
-    let (most, limit) = (sweep_limits::SWEEP * p.limits.position_error, p.limits.position_error);
-    let period = Parameter::new(
-        "stick_slip.half_period_max",
-        longest,
-        "samples",
-        "a shorter one, or less `velocity_max` of `stick_slip`",
-    );
-    period.must_be(longest == 0 || longest >= told && half <= most, || {
-        format!("`0`, or from `stick_slip.half_period` = `{told}` on, with a sweep of at most 0.9 of `limits.position_error` = `{limit} m` to each side, not `{half} m`")
+    let half = 0.5 * velocity * f64::from(longest + beside) * p.sample_period;
+    let most = sweep_limits::SWEEP * p.limits.position_error;
+    let hint = "one between both, or a smaller `stick_slip.velocity_max`";
+    let period = Parameter::new("stick_slip.half_period_max", longest, "samples", hint);
+    period.must_be(longest == 0 || longest > told && half <= most, || {
+        format!(
+            "`0`, or more than `stick_slip.half_period` = `{told}` with a sweep of at most `{most:.6} m` to each side, {} of \
+             `limits.position_error`, not `{half:.6} m`",
+            sweep_limits::SWEEP
+        )
     })
 }
 
@@ -232,7 +233,6 @@ fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interface::Sweep;
     use control_blocks::{Refusal, assert_refusals};
 
     const REFUSALS: &[Refusal<Parameters>] = &[
@@ -261,7 +261,14 @@ mod tests {
             "`9 samples`",
             "`stick_slip.half_period` = `10`",
         ),
-        (|p| p.stick_slip.half_period_max = 46, "stick_slip.half_period_max", "`46 samples`", "not `0.00046 m`"),
+        (|p| p.stick_slip.half_period_max = 46, "stick_slip.half_period_max", "`46 samples`", "not `0.000460 m`"),
+        (|p| p.stick_slip.half_period_max = 10, "stick_slip.half_period_max", "`10 samples`", "more than"),
+        (
+            |p| (p.stick_slip.half_period_max, p.stick_slip.sweep) = (36, Sweep::Circular),
+            "stick_slip.half_period_max",
+            "`36 samples`",
+            "not `0.000460 m`",
+        ),
         (|p| p.stick_slip.sliding = 0.02, "stick_slip.sliding", "`0.02 m/s`", "`stick_slip.velocity_max` = `0.02 m/s`"),
         (|p| p.sensor_direction_y = 0, "sensor.direction.y", "`0`", "`-1`"),
         (|p| p.sensor_direction_z = 0, "sensor.direction.z", "`0`", "`-1`"),

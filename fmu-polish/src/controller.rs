@@ -281,6 +281,7 @@ impl Controller {
         self.taring = true;
         self.fault = Fault::None;
         self.place = Place::default();
+        self.sliding = Sliding::default();
         self.normal = NormalMotion::new(p);
     }
 
@@ -309,7 +310,7 @@ impl Controller {
             }
             State::Follow => {
                 self.normal.follow(p);
-                (self.feed, self.k, self.sliding) = (0.0, 0, Sliding::default());
+                (self.feed, self.k) = (0.0, 0);
             }
             State::Unload => self.normal.unload(),
             State::Commission => self.commission(p, reading),
@@ -372,7 +373,7 @@ impl Controller {
     fn follow(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> VelocityParts {
         let error = self.want(p, reading, now);
         self.feed = next_feed(p, self.feed, reading.feed_override, now.frame.feed_max);
-        if self.k == 0 && self.sliding.lengthened > 0 {
+        if self.k == 0 {
             self.normal.sweep_anew(p);
         }
         self.k = self.k.wrapping_add(1).max(1);
@@ -392,7 +393,7 @@ impl Controller {
             stick_slip: share * sweep,
             sideways,
         };
-        if self.sliding.lengthen(p, self.k) {
+        if self.sliding.begins_anew(p, self.k) {
             self.k = 0;
         }
         self.way = feed * p.sample_period;

@@ -78,11 +78,11 @@ mod variables {
         /// An axis moves against its pulses
         #[hint("swap the sign of its pulses, or of its encoder")] DriveSign,
         /// An axis moves less far than its pulses say
-        #[hint("make `pulses.size` that of the drives, and look for lost pulses")] WeakDrive,
+        #[hint("make `pulses.size` that of the drives, and look for lost pulses; where `sliding.lengthened` is more than 0 lower `stick_slip.half_period_max`")] WeakDrive,
         /// The force swings about the wanted one, by more than `limits.force_error`, root mean square over 0.2 s
         #[hint("look for what delays the force sensor or the drives, and check that the CL data are of this mold; or lower `impedance.bandwidth`")] Oscillation,
         /// The force was off by more than `limits.force_error`, root mean square over 0.2 s
-        #[hint("check that the CL data are of this mold, and how it is set up")] ForceError,
+        #[hint("check that the CL data are of this mold, and how it is set up; where `sliding.lengthened` is more than 0 lower `stick_slip.half_period_max`")] ForceError,
         /// The stiffness that was found is not `stiffness.nominal` within `limits.stiffness_ratio`
         #[hint("check the scale of the force sensor and the tip, or tell their stiffness")] WrongStiffness,
         /// A parameter was tuned to where the force loop is not stable enough

@@ -9,7 +9,6 @@ use crate::controller::Controller;
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::force::orientation::Orientation;
 use crate::interface::{Output, Parameters, State};
-use crate::motion::sliding::Sliding;
 use crate::motion::velocity::VelocityParts;
 use crate::reading::Reading;
 
@@ -48,7 +47,7 @@ impl Controller {
     /// Begins a commission, at rest.
     pub(super) fn commission(&mut self, p: &Parameters, reading: &Reading) {
         self.restart(p, reading, plan::time(p));
-        (self.contact, self.sliding) = (ContactMonitor::default(), Sliding::default());
+        self.contact = ContactMonitor::default();
         self.commissioner.begin(p);
     }
 

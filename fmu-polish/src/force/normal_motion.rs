@@ -80,10 +80,9 @@ impl NormalMotion {
         self.stiffness = self.slope.stiffness(p.stiffness_nominal);
         (self.following, self.judged) = (true, None);
         self.damping = p.impedance.adaptive.then(|| damping(p, self.stiffness));
-        self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
     }
 
-    /// The sweep has another half period: its ripple is learned anew.
+    /// The sweep begins, or has another half period: its ripple is learned anew.
     pub fn sweep_anew(&mut self, p: &Parameters) {
         self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
     }

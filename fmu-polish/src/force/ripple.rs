@@ -127,7 +127,7 @@ impl RippleCancellation {
     }
 }
 
-/// How many times as large as told a circle is, and with it the ripple of a mold askew. To and fro nothing is granted: there it is
+/// How many times as fast as told a circle is, and with it the ripple of a mold askew. To and fro nothing is granted: there it is
 /// how a mold that is not that of the path is told by its force error, before the depth takes it for a sensor that stands.
 fn raised(p: &Parameters, sweep: f64) -> f64 {
     match p.stick_slip.sweep {

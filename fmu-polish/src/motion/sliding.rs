@@ -126,17 +126,24 @@ impl Sliding {
         }
     }
 
-    /// Lengthens the half period after sample `k` of the sweep, if it is too short and this ends a period, where the axes are in the middle of the
-    /// sweep; whether it has. K_v begins anew, and what was measured with the short one counts no more.
-    pub fn lengthen(&mut self, p: &Parameters, k: u32) -> bool {
+    /// Changes the half period after sample `k` of the sweep, if this ends a period: raises one that is too short, and takes back what nothing asks for
+    /// any more; whether it has. To and fro the axes are in the middle of the sweep there; a circle begins anew where it stands, half its width beside
+    /// the path. K_v begins anew as well, and what was measured before counts no more.
+    pub fn begins_anew(&mut self, p: &Parameters, k: u32) -> bool {
         let law = &p.stick_slip;
-        let longer = self.short && k.is_multiple_of(2 * law.half_period.unsigned_abs());
-        if longer {
-            let lengthened = self.lengthened + law.half_period_max - law.half_period;
+        let lengthened = if self.short {
+            self.lengthened + law.half_period_max - law.half_period
+        } else if wanted(p) == 0.0 {
+            0
+        } else {
+            self.lengthened
+        };
+        let anew = lengthened != self.lengthened && k.is_multiple_of(2 * law.half_period.unsigned_abs());
+        if anew {
             let Self { motion, speed, friction, .. } = *self;
             *self = Self { motion, speed, friction, lengthened, ..Self::default() };
         }
-        longer
+        anew
     }
 
     fn begin_verdict(&mut self) {
@@ -421,19 +428,24 @@ mod tests {
             (0..WINDOWS).for_each(|_| sliding.hear(p, 0.85 * p.stick_slip.sliding, true));
         };
         let mut sliding = Sliding { added: 10e-3, stuck: 19e-3, speed: Some(5e-3), ..Sliding::default() };
-        assert!(!sliding.lengthen(&p, 20));
+        assert!(!sliding.begins_anew(&p, 20));
         slow(&mut sliding, &p);
-        assert!(!sliding.too_little && !sliding.lengthen(&p, 30) && sliding.lengthen(&p, 40));
+        assert!(!sliding.too_little && !sliding.begins_anew(&p, 30) && sliding.begins_anew(&p, 40));
         let begun = Sliding { lengthened: 20, speed: sliding.speed, ..Sliding::default() };
         assert_eq!(sliding, begun);
         p.stick_slip.half_period = 30;
         slow(&mut sliding, &p);
-        assert!(sliding.too_little && !sliding.lengthen(&p, 60) && sliding.lengthened == 20);
-        // what is tuned off meanwhile is not lengthened
+        assert!(sliding.too_little && !sliding.begins_anew(&p, 60) && sliding.lengthened == 20);
+        // what nothing asks for any more ends with the period
+        for tuned in [StickSlip { sliding: 0.0, ..p.stick_slip }, StickSlip { ratio: 5.0, ..p.stick_slip }] {
+            let (p, mut sliding) = (Parameters { stick_slip: tuned, ..p.clone() }, sliding);
+            assert!(!sliding.begins_anew(&p, 59) && sliding.begins_anew(&p, 60) && sliding.lengthened == 0);
+        }
+        // and what was too short before is not raised
         (sliding, p.stick_slip.half_period) = (Sliding::default(), 10);
         slow(&mut sliding, &p);
         p.stick_slip.sliding = 0.0;
         sliding.judge(&p);
-        assert!(!sliding.lengthen(&p, 20));
+        assert!(!sliding.begins_anew(&p, 20));
     }
 }

@@ -1,6 +1,7 @@
 //! Tips that bend before the ball slides: what is measured of it, and what K_v makes of it.
 
 use fmu_polish::interface::{Fault, Mode, Parameters, State, Sweep};
+use nalgebra::Vector3;
 
 use crate::robot::Build;
 use crate::run::Loop;
@@ -188,17 +189,27 @@ fn what_a_sweep_climbs_on_a_mold_beside_its_place_is_learned_as_it_turns() {
     for p in [P, circular()] {
         let mut learning = p.clone();
         learning.turns.ripple_gain = 0.09;
-        let build = Build { shift: nalgebra::Vector3::new(1e-4, 0.0, 0.0), ..Build::NOMINAL };
+        let build = Build { shift: Vector3::new(1e-4, 0.0, 0.0), ..Build::NOMINAL };
         let [without, with] = [p, learning].map(|p| Loop::new(&p, build, 613).job(20.0).unwrap());
         assert!(with.deviation < 0.75 * without.deviation, "{without:?} {with:?}");
     }
 }
 
-/// The half period may be raised to 20 samples; the path takes 8 s.
-fn longer(sweep: Sweep) -> Parameters {
+/// The half period may be raised to `longest` samples; the path takes 8 s.
+fn longest(sweep: Sweep, longest: i32) -> Parameters {
     let mut p = P;
-    (p.stick_slip.sweep, p.stick_slip.half_period_max, p.feed.velocity) = (sweep, 20, 1e-3);
+    (p.stick_slip.sweep, p.stick_slip.half_period_max, p.feed.velocity) = (sweep, longest, 1e-3);
     p
+}
+
+/// A job in which the half period has just been raised.
+fn lengthened(p: &Parameters, build: Build, seed: u64) -> Loop {
+    let mut run = Loop::new(p, build, seed);
+    while run.output.sliding.lengthened == 0 {
+        run.step();
+        assert!(run.output.state != State::Fault, "{:?}", run.output.fault);
+    }
+    run
 }
 
 #[test]
@@ -206,11 +217,9 @@ fn what_slides_too_little_at_the_largest_velocity_slides_in_longer_half_periods(
     for (sweep, lateral, friction) in
         [(Sweep::Linear, 20e3, 0.4), (Sweep::Linear, 12e3, 0.25), (Sweep::Circular, 12e3, 0.4)]
     {
-        let mut short = longer(sweep);
-        short.stick_slip.half_period_max = 0;
-        let mut run = Loop::new(&short, tip(lateral, friction), 615);
+        let mut run = Loop::new(&longest(sweep, 0), tip(lateral, friction), 615);
         assert!(!run.run_to(State::Unload, 20.0) && run.output.fault == Fault::NoSliding, "{lateral}");
-        let mut run = Loop::new(&longer(sweep), tip(lateral, friction), 615);
+        let mut run = Loop::new(&longest(sweep, 20), tip(lateral, friction), 615);
         assert!(run.run_to(State::Follow, 5.0));
         let (mut slid, mut forces) = (vec![run.robot.slid], Vec::new());
         while run.output.state == State::Follow {
@@ -230,14 +239,8 @@ fn what_slides_too_little_at_the_largest_velocity_slides_in_longer_half_periods(
 
 #[test]
 fn a_longer_sweep_begins_where_the_short_one_ends_with_the_told_velocity() {
-    let mut p = longer(Sweep::Linear);
-    // neither a multiple of the short one nor a part of the sweep before
-    p.stick_slip.half_period_max = 25;
-    let mut run = Loop::new(&p, tip(12e3, 0.25), 616);
-    while run.output.sliding.lengthened == 0 {
-        run.step();
-        assert!(run.output.state != State::Fault, "{:?}", run.output.fault);
-    }
+    // 25 is neither a multiple of the short one nor a part of the sweep before
+    let mut run = lengthened(&longest(Sweep::Linear, 25), tip(12e3, 0.25), 616);
     assert_eq!(run.output.sliding.added, 0.0);
     // whole periods, before K_v is raised again
     let (mut mean, mut most) = (0.0, 0.0f64);
@@ -251,30 +254,62 @@ fn a_longer_sweep_begins_where_the_short_one_ends_with_the_told_velocity() {
 }
 
 #[test]
-fn a_ball_that_sticks_in_the_longest_half_period_too_is_named_and_a_new_job_begins_with_what_is_told() {
-    let mut run = Loop::new(&longer(Sweep::Linear), tip(5e3, 0.4), 617);
+fn a_longer_circle_begins_half_its_width_beside_the_path_and_comes_back() {
+    let mut run = lengthened(&longest(Sweep::Circular, 20), tip(12e3, 0.4), 619);
+    let mut most: f64 = 0.0;
+    let means: Vec<f64> = (0..25)
+        .map(|_| {
+            let mut mean = 0.0;
+            for _ in 0..40 {
+                run.step();
+                mean += run.output.error.lateral / 40.0;
+                most = most.max(run.output.error.lateral.abs());
+            }
+            mean
+        })
+        .collect();
+    assert_eq!((run.output.state, run.output.fault), (State::Follow, Fault::None));
+    assert!((60e-6..110e-6).contains(&means[0].abs()) && means[24].abs() < 10e-6, "{means:?}");
+    assert!(most < P.limits.position_error, "{most}");
+}
+
+#[test]
+fn a_ball_that_sticks_in_the_longest_half_period_too_is_named() {
+    let mut run = Loop::new(&longest(Sweep::Linear, 20), tip(5e3, 0.4), 617);
     assert!(run.run_to(State::Fault, 20.0));
     assert_eq!((run.output.fault, run.output.sliding.lengthened), (Fault::NoSliding, 10));
-    assert_eq!(run.parameters.stick_slip.half_period, 20);
-    run.input.enable = false;
-    (0..3000).for_each(|_| run.step());
-    run.input.reset_fault = true;
-    assert!(run.run_to(State::Idle, 30.0), "{:?}", run.output.state);
-    run.robot = Loop::new(&longer(Sweep::Linear), Build::NOMINAL, 617).robot;
-    (0..20).for_each(|_| run.step());
-    run.input.enable = true;
-    assert!(run.run_to(State::Follow, 40.0), "{:?}", run.output.fault);
-    run.step();
+}
+
+#[test]
+fn a_job_after_a_raised_half_period_is_as_any_other() {
+    for sweep in [Sweep::Linear, Sweep::Circular] {
+        let p = longest(sweep, 25);
+        let build = Build { shift: Vector3::new(1e-4, 0.0, 0.0), ..Build::NOMINAL };
+        let fresh = Loop::new(&p, build, 620).job(20.0).unwrap().deviation;
+        let mut run = lengthened(&p, tip(12e3, 0.4), 620);
+        run.input.enable = false;
+        assert!(run.run_to(State::Idle, 20.0));
+        run.robot = Loop::new(&p, build, 620).robot;
+        (0..20).for_each(|_| run.step());
+        (run.input.enable, run.output.done) = (true, false);
+        let again = run.job(40.0).unwrap().deviation;
+        assert!((again / fresh - 1.0).abs() < 0.05, "{sweep:?}: {again} {fresh}");
+        assert_eq!((run.output.sliding.lengthened, run.parameters.stick_slip.half_period), (0, 10));
+    }
+}
+
+#[test]
+fn what_is_tuned_off_gives_the_half_period_back() {
+    let mut run = lengthened(&longest(Sweep::Linear, 20), tip(12e3, 0.25), 621);
+    run.parameters.stick_slip.sliding = 0.0;
+    (0..41).for_each(|_| run.step());
     assert_eq!((run.output.sliding.lengthened, run.parameters.stick_slip.half_period), (0, 10));
 }
 
 #[test]
 fn a_force_that_freezes_in_longer_half_periods_is_frozen() {
     for (value, limit) in [(5.0, 6.0), (4.0, 18.0)] {
-        let mut run = Loop::new(&longer(Sweep::Linear), tip(12e3, 0.25), 618);
-        while run.output.sliding.lengthened == 0 {
-            run.step();
-        }
+        let mut run = lengthened(&longest(Sweep::Linear, 20), tip(12e3, 0.25), 618);
         (0..400).for_each(|_| run.step());
         let mut most: f64 = 0.0;
         while run.output.state == State::Follow {

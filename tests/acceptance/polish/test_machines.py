@@ -19,6 +19,8 @@ pytestmark = pytest.mark.acceptance
 
 FEW = (3, 93_001)
 """Machines of the default run, and their seed; no study has it."""
+SLIDES = 4.8e-3
+"""Slowest sliding at the end of a path that was polished: 2.5 times the feed, less a path that is shorter than its contact, m/s."""
 LONGER: Case = {"controller.stick_slip.half_period_max": 20}
 
 
@@ -40,7 +42,7 @@ def lateral(found: Sequence[Machine]) -> dict[str, float]:
     ended = [one for one in found if one["named"]]
     warned = [one for one in ended if one["warned"]]
     rest = [one["gain"] for one in found if not one["named"]]
-    assert min(one["judged"] for one in found if not one["named"]) >= 0.9 * 5e-3
+    assert min(one["judged"] for one in found if not one["named"]) >= SLIDES
     return {
         "machines": len(found), "slid": len(rest), "gain": float(np.median(rest)), "gain_least": min(rest),
         "warned": len(warned), "rightly": sum(one["right"] > 0.0 for one in warned),
@@ -81,6 +83,7 @@ def test_a_hundred_tips_that_are_soft_across_in_longer_half_periods() -> None:
     found = lateral(machines("polish-lateral", changes=LONGER))
     measured("polish-lateral", "longer", **found)
     # the first second or two of a soft tip are those in which it is found that it slides too little
-    assert found["slid"] >= 70
+    assert found["slid"] >= 75
+    assert found["other"] <= 20
     assert found["gain_least"] >= 2.0
     assert found["warned"] - found["rightly"] <= 1
