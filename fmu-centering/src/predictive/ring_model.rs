@@ -56,6 +56,7 @@ impl RingModel {
 
     /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
     pub fn observe(&mut self, angle: f64, y: f64) -> bool {
+        let waited = self.waits();
         if !self.history.is_full() {
             self.history.push((angle, y));
         }
@@ -63,8 +64,8 @@ impl RingModel {
             self.rejections += 1;
             return false;
         }
-        // one that fits by chance tells no more than those that do not
-        if !self.waits() {
+        // one that fits by chance tells no more than those that do not, not even the last that was waited for
+        if !waited {
             self.rejections = 0;
         }
         if self.history.is_full() {

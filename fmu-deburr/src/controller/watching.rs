@@ -10,8 +10,8 @@ use crate::monitoring::finding::Finding;
 use crate::path::kinematics::Joints;
 use crate::reading::Reading;
 
-/// Share of the speed without load from which the tool runs.
-const TOOL_RUNS: f64 = 0.5;
+/// Shares of the speed without load: the tool runs above the first, and stands below the second.
+const TOOL: (f64, f64) = (0.5, 0.02);
 
 impl Controller {
     /// Looks at the axes while their loops are closed: what is wrong, and whether a pattern grows.
@@ -46,9 +46,14 @@ impl Controller {
     fn watch_flicker(&mut self, p: &Parameters, reading: &Reading, held: bool) -> Finding {
         let goes_on = matches!(self.state, State::Approach | State::Settle | State::Run) && !held;
         let (rests, on_path) = (goes_on || self.state.waits(), self.state == State::Run);
-        let resting = if rests {
-            let tool = reading.spindle_speed > TOOL_RUNS * p.load.idle_speed;
-            self.watch.look_at_rests(p, &reading.positions, tool, on_path)
+        let tool = reading.spindle_speed / p.load.idle_speed;
+        let (runs, stands) = (tool > TOOL.0, tool.abs() < TOOL.1);
+        let resting = if !(runs || stands) {
+            // what it shakes while it runs up or down is no noise
+            self.watch.forget_rests();
+            Finding::NONE
+        } else if rests {
+            self.watch.look_at_rests(p, &reading.positions, runs, on_path)
         } else {
             self.watch.pause_rests();
             Finding::NONE

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::{Finding, Numbers};
 
-/// Chance of a live reading to stand for as long, decades: in each sample of a job, at the end of a run, and in each sample of days.
+/// Chance of a live reading to stand for as long, decades: in each sample of a job, at the end of a run, and in each sample of a robot that waits for days.
 const DECADES: f64 = 9.0;
 const DECADES_ONCE: f64 = 6.0;
 const DECADES_DAYS: f64 = 12.0;
@@ -28,8 +28,10 @@ const DECADES_DAYS: f64 = 12.0;
 const STAND_MIN: f64 = 0.5;
 /// Way back that is a turn, in the smallest change that was read: two steps.
 const TURN: f64 = 1.5;
-/// Turns that have to show it.
-const TURNS_MIN: u32 = 3;
+/// Turns that have to show it, and in what share of the samples: at the edge of a step a reading turns now and then with a noise that does not
+/// leave the middle of one.
+const TURNS_MIN: f64 = 3.0;
+const TURNS_SHARE: f64 = 0.01;
 /// Share of the mean square that two changes in a row have less than, in the middle between noise and a place that wanders.
 const FORGETS: f64 = -0.25;
 /// Last samples before the stand, and the share of the mean square below which a swing dies away in them.
@@ -48,7 +50,7 @@ pub struct Places {
     pub model: f64,
 }
 
-/// One reading, since its job began.
+/// One reading, since its job began or since the tool has run or stood.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Flicker {
     before: Option<f64>,
@@ -169,7 +171,8 @@ impl Flicker {
         }
         let lasts = self.recent * f64::from(self.seen) > DIED_AWAY * self.squares;
         let forgets = self.products < FORGETS * self.squares;
-        if self.turns < TURNS_MIN || !lasts || !forgets {
+        let turns = f64::from(self.turns) >= TURNS_MIN.max(TURNS_SHARE * f64::from(self.seen));
+        if !turns || !lasts || !forgets {
             return Finding::NONE;
         }
         let most = seconds(self.most(decades)).max(STAND_MIN);

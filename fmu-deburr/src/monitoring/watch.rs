@@ -87,7 +87,7 @@ impl Watch {
     pub fn look_at_rests(&mut self, p: &Parameters, positions: &Joints, tool: bool, on_path: bool) -> Finding {
         // what runs or not may shake the readings
         if std::mem::replace(&mut self.tool, tool) != tool {
-            self.resting = [Flicker::default(); AXES];
+            self.forget_rests();
         }
         let rests: [bool; AXES] = std::array::from_fn(|i| self.axes[i].rests(p, i));
         let undisturbed = !on_path && rests.iter().all(|rests| *rests);
@@ -106,6 +106,11 @@ impl Watch {
     /// What is done now is none of the rests that are looked at.
     pub fn pause_rests(&mut self) {
         self.resting.iter_mut().for_each(Flicker::pause);
+    }
+
+    /// Nothing is known of the noise in rests.
+    pub fn forget_rests(&mut self) {
+        self.resting = [Flicker::default(); AXES];
     }
 
     /// All axes come to rest.
@@ -258,17 +263,17 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_another_tool_of_the_path_of_other_axes_or_before_the_loops_were_open_is_none() {
+    fn noise_of_another_tool_of_the_path_of_other_axes_or_before_the_loops_were_closed_is_none() {
         assert_eq!(rested_with(|_, k| (0.0, k < 300, false)).0, Fault::None);
         assert_eq!(rested_with(|_, k| (0.0, true, k < 300)).0, Fault::None);
         assert_eq!(rested_with(|_, k| (if k < 300 { 50.0 * k as f64 } else { 15_000.0 }, true, false)).0, Fault::None);
-        let opened = rested_with(|watch, k| {
+        let closed = rested_with(|watch, k| {
             if k == 300 {
                 watch.restart(&Parameters::START, &[0.0; AXES]);
             }
             (0.0, true, false)
         });
-        assert_eq!(opened.0, Fault::None);
+        assert_eq!(closed.0, Fault::None);
         let elsewhere = rested_with(|watch, k| {
             if k % 40 == 0 {
                 watch.pause_rests();

@@ -78,6 +78,24 @@ fn what_a_tool_or_a_motion_has_shaken_may_stand() {
     (run.input.spindle_speed, run.robot.noise) = (0.0, 0.0);
     (0..1000).for_each(|_| run.step());
     assert!(run.finish(Mode::DryRun), "{:?}", run.output.numbers);
+    // what runs down shakes less and less
+    for start in 0..10 {
+        let mut run = worked();
+        let idle = run.input.spindle_speed;
+        (0..7 * start).for_each(|_| run.step());
+        for k in 1..=300 {
+            let share = 1.0 - f64::from(k) / 300.0;
+            (run.input.spindle_speed, run.robot.noise) = (idle * share, (2.0 * share).max(0.1));
+            run.step();
+        }
+        (0..1000).for_each(|_| run.step());
+        assert_eq!(
+            (run.output.state, run.output.fault),
+            (State::Done, Fault::None),
+            "{start}: {:?}",
+            run.output.numbers
+        );
+    }
     // an axis that stands is shaken by those that move
     let mut p = Parameters::START;
     p.lookup.enable = false;
