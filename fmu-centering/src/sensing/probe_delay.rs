@@ -306,7 +306,7 @@ mod tests {
         }
         // too much of it tells nothing
         assert!(quarters().all(|late| told_with_noise(1e-3, late, 2e-6, 500, 7).is_none()));
-        // nor do slow samples of a delay between two, and of a whole one within a fifth
+        // slow samples may tell nothing of a delay between two; what they tell is within a fifth
         for period in [2e-3, 3e-3, 5.5e-3, 8e-3, 0.01] {
             for (late, seed) in quarters().zip(0..) {
                 let told = told_with_noise(period, late, 5e-7, 500, seed);
