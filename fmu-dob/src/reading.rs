@@ -172,9 +172,15 @@ impl Reader {
             self.standing.update(position, e.asked, STANDS * p.stage.encoder_resolution);
         }
         let unanswered = self.standing.unanswered();
-        // a stage that was astray before may truly stand, and what has jumped may come by where it was
-        let with_it = |z: f64| (e.reference - z).abs() <= unanswered + e.behind + e.astray + WITH_IT * p.limits.frozen;
-        let stands = unanswered > p.limits.frozen + e.behind && !jumped && given.is_some_and(with_it);
+        let near = e.behind + e.astray + WITH_IT * p.limits.frozen;
+        let stands = given.filter(|_| !jumped).is_some_and(|z| {
+            let error = e.reference - z;
+            // a stage that was astray may truly stand, as one that was ahead does until its reference has come by;
+            // and what has jumped may come by where it was
+            let before = (error - self.standing.missed()).abs();
+            let waits = if before > near { before } else { 0.0 };
+            unanswered > p.limits.frozen + e.behind + waits && error.abs() <= unanswered + near
+        });
         self.position.shift(e.motion);
         let expected = self.position;
         let reach = Reach { motion: e.unforeseen, spread: p.limits.jump };
@@ -395,5 +401,26 @@ mod tests {
         assert_eq!([stands(3, 0.0), stands(4, 0.0)], [false, true]);
         // four unanswered, two behind, four times `limits.frozen`
         assert_eq!([stands(4, 10.0), stands(4, 11.0)], [true, false]);
+    }
+
+    #[test]
+    fn a_stage_that_was_ahead_stands_until_its_reference_has_come_by() {
+        let mut p = Parameters::START;
+        let unit = 2f64.powi(-28);
+        p.limits.frozen = unit;
+        let stands = |samples: u32, ahead: f64| {
+            let mut reader = Reader::default();
+            let last = (0..=samples).map(|k| {
+                let reference = (f64::from(k) - ahead) * unit;
+                let expected = Expected { asked: unit, behind: 2.0 * unit, reference, ..RESTING };
+                reader.read(&p, &at(0.0), &expected)
+            });
+            let last = last.last().unwrap();
+            last.position.is_none() && last.loss == Loss::Stands
+        };
+        // two that it may be behind and four times `limits.frozen` are with the reference
+        assert_eq!([stands(3, 6.0), stands(4, 6.0)], [false, true]);
+        assert_eq!([stands(10, 7.0), stands(11, 7.0)], [false, true]);
+        assert_eq!([stands(23, 20.0), stands(24, 20.0)], [false, true]);
     }
 }
