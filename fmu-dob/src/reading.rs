@@ -177,8 +177,9 @@ impl Reader {
             let error = e.reference - z;
             // a stage that was astray may truly stand, as one that was ahead does until its reference has come by;
             // and what has jumped may come by where it was
-            let before = (error - self.standing.missed()).abs();
-            let waits = if before > near { before } else { 0.0 };
+            let ahead = (self.standing.missed() - error) * self.standing.missed().signum();
+            let with_it = near + e.asked.abs() * (1.0 + f64::from(p.io_delay));
+            let waits = if ahead > with_it { ahead } else { 0.0 };
             unanswered > p.limits.frozen + e.behind + waits && error.abs() <= unanswered + near
         });
         self.position.shift(e.motion);
@@ -418,9 +419,9 @@ mod tests {
             let last = last.last().unwrap();
             last.position.is_none() && last.loss == Loss::Stands
         };
-        // two that it may be behind and four times `limits.frozen` are with the reference
-        assert_eq!([stands(3, 6.0), stands(4, 6.0)], [false, true]);
-        assert_eq!([stands(10, 7.0), stands(11, 7.0)], [false, true]);
+        // two that it may be behind, two samples and four times `limits.frozen` are with the reference
+        assert_eq!([stands(3, 8.0), stands(4, 8.0)], [false, true]);
+        assert_eq!([stands(12, 9.0), stands(13, 9.0)], [false, true]);
         assert_eq!([stands(23, 20.0), stands(24, 20.0)], [false, true]);
     }
 }
