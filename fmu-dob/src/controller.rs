@@ -233,7 +233,11 @@ impl Controller {
             dismissed,
             elapsed,
             turned: self.motion.reference.velocity <= 0.0,
-            retreated: if self.state == State::Retract { settled } else { self.motion.retreated(p) },
+            retreated: match self.state {
+                State::Retract => settled,
+                State::Teach => self.motion.retreated(p) && self.teacher.rested(),
+                _ => self.motion.retreated(p),
+            },
         };
         let state = next(self.state, &events);
         if state != self.state {

@@ -2,6 +2,8 @@
 //!
 //! It goes through all speeds and then again, so that work which a touch dents shows as scatter.
 
+use std::f64::consts::TAU;
+
 use control_blocks::{NoEstimate, Observation, Welford, least_squares};
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
@@ -21,6 +23,12 @@ pub fn speed(p: &Parameters, i: usize) -> f64 {
 /// What the three parts leave out at a speed, as deviation, m: the likeliest beside the scatter of the five means of 29 machines whose mass
 /// and thrust constant are wrong by up to 30 %, on work of 0.1 to 2 N/um.
 const LEFT_OUT: f64 = 6e-9;
+
+/// Share of a turn of the spindle by which each round of touches comes later than the one before: golden, so that however many rounds there
+/// are they spread over the turn, and over the half of one with two flutes.
+const LATER: f64 = 0.618_033_988_749_894_8;
+/// A turn that takes longer is not waited for, s.
+const TURN_MAX: f64 = 0.1;
 
 /// Touches so far; by default none.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -44,6 +52,13 @@ impl Lesson {
     pub fn after(&self, p: &Parameters) -> Option<f64> {
         let last = self.touches + 1 >= self.wanted(p);
         (!last).then(|| speed(p, (self.next() + 1) % SPEEDS))
+    }
+
+    /// How long (s) the stage stands before the next touch, at `spindle_speed` rad/s. A slow touch is found where a flute cuts, and all that
+    /// follows takes equally long: without this each speed would touch at one angle of the spindle, and its mean be wrong by what that makes.
+    pub fn pause(&self, spindle_speed: f64) -> f64 {
+        let round = f64::from(self.touches / SPEEDS as u32);
+        if TAU < TURN_MAX * spindle_speed.abs() { (LATER * round).fract() * TAU / spindle_speed.abs() } else { 0.0 }
     }
 
     /// Whether all speeds were touched as often as they are to be.
@@ -205,6 +220,25 @@ mod tests {
             lesson.conclude(&p).unwrap().deviation
         };
         assert!(bent(1e-7) > 3.0 * bent(0.0), "{} {}", bent(1e-7), bent(0.0));
+    }
+
+    #[test]
+    fn each_speed_touches_at_angles_of_the_spindle_that_are_spread_over_half_a_turn() {
+        let p = Parameters::START;
+        let mut lesson = Lesson::default();
+        let mut shares = Vec::new();
+        while !lesson.over(&p) {
+            // 10 ms a turn, either way round
+            let pause = lesson.pause(TAU / 0.01);
+            assert_eq!((pause, 0.0, 0.0), (lesson.pause(-TAU / 0.01), lesson.pause(0.0), lesson.pause(TAU / 0.1)));
+            if lesson.next() == 3 {
+                shares.push((pause / 0.01 * 2.0).fract());
+            }
+            lesson.take(0.0);
+        }
+        shares.sort_by(f64::total_cmp);
+        let gaps = shares.windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(gaps.chain([shares[0] + 1.0 - shares[3]]).all(|gap| gap > 0.2 && gap < 0.35), "{shares:?}");
     }
 
     #[test]

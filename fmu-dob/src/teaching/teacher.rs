@@ -1,6 +1,6 @@
 //! A teaching as the controller sees it: which touch is next, what was learned, and which bias is in force.
 
-use control_blocks::{InForce, SIGNIFICANT};
+use control_blocks::{InForce, SIGNIFICANT, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Approach, Parameters, Taught};
@@ -17,6 +17,8 @@ pub struct Teacher {
     /// All touches are made, and what they say cannot be used.
     pub rejected: bool,
     broken: bool,
+    /// samples for which the stage still stands before the next touch
+    pause: u32,
     lesson: Lesson,
     bias: InForce<Bias>,
 }
@@ -29,6 +31,7 @@ impl Teacher {
             active: false,
             rejected: false,
             broken: false,
+            pause: 0,
             lesson: Lesson::default(),
             bias: InForce::new(Bias::of(p)),
         }
@@ -37,7 +40,7 @@ impl Teacher {
     /// Begins.
     pub fn begin(&mut self) {
         (self.taught, self.lesson) = (Taught::START, Lesson::default());
-        (self.active, self.rejected, self.broken) = (true, false, false);
+        (self.active, self.rejected, self.broken, self.pause) = (true, false, false, 0);
     }
 
     /// Is to end before its end; whether that is news.
@@ -79,10 +82,18 @@ impl Teacher {
         }
     }
 
-    /// Takes a contact (m, towards the work) of the approach that has just ended.
-    pub fn take(&mut self, p: &Parameters, contact: f64) {
+    /// One sample at rest before the next touch; whether it is to be made now.
+    pub fn rested(&mut self) -> bool {
+        let rested = self.pause == 0 || self.over();
+        self.pause = self.pause.saturating_sub(1);
+        rested
+    }
+
+    /// Takes a contact (m, towards the work) of the approach that has just ended, with a spindle at `spindle_speed` rad/s.
+    pub fn take(&mut self, p: &Parameters, contact: f64, spindle_speed: f64) {
         self.lesson.take(contact - p.direction() * p.teach.place);
         self.taught.touches = self.lesson.touches() as i32;
+        self.pause = ticks(self.lesson.pause(spindle_speed), p.sample_period);
         if self.lesson.over(p) {
             self.conclude(p);
         }
@@ -126,6 +137,8 @@ fn acceptable(p: &Parameters, taught: &Taught, [least, most]: [f64; 2]) -> bool 
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     /// A teaching whose touches are as late (m) as `late` says, at a place of 50 um; with what it is afterwards.
@@ -135,7 +148,7 @@ mod tests {
         for touch in 0..20 {
             assert!(!teacher.over() && !teacher.rejected);
             let velocity = teacher.approach(p).velocity;
-            teacher.take(p, p.direction() * p.teach.place + late(velocity, touch));
+            teacher.take(p, p.direction() * p.teach.place + late(velocity, touch), 0.0);
         }
         teacher
     }
@@ -193,16 +206,35 @@ mod tests {
             teacher.begin();
             assert!(!teacher.taught.valid && teacher.taught.bias == 0.0);
             if broken {
-                teacher.take(&p, 5.03e-5);
+                teacher.take(&p, 5.03e-5, 0.0);
                 assert!(teacher.break_off() && !teacher.break_off());
                 assert!(teacher.over());
             } else {
-                (0..20).for_each(|_| teacher.take(&p, 6e-5));
+                (0..20).for_each(|_| teacher.take(&p, 6e-5, 0.0));
                 assert!(teacher.rejected && teacher.taught.bias > 9e-6);
             }
             teacher.end();
             assert_eq!(teacher.bias(&p), Bias::of(&p));
         }
+    }
+
+    #[test]
+    fn it_stands_for_its_share_of_a_turn_before_a_touch_and_for_none_at_its_end() {
+        let p = parameters(|_| ());
+        let mut teacher = Teacher::new(&p);
+        teacher.begin();
+        let stands = |teacher: &mut Teacher| (0..99).find(|_| teacher.rested());
+        for touch in 0..20 {
+            // 0.62 of 10 ms more in each round
+            let expected = [0, 62, 24, 85][touch / 5];
+            assert_eq!(stands(&mut teacher), Some(expected), "{touch}");
+            teacher.take(&p, 5.02e-5, TAU / 0.01);
+        }
+        assert_eq!(stands(&mut teacher), Some(0));
+        teacher.begin();
+        (0..6).for_each(|_| teacher.take(&p, 5.02e-5, TAU / 0.01));
+        teacher.break_off();
+        assert_eq!(stands(&mut teacher), Some(0));
     }
 
     #[test]
@@ -216,7 +248,7 @@ mod tests {
         assert_eq!(teacher.approach(&p), slowest);
         for touch in 0..20 {
             let (last, after) = (touch == 19, teacher.approach_after(&p));
-            teacher.take(&p, 5.02e-5);
+            teacher.take(&p, 5.02e-5, 0.0);
             assert_eq!(after, if last { p.approach } else { teacher.approach(&p) });
         }
         teacher.begin();
