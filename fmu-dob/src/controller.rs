@@ -348,6 +348,7 @@ impl Controller {
             contact_source: contact.map_or(ContactSource::None, |c| c.source),
             contact_position: contact.map_or(0.0, |c| direction * c.position),
             contact_position_estimate: contact.map_or(0.0, |c| direction * c.estimate()),
+            contact_position_deviation: contact.map_or(0.0, |c| c.deviation),
             contact_time: contact.map_or(0.0, |c| c.time),
             force: self.force,
             threshold: self.detector.learned(),

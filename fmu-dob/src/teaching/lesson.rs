@@ -2,6 +2,7 @@
 //!
 //! It goes through all speeds and then again, so that work which a touch dents shows as scatter.
 
+use std::array;
 use std::f64::consts::TAU;
 
 use control_blocks::{NoEstimate, Observation, Welford, least_squares};
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Parameters, Taught};
 use crate::teaching::bias::Bias;
+use crate::teaching::spread::Spread;
 
 /// Speeds of a teaching, in equal ratios: two more than the bias has parts.
 pub const SPEEDS: usize = 5;
@@ -30,10 +32,20 @@ const LATER: f64 = 0.618_033_988_749_894_8;
 /// A turn that takes longer is not waited for, s.
 const TURN_MAX: f64 = 0.1;
 
+/// Degrees of freedom with which the scatter of all speeds counts beside that of one.
+const POOLED: f64 = 3.0;
+
+/// Touches at each speed at most.
+fn most(p: &Parameters) -> u32 {
+    p.teach.touches.max(p.teach.touches_max).unsigned_abs()
+}
+
 /// Touches so far; by default none.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Lesson {
     touches: u32,
+    /// rounds beyond `teach.touches`
+    more: u32,
     late: [Welford; SPEEDS],
 }
 
@@ -48,9 +60,9 @@ impl Lesson {
         speed(p, self.next())
     }
 
-    /// Speed of the touch after that (m/s), if there is one.
+    /// Speed of the touch after that (m/s), if there may be one.
     pub fn after(&self, p: &Parameters) -> Option<f64> {
-        let last = self.touches + 1 >= self.wanted(p);
+        let last = self.touches + 1 >= SPEEDS as u32 * most(p);
         (!last).then(|| speed(p, (self.next() + 1) % SPEEDS))
     }
 
@@ -63,7 +75,14 @@ impl Lesson {
 
     /// Whether all speeds were touched as often as they are to be.
     pub fn over(&self, p: &Parameters) -> bool {
-        self.touches >= self.wanted(p)
+        self.touches >= SPEEDS as u32 * (p.teach.touches.unsigned_abs() + self.more)
+    }
+
+    /// Touches at all speeds once more, if that may be; whether it may.
+    pub fn once_more(&mut self, p: &Parameters) -> bool {
+        let may = p.teach.touches.unsigned_abs() + self.more < most(p);
+        self.more += u32::from(may);
+        may
     }
 
     /// Takes how far (m) behind the first touch a contact was found at [`Self::velocity`].
@@ -79,27 +98,31 @@ impl Lesson {
         })
     }
 
-    /// What all touches say. Their scatter s is that within the speeds, and that of a mean of n is s / n^(1/2), beside what the three
-    /// parts leave out; where they leave more than both unexplained, they are less sure. A touch has at least the deviation of an encoder's step.
+    /// What all touches say, and how far a place that one more touch tells may be off. The scatter s of a speed is its own with as much weight as
+    /// it has degrees of freedom, and that of all speeds with [`POOLED`], as few touches scatter little by chance. That of a mean of n is
+    /// s / n^(1/2), beside what the three parts leave out; where they leave more than both unexplained, they are less sure. A touch
+    /// has at least the deviation of an encoder's step.
     ///
     /// # Errors
     /// When they do not tell the three parts apart.
-    pub fn conclude(&self, p: &Parameters) -> Result<Taught, NoEstimate> {
-        let touches = f64::from(p.teach.touches);
-        let within = self.late.iter().map(|late| late.sigma().powi(2)).sum::<f64>() / SPEEDS as f64;
-        let scatter = f64::hypot(within.sqrt(), p.stage.encoder_resolution / 12f64.sqrt());
-        let sigma = f64::hypot(scatter / touches.sqrt(), LEFT_OUT);
+    pub fn conclude(&self, p: &Parameters) -> Result<(Taught, Spread), NoEstimate> {
+        let touches = f64::from(self.touches / SPEEDS as u32);
+        let step = p.stage.encoder_resolution / 12f64.sqrt();
+        let own = self.late.map(|late| late.sigma().powi(2) + step * step);
+        let pooled = own.iter().sum::<f64>() / SPEEDS as f64;
+        let freedom = touches - 1.0;
+        let touch = own.map(|own| ((POOLED * pooled + freedom * own) / (POOLED + freedom)).sqrt());
         // parts in units of what they give at the speed in the middle
         let units = Bias::parts_at((p.teach.velocity_min * p.teach.velocity_max).sqrt());
         let parts = |i: usize| SVector::from(Bias::parts_at(speed(p, i))).component_div(&SVector::from(units));
-        let found = least_squares(SVector::zeros(), SPEEDS, |i, value| Observation {
-            residual: (parts(i).dot(value) - self.late[i].mean()) / sigma,
-            gradient: parts(i) / sigma,
+        let found = least_squares(SVector::zeros(), SPEEDS, |i, value| {
+            let sigma = f64::hypot(touch[i] / touches.sqrt(), LEFT_OUT);
+            Observation { residual: (parts(i).dot(value) - self.late[i].mean()) / sigma, gradient: parts(i) / sigma }
         })?;
         let variance = |i: usize| parts(i).dot(&(found.covariance * parts(i)));
-        let deviation = (0..SPEEDS).map(variance).fold(0.0, f64::max).sqrt();
         let unsure = p.teach.place_deviation;
-        Ok(Taught {
+        let deviation = (0..SPEEDS).map(variance).fold(0.0, f64::max).sqrt().hypot(LEFT_OUT).hypot(unsure);
+        let taught = Taught {
             valid: false,
             touches: self.touches as i32,
             bias: found.value[0] / units[0],
@@ -108,14 +131,11 @@ impl Lesson {
             bias_fast_deviation: found.sigma(1) / units[1],
             bias_slow: found.value[2] / units[2],
             bias_slow_deviation: found.sigma(2) / units[2],
-            deviation: deviation.hypot(LEFT_OUT).hypot(unsure),
-            scatter,
-            scatter_deviation: scatter / (2.0 * SPEEDS as f64 * (touches - 1.0)).sqrt(),
-        })
-    }
-
-    fn wanted(&self, p: &Parameters) -> u32 {
-        SPEEDS as u32 * p.teach.touches.unsigned_abs()
+            deviation,
+            scatter: pooled.sqrt(),
+            scatter_deviation: (pooled / (2.0 * SPEEDS as f64 * freedom)).sqrt(),
+        };
+        Ok((taught, Spread { speeds: array::from_fn(|i| speed(p, i)), touch, bias: deviation }))
     }
 
     fn next(&self) -> usize {
@@ -168,11 +188,11 @@ mod tests {
     #[test]
     fn the_parts_are_found_and_as_sure_as_told() {
         let p = Parameters::START;
-        let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p).unwrap();
+        let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p).unwrap().0;
         for velocity in [1e-5, 5e-5, 3e-4] {
             assert!((exact.parts().at(velocity) - TRUTH.at(velocity)).abs() < 1e-12, "{exact:?}");
         }
-        let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p).unwrap()).collect();
+        let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p).unwrap().0).collect();
         let rms = |of: &dyn Fn(&Taught) -> f64| (many.iter().map(|t| of(t).powi(2)).sum::<f64>() / 400.0).sqrt();
         for ratio in [
             rms(&|t| (t.bias - TRUTH.constant) / t.bias_deviation),
@@ -190,9 +210,9 @@ mod tests {
     #[test]
     fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other() {
         let mut p = Parameters::START;
-        let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap();
+        let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap().0;
         p.teach.place_deviation = 1e-7;
-        let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap();
+        let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap().0;
         assert!((unsure.bias_deviation.powi(2) - sure.bias_deviation.powi(2) - 1e-14).abs() < 1e-20);
         assert!((unsure.deviation.powi(2) - sure.deviation.powi(2) - 1e-14).abs() < 1e-20);
         assert_eq!(unsure.bias_fast_deviation, sure.bias_fast_deviation);
@@ -201,7 +221,7 @@ mod tests {
     #[test]
     fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
         let p = Parameters::START;
-        let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p).unwrap();
+        let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p).unwrap().0;
         assert!((1.0..1.5).contains(&(taught.deviation / LEFT_OUT)), "{taught:?}");
         assert!(taught.bias_deviation > 0.3 * LEFT_OUT, "{taught:?}");
     }
@@ -217,7 +237,7 @@ mod tests {
                 let scatter = if (lesson.touches() / SPEEDS as u32).is_multiple_of(2) { 1e-8 } else { -1e-8 };
                 lesson.take(TRUTH.at(lesson.velocity(&p)) + odd + scatter);
             }
-            lesson.conclude(&p).unwrap().deviation
+            lesson.conclude(&p).unwrap().0.deviation
         };
         assert!(bent(1e-7) > 3.0 * bent(0.0), "{} {}", bent(1e-7), bent(0.0));
     }
