@@ -42,10 +42,18 @@ impl Controller {
             unforeseen: if known { unforeseen * self.observer.leverage() } else { f64::INFINITY },
             reference: self.motion.reference.position,
             asked: self.motion.asked,
-            behind: if steady { 0.0 } else { self.motion.late(p) + self.unanswered() },
+            behind: if steady { self.held(p) } else { self.motion.late(p) + self.unanswered() },
             astray: self.astray(),
             steady_spindle: self.steady_spindle(),
         }
+    }
+
+    /// Motion (m) that a stage may leave unanswered at an approach speed so low that a push of the guard's force stops it on less than
+    /// `limits.frozen`, M v^2 < 2 F `limits.frozen`: what holds it lasts for half a turn of the spindle.
+    fn held(&self, p: &Parameters) -> f64 {
+        let velocity = self.motion.reference.velocity;
+        let slow = p.stage.mass * velocity * velocity < 2.0 * p.guard_force * p.limits.frozen;
+        if slow { velocity.abs() * self.reader.half_turn() } else { 0.0 }
     }
 
     /// Motion (m) that a commission lets a stage that is not what was told leave unanswered at its turns.
