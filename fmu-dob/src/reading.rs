@@ -1,6 +1,6 @@
 //! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
 
-use std::f64::consts::PI;
+use std::f64::consts::FRAC_PI_2;
 
 use control_blocks::{Consecutive, Edge, Frozen, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
@@ -17,8 +17,8 @@ const STANDS: f64 = 1.5;
 /// Shares of `limits.frozen`: what a reading may leave unanswered to prove a contact, and how far a stage follows its reference.
 const ALIVE: f64 = 1.0 / 3.0;
 const WITH_IT: f64 = 4.0;
-/// Longest half turn of a spindle for which a slow stage may stand, s.
-const HELD: f64 = 3e-3;
+/// Longest quarter turn of a spindle for which a slow stage may stand, s.
+const HELD: f64 = 1.5e-3;
 /// A reading counts up to this share of `limits.jump` from where it is expected, so that a bad sample that is just believed
 /// leaves the good ones after it within `limits.jump`: 0.5 of it, and what the velocity that it makes adds in a sample.
 const COUNTS: f64 = 0.5;
@@ -159,10 +159,10 @@ impl Reader {
         }
     }
 
-    /// Half a turn of the spindle (s): so long a flute that cuts, or an unbalance, holds a slow stage.
-    pub fn half_turn(&self) -> f64 {
+    /// A quarter turn of the spindle (s): so long a slow stage stands that a flute or the unbalance has stopped.
+    pub fn quarter_turn(&self) -> f64 {
         let speed = self.spindle_speed.believed().map_or(0.0, f64::abs);
-        if speed * HELD > PI { PI / speed } else { HELD * f64::from(u8::from(speed > 0.0)) }
+        if speed > 0.0 { (FRAC_PI_2 / speed).min(HELD) } else { 0.0 }
     }
 
     /// The motion that the position has not answered is forgotten, when it is no longer controlled for instance.
@@ -228,6 +228,8 @@ impl Reader {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     const LOST: Input = Input { position_valid: false, ..Input::START };
@@ -321,11 +323,11 @@ mod tests {
     }
 
     #[test]
-    fn half_a_turn_is_that_of_the_spindle_and_no_longer_than_what_is_waited_for() {
-        for (spindle_speed, expected) in [(0.0, 0.0), (-2000.0, PI / 2000.0), (1100.0, PI / 1100.0), (900.0, 3e-3)] {
+    fn a_quarter_turn_is_that_of_the_spindle_and_no_longer_than_what_is_waited_for() {
+        for (spindle_speed, expected) in [(0.0, 0.0), (-2000.0, 0.25e-3 * PI), (1100.0, PI / 2200.0), (900.0, 1.5e-3)] {
             let mut reader = Reader::default();
             read(&mut reader, &Input { spindle_speed, ..at(0.1) });
-            assert_eq!(reader.half_turn(), expected, "{spindle_speed}");
+            assert!((reader.quarter_turn() - expected).abs() < 1e-18, "{spindle_speed}");
         }
     }
 

@@ -49,11 +49,11 @@ impl Controller {
     }
 
     /// Motion (m) that a stage may leave unanswered at an approach speed so low that a push of the guard's force stops it on less than
-    /// `limits.frozen`, M v^2 < 2 F `limits.frozen`: what holds it lasts for half a turn of the spindle.
+    /// `limits.frozen`, M v^2 < 2 F `limits.frozen`: it stands for a quarter turn of the spindle.
     fn held(&self, p: &Parameters) -> f64 {
         let velocity = self.motion.reference.velocity;
         let slow = p.stage.mass * velocity * velocity < 2.0 * p.guard_force * p.limits.frozen;
-        if slow { velocity.abs() * self.reader.half_turn() } else { 0.0 }
+        if slow { velocity.abs() * self.reader.quarter_turn() } else { 0.0 }
     }
 
     /// Motion (m) that a commission lets a stage that is not what was told leave unanswered at its turns.
