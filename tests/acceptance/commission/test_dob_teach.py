@@ -67,7 +67,7 @@ def hold(found: Sequence[studies.Machine], least: float) -> list[studies.Machine
     # beyond three of the deviations that it tells, without a fault
     assert sum(one["silent"] for one in found) <= 0.01 * len(found)
     assert all(one["taught"] <= TEACHING for one in found)
-    assert all(one.result.duration <= MACHINE_TIME for one in found)
+    assert all(one.result.simulated_s <= MACHINE_TIME for one in found)
     assert errors(told, "position_error")[1] <= 60.0
     return told
 
