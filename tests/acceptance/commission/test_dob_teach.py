@@ -24,7 +24,7 @@ TAUGHT = (1e-5, 5.4772e-5, 3e-4)
 TEACHING = 48.0
 """Longest teaching, s: forty touches, where twenty do not make the bias sure."""
 MACHINE_TIME = 120.0
-"""Longest time that an unknown machine may take to the place of its work, s: commission, teaching and touch."""
+"""Longest time of an unknown machine to the place of its work, s: commission, teaching and touch."""
 TOUCH_SCATTER = 6e-8
 """`limits.touch_scatter`, m."""
 NEAR = 1e-7
