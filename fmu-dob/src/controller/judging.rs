@@ -232,3 +232,30 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interface::Input;
+
+    #[test]
+    fn only_a_stage_so_slow_that_the_guard_stops_it_at_once_may_stand_for_a_quarter_turn() {
+        let p = Parameters::START;
+        let mut controller = Controller::new(&p).unwrap();
+        let expected = controller.expect(&p);
+        // 2 ms a turn
+        let input = Input { spindle_speed: 1000.0 * std::f64::consts::PI, ..Input::START };
+        controller.reader.read(&p, &input, &expected);
+        let mut behind = |state: State, velocity: f64| {
+            controller.state = state;
+            controller.motion.reference.velocity = velocity;
+            controller.expect(&p).behind
+        };
+        // 0.4 N stop 10 kg at 24.49 um/s on 7.5 nm
+        for (velocity, expected) in [(1e-5, 5e-9), (2.449e-5, 1.2245e-8), (2.45e-5, 0.0), (1e-4, 0.0)] {
+            let found = [State::Learn, State::Detect].map(|state| behind(state, velocity));
+            assert!(found.iter().all(|behind| (behind - expected).abs() < 1e-20), "{velocity}: {found:?}");
+        }
+        assert!((behind(State::Retract, 1e-5) - 2e-9).abs() < 1e-20);
+    }
+}

@@ -208,6 +208,29 @@ mod tests {
     }
 
     #[test]
+    fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
+        let p = Parameters::START;
+        let mut lesson = Lesson::default();
+        while !lesson.over(&p) {
+            let round = lesson.touches() / SPEEDS as u32;
+            // to and fro by 50 nm at the slowest, and by 5 nm
+            let swing = if lesson.next() == 0 { 5e-8 } else { 5e-9 };
+            lesson.take(TRUTH.at(lesson.velocity(&p)) + if round.is_multiple_of(2) { swing } else { -swing });
+        }
+        let (taught, spread) = lesson.conclude(&p).unwrap();
+        let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
+        let pooled = (variance(5e-8) + 4.0 * variance(5e-9)) / 5.0;
+        assert!((taught.scatter / pooled.sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
+        // three degrees of freedom of its own, and three
+        for (touch, x) in [(spread.touch[0], 5e-8), (spread.touch[4], 5e-9)] {
+            assert!((touch / (0.5 * (pooled + variance(x))).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
+        }
+        assert_eq!((spread.bias, spread.speeds[0]), (taught.deviation, 1e-5));
+        // as sure as its mean is at the slowest: 43 nm / 2 and what is left out, less what the others know of it
+        assert!((0.7..1.0).contains(&(taught.deviation / (0.5 * spread.touch[0]).hypot(LEFT_OUT))), "{taught:?}");
+    }
+
+    #[test]
     fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other() {
         let mut p = Parameters::START;
         let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap().0;
