@@ -111,12 +111,15 @@ impl Lesson {
         let own = self.late.map(|late| late.sigma().powi(2) + step * step);
         let pooled = own.iter().sum::<f64>() / SPEEDS as f64;
         let freedom = touches - 1.0;
-        let touch = own.map(|own| ((POOLED * pooled + freedom * own) / (POOLED + freedom)).sqrt());
+        let squares = own.map(|own| POOLED * pooled + freedom * own);
+        let likely = squares.map(|squares| (squares / (POOLED + freedom)).sqrt());
+        // what one more touch does is Student's: the mean of what its variance may be
+        let touch = squares.map(|squares| (squares / (POOLED + freedom - 2.0)).sqrt());
         // parts in units of what they give at the speed in the middle
         let units = Bias::parts_at((p.teach.velocity_min * p.teach.velocity_max).sqrt());
         let parts = |i: usize| SVector::from(Bias::parts_at(speed(p, i))).component_div(&SVector::from(units));
         let found = least_squares(SVector::zeros(), SPEEDS, |i, value| {
-            let sigma = f64::hypot(touch[i] / touches.sqrt(), LEFT_OUT);
+            let sigma = f64::hypot(likely[i] / touches.sqrt(), LEFT_OUT);
             Observation { residual: (parts(i).dot(value) - self.late[i].mean()) / sigma, gradient: parts(i) / sigma }
         })?;
         let variance = |i: usize| parts(i).dot(&(found.covariance * parts(i)));
@@ -221,13 +224,14 @@ mod tests {
         let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
         let pooled = (variance(5e-8) + 4.0 * variance(5e-9)) / 5.0;
         assert!((taught.scatter / pooled.sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
-        // three degrees of freedom of its own, and three
+        // three degrees of freedom of its own, and three, less the two of Student's variance
         for (touch, x) in [(spread.touch[0], 5e-8), (spread.touch[4], 5e-9)] {
-            assert!((touch / (0.5 * (pooled + variance(x))).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
+            assert!((touch / (0.75 * (pooled + variance(x))).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
         }
         assert_eq!((spread.bias, spread.speeds[0]), (taught.deviation, 1e-5));
-        // as sure as its mean is at the slowest: 43 nm / 2 and what is left out, less what the others know of it
-        assert!((0.7..1.0).contains(&(taught.deviation / (0.5 * spread.touch[0]).hypot(LEFT_OUT))), "{taught:?}");
+        // as sure as its mean is at the slowest: 44 nm / 2 and what is left out, less what the others know of it
+        let likely = (0.5 * (pooled + variance(5e-8))).sqrt();
+        assert!((0.7..1.0).contains(&(taught.deviation / (0.5 * likely).hypot(LEFT_OUT))), "{taught:?}");
     }
 
     #[test]
