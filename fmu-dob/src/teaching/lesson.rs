@@ -10,11 +10,8 @@ use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Parameters, Taught};
-use crate::teaching::bias::Bias;
+use crate::teaching::bias::{Bias, SPEEDS};
 use crate::teaching::spread::Spread;
-
-/// Speeds of a teaching, in equal ratios: two more than the bias has parts.
-pub const SPEEDS: usize = 5;
 
 /// Speed `i` of a teaching, m/s.
 pub fn speed(p: &Parameters, i: usize) -> f64 {

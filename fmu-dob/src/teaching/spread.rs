@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::teaching::lesson::SPEEDS;
+use crate::teaching::bias::SPEEDS;
 
 /// What a teaching says of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
