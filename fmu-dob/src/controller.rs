@@ -233,7 +233,11 @@ impl Controller {
             dismissed,
             elapsed,
             turned: self.motion.reference.velocity <= 0.0,
-            retreated: if self.state == State::Retract { settled } else { self.motion.retreated(p) },
+            retreated: match self.state {
+                State::Retract => settled,
+                State::Teach => self.motion.retreated(p) && self.teacher.rested(),
+                _ => self.motion.retreated(p),
+            },
         };
         let state = next(self.state, &events);
         if state != self.state {
@@ -344,6 +348,7 @@ impl Controller {
             contact_source: contact.map_or(ContactSource::None, |c| c.source),
             contact_position: contact.map_or(0.0, |c| direction * c.position),
             contact_position_estimate: contact.map_or(0.0, |c| direction * c.estimate()),
+            contact_position_deviation: contact.map_or(0.0, |c| c.deviation),
             contact_time: contact.map_or(0.0, |c| c.time),
             force: self.force,
             threshold: self.detector.learned(),

@@ -174,6 +174,8 @@ mod variables {
         #[var(unit = METRE as "um")] pub contact_position: f64,
         /// Position of the first touch: `contact_position` less the bias at the speed of this approach, in its direction
         #[var(unit = METRE as "um")] pub contact_position_estimate: f64,
+        /// Standard deviation of `contact_position_estimate`, by the teaching whose bias is in force; 0 where the bias was told
+        #[var(unit = METRE as "nm")] pub contact_position_deviation: f64,
         /// Time of the detection since the initialisation
         #[var(unit = SECOND)] pub contact_time: f64,
         pub force: ForceOutput,
@@ -501,6 +503,8 @@ mod variables {
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 3e-4, source = "our choice")] pub velocity_max: f64,
         /// Touches at each speed
         #[var(range = 2..=1000, start = 4, source = "our choice: half of the scatter of one touch")] pub touches: i32,
+        /// Touches at each speed at most, where so many as `teach.touches` do not make the bias sure; no fewer than those
+        #[var(range = 2..=1000, start = 8, source = "our choice: a minute in all")] pub touches_max: i32,
         /// Encoder position at which the tool first touches the work
         #[var(unit = METRE as "um", range = -1e3..=1e3, source = "measured otherwise: no touch tells its own bias")] pub place: f64,
         /// Its standard deviation

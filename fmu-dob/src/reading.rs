@@ -1,5 +1,7 @@
 //! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
 
+use std::f64::consts::FRAC_PI_2;
+
 use control_blocks::{Consecutive, Edge, Frozen, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +17,8 @@ const STANDS: f64 = 1.5;
 /// Shares of `limits.frozen`: what a reading may leave unanswered to prove a contact, and how far a stage follows its reference.
 const ALIVE: f64 = 1.0 / 3.0;
 const WITH_IT: f64 = 4.0;
+/// Longest quarter turn of a spindle for which a slow stage may stand, s.
+const HELD: f64 = 1.5e-3;
 /// A reading counts up to this share of `limits.jump` from where it is expected, so that a bad sample that is just believed
 /// leaves the good ones after it within `limits.jump`: 0.5 of it, and what the velocity that it makes adds in a sample.
 const COUNTS: f64 = 0.5;
@@ -155,6 +159,12 @@ impl Reader {
         }
     }
 
+    /// A quarter turn of the spindle (s): so long a slow stage stands that a flute or the unbalance has stopped.
+    pub fn quarter_turn(&self) -> f64 {
+        let speed = self.spindle_speed.believed().map_or(0.0, f64::abs);
+        if speed > 0.0 { (FRAC_PI_2 / speed).min(HELD) } else { 0.0 }
+    }
+
     /// The motion that the position has not answered is forgotten, when it is no longer controlled for instance.
     pub fn forgive(&mut self) {
         self.standing.clear();
@@ -172,9 +182,16 @@ impl Reader {
             self.standing.update(position, e.asked, STANDS * p.stage.encoder_resolution);
         }
         let unanswered = self.standing.unanswered();
-        // a stage that was astray before may truly stand, and what has jumped may come by where it was
-        let with_it = |z: f64| (e.reference - z).abs() <= unanswered + e.behind + e.astray + WITH_IT * p.limits.frozen;
-        let stands = unanswered > p.limits.frozen + e.behind && !jumped && given.is_some_and(with_it);
+        let near = e.behind + e.astray + WITH_IT * p.limits.frozen;
+        let stands = given.filter(|_| !jumped).is_some_and(|z| {
+            let error = e.reference - z;
+            // a stage that was astray may truly stand, as one that was ahead does until its reference has come by;
+            // and what has jumped may come by where it was
+            let ahead = (self.standing.missed() - error) * self.standing.missed().signum();
+            let with_it = near + e.asked.abs() * (1.0 + f64::from(p.io_delay));
+            let waits = if ahead > with_it { ahead } else { 0.0 };
+            unanswered > p.limits.frozen + e.behind + waits && error.abs() <= unanswered + near
+        });
         self.position.shift(e.motion);
         let expected = self.position;
         let reach = Reach { motion: e.unforeseen, spread: p.limits.jump };
@@ -211,6 +228,8 @@ impl Reader {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     const LOST: Input = Input { position_valid: false, ..Input::START };
@@ -301,6 +320,15 @@ mod tests {
         let late = Expected { motion: 0.0, behind: 1e-8, ..CRUISING };
         let reading = reader.read(&Parameters::START, &at(99e-8), &late);
         assert!(reading.position.is_some() && !reading.alive);
+    }
+
+    #[test]
+    fn a_quarter_turn_is_that_of_the_spindle_and_no_longer_than_what_is_waited_for() {
+        for (spindle_speed, expected) in [(0.0, 0.0), (-2000.0, 0.25e-3 * PI), (1100.0, PI / 2200.0), (900.0, 1.5e-3)] {
+            let mut reader = Reader::default();
+            read(&mut reader, &Input { spindle_speed, ..at(0.1) });
+            assert!((reader.quarter_turn() - expected).abs() < 1e-18, "{spindle_speed}");
+        }
     }
 
     #[test]
@@ -395,5 +423,26 @@ mod tests {
         assert_eq!([stands(3, 0.0), stands(4, 0.0)], [false, true]);
         // four unanswered, two behind, four times `limits.frozen`
         assert_eq!([stands(4, 10.0), stands(4, 11.0)], [true, false]);
+    }
+
+    #[test]
+    fn a_stage_that_was_ahead_stands_until_its_reference_has_come_by() {
+        let mut p = Parameters::START;
+        let unit = 2f64.powi(-28);
+        p.limits.frozen = unit;
+        let stands = |samples: u32, ahead: f64| {
+            let mut reader = Reader::default();
+            let last = (0..=samples).map(|k| {
+                let reference = (f64::from(k) - ahead) * unit;
+                let expected = Expected { asked: unit, behind: 2.0 * unit, reference, ..RESTING };
+                reader.read(&p, &at(0.0), &expected)
+            });
+            let last = last.last().unwrap();
+            last.position.is_none() && last.loss == Loss::Stands
+        };
+        // two that it may be behind, two samples and four times `limits.frozen` are with the reference
+        assert_eq!([stands(3, 8.0), stands(4, 8.0)], [false, true]);
+        assert_eq!([stands(12, 9.0), stands(13, 9.0)], [false, true]);
+        assert_eq!([stands(23, 20.0), stands(24, 20.0)], [false, true]);
     }
 }

@@ -2,4 +2,5 @@
 
 pub mod bias;
 pub mod lesson;
+pub mod spread;
 pub mod teacher;

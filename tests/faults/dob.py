@@ -41,6 +41,10 @@ def at(time: float, to: str = POSITION, **kind: object) -> Injection:
 
 
 OFF = "an encoder that lies: what is commanded in the 4 samples until it is told, 10 nm each at 100 um/s"
+LATE = "an encoder that lies: `limits.frozen`, the 2 samples that the slide may be late, and 4, 10 nm each"
+SLOW = (
+    "an encoder that lies: `limits.frozen`, a quarter turn of the spindle, 4 samples of 1 nm, 5 nm of noise"
+)
 TOLD = "the reading is bridged or told: the servo follows within 10 nm, 5 sigma of its noise"
 GUARD = "force guard: 0.4 N on one flute, 2 um, and 1 um to stop"
 TOUCH = "a touch as in the nominal run, 0.42 um in 99 of 100"
@@ -70,7 +74,9 @@ ROWS = (
         (at(0.3, frozen=True),),
         (Signal("controller.enable", (0.0, 0.3), (False, True)),),
     ),
-    Row("encoder frozen while settling", ("FrozenReading",), CRUISING, 5e-8, OFF, (at(0.1, frozen=True),)),
+    Row(
+        "encoder frozen while settling", ("FrozenReading",), CRUISING, 6.75e-8, LATE, (at(0.1, frozen=True),)
+    ),
     Row(
         "encoder frozen while learning",
         ("FrozenReading",),
@@ -91,8 +97,8 @@ ROWS = (
         "encoder frozen while watching, 10 um/s",
         ("FrozenReading",),
         CRUISING,
-        5e-8,
-        OFF,
+        2.2e-8,
+        SLOW,
         (wrong(POSITION, frozen=True),),
         changes=("controller.approach.velocity=1e-5",),
     ),

@@ -21,6 +21,7 @@ AT_REST = Signal("controller.enable", (0.0,), (False,))
 SECOND = 'controller.state == "Detect" and controller.taught.touches == 1'
 FAST = (
     "controller.teach.velocity_min=6e-5", "controller.teach.velocity_max=2e-4", "controller.teach.touches=2",
+    "controller.teach.touches_max=2",
     "plant.surface_distance=4e-5", "plant.surface_spread=0", "plant.start_spread=0",
     "controller.teach.place=4e-5",
     "controller.limits.touch_scatter=2e-7", "controller.teach.deviation_max=2e-7",

@@ -40,6 +40,11 @@ impl Frozen {
         self.expected.abs()
     }
 
+    /// The same with its sign.
+    pub fn missed(&self) -> f64 {
+        self.expected
+    }
+
     /// Samples since the reading moved, whatever was expected.
     pub fn still(&self) -> u32 {
         self.still
@@ -66,6 +71,15 @@ mod tests {
             frozen.unanswered()
         });
         unanswered.fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn what_is_missed_has_the_sign_of_the_motion() {
+        let mut frozen = Frozen::default();
+        for motion in [0.0, -2.0, 0.5] {
+            frozen.update(7.0, motion, BAND);
+        }
+        assert_eq!((frozen.missed(), frozen.unanswered()), (-1.5, 1.5));
     }
 
     #[test]

@@ -78,7 +78,7 @@ impl Commissioner {
     }
 
     /// Names and values of what a good commission derives.
-    pub fn derived(&self) -> [(&'static str, f64); 8] {
+    pub fn derived(&self) -> [(&'static str, f64); 9] {
         self.values.derived().entries()
     }
 

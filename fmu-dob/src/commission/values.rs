@@ -12,6 +12,8 @@ const GUARD: (f64, f64) = (20.0, 2.0);
 const FORCE_LEFT: f64 = 0.5;
 /// `limits.slope_sigma_max` over the noise of the slope, as the default has it.
 const SLOPE_SIGMA: f64 = 5.0;
+/// `limits.jump` over the noise of the position, as the defaults have it: half of it, which counts, is six sigma of the difference of two readings.
+const JUMP: f64 = 17.0;
 /// The guard may grow to this many times what was told.
 const GUARD_GROWTH: f64 = 3.0;
 
@@ -23,6 +25,7 @@ pub struct Values {
     guard_force: f64,
     force_left: f64,
     slope_sigma_max: f64,
+    jump: f64,
     disturbance_walk: f64,
     force_noise: f64,
     position_noise: f64,
@@ -37,6 +40,7 @@ impl Values {
             guard_force: p.guard_force,
             force_left: p.limits.force_left,
             slope_sigma_max: p.limits.slope_sigma_max,
+            jump: p.limits.jump,
             disturbance_walk: p.kalman.disturbance_walk,
             force_noise: p.kalman.force_noise,
             position_noise: p.kalman.position_noise,
@@ -50,19 +54,21 @@ impl Values {
         p.guard_force = self.guard_force;
         p.limits.force_left = self.force_left;
         p.limits.slope_sigma_max = self.slope_sigma_max;
+        p.limits.jump = self.jump;
         p.kalman.disturbance_walk = self.disturbance_walk;
         p.kalman.force_noise = self.force_noise;
         p.kalman.position_noise = self.position_noise;
     }
 
     /// Their names and values.
-    pub fn entries(&self) -> [(&'static str, f64); 8] {
+    pub fn entries(&self) -> [(&'static str, f64); 9] {
         [
             ("stage.force_constant", self.force_constant),
             ("io_delay", f64::from(self.io_delay)),
             ("guard.force", self.guard_force),
             ("limits.force_left", self.force_left),
             ("limits.slope_sigma_max", self.slope_sigma_max),
+            ("limits.jump", self.jump),
             ("kalman.disturbance_walk", self.disturbance_walk),
             ("kalman.force_noise", self.force_noise),
             ("kalman.position_noise", self.position_noise),
@@ -87,6 +93,7 @@ impl Values {
             guard_force,
             force_left: self.force_left.max(FORCE_LEFT * guard_force),
             slope_sigma_max: self.slope_sigma_max.min(SLOPE_SIGMA * m.slope_sigma),
+            jump: self.jump.max(JUMP * m.position_noise),
             disturbance_walk: significant_or(m.disturbance_walk, m.disturbance_walk_deviation, self.disturbance_walk),
             force_noise: significant_or(m.force_noise, m.force_noise_deviation, self.force_noise),
             position_noise: significant_or(m.position_noise, m.position_noise_deviation, self.position_noise),
@@ -160,6 +167,8 @@ mod tests {
         assert_eq!((p.guard_force, p.limits.force_left, p.limits.slope_sigma_max), (0.6, 0.3, 4.0));
         // the white force is not significant
         assert_eq!((p.kalman.force_noise, p.kalman.disturbance_walk, p.kalman.position_noise), (5e-3, 4e-4, 9e-10));
+        // 17 sigma of 0.9 nm
+        assert!((p.limits.jump - 1.53e-8).abs() < 1e-20, "{}", p.limits.jump);
         let names = values.entries().map(|(name, _)| name);
         assert!(names.contains(&"guard.force") && names.contains(&"limits.force_left"));
     }
@@ -177,6 +186,14 @@ mod tests {
         let stiff = Measured { stiffness: -200.0, stiffness_deviation: 20.0, force_sigma: 0.001, ..GOOD };
         let (force, left) = guard(&stiff);
         assert!((force - 1.4).abs() < 1e-12 && (left - 0.7).abs() < 1e-12, "{force} {left}");
+    }
+
+    #[test]
+    fn a_jump_is_beyond_the_noise_and_never_less_than_told() {
+        let p = Parameters::START;
+        let mut found = p.clone();
+        Values::of(&p).with_noise(&p, &Measured { position_noise: 5.8e-10, ..GOOD }).put(&mut found);
+        assert_eq!(found.limits.jump, 1e-8);
     }
 
     #[test]

@@ -42,10 +42,18 @@ impl Controller {
             unforeseen: if known { unforeseen * self.observer.leverage() } else { f64::INFINITY },
             reference: self.motion.reference.position,
             asked: self.motion.asked,
-            behind: if steady { 0.0 } else { self.motion.late(p) + self.unanswered() },
+            behind: if steady { self.held(p) } else { self.motion.late(p) + self.unanswered() },
             astray: self.astray(),
             steady_spindle: self.steady_spindle(),
         }
+    }
+
+    /// Motion (m) that a stage may leave unanswered at an approach speed so low that a push of the guard's force stops it on less than
+    /// `limits.frozen`, M v^2 < 2 F `limits.frozen`: it stands for a quarter turn of the spindle.
+    fn held(&self, p: &Parameters) -> f64 {
+        let velocity = self.motion.reference.velocity;
+        let slow = p.stage.mass * velocity * velocity < 2.0 * p.guard_force * p.limits.frozen;
+        if slow { velocity.abs() * self.reader.quarter_turn() } else { 0.0 }
     }
 
     /// Motion (m) that a commission lets a stage that is not what was told leave unanswered at its turns.
@@ -222,5 +230,32 @@ impl Controller {
             State::Confirm => (false, self.armed(p) && self.touch.passed(p, self.motion.approach.velocity, position)),
             _ => (false, false),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interface::Input;
+
+    #[test]
+    fn only_a_stage_so_slow_that_the_guard_stops_it_at_once_may_stand_for_a_quarter_turn() {
+        let p = Parameters::START;
+        let mut controller = Controller::new(&p).unwrap();
+        let expected = controller.expect(&p);
+        // 2 ms a turn
+        let input = Input { spindle_speed: 1000.0 * std::f64::consts::PI, ..Input::START };
+        controller.reader.read(&p, &input, &expected);
+        let mut behind = |state: State, velocity: f64| {
+            controller.state = state;
+            controller.motion.reference.velocity = velocity;
+            controller.expect(&p).behind
+        };
+        // 0.4 N stop 10 kg at 24.49 um/s on 7.5 nm
+        for (velocity, expected) in [(1e-5, 5e-9), (2.449e-5, 1.2245e-8), (2.45e-5, 0.0), (1e-4, 0.0)] {
+            let found = [State::Learn, State::Detect].map(|state| behind(state, velocity));
+            assert!(found.iter().all(|behind| (behind - expected).abs() < 1e-20), "{velocity}: {found:?}");
+        }
+        assert!((behind(State::Retract, 1e-5) - 2e-9).abs() < 1e-20);
     }
 }

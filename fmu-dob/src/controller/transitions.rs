@@ -30,7 +30,10 @@ impl Controller {
             (State::Approach, Some(position)) => self.restart(p, position),
             (State::Teach, _) if self.state == State::Retract => {
                 if let Some(contact) = self.contact.filter(|_| !self.teacher.broken()) {
-                    self.teacher.take(p, contact.position);
+                    self.teacher.take(p, contact.position, reading.spindle_speed);
+                    if self.teacher.ended() {
+                        self.depart_farther(p);
+                    }
                 }
             }
             (State::Teach, _) => {
@@ -48,7 +51,8 @@ impl Controller {
                 self.depart(p);
                 let time = self.samples as f64 * p.sample_period;
                 let bias = self.teacher.bias(p).at(self.motion.approach.velocity);
-                self.contact = events.contact.map(|source| DetectedContact { source, position, bias, time });
+                let deviation = self.teacher.deviation(self.motion.approach.velocity);
+                self.contact = events.contact.map(|source| DetectedContact { source, position, bias, deviation, time });
                 self.numbers.late =
                     events.contact.filter(|source| *source == ContactSource::ForceGuard).map(|_| LateContact {
                         position: p.direction() * position,
@@ -90,7 +94,7 @@ impl Controller {
         }
     }
 
-    /// A teaching is broken off in its retreat or behind it: a job may need farther back to arm than the touch that was next.
+    /// A teaching ends or is broken off in its retreat or behind it: a job may need farther back to arm than the touch that was next.
     pub(super) fn depart_farther(&mut self, p: &Parameters) {
         self.motion.go_farther_back(retract_between(p, &self.teacher.approach_after(p)));
     }

@@ -13,6 +13,8 @@ pub struct DetectedContact {
     pub position: f64,
     /// Travel from the first touch to the detection, m, as calibrated; late but repeatable.
     pub bias: f64,
+    /// Standard deviation of the first touch that they tell, m; 0 where nothing tells it.
+    pub deviation: f64,
     /// Time of the detection since the initialisation, s.
     pub time: f64,
 }
@@ -30,7 +32,8 @@ mod tests {
 
     #[test]
     fn the_first_touch_was_the_bias_before() {
-        let contact = DetectedContact { source: ContactSource::Slope, position: 5e-6, bias: 3e-7, time: 1.0 };
+        let contact =
+            DetectedContact { source: ContactSource::Slope, position: 5e-6, bias: 3e-7, deviation: 0.0, time: 1.0 };
         assert!((contact.estimate() - 4.7e-6).abs() < 1e-18);
     }
 }

@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Contact, Parameters};
 
+/// Speeds of a teaching, in equal ratios: two more than the bias has parts.
+pub const SPEEDS: usize = 5;
+
 /// v_1, the speed at which the fast part is told, m/s.
 const FAST_VELOCITY: f64 = 1e-4;
 /// Power of the speed with which the fast part grows.

@@ -2,15 +2,16 @@
 //!
 //! It goes through all speeds and then again, so that work which a touch dents shows as scatter.
 
+use std::array;
+use std::f64::consts::TAU;
+
 use control_blocks::{NoEstimate, Observation, Welford, least_squares};
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Parameters, Taught};
-use crate::teaching::bias::Bias;
-
-/// Speeds of a teaching, in equal ratios: two more than the bias has parts.
-pub const SPEEDS: usize = 5;
+use crate::teaching::bias::{Bias, SPEEDS};
+use crate::teaching::spread::Spread;
 
 /// Speed `i` of a teaching, m/s.
 pub fn speed(p: &Parameters, i: usize) -> f64 {
@@ -22,10 +23,26 @@ pub fn speed(p: &Parameters, i: usize) -> f64 {
 /// and thrust constant are wrong by up to 30 %, on work of 0.1 to 2 N/um.
 const LEFT_OUT: f64 = 6e-9;
 
+/// Share of a turn of the spindle by which each round of touches comes later than the one before: golden, so that however many rounds there
+/// are they spread over the turn, and over the half of one with two flutes.
+const LATER: f64 = 0.618_033_988_749_894_8;
+/// A turn that takes longer is not waited for, s.
+const TURN_MAX: f64 = 0.1;
+
+/// Degrees of freedom with which the scatter of all speeds counts beside that of one.
+const POOLED: f64 = 3.0;
+
+/// Touches at each speed at most.
+fn most(p: &Parameters) -> u32 {
+    p.teach.touches.max(p.teach.touches_max).unsigned_abs()
+}
+
 /// Touches so far; by default none.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Lesson {
     touches: u32,
+    /// rounds beyond `teach.touches`
+    more: u32,
     late: [Welford; SPEEDS],
 }
 
@@ -40,15 +57,29 @@ impl Lesson {
         speed(p, self.next())
     }
 
-    /// Speed of the touch after that (m/s), if there is one.
+    /// Speed of the touch after that (m/s), if there may be one.
     pub fn after(&self, p: &Parameters) -> Option<f64> {
-        let last = self.touches + 1 >= self.wanted(p);
+        let last = self.touches + 1 >= SPEEDS as u32 * most(p);
         (!last).then(|| speed(p, (self.next() + 1) % SPEEDS))
+    }
+
+    /// How long (s) the stage stands before the next touch, at `spindle_speed` rad/s. A slow touch is found where a flute cuts, and all that
+    /// follows takes equally long: without this each speed would touch at one angle of the spindle, and its mean be wrong by what that makes.
+    pub fn pause(&self, spindle_speed: f64) -> f64 {
+        let round = f64::from(self.touches / SPEEDS as u32);
+        if TAU < TURN_MAX * spindle_speed.abs() { (LATER * round).fract() * TAU / spindle_speed.abs() } else { 0.0 }
     }
 
     /// Whether all speeds were touched as often as they are to be.
     pub fn over(&self, p: &Parameters) -> bool {
-        self.touches >= self.wanted(p)
+        self.touches >= SPEEDS as u32 * (p.teach.touches.unsigned_abs() + self.more)
+    }
+
+    /// Touches at all speeds once more, if that may be; whether it may.
+    pub fn once_more(&mut self, p: &Parameters) -> bool {
+        let may = p.teach.touches.unsigned_abs() + self.more < most(p);
+        self.more += u32::from(may);
+        may
     }
 
     /// Takes how far (m) behind the first touch a contact was found at [`Self::velocity`].
@@ -64,27 +95,34 @@ impl Lesson {
         })
     }
 
-    /// What all touches say. Their scatter s is that within the speeds, and that of a mean of n is s / n^(1/2), beside what the three
-    /// parts leave out; where they leave more than both unexplained, they are less sure. A touch has at least the deviation of an encoder's step.
+    /// What all touches say, and how far a place that one more touch tells may be off. The scatter s of a speed is its own with as much weight as
+    /// it has degrees of freedom, and that of all speeds with [`POOLED`], as few touches scatter little by chance. That of a mean of n is
+    /// s / n^(1/2), beside what the three parts leave out; where they leave more than both unexplained, they are less sure. A touch
+    /// has at least the deviation of an encoder's step.
     ///
     /// # Errors
     /// When they do not tell the three parts apart.
-    pub fn conclude(&self, p: &Parameters) -> Result<Taught, NoEstimate> {
-        let touches = f64::from(p.teach.touches);
-        let within = self.late.iter().map(|late| late.sigma().powi(2)).sum::<f64>() / SPEEDS as f64;
-        let scatter = f64::hypot(within.sqrt(), p.stage.encoder_resolution / 12f64.sqrt());
-        let sigma = f64::hypot(scatter / touches.sqrt(), LEFT_OUT);
+    pub fn conclude(&self, p: &Parameters) -> Result<(Taught, Spread), NoEstimate> {
+        let touches = f64::from(self.touches / SPEEDS as u32);
+        let step = p.stage.encoder_resolution / 12f64.sqrt();
+        let own = self.late.map(|late| late.sigma().powi(2) + step * step);
+        let pooled = own.iter().sum::<f64>() / SPEEDS as f64;
+        let freedom = touches - 1.0;
+        let squares = own.map(|own| POOLED * pooled + freedom * own);
+        let likely = squares.map(|squares| (squares / (POOLED + freedom)).sqrt());
+        // what one more touch does is Student's: the mean of what its variance may be
+        let touch = squares.map(|squares| (squares / (POOLED + freedom - 2.0)).sqrt());
         // parts in units of what they give at the speed in the middle
         let units = Bias::parts_at((p.teach.velocity_min * p.teach.velocity_max).sqrt());
         let parts = |i: usize| SVector::from(Bias::parts_at(speed(p, i))).component_div(&SVector::from(units));
-        let found = least_squares(SVector::zeros(), SPEEDS, |i, value| Observation {
-            residual: (parts(i).dot(value) - self.late[i].mean()) / sigma,
-            gradient: parts(i) / sigma,
+        let found = least_squares(SVector::zeros(), SPEEDS, |i, value| {
+            let sigma = f64::hypot(likely[i] / touches.sqrt(), LEFT_OUT);
+            Observation { residual: (parts(i).dot(value) - self.late[i].mean()) / sigma, gradient: parts(i) / sigma }
         })?;
         let variance = |i: usize| parts(i).dot(&(found.covariance * parts(i)));
-        let deviation = (0..SPEEDS).map(variance).fold(0.0, f64::max).sqrt();
         let unsure = p.teach.place_deviation;
-        Ok(Taught {
+        let deviation = (0..SPEEDS).map(variance).fold(0.0, f64::max).sqrt().hypot(LEFT_OUT).hypot(unsure);
+        let taught = Taught {
             valid: false,
             touches: self.touches as i32,
             bias: found.value[0] / units[0],
@@ -93,14 +131,11 @@ impl Lesson {
             bias_fast_deviation: found.sigma(1) / units[1],
             bias_slow: found.value[2] / units[2],
             bias_slow_deviation: found.sigma(2) / units[2],
-            deviation: deviation.hypot(LEFT_OUT).hypot(unsure),
-            scatter,
-            scatter_deviation: scatter / (2.0 * SPEEDS as f64 * (touches - 1.0)).sqrt(),
-        })
-    }
-
-    fn wanted(&self, p: &Parameters) -> u32 {
-        SPEEDS as u32 * p.teach.touches.unsigned_abs()
+            deviation,
+            scatter: pooled.sqrt(),
+            scatter_deviation: (pooled / (2.0 * SPEEDS as f64 * freedom)).sqrt(),
+        };
+        Ok((taught, Spread { speeds: array::from_fn(|i| speed(p, i)), touch, bias: deviation }))
     }
 
     fn next(&self) -> usize {
@@ -153,11 +188,11 @@ mod tests {
     #[test]
     fn the_parts_are_found_and_as_sure_as_told() {
         let p = Parameters::START;
-        let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p).unwrap();
+        let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p).unwrap().0;
         for velocity in [1e-5, 5e-5, 3e-4] {
             assert!((exact.parts().at(velocity) - TRUTH.at(velocity)).abs() < 1e-12, "{exact:?}");
         }
-        let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p).unwrap()).collect();
+        let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p).unwrap().0).collect();
         let rms = |of: &dyn Fn(&Taught) -> f64| (many.iter().map(|t| of(t).powi(2)).sum::<f64>() / 400.0).sqrt();
         for ratio in [
             rms(&|t| (t.bias - TRUTH.constant) / t.bias_deviation),
@@ -173,11 +208,35 @@ mod tests {
     }
 
     #[test]
+    fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
+        let p = Parameters::START;
+        let mut lesson = Lesson::default();
+        while !lesson.over(&p) {
+            let round = lesson.touches() / SPEEDS as u32;
+            // to and fro by 50 nm at the slowest, and by 5 nm
+            let swing = if lesson.next() == 0 { 5e-8 } else { 5e-9 };
+            lesson.take(TRUTH.at(lesson.velocity(&p)) + if round.is_multiple_of(2) { swing } else { -swing });
+        }
+        let (taught, spread) = lesson.conclude(&p).unwrap();
+        let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
+        let pooled = (variance(5e-8) + 4.0 * variance(5e-9)) / 5.0;
+        assert!((taught.scatter / pooled.sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
+        // three degrees of freedom of its own, and three, less the two of Student's variance
+        for (touch, x) in [(spread.touch[0], 5e-8), (spread.touch[4], 5e-9)] {
+            assert!((touch / (0.75 * (pooled + variance(x))).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
+        }
+        assert_eq!((spread.bias, spread.speeds[0]), (taught.deviation, 1e-5));
+        // as sure as its mean is at the slowest: 44 nm / 2 and what is left out, less what the others know of it
+        let likely = (0.5 * (pooled + variance(5e-8))).sqrt();
+        assert!((0.7..1.0).contains(&(taught.deviation / (0.5 * likely).hypot(LEFT_OUT))), "{taught:?}");
+    }
+
+    #[test]
     fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other() {
         let mut p = Parameters::START;
-        let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap();
+        let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap().0;
         p.teach.place_deviation = 1e-7;
-        let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap();
+        let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap().0;
         assert!((unsure.bias_deviation.powi(2) - sure.bias_deviation.powi(2) - 1e-14).abs() < 1e-20);
         assert!((unsure.deviation.powi(2) - sure.deviation.powi(2) - 1e-14).abs() < 1e-20);
         assert_eq!(unsure.bias_fast_deviation, sure.bias_fast_deviation);
@@ -186,7 +245,7 @@ mod tests {
     #[test]
     fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
         let p = Parameters::START;
-        let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p).unwrap();
+        let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p).unwrap().0;
         assert!((1.0..1.5).contains(&(taught.deviation / LEFT_OUT)), "{taught:?}");
         assert!(taught.bias_deviation > 0.3 * LEFT_OUT, "{taught:?}");
     }
@@ -202,9 +261,28 @@ mod tests {
                 let scatter = if (lesson.touches() / SPEEDS as u32).is_multiple_of(2) { 1e-8 } else { -1e-8 };
                 lesson.take(TRUTH.at(lesson.velocity(&p)) + odd + scatter);
             }
-            lesson.conclude(&p).unwrap().deviation
+            lesson.conclude(&p).unwrap().0.deviation
         };
         assert!(bent(1e-7) > 3.0 * bent(0.0), "{} {}", bent(1e-7), bent(0.0));
+    }
+
+    #[test]
+    fn each_speed_touches_at_angles_of_the_spindle_that_are_spread_over_half_a_turn() {
+        let p = Parameters::START;
+        let mut lesson = Lesson::default();
+        let mut shares = Vec::new();
+        while !lesson.over(&p) {
+            // 10 ms a turn, either way round
+            let pause = lesson.pause(TAU / 0.01);
+            assert_eq!((pause, 0.0, 0.0), (lesson.pause(-TAU / 0.01), lesson.pause(0.0), lesson.pause(TAU / 0.1)));
+            if lesson.next() == 3 {
+                shares.push((pause / 0.01 * 2.0).fract());
+            }
+            lesson.take(0.0);
+        }
+        shares.sort_by(f64::total_cmp);
+        let gaps = shares.windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(gaps.chain([shares[0] + 1.0 - shares[3]]).all(|gap| gap > 0.2 && gap < 0.35), "{shares:?}");
     }
 
     #[test]

@@ -120,6 +120,18 @@ fn before_a_slow_approach_it_is_as_sure_and_before_a_fast_one_a_stage_that_turns
 }
 
 #[test]
+fn a_stage_that_still_comes_back_as_a_slow_stroke_goes_away_is_no_frozen_encoder() {
+    let mut p = Parameters::START;
+    p.approach.velocity = 1e-5;
+    // it comes as fast as the stroke goes, and stands for 3 ms
+    for seed in [1009, 1033, 1207, 1290] {
+        let mut run = unknown(&p, seed);
+        commission(&mut run);
+        assert_eq!((run.output.fault, run.output.measured.valid), (Fault::None, true), "{seed}");
+    }
+}
+
+#[test]
 fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
     for apply in [false, true] {
         let mut p = Parameters::START;
