@@ -20,7 +20,7 @@ pytestmark = pytest.mark.acceptance
 FEW = (3, 93_001)
 """Machines of the default run, and their seed; no study has it."""
 SLIDES = 4.25e-3
-"""Slowest sliding at the end of a path: 2.5 times as fast as the centre of the ball, which goes 1.7 mm/s, m/s."""
+"""Slowest sliding at the end of a path, m/s: 2.5 times as fast as the centre of the ball, 1.7 mm/s."""
 LONGER: Case = {"controller.stick_slip.half_period_max": 20}
 
 
