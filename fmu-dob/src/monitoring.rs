@@ -2,6 +2,7 @@
 
 pub mod drive;
 pub mod heard;
+pub mod life;
 pub mod monitors;
 pub mod numbers;
 pub mod rest;

@@ -18,7 +18,7 @@ const STANDS: f64 = 1.5;
 const ALIVE: f64 = 1.0 / 3.0;
 const WITH_IT: f64 = 4.0;
 /// Longest quarter turn of a spindle for which a slow stage may stand, s.
-const HELD: f64 = 1.5e-3;
+const STANDSTILL: f64 = 1.5e-3;
 /// A reading counts up to this share of `limits.jump` from where it is expected, so that a bad sample that is just believed
 /// leaves the good ones after it within `limits.jump`: 0.5 of it, and what the velocity that it makes adds in a sample.
 const COUNTS: f64 = 0.5;
@@ -52,6 +52,8 @@ pub struct Expected {
     pub behind: f64,
     /// How far besides it may be from it, m.
     pub astray: f64,
+    /// A stage that was ahead of its reference may stand until that has come by.
+    pub may_wait: bool,
     /// The spindle must be steady.
     pub steady_spindle: bool,
 }
@@ -159,10 +161,10 @@ impl Reader {
         }
     }
 
-    /// A quarter turn of the spindle (s): so long a slow stage stands that a flute or the unbalance has stopped.
-    pub fn quarter_turn(&self) -> f64 {
+    /// How long (s) a slow stage may stand that a flute or the unbalance has stopped: a quarter turn of the spindle, at most [`STANDSTILL`].
+    pub fn standstill(&self) -> f64 {
         let speed = self.spindle_speed.believed().map_or(0.0, f64::abs);
-        if speed > 0.0 { (FRAC_PI_2 / speed).min(HELD) } else { 0.0 }
+        if speed > 0.0 { (FRAC_PI_2 / speed).min(STANDSTILL) } else { 0.0 }
     }
 
     /// The motion that the position has not answered is forgotten, when it is no longer controlled for instance.
@@ -185,11 +187,11 @@ impl Reader {
         let near = e.behind + e.astray + WITH_IT * p.limits.frozen;
         let stands = given.filter(|_| !jumped).is_some_and(|z| {
             let error = e.reference - z;
-            // a stage that was astray may truly stand, as one that was ahead does until its reference has come by;
+            // a stage that was astray may truly stand, as one that was ahead in a stroke does until its reference has come by;
             // and what has jumped may come by where it was
             let ahead = (self.standing.missed() - error) * self.standing.missed().signum();
             let with_it = near + e.asked.abs() * (1.0 + f64::from(p.io_delay));
-            let waits = if ahead > with_it { ahead } else { 0.0 };
+            let waits = if e.may_wait && ahead > with_it { ahead } else { 0.0 };
             unanswered > p.limits.frozen + e.behind + waits && error.abs() <= unanswered + near
         });
         self.position.shift(e.motion);
@@ -240,6 +242,7 @@ mod tests {
         asked: 0.0,
         behind: 0.0,
         astray: 0.0,
+        may_wait: true,
         steady_spindle: true,
     };
     /// 10 nm in a sample
@@ -327,7 +330,7 @@ mod tests {
         for (spindle_speed, expected) in [(0.0, 0.0), (-2000.0, 0.25e-3 * PI), (1100.0, PI / 2200.0), (900.0, 1.5e-3)] {
             let mut reader = Reader::default();
             read(&mut reader, &Input { spindle_speed, ..at(0.1) });
-            assert!((reader.quarter_turn() - expected).abs() < 1e-18, "{spindle_speed}");
+            assert!((reader.standstill() - expected).abs() < 1e-18, "{spindle_speed}");
         }
     }
 
@@ -430,19 +433,22 @@ mod tests {
         let mut p = Parameters::START;
         let unit = 2f64.powi(-28);
         p.limits.frozen = unit;
-        let stands = |samples: u32, ahead: f64| {
+        let frozen = |samples: u32, ahead: f64, may_wait: bool| {
             let mut reader = Reader::default();
             let last = (0..=samples).map(|k| {
                 let reference = (f64::from(k) - ahead) * unit;
-                let expected = Expected { asked: unit, behind: 2.0 * unit, reference, ..RESTING };
+                let expected = Expected { asked: unit, behind: 2.0 * unit, reference, may_wait, ..RESTING };
                 reader.read(&p, &at(0.0), &expected)
             });
             let last = last.last().unwrap();
             last.position.is_none() && last.loss == Loss::Stands
         };
+        let stands = |samples: u32, ahead: f64| frozen(samples, ahead, true);
         // two that it may be behind, two samples and four times `limits.frozen` are with the reference
         assert_eq!([stands(3, 8.0), stands(4, 8.0)], [false, true]);
         assert_eq!([stands(12, 9.0), stands(13, 9.0)], [false, true]);
         assert_eq!([stands(23, 20.0), stands(24, 20.0)], [false, true]);
+        // elsewhere none waits
+        assert_eq!([frozen(12, 9.0, false), frozen(15, 20.0, false)], [true, true]);
     }
 }

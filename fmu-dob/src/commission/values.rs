@@ -12,7 +12,7 @@ const GUARD: (f64, f64) = (20.0, 2.0);
 const FORCE_LEFT: f64 = 0.5;
 /// `limits.slope_sigma_max` over the noise of the slope, as the default has it.
 const SLOPE_SIGMA: f64 = 5.0;
-/// `limits.jump` over the noise of the position, as the defaults have it: half of it, which counts, is six sigma of the difference of two readings.
+/// `limits.jump` over the noise of the position, as the defaults have it: half of it, which counts, is eight sigma.
 const JUMP: f64 = 17.0;
 /// The guard may grow to this many times what was told.
 const GUARD_GROWTH: f64 = 3.0;
@@ -93,7 +93,7 @@ impl Values {
             guard_force,
             force_left: self.force_left.max(FORCE_LEFT * guard_force),
             slope_sigma_max: self.slope_sigma_max.min(SLOPE_SIGMA * m.slope_sigma),
-            jump: self.jump.max(JUMP * m.position_noise),
+            jump: self.jump.max(JUMP * significant_or(m.position_noise, m.position_noise_deviation, 0.0)),
             disturbance_walk: significant_or(m.disturbance_walk, m.disturbance_walk_deviation, self.disturbance_walk),
             force_noise: significant_or(m.force_noise, m.force_noise_deviation, self.force_noise),
             position_noise: significant_or(m.position_noise, m.position_noise_deviation, self.position_noise),

@@ -44,6 +44,7 @@ impl Controller {
             asked: self.motion.asked,
             behind: if steady { self.held(p) } else { self.motion.late(p) + self.unanswered() },
             astray: self.astray(),
+            may_wait: self.state == State::Commission && self.motion.reference.acceleration == 0.0,
             steady_spindle: self.steady_spindle(),
         }
     }
@@ -53,7 +54,7 @@ impl Controller {
     fn held(&self, p: &Parameters) -> f64 {
         let velocity = self.motion.reference.velocity;
         let slow = p.stage.mass * velocity * velocity < 2.0 * p.guard_force * p.limits.frozen;
-        if slow { velocity.abs() * self.reader.quarter_turn() } else { 0.0 }
+        if slow { velocity.abs() * self.reader.standstill() } else { 0.0 }
     }
 
     /// Motion (m) that a commission lets a stage that is not what was told leave unanswered at its turns.
@@ -87,13 +88,16 @@ impl Controller {
         let watching = !self.off();
         let following = following_limit(p) + self.motion.late(p) + self.astray();
         let overloaded = self.overloaded(p);
+        let at_rest = watching && self.motion.at_rest();
         let monitors = &mut self.monitors;
+        let steady = matches!(self.state, State::Learn | State::Detect) || at_rest && monitors.rest.settled(p);
+        monitors.life.update(p, reading.position.filter(|_| steady));
         if let Some(position) = reading.position {
             let error = self.motion.reference.position - position;
             monitors.astray.update(watching && error.abs() > following);
             monitors.overloaded.update(watching && overloaded);
-            if watching && self.motion.at_rest() {
-                monitors.standing = monitors.rest.update(p, position);
+            if at_rest {
+                monitors.standing = monitors.rest.update(p, position, monitors.life.anywhere);
             } else {
                 monitors.rest.clear();
                 monitors.standing = false;

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 use crate::monitoring::drive::DriveResponse;
+use crate::monitoring::life::Life;
 use crate::monitoring::rest::Rest;
 use crate::monitoring::rest_force::RestForce;
 use crate::monitoring::swing::Swing;
@@ -14,6 +15,8 @@ use crate::monitoring::swing::Swing;
 pub struct Monitors {
     /// The drive's answer.
     pub drive: DriveResponse,
+    /// Noise of the reading.
+    pub life: Life,
     /// The reading at rest.
     pub rest: Rest,
     /// The reading has lived at rest and now stands.
@@ -35,6 +38,7 @@ impl Monitors {
     pub fn new(p: &Parameters) -> Self {
         Self {
             drive: DriveResponse::new(p),
+            life: Life::default(),
             rest: Rest::default(),
             standing: false,
             relief: RestForce::default(),

@@ -3,7 +3,8 @@
 //! Nothing is asked of a stage at rest, so only the last bits tell that its encoder lives. Once they have been seen to
 //! change, at rest and after every motion has died out, `limits.rest_time` without any change is no chance: a rounded
 //! normal noise of half a step stays at one number with at most 0.68 a sample. A stage at rest has one place, so that every
-//! change is a sign of life.
+//! change is a sign of life; a motion forgets it, for at the edge of a step less noise is seen than elsewhere. One that is known to live
+//! wherever the stage stands ([`super::life`]) is asked for it from the first sample of a rest on.
 
 use control_blocks::{Frozen, ticks};
 use serde::{Deserialize, Serialize};
@@ -32,18 +33,25 @@ impl Rest {
         *self = Self::default();
     }
 
-    /// Takes one position at rest (m); whether it has lived and now stands.
-    pub fn update(&mut self, p: &Parameters, position: f64) -> bool {
+    /// What is left of the motion before has died out.
+    pub fn settled(&self, p: &Parameters) -> bool {
+        self.samples > ticks(SETTLING / p.servo.bandwidth, p.sample_period)
+    }
+
+    /// Takes one position at rest (m) of a reading that `lives` anywhere, or may not; whether it has lived and now stands.
+    pub fn update(&mut self, p: &Parameters, position: f64, lives: bool) -> bool {
         let window = ticks(p.limits.rest_time, p.sample_period);
         self.samples = self.samples.saturating_add(1);
         self.still.update(position, 0.0, CHANGE * p.stage.encoder_resolution);
-        if window == 0 || self.samples <= ticks(SETTLING / p.servo.bandwidth, p.sample_period) {
+        if window == 0 {
             return false;
         }
-        let changed = f64::from(u8::from(self.still.still() == 0));
-        self.changing += (changed - self.changing) / f64::from(window);
-        self.lived |= self.changing > LIVES;
-        self.lived && self.still.still() >= window
+        if self.settled(p) {
+            let changed = f64::from(u8::from(self.still.still() == 0));
+            self.changing += (changed - self.changing) / f64::from(window);
+            self.lived |= self.changing > LIVES;
+        }
+        (self.lived || lives) && self.still.still() >= window
     }
 }
 
@@ -56,9 +64,9 @@ mod tests {
         let mut rest = Rest::default();
         // steps of 0 and 1 nm in an irregular row
         for k in 0..noise {
-            assert!(!rest.update(p, if k * k % 7 < 3 { 1e-9 } else { 0.0 }), "{k}");
+            assert!(!rest.update(p, if k * k % 7 < 3 { 1e-9 } else { 0.0 }, false), "{k}");
         }
-        (0..5000).find(|k| rest.update(p, freeze(*k)))
+        (0..5000).find(|k| rest.update(p, freeze(*k), false))
     }
 
     #[test]
@@ -83,16 +91,27 @@ mod tests {
         let p = Parameters::START;
         let mut rest = Rest::default();
         // a step of 1 nm every 5 ms: 2 % of the samples
-        assert!((0..3000u32).all(|k| !rest.update(&p, 1e-9 * f64::from(k / 50))));
-        assert!((0..5000).all(|_| !rest.update(&p, 1e-9)));
+        assert!((0..3000u32).all(|k| !rest.update(&p, 1e-9 * f64::from(k / 50), false)));
+        assert!((0..5000).all(|_| !rest.update(&p, 1e-9, false)));
     }
 
     #[test]
     fn a_motion_forgets_the_life_before() {
         let p = Parameters::START;
         let mut rest = Rest::default();
-        assert!((0..3000).all(|k| !rest.update(&p, if k * k % 7 < 3 { 1e-9 } else { 0.0 })));
+        assert!((0..3000).all(|k| !rest.update(&p, if k * k % 7 < 3 { 1e-9 } else { 0.0 }, false)));
         rest.clear();
-        assert!((0..5000).all(|_| !rest.update(&p, 0.0)));
+        assert!((0..5000).all(|_| !rest.update(&p, 0.0, false)));
+    }
+
+    #[test]
+    fn one_that_lives_anywhere_is_asked_from_the_first_sample_of_a_rest_on() {
+        let p = Parameters::START;
+        for lives in [true, false] {
+            let mut rest = Rest::default();
+            assert_eq!((0..1000).find(|_| rest.update(&p, 7e-9, lives)), lives.then_some(300));
+            rest.clear();
+            assert_eq!((0..1000).find(|k| rest.update(&p, 1e-9 * f64::from(k / 250), lives)), None);
+        }
     }
 }

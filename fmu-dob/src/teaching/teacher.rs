@@ -270,8 +270,8 @@ mod tests {
         teacher.begin();
         let stands = |teacher: &mut Teacher| (0..99).find(|_| teacher.rested());
         for touch in 0..20 {
-            // 0.62 of 10 ms more in each round
-            let expected = [0, 62, 24, 85][touch / 5];
+            // 0.4 of 10 ms more in each round
+            let expected = [0, 40, 80, 20][touch / 5];
             assert_eq!(stands(&mut teacher), Some(expected), "{touch}");
             teacher.take(&p, 5.02e-5, TAU / 0.01);
         }

@@ -161,6 +161,35 @@ fn an_encoder_that_freezes_at_rest_is_told_before_or_as_the_approach_begins() {
 }
 
 #[test]
+fn an_encoder_that_freezes_as_the_stage_comes_to_rest_behind_a_retract_is_told() {
+    let mut rested = Loop::new(&Parameters::START, 67, 90e-6);
+    assert!(rested.run_to(State::Retract, 5.0), "{:?}", rested.output);
+    let mut still = (f64::NAN, 0);
+    while still.1 < 3 {
+        let reference = rested.output.reference.position;
+        rested.step();
+        still = if rested.output.reference.position == still.0 {
+            (reference, still.1 + 1)
+        } else {
+            (rested.output.reference.position, 0)
+        };
+    }
+    for wait in [100, 200, 300, 500, 600, 1000, 1500] {
+        let mut run = rested.clone();
+        (0..wait).for_each(|_| run.step());
+        let (mut held, from, mut after) = (None, run.slide.place(), 0);
+        // a contact that is doubted first is outdone by it
+        while run.output.fault != Fault::FrozenReading && after < 400 {
+            run.step_with(|input| input.position = *held.get_or_insert(input.position));
+            after += 1;
+        }
+        let way = (run.slide.place() - from).abs();
+        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::FrozenReading, false), "{wait}: {way}");
+        assert!(after <= 302 && way < 40e-6, "{wait}: {after} {way}");
+    }
+}
+
+#[test]
 fn one_bad_sample_is_no_contact_and_moves_nothing() {
     for &detector in DetectorKind::ALL {
         for seed in 66..68 {
