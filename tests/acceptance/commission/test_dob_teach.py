@@ -24,7 +24,7 @@ TAUGHT = (1e-5, 5.4772e-5, 3e-4)
 TEACHING = 48.0
 """Longest teaching, s: forty touches, where twenty do not make the bias sure."""
 MACHINE_TIME = 70.0
-"""Longest time of an unknown machine to the place of its work, s: commission, teaching and touch, as the scenario plans them."""
+"""Longest time of an unknown machine to the place of its work, s, as the scenario plans it."""
 TWENTY = 28.0
 """Time in which four machines of five are taught, by twenty touches, s."""
 TOUCH_SCATTER = 6e-8
