@@ -1,8 +1,9 @@
 //! A reading that lives wherever the stage stands, by noise that is told in motion and at rest.
 //!
 //! At the edge of a step the least noise changes the last bit, and elsewhere none. The second difference of three readings in a row is noise but for
-//! the acceleration, which is nothing in a sample: rounding alone makes it at most two steps. One in fifty beyond that is a noise of a third of a step
-//! at least, of which a reading stays at one number for 300 samples with less than 1e-15, wherever it is.
+//! the acceleration, which is nothing in a sample: rounding alone makes it at most two steps. One in fifty beyond that is a noise of three tenths of a
+//! step at least, of which a reading stays at one number for 300 samples with 1e-13, wherever it is. A reading that is held for some samples, as by an
+//! importer with a longer step, jumps in motion: only what changes in both samples counts.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +29,8 @@ impl Life {
     /// Takes a reading (m) at rest or at a steady speed, none elsewhere.
     pub fn update(&mut self, p: &Parameters, position: Option<f64>) {
         if let ([Some(first), Some(second)], Some(third)) = (self.before, position) {
-            let bent = (third - 2.0 * second + first).abs() > ROUNDING * p.stage.encoder_resolution;
+            let changes = first != second && second != third;
+            let bent = changes && (third - 2.0 * second + first).abs() > ROUNDING * p.stage.encoder_resolution;
             self.share += (f64::from(u8::from(bent)) - self.share) / TOLD;
             self.anywhere |= self.share > LIVES;
         }
@@ -44,13 +46,16 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// Whether a reading with so much noise (steps) lives, of a stage that moves by `speed` steps in a sample.
-    fn lives(noise: f64, speed: f64) -> bool {
-        let (mut random, mut life) = (rand_pcg::Pcg64Mcg::seed_from_u64(23), Life::default());
+    /// Whether a reading with so much noise (steps) lives, of a stage that moves by `speed` steps in a sample and is read every `held` samples.
+    fn lives(noise: f64, speed: f64, held: u32) -> bool {
+        let (mut random, mut life, mut reading) = (rand_pcg::Pcg64Mcg::seed_from_u64(23), Life::default(), 0.0);
         for k in 0..100_000 {
             let normal: f64 = StandardNormal.sample(&mut random);
             let place: f64 = 0.37 + speed * f64::from(k) + noise * normal;
-            life.update(&P, (k % 50 > 0).then_some(place.round() * P.stage.encoder_resolution));
+            if k % held == 0 {
+                reading = place.round() * P.stage.encoder_resolution;
+            }
+            life.update(&P, (k % 50 > 0).then_some(reading));
         }
         life.anywhere
     }
@@ -58,8 +63,9 @@ mod tests {
     #[test]
     fn noise_of_half_a_step_is_life_in_motion_and_at_rest_and_rounding_is_none() {
         for speed in [0.0, 0.01, 0.5, 0.73, 10.0, 123.456] {
-            let told = [0.0, 0.1, 0.2, 0.5, 0.6, 3.0].map(|noise| lives(noise, speed));
+            let told = [0.0, 0.1, 0.2, 0.5, 0.6, 3.0].map(|noise| lives(noise, speed, 1));
             assert_eq!(told, [false, false, false, true, true, true], "{speed}");
+            assert!([2, 5, 10].iter().all(|held| !lives(0.0, speed, *held)), "{speed}");
         }
     }
 }
