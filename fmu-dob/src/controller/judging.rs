@@ -90,8 +90,8 @@ impl Controller {
         let overloaded = self.overloaded(p);
         let at_rest = watching && self.motion.at_rest();
         let monitors = &mut self.monitors;
-        let steady = matches!(self.state, State::Learn | State::Detect) || at_rest && monitors.rest.settled(p);
-        monitors.life.update(p, reading.position.filter(|_| steady));
+        let quiet = matches!(self.state, State::Learn | State::Detect) || at_rest && monitors.rest.settled(p);
+        monitors.life.update(p, reading.position.filter(|_| quiet));
         if let Some(position) = reading.position {
             let error = self.motion.reference.position - position;
             monitors.astray.update(watching && error.abs() > following);
