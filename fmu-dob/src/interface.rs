@@ -237,6 +237,8 @@ mod variables {
         pub valid: bool,
         /// Touches of the last teaching
         pub touches: i32,
+        /// Slowest speed at which the bias is as sure as it is to be; slower, `contact_position_deviation` is larger
+        #[var(unit = METRE_PER_SECOND as "um/s")] pub velocity_min: f64,
         /// Part of the bias that is the same at every speed, with what `teach.place` is not known to
         #[var(unit = METRE as "nm")] pub bias: f64,
         /// Its standard deviation
@@ -249,9 +251,9 @@ mod variables {
         #[var(unit = SQUARE_METRE_PER_SECOND)] pub bias_slow: f64,
         /// Its standard deviation
         #[var(unit = SQUARE_METRE_PER_SECOND)] pub bias_slow_deviation: f64,
-        /// Largest standard deviation of the bias at a taught speed; that of one touch besides is `taught.scatter`
+        /// Largest standard deviation of the bias from `taught.velocity_min` on; that of one touch besides is `taught.scatter`
         #[var(unit = METRE as "nm")] pub deviation: f64,
-        /// Standard deviation of the touches of one speed
+        /// Standard deviation of the touches of one speed, from `taught.velocity_min` on
         #[var(unit = METRE as "nm")] pub scatter: f64,
         /// Its standard deviation
         #[var(unit = METRE as "nm")] pub scatter_deviation: f64,
@@ -497,7 +499,7 @@ mod variables {
     }
     /// Touches that teach the bias, and what becomes of it
     pub struct Teach {
-        /// Slowest of the five speeds, which lie in equal ratios
+        /// Slowest of the five speeds, which lie in equal ratios; `taught.velocity_min` is the slowest that is sure
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-5, source = "our choice")] pub velocity_min: f64,
         /// Fastest of the five speeds, at least three times the slowest
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 3e-4, source = "our choice")] pub velocity_max: f64,
@@ -509,7 +511,7 @@ mod variables {
         #[var(unit = METRE as "um", range = -1e3..=1e3, source = "measured otherwise: no touch tells its own bias")] pub place: f64,
         /// Its standard deviation
         #[var(unit = METRE as "nm", range = 0.0..=1e-3, source = "that of how it was measured")] pub place_deviation: f64,
-        /// Largest standard deviation of the bias at a taught speed; above it is `TeachingRejected`
+        /// Largest standard deviation of the bias at a taught speed; above it more touches are made, then the slowest speed is left out, else it is `TeachingRejected`
         #[var(unit = METRE as "nm", range = 1e-10..=1e-3, start = 3e-8, source = "our choice: about the scatter of one touch")] pub deviation_max: f64,
         /// Use what was taught in place of what was told
         #[var(source = "our choice: first look, then trust")] pub apply: bool,

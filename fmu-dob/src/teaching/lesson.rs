@@ -34,6 +34,9 @@ const TURN_MAX: f64 = 0.1;
 /// speed may scatter several times as much as the others.
 const POOLED: f64 = 2.0;
 
+/// So many of the slowest speeds a conclusion may leave out: one more are left than the bias has parts.
+pub const SLOWER_MAX: usize = SPEEDS - 4;
+
 /// Touches at each speed at most.
 fn most(p: &Parameters) -> u32 {
     p.teach.touches.max(p.teach.touches_max).unsigned_abs()
@@ -90,43 +93,49 @@ impl Lesson {
         self.touches += 1;
     }
 
-    /// Least and largest mean of a speed, m.
-    pub fn extremes(&self) -> [f64; 2] {
-        self.late.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], late| {
+    /// Least and largest mean of a speed, from speed `slowest` on, m.
+    pub fn extremes(&self, slowest: usize) -> [f64; 2] {
+        self.late[slowest..].iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], late| {
             [least.min(late.mean()), most.max(late.mean())]
         })
     }
 
-    /// What all touches say, and how far a place that one more touch tells may be off. The scatter s of a speed is its own with as much weight as
-    /// it has degrees of freedom, and that of all speeds with [`POOLED`], as few touches scatter little by chance. That of a mean of n is
-    /// s / n^(1/2), beside what the three parts leave out; where they leave more than both unexplained, they are less sure. A touch
-    /// has at least the deviation of an encoder's step.
+    /// What the touches from speed `slowest` on say of the bias, and how far a place that one more touch tells may be off. The scatter s of a speed is
+    /// its own with as much weight as it has degrees of freedom, and that of all these speeds with [`POOLED`], as few touches scatter little by
+    /// chance. That of a mean of n is s / n^(1/2), beside what the three parts leave out; where they leave more than both unexplained, they are less
+    /// sure. A touch has at least the deviation of an encoder's step. At a slower speed the bias is as unsure as the three parts are there, and as far off
+    /// as its touches were.
     ///
     /// # Errors
     /// When they do not tell the three parts apart.
-    pub fn conclude(&self, p: &Parameters) -> Result<(Taught, Spread), NoEstimate> {
+    pub fn conclude(&self, p: &Parameters, slowest: usize) -> Result<(Taught, Spread), NoEstimate> {
         let touches = f64::from(self.touches / SPEEDS as u32);
         let step = p.stage.encoder_resolution / 12f64.sqrt();
         let own = self.late.map(|late| late.sigma().powi(2) + step * step);
-        let pooled = own.iter().sum::<f64>() / SPEEDS as f64;
+        let judged = (SPEEDS - slowest) as f64;
+        let pooled = own[slowest..].iter().sum::<f64>() / judged;
         let freedom = touches - 1.0;
-        let squares = own.map(|own| POOLED * pooled + freedom * own);
+        let squares: [f64; SPEEDS] =
+            array::from_fn(|i| POOLED * if i < slowest { own[i] } else { pooled } + freedom * own[i]);
         let likely = squares.map(|squares| (squares / (POOLED + freedom)).sqrt());
         // what one more touch does is Student's: the mean of what its variance may be
         let touch = squares.map(|squares| (squares / (POOLED + freedom - 2.0)).sqrt());
         // parts in units of what they give at the speed in the middle
         let units = Bias::parts_at((p.teach.velocity_min * p.teach.velocity_max).sqrt());
         let parts = |i: usize| SVector::from(Bias::parts_at(speed(p, i))).component_div(&SVector::from(units));
-        let found = least_squares(SVector::zeros(), SPEEDS, |i, value| {
+        let found = least_squares(SVector::zeros(), SPEEDS - slowest, |k, value| {
+            let i = slowest + k;
             let sigma = f64::hypot(likely[i] / touches.sqrt(), LEFT_OUT);
             Observation { residual: (parts(i).dot(value) - self.late[i].mean()) / sigma, gradient: parts(i) / sigma }
         })?;
         let variance = |i: usize| parts(i).dot(&(found.covariance * parts(i)));
         let unsure = p.teach.place_deviation;
-        let deviation = (0..SPEEDS).map(variance).fold(0.0, f64::max).sqrt().hypot(LEFT_OUT).hypot(unsure);
+        let deviations: [f64; SPEEDS] = array::from_fn(|i| variance(i).sqrt().hypot(LEFT_OUT).hypot(unsure));
+        let deviation = deviations[slowest..].iter().copied().fold(0.0, f64::max);
         let taught = Taught {
             valid: false,
             touches: self.touches as i32,
+            velocity_min: speed(p, slowest),
             bias: found.value[0] / units[0],
             bias_deviation: (found.sigma(0) / units[0]).hypot(unsure),
             bias_fast: found.value[1] / units[1],
@@ -135,9 +144,11 @@ impl Lesson {
             bias_slow_deviation: found.sigma(2) / units[2],
             deviation,
             scatter: pooled.sqrt(),
-            scatter_deviation: (pooled / (2.0 * SPEEDS as f64 * freedom)).sqrt(),
+            scatter_deviation: (pooled / (2.0 * judged * freedom)).sqrt(),
         };
-        Ok((taught, Spread { speeds: array::from_fn(|i| speed(p, i)), touch, bias: deviation }))
+        let off = |i: usize| parts(i).dot(&found.value) - self.late[i].mean();
+        let bias = array::from_fn(|i| if i < slowest { deviations[i].hypot(off(i)) } else { deviation });
+        Ok((taught, Spread { speeds: array::from_fn(|i| speed(p, i)), touch, bias }))
     }
 
     fn next(&self) -> usize {
@@ -190,11 +201,12 @@ mod tests {
     #[test]
     fn the_parts_are_found_and_as_sure_as_told() {
         let p = Parameters::START;
-        let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p).unwrap().0;
+        let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p, 0).unwrap().0;
         for velocity in [1e-5, 5e-5, 3e-4] {
             assert!((exact.parts().at(velocity) - TRUTH.at(velocity)).abs() < 1e-12, "{exact:?}");
         }
-        let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p).unwrap().0).collect();
+        let many: Vec<Taught> =
+            (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p, 0).unwrap().0).collect();
         let rms = |of: &dyn Fn(&Taught) -> f64| (many.iter().map(|t| of(t).powi(2)).sum::<f64>() / 400.0).sqrt();
         for ratio in [
             rms(&|t| (t.bias - TRUTH.constant) / t.bias_deviation),
@@ -219,7 +231,7 @@ mod tests {
             let swing = if lesson.next() == 0 { 5e-8 } else { 5e-9 };
             lesson.take(TRUTH.at(lesson.velocity(&p)) + if round.is_multiple_of(2) { swing } else { -swing });
         }
-        let (taught, spread) = lesson.conclude(&p).unwrap();
+        let (taught, spread) = lesson.conclude(&p, 0).unwrap();
         let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
         let pooled = (variance(5e-8) + 4.0 * variance(5e-9)) / 5.0;
         assert!((taught.scatter / pooled.sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
@@ -227,18 +239,42 @@ mod tests {
         for (touch, x) in [(spread.touch[0], 5e-8), (spread.touch[4], 5e-9)] {
             assert!((touch / ((2.0 * pooled + 3.0 * variance(x)) / 3.0).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
         }
-        assert_eq!((spread.bias, spread.speeds[0]), (taught.deviation, 1e-5));
+        assert_eq!((spread.bias, spread.speeds[0]), ([taught.deviation; SPEEDS], 1e-5));
         // as sure as its mean is at the slowest: 44 nm / 2 and what is left out, less what the others know of it
         let likely = (0.4 * pooled + 0.6 * variance(5e-8)).sqrt();
         assert!((0.7..1.0).contains(&(taught.deviation / (0.5 * likely).hypot(LEFT_OUT))), "{taught:?}");
     }
 
     #[test]
+    fn the_slowest_may_be_left_out_and_is_as_unsure_as_its_touches_are_off() {
+        let p = Parameters::START;
+        let mut lesson = Lesson::default();
+        while !lesson.over(&p) {
+            let round = lesson.touches() / SPEEDS as u32;
+            // to and fro by 200 nm about 400 nm too late, or by 5 nm
+            let (late, swing) = if lesson.next() == 0 { (4e-7, 2e-7) } else { (0.0, 5e-9) };
+            lesson.take(TRUTH.at(lesson.velocity(&p)) + late + if round.is_multiple_of(2) { swing } else { -swing });
+        }
+        let (whole, (taught, spread)) = (lesson.conclude(&p, 0).unwrap().0, lesson.conclude(&p, 1).unwrap());
+        assert_eq!((whole.velocity_min, taught.velocity_min), (speed(&p, 0), speed(&p, 1)));
+        let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
+        assert!((taught.scatter / variance(5e-9).sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
+        assert!((taught.scatter_deviation / taught.scatter / 24f64.sqrt().recip() - 1.0).abs() < 1e-9, "{taught:?}");
+        assert!((taught.parts().at(1e-4) - TRUTH.at(1e-4)).abs() < 1e-12, "{taught:?}");
+        assert!(taught.deviation < 1e-8 && whole.deviation > 1e-7, "{taught:?}");
+        // its own scatter alone, by Student; what the others say of it, and that it was 400 nm off
+        assert!((spread.touch[0] / (variance(2e-7) * 5.0 / 3.0).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
+        assert!((4e-7..4.1e-7).contains(&spread.bias[0]), "{spread:?}");
+        assert!(spread.bias[1..].iter().all(|bias| *bias == taught.deviation), "{spread:?}");
+        assert!(lesson.extremes(0)[1] > 5.5e-7 && lesson.extremes(1)[1] < 4.5e-7);
+    }
+
+    #[test]
     fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other() {
         let mut p = Parameters::START;
-        let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap().0;
+        let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
         p.teach.place_deviation = 1e-7;
-        let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p).unwrap().0;
+        let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
         assert!((unsure.bias_deviation.powi(2) - sure.bias_deviation.powi(2) - 1e-14).abs() < 1e-20);
         assert!((unsure.deviation.powi(2) - sure.deviation.powi(2) - 1e-14).abs() < 1e-20);
         assert_eq!(unsure.bias_fast_deviation, sure.bias_fast_deviation);
@@ -247,7 +283,7 @@ mod tests {
     #[test]
     fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
         let p = Parameters::START;
-        let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p).unwrap().0;
+        let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p, 0).unwrap().0;
         assert!((1.0..1.5).contains(&(taught.deviation / LEFT_OUT)), "{taught:?}");
         assert!(taught.bias_deviation > 0.3 * LEFT_OUT, "{taught:?}");
     }
@@ -263,7 +299,7 @@ mod tests {
                 let scatter = if (lesson.touches() / SPEEDS as u32).is_multiple_of(2) { 1e-8 } else { -1e-8 };
                 lesson.take(TRUTH.at(lesson.velocity(&p)) + odd + scatter);
             }
-            lesson.conclude(&p).unwrap().0.deviation
+            lesson.conclude(&p, 0).unwrap().0.deviation
         };
         assert!(bent(1e-7) > 3.0 * bent(0.0), "{} {}", bent(1e-7), bent(0.0));
     }
@@ -300,7 +336,7 @@ mod tests {
             let late = [3e-7, -1e-7, 2e-7, 2e-7, 2e-7][lesson.next()];
             lesson.take(late + if lesson.touches() < 5 { 1e-8 } else { 0.0 });
         }
-        let [least, most] = lesson.extremes();
+        let [least, most] = lesson.extremes(0);
         assert!((least + 9.75e-8).abs() < 1e-15 && (most - 3.025e-7).abs() < 1e-15, "{least} {most}");
     }
 }

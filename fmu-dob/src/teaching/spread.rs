@@ -11,20 +11,20 @@ pub struct Spread {
     pub speeds: [f64; SPEEDS],
     /// Scatter of a touch at each of them, m.
     pub touch: [f64; SPEEDS],
-    /// Standard deviation of the bias, m.
-    pub bias: f64,
+    /// Standard deviation of the bias at each of them, m.
+    pub bias: [f64; SPEEDS],
 }
 
 impl Spread {
-    /// Standard deviation (m) of the place that a touch at `velocity` m/s tells: the variance of a touch goes evenly with the
+    /// Standard deviation (m) of the place that a touch at `velocity` m/s tells: its variance goes evenly with the
     /// logarithm of the speed from one that was taught to the next, and stays beyond them.
     pub fn at(&self, velocity: f64) -> f64 {
         let faster = self.speeds.iter().position(|speed| *speed >= velocity).unwrap_or(SPEEDS - 1).max(1);
         let [from, to] = [faster - 1, faster];
         let share = (velocity / self.speeds[from]).ln() / (self.speeds[to] / self.speeds[from]).ln();
         let share = share.clamp(0.0, 1.0);
-        let touch = (1.0 - share) * self.touch[from].powi(2) + share * self.touch[to].powi(2);
-        touch.sqrt().hypot(self.bias)
+        let variance = |i: usize| self.touch[i].powi(2) + self.bias[i].powi(2);
+        ((1.0 - share) * variance(from) + share * variance(to)).sqrt()
     }
 }
 
@@ -35,7 +35,7 @@ mod tests {
     #[test]
     fn it_is_that_of_a_taught_speed_and_lies_between_two_elsewhere() {
         let speeds = [1.0, 2.0, 4.0, 8.0, 16.0].map(|k| 1e-5 * k);
-        let spread = Spread { speeds, touch: [3e-8, 1e-8, 1e-8, 2e-8, 6e-8], bias: 0.0 };
+        let spread = Spread { speeds, touch: [3e-8, 1e-8, 1e-8, 2e-8, 6e-8], bias: [0.0; SPEEDS] };
         let near = |velocity: f64, expected: f64| {
             assert!((spread.at(velocity) / expected - 1.0).abs() < 1e-9, "{velocity}: {}", spread.at(velocity));
         };
@@ -45,6 +45,7 @@ mod tests {
         near(8e-5 * 2f64.sqrt(), 20f64.sqrt() * 1e-8);
         near(1e-6, 3e-8);
         near(1e-3, 6e-8);
-        assert!((Spread { bias: 4e-8, ..spread }.at(1e-5) - 5e-8).abs() < 1e-20);
+        let unsure = Spread { bias: [4e-8, 0.0, 0.0, 0.0, 8e-8], ..spread };
+        assert!((unsure.at(1e-5) - 5e-8).abs() < 1e-20 && (unsure.at(1.6e-4) - 1e-7).abs() < 1e-20);
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Approach, Parameters, Taught};
 use crate::teaching::bias::Bias;
-use crate::teaching::lesson::Lesson;
+use crate::teaching::lesson::{Lesson, SLOWER_MAX};
 use crate::teaching::spread::Spread;
 
 /// One teaching after the other.
@@ -108,7 +108,7 @@ impl Teacher {
 
     /// Least and largest mean bias of a speed, m.
     pub fn extremes(&self) -> [f64; 2] {
-        self.lesson.extremes()
+        self.lesson.extremes(0)
     }
 
     /// The bias in force: what was taught where `teach.apply` says so, else what the parameters tell now, as they are tunable.
@@ -126,17 +126,28 @@ impl Teacher {
         self.bias.derived().entries()
     }
 
+    /// Judges what all touches say. Where they are not sure and no more are to be made, the slowest speed is left out: on soft work a slow
+    /// touch is found when noise lets it, and the bias at the others may be sure without it.
     fn conclude(&mut self, p: &Parameters) {
-        let found = self.lesson.conclude(p);
-        self.taught = found.map_or(self.taught, |(taught, _)| taught);
-        let possible = possible(p, &self.taught, self.extremes());
-        match found {
-            Ok((taught, spread)) if possible && sure(p, &taught) => {
-                self.taught.valid = true;
+        let lesson = &self.lesson;
+        let can_be = |slowest| {
+            let found = lesson.conclude(p, slowest).ok();
+            found.filter(|(taught, _)| possible(p, taught, lesson.extremes(slowest)))
+        };
+        let good = |slowest| can_be(slowest).filter(|(taught, _)| sure(p, taught));
+        let (whole, faster) = (good(0), (1..=SLOWER_MAX).find_map(good));
+        let unsure = whole.is_none() && (0..=SLOWER_MAX).any(|slowest| can_be(slowest).is_some());
+        self.taught = lesson.conclude(p, 0).map_or(self.taught, |(taught, _)| taught);
+        if unsure && self.lesson.once_more(p) {
+            return;
+        }
+        match whole.or(faster) {
+            Some((taught, spread)) => {
+                self.taught = Taught { valid: true, ..taught };
                 self.bias.conclude(taught.parts(), p.teach.apply);
                 self.spread = p.teach.apply.then_some(spread);
             }
-            _ => self.rejected = !(possible && self.lesson.once_more(p)),
+            None => self.rejected = true,
         }
     }
 }
@@ -240,6 +251,37 @@ mod tests {
         // one that is too far off is never sure, and a bias that cannot be is none of scatter
         assert_eq!(touches(6, 6e-7), (30, false, 30));
         assert_eq!(touches(8, 4e-6), (20, false, 20));
+    }
+
+    #[test]
+    fn a_slowest_speed_that_is_never_sure_is_left_out_once_all_touches_are_made() {
+        let truth = Bias { constant: 2e-7, fast: 1e-7, slow: 0.0 };
+        let p = parameters(|p| (p.teach.touches_max, p.teach.apply) = (6, true));
+        // one speed is late by 300 nm in every second round, and by `more` besides
+        let end = |odd: usize, more: f64| {
+            let mut teacher = Teacher::new(&p);
+            teacher.begin();
+            while !teacher.ended() {
+                let (touch, velocity) = (teacher.taught.touches as usize, teacher.approach(&p).velocity);
+                let late = if touch % 5 == odd { more + 3e-7 * (touch / 5 % 2) as f64 } else { 0.0 };
+                teacher.take(&p, p.teach.place + truth.at(velocity) + late, 0.0);
+            }
+            teacher
+        };
+        // in the last, too late for `limits.bias`
+        for more in [0.0, 1e-6] {
+            let teacher = end(0, more);
+            assert!(teacher.taught.valid && teacher.taught.touches == 30, "{:?}", teacher.taught);
+            assert!((teacher.taught.velocity_min - 2.34e-5).abs() < 1e-7, "{:?}", teacher.taught);
+            assert!((teacher.bias(&p).at(1e-4) - 3e-7).abs() < 1e-12);
+            assert!(teacher.deviation(3e-5) < 2e-8 && teacher.deviation(1e-5) > 1.5e-7 + more);
+        }
+        // what is told of one that is refused is what all speeds say
+        let refused = end(1, 0.0);
+        assert!(refused.rejected && !refused.taught.valid && refused.taught.touches == 30);
+        assert!(refused.taught.velocity_min == 1e-5 && refused.taught.scatter > 6e-8, "{:?}", refused.taught);
+        // none is left out where all are sure
+        assert_eq!(taught(&p, |v, _| truth.at(v)).taught.velocity_min, 1e-5);
     }
 
     #[test]

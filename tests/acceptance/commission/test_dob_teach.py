@@ -35,6 +35,11 @@ FORCE = 0.8
 """Largest force of a touch that is demanded, N."""
 
 
+def sure(one: studies.Machine) -> bool:
+    """Whether the bias is as sure as it is to be at the speed of the job."""
+    return one.changes[SPEED] > 0.999 * one["sure_from"]
+
+
 def errors(found: Sequence[studies.Machine], metric: str) -> tuple[float, float, float]:
     """Median, 90 % and most of the size of an error (nm)."""
     size = 1e9 * np.abs([one[metric] for one in found])
@@ -93,12 +98,17 @@ def keep(found: Sequence[studies.Machine]) -> None:
     scattered = sum(one["scatter"] > TOUCH_SCATTER for one in rejected)
     store.measured(
         "dob-teach", "ends", machines=len(found), told=len(told), share=100.0 * len(told) / len(found),
+        faster=sum(one["sure_from"] > 1.001 * TAUGHT[0] for one in told),
         silent=sum(one["silent"] for one in found), scattered=scattered, unsure=len(rejected) - scattered,
         others=len(found) - len(told) - len(rejected),
         hard=sum(one["force"] > FORCE for one in found), force=max(one["force"] for one in found),
     )  # fmt: skip
-    for row, taught in (("taught", True), ("between", False)):
-        those = [one for one in told if (one.changes[SPEED] in TAUGHT) is taught]
+    rows = {
+        "taught": [one for one in told if sure(one) and one.changes[SPEED] in TAUGHT],
+        "between": [one for one in told if sure(one) and one.changes[SPEED] not in TAUGHT],
+        "slower": [one for one in told if not sure(one)],
+    }
+    for row, those in rows.items():
         size = errors(those, "position_error")
         store.measured(
             "dob-taught", row, machines=len(those),
