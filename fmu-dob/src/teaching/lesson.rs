@@ -1,6 +1,7 @@
 //! The touches of a teaching: at which speed each is, and what all of them say about the bias.
 //!
-//! It goes through all speeds and then again, so that work which a touch dents shows as scatter.
+//! It goes through all speeds and then again, so that work which a touch dents shows as scatter. On hard work the first round lowers the speeds
+//! that are still to come to what `teach.force_max` bears.
 
 use std::array;
 use std::f64::consts::TAU;
@@ -11,13 +12,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Parameters, Taught};
 use crate::teaching::bias::{Bias, SPEEDS};
+use crate::teaching::press::Hardness;
 use crate::teaching::spread::Spread;
 
-/// Speed `i` of a teaching, m/s.
-pub fn speed(p: &Parameters, i: usize) -> f64 {
-    let share = i as f64 / (SPEEDS - 1) as f64;
-    p.teach.velocity_min * (p.teach.velocity_max / p.teach.velocity_min).powf(share)
-}
+/// Least ratio of the fastest speed to the slowest.
+pub const RATIO: f64 = 3.0;
+
+/// A stage may be so many times heavier than told, and each force as many times larger.
+const HEAVIER: f64 = 1.3;
+/// So many times harder than one touch at a speed others may press there, as the flutes lie at another angle.
+const SCATTER: f64 = 1.2;
+/// So many times harder than slower ones tell a touch may press.
+const FASTER: f64 = 1.3;
 
 /// What the three parts leave out at a speed, as deviation, m: the likeliest beside the scatter of the five means of 29 machines whose mass
 /// and thrust constant are wrong by up to 30 %, on work of 0.1 to 2 N/um.
@@ -39,30 +45,78 @@ fn most(p: &Parameters) -> u32 {
     p.teach.touches.max(p.teach.touches_max).unsigned_abs()
 }
 
-/// Touches so far; by default none.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+/// Touches so far.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Lesson {
+    /// the slowest first, m/s
+    speeds: [f64; SPEEDS],
+    /// those that count
     touches: u32,
+    /// those at speeds that were given up
+    given_up: u32,
     /// rounds beyond `teach.touches`
     more: u32,
     late: [Welford; SPEEDS],
+    hardness: Hardness,
 }
 
 impl Lesson {
+    /// None so far, and the speeds of the parameters.
+    pub fn new(p: &Parameters) -> Self {
+        let slowest = p.teach.velocity_min;
+        Self {
+            speeds: array::from_fn(|i| between(slowest, p.teach.velocity_max, i, SPEEDS - 1)),
+            touches: 0,
+            given_up: 0,
+            more: 0,
+            late: [Welford::default(); SPEEDS],
+            hardness: Hardness::default(),
+        }
+    }
+
     /// Touches so far.
     pub fn touches(&self) -> u32 {
-        self.touches
+        self.touches + self.given_up
     }
 
     /// Speed of the next touch, m/s.
-    pub fn velocity(&self, p: &Parameters) -> f64 {
-        speed(p, self.next())
+    pub fn velocity(&self) -> f64 {
+        self.speeds[self.next()]
+    }
+
+    /// Lowers the speeds of the first round that are still to come, where the next touch would press harder than `teach.force_max`, and the fastest
+    /// where that has come near it; the force grows as the speed. Those that were touched and are slower than what is bearable stay.
+    ///
+    /// # Errors
+    /// When that leaves too little of the range: the fastest speed that is bearable, m/s.
+    pub fn lower(&mut self, p: &Parameters) -> Result<(), f64> {
+        let next = self.touches as usize;
+        if p.teach.force_max == 0.0 || next > SPEEDS {
+            return Ok(());
+        }
+        let speed = self.speeds[next.min(SPEEDS - 1)];
+        let margin = HEAVIER * SCATTER * if speed > self.hardness.fastest() { FASTER } else { 1.0 };
+        let fastest = p.teach.force_max / (margin * self.hardness.slope());
+        if speed <= fastest {
+            return Ok(());
+        }
+        if fastest < RATIO * p.teach.velocity_min {
+            return Err(fastest);
+        }
+        let stay = self.speeds[..next].iter().take_while(|speed| **speed < fastest).count().max(1);
+        let from = self.speeds[stay - 1];
+        for i in stay..SPEEDS {
+            self.speeds[i] = between(from, fastest, i + 1 - stay, SPEEDS - stay);
+            self.late[i] = Welford::default();
+        }
+        (self.touches, self.given_up) = (stay as u32, self.given_up + (next - stay) as u32);
+        Ok(())
     }
 
     /// Speed of the touch after that (m/s), if there may be one.
     pub fn after(&self, p: &Parameters) -> Option<f64> {
         let last = self.touches + 1 >= SPEEDS as u32 * most(p);
-        (!last).then(|| speed(p, (self.next() + 1) % SPEEDS))
+        (!last).then(|| self.speeds[(self.next() + 1) % SPEEDS])
     }
 
     /// How long (s) the stage stands before the next touch, at `spindle_speed` rad/s. A slow touch is found where a flute cuts, and all that
@@ -79,13 +133,14 @@ impl Lesson {
 
     /// Touches at all speeds once more, if that may be; whether it may.
     pub fn once_more(&mut self, p: &Parameters) -> bool {
-        let may = p.teach.touches.unsigned_abs() + self.more < most(p);
+        let may = self.touches() + SPEEDS as u32 <= SPEEDS as u32 * most(p);
         self.more += u32::from(may);
         may
     }
 
-    /// Takes how far (m) behind the first touch a contact was found at [`Self::velocity`].
-    pub fn take(&mut self, late: f64) {
+    /// Takes how far (m) behind the first touch a contact was found at [`Self::velocity`], and how hard (N) it pressed.
+    pub fn take(&mut self, late: f64, force: f64) {
+        self.hardness.push(self.velocity(), force);
         self.late[self.next()].push(late);
         self.touches += 1;
     }
@@ -115,8 +170,8 @@ impl Lesson {
         // what one more touch does is Student's: the mean of what its variance may be
         let touch = squares.map(|squares| (squares / (POOLED + freedom - 2.0)).sqrt());
         // parts in units of what they give at the speed in the middle
-        let units = Bias::parts_at((p.teach.velocity_min * p.teach.velocity_max).sqrt());
-        let parts = |i: usize| SVector::from(Bias::parts_at(speed(p, i))).component_div(&SVector::from(units));
+        let units = Bias::parts_at((self.speeds[0] * self.speeds[SPEEDS - 1]).sqrt());
+        let parts = |i: usize| SVector::from(Bias::parts_at(self.speeds[i])).component_div(&SVector::from(units));
         let found = least_squares(SVector::zeros(), SPEEDS, |i, value| {
             let sigma = f64::hypot(likely[i] / touches.sqrt(), LEFT_OUT);
             Observation { residual: (parts(i).dot(value) - self.late[i].mean()) / sigma, gradient: parts(i) / sigma }
@@ -126,7 +181,8 @@ impl Lesson {
         let deviation = (0..SPEEDS).map(variance).fold(0.0, f64::max).sqrt().hypot(LEFT_OUT).hypot(unsure);
         let taught = Taught {
             valid: false,
-            touches: self.touches as i32,
+            touches: self.touches() as i32,
+            velocity_max: self.speeds[SPEEDS - 1],
             bias: found.value[0] / units[0],
             bias_deviation: (found.sigma(0) / units[0]).hypot(unsure),
             bias_fast: found.value[1] / units[1],
@@ -137,12 +193,17 @@ impl Lesson {
             scatter: pooled.sqrt(),
             scatter_deviation: (pooled / (2.0 * SPEEDS as f64 * freedom)).sqrt(),
         };
-        Ok((taught, Spread { speeds: array::from_fn(|i| speed(p, i)), touch, bias: deviation }))
+        Ok((taught, Spread { speeds: self.speeds, touch, bias: deviation }))
     }
 
     fn next(&self) -> usize {
         self.touches as usize % SPEEDS
     }
+}
+
+/// Speed `i` of `n` behind `from` (m/s), which lie in equal ratios, the last at `to`.
+fn between(from: f64, to: f64, i: usize, n: usize) -> f64 {
+    from * (to / from).powf(i as f64 / n as f64)
 }
 
 impl Taught {
@@ -165,10 +226,10 @@ mod tests {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
         let mut noise =
             |deviation: f64| -> f64 { deviation * Distribution::<f64>::sample(&StandardNormal, &mut random) };
-        let mut lesson = Lesson::default();
+        let mut lesson = Lesson::new(&p);
         let left: [f64; SPEEDS] = std::array::from_fn(|_| noise(left));
         while !lesson.over(p) {
-            lesson.take(TRUTH.at(lesson.velocity(p)) + left[lesson.next()] + noise(sigma));
+            lesson.take(TRUTH.at(lesson.velocity()) + left[lesson.next()] + noise(sigma), 0.0);
         }
         lesson
     }
@@ -176,11 +237,11 @@ mod tests {
     #[test]
     fn it_goes_through_all_speeds_again_and_again() {
         let p = Parameters::START;
-        let mut lesson = Lesson::default();
+        let mut lesson = Lesson::new(&p);
         let mut seen = Vec::new();
         while !lesson.over(&p) {
-            seen.push((1e7 * lesson.velocity(&p)).round());
-            lesson.take(0.0);
+            seen.push((1e7 * lesson.velocity()).round());
+            lesson.take(0.0, 0.0);
         }
         // 10 to 300 um/s
         assert_eq!((seen.len(), lesson.touches()), (20, 20));
@@ -212,12 +273,12 @@ mod tests {
     #[test]
     fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
         let p = Parameters::START;
-        let mut lesson = Lesson::default();
+        let mut lesson = Lesson::new(&p);
         while !lesson.over(&p) {
             let round = lesson.touches() / SPEEDS as u32;
             // to and fro by 50 nm at the slowest, and by 5 nm
             let swing = if lesson.next() == 0 { 5e-8 } else { 5e-9 };
-            lesson.take(TRUTH.at(lesson.velocity(&p)) + if round.is_multiple_of(2) { swing } else { -swing });
+            lesson.take(TRUTH.at(lesson.velocity()) + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
         }
         let (taught, spread) = lesson.conclude(&p).unwrap();
         let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
@@ -256,12 +317,12 @@ mod tests {
     fn what_the_three_parts_do_not_explain_makes_them_less_sure() {
         let p = Parameters::START;
         let bent = |by: f64| {
-            let mut lesson = Lesson::default();
+            let mut lesson = Lesson::new(&p);
             while !lesson.over(&p) {
                 let odd = if lesson.next() == 2 { by } else { 0.0 };
                 // to and fro by 10 nm
                 let scatter = if (lesson.touches() / SPEEDS as u32).is_multiple_of(2) { 1e-8 } else { -1e-8 };
-                lesson.take(TRUTH.at(lesson.velocity(&p)) + odd + scatter);
+                lesson.take(TRUTH.at(lesson.velocity()) + odd + scatter, 0.0);
             }
             lesson.conclude(&p).unwrap().0.deviation
         };
@@ -271,7 +332,7 @@ mod tests {
     #[test]
     fn the_rounds_spread_over_half_a_turn_of_the_spindle_after_any_number_of_touches() {
         for between in 1..SPEEDS {
-            let mut lesson = Lesson::default();
+            let mut lesson = Lesson::new(&Parameters::START);
             let mut shares: Vec<f64> = (0..5)
                 .map(|_| {
                     // 10 ms a turn, either way round
@@ -280,7 +341,7 @@ mod tests {
                         (pause, 0.0, 0.0),
                         (lesson.pause(-TAU / 0.01), lesson.pause(0.0), lesson.pause(TAU / 0.1))
                     );
-                    (0..SPEEDS).for_each(|_| lesson.take(0.0));
+                    (0..SPEEDS).for_each(|_| lesson.take(0.0, 0.0));
                     (between as f64 * pause / 0.01 * 2.0 + 0.05).fract()
                 })
                 .collect();
@@ -295,12 +356,92 @@ mod tests {
     #[test]
     fn the_extremes_are_means_of_a_speed() {
         let p = Parameters::START;
-        let mut lesson = Lesson::default();
+        let mut lesson = Lesson::new(&p);
         while !lesson.over(&p) {
             let late = [3e-7, -1e-7, 2e-7, 2e-7, 2e-7][lesson.next()];
-            lesson.take(late + if lesson.touches() < 5 { 1e-8 } else { 0.0 });
+            lesson.take(late + if lesson.touches() < 5 { 1e-8 } else { 0.0 }, 0.0);
         }
         let [least, most] = lesson.extremes();
         assert!((least + 9.75e-8).abs() < 1e-15 && (most - 3.025e-7).abs() < 1e-15, "{least} {most}");
+    }
+
+    /// A lesson whose touches press as `force` says (N) of their speed (m/s), after the first round; or the error that ends it.
+    fn pressed(p: &Parameters, force: impl Fn(f64) -> f64) -> Result<Lesson, f64> {
+        let mut lesson = Lesson::new(p);
+        while lesson.touches < SPEEDS as u32 {
+            lesson.take(1e-7, force(lesson.velocity()));
+            lesson.lower(p)?;
+        }
+        Ok(lesson)
+    }
+
+    fn speeds(lesson: &Lesson) -> [f64; SPEEDS] {
+        lesson.speeds.map(|speed| (1e7 * speed).round() / 10.0)
+    }
+
+    #[test]
+    fn hard_work_lowers_the_speeds_that_are_still_to_come() {
+        let mut p = Parameters::START;
+        let hard = |slope: f64| move |velocity: f64| slope * velocity;
+        // no limit, however hard
+        assert_eq!(speeds(&pressed(&p, hard(1e6)).unwrap()), [10.0, 23.4, 54.8, 128.2, 300.0]);
+        p.teach.force_max = 0.8;
+        // bearable is 0.8 N less 30 % of mass, 20 % of scatter and 30 % of what is not known yet
+        let at = |speed: f64| 0.8 / (1.3 * 1.2 * 1.3 * 1e-6 * speed);
+        for (slope, expected) in [
+            (at(300.1), [10.0, 23.4, 54.8, 128.2, 300.0]),
+            (at(200.0), [10.0, 23.4, 54.8, 128.2, 200.0]),
+            (at(50.0), [10.0, 23.4, 30.1, 38.8, 50.0]),
+        ] {
+            let lesson = pressed(&p, hard(slope)).unwrap();
+            assert_eq!((speeds(&lesson), lesson.touches()), (expected, 5), "{slope}");
+        }
+        // three times the slowest, and a little less
+        let fastest = |slope: f64| pressed(&p, hard(slope)).map(|lesson| speeds(&lesson)[SPEEDS - 1]);
+        assert_eq!(fastest(at(30.001)), Ok(30.0));
+        assert!(fastest(at(29.9)).is_err_and(|speed| (speed - 29.9e-6).abs() < 1e-12));
+    }
+
+    #[test]
+    fn the_fastest_touch_of_the_first_round_is_given_up_where_others_may_press_too_hard() {
+        let mut p = Parameters::START;
+        p.teach.force_max = 0.8;
+        // what all five tell of 300 um/s is bearable up to 0.8 N less 30 % of mass and 20 % of scatter
+        let after = |force: f64| {
+            let hard = |velocity: f64| if velocity > 2.99e-4 { force } else { 1000.0 * velocity };
+            let lesson = pressed(&p, hard).unwrap();
+            (speeds(&lesson), lesson.touches())
+        };
+        assert_eq!(after(0.55), ([10.0, 23.4, 54.8, 128.2, 300.0], 5));
+        assert_eq!(after(0.57), ([10.0, 23.4, 54.8, 128.2, 295.4], 6));
+        assert_eq!(after(2.0), ([10.0, 23.4, 54.8, 70.6, 91.0], 7));
+    }
+
+    #[test]
+    fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_may_follow() {
+        let mut p = Parameters::START;
+        (p.teach.force_max, p.teach.touches, p.teach.touches_max) = (0.8, 2, 4);
+        let mut given_up = false;
+        let mut lesson = Lesson::new(&p);
+        while !lesson.over(&p) {
+            let jump = !given_up && lesson.next() == 2;
+            given_up |= jump;
+            // 0.5 N at 54.8 um/s: bearable are 45 um/s, by all three touches
+            lesson.take(TRUTH.at(lesson.velocity()), if jump { 0.5 } else { 1000.0 * lesson.velocity() });
+            lesson.lower(&p).unwrap();
+        }
+        let speeds = speeds(&lesson);
+        assert!(given_up && speeds[1] == 23.4 && speeds[4] > 43.0 && speeds[4] < 53.0, "{speeds:?}");
+        assert!((speeds[3] / speeds[2] - speeds[4] / speeds[3]).abs() < 0.01, "{speeds:?}");
+        assert_eq!((lesson.touches(), lesson.touches), (11, 10));
+        let (taught, spread) = lesson.conclude(&p).unwrap();
+        assert_eq!((taught.touches, taught.velocity_max, spread.speeds), (11, lesson.speeds[4], lesson.speeds));
+        // the bias is that of the speeds that were touched
+        assert!((taught.parts().at(4e-5) - TRUTH.at(4e-5)).abs() < 1e-12, "{taught:?}");
+        // 16 of at most 20, and 21 are too many
+        assert!(lesson.once_more(&p));
+        (0..SPEEDS).for_each(|_| lesson.take(0.0, 9.0));
+        assert_eq!(lesson.lower(&p), Ok(()));
+        assert!(lesson.over(&p) && !lesson.once_more(&p));
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Approach, Parameters, Taught};
 use crate::teaching::bias::Bias;
 use crate::teaching::lesson::Lesson;
+use crate::teaching::press::Press;
 use crate::teaching::spread::Spread;
 
 /// One teaching after the other.
@@ -17,10 +18,13 @@ pub struct Teacher {
     pub active: bool,
     /// All touches are made, and what they say cannot be used.
     pub rejected: bool,
+    /// The fastest speed that `teach.force_max` bears (m/s), where that is too slow to teach.
+    pub bearable: Option<f64>,
     broken: bool,
     /// samples for which the stage still stands before the next touch
     pause: u32,
     lesson: Lesson,
+    press: Press,
     bias: InForce<Bias>,
     /// how sure the bias in force is, where it was taught
     spread: Option<Spread>,
@@ -33,18 +37,21 @@ impl Teacher {
             taught: Taught::START,
             active: false,
             rejected: false,
+            bearable: None,
             broken: false,
             pause: 0,
-            lesson: Lesson::default(),
+            lesson: Lesson::new(p),
+            press: Press::default(),
             bias: InForce::new(Bias::of(p)),
             spread: None,
         }
     }
 
     /// Begins.
-    pub fn begin(&mut self) {
-        (self.taught, self.lesson) = (Taught::START, Lesson::default());
-        (self.active, self.rejected, self.broken, self.pause) = (true, false, false, 0);
+    pub fn begin(&mut self, p: &Parameters) {
+        (self.taught, self.lesson) = (Taught::START, Lesson::new(p));
+        (self.active, self.rejected, self.bearable) = (true, false, None);
+        (self.broken, self.pause) = (false, 0);
     }
 
     /// Is to end before its end; whether that is news.
@@ -78,15 +85,32 @@ impl Teacher {
         self.active = false;
     }
 
-    /// The next approach: that of the parameters, in a teaching at the speed that is next.
+    /// The next approach: that of the parameters, no faster than was taught with `teach.force_max`, and in a teaching at the speed that is next.
     pub fn approach(&self, p: &Parameters) -> Approach {
-        if self.active { Approach { velocity: self.lesson.velocity(p), ..p.approach } } else { p.approach }
+        let touch = self.active && !self.ended();
+        let velocity = if touch { self.lesson.velocity() } else { self.job_velocity(p) };
+        Approach { velocity, ..p.approach }
     }
 
     /// The approach after the touch that is being made: the next one of the teaching, or that of a job behind it.
     pub fn approach_after(&self, p: &Parameters) -> Approach {
         let after = self.lesson.after(p).filter(|_| !self.ended());
-        after.map_or(p.approach, |velocity| Approach { velocity, ..p.approach })
+        Approach { velocity: after.unwrap_or_else(|| self.job_velocity(p)), ..p.approach }
+    }
+
+    /// Speed of a job, m/s.
+    fn job_velocity(&self, p: &Parameters) -> f64 {
+        let limit = self.spread.filter(|_| p.teach.force_max > 0.0).map(|spread| spread.fastest());
+        limit.map_or(p.approach.velocity, |fastest| p.approach.velocity.min(fastest))
+    }
+
+    /// One sample at `position` m, towards the work, with the current that acted (A), which comes `late` s later than told: how hard the touch presses, where
+    /// that is asked for.
+    pub fn feel(&mut self, p: &Parameters, position: f64, acted: f64, late: f64, found: bool) {
+        if self.active && p.teach.force_max > 0.0 {
+            let depth = position - p.direction() * p.teach.place;
+            self.press.update(p, depth, acted, late, self.lesson.velocity(), found);
+        }
     }
 
     /// One sample at rest before the next touch; whether it is to be made now.
@@ -98,8 +122,10 @@ impl Teacher {
 
     /// Takes a contact (m, towards the work) of the approach that has just ended, with a spindle at `spindle_speed` rad/s.
     pub fn take(&mut self, p: &Parameters, contact: f64, spindle_speed: f64) {
-        self.lesson.take(contact - p.direction() * p.teach.place);
+        self.lesson.take(contact - p.direction() * p.teach.place, self.press.force());
         self.taught.touches = self.lesson.touches() as i32;
+        self.bearable = self.lesson.lower(p).err();
+        self.rejected = self.bearable.is_some();
         self.pause = ticks(self.lesson.pause(spindle_speed), p.sample_period);
         if self.lesson.over(p) {
             self.conclude(p);
@@ -161,7 +187,7 @@ mod tests {
     /// A teaching whose touches are as late (m) as `late` says, at a place of 50 um; with what it is afterwards.
     fn taught(p: &Parameters, late: impl Fn(f64, u32) -> f64) -> Teacher {
         let mut teacher = Teacher::new(p);
-        teacher.begin();
+        teacher.begin(p);
         for touch in 0..20 {
             assert!(!teacher.over() && !teacher.rejected);
             let velocity = teacher.approach(p).velocity;
@@ -219,7 +245,7 @@ mod tests {
         let touches = |most: i32, first: f64| {
             let p = parameters(|p| (p.teach.touches_max, p.teach.apply) = (most, true));
             let mut teacher = Teacher::new(&p);
-            teacher.begin();
+            teacher.begin(&p);
             let mut made = 0;
             while !teacher.ended() {
                 teacher.take(&p, p.teach.place + if made < 5 { first } else { 2e-7 }, 0.0);
@@ -248,7 +274,7 @@ mod tests {
         for broken in [true, false] {
             let mut teacher = taught(&p, |_, _| 2e-7);
             teacher.end();
-            teacher.begin();
+            teacher.begin(&p);
             assert!(!teacher.taught.valid && teacher.taught.bias == 0.0);
             if broken {
                 teacher.take(&p, 5.03e-5, 0.0);
@@ -267,7 +293,7 @@ mod tests {
     fn it_stands_for_its_share_of_a_turn_before_a_touch_and_for_none_at_its_end() {
         let p = parameters(|_| ());
         let mut teacher = Teacher::new(&p);
-        teacher.begin();
+        teacher.begin(&p);
         let stands = |teacher: &mut Teacher| (0..99).find(|_| teacher.rested());
         for touch in 0..20 {
             // 0.4 of 10 ms more in each round
@@ -276,7 +302,7 @@ mod tests {
             teacher.take(&p, 5.02e-5, TAU / 0.01);
         }
         assert_eq!(stands(&mut teacher), Some(0));
-        teacher.begin();
+        teacher.begin(&p);
         (0..6).for_each(|_| teacher.take(&p, 5.02e-5, TAU / 0.01));
         teacher.break_off();
         assert_eq!(stands(&mut teacher), Some(0));
@@ -288,7 +314,7 @@ mod tests {
         let mut teacher = Teacher::new(&p);
         assert_eq!(teacher.approach(&p), p.approach);
         assert!(!teacher.break_off() && !teacher.broken());
-        teacher.begin();
+        teacher.begin(&p);
         let slowest = Approach { velocity: 1e-5, ..p.approach };
         assert_eq!(teacher.approach(&p), slowest);
         for touch in 0..20 {
@@ -296,8 +322,45 @@ mod tests {
             teacher.take(&p, 5.02e-5, 0.0);
             assert_eq!(after, if last { p.approach } else { teacher.approach(&p) });
         }
-        teacher.begin();
+        teacher.begin(&p);
         assert!(teacher.break_off());
         assert_eq!(teacher.approach_after(&p), p.approach);
+    }
+
+    #[test]
+    fn a_job_is_no_faster_than_was_taught_with_a_limit_of_the_force_and_is_in_force() {
+        for (force_max, apply, expected) in [(0.8, true, 3e-4), (0.0, true, 1e-3), (0.8, false, 1e-3)] {
+            let p = parameters(|p| {
+                (p.teach.force_max, p.teach.apply, p.approach.velocity) = (force_max, apply, 1e-3);
+            });
+            let mut teacher = taught(&p, |_, _| 2e-7);
+            assert_eq!(teacher.approach_after(&p).velocity, expected);
+            teacher.end();
+            assert_eq!([teacher.approach(&p).velocity, teacher.approach_after(&p).velocity], [expected; 2]);
+            let slower = Approach { velocity: 5e-5, ..p.approach };
+            assert_eq!(teacher.approach(&Parameters { approach: slower, ..p.clone() }), slower);
+            // broken off, what was told counts
+            teacher.begin(&p);
+            teacher.break_off();
+            teacher.end();
+            assert_eq!(teacher.approach(&p).velocity, 1e-3);
+        }
+    }
+
+    #[test]
+    fn a_touch_that_presses_too_hard_even_at_the_slowest_speeds_ends_the_teaching() {
+        let p = parameters(|p| p.teach.force_max = 0.8);
+        let mut teacher = Teacher::new(&p);
+        teacher.begin(&p);
+        // 10 kg at 10 um/s that stand after 0.4 ms, without any thrust: half of 0.1 mN s, in half of that time
+        let place = p.teach.place;
+        teacher.feel(&p, place - 1e-9, 0.0, 0.0, false);
+        (0..4).for_each(|_| teacher.feel(&p, place + 1e-8, 0.0, 0.0, false));
+        (0..70).for_each(|_| teacher.feel(&p, place - 1e-8, 0.0, 0.0, true));
+        teacher.take(&p, place + 1e-8, 0.0);
+        let bearable = teacher.bearable.unwrap();
+        assert!(teacher.rejected && teacher.ended() && !teacher.over() && bearable < 3e-5, "{bearable}");
+        teacher.begin(&p);
+        assert!(!teacher.rejected && teacher.bearable.is_none());
     }
 }
