@@ -77,12 +77,6 @@ impl Commissioner {
         self.values.take_renewed()
     }
 
-    /// Time (s) by which the thrust comes later than the `io_delay` in force says: the current loop, and what a good commission has measured beside whole samples.
-    pub fn lag(&self, p: &Parameters) -> f64 {
-        let rest = if self.measured.valid { self.measured.io_delay - f64::from(p.io_delay) } else { 0.0 };
-        p.stage.current_bandwidth.recip() + rest * p.sample_period
-    }
-
     /// Names and values of what a good commission derives.
     pub fn derived(&self) -> [(&'static str, f64); 9] {
         self.values.derived().entries()

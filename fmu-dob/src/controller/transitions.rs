@@ -30,7 +30,7 @@ impl Controller {
             (State::Approach, Some(position)) => self.restart(p, position),
             (State::Teach, _) if self.state == State::Retract => {
                 if let Some(contact) = self.contact.filter(|_| !self.teacher.broken()) {
-                    self.teacher.take(p, contact.position, reading.spindle_speed);
+                    self.teacher.take(p, &self.commissioner.measured, contact.position, reading.spindle_speed);
                     self.depart_farther(p);
                 }
             }

@@ -3,10 +3,11 @@
 use control_blocks::{InForce, SIGNIFICANT, ticks};
 use serde::{Deserialize, Serialize};
 
-use crate::interface::{Approach, Parameters, Taught};
+use crate::interface::{Approach, Measured, Parameters, Taught};
+use crate::monitoring::rest::SETTLING;
 use crate::teaching::bias::Bias;
 use crate::teaching::lesson::Lesson;
-use crate::teaching::press::Press;
+use crate::teaching::press::{Drive, Press};
 use crate::teaching::spread::Spread;
 
 /// One teaching after the other.
@@ -104,12 +105,12 @@ impl Teacher {
         limit.map_or(p.approach.velocity, |fastest| p.approach.velocity.min(fastest))
     }
 
-    /// One sample at `position` m, towards the work, with the current that acted (A), which comes `late` s later than told: how hard the touch presses, where
-    /// that is asked for.
-    pub fn feel(&mut self, p: &Parameters, position: f64, acted: f64, late: f64, found: bool) {
+    /// One sample at `position` m, towards the work, with the current that acted (A), on a machine of which a commission may have measured something: how hard
+    /// the touch presses, where that is asked for.
+    pub fn feel(&mut self, p: &Parameters, measured: &Measured, position: f64, acted: f64, found: bool) {
         if self.active && p.teach.force_max > 0.0 {
             let depth = position - p.direction() * p.teach.place;
-            self.press.update(p, depth, acted, late, self.lesson.velocity(), found);
+            self.press.update(p, &Drive::of(p, measured), depth, acted, self.lesson.velocity(), found);
         }
     }
 
@@ -121,12 +122,16 @@ impl Teacher {
     }
 
     /// Takes a contact (m, towards the work) of the approach that has just ended, with a spindle at `spindle_speed` rad/s.
-    pub fn take(&mut self, p: &Parameters, contact: f64, spindle_speed: f64) {
-        self.lesson.take(contact - p.direction() * p.teach.place, self.press.force());
+    pub fn take(&mut self, p: &Parameters, measured: &Measured, contact: f64, spindle_speed: f64) {
+        let late = contact - p.direction() * p.teach.place;
+        self.lesson.take(late, self.press.force(&Drive::of(p, measured)));
         self.taught.touches = self.lesson.touches() as i32;
+        let next = self.lesson.velocity();
         self.bearable = self.lesson.lower(p).err();
         self.rejected = self.bearable.is_some();
-        self.pause = ticks(self.lesson.pause(spindle_speed), p.sample_period);
+        // what needs a longer way than was gone back leaves a motion
+        let settle = if self.lesson.velocity() > next { SETTLING / p.servo.bandwidth } else { 0.0 };
+        self.pause = ticks(self.lesson.pause(spindle_speed).max(settle), p.sample_period);
         if self.lesson.over(p) {
             self.conclude(p);
         }
@@ -191,7 +196,7 @@ mod tests {
         for touch in 0..20 {
             assert!(!teacher.over() && !teacher.rejected);
             let velocity = teacher.approach(p).velocity;
-            teacher.take(p, p.direction() * p.teach.place + late(velocity, touch), 0.0);
+            teacher.take(p, &Measured::START, p.direction() * p.teach.place + late(velocity, touch), 0.0);
         }
         teacher
     }
@@ -248,7 +253,7 @@ mod tests {
             teacher.begin(&p);
             let mut made = 0;
             while !teacher.ended() {
-                teacher.take(&p, p.teach.place + if made < 5 { first } else { 2e-7 }, 0.0);
+                teacher.take(&p, &Measured::START, p.teach.place + if made < 5 { first } else { 2e-7 }, 0.0);
                 made += 1;
                 // the slowest is next, unless this was the last
                 let next = if teacher.ended() { p.approach.velocity } else { teacher.approach(&p).velocity };
@@ -277,11 +282,11 @@ mod tests {
             teacher.begin(&p);
             assert!(!teacher.taught.valid && teacher.taught.bias == 0.0);
             if broken {
-                teacher.take(&p, 5.03e-5, 0.0);
+                teacher.take(&p, &Measured::START, 5.03e-5, 0.0);
                 assert!(teacher.break_off() && !teacher.break_off());
                 assert!(teacher.over());
             } else {
-                (0..20).for_each(|_| teacher.take(&p, 6e-5, 0.0));
+                (0..20).for_each(|_| teacher.take(&p, &Measured::START, 6e-5, 0.0));
                 assert!(teacher.rejected && teacher.taught.bias > 9e-6);
             }
             teacher.end();
@@ -299,11 +304,11 @@ mod tests {
             // 0.4 of 10 ms more in each round
             let expected = [0, 40, 80, 20][touch / 5];
             assert_eq!(stands(&mut teacher), Some(expected), "{touch}");
-            teacher.take(&p, 5.02e-5, TAU / 0.01);
+            teacher.take(&p, &Measured::START, 5.02e-5, TAU / 0.01);
         }
         assert_eq!(stands(&mut teacher), Some(0));
         teacher.begin(&p);
-        (0..6).for_each(|_| teacher.take(&p, 5.02e-5, TAU / 0.01));
+        (0..6).for_each(|_| teacher.take(&p, &Measured::START, 5.02e-5, TAU / 0.01));
         teacher.break_off();
         assert_eq!(stands(&mut teacher), Some(0));
     }
@@ -319,7 +324,7 @@ mod tests {
         assert_eq!(teacher.approach(&p), slowest);
         for touch in 0..20 {
             let (last, after) = (touch == 19, teacher.approach_after(&p));
-            teacher.take(&p, 5.02e-5, 0.0);
+            teacher.take(&p, &Measured::START, 5.02e-5, 0.0);
             assert_eq!(after, if last { p.approach } else { teacher.approach(&p) });
         }
         teacher.begin(&p);
@@ -354,10 +359,10 @@ mod tests {
         teacher.begin(&p);
         // 10 kg at 10 um/s that stand after 0.4 ms, without any thrust: half of 0.1 mN s, in half of that time
         let place = p.teach.place;
-        teacher.feel(&p, place - 1e-9, 0.0, 0.0, false);
-        (0..4).for_each(|_| teacher.feel(&p, place + 1e-8, 0.0, 0.0, false));
-        (0..70).for_each(|_| teacher.feel(&p, place - 1e-8, 0.0, 0.0, true));
-        teacher.take(&p, place + 1e-8, 0.0);
+        teacher.feel(&p, &Measured::START, place - 1e-9, 0.0, false);
+        (0..4).for_each(|_| teacher.feel(&p, &Measured::START, place + 1e-8, 0.0, false));
+        (0..70).for_each(|_| teacher.feel(&p, &Measured::START, place - 1e-8, 0.0, true));
+        teacher.take(&p, &Measured::START, place + 1e-8, 0.0);
         let bearable = teacher.bearable.unwrap();
         assert!(teacher.rejected && teacher.ended() && !teacher.over() && bearable < 3e-5, "{bearable}");
         teacher.begin(&p);
