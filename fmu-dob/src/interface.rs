@@ -503,7 +503,7 @@ mod variables {
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-5, source = "our choice")] pub velocity_min: f64,
         /// Fastest of the five speeds, at least three times the slowest
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 3e-4, source = "our choice")] pub velocity_max: f64,
-        /// Largest force of a touch that is wanted, on a stage up to 30 % heavier than told and a drive that a commission has measured: where the first touches tell that a faster one would press harder, the speeds still to come, and with `teach.apply` those of the approaches behind the teaching, are lowered; 0: no limit
+        /// Largest force of a touch that is wanted, on a stage up to 30 % heavier than told: where the first round tells that faster touches press harder, they are made slower, and with `teach.apply` the approaches behind the teaching; commission first; 0: no limit
         #[var(unit = NEWTON, range = 0.0..=1e4, start = 0.0, source = "our choice: none; what the tool bears")] pub force_max: f64,
         /// Touches at each speed
         #[var(range = 2..=1000, start = 4, source = "our choice: half of the scatter of one touch")] pub touches: i32,
@@ -517,7 +517,7 @@ mod variables {
         #[var(unit = METRE as "nm", range = 1e-10..=1e-3, start = 3e-8, source = "our choice: about the scatter of one touch")] pub deviation_max: f64,
         /// Use what was taught in place of what was told
         #[var(source = "our choice: first look, then trust")] pub apply: bool,
-        /// File that a good teaching writes: JSON, the parameters of the bias; empty: none
+        /// File that a good teaching writes: JSON, the parameters of the bias and `teach.velocity_max`; empty: none
         pub export: String,
     }
 }

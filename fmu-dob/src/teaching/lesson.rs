@@ -22,8 +22,8 @@ pub const RATIO: f64 = 3.0;
 const HEAVIER: f64 = 1.3;
 /// So many times harder than one touch at a speed others may press there, as the flutes lie at another angle.
 const SCATTER: f64 = 1.2;
-/// So many times harder than slower ones tell a touch may press.
-const FASTER: f64 = 1.4;
+/// So many times harder than slower ones tell a touch may press: where those met the flutes at an angle at which they hardly cut.
+const FASTER: f64 = 1.6;
 
 /// What the three parts leave out at a speed, as deviation, m: the likeliest beside the scatter of the five means of 29 machines whose mass
 /// and thrust constant are wrong by up to 30 %, on work of 0.1 to 2 N/um.

@@ -153,8 +153,9 @@ impl Teacher {
     }
 
     /// Names and values of what a good teaching has learned.
-    pub fn derived(&self) -> [(&'static str, f64); 3] {
-        self.bias.derived().entries()
+    pub fn derived(&self) -> [(&'static str, f64); 4] {
+        let [constant, fast, slow] = self.bias.derived().entries();
+        [constant, fast, slow, ("teach.velocity_max", self.taught.velocity_max)]
     }
 
     fn conclude(&mut self, p: &Parameters) {
@@ -219,7 +220,9 @@ mod tests {
             later.contact.bias = 7e-7;
             let expected = if apply { 3e-7 } else { 7e-7 };
             assert!((teacher.bias(&later).at(1e-4) - expected).abs() < 1e-12, "{apply}");
-            assert!((teacher.derived()[0].1 - 2e-7).abs() < 1e-12);
+            let derived = teacher.derived();
+            assert!((derived[0].1 - 2e-7).abs() < 1e-12);
+            assert_eq!(derived[3], ("teach.velocity_max", 3e-4));
         }
     }
 

@@ -8,7 +8,7 @@ const TRUTH: Bias = Bias { constant: 1.6e-7, fast: 1.3e-7, slow: 3.5e-13 };
 fn lesson(p: &Parameters, seed: u64, sigma: f64, left: f64) -> Lesson {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
     let mut noise = |deviation: f64| -> f64 { deviation * Distribution::<f64>::sample(&StandardNormal, &mut random) };
-    let mut lesson = Lesson::new(&p);
+    let mut lesson = Lesson::new(p);
     let left: [f64; SPEEDS] = std::array::from_fn(|_| noise(left));
     while !lesson.over(p) {
         lesson.take(TRUTH.at(lesson.velocity()) + left[lesson.next()] + noise(sigma), 0.0);
@@ -165,8 +165,8 @@ fn hard_work_lowers_the_speeds_that_are_still_to_come() {
     // no limit, however hard
     assert_eq!(speeds(&pressed(&p, hard(1e6)).unwrap()), [10.0, 23.4, 54.8, 128.2, 300.0]);
     p.teach.force_max = 0.8;
-    // bearable is 0.8 N less 30 % of mass, 20 % of scatter and 40 % of what is not known yet
-    let at = |speed: f64| 0.8 / (1.3 * 1.2 * 1.4 * 1e-6 * speed);
+    // bearable is 0.8 N less 30 % of mass, 20 % of scatter and 60 % of what is not known yet
+    let at = |speed: f64| 0.8 / (1.3 * 1.2 * 1.6 * 1e-6 * speed);
     for (slope, expected) in [
         (at(300.1), [10.0, 23.4, 54.8, 128.2, 300.0]),
         (at(200.0), [10.0, 23.4, 54.8, 128.2, 200.0]),
@@ -205,12 +205,12 @@ fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_m
     while !lesson.over(&p) {
         let jump = !given_up && lesson.next() == 2;
         given_up |= jump;
-        // 0.5 N at 54.8 um/s: bearable are 42 um/s, by all three touches
+        // 0.5 N at 54.8 um/s: bearable are 37 um/s, by all three touches
         lesson.take(TRUTH.at(lesson.velocity()), if jump { 0.5 } else { 1000.0 * lesson.velocity() });
         lesson.lower(&p).unwrap();
     }
     let speeds = speeds(&lesson);
-    assert!(given_up && speeds[1] == 23.4 && speeds[4] > 40.0 && speeds[4] < 53.0, "{speeds:?}");
+    assert!(given_up && speeds[1] == 23.4 && speeds[4] > 35.0 && speeds[4] < 53.0, "{speeds:?}");
     assert!((speeds[3] / speeds[2] - speeds[4] / speeds[3]).abs() < 0.01, "{speeds:?}");
     assert_eq!((lesson.touches(), lesson.touches), (11, 10));
     let (taught, spread) = lesson.conclude(&p).unwrap();
