@@ -85,22 +85,24 @@ impl Lesson {
     }
 
     /// Lowers the speeds of the first round that are still to come, where the next touch would press harder than `teach.force_max`, and the fastest
-    /// where that has come near it; the force grows as the speed. Those that were touched and are slower than what is bearable stay.
+    /// where that has come near it; the force grows as the speed. Those that were touched and are slower than what is bearable stay. What is no faster than any
+    /// teaching needs is touched in any case.
     ///
     /// # Errors
     /// When that leaves too little of the range: the fastest speed that is bearable, m/s.
     pub fn lower(&mut self, p: &Parameters) -> Result<(), f64> {
-        let next = self.touches as usize;
-        if p.teach.force_max == 0.0 || next > SPEEDS {
+        let (next, least) = (self.touches as usize, RATIO * p.teach.velocity_min);
+        let speed = self.speeds[next.min(SPEEDS - 1)];
+        if p.teach.force_max == 0.0 || next > SPEEDS || speed < least {
             return Ok(());
         }
-        let speed = self.speeds[next.min(SPEEDS - 1)];
-        let margin = HEAVIER * SCATTER * if speed > self.hardness.fastest() { FASTER } else { 1.0 };
-        let fastest = p.teach.force_max / (margin * self.hardness.slope());
+        let new = speed > self.hardness.fastest();
+        let slope = if new { FASTER * self.hardness.steepest() } else { self.hardness.slope() };
+        let fastest = p.teach.force_max / (HEAVIER * SCATTER * slope);
         if speed <= fastest {
             return Ok(());
         }
-        if fastest < RATIO * p.teach.velocity_min {
+        if fastest < least {
             return Err(fastest);
         }
         let stay = self.speeds[..next].iter().take_while(|speed| **speed < fastest).count().max(1);
@@ -139,8 +141,8 @@ impl Lesson {
     }
 
     /// Takes how far (m) behind the first touch a contact was found at [`Self::velocity`], and how hard (N) it pressed.
-    pub fn take(&mut self, late: f64, force: f64) {
-        self.hardness.push(self.velocity(), force);
+    pub fn take(&mut self, p: &Parameters, late: f64, force: f64) {
+        self.hardness.push(self.velocity(), force, self.velocity() >= RATIO * p.teach.velocity_min);
         self.late[self.next()].push(late);
         self.touches += 1;
     }

@@ -108,19 +108,21 @@ impl Press {
     }
 }
 
-/// Force of touches over their speed, by least squares through zero; by default of none.
+/// Force of touches over their speed; by default of none.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Hardness {
     products: f64,
     squares: f64,
+    steepest: f64,
     fastest: f64,
 }
 
 impl Hardness {
-    /// Takes the largest force (N) of a touch at `velocity` m/s.
-    pub fn push(&mut self, velocity: f64, force: f64) {
+    /// Takes the largest force (N) of a touch at `velocity` m/s; whether that is so `fast` that force over speed says something by itself.
+    pub fn push(&mut self, velocity: f64, force: f64, fast: bool) {
         self.products += velocity * force;
         self.squares += velocity * velocity;
+        self.steepest = self.steepest.max(if fast { force / velocity } else { 0.0 });
         self.fastest = self.fastest.max(velocity);
     }
 
@@ -129,9 +131,14 @@ impl Hardness {
         self.fastest
     }
 
-    /// Force over speed (N s/m), more than zero.
+    /// Force over speed by least squares through zero (N s/m), more than zero.
     pub fn slope(&self) -> f64 {
         (self.products / self.squares.max(LEAST)).max(LEAST)
+    }
+
+    /// The largest force over speed of a fast touch (N s/m); before there is one, that of all.
+    pub fn steepest(&self) -> f64 {
+        if self.steepest > 0.0 { self.steepest } else { self.slope() }
     }
 }
 
@@ -230,15 +237,16 @@ mod tests {
     }
 
     #[test]
-    fn the_fast_touches_count_for_the_slope_as_the_square_of_their_speed() {
+    fn touches_count_for_the_slope_as_the_square_of_their_speed_and_the_hardest_fast_one_is_the_steepest() {
         let mut hardness = Hardness::default();
         assert!(hardness.slope() > 0.0 && hardness.slope() < 1e-9);
-        hardness.push(1e-4, 0.2);
-        assert!((hardness.slope() - 2e3).abs() < 1e-9);
-        hardness.push(3e-4, 0.9);
-        assert!((hardness.slope() - (2e-5 + 27e-5) / 10e-8).abs() < 1e-9);
-        hardness.push(2e-4, -9.0);
+        hardness.push(1e-4, 0.4, false);
+        assert!((hardness.slope() - 4e3).abs() < 1e-9 && hardness.steepest() == hardness.slope());
+        hardness.push(3e-4, 0.9, true);
+        assert!((hardness.slope() - (4e-5 + 27e-5) / 10e-8).abs() < 1e-9);
+        assert!((hardness.steepest() - 3e3).abs() < 1e-9);
+        hardness.push(2e-4, -9.0, true);
         assert_eq!(hardness.fastest(), 3e-4);
-        assert!(hardness.slope() > 0.0 && hardness.slope() < 1e-9);
+        assert!((hardness.steepest() - 3e3).abs() < 1e-9 && hardness.slope() < 1e-9 && hardness.slope() > 0.0);
     }
 }

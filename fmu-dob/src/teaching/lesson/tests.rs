@@ -11,7 +11,7 @@ fn lesson(p: &Parameters, seed: u64, sigma: f64, left: f64) -> Lesson {
     let mut lesson = Lesson::new(p);
     let left: [f64; SPEEDS] = std::array::from_fn(|_| noise(left));
     while !lesson.over(p) {
-        lesson.take(TRUTH.at(lesson.velocity()) + left[lesson.next()] + noise(sigma), 0.0);
+        lesson.take(&p, TRUTH.at(lesson.velocity()) + left[lesson.next()] + noise(sigma), 0.0);
     }
     lesson
 }
@@ -23,7 +23,7 @@ fn it_goes_through_all_speeds_again_and_again() {
     let mut seen = Vec::new();
     while !lesson.over(&p) {
         seen.push((1e7 * lesson.velocity()).round());
-        lesson.take(0.0, 0.0);
+        lesson.take(&p, 0.0, 0.0);
     }
     // 10 to 300 um/s
     assert_eq!((seen.len(), lesson.touches()), (20, 20));
@@ -60,7 +60,7 @@ fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
         let round = lesson.touches() / SPEEDS as u32;
         // to and fro by 50 nm at the slowest, and by 5 nm
         let swing = if lesson.next() == 0 { 5e-8 } else { 5e-9 };
-        lesson.take(TRUTH.at(lesson.velocity()) + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
+        lesson.take(&p, TRUTH.at(lesson.velocity()) + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
     }
     let (taught, spread) = lesson.conclude(&p).unwrap();
     let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
@@ -104,7 +104,7 @@ fn what_the_three_parts_do_not_explain_makes_them_less_sure() {
             let odd = if lesson.next() == 2 { by } else { 0.0 };
             // to and fro by 10 nm
             let scatter = if (lesson.touches() / SPEEDS as u32).is_multiple_of(2) { 1e-8 } else { -1e-8 };
-            lesson.take(TRUTH.at(lesson.velocity()) + odd + scatter, 0.0);
+            lesson.take(&p, TRUTH.at(lesson.velocity()) + odd + scatter, 0.0);
         }
         lesson.conclude(&p).unwrap().0.deviation
     };
@@ -120,7 +120,7 @@ fn the_rounds_spread_over_half_a_turn_of_the_spindle_after_any_number_of_touches
                 // 10 ms a turn, either way round
                 let pause = lesson.pause(TAU / 0.01);
                 assert_eq!((pause, 0.0, 0.0), (lesson.pause(-TAU / 0.01), lesson.pause(0.0), lesson.pause(TAU / 0.1)));
-                (0..SPEEDS).for_each(|_| lesson.take(0.0, 0.0));
+                (0..SPEEDS).for_each(|_| lesson.take(&Parameters::START, 0.0, 0.0));
                 (between as f64 * pause / 0.01 * 2.0 + 0.05).fract()
             })
             .collect();
@@ -138,7 +138,7 @@ fn the_extremes_are_means_of_a_speed() {
     let mut lesson = Lesson::new(&p);
     while !lesson.over(&p) {
         let late = [3e-7, -1e-7, 2e-7, 2e-7, 2e-7][lesson.next()];
-        lesson.take(late + if lesson.touches() < 5 { 1e-8 } else { 0.0 }, 0.0);
+        lesson.take(&p, late + if lesson.touches() < 5 { 1e-8 } else { 0.0 }, 0.0);
     }
     let [least, most] = lesson.extremes();
     assert!((least + 9.75e-8).abs() < 1e-15 && (most - 3.025e-7).abs() < 1e-15, "{least} {most}");
@@ -148,7 +148,7 @@ fn the_extremes_are_means_of_a_speed() {
 fn pressed(p: &Parameters, force: impl Fn(f64) -> f64) -> Result<Lesson, f64> {
     let mut lesson = Lesson::new(p);
     while lesson.touches < SPEEDS as u32 {
-        lesson.take(1e-7, force(lesson.velocity()));
+        lesson.take(&p, 1e-7, force(lesson.velocity()));
         lesson.lower(p)?;
     }
     Ok(lesson)
@@ -206,7 +206,7 @@ fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_m
         let jump = !given_up && lesson.next() == 2;
         given_up |= jump;
         // 0.5 N at 54.8 um/s: bearable are 37 um/s, by all three touches
-        lesson.take(TRUTH.at(lesson.velocity()), if jump { 0.5 } else { 1000.0 * lesson.velocity() });
+        lesson.take(&p, TRUTH.at(lesson.velocity()), if jump { 0.5 } else { 1000.0 * lesson.velocity() });
         lesson.lower(&p).unwrap();
     }
     let speeds = speeds(&lesson);
@@ -219,7 +219,7 @@ fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_m
     assert!((taught.parts().at(4e-5) - TRUTH.at(4e-5)).abs() < 1e-12, "{taught:?}");
     // 16 of at most 20, and 21 are too many
     assert!(lesson.once_more(&p));
-    (0..SPEEDS).for_each(|_| lesson.take(0.0, 9.0));
+    (0..SPEEDS).for_each(|_| lesson.take(&p, 0.0, 9.0));
     assert_eq!(lesson.lower(&p), Ok(()));
     assert!(lesson.over(&p) && !lesson.once_more(&p));
 }
