@@ -11,7 +11,7 @@ fn lesson(p: &Parameters, seed: u64, sigma: f64, left: f64) -> Lesson {
     let mut lesson = Lesson::new(p);
     let left: [f64; SPEEDS] = std::array::from_fn(|_| noise(left));
     while !lesson.over(p) {
-        lesson.take(&p, TRUTH.at(lesson.velocity()) + left[lesson.next()] + noise(sigma), 0.0);
+        lesson.take(p, TRUTH.at(lesson.velocity()) + left[lesson.next()] + noise(sigma), 0.0);
     }
     lesson
 }
@@ -148,7 +148,7 @@ fn the_extremes_are_means_of_a_speed() {
 fn pressed(p: &Parameters, force: impl Fn(f64) -> f64) -> Result<Lesson, f64> {
     let mut lesson = Lesson::new(p);
     while lesson.touches < SPEEDS as u32 {
-        lesson.take(&p, 1e-7, force(lesson.velocity()));
+        lesson.take(p, 1e-7, force(lesson.velocity()));
         lesson.lower(p)?;
     }
     Ok(lesson)
