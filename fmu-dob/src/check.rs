@@ -8,11 +8,10 @@ use crate::force::observer::forgetting;
 use crate::interface::{DetectorKind, Parameters};
 use crate::motion::stability::spectral_radius;
 use crate::motion::travel::arming_travel;
+use crate::teaching::lesson::RATIO;
 
 /// Learning needs this many independent windows.
 const LEARN_WINDOWS: usize = 5;
-/// Least ratio of the speeds of a teaching.
-const SPREAD: f64 = 3.0;
 
 /// Checks all combinations; the first that fails is the error.
 ///
@@ -98,7 +97,7 @@ fn second_touch(p: &Parameters) -> Result<(), ParameterError> {
 fn teaching_speeds(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "spread the speeds, or the parts of the bias cannot be told apart";
     Parameter::new("teach.velocity_max", p.teach.velocity_max, "m/s", hint)
-        .at_least(SPREAD * p.teach.velocity_min, "three times `teach.velocity_min`")
+        .at_least(RATIO * p.teach.velocity_min, "three times `teach.velocity_min`")
 }
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {

@@ -191,6 +191,7 @@ impl Controller {
                 self.observer.reseat(position, 0.0);
             }
             self.observer.update(position, acted);
+            self.teacher.feel(p, &self.commissioner.measured, position, acted, self.contact.is_some());
             let disturbance = self.observer.force();
             self.monitors.drive.update(p.stage.force_constant * acted, disturbance, reading.whole > 0);
             let notched = self.notch.update(disturbance, reading.spindle_speed);

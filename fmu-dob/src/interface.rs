@@ -87,8 +87,8 @@ mod variables {
         #[hint("start farther from the workpiece, or choose a `detector` that sees this contact at this speed; look for vibration that hides it, and for readings that jump")] LateContact,
         /// What the commission has measured is not sure enough, or not what this controller can hold
         #[hint("allow more `commission.travel` or `commission.force`, look for vibration and friction, tell a larger `guard.force` if the work bears it, and check `stage.mass`, `stage.force_constant`, `stage.current_bandwidth` and `io_delay`")] CommissionRejected,
-        /// The touches of a teaching scatter too much, or tell a bias that is not sure enough or cannot be
-        #[hint("check `teach.place`; on work that is too soft or yields no bias can be taught; touch more often, look for vibration; allow more `approach.travel_max`, or lower `teach.velocity_max`")] TeachingRejected,
+        /// The touches of a teaching scatter too much, tell a bias that is not sure enough or cannot be, or press too hard
+        #[hint("check `teach.place`; on work that is too soft or yields no bias can be taught; touch more often, look for vibration; allow more `approach.travel_max`, or lower `teach.velocity_max`; on hard work allow more `teach.force_max`, or lower `teach.velocity_min`")] TeachingRejected,
         /// `position` says again what it has said some samples before, for too many samples in a row
         #[hint("look for a link or a filter of the encoder that has fallen behind")] LateReading,
     }
@@ -239,6 +239,8 @@ mod variables {
         pub touches: i32,
         /// Slowest speed at which the bias is as sure as it is to be; slower, `contact_position_deviation` is larger
         #[var(unit = METRE_PER_SECOND as "um/s")] pub velocity_min: f64,
+        /// Fastest speed that was taught: `teach.velocity_max`, or less where `teach.force_max` bears no more
+        #[var(unit = METRE_PER_SECOND as "um/s")] pub velocity_max: f64,
         /// Part of the bias that is the same at every speed, with what `teach.place` is not known to
         #[var(unit = METRE as "nm")] pub bias: f64,
         /// Its standard deviation
@@ -460,7 +462,7 @@ mod variables {
     }
     /// Approach motion
     pub struct Approach {
-        /// Approach speed v; counts when an approach begins
+        /// Approach speed v; counts when an approach begins; no more than `taught.velocity_max`, where that was taught with `teach.force_max` and `teach.apply`; `reference.velocity` tells what is gone
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-4, source = "our choice", tunable)] pub velocity: f64,
         /// Acceleration to the approach speed; counts when an approach begins
         #[var(unit = METRE_PER_SECOND_SQUARED, range = 1e-4..=10.0, start = 0.05, source = "our choice", tunable)] pub acceleration: f64,
@@ -503,6 +505,8 @@ mod variables {
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-5, source = "our choice")] pub velocity_min: f64,
         /// Fastest of the five speeds, at least three times the slowest
         #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 3e-4, source = "our choice")] pub velocity_max: f64,
+        /// Largest force of a touch that is wanted, on a stage up to 30 % heavier than told: where the first round tells that faster touches press harder, they are made slower, and with `teach.apply` the approaches behind the teaching; commission first; 0: no limit
+        #[var(unit = NEWTON, range = 0.0..=1e4, start = 0.0, source = "our choice: none; what the tool bears")] pub force_max: f64,
         /// Touches at each speed
         #[var(range = 2..=1000, start = 4, source = "our choice: half of the scatter of one touch")] pub touches: i32,
         /// Touches at each speed at most, where so many as `teach.touches` do not make the bias sure; no fewer than those
@@ -515,7 +519,7 @@ mod variables {
         #[var(unit = METRE as "nm", range = 1e-10..=1e-3, start = 3e-8, source = "our choice: about the scatter of one touch")] pub deviation_max: f64,
         /// Use what was taught in place of what was told
         #[var(source = "our choice: first look, then trust")] pub apply: bool,
-        /// File that a good teaching writes: JSON, the parameters of the bias; empty: none
+        /// File that a good teaching writes: JSON, the parameters of the bias and `teach.velocity_max`; empty: none
         pub export: String,
     }
 }

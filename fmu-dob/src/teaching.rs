@@ -2,5 +2,6 @@
 
 pub mod bias;
 pub mod lesson;
+pub mod press;
 pub mod spread;
 pub mod teacher;

@@ -30,16 +30,14 @@ impl Controller {
             (State::Approach, Some(position)) => self.restart(p, position),
             (State::Teach, _) if self.state == State::Retract => {
                 if let Some(contact) = self.contact.filter(|_| !self.teacher.broken()) {
-                    self.teacher.take(p, contact.position, reading.spindle_speed);
-                    if self.teacher.ended() {
-                        self.depart_farther(p);
-                    }
+                    self.teacher.take(p, &self.commissioner.measured, contact.position, reading.spindle_speed);
+                    self.depart_farther(p);
                 }
             }
             (State::Teach, _) => {
                 // nothing was touched yet from which to go back
                 self.motion.hold();
-                self.teacher.begin();
+                self.teacher.begin(p);
             }
             (State::Learn, _) => self.guard.learn(),
             (State::Detect, _) => self.touch = TwoStageTouch::default(),
@@ -94,9 +92,10 @@ impl Controller {
         }
     }
 
-    /// A teaching ends or is broken off in its retreat or behind it: a job may need farther back to arm than the touch that was next.
+    /// What a touch has taught may change what comes next, or end the teaching, which may be broken off in a retreat, too: that may need farther back to arm
+    /// than what was next.
     pub(super) fn depart_farther(&mut self, p: &Parameters) {
-        self.motion.go_farther_back(retract_between(p, &self.teacher.approach_after(p)));
+        self.motion.go_farther_back(retract_between(p, &self.teacher.approach(p)));
     }
 
     /// Forgets the last approach and begins a new one at rest at `position` m.
@@ -118,6 +117,7 @@ impl Controller {
         self.numbers.late_by = reading.late.unwrap_or(0);
         self.numbers.bend = if reading.lost > 0 { 0.0 } else { self.reader.heard.bend() };
         self.numbers.biases = self.teacher.extremes();
+        self.numbers.bearable = self.teacher.bearable;
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         self.numbers.lasted = self.lasted(p);
         self.numbers.time_limit = self.time_limit(p);
@@ -153,7 +153,7 @@ mod tests {
         let mut controller = Controller::new(&p).unwrap();
         let expected = controller.expect(&p);
         let reading = controller.reader.read(&p, &Input::START, &expected);
-        controller.teacher.begin();
+        controller.teacher.begin(&p);
         controller.motion.start(&p, 0.0, &controller.teacher.approach(&p));
         controller.state = State::Detect;
         // 500 s there at 10 um/s, ten times as long as in a job at 100 um/s

@@ -11,6 +11,7 @@ use crate::limits::{bend_limit, disturbance_limit};
 use crate::monitoring::numbers::{LateContact, Unseen};
 use crate::motion::stability::longest_delay;
 use crate::motion::travel::{learn_limit, teaching_travel};
+use crate::teaching::lesson::RATIO;
 
 /// The numbers behind the fault, for the log.
 pub fn numbers(vars: &Vars) -> String {
@@ -99,6 +100,14 @@ fn mistaught(p: &Parameters, output: &Output) -> String {
             ": `approach.travel_max` = `{} m`, less than the `{travel:.3e} m` from behind a touch to the next at \
              `teach.velocity_max` = `{} m/s`",
             p.approach.travel_max, p.teach.velocity_max
+        );
+    }
+    if let Some(fastest) = output.numbers.bearable {
+        return format!(
+            ": `teach.force_max` = `{} N` bears no more than `{fastest:.3e} m/s` by the touches so far, limit three times \
+             `teach.velocity_min`, `{:.3e} m/s`",
+            p.teach.force_max,
+            RATIO * p.teach.velocity_min
         );
     }
     format!(
@@ -230,6 +239,11 @@ mod tests {
         let told = numbers(&vars);
         assert!(told.starts_with(": `approach.travel_max` = `0.00027 m`, less than the `2.721e-4 m`"), "{told}");
         assert!(told.contains("`teach.velocity_max` = `0.0003 m/s`"), "{told}");
+        vars.in_force.approach.travel_max = 5e-3;
+        (vars.in_force.teach.force_max, vars.output.numbers.bearable) = (0.1, Some(2.5e-5));
+        let told = numbers(&vars);
+        assert!(told.starts_with(": `teach.force_max` = `0.1 N` bears no more than `2.500e-5 m/s`"), "{told}");
+        assert!(told.ends_with("`teach.velocity_min`, `3.000e-5 m/s`"), "{told}");
     }
 
     #[test]

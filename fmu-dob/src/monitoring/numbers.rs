@@ -21,6 +21,8 @@ pub struct Numbers {
     pub bend: f64,
     /// Least and largest mean bias of a speed in a teaching, m.
     pub biases: [f64; 2],
+    /// Fastest speed that `teach.force_max` bears, where that is too slow to teach, m/s.
+    pub bearable: Option<f64>,
     /// How long the job or the commission took, s.
     pub lasted: f64,
     /// How long it may, s.
@@ -38,6 +40,7 @@ impl Numbers {
         late_by: 0,
         bend: 0.0,
         biases: [0.0; 2],
+        bearable: None,
         lasted: 0.0,
         time_limit: 0.0,
     };

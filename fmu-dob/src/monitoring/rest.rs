@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 
 /// What is left of a motion has died out after this many times 1 / `servo.bandwidth`.
-const SETTLING: f64 = 20.0;
+pub const SETTLING: f64 = 20.0;
 /// Share of samples that change by which a reading lives.
 const LIVES: f64 = 0.1;
 /// A change is more than this share of a step.

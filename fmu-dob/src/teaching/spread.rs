@@ -16,6 +16,11 @@ pub struct Spread {
 }
 
 impl Spread {
+    /// The fastest speed that was taught, m/s.
+    pub fn fastest(&self) -> f64 {
+        self.speeds[SPEEDS - 1]
+    }
+
     /// Standard deviation (m) of the place that a touch at `velocity` m/s tells: its variance goes evenly with the
     /// logarithm of the speed from one that was taught to the next, and stays beyond them.
     pub fn at(&self, velocity: f64) -> f64 {

@@ -27,9 +27,10 @@ fn parameters() -> Parameters {
 /// Steps until the teaching has begun.
 fn begin(run: &mut Loop) {
     (0..200).for_each(|_| run.step_with(rest));
+    let limit = run.time() + 1.0;
     while run.output.state != State::Teach {
         run.step_with(ask);
-        assert!(run.time() < 1.0, "{:?}", run.output);
+        assert!(run.time() < limit, "{:?}", run.output);
     }
 }
 
@@ -271,6 +272,73 @@ fn what_fails_in_a_touch_ends_the_teaching_and_the_next_job_is_armed_before_it_t
     run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
     assert_eq!((run.output.state, run.output.taught.valid), (State::Idle, false));
     touch(&mut run, 100.0);
+}
+
+/// Measures the machine and uses what was found.
+fn commission(run: &mut Loop) {
+    (0..200).for_each(|_| run.step_with(rest));
+    while !run.output.measured.valid {
+        run.step_with(|input| (input.enable, input.commission) = (false, true));
+        assert!(run.time() < 20.0 && run.output.fault == Fault::None, "{:?}", run.output);
+    }
+    while run.output.state != State::Idle {
+        run.step_with(rest);
+    }
+}
+
+#[test]
+fn hard_work_is_touched_slower_in_the_teaching_and_in_the_job_behind_it() {
+    // the first presses with more than 0.8 N at 300 um/s
+    for (force_max, stiffness, slower) in [(0.0, 1.9e6, false), (0.8, 1.9e6, true), (0.8, 2e5, false)] {
+        let mut p = parameters();
+        (p.teach.force_max, p.approach.velocity, p.commission.apply) = (force_max, 3e-4, true);
+        let mut run = Loop::new(&p, 143, PLACE);
+        run.slide.stiffness = stiffness;
+        commission(&mut run);
+        begin(&mut run);
+        let mut force = 0.0f64;
+        while !matches!(run.output.state, State::Idle | State::Fault) {
+            run.step_with(ask);
+            force = force.max(run.slide.contact_force);
+        }
+        let taught = run.output.taught;
+        assert!(taught.valid && run.output.fault == Fault::None, "{:?}", run.output);
+        (0..200).for_each(|_| run.step_with(rest));
+        let (limit, mut fastest) = (run.time() + 20.0, 0.0f64);
+        run.step();
+        while run.output.state != State::Done {
+            run.step();
+            fastest = fastest.max(run.output.reference.velocity);
+            force = force.max(run.slide.contact_force);
+            assert!(run.time() < limit, "{:?}", run.output);
+        }
+        println!("{stiffness:.1e} N/m: {force:.2} N at up to {:.0} um/s", 1e6 * fastest);
+        assert_eq!((fastest, taught.velocity_max < 2.9e-4), (taught.velocity_max, slower));
+        assert_eq!(force > 0.8, stiffness > 1e6 && !slower, "{force} N");
+        // not so slow as that nothing were left of what is wanted
+        assert!(!slower || force > 0.3, "{force} N");
+        // as sure as it tells, at the speed that was gone
+        let error = run.output.contact_position_estimate - PLACE;
+        assert!(error.abs() < 4.0 * run.output.contact_position_deviation, "{error} m");
+    }
+}
+
+#[test]
+fn work_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_touch_or_two() {
+    let mut p = parameters();
+    (p.teach.force_max, p.teach.apply) = (0.05, true);
+    let mut run = Loop::new(&p, 144, PLACE);
+    run.slide.stiffness = 1.9e6;
+    teach(&mut run);
+    let output = &run.output;
+    assert_eq!((output.state, output.fault), (State::Fault, Fault::TeachingRejected), "{output:?}");
+    assert!(!output.taught.valid && output.taught.touches <= 2 && output.drive_enable, "{output:?}");
+    assert!(output.numbers.bearable.is_some_and(|speed| speed < 3e-5), "{:?}", output.numbers);
+    // a job touches at the speed that was told, and is armed before
+    (0..2000).for_each(|_| run.step_with(rest));
+    run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
+    let [found, told] = touch(&mut run, 100.0);
+    assert_eq!(found, told);
 }
 
 #[test]

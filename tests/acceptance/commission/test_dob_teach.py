@@ -20,7 +20,9 @@ FEW = (3, 91_172)
 """Machines of the default run, and their seed; no study has it."""
 SPEED = "controller.approach.velocity"
 TAUGHT = (1e-5, 5.4772e-5, 3e-4)
-"""Speeds of the study that are taught, m/s."""
+"""Speeds of the study that are taught on work that is not too hard for the fastest, m/s."""
+FASTEST = 2.9e-4
+"""Less than this is a slower fastest speed, m/s."""
 TEACHING = 48.0
 """Longest teaching, s: forty touches, where twenty do not make the bias sure."""
 MACHINE_TIME = 70.0
@@ -81,7 +83,7 @@ def hold(found: Sequence[studies.Machine], least: float) -> list[studies.Machine
 
 
 def hold_force(found: Sequence[studies.Machine]) -> None:
-    """Hold what the touches press with: the guard of 0.4 N, and what the tool presses on while it stops."""
+    """Hold what the touches press with, in the teaching and in the job."""
     assert all(one["force"] <= FORCE for one in found)
 
 
@@ -89,6 +91,11 @@ def test_a_few_machines() -> None:
     found = studies.machines("dob-teach", FEW)
     hold(found, 0.3)
     hold_force(found)
+
+
+def touched_as_taught(one: studies.Machine) -> bool:
+    """Whether the job was as fast as some touch of the teaching."""
+    return one.changes[SPEED] in TAUGHT or one.changes[SPEED] >= one["fastest"]
 
 
 def keep(found: Sequence[studies.Machine]) -> None:
@@ -102,10 +109,12 @@ def keep(found: Sequence[studies.Machine]) -> None:
         silent=sum(one["silent"] for one in found), scattered=scattered, unsure=len(rejected) - scattered,
         others=len(found) - len(told) - len(rejected),
         hard=sum(one["force"] > FORCE for one in found), force=max(one["force"] for one in found),
+        slower=sum(one["fastest"] < FASTEST for one in told),
+        slowest=1e6 * min(one["fastest"] for one in told),
     )  # fmt: skip
     rows = {
-        "taught": [one for one in told if sure(one) and one.changes[SPEED] in TAUGHT],
-        "between": [one for one in told if sure(one) and one.changes[SPEED] not in TAUGHT],
+        "taught": [one for one in told if sure(one) and touched_as_taught(one)],
+        "between": [one for one in told if sure(one) and not touched_as_taught(one)],
         "slower": [one for one in told if not sure(one)],
     }
     for row, those in rows.items():

@@ -1,0 +1,249 @@
+use super::*;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+const TRUTH: Bias = Bias { constant: 1.6e-7, fast: 1.3e-7, slow: 3.5e-13 };
+
+/// A whole lesson whose touches scatter by `sigma` m, and what the three parts leave out at the speeds by `left` m.
+fn lesson(p: &Parameters, seed: u64, sigma: f64, left: f64) -> Lesson {
+    let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    let mut noise = |deviation: f64| -> f64 { deviation * Distribution::<f64>::sample(&StandardNormal, &mut random) };
+    let mut lesson = Lesson::new(p);
+    let left: [f64; SPEEDS] = std::array::from_fn(|_| noise(left));
+    while !lesson.over(p) {
+        lesson.take(p, TRUTH.at(lesson.velocity()) + left[lesson.next()] + noise(sigma), 0.0);
+    }
+    lesson
+}
+
+#[test]
+fn it_goes_through_all_speeds_again_and_again() {
+    let p = Parameters::START;
+    let mut lesson = Lesson::new(&p);
+    let mut seen = Vec::new();
+    while !lesson.over(&p) {
+        seen.push((1e7 * lesson.velocity()).round());
+        lesson.take(&p, 0.0, 0.0);
+    }
+    // 10 to 300 um/s
+    assert_eq!((seen.len(), lesson.touches()), (20, 20));
+    assert_eq!(seen[..6], [100.0, 234.0, 548.0, 1282.0, 3000.0, 100.0]);
+}
+
+#[test]
+fn the_parts_are_found_and_as_sure_as_told() {
+    let p = Parameters::START;
+    let exact = lesson(&p, 1, 0.0, 0.0).conclude(&p, 0).unwrap().0;
+    for velocity in [1e-5, 5e-5, 3e-4] {
+        assert!((exact.parts().at(velocity) - TRUTH.at(velocity)).abs() < 1e-12, "{exact:?}");
+    }
+    let many: Vec<Taught> = (0..400).map(|seed| lesson(&p, seed, 2e-8, LEFT_OUT).conclude(&p, 0).unwrap().0).collect();
+    let rms = |of: &dyn Fn(&Taught) -> f64| (many.iter().map(|t| of(t).powi(2)).sum::<f64>() / 400.0).sqrt();
+    for ratio in [
+        rms(&|t| (t.bias - TRUTH.constant) / t.bias_deviation),
+        rms(&|t| (t.bias_fast - TRUTH.fast) / t.bias_fast_deviation),
+        rms(&|t| (t.bias_slow - TRUTH.slow) / t.bias_slow_deviation),
+        rms(&|t| (t.scatter - 2e-8) / t.scatter_deviation),
+    ] {
+        assert!((0.8..1.2).contains(&ratio), "{ratio}");
+    }
+    // at the ends of the range it is the least sure; what is left out there is in it besides
+    let worst = [1e-5, 3e-4].map(|v| rms(&|t| (t.parts().at(v) - TRUTH.at(v)).hypot(LEFT_OUT) / t.deviation));
+    assert!(worst.iter().all(|ratio| *ratio < 1.2) && worst[0].max(worst[1]) > 0.8, "{worst:?}");
+}
+
+#[test]
+fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
+    let p = Parameters::START;
+    let mut lesson = Lesson::new(&p);
+    while !lesson.over(&p) {
+        let round = lesson.touches() / SPEEDS as u32;
+        // to and fro by 50 nm at the slowest, and by 5 nm
+        let swing = if lesson.next() == 0 { 5e-8 } else { 5e-9 };
+        lesson.take(&p, TRUTH.at(lesson.velocity()) + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
+    }
+    let (taught, spread) = lesson.conclude(&p, 0).unwrap();
+    let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
+    let pooled = (variance(5e-8) + 4.0 * variance(5e-9)) / 5.0;
+    assert!((taught.scatter / pooled.sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
+    // three degrees of freedom of its own, and two, less the two of Student's variance
+    for (touch, x) in [(spread.touch[0], 5e-8), (spread.touch[4], 5e-9)] {
+        assert!((touch / ((2.0 * pooled + 3.0 * variance(x)) / 3.0).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
+    }
+    assert_eq!((spread.bias, spread.speeds[0]), ([taught.deviation; SPEEDS], 1e-5));
+    // as sure as its mean is at the slowest: 44 nm / 2 and what is left out, less what the others know of it
+    let likely = (0.4 * pooled + 0.6 * variance(5e-8)).sqrt();
+    assert!((0.7..1.0).contains(&(taught.deviation / (0.5 * likely).hypot(LEFT_OUT))), "{taught:?}");
+}
+
+#[test]
+fn the_slowest_may_be_left_out_and_is_as_unsure_as_its_touches_are_off() {
+    let p = Parameters::START;
+    let mut lesson = Lesson::new(&p);
+    while !lesson.over(&p) {
+        let round = lesson.touches() / SPEEDS as u32;
+        // to and fro by 200 nm about 400 nm too late, or by 5 nm
+        let (late, swing) = if lesson.next() == 0 { (4e-7, 2e-7) } else { (0.0, 5e-9) };
+        lesson.take(&p, TRUTH.at(lesson.velocity()) + late + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
+    }
+    let (whole, (taught, spread)) = (lesson.conclude(&p, 0).unwrap().0, lesson.conclude(&p, 1).unwrap());
+    assert_eq!((whole.velocity_min, taught.velocity_min), (lesson.speeds[0], lesson.speeds[1]));
+    let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
+    assert!((taught.scatter / variance(5e-9).sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
+    assert!((taught.scatter_deviation / taught.scatter / 24f64.sqrt().recip() - 1.0).abs() < 1e-9, "{taught:?}");
+    assert!((taught.parts().at(1e-4) - TRUTH.at(1e-4)).abs() < 1e-12, "{taught:?}");
+    assert!(taught.deviation < 1e-8 && whole.deviation > 1e-7, "{taught:?}");
+    // its own scatter alone, by Student; what the others say of it, and that it was 400 nm off
+    assert!((spread.touch[0] / (variance(2e-7) * 5.0 / 3.0).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
+    assert!((4e-7..4.1e-7).contains(&spread.bias[0]), "{spread:?}");
+    assert!(spread.bias[1..].iter().all(|bias| *bias == taught.deviation), "{spread:?}");
+    assert!(lesson.extremes(0)[1] > 5.5e-7 && lesson.extremes(1)[1] < 4.5e-7);
+}
+
+#[test]
+fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other() {
+    let mut p = Parameters::START;
+    let sure = lesson(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
+    p.teach.place_deviation = 1e-7;
+    let unsure = lesson(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
+    assert!((unsure.bias_deviation.powi(2) - sure.bias_deviation.powi(2) - 1e-14).abs() < 1e-20);
+    assert!((unsure.deviation.powi(2) - sure.deviation.powi(2) - 1e-14).abs() < 1e-20);
+    assert_eq!(unsure.bias_fast_deviation, sure.bias_fast_deviation);
+}
+
+#[test]
+fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
+    let p = Parameters::START;
+    let taught = lesson(&p, 4, 0.0, 0.0).conclude(&p, 0).unwrap().0;
+    assert!((1.0..1.5).contains(&(taught.deviation / LEFT_OUT)), "{taught:?}");
+    assert!(taught.bias_deviation > 0.3 * LEFT_OUT, "{taught:?}");
+}
+
+#[test]
+fn what_the_three_parts_do_not_explain_makes_them_less_sure() {
+    let p = Parameters::START;
+    let bent = |by: f64| {
+        let mut lesson = Lesson::new(&p);
+        while !lesson.over(&p) {
+            let odd = if lesson.next() == 2 { by } else { 0.0 };
+            // to and fro by 10 nm
+            let scatter = if (lesson.touches() / SPEEDS as u32).is_multiple_of(2) { 1e-8 } else { -1e-8 };
+            lesson.take(&p, TRUTH.at(lesson.velocity()) + odd + scatter, 0.0);
+        }
+        lesson.conclude(&p, 0).unwrap().0.deviation
+    };
+    assert!(bent(1e-7) > 3.0 * bent(0.0), "{} {}", bent(1e-7), bent(0.0));
+}
+
+#[test]
+fn the_rounds_spread_over_half_a_turn_of_the_spindle_after_any_number_of_touches() {
+    for between in 1..SPEEDS {
+        let mut lesson = Lesson::new(&Parameters::START);
+        let mut shares: Vec<f64> = (0..5)
+            .map(|_| {
+                // 10 ms a turn, either way round
+                let pause = lesson.pause(TAU / 0.01);
+                assert_eq!((pause, 0.0, 0.0), (lesson.pause(-TAU / 0.01), lesson.pause(0.0), lesson.pause(TAU / 0.1)));
+                (0..SPEEDS).for_each(|_| lesson.take(&Parameters::START, 0.0, 0.0));
+                (between as f64 * pause / 0.01 * 2.0 + 0.05).fract()
+            })
+            .collect();
+        shares.sort_by(f64::total_cmp);
+        assert!(
+            shares.iter().zip(0..).all(|(share, k)| (share - 0.05 - 0.2 * f64::from(k)).abs() < 1e-9),
+            "{shares:?}"
+        );
+    }
+}
+
+#[test]
+fn the_extremes_are_means_of_a_speed() {
+    let p = Parameters::START;
+    let mut lesson = Lesson::new(&p);
+    while !lesson.over(&p) {
+        let late = [3e-7, -1e-7, 2e-7, 2e-7, 2e-7][lesson.next()];
+        lesson.take(&p, late + if lesson.touches() < 5 { 1e-8 } else { 0.0 }, 0.0);
+    }
+    let [least, most] = lesson.extremes(0);
+    assert!((least + 9.75e-8).abs() < 1e-15 && (most - 3.025e-7).abs() < 1e-15, "{least} {most}");
+}
+
+/// A lesson whose touches press as `force` says (N) of their speed (m/s), after the first round; or the error that ends it.
+fn pressed(p: &Parameters, force: impl Fn(f64) -> f64) -> Result<Lesson, f64> {
+    let mut lesson = Lesson::new(p);
+    while lesson.touches < SPEEDS as u32 {
+        lesson.take(p, 1e-7, force(lesson.velocity()));
+        lesson.lower(p)?;
+    }
+    Ok(lesson)
+}
+
+fn speeds(lesson: &Lesson) -> [f64; SPEEDS] {
+    lesson.speeds.map(|speed| (1e7 * speed).round() / 10.0)
+}
+
+#[test]
+fn hard_work_lowers_the_speeds_that_are_still_to_come() {
+    let mut p = Parameters::START;
+    let hard = |slope: f64| move |velocity: f64| slope * velocity;
+    // no limit, however hard
+    assert_eq!(speeds(&pressed(&p, hard(1e6)).unwrap()), [10.0, 23.4, 54.8, 128.2, 300.0]);
+    p.teach.force_max = 0.8;
+    // bearable is 0.8 N less 30 % of mass, 20 % of scatter and 60 % of what is not known yet
+    let at = |speed: f64| 0.8 / (1.3 * 1.2 * 1.6 * 1e-6 * speed);
+    for (slope, expected) in [
+        (at(300.1), [10.0, 23.4, 54.8, 128.2, 300.0]),
+        (at(200.0), [10.0, 23.4, 54.8, 128.2, 200.0]),
+        (at(50.0), [10.0, 23.4, 30.1, 38.8, 50.0]),
+    ] {
+        let lesson = pressed(&p, hard(slope)).unwrap();
+        assert_eq!((speeds(&lesson), lesson.touches()), (expected, 5), "{slope}");
+    }
+    // three times the slowest, and a little less
+    let fastest = |slope: f64| pressed(&p, hard(slope)).map(|lesson| speeds(&lesson)[SPEEDS - 1]);
+    assert_eq!(fastest(at(30.001)), Ok(30.0));
+    assert!(fastest(at(29.9)).is_err_and(|speed| (speed - 29.9e-6).abs() < 1e-12));
+}
+
+#[test]
+fn the_fastest_touch_of_the_first_round_is_given_up_where_others_may_press_too_hard() {
+    let mut p = Parameters::START;
+    p.teach.force_max = 0.8;
+    // what all five tell of 300 um/s is bearable up to 0.8 N less 30 % of mass and 20 % of scatter
+    let after = |force: f64| {
+        let hard = |velocity: f64| if velocity > 2.99e-4 { force } else { 1000.0 * velocity };
+        let lesson = pressed(&p, hard).unwrap();
+        (speeds(&lesson), lesson.touches())
+    };
+    assert_eq!(after(0.55), ([10.0, 23.4, 54.8, 128.2, 300.0], 5));
+    assert_eq!(after(0.57), ([10.0, 23.4, 54.8, 128.2, 295.4], 6));
+    assert_eq!(after(2.0), ([10.0, 23.4, 54.8, 70.6, 91.0], 7));
+}
+
+#[test]
+fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_may_follow() {
+    let mut p = Parameters::START;
+    (p.teach.force_max, p.teach.touches, p.teach.touches_max) = (0.8, 2, 4);
+    let mut given_up = false;
+    let mut lesson = Lesson::new(&p);
+    while !lesson.over(&p) {
+        let jump = !given_up && lesson.next() == 2;
+        given_up |= jump;
+        // 0.5 N at 54.8 um/s: bearable are 37 um/s, by all three touches
+        lesson.take(&p, TRUTH.at(lesson.velocity()), if jump { 0.5 } else { 1000.0 * lesson.velocity() });
+        lesson.lower(&p).unwrap();
+    }
+    let speeds = speeds(&lesson);
+    assert!(given_up && speeds[1] == 23.4 && speeds[4] > 35.0 && speeds[4] < 53.0, "{speeds:?}");
+    assert!((speeds[3] / speeds[2] - speeds[4] / speeds[3]).abs() < 0.01, "{speeds:?}");
+    assert_eq!((lesson.touches(), lesson.touches), (11, 10));
+    let (taught, spread) = lesson.conclude(&p, 0).unwrap();
+    assert_eq!((taught.touches, taught.velocity_max, spread.speeds), (11, lesson.speeds[4], lesson.speeds));
+    // the bias is that of the speeds that were touched
+    assert!((taught.parts().at(4e-5) - TRUTH.at(4e-5)).abs() < 1e-12, "{taught:?}");
+    // 16 of at most 20, and 21 are too many
+    assert!(lesson.once_more(&p));
+    (0..SPEEDS).for_each(|_| lesson.take(&p, 0.0, 9.0));
+    assert_eq!(lesson.lower(&p), Ok(()));
+    assert!(lesson.over(&p) && !lesson.once_more(&p));
+}
