@@ -26,7 +26,7 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 15,
+        state_version: 16,
         stop_time: 2.0,
         longest_step: 1.0,
         ..package!()
