@@ -32,7 +32,12 @@ impl Rest {
 
     /// What is left of the motion before has died out.
     pub fn settled(&self, p: &Parameters) -> bool {
-        self.samples > ticks(SETTLING / p.servo.bandwidth, p.sample_period)
+        self.lasts(ticks(SETTLING / p.servo.bandwidth, p.sample_period))
+    }
+
+    /// Whether it has lasted for more than so many samples.
+    pub fn lasts(&self, samples: u32) -> bool {
+        self.samples > samples
     }
 
     /// Takes one position at rest (m) of a reading that `lives` wherever the stage stands, or may not; whether it should and stands.
