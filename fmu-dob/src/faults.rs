@@ -54,7 +54,7 @@ pub struct Symptoms<'a> {
     pub reading: &'a Reading,
     /// The communication step is longer than a sample.
     pub long_step: bool,
-    /// The reading has lived at rest and now stands.
+    /// The reading lives wherever the stage stands, and now does not.
     pub standing: bool,
     /// The spindle must be steady.
     pub steady_spindle: bool,

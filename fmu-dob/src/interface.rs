@@ -399,7 +399,7 @@ mod variables {
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 1e-8, source = "our choice: ten steps of 1 nm; eight sigma of noise and rounding")] pub jump: f64,
         /// Motion that a reading may leave unanswered before it counts as lost
         #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 7.5e-9, source = "derived: five times the 1.5 nm within which a reading stands")] pub frozen: f64,
-        /// Time at rest without any change of a reading that had changed before; 0: not watched, for an encoder without noise
+        /// Time at rest, and at least 300 samples, without any change of a reading that has noise; 0: not watched, for an encoder that hides its noise at rest
         #[var(unit = SECOND, range = 0.0..=100.0, start = 0.03, source = "our choice: 300 equal samples, of which noise of half a step makes every second differ")] pub rest_time: f64,
         /// Largest distance of the stage from its reference, besides the v (1 + io_delay) T_s that it is late; 0: three times what the hardest acceleration makes, at least 20 um
         #[var(unit = METRE as "um", range = 0.0..=1.0, start = 0.0, source = "derived: max(20 um, 3 * 2 zeta a / (omega_n g_v)), 7 um of it once at 2 m/s2")] pub following_error: f64,

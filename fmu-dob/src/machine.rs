@@ -40,7 +40,7 @@ pub struct Events {
     pub enabled: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
-    /// The position is valid, the velocity known, and the reference at rest.
+    /// The position is valid, the velocity known, and the reference at rest for as long as the stage takes to come to rest, or the drive off.
     pub restful: bool,
     /// Something is wrong.
     pub fault: Option<Fault>,

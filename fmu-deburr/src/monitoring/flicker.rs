@@ -37,6 +37,8 @@ const FORGETS: f64 = -0.25;
 /// Last samples before the stand, and the share of the mean square below which a swing dies away in them.
 const RECENT: f64 = 25.0;
 const DIED_AWAY: f64 = 0.4;
+/// Most samples that are remembered: beyond, the older half is as good as forgotten, as noise that falls in minutes has not gone.
+const MEMORY: u32 = 10_000;
 /// Variance of a step, and deviations of the noise for which it may be less.
 const STEP: f64 = 1.0 / 12.0;
 const UNSURE: f64 = 2.0;
@@ -130,10 +132,19 @@ impl Flicker {
                 self.squares += change * change;
                 self.products += change * self.last;
                 self.seen = self.seen.saturating_add(self.still);
+                if self.seen > MEMORY {
+                    self.forget_half();
+                }
             }
             self.still = 0;
         }
         self.last = change;
+    }
+
+    /// All that was seen counts half.
+    fn forget_half(&mut self) {
+        (self.squares, self.products) = (0.5 * self.squares, 0.5 * self.products);
+        (self.seen, self.turns) = (self.seen / 2, self.turns / 2);
     }
 
     /// What stands while the job is held does not count, nor does the way until it goes on.

@@ -9,6 +9,7 @@ use crate::faults::REVERSALS;
 use crate::interface::{Fault, Output, Parameters, Vars};
 use crate::limits::{bend_limit, disturbance_limit};
 use crate::monitoring::numbers::{LateContact, Unseen};
+use crate::monitoring::rest::ROW;
 use crate::motion::stability::longest_delay;
 use crate::motion::travel::{learn_limit, teaching_travel};
 use crate::teaching::lesson::RATIO;
@@ -26,7 +27,7 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::TravelLimit => format!(": `{} m`", p.approach.travel_max),
         Fault::LostReading => format!(": `{} m` {row}", vars.input.position),
         Fault::FrozenReading => format!(
-            ": `{} m`, more than `limits.frozen` = `{} m` unanswered {row}, or equal for `limits.rest_time` = `{} s`",
+            ": `{} m`, more than `limits.frozen` = `{} m` unanswered {row}, or equal for `limits.rest_time` = `{} s` and `{ROW}` samples",
             vars.input.position, p.limits.frozen, p.limits.rest_time
         ),
         Fault::LateReading => {

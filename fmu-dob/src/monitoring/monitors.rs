@@ -19,7 +19,7 @@ pub struct Monitors {
     pub life: Life,
     /// The reading at rest.
     pub rest: Rest,
-    /// The reading has lived at rest and now stands.
+    /// The reading lives wherever the stage stands, and now does not.
     pub standing: bool,
     /// The force behind the retract.
     pub relief: RestForce,

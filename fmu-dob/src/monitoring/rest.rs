@@ -1,10 +1,9 @@
 //! A reading that stands at rest: noise that was there and is gone.
 //!
-//! Nothing is asked of a stage at rest, so only the last bits tell that its encoder lives. Once they have been seen to
-//! change, at rest and after every motion has died out, `limits.rest_time` without any change is no chance: a rounded
-//! normal noise of half a step stays at one number with at most 0.68 a sample. A stage at rest has one place, so that every
-//! change is a sign of life; a motion forgets it, for at the edge of a step less noise is seen than elsewhere. One that is known to live
-//! wherever the stage stands ([`super::life`]) is asked for it from the first sample of a rest on.
+//! Nothing is asked of a stage at rest, so only the last bits tell that its encoder lives. That they have changed tells little: at the
+//! edge of a step the stage itself makes them flicker, and half a step farther on it leaves them at one number. A reading that is known
+//! to live wherever the stage stands ([`super::life`]) is asked for it from the first sample of a rest on: of its noise
+//! [`ROW`] equal samples are no chance, and so is `limits.rest_time` where that is longer.
 
 use control_blocks::{Frozen, ticks};
 use serde::{Deserialize, Serialize};
@@ -13,8 +12,8 @@ use crate::interface::Parameters;
 
 /// What is left of a motion has died out after this many times 1 / `servo.bandwidth`.
 pub const SETTLING: f64 = 20.0;
-/// Share of samples that change by which a reading lives.
-const LIVES: f64 = 0.1;
+/// Equal samples that noise of three tenths of a step makes with 1e-13.
+pub const ROW: u32 = 300;
 /// A change is more than this share of a step.
 const CHANGE: f64 = 0.5;
 
@@ -23,8 +22,6 @@ const CHANGE: f64 = 0.5;
 pub struct Rest {
     samples: u32,
     still: Frozen,
-    changing: f64,
-    lived: bool,
 }
 
 impl Rest {
@@ -35,23 +32,20 @@ impl Rest {
 
     /// What is left of the motion before has died out.
     pub fn settled(&self, p: &Parameters) -> bool {
-        self.samples > ticks(SETTLING / p.servo.bandwidth, p.sample_period)
+        self.lasts(ticks(SETTLING / p.servo.bandwidth, p.sample_period))
     }
 
-    /// Takes one position at rest (m) of a reading that `lives` anywhere, or may not; whether it has lived and now stands.
+    /// Whether it has lasted for more than so many samples.
+    pub fn lasts(&self, samples: u32) -> bool {
+        self.samples > samples
+    }
+
+    /// Takes one position at rest (m) of a reading that `lives` wherever the stage stands, or may not; whether it should and stands.
     pub fn update(&mut self, p: &Parameters, position: f64, lives: bool) -> bool {
-        let window = ticks(p.limits.rest_time, p.sample_period);
         self.samples = self.samples.saturating_add(1);
         self.still.update(position, 0.0, CHANGE * p.stage.encoder_resolution);
-        if window == 0 {
-            return false;
-        }
-        if self.settled(p) {
-            let changed = f64::from(u8::from(self.still.still() == 0));
-            self.changing += (changed - self.changing) / f64::from(window);
-            self.lived |= self.changing > LIVES;
-        }
-        (self.lived || lives) && self.still.still() >= window
+        let window = ticks(p.limits.rest_time, p.sample_period).max(ROW);
+        p.limits.rest_time > 0.0 && lives && self.still.still() >= window
     }
 }
 
@@ -59,59 +53,50 @@ impl Rest {
 mod tests {
     use super::*;
 
-    /// Samples of noise until the reading stands, and then until that is told.
-    fn told(p: &Parameters, noise: usize, freeze: impl Fn(usize) -> f64) -> Option<usize> {
+    /// Samples until a reading that lives, or may not, is told to stand; it changes by a step every `every` samples.
+    fn told(p: &Parameters, lives: bool, every: u32) -> Option<u32> {
         let mut rest = Rest::default();
-        // steps of 0 and 1 nm in an irregular row
-        for k in 0..noise {
-            assert!(!rest.update(p, if k * k % 7 < 3 { 1e-9 } else { 0.0 }, false), "{k}");
-        }
-        (0..5000).find(|k| rest.update(p, freeze(*k), false))
+        (0..5000).find(|k| rest.update(p, 1e-9 * f64::from(k / every), lives))
     }
 
     #[test]
-    fn noise_that_is_gone_is_told_after_the_rest_time() {
-        let p = Parameters::START;
-        assert!(told(&p, 3000, |_| 0.0).is_some_and(|k| (298..=302).contains(&k)));
-        assert_eq!(told(&p, 3000, |k| 1e-9 * (k % 300 / 299) as f64), None);
-    }
-
-    #[test]
-    fn what_never_lived_is_not_told() {
-        let p = Parameters::START;
-        // only while the motion before dies out
-        assert_eq!(told(&p, 1000, |_| 0.0), None);
-        let mut unwatched = p.clone();
-        unwatched.limits.rest_time = 0.0;
-        assert_eq!(told(&unwatched, 3000, |_| 0.0), None);
-    }
-
-    #[test]
-    fn what_hardly_ever_changed_may_stand() {
-        let p = Parameters::START;
+    fn one_that_lives_anywhere_and_stands_is_told_after_the_rest_time() {
+        let mut p = Parameters::START;
+        assert_eq!(told(&p, true, 10_000), Some(300));
+        assert_eq!(told(&p, true, 300), None);
+        // after a motion, anew
         let mut rest = Rest::default();
-        // a step of 1 nm every 5 ms: 2 % of the samples
-        assert!((0..3000u32).all(|k| !rest.update(&p, 1e-9 * f64::from(k / 50), false)));
-        assert!((0..5000).all(|_| !rest.update(&p, 1e-9, false)));
-    }
-
-    #[test]
-    fn a_motion_forgets_the_life_before() {
-        let p = Parameters::START;
-        let mut rest = Rest::default();
-        assert!((0..3000).all(|k| !rest.update(&p, if k * k % 7 < 3 { 1e-9 } else { 0.0 }, false)));
+        assert!((0..300).all(|_| !rest.update(&p, 0.0, true)) && rest.update(&p, 0.0, true));
         rest.clear();
-        assert!((0..5000).all(|_| !rest.update(&p, 0.0, false)));
+        assert!((0..300).all(|_| !rest.update(&p, 0.0, true)) && rest.update(&p, 0.0, true));
+        p.limits.rest_time = 0.1;
+        assert_eq!(told(&p, true, 10_000), Some(1000));
+        p.limits.rest_time = 0.0;
+        assert_eq!(told(&p, true, 10_000), None);
     }
 
     #[test]
-    fn one_that_lives_anywhere_is_asked_from_the_first_sample_of_a_rest_on() {
-        let p = Parameters::START;
-        for lives in [true, false] {
-            let mut rest = Rest::default();
-            assert_eq!((0..1000).find(|_| rest.update(&p, 7e-9, lives)), lives.then_some(300));
-            rest.clear();
-            assert_eq!((0..1000).find(|k| rest.update(&p, 1e-9 * f64::from(k / 250), lives)), None);
+    fn one_that_may_not_live_may_stand() {
+        assert_eq!(told(&Parameters::START, false, 10_000), None);
+    }
+
+    #[test]
+    fn fewer_equal_samples_than_noise_makes_by_chance_tell_nothing() {
+        let mut p = Parameters::START;
+        for (rest_time, sample_period) in [(0.03, 1e-3), (1e-3, 1e-4), (1e-6, 1e-4)] {
+            (p.limits.rest_time, p.sample_period) = (rest_time, sample_period);
+            assert_eq!([299, 300, 301].map(|every| told(&p, true, every)), [None, None, Some(300)]);
         }
+    }
+
+    #[test]
+    fn what_is_left_of_a_motion_has_died_out_after_a_tenth_of_a_second() {
+        let (p, mut rest) = (Parameters::START, Rest::default());
+        // 20 / (188 rad/s)
+        let settled = (1..2000).find(|_| {
+            rest.update(&p, 0.0, false);
+            rest.settled(&p)
+        });
+        assert_eq!(settled, Some(1065));
     }
 }

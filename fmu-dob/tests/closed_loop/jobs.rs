@@ -139,3 +139,24 @@ fn a_reset_forgets_the_answer_of_the_drive() {
     reset(&mut run);
     assert_eq!(run.output.drive_share, 1.0);
 }
+
+#[test]
+fn a_job_that_is_asked_for_as_soon_as_a_commission_is_broken_off_waits_for_a_stage_at_rest() {
+    for seed in 160..166 {
+        let mut run = Loop::new(&Parameters::START, seed, NO_WORKPIECE);
+        (0..200).for_each(|_| run.step_with(|input| input.enable = false));
+        for _ in 0..12 {
+            (0..3003).for_each(|_| run.step_with(|input| (input.enable, input.commission) = (false, true)));
+            let mut job = run.clone();
+            job.step_with(|input| input.enable = false);
+            assert_eq!(job.output.state, State::Idle);
+            // its reference stands after 1 ms at most, the stage does not
+            let begins = (0..300).find(|_| {
+                job.step();
+                job.output.state == State::Approach
+            });
+            assert!(begins.is_some_and(|after| after >= 95), "{begins:?}");
+            assert!(job.run_to(State::Learn, 30.0), "{seed}: {:?}", job.output);
+        }
+    }
+}

@@ -56,9 +56,9 @@ fn starts_at_rest_anywhere() {
     for position in [0.0, -0.75, 123.456] {
         let mut controller = Controller::new(&p).unwrap();
         let mut output = Output::START;
-        // the velocity is known after 3.2 ms
-        for k in 0..50 {
-            let input = Input { position, enable: k == 49, ..Input::START };
+        // the velocity is known after 3.2 ms, and a motion before would be forgotten after 9.6 ms
+        for k in 0..100 {
+            let input = Input { position, enable: k == 99, ..Input::START };
             controller.tick(&input, &p, &mut output);
         }
         assert_eq!(output.state, State::Approach);

@@ -83,6 +83,34 @@ fn a_taught_bias_tells_the_first_touch_at_speeds_that_were_and_were_not_taught()
 }
 
 #[test]
+fn a_commission_after_a_teaching_leaves_the_bias_in_force_and_the_places_as_sure() {
+    let mut p = parameters();
+    p.commission.apply = true;
+    let mut errors = Vec::new();
+    for (seed, mass, strength) in [(144, 7.5, 1.2), (145, 12.5, 0.8), (146, 10.0, 1.0)] {
+        let mut run = Loop::new(&p, seed, PLACE);
+        (run.slide.mass, run.slide.strength) = (mass, strength);
+        teach(&mut run);
+        (0..200).for_each(|_| run.step_with(rest));
+        while !run.output.measured.valid {
+            run.step_with(|input| (input.enable, input.commission) = (false, true));
+            assert!(run.time() < 99.0, "{:?}", run.output);
+        }
+        let found = run.output.measured.force_constant;
+        assert!((found / (19.4 * strength * 10.0 / mass) - 1.0).abs() < 0.05, "{found}");
+        run.parameters.retract.distance = 3e-4;
+        for speed in [15.0, 40.0, 100.0, 250.0] {
+            let [late, told] = touch(&mut run, speed);
+            assert!(late - told > 1e-7, "{told}");
+            errors.push(told / run.output.contact_position_deviation);
+        }
+    }
+    let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
+    println!("{rms:.2} of the deviations that are told");
+    assert!((0.3..1.7).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0), "{rms} {errors:?}");
+}
+
+#[test]
 fn what_was_taught_is_used_on_request_only_and_written_in_any_case() {
     let files = [false, true].map(|apply| {
         let mut p = parameters();

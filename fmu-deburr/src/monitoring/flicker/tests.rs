@@ -271,3 +271,21 @@ fn turns_that_are_rare_at_the_edge_of_a_step_say_nothing_of_its_middle() {
         }
     }
 }
+
+#[test]
+fn noise_that_falls_in_minutes_has_not_gone_and_one_that_has_is_told_after_hours() {
+    for (seed, falls) in (0..).zip([0.3, 0.25, 0.2, 0.1]) {
+        let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let mut flicker = Flicker::default();
+        // half an hour, ten minutes in which it falls, and a quarter of an hour in the middle of a step
+        for k in 0..330_000u32 {
+            let share = (f64::from(k.saturating_sub(180_000)) / 60_000.0).min(1.0);
+            let normal: f64 = StandardNormal.sample(&mut random);
+            let position = (1e5 + (0.5 + (falls - 0.5) * share) * normal).round() * P.axis[2].pulse;
+            let found = flicker.watch(&P, 2, stands_at(position), true, true);
+            assert!(!found.is_fault(), "{falls}, {k}: {found:?}");
+        }
+    }
+    let frozen = lived(400_000, readings(0.0, 0.5, 1.0, 1));
+    assert!(told(&frozen).is_some_and(|(after, _)| after < 110));
+}
