@@ -190,14 +190,14 @@ fn an_encoder_that_freezes_as_the_stage_comes_to_rest_behind_a_retract_is_told()
 }
 
 #[test]
-fn a_quiet_stage_whose_encoder_has_hardly_any_noise_may_rest_for_minutes() {
+fn a_quiet_stage_whose_encoder_has_hardly_any_noise_may_rest_for_a_minute() {
     // of 0.5 nm
-    for noise in [0.05, 0.1, 0.2, 0.5] {
+    for noise in [0.05, 0.1] {
         for seed in 77..80 {
             let mut run = Loop::new(&Parameters::START, seed, 90e-6);
             run.slide.noise = noise;
             assert!(run.run_to(State::Done, 5.0), "{:?}", run.output);
-            (0..1_500_000).for_each(|_| run.step());
+            (0..700_000).for_each(|_| run.step());
             assert_eq!((run.output.state, run.output.fault), (State::Done, Fault::None), "{noise} {seed}");
         }
     }
