@@ -148,7 +148,7 @@ mod tests {
 
     use super::*;
 
-    /// A touch of a stage that is held against `weight` N, and whose drive does `gain` times what is told, `late` s later, behind its current loop.
+    /// A touch of a stage that is held against `weight` N, and whose drive does `gain` times what is told behind its current loop.
     #[derive(Clone, Copy, Debug)]
     struct Touch {
         velocity: f64,
@@ -173,11 +173,14 @@ mod tests {
             let (mut turn, mut acting) = (0.0, 0.0);
             for k in -1000..200 {
                 let (time, found) = (f64::from(k) * dt - self.seen, f64::from(k) * dt >= self.seen);
-                let thrust = self.weight + self.damping * self.velocity + turn;
-                press.update(&p, drive, depth, thrust / self.gain / p.stage.force_constant, self.velocity, found);
                 // the turn in 0.6 ms, then a swing in 6 ms
                 let swing = if (0.6e-3..6.6e-3).contains(&time) { (TAU * time / 6e-3).sin() } else { 0.0 };
-                turn = if found && time < 0.6e-3 { -20.0 } else { 3.0 * swing };
+                let next = if found && time < 0.6e-3 { -20.0 } else { 3.0 * swing };
+                // what acts a sample late is told before it does
+                let told = if drive.late > 0.0 { next } else { turn };
+                let thrust = (self.weight + self.damping * self.velocity + told) / self.gain;
+                press.update(&p, drive, depth, thrust / p.stage.force_constant, self.velocity, found);
+                turn = next;
                 for _ in 0..50 {
                     let force = self.stiffness * depth.max(0.0);
                     truth = truth.max(force);
@@ -208,6 +211,8 @@ mod tests {
                 assert!((told / truth - 1.0).abs() < 0.05, "{touch:?}: {told} N of {truth} N");
             }
         }
+        let [told, truth] = FAST.forces(&mut press, &Drive { late: 1e-4, ..FAST.drive() });
+        assert!((told / truth - 1.0).abs() < 0.05, "late: {told} N of {truth} N");
         // the next approach has not touched yet, and may touch nothing
         press.update(&Parameters::START, &UNKNOWN, -1e-6, 0.0, 1e-4, false);
         assert_eq!(press.force(&UNKNOWN), 0.0);
