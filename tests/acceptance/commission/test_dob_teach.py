@@ -39,7 +39,7 @@ FORCE = 0.8
 
 def sure(one: studies.Machine) -> bool:
     """Whether the bias is as sure as it is to be at the speed of the job."""
-    return one.changes[SPEED] > 0.999 * one["sure_from"]
+    return float(one.changes[SPEED]) > 0.999 * one["sure_from"]
 
 
 def errors(found: Sequence[studies.Machine], metric: str) -> tuple[float, float, float]:
