@@ -247,3 +247,19 @@ fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_m
     assert_eq!(lesson.lower(&p), Ok(()));
     assert!(lesson.over(&p) && !lesson.once_more(&p));
 }
+
+#[test]
+fn work_that_fast_touches_find_harder_gives_up_a_few_touches_at_most() {
+    let mut p = Parameters::START;
+    p.teach.force_max = 0.8;
+    for harder in [1.87, 1.9, 2.0, 2.5, 4.0] {
+        let mut lesson = Lesson::new(&p);
+        while lesson.touches < SPEEDS as u32 && lesson.touches() < 1000 {
+            let slope = if lesson.velocity() > 1.3e-4 { harder * 1000.0 } else { 1000.0 };
+            lesson.take(&p, 1e-7, slope * lesson.velocity());
+            lesson.lower(&p).unwrap();
+        }
+        assert!(lesson.touches() <= 8, "{harder}: {} touches", lesson.touches());
+        assert!(harder * 1000.0 * lesson.speeds[SPEEDS - 1] < 0.8 / (HEAVIER * SCATTER) * 1.05, "{harder}");
+    }
+}
