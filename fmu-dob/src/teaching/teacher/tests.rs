@@ -193,6 +193,7 @@ fn a_job_is_no_faster_than_was_taught_with_a_limit_of_the_force_and_is_in_force(
         // broken off, what was told counts
         teacher.begin(&p);
         teacher.break_off();
+        assert_eq!(teacher.approach(&p).velocity, 1e-3);
         teacher.end();
         assert_eq!(teacher.approach(&p).velocity, 1e-3);
     }
@@ -201,9 +202,9 @@ fn a_job_is_no_faster_than_was_taught_with_a_limit_of_the_force_and_is_in_force(
 /// A touch for so many samples, after which 10 kg stand without any thrust: F over v is 1.25 times their mass, over that time.
 fn touch(teacher: &mut Teacher, p: &Parameters, samples: u32) {
     let place = p.teach.place;
-    teacher.feel(p, &Measured::START, place - 1e-9, 0.0, false);
-    (0..samples).for_each(|_| teacher.feel(p, &Measured::START, place + 1e-8, 0.0, false));
-    (0..70).for_each(|_| teacher.feel(p, &Measured::START, place - 1e-8, 0.0, true));
+    teacher.feel(p, &Measured::START, Some(place - 1e-9), 0.0, false);
+    (0..samples).for_each(|_| teacher.feel(p, &Measured::START, Some(place + 1e-8), 0.0, false));
+    (0..70).for_each(|_| teacher.feel(p, &Measured::START, Some(place - 1e-8), 0.0, true));
     teacher.take(p, &Measured::START, place + 1e-8, 0.0);
 }
 
