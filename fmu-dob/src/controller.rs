@@ -188,6 +188,7 @@ impl Controller {
     /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by coasting.
     fn estimate(&mut self, p: &Parameters, reading: &Reading) {
         let acted = self.amplifier.acted(p);
+        self.teacher.feel(p, &self.commissioner.measured, reading.position, acted, self.contact.is_some());
         if let Some(position) = reading.position {
             self.known = self.known.saturating_add(1);
             if reading.found {
@@ -196,7 +197,6 @@ impl Controller {
                 self.observer.reseat(position, 0.0);
             }
             self.observer.update(position, acted);
-            self.teacher.feel(p, &self.commissioner.measured, position, acted, self.contact.is_some());
             let disturbance = self.observer.force();
             self.monitors.drive.update(p.stage.force_constant * acted, disturbance, reading.whole > 0);
             let notched = self.notch.update(disturbance, reading.spindle_speed);

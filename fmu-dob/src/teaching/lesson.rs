@@ -24,6 +24,8 @@ const HEAVIER: f64 = 1.3;
 const SCATTER: f64 = 1.2;
 /// So many times harder than slower ones tell a touch may press: where those met the flutes at an angle at which they hardly cut.
 const FASTER: f64 = 1.6;
+/// Where touches are given up again, the next are slower than what is bearable by this share, so that this comes to an end.
+const AGAIN: f64 = 0.9;
 
 /// What the three parts leave out at a speed, as deviation, m: the likeliest beside the scatter of the five means of 29 machines whose mass
 /// and thrust constant are wrong by up to 30 %, on work of 0.1 to 2 N/um.
@@ -108,6 +110,7 @@ impl Lesson {
         if fastest < least {
             return Err(fastest);
         }
+        let fastest = if self.given_up > 0 { (AGAIN * fastest).max(least) } else { fastest };
         let stay = self.speeds[..next].iter().take_while(|speed| **speed < fastest).count().max(1);
         let from = self.speeds[stay - 1];
         for i in stay..SPEEDS {

@@ -67,11 +67,21 @@ pub struct Press {
 }
 
 impl Press {
-    /// Takes how deep (m) the tool is behind the place of the work, less than zero before, with the current that acted (A), and whether the contact was found
-    /// in an approach at `velocity` m/s.
-    pub fn update(&mut self, p: &Parameters, drive: &Drive, depth: f64, acted: f64, velocity: f64, found: bool) {
+    /// Takes how deep (m) the tool is behind the place of the work, less than zero before, where it was read, with the current that acted (A), and
+    /// whether the contact was found in an approach at `velocity` m/s.
+    pub fn update(
+        &mut self,
+        p: &Parameters,
+        drive: &Drive,
+        depth: Option<f64>,
+        acted: f64,
+        velocity: f64,
+        found: bool,
+    ) {
         let thrust = p.stage.force_constant * acted;
-        if !found && depth <= 0.0 {
+        // the reading after a lost one brings the way of both
+        let depth = depth.unwrap_or(self.depth);
+        if !found && (depth <= 0.0 || self.since > 0) {
             let before = self.before + (thrust - self.before) * p.sample_period / BEFORE;
             *self = Self { before, depth, ..Self::default() };
             return;
@@ -157,6 +167,8 @@ mod tests {
         seen: f64,
         gain: f64,
         damping: f64,
+        /// samples in which nothing is read
+        lost: [i32; 2],
     }
 
     impl Touch {
@@ -179,7 +191,8 @@ mod tests {
                 // what acts a sample late is told before it does
                 let told = if drive.late > 0.0 { next } else { turn };
                 let thrust = (self.weight + self.damping * self.velocity + told) / self.gain;
-                press.update(&p, drive, depth, thrust / p.stage.force_constant, self.velocity, found);
+                let read = (!self.lost.contains(&k)).then_some(depth);
+                press.update(&p, drive, read, thrust / p.stage.force_constant, self.velocity, found);
                 turn = next;
                 for _ in 0..50 {
                     let force = self.stiffness * depth.max(0.0);
@@ -194,7 +207,8 @@ mod tests {
     }
 
     const UNKNOWN: Drive = Drive { gain: None, late: 0.0, damping: 0.0 };
-    const FAST: Touch = Touch { velocity: 3e-4, weight: 0.4, stiffness: 4e6, seen: 8e-4, gain: 1.0, damping: 0.0 };
+    const FAST: Touch =
+        Touch { velocity: 3e-4, weight: 0.4, stiffness: 4e6, seen: 8e-4, gain: 1.0, damping: 0.0, lost: [i32::MAX; 2] };
 
     #[test]
     fn the_momentum_of_a_touch_tells_its_largest_force() {
@@ -213,9 +227,17 @@ mod tests {
         }
         let [told, truth] = FAST.forces(&mut press, &Drive { late: 1e-4, ..FAST.drive() });
         assert!((told / truth - 1.0).abs() < 0.05, "late: {told} N of {truth} N");
-        // the next approach has not touched yet, and may touch nothing
-        press.update(&Parameters::START, &UNKNOWN, -1e-6, 0.0, 1e-4, false);
-        assert_eq!(press.force(&UNKNOWN), 0.0);
+        // in the turn, and behind it
+        for lost in [[10, 11], [40, 41]] {
+            let [told, truth] = Touch { lost, ..FAST }.forces(&mut press, &FAST.drive());
+            assert!((told / truth - 1.0).abs() < 0.1, "lost {lost:?}: {told} N of {truth} N");
+        }
+        // the next approach has not touched yet, wherever it begins, and may touch nothing
+        for depth in [-1e-6, 1e-6] {
+            let mut next = press;
+            next.update(&Parameters::START, &UNKNOWN, Some(depth), 0.0, 1e-4, false);
+            assert_eq!(next.force(&UNKNOWN), 0.0);
+        }
         assert!(Touch { stiffness: 0.0, ..FAST }.forces(&mut press, &FAST.drive())[0].abs() < 0.02);
     }
 
@@ -237,7 +259,7 @@ mod tests {
     fn a_place_that_is_never_reached_tells_no_force() {
         let p = Parameters::START;
         let mut press = Press::default();
-        (0..100).for_each(|k| press.update(&p, &UNKNOWN, -1e-6, 0.1 * f64::from(k), 1e-4, k > 10));
+        (0..100).for_each(|k| press.update(&p, &UNKNOWN, Some(-1e-6), 0.1 * f64::from(k), 1e-4, k > 10));
         assert_eq!(press.force(&UNKNOWN), 0.0);
     }
 

@@ -99,17 +99,18 @@ impl Teacher {
         Approach { velocity: after.unwrap_or_else(|| self.job_velocity(p)), ..p.approach }
     }
 
-    /// Speed of a job, m/s.
+    /// Speed of a job, m/s; behind a teaching that may still fail the one that is told.
     fn job_velocity(&self, p: &Parameters) -> f64 {
-        let limit = self.spread.filter(|_| p.teach.force_max > 0.0).map(|spread| spread.fastest());
+        let limited = p.teach.force_max > 0.0 && (self.taught.valid || !self.active);
+        let limit = self.spread.filter(|_| limited).map(|spread| spread.fastest());
         limit.map_or(p.approach.velocity, |fastest| p.approach.velocity.min(fastest))
     }
 
-    /// One sample at `position` m, towards the work, with the current that acted (A), on a machine of which a commission may have measured something: how hard
-    /// the touch presses, where that is asked for.
-    pub fn feel(&mut self, p: &Parameters, measured: &Measured, position: f64, acted: f64, found: bool) {
+    /// One sample at `position` m, towards the work, or while that is lost, with the current that acted (A), on a machine of which a commission may have
+    /// measured something: how hard the touch presses, where that is asked for.
+    pub fn feel(&mut self, p: &Parameters, measured: &Measured, position: Option<f64>, acted: f64, found: bool) {
         if self.active && p.teach.force_max > 0.0 {
-            let depth = position - p.direction() * p.teach.place;
+            let depth = position.map(|position| position - p.direction() * p.teach.place);
             self.press.update(p, &Drive::of(p, measured), depth, acted, self.lesson.velocity(), found);
         }
     }

@@ -373,7 +373,7 @@ fn work_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_tou
 fn state_bytes_continue_a_teaching_bit_for_bit() {
     let mut p = parameters();
     (p.teach.touches, p.teach.velocity_min) = (2, 9e-5);
-    (p.limits.touch_scatter, p.teach.deviation_max) = (1e-6, 1e-6);
+    (p.limits.touch_scatter, p.teach.deviation_max, p.teach.force_max) = (1e-6, 1e-6, 10.0);
     let mut run = Loop::new(&p, 140, 9e-5);
     run.parameters.teach.place = 9e-5;
     begin(&mut run);

@@ -247,3 +247,47 @@ fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_m
     assert_eq!(lesson.lower(&p), Ok(()));
     assert!(lesson.over(&p) && !lesson.once_more(&p));
 }
+
+#[test]
+fn work_that_fast_touches_find_harder_gives_up_a_few_touches_at_most() {
+    let mut p = Parameters::START;
+    p.teach.force_max = 0.8;
+    for harder in [1.87, 1.9, 2.0, 2.5, 4.0] {
+        let mut lesson = Lesson::new(&p);
+        while lesson.touches < SPEEDS as u32 && lesson.touches() < 1000 {
+            let slope = if lesson.velocity() > 1.3e-4 { harder * 1000.0 } else { 1000.0 };
+            lesson.take(&p, 1e-7, slope * lesson.velocity());
+            lesson.lower(&p).unwrap();
+        }
+        assert!(lesson.touches() <= 8, "{harder}: {} touches", lesson.touches());
+        assert!(harder * 1000.0 * lesson.speeds[SPEEDS - 1] < 0.8 / (HEAVIER * SCATTER) * 1.05, "{harder}");
+    }
+}
+
+#[test]
+fn slow_touches_tell_the_force_only_before_there_is_a_fast_one_and_then_the_hardest_of_these_does() {
+    let mut p = Parameters::START;
+    p.teach.force_max = 0.8;
+    let hard = |velocities: std::ops::Range<f64>, slope: f64| {
+        let force = |v: f64| v * if velocities.contains(&v) { slope } else { 1000.0 };
+        speeds(&pressed(&p, force).unwrap())
+    };
+    // below 30 um/s, and 80 um/s would be bearable by them
+    assert_eq!(hard(0.0..3e-5, 4000.0), [10.0, 23.4, 54.8, 128.2, 300.0]);
+    assert_eq!(hard(5e-5..6e-5, 2400.0), [10.0, 23.4, 54.8, 128.2, 133.5]);
+}
+
+#[test]
+fn touches_that_are_given_up_again_leave_three_to_one_where_that_is_bearable() {
+    let mut p = Parameters::START;
+    p.teach.force_max = 0.8;
+    let mut lesson = Lesson::new(&p);
+    for force in [0.01, 0.023, 0.055, 0.128, 0.57] {
+        lesson.take(&p, 1e-7, force);
+        assert_eq!(lesson.lower(&p), Ok(()));
+    }
+    assert_eq!((speeds(&lesson)[SPEEDS - 1].round(), lesson.given_up), (296.0, 1));
+    // 31.5 um/s are bearable by all six
+    lesson.take(&p, 1e-7, 10.23);
+    assert_eq!((lesson.lower(&p), speeds(&lesson)[SPEEDS - 1], lesson.given_up), (Ok(()), 30.0, 4));
+}

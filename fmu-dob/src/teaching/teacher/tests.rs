@@ -193,6 +193,7 @@ fn a_job_is_no_faster_than_was_taught_with_a_limit_of_the_force_and_is_in_force(
         // broken off, what was told counts
         teacher.begin(&p);
         teacher.break_off();
+        assert_eq!(teacher.approach(&p).velocity, 1e-3);
         teacher.end();
         assert_eq!(teacher.approach(&p).velocity, 1e-3);
     }
@@ -200,27 +201,29 @@ fn a_job_is_no_faster_than_was_taught_with_a_limit_of_the_force_and_is_in_force(
 
 /// A touch for so many samples, after which 10 kg stand without any thrust: F over v is 1.25 times their mass, over that time.
 fn touch(teacher: &mut Teacher, p: &Parameters, samples: u32) {
-    let place = p.teach.place;
-    teacher.feel(p, &Measured::START, place - 1e-9, 0.0, false);
-    (0..samples).for_each(|_| teacher.feel(p, &Measured::START, place + 1e-8, 0.0, false));
-    (0..70).for_each(|_| teacher.feel(p, &Measured::START, place - 1e-8, 0.0, true));
+    let place = p.direction() * p.teach.place;
+    teacher.feel(p, &Measured::START, Some(place - 1e-9), 0.0, false);
+    (0..samples).for_each(|_| teacher.feel(p, &Measured::START, Some(place + 1e-8), 0.0, false));
+    (0..70).for_each(|_| teacher.feel(p, &Measured::START, Some(place - 1e-8), 0.0, true));
     teacher.take(p, &Measured::START, place + 1e-8, 0.0);
 }
 
 #[test]
 fn touches_that_press_too_hard_even_at_the_slowest_speeds_end_the_teaching() {
-    let p = parameters(|p| p.teach.force_max = 0.8);
-    let mut teacher = Teacher::new(&p);
-    teacher.begin(&p);
-    // 23.4 um/s are touched in any case
-    for last in [false, true] {
-        touch(&mut teacher, &p, 4);
-        assert_eq!((teacher.rejected, teacher.ended(), teacher.over()), (last, last, false));
+    for direction in [1, -1] {
+        let p = parameters(|p| (p.teach.force_max, p.approach.direction) = (0.8, direction));
+        let mut teacher = Teacher::new(&p);
+        teacher.begin(&p);
+        // 23.4 um/s are touched in any case
+        for last in [false, true] {
+            touch(&mut teacher, &p, 4);
+            assert_eq!((teacher.rejected, teacher.ended(), teacher.over()), (last, last, false));
+        }
+        let bearable = teacher.bearable.unwrap();
+        assert!(bearable < 3e-5, "{bearable}");
+        teacher.begin(&p);
+        assert!(!teacher.rejected && teacher.bearable.is_none());
     }
-    let bearable = teacher.bearable.unwrap();
-    assert!(bearable < 3e-5, "{bearable}");
-    teacher.begin(&p);
-    assert!(!teacher.rejected && teacher.bearable.is_none());
 }
 
 #[test]
