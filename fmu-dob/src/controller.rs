@@ -181,7 +181,7 @@ impl Controller {
     }
 
     /// Whether the stage has come to rest as the reference has, so far that the observer has forgotten how; one without a drive may stand anywhere.
-    fn comes_to_rest(&self) -> bool {
+    fn has_come_to_rest(&self) -> bool {
         self.off() || self.monitors.rest.lasts(self.spans.forgotten)
     }
 
@@ -232,7 +232,7 @@ impl Controller {
             commissioned: self.commissioner.finished,
             enabled: if self.teacher.active { !self.teacher.broken() } else { reading.enabled },
             reset: reading.reset,
-            restful: reading.position.is_some() && self.tracked() && self.motion.at_rest() && self.comes_to_rest(),
+            restful: reading.position.is_some() && self.tracked() && self.motion.at_rest() && self.has_come_to_rest(),
             fault: self.find_fault(p, elapsed, settled, reading),
             contact,
             suspected,
