@@ -42,8 +42,12 @@ pub enum Loss {
 pub struct Expected {
     /// Motion since the last sample by the observer, m.
     pub motion: f64,
+    /// The same where there is a gap in the readings, m.
+    pub bridged: f64,
     /// What it cannot foresee, m in a sample.
     pub unforeseen: f64,
+    /// What that has become besides while there was no reading, m.
+    pub unseen: f64,
     /// The reference until now, m.
     pub reference: f64,
     /// Motion of the reference since the last sample, m.
@@ -103,6 +107,8 @@ pub struct Reader {
     known: bool,
     lost: Consecutive,
     loss: Loss,
+    /// samples without any reading since the last position
+    gap: u32,
     invalid: Consecutive,
     whole: Consecutive,
     standing: Frozen,
@@ -161,6 +167,11 @@ impl Reader {
         }
     }
 
+    /// Samples without any reading since the last position.
+    pub fn gap(&self) -> u32 {
+        self.gap
+    }
+
     /// How long (s) a slow stage may stand that a flute or the unbalance has stopped: a quarter turn of the spindle, at most [`STANDSTILL`].
     pub fn standstill(&self) -> f64 {
         let speed = self.spindle_speed.believed().map_or(0.0, f64::abs);
@@ -194,11 +205,13 @@ impl Reader {
             let waits = if e.may_wait && ahead > with_it { ahead } else { 0.0 };
             unanswered > p.limits.frozen + e.behind + waits && error.abs() <= unanswered + near
         });
-        self.position.shift(e.motion);
+        self.gap = self.gap.saturating_add(u32::from(given.is_none()));
+        self.position.shift(if self.gap > 0 { e.bridged } else { e.motion });
         let expected = self.position;
-        let reach = Reach { motion: e.unforeseen, spread: p.limits.jump };
+        let reach = Reach { motion: e.unforeseen, spread: e.unseen + p.limits.jump };
         let reading = self.position.update(given.filter(|_| !stands).unwrap_or(f64::NAN), reach);
         if self.position.doubted() == 0 {
+            self.gap = 0;
             let most = e.unforeseen + COUNTS * p.limits.jump;
             let excess = expected.believed().map_or(0.0, |z| (reading - z) - (reading - z).clamp(-most, most));
             self.position.shift(-excess);

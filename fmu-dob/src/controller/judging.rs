@@ -39,7 +39,9 @@ impl Controller {
         let unforeseen = push + planned + 2.0 * commanded.abs();
         Expected {
             motion: self.observer.motion(commanded),
+            bridged: self.observer.nominal_motion(commanded),
             unforeseen: if known { unforeseen * self.observer.leverage() } else { f64::INFINITY },
+            unseen: unforeseen * self.observer.leverage_of_gap(self.reader.gap()),
             reference: self.motion.reference.position,
             asked: self.motion.asked,
             behind: if steady { self.held(p) } else { self.motion.late(p) + self.unanswered() },

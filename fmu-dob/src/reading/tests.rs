@@ -5,7 +5,9 @@ use super::*;
 const LOST: Input = Input { position_valid: false, ..Input::START };
 const RESTING: Expected = Expected {
     motion: 0.0,
+    bridged: 0.0,
     unforeseen: 0.0,
+    unseen: 0.0,
     reference: 0.0,
     asked: 0.0,
     behind: 0.0,
@@ -14,7 +16,7 @@ const RESTING: Expected = Expected {
     steady_spindle: true,
 };
 /// 10 nm in a sample
-const CRUISING: Expected = Expected { motion: 1e-8, reference: 1e-6, asked: 1e-8, ..RESTING };
+const CRUISING: Expected = Expected { motion: 1e-8, bridged: 1e-8, reference: 1e-6, asked: 1e-8, ..RESTING };
 
 fn at(position: f64) -> Input {
     Input { position, ..Input::START }
@@ -60,6 +62,27 @@ fn a_sample_where_the_stage_cannot_be_is_lost() {
     }
     let near = cruising().read(&Parameters::START, &at(1e-6 + 0.9e-8), &CRUISING);
     assert!(near.position.is_some());
+}
+
+#[test]
+fn behind_a_gap_the_stage_may_be_farther_off() {
+    let gap = Expected { motion: 5e-8, unforeseen: 1e-9, unseen: 4e-9, ..CRUISING };
+    let believed = |error: f64| {
+        let mut reader = cruising();
+        (0..2).for_each(|_| _ = reader.read(&Parameters::START, &LOST, &gap));
+        let gaps = reader.gap();
+        let position = reader.read(&Parameters::START, &at(1.02e-6 + error), &gap).position;
+        (gaps, position.is_some(), reader.gap())
+    };
+    // 10 nm of `limits.jump`, 3 of 1 nm, and 4
+    for sign in [1.0, -1.0] {
+        assert_eq!(believed(sign * 1.69e-8), (2, true, 0));
+        assert_eq!(believed(sign * 1.71e-8), (2, false, 2));
+    }
+    // a jump is no gap
+    let mut jumped = cruising();
+    jumped.read(&Parameters::START, &at(1e-3), &CRUISING);
+    assert_eq!(jumped.gap(), 0);
 }
 
 #[test]
