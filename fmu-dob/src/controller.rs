@@ -185,7 +185,7 @@ impl Controller {
         self.off() || self.monitors.rest.lasts(self.spans.forgotten)
     }
 
-    /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by coasting.
+    /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by the nominal stage.
     fn estimate(&mut self, p: &Parameters, reading: &Reading) {
         let acted = self.amplifier.acted(p);
         self.teacher.feel(p, &self.commissioner.measured, reading.position, acted, self.contact.is_some());
@@ -198,15 +198,15 @@ impl Controller {
             }
             self.observer.update(position, acted);
             let disturbance = self.observer.force();
-            self.monitors.drive.update(p.stage.force_constant * acted, disturbance, reading.whole > 0);
             let notched = self.notch.update(disturbance, reading.spindle_speed);
             let deviation = self.deviation.update(notched);
             self.slope.update(deviation);
             let slope = self.slope.slope(p.sample_period);
             self.force = ForceOutput { disturbance, notched, deviation, slope };
         } else {
-            self.observer.coast();
+            self.observer.coast(acted);
         }
+        self.monitors.drive.update(p.stage.force_constant * acted, self.observer.force(), reading.whole > 0);
         let ForceOutput { notched, deviation, slope, .. } = self.force;
         let Reading { position, spindle_speed, .. } = *reading;
         self.detector.update(p, &Sample { position, acted, spindle_speed, notched, deviation, slope });

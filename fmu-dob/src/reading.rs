@@ -42,6 +42,8 @@ pub enum Loss {
 pub struct Expected {
     /// Motion since the last sample by the observer, m.
     pub motion: f64,
+    /// The same where a reading is lost, and none has corrected the observer, m.
+    pub bridged: f64,
     /// What it cannot foresee, m in a sample.
     pub unforeseen: f64,
     /// The reference until now, m.
@@ -103,6 +105,8 @@ pub struct Reader {
     known: bool,
     lost: Consecutive,
     loss: Loss,
+    /// a sample had no reading since the last position
+    gap: bool,
     invalid: Consecutive,
     whole: Consecutive,
     standing: Frozen,
@@ -194,11 +198,13 @@ impl Reader {
             let waits = if e.may_wait && ahead > with_it { ahead } else { 0.0 };
             unanswered > p.limits.frozen + e.behind + waits && error.abs() <= unanswered + near
         });
-        self.position.shift(e.motion);
+        self.gap |= given.is_none();
+        self.position.shift(if self.gap { e.bridged } else { e.motion });
         let expected = self.position;
         let reach = Reach { motion: e.unforeseen, spread: p.limits.jump };
         let reading = self.position.update(given.filter(|_| !stands).unwrap_or(f64::NAN), reach);
         if self.position.doubted() == 0 {
+            self.gap = false;
             let most = e.unforeseen + COUNTS * p.limits.jump;
             let excess = expected.believed().map_or(0.0, |z| (reading - z) - (reading - z).clamp(-most, most));
             self.position.shift(-excess);

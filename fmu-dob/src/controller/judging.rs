@@ -39,6 +39,7 @@ impl Controller {
         let unforeseen = push + planned + 2.0 * commanded.abs();
         Expected {
             motion: self.observer.motion(commanded),
+            bridged: self.observer.nominal_motion(commanded),
             unforeseen: if known { unforeseen * self.observer.leverage() } else { f64::INFINITY },
             reference: self.motion.reference.position,
             asked: self.motion.asked,

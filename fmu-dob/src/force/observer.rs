@@ -30,6 +30,8 @@ pub struct DisturbanceObserver {
     position_filter: f64,
     force_filter: f64,
     velocity: f64,
+    /// by how much the velocity of the nominal stage is ahead of the filtered one, m/s
+    lag: f64,
 }
 
 impl DisturbanceObserver {
@@ -50,6 +52,7 @@ impl DisturbanceObserver {
             position_filter: 0.0,
             force_filter: 0.0,
             velocity: 0.0,
+            lag: 0.0,
         }
     }
 
@@ -58,7 +61,7 @@ impl DisturbanceObserver {
         let new = Self::new(p);
         let force = self.force() * new.force_constant / self.force_constant;
         let force_filter = force + new.momentum_gain * self.velocity;
-        Self { position_filter: self.position_filter, force_filter, velocity: self.velocity, ..new }
+        Self { position_filter: self.position_filter, force_filter, velocity: self.velocity, lag: self.lag, ..new }
     }
 
     /// Nominal thrust constant, N/A.
@@ -78,21 +81,24 @@ impl DisturbanceObserver {
 
     /// Takes the position (m) and the current that acted since the last sample (A).
     pub fn update(&mut self, position: f64, acted: f64) {
+        let gained = self.acceleration(acted) * self.sample_period;
+        self.lag += gained - self.velocity_share * (self.lag + 0.5 * gained);
         self.position_filter += self.velocity_share * (position - self.position_filter);
         self.velocity = self.velocity_gain * (position - self.position_filter);
         let input = self.force_constant * acted + self.momentum_gain * self.velocity;
         self.force_filter += self.force_share * (input - self.force_filter);
     }
 
-    /// Bridges a sample without a position: velocity and force stay.
-    pub fn coast(&mut self) {
-        self.position_filter += self.velocity * self.sample_period;
+    /// Bridges a sample without a position, in which the current `acted` acted (A): the stage is where the nominal one is.
+    pub fn coast(&mut self, acted: f64) {
+        let position = self.position_filter + self.velocity / self.velocity_gain;
+        self.update(position + self.nominal_motion(self.acceleration(acted)), acted);
     }
 
     /// Moves to a position (m) and velocity (m/s) without changing the estimated force.
     pub fn reseat(&mut self, position: f64, velocity: f64) {
         let force = self.force();
-        self.velocity = velocity;
+        (self.velocity, self.lag) = (velocity, 0.0);
         self.position_filter = position - velocity / self.velocity_gain;
         self.force_filter = force + self.momentum_gain * velocity;
     }
@@ -103,12 +109,18 @@ impl DisturbanceObserver {
         self.velocity * self.sample_period + acceleration * self.leverage
     }
 
+    /// The same where no reading corrects it: v is late by what all the accelerations until now have made of the nominal stage.
+    pub fn nominal_motion(&self, acceleration: f64) -> f64 {
+        (self.velocity + self.lag + 0.5 * acceleration * self.sample_period) * self.sample_period
+    }
+
     /// Acceleration (m/s2) of the nominal stage when the drive pushes with the current `acted` (A), if the force stays.
     pub fn acceleration(&self, acted: f64) -> f64 {
         (self.force_constant * acted - self.force()) / self.mass
     }
 
-    /// What an acceleration of 1 m/s2 adds to the motion of a sample, m.
+    /// What an acceleration of 1 m/s2 that is not foreseen adds to the motion of a sample, m: T_s^2 / 2, and T_s / g_v by the
+    /// velocity that the filter does not yet show.
     pub fn leverage(&self) -> f64 {
         self.leverage
     }
@@ -181,10 +193,31 @@ mod tests {
         let mut observer = DisturbanceObserver::new(&p);
         let position = |k: i32| 1e-3 * f64::from(k) * p.sample_period;
         (0..3000).for_each(|k| observer.update(position(k), 0.0));
-        (0..3).for_each(|_| observer.coast());
+        (0..3).for_each(|_| observer.coast(0.0));
         observer.update(position(3003), 0.0);
         assert!(observer.force().abs() < 1e-9, "{} N", observer.force());
         assert!((observer.velocity() - 1e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn coasting_goes_where_the_drive_pushes() {
+        let p = Parameters::START;
+        let mut observer = DisturbanceObserver::new(&p);
+        // -20 N brake from 2 mm/s for 1 ms, the gap begins 0.2 ms before their end
+        let (dt, brake) = (p.sample_period, 2.0);
+        let position = |k: i32| {
+            let t = f64::from(k) * dt;
+            let braked = t.clamp(0.0, 1e-3);
+            2e-3 * t - brake * braked * (t - 0.5 * braked)
+        };
+        let acted = |k: i32| if (1..=10).contains(&k) { -1.0 } else { 0.0 };
+        (-3000..=8).for_each(|k| observer.update(position(k), acted(k)));
+        let force = observer.force();
+        (9..=12).for_each(|k| observer.coast(acted(k)));
+        let place = observer.position_filter + observer.velocity / observer.velocity_gain;
+        // it takes its late velocity for 3 N, and forgets them as with readings
+        assert!((place - position(12)).abs() < 6e-8, "{} m", place - position(12));
+        assert!(observer.force().abs() < force.abs(), "{} N after {force} N", observer.force());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::*;
 const LOST: Input = Input { position_valid: false, ..Input::START };
 const RESTING: Expected = Expected {
     motion: 0.0,
+    bridged: 0.0,
     unforeseen: 0.0,
     reference: 0.0,
     asked: 0.0,
@@ -14,7 +15,7 @@ const RESTING: Expected = Expected {
     steady_spindle: true,
 };
 /// 10 nm in a sample
-const CRUISING: Expected = Expected { motion: 1e-8, reference: 1e-6, asked: 1e-8, ..RESTING };
+const CRUISING: Expected = Expected { motion: 1e-8, bridged: 1e-8, reference: 1e-6, asked: 1e-8, ..RESTING };
 
 fn at(position: f64) -> Input {
     Input { position, ..Input::START }
@@ -60,6 +61,21 @@ fn a_sample_where_the_stage_cannot_be_is_lost() {
     }
     let near = cruising().read(&Parameters::START, &at(1e-6 + 0.9e-8), &CRUISING);
     assert!(near.position.is_some());
+}
+
+#[test]
+fn behind_a_gap_the_stage_is_where_the_nominal_one_is() {
+    let gap = Expected { motion: 5e-8, ..CRUISING };
+    let believed = |error: f64| {
+        let mut reader = cruising();
+        (0..2).for_each(|_| _ = reader.read(&Parameters::START, &LOST, &gap));
+        reader.read(&Parameters::START, &at(1.02e-6 + error), &gap).position.is_some()
+    };
+    assert!(believed(9.9e-9) && believed(-9.9e-9) && !believed(1.01e-8) && !believed(-1.01e-8));
+    // a jump is no gap
+    let mut jumped = cruising();
+    jumped.read(&Parameters::START, &at(1e-3), &gap);
+    assert!(jumped.read(&Parameters::START, &at(1.09e-6), &gap).position.is_some());
 }
 
 #[test]

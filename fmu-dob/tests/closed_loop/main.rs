@@ -4,6 +4,7 @@ mod commission;
 mod detection;
 mod drive;
 mod faults;
+mod gaps;
 mod guard;
 mod hostile;
 mod jobs;

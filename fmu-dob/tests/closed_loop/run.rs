@@ -48,8 +48,9 @@ impl Loop {
 
     /// One communication step with changed inputs.
     pub fn step_with(&mut self, change: impl FnOnce(&mut Input)) {
+        let direction = self.parameters.direction();
         let mut input = Input {
-            position: self.slide.encoder(),
+            position: direction * self.slide.encoder(),
             spindle_speed: SPINDLE_SPEED,
             enable: self.steps >= IDLE,
             ..Input::START
@@ -57,7 +58,7 @@ impl Loop {
         change(&mut input);
         self.controller.bring_into_force(&mut self.parameters);
         self.controller.tick(&input, &self.parameters, &mut self.output);
-        self.slide.advance(self.output.current);
+        self.slide.advance(direction * self.output.current);
         self.steps += 1;
     }
 

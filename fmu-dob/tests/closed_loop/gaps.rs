@@ -1,0 +1,117 @@
+//! Readings that are lost for a few samples, anywhere in a job, and what comes behind them.
+
+use fmu_dob::interface::{DetectorKind, Fault, Input, Parameters, State};
+
+use crate::run::{Loop, NO_WORKPIECE};
+
+/// Loses `samples` readings.
+fn lose(run: &mut Loop, samples: u32) {
+    (0..samples).for_each(|_| run.step_with(|input| input.position_valid = false));
+}
+
+/// Steps until the job is done or a fault is told, for `time` s at most; the fault.
+fn told(run: &mut Loop, time: f64) -> Fault {
+    let limit = run.time() + time;
+    while !matches!(run.output.state, State::Done | State::Fault) && run.time() < limit {
+        run.step();
+    }
+    run.output.fault
+}
+
+/// Loops at places of a whole job: each sample from the contact to the end, each tenth as the approach begins, few at a constant speed.
+fn places(mut run: Loop) -> Vec<Loop> {
+    let mut places = Vec::new();
+    for k in 0.. {
+        let every = match run.output.state {
+            State::Contact | State::Retract => 1,
+            State::Approach if run.output.reference.velocity.abs() < 0.999 * run.parameters.approach.velocity => 10,
+            State::Done => return places,
+            _ => 400,
+        };
+        if k % every == 0 {
+            places.push(run.clone());
+        }
+        run.step();
+        assert_eq!(run.output.fault, Fault::None, "{:?}", run.output);
+    }
+    places
+}
+
+#[test]
+fn three_lost_readings_are_bridged_anywhere_in_a_job_and_four_are_told() {
+    for (direction, strength, seed) in [(1, 1.0, 20), (-1, 1.0, 21), (1, 0.7, 22), (-1, 1.3, 23)] {
+        let mut p = Parameters::START;
+        p.approach.direction = direction;
+        let mut run = Loop::new(&p, seed, 90e-6);
+        run.slide.strength = strength;
+        for place in places(run) {
+            for lost in 1..=4 {
+                let mut run = place.clone();
+                lose(&mut run, lost);
+                let expected = if lost < 4 { Fault::None } else { Fault::LostReading };
+                let what = format!("{strength} {:?} {} s, {lost}", place.output.state, place.time());
+                assert_eq!(told(&mut run, 0.25), expected, "{what}: {:?}", run.output);
+            }
+        }
+    }
+}
+
+#[test]
+fn more_may_be_lost_where_the_limit_says_so() {
+    let mut p = Parameters::START;
+    p.limits.lost_samples = 6;
+    for strength in [1.0, 1.3] {
+        let mut run = Loop::new(&p, 24, 90e-6);
+        run.slide.strength = strength;
+        for place in places(run).into_iter().filter(|place| place.output.state == State::Retract) {
+            let mut run = place.clone();
+            lose(&mut run, 6);
+            assert_eq!(told(&mut run, 0.25), Fault::None, "{strength} {} s: {:?}", place.time(), run.output);
+        }
+    }
+}
+
+/// What `lie` makes of the readings behind a gap of `lost` in `Detect`, for `samples`.
+fn behind_a_gap(detector: DetectorKind, lost: u32, samples: u32, mut lie: impl FnMut(&mut Input, &[f64])) -> Loop {
+    let mut run = Loop::new(&Parameters { detector, ..Parameters::START }, 71, NO_WORKPIECE);
+    assert!(run.run_to(State::Detect, 3.0));
+    let mut heard = Vec::new();
+    (0..50).for_each(|_| run.step_with(|input| heard.push(input.position)));
+    for _ in 0..lost {
+        run.step_with(|input| {
+            heard.push(input.position);
+            input.position_valid = false;
+        });
+    }
+    for _ in 0..samples {
+        run.step_with(|input| {
+            heard.push(input.position);
+            lie(input, &heard);
+        });
+        if run.output.contact || run.output.state == State::Fault {
+            break;
+        }
+    }
+    run
+}
+
+#[test]
+fn what_lies_behind_a_gap_is_told() {
+    for &detector in DetectorKind::ALL {
+        for lost in 1..=3 {
+            let told = |lie: &mut dyn FnMut(&mut Input, &[f64])| {
+                let run = behind_a_gap(detector, lost, 30, lie);
+                assert!(!run.output.contact && !run.output.drive_enable, "{detector:?} {lost}: {:?}", run.output);
+                run.output.fault
+            };
+            for jump in [-1e-3, -1e-6, -25e-9, 25e-9, 1e-6, 1e-3] {
+                assert_eq!(told(&mut |input, _| input.position += jump), Fault::ReadingJump, "{lost} {jump}");
+            }
+            let mut held = None;
+            let frozen = told(&mut |input, heard| {
+                input.position = *held.get_or_insert(heard[heard.len() - 2 - lost as usize]);
+            });
+            assert_eq!(frozen, Fault::FrozenReading, "{lost}");
+        }
+    }
+}
