@@ -16,6 +16,21 @@ fn lesson(p: &Parameters, seed: u64, sigma: f64, left: f64) -> Lesson {
     lesson
 }
 
+/// A whole lesson whose touches at speed `i` are found later than the bias tells, and go to and fro about that: `late(i)` and its swing, m.
+fn to_and_fro(p: &Parameters, late: impl Fn(usize) -> [f64; 2]) -> Lesson {
+    let mut lesson = Lesson::new(p);
+    while !lesson.over(p) {
+        let ([late, swing], round) = (late(lesson.next()), lesson.touches() / SPEEDS as u32);
+        lesson.take(p, TRUTH.at(lesson.velocity()) + late + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
+    }
+    lesson
+}
+
+/// Variance (m2) of four touches that go to and fro by `swing` m, with a step of the encoder.
+fn variance(swing: f64) -> f64 {
+    swing * swing * 4.0 / 3.0 + 1e-18 / 12.0
+}
+
 #[test]
 fn it_goes_through_all_speeds_again_and_again() {
     let p = Parameters::START;
@@ -55,15 +70,8 @@ fn the_parts_are_found_and_as_sure_as_told() {
 #[test]
 fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
     let p = Parameters::START;
-    let mut lesson = Lesson::new(&p);
-    while !lesson.over(&p) {
-        let round = lesson.touches() / SPEEDS as u32;
-        // to and fro by 50 nm at the slowest, and by 5 nm
-        let swing = if lesson.next() == 0 { 5e-8 } else { 5e-9 };
-        lesson.take(&p, TRUTH.at(lesson.velocity()) + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
-    }
+    let lesson = to_and_fro(&p, |i| [0.0, if i == 0 { 5e-8 } else { 5e-9 }]);
     let (taught, spread) = lesson.conclude(&p, 0).unwrap();
-    let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
     let pooled = (variance(5e-8) + 4.0 * variance(5e-9)) / 5.0;
     assert!((taught.scatter / pooled.sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
     // three degrees of freedom of its own, and two, less the two of Student's variance
@@ -79,16 +87,9 @@ fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
 #[test]
 fn the_slowest_may_be_left_out_and_is_as_unsure_as_its_touches_are_off() {
     let p = Parameters::START;
-    let mut lesson = Lesson::new(&p);
-    while !lesson.over(&p) {
-        let round = lesson.touches() / SPEEDS as u32;
-        // to and fro by 200 nm about 400 nm too late, or by 5 nm
-        let (late, swing) = if lesson.next() == 0 { (4e-7, 2e-7) } else { (0.0, 5e-9) };
-        lesson.take(&p, TRUTH.at(lesson.velocity()) + late + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
-    }
+    let lesson = to_and_fro(&p, |i| if i == 0 { [4e-7, 2e-7] } else { [0.0, 5e-9] });
     let (whole, (taught, spread)) = (lesson.conclude(&p, 0).unwrap().0, lesson.conclude(&p, 1).unwrap());
     assert_eq!((whole.velocity_min, taught.velocity_min), (lesson.speeds[0], lesson.speeds[1]));
-    let variance = |x: f64| x * x * 4.0 / 3.0 + 1e-18 / 12.0;
     assert!((taught.scatter / variance(5e-9).sqrt() - 1.0).abs() < 1e-9, "{taught:?}");
     assert!((taught.scatter_deviation / taught.scatter / 24f64.sqrt().recip() - 1.0).abs() < 1e-9, "{taught:?}");
     assert!((taught.parts().at(1e-4) - TRUTH.at(1e-4)).abs() < 1e-12, "{taught:?}");
@@ -123,13 +124,7 @@ fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
 fn what_the_three_parts_do_not_explain_makes_them_less_sure() {
     let p = Parameters::START;
     let bent = |by: f64| {
-        let mut lesson = Lesson::new(&p);
-        while !lesson.over(&p) {
-            let odd = if lesson.next() == 2 { by } else { 0.0 };
-            // to and fro by 10 nm
-            let scatter = if (lesson.touches() / SPEEDS as u32).is_multiple_of(2) { 1e-8 } else { -1e-8 };
-            lesson.take(&p, TRUTH.at(lesson.velocity()) + odd + scatter, 0.0);
-        }
+        let lesson = to_and_fro(&p, |i| [if i == 2 { by } else { 0.0 }, 1e-8]);
         lesson.conclude(&p, 0).unwrap().0.deviation
     };
     assert!(bent(1e-7) > 3.0 * bent(0.0), "{} {}", bent(1e-7), bent(0.0));
