@@ -30,7 +30,7 @@ pub use monitoring::jump::{JumpGuard, Reach};
 pub use monitoring::progress::Progress;
 pub use monitoring::response::Response;
 pub use monitoring::reversals::Reversals;
-pub use monitoring::safe_end::SafeEnd;
+pub use monitoring::reaction::Reaction;
 pub use motion::quintic::{QUINTIC_ACCELERATION, Quintic, minimum_jerk, minimum_jerk_rates, quintic_duration};
 pub use motion::ramp::{ramp, ramp_between};
 pub use motion::trajectory::{Trajectory, stopping_distance};

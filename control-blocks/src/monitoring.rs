@@ -8,4 +8,4 @@ pub mod jump;
 pub mod progress;
 pub mod response;
 pub mod reversals;
-pub mod safe_end;
+pub mod reaction;

@@ -83,13 +83,13 @@ mod instance;
 mod model;
 mod table;
 
-pub use description::readme::{assert_readme, markdown};
+pub use description::pages::assert_pages;
 pub use fmi2_export_macros::interface;
 pub use model::{Env, Error, Info, Interface, Model, Report};
 pub use serde;
 #[doc(hidden)]
 pub use table::check::variable as check_variable;
-pub use table::enumeration::{EnumType, Enumeration, Item};
+pub use table::enumeration::{EnumType, Enumeration, Item, Reaction};
 pub use table::units::{self, DisplayUnit, Unit};
 pub use table::variable::Variable;
 

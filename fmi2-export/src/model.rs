@@ -199,7 +199,7 @@ impl Env<'_> {
 
     /// Tells a new fault, else a new state, with meaning and hint as the enumerations describe them.
     pub(crate) fn report(&self, before: Report, now: Report, numbers: impl FnOnce() -> String) {
-        let line = |kind: &str, Item { name, description, hint }: &Item| {
+        let line = |kind: &str, Item { name, description, hint, .. }: &Item| {
             let hint = if hint.is_empty() { String::new() } else { format!("\nhint: {hint}") };
             format!("{kind} `{name}`: {description}{}{hint}", numbers())
         };

@@ -7,7 +7,7 @@ use syn::punctuated::Punctuated;
 use syn::{Attribute, Expr, ExprRange, Ident, LitStr, Path, RangeLimits, Token, bracketed};
 
 /// Keys of `#[var(...)]`, in the order of the documentation.
-const KEYS: &str = "`name`, `unit`, `range`, `start`, `paper`, `nominal`, `source`, `fields`, `tunable`, `calculated`, `local`, `accepts_nan`, `hidden`";
+const KEYS: &str = "`name`, `unit`, `range`, `start`, `paper`, `nominal`, `source`, `fields`, `tunable`, `calculated`, `local`, `essential`, `expert`, `accepts_nan`, `hidden`";
 
 /// The settings of one field.
 #[derive(Default)]
@@ -86,7 +86,7 @@ impl Attributes {
     /// Reads what follows a key.
     fn read(&mut self, key: &Ident, input: ParseStream) -> syn::Result<()> {
         match key.to_string().as_str() {
-            "tunable" | "calculated" | "local" | "accepts_nan" | "hidden" => {
+            "tunable" | "calculated" | "local" | "essential" | "expert" | "accepts_nan" | "hidden" => {
                 self.flags.push(key.clone());
                 return Ok(());
             }

@@ -3,9 +3,11 @@
 use std::collections::HashMap;
 
 use proc_macro2::Span;
+use syn::parse::{Parse, ParseStream};
+use syn::punctuated::Punctuated;
 use syn::{
-    Attribute, Expr, ExprLit, Ident, Item, ItemEnum, ItemMod, ItemStruct, Lit, LitStr, Meta, Type, Visibility,
-    parse_quote,
+    Attribute, Expr, ExprLit, Ident, Item, ItemEnum, ItemMod, ItemStruct, Lit, LitStr, Meta, Path, Token, Type, Visibility,
+    bracketed, parse_quote,
 };
 
 use crate::attributes::Attributes;
@@ -80,6 +82,7 @@ pub struct Choice {
     pub name: Ident,
     pub docs: String,
     pub items: Vec<ChoiceItem>,
+    pub reactions: Option<Reactions>,
 }
 
 /// An item of an enumeration; its number is its place, from 1.
@@ -88,6 +91,53 @@ pub struct ChoiceItem {
     pub name: Ident,
     pub docs: String,
     pub hint: Option<LitStr>,
+    /// Reaction to a fault: an item of [`Reactions`].
+    pub reaction: Option<Ident>,
+    /// How a fault is detected.
+    pub detection: Option<LitStr>,
+}
+
+/// `#[reactions(Type, Item = ["what the machine does", "how the fault is acknowledged"], ...)]`: the mildest first.
+pub struct Reactions {
+    /// An enumeration of Rust that has the items.
+    pub ty: Path,
+    pub items: Vec<ReactionItem>,
+}
+
+/// One reaction.
+pub struct ReactionItem {
+    pub name: Ident,
+    pub description: LitStr,
+    pub acknowledge: LitStr,
+}
+
+impl Parse for Reactions {
+    fn parse(input: ParseStream) -> syn::Result<Self> {
+        let ty = input.call(Path::parse_mod_style)?;
+        input.parse::<Token![,]>()?;
+        let items: Vec<_> = Punctuated::<ReactionItem, Token![,]>::parse_terminated(input)?.into_iter().collect();
+        if items.is_empty() {
+            return Err(input.error("`reactions` lists at least one reaction"));
+        }
+        Ok(Self { ty, items })
+    }
+}
+
+impl Parse for ReactionItem {
+    fn parse(input: ParseStream) -> syn::Result<Self> {
+        let name = input.parse()?;
+        input.parse::<Token![=]>()?;
+        let texts;
+        bracketed!(texts in input);
+        let description = texts.parse()?;
+        texts.parse::<Token![,]>()?;
+        let acknowledge = texts.parse()?;
+        texts.parse::<Option<Token![,]>>()?;
+        if !texts.is_empty() {
+            return Err(texts.error("a reaction has two texts: what the machine does, how the fault is acknowledged"));
+        }
+        Ok(Self { name, description, acknowledge })
+    }
 }
 
 impl Root {
@@ -288,17 +338,26 @@ impl Choice {
                 return Err(syn::Error::new(variant.ident.span(), text));
             }
             let mut attributes = variant.attrs;
-            let hints: Vec<_> = attributes.extract_if(.., |attribute| attribute.path().is_ident("hint")).collect();
-            if let Some(second) = hints.get(1) {
-                return Err(syn::Error::new_spanned(second, format!("`{}`: an item has one hint", variant.ident)));
-            }
-            let hint = hints.first().map(Attribute::parse_args::<LitStr>).transpose()?;
+            let hint = take(&mut attributes, "hint", &variant.ident)?;
+            let reaction = take(&mut attributes, "reaction", &variant.ident)?;
+            let detection = take(&mut attributes, "detection", &variant.ident)?;
             let docs = docs(&attributes);
-            items.push(ChoiceItem { attributes, name: variant.ident, docs, hint });
+            items.push(ChoiceItem { attributes, name: variant.ident, docs, hint, reaction, detection });
         }
-        let docs = docs(&item.attrs);
-        Ok(Self { attributes: item.attrs, visibility: item.vis, name: item.ident, docs, items })
+        let mut attributes = item.attrs;
+        let reactions = take(&mut attributes, "reactions", &item.ident)?;
+        let docs = docs(&attributes);
+        Ok(Self { attributes, visibility: item.vis, name: item.ident, docs, items, reactions })
     }
+}
+
+/// Takes `#[name(value)]` out of the attributes; an item has at most one.
+fn take<T: Parse>(attributes: &mut Vec<Attribute>, name: &str, of: &Ident) -> syn::Result<Option<T>> {
+    let found: Vec<_> = attributes.extract_if(.., |attribute| attribute.path().is_ident(name)).collect();
+    if let Some(second) = found.get(1) {
+        return Err(syn::Error::new_spanned(second, format!("`{of}`: has `#[{name}]` twice")));
+    }
+    found.first().map(Attribute::parse_args::<T>).transpose()
 }
 
 /// The doc comment as one line without a full stop at its end.

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 use syn::Ident;
 
-use crate::declaration::{Choice, Declaration, Field, Group, Kind, Root, Shape};
+use crate::declaration::{Choice, Declaration, Field, Group, Kind, ReactionItem, Reactions, Root, Shape};
 use crate::rows::Row;
 use crate::table;
 
@@ -37,7 +37,7 @@ fn derives(copy: bool) -> TokenStream {
 }
 
 fn choice(choice: &Choice) -> TokenStream {
-    let Choice { attributes, visibility, name, docs, items } = choice;
+    let Choice { attributes, visibility, name, docs, items, reactions } = choice;
     let derives = derives(true);
     let names: Vec<_> = items.iter().map(|item| &item.name).collect();
     let numbers: Vec<i32> = (1..).take(items.len()).collect();
@@ -47,9 +47,18 @@ fn choice(choice: &Choice) -> TokenStream {
     });
     let table = items.iter().map(|item| {
         let (name, docs) = (item.name.to_string(), &item.docs);
-        let hint = item.hint.as_ref().map_or(String::new(), syn::LitStr::value);
-        quote!(::fmi2_export::Item { name: #name, description: #docs, hint: #hint })
+        let text = |text: &Option<syn::LitStr>| text.as_ref().map_or(String::new(), syn::LitStr::value);
+        let (hint, detection) = (text(&item.hint), text(&item.detection));
+        let reaction = item.reaction.as_ref().map_or(String::new(), Ident::to_string);
+        quote!(::fmi2_export::Item {
+            name: #name, description: #docs, hint: #hint, reaction: #reaction, detection: #detection,
+        })
     });
+    let reaction_items = reactions.iter().flat_map(|reactions| &reactions.items).map(|item| {
+        let (name, ReactionItem { description, acknowledge, .. }) = (item.name.to_string(), item);
+        quote!(::fmi2_export::Reaction { name: #name, description: #description, acknowledge: #acknowledge })
+    });
+    let reaction = reactions.as_ref().map(|reactions| reaction(choice, reactions));
     let label = name.to_string();
     quote! {
         #(#attributes)*
@@ -62,11 +71,14 @@ fn choice(choice: &Choice) -> TokenStream {
             /// All items, in the order of their numbers.
             #[allow(dead_code, reason = "not every enumeration is walked through")]
             #visibility const ALL: &'static [Self] = &[#(Self::#names),*];
+            #reaction
         }
 
         impl ::fmi2_export::Enumeration for #name {
             const TYPE: &'static ::fmi2_export::EnumType =
-                &::fmi2_export::EnumType { name: #label, description: #docs, items: &[#(#table),*] };
+                &::fmi2_export::EnumType {
+                    name: #label, description: #docs, items: &[#(#table),*], reactions: &[#(#reaction_items),*],
+                };
             fn from_number(number: i32) -> ::core::option::Option<Self> {
                 match number {
                     #(#numbers => ::core::option::Option::Some(Self::#names),)*
@@ -76,6 +88,22 @@ fn choice(choice: &Choice) -> TokenStream {
             fn number(self) -> i32 {
                 self as i32
             }
+        }
+    }
+}
+
+/// The reaction to each fault; no fault has the mildest.
+fn reaction(choice: &Choice, reactions: &Reactions) -> TokenStream {
+    let (visibility, ty) = (&choice.visibility, &reactions.ty);
+    let arms = choice.items.iter().map(|item| {
+        let reaction = item.reaction.as_ref().unwrap_or(&reactions.items[0].name);
+        let name = &item.name;
+        quote!(Self::#name => #ty::#reaction)
+    });
+    quote! {
+        /// What the machine does when this fault occurs.
+        #visibility const fn reaction(self) -> #ty {
+            match self { #(#arms),* }
         }
     }
 }

@@ -6,6 +6,9 @@ use syn::{Expr, Ident, LitStr};
 
 use crate::declaration::{Declaration, Field, Group, Kind, Root, Shape};
 
+/// What the names of expert parameters start with.
+const EXPERT: &str = "expert.";
+
 /// One row of the variable table.
 pub struct Row<'a> {
     pub root: Root,
@@ -23,16 +26,19 @@ pub struct Row<'a> {
     pub index: Option<usize>,
     /// The field that is the group of this one.
     pub group: Option<&'a Field>,
+    /// Flags of the groups around the field: what they say is true of it, too.
+    pub around: Vec<&'a Field>,
 }
 
-/// All rows: inputs, outputs, parameters, each in the order of the declaration.
+/// All rows: inputs, outputs, parameters, each in the order of the declaration; expert parameters come last.
 pub fn collect(declaration: &Declaration) -> Vec<Row<'_>> {
     let mut rows = Vec::new();
     for root in [Root::Inputs, Root::Outputs, Root::Parameters] {
         if let Some(group) = declaration.root(root) {
-            Walk { declaration, root, rows: &mut rows }.group(group, "", None, None, None);
+            Walk { declaration, root, rows: &mut rows, around: Vec::new() }.group(group, "", None, None, None);
         }
     }
+    rows.sort_by_key(|row| row.flag("expert"));
     rows
 }
 
@@ -41,6 +47,7 @@ struct Walk<'a, 'b> {
     declaration: &'a Declaration,
     root: Root,
     rows: &'b mut Vec<Row<'a>>,
+    around: Vec<&'a Field>,
 }
 
 impl<'a> Walk<'a, '_> {
@@ -60,12 +67,18 @@ impl<'a> Walk<'a, '_> {
             match &field.shape {
                 Shape::Hidden => (),
                 Shape::Group(ty) => {
+                    self.around.push(field);
                     self.group(self.declaration.group(ty), &format!("{full}."), Some(&way), index, Some(field));
+                    self.around.pop();
                 }
-                Shape::Repeated(ty, count) => (0..*count).for_each(|i| {
-                    let group = self.declaration.group(ty);
-                    self.group(group, &format!("{full}{}.", i + 1), Some(&quote!(#way[#i])), Some(i), Some(field));
-                }),
+                Shape::Repeated(ty, count) => {
+                    self.around.push(field);
+                    for i in 0..*count {
+                        let group = self.declaration.group(ty);
+                        self.group(group, &format!("{full}{}.", i + 1), Some(&quote!(#way[#i])), Some(i), Some(field));
+                    }
+                    self.around.pop();
+                }
                 Shape::Scalar(kind) => self.push(full, way, field, kind, index, of),
                 Shape::Array(kind, length) => {
                     self.push(full, way, field, kind, index, of);
@@ -91,8 +104,13 @@ impl<'a> Walk<'a, '_> {
         index: Option<usize>,
         group: Option<&'a Field>,
     ) {
-        let root = self.root;
-        self.rows.push(Row { root, name, way, field, kind, length: None, component: None, index, group });
+        let (root, around) = (self.root, self.around.clone());
+        let mut row = Row { root, name, way, field, kind, length: None, component: None, index, group, around };
+        if row.flag("expert") {
+            // dialogs of importers group variables by the parts of their names
+            row.name.insert_str(0, EXPERT);
+        }
+        self.rows.push(row);
     }
 
     fn last(&mut self) -> &mut Row<'a> {
@@ -101,6 +119,11 @@ impl<'a> Walk<'a, '_> {
 }
 
 impl Row<'_> {
+    /// Whether the field, or a group around it, has a flag.
+    pub fn flag(&self, name: &str) -> bool {
+        std::iter::once(&self.field).chain(&self.around).any(|field| field.var.flag(name).is_some())
+    }
+
     /// The way from the variables to the value.
     pub fn access(&self) -> TokenStream {
         let (root, way) = (self.root.field(), &self.way);

@@ -42,6 +42,24 @@ fn check_choice(choice: &Choice, errors: &mut Errors) {
     for item in choice.items.iter().filter(|item| item.docs.is_empty()) {
         refuse(errors, item.name.span(), &item.name, "an item needs a description: a doc comment");
     }
+    check_reactions(choice, errors);
+}
+
+/// In an enumeration of faults every item but the first, no fault, has a reaction, a detection and a hint.
+fn check_reactions(choice: &Choice, errors: &mut Errors) {
+    let known: Vec<_> = choice.reactions.iter().flat_map(|reactions| &reactions.items).map(|item| &item.name).collect();
+    for (i, item) in choice.items.iter().enumerate() {
+        let is_whole = item.reaction.is_some() && item.detection.is_some() && item.hint.is_some();
+        let rule = match &item.reaction {
+            None if item.detection.is_some() && known.is_empty() => "a detection needs `#[reactions]` at the enumeration",
+            Some(reaction) if !known.contains(&reaction) => "this reaction is not listed in `#[reactions]`",
+            _ if !known.is_empty() && i > 0 && !is_whole => {
+                "a fault has `#[reaction(...)]`, `#[detection(\"...\")]` and `#[hint(\"...\")]`"
+            }
+            _ => continue,
+        };
+        refuse(errors, item.name.span(), &item.name, rule);
+    }
 }
 
 fn check_field(field: &Field, errors: &mut Errors) {
@@ -73,8 +91,16 @@ fn check_field(field: &Field, errors: &mut Errors) {
         "a group has no value of the paper, its fields have",
     );
     must(start.is_some() || kind.is_some() || group, at, "what is no variable needs `start = ...`");
-    let flags = var.flags.len();
-    must(flags < 2, var.flags.last().map(Ident::span), "has at most one of the flags");
+    let tiers = ["essential", "expert"];
+    let kinds = ["tunable", "calculated", "local", "accepts_nan", "hidden"];
+    for alternatives in [&tiers[..], &kinds[..]] {
+        let found: Vec<_> = alternatives.iter().filter_map(|flag| var.flag(flag)).collect();
+        let rule = format!("has at most one of the flags `{}`", alternatives.join("`, `"));
+        must(found.len() < 2, found.last().map(|flag| flag.span()), &rule);
+    }
+    let of_a_group = |flag: &&Ident| *flag == "local" || *flag == "expert";
+    let misplaced = var.flags.iter().find(|flag| !of_a_group(flag));
+    must(!group, misplaced.map(Ident::span), "a group takes only the flags `local` and `expert`");
 }
 
 /// What depends on where the field is used.
@@ -84,13 +110,16 @@ fn check_role(row: &Row, errors: &mut Errors) {
         "local" => row.root == Root::Outputs,
         _ => row.root == Root::Parameters,
     };
-    if let Some(flag) = row.field.var.flags.iter().find(|flag| !allowed(&flag.to_string())) {
+    let fields = std::iter::once(&row.field).chain(&row.around);
+    let flags = fields.flat_map(|field| field.var.flags.iter().map(|flag| (&field.name, flag)));
+    for (name, flag) in flags.filter(|(_, flag)| !allowed(&flag.to_string())) {
         let rule = match flag.to_string().as_str() {
             "accepts_nan" => "only an input accepts NaN",
             "local" => "only an output can be local",
+            "essential" | "expert" => "only a parameter has a tier",
             _ => "only a parameter is tunable or calculated",
         };
-        refuse(errors, flag.span(), &row.field.name, rule);
+        refuse(errors, flag.span(), name, rule);
     }
     if let (Some(name), Some(0)) = (&row.field.var.name, row.index) {
         refuse(

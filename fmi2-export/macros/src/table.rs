@@ -1,7 +1,8 @@
 //! The rows of the variable table, as `fmi2-export` takes them.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
+use syn::Ident;
 
 use crate::declaration::{Declaration, Kind, Root};
 use crate::force;
@@ -66,6 +67,8 @@ fn row(row: &Row) -> TokenStream {
     let role = role(row);
     let (docs, head) = (row.description(), row.head());
     let head = (!head.is_empty()).then(|| quote!(.head(#head)));
+    let tier = ["essential", "expert"].into_iter().find(|tier| row.flag(tier));
+    let tier = tier.map(|tier| Ident::new(tier, Span::call_site())).map(|tier| quote!(.#tier()));
     let var = &row.field.var;
     let unit = var.unit.as_ref().map(|unit| {
         let display = unit.display.as_ref().map(|display| quote!(.display(#display)));
@@ -90,7 +93,7 @@ fn row(row: &Row) -> TokenStream {
             const INDEX: usize = #index;
         }
     });
-    quote!({ #index #new.#role() #unit #range #nominal #accepts_nan #text .describe(#docs) #head #source #paper })
+    quote!({ #index #new.#role() #unit #range #nominal #accepts_nan #text .describe(#docs) #head #source #paper #tier })
 }
 
 /// The constructor with name, start value and accessors.
@@ -136,7 +139,7 @@ fn new(row: &Row) -> TokenStream {
 }
 
 fn role(row: &Row) -> TokenStream {
-    let flag = |name| row.field.var.flag(name).is_some();
+    let flag = |name| row.flag(name);
     match row.root {
         Root::Inputs => quote!(input),
         Root::Outputs if flag("local") => quote!(local),

@@ -5,5 +5,5 @@ mod cells;
 pub mod documentation;
 pub mod files;
 pub mod model_description;
-pub mod readme;
+pub mod pages;
 mod xml;

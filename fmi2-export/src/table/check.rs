@@ -261,11 +261,15 @@ mod tests {
         text.start_text(start)
     }
 
+    const fn item(name: &'static str) -> Item {
+        Item { name, description: "x", hint: "", reaction: "", detection: "" }
+    }
+
     const MODE: EnumType =
-        EnumType { name: "Mode", description: "x", items: &[Item { name: "Off", description: "x", hint: "" }] };
+        EnumType { name: "Mode", description: "x", items: &[item("Off")], reactions: &[] };
 
     const OTHER_MODE: EnumType =
-        EnumType { name: "Mode", description: "x", items: &[Item { name: "On", description: "x", hint: "" }] };
+        EnumType { name: "Mode", description: "x", items: &[item("On")], reactions: &[] };
     const OTHER_METRE: Unit = Unit::si("m", [0, 2, 0, 0, 0], &[]);
     const INFINITE: Unit = Unit { factor: f64::INFINITY, ..OTHER_METRE };
     const SHOWN_INFINITE: Unit = Unit { display: &[DisplayUnit { name: "inf", factor: f64::INFINITY }], ..OTHER_METRE };

@@ -9,6 +9,8 @@ pub struct EnumType {
     pub description: &'static str,
     /// Items in the order of their numbers, the first is 1.
     pub items: &'static [Item],
+    /// Reactions to the items where they are faults, the mildest first; empty for other enumerations.
+    pub reactions: &'static [Reaction],
 }
 
 /// One item of an enumeration.
@@ -20,6 +22,21 @@ pub struct Item {
     pub description: &'static str,
     /// What to do about it; empty where there is nothing to do.
     pub hint: &'static str,
+    /// Name of the reaction to a fault; empty where there is none.
+    pub reaction: &'static str,
+    /// How a fault is detected; empty where the item is not a fault.
+    pub detection: &'static str,
+}
+
+/// What a machine does when a fault occurs.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Reaction {
+    /// Name of the reaction.
+    pub name: &'static str,
+    /// What the machine does.
+    pub description: &'static str,
+    /// How the fault is acknowledged.
+    pub acknowledge: &'static str,
 }
 
 impl PartialEq for Item {

@@ -4,6 +4,12 @@ use crate::table::enumeration::EnumType;
 use crate::table::place::Place;
 use crate::table::units::Unit;
 
+/// Whether local variables become outputs, for tools that connect outputs only: a choice of the packer.
+const ALL_OUTPUTS: bool = match option_env!("FMI2_EXPORT_OUTPUTS") {
+    Some(choice) => crate::table::text::same(choice, "all"),
+    None => false,
+};
+
 /// One row of the table: name, accessors, role, unit, range, start value and text.
 ///
 /// Made by [`interface`](macro@crate::interface) with the constructors and methods below.
@@ -20,9 +26,20 @@ pub struct Variable<V: 'static> {
     pub(crate) paper: Option<f64>,
     /// The same of a String; empty where it does not differ.
     pub(crate) paper_text: &'static str,
+    pub(crate) tier: Tier,
     /// Number of elements when the variable is an array.
     pub(crate) size: Option<usize>,
     pub(crate) kind: Kind<V>,
+}
+
+/// How many users need a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tier {
+    /// To be set on every machine.
+    Essential,
+    Normal,
+    /// For specialists; listed last, its name starts with `expert.`.
+    Expert,
 }
 
 /// Causality and variability in one: the combinations a sampled controller needs.
@@ -85,7 +102,18 @@ impl<V> Kind<V> {
 #[allow(unsafe_code, clippy::missing_safety_doc, reason = "told above for all of them")]
 impl<V> Variable<V> {
     const fn new(name: &'static str, size: Option<usize>, kind: Kind<V>) -> Self {
-        Self { name, role: None, description: "", head: "", source: "", paper: None, paper_text: "", size, kind }
+        Self {
+            name,
+            role: None,
+            description: "",
+            head: "",
+            source: "",
+            paper: None,
+            paper_text: "",
+            tier: Tier::Normal,
+            size,
+            kind,
+        }
     }
 
     pub const unsafe fn new_real(
@@ -151,8 +179,6 @@ roles! {
     input: Input;
     /// An output, held between samples.
     output: Output;
-    /// An internal quantity worth plotting.
-    local: Local;
     /// A parameter that is fixed after initialization.
     parameter: Parameter;
     /// A parameter that may also change between steps.
@@ -189,6 +215,18 @@ impl<V> Variable<V> {
     /// What the start value of a String is in the paper that the model follows.
     pub const fn paper_text(mut self, text: &'static str) -> Self {
         self.paper_text = text;
+        self
+    }
+
+    /// A parameter that is set on every machine.
+    pub const fn essential(mut self) -> Self {
+        self.tier = Tier::Essential;
+        self
+    }
+
+    /// A parameter for specialists.
+    pub const fn expert(mut self) -> Self {
+        self.tier = Tier::Expert;
         self
     }
 
@@ -246,6 +284,11 @@ impl<V> Variable<V> {
             _ => panic!("only a String takes its start value from the table"),
         }
         self
+    }
+
+    /// An internal quantity worth plotting; an output where the crate is compiled with `FMI2_EXPORT_OUTPUTS=all`.
+    pub const fn local(self) -> Self {
+        self.with_role(if ALL_OUTPUTS { Role::Output } else { Role::Local })
     }
 
     const fn with_role(mut self, role: Role) -> Self {
