@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cosim.errors import CosimError
-    from cosim.loop.judge import judge
+    from cosim.loop.evaluate import evaluate
     from cosim.loop.result import Result
     from cosim.loop.session import Session
     from cosim.optimize.results import OptimizeResult, optimize
@@ -34,7 +34,7 @@ __all__ = [
     "Scenario",
     "Session",
     "SweepResult",
-    "judge",
+    "evaluate",
     "load",
     "optimize",
     "read_trace",
@@ -44,7 +44,7 @@ __all__ = [
     "sweep",
 ]
 
-PLACES = {
+LOCATIONS = {
     "CosimError": "cosim.errors.CosimError",
     "Limits": "cosim.pool.limits.Limits",
     "OptimizeResult": "cosim.optimize.results.OptimizeResult",
@@ -52,7 +52,7 @@ PLACES = {
     "Scenario": "cosim.scenario.model.Scenario",
     "Session": "cosim.loop.session.Session",
     "SweepResult": "cosim.sweep.results.SweepResult",
-    "judge": "cosim.loop.judge.judge",
+    "evaluate": "cosim.loop.evaluate.evaluate",
     "load": "cosim.scenario.load.load",
     "read_trace": "cosim.trace.files.read",
     "run": "cosim.pool.runs.run",
@@ -60,13 +60,17 @@ PLACES = {
     "run_many": "cosim.pool.runs.run_many",
 }
 """Where each public name is defined."""
+RENAMED = {"judge": "evaluate"}
+"""Public names of version 0.1 and their replacements."""
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is asked for."""
-    if name not in PLACES:
+    if name in RENAMED:
+        raise AttributeError(f"`cosim.{name}` was renamed in 0.2.0: use `cosim.{RENAMED[name]}`")
+    if name not in LOCATIONS:
         raise AttributeError(f"module `{__name__}` has no attribute `{name}`")
-    module, _, there = PLACES[name].rpartition(".")
+    module, _, there = LOCATIONS[name].rpartition(".")
     value = getattr(import_module(module), there)
     globals()[name] = value
     return value

@@ -8,7 +8,7 @@ import signal
 import sys
 from typing import Any
 
-MOST_SIGNALS = 64
+MAX_SIGNALS = 64
 ARITHMETIC_ROOM, ACTION_ROOM = 64, 256
 """Bytes that hold an `fenv_t` and a `struct sigaction` of any system."""
 LIMITS = "resource limits"
@@ -96,7 +96,7 @@ def signals() -> list[object]:
     blocked = signal.pthread_sigmask(signal.SIG_BLOCK, ())
     found: list[object] = [blocked, signal.getitimer(signal.ITIMER_REAL)[0] > 0.0]
     room = ctypes.create_string_buffer(ACTION_ROOM)
-    for number in range(1, MOST_SIGNALS + 1):
+    for number in range(1, MAX_SIGNALS + 1):
         _c.sigaction(number, None, room)
         found.append(room[:HANDLER])
     return found

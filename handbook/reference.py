@@ -28,7 +28,7 @@ def python() -> str:
     """Page of all public names; mkdocstrings puts in what their documentation says."""
     parts = ["# Python", "`import cosim` is cheap: what a name needs is imported when it is first used."]
     for name in cosim.__all__:
-        place = cosim.PLACES.get(name, f"cosim.{name}.results.{name}")
+        place = cosim.LOCATIONS.get(name, f"cosim.{name}.results.{name}")
         parts.append(f'::: {place}\n    options:\n      heading: "cosim.{name}"\n      toc_label: "{name}"')
     return "\n\n".join(parts) + "\n"
 

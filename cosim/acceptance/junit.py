@@ -7,10 +7,10 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from cosim.acceptance.runner import Outcomes
+from cosim.formatting.verdicts import NOTHING_DEMANDED, limits, measured
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
 from cosim.pool.job import Outcome
-from cosim.words.verdicts import NOTHING_DEMANDED, limits, measured
 
 BEGINNING = re.compile(rb"\s*(<\?xml[^>]*>\s*)?<testsuite")
 """How a file of this kind begins, of whatever program."""
@@ -37,7 +37,7 @@ def suite(name: str, outcome: Outcome) -> Element:
     else:
         found.set("time", f"{outcome.wall_s:.3f}")
         for verdict in outcome.criteria:
-            judged(case(found, name, verdict.criterion.id), verdict)
+            add_verdict(case(found, name, verdict.criterion.id), verdict)
     found.set("tests", str(len(found)))
     for count, kind in COUNTS.items():
         found.set(count, str(len(found.findall(f"testcase/{kind}"))))
@@ -49,7 +49,7 @@ def case(parent: Element, scenario: str, name: str) -> Element:
     return SubElement(parent, "testcase", classname=scenario, name=name)
 
 
-def judged(found: Element, verdict: Verdict) -> None:
+def add_verdict(found: Element, verdict: Verdict) -> None:
     """Note that a criterion does not hold."""
     if not verdict.passed:
         problem = f"{verdict.criterion.claim}: measured {measured(verdict)}, limit {limits(verdict)}"

@@ -9,11 +9,11 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 
 from cosim.acceptance.runner import Outcomes
+from cosim.formatting.verdicts import NOTHING_DEMANDED, row
 from cosim.loop.result import Result
 from cosim.show.bar import plain_console
 from cosim.show.display import pass_text
 from cosim.show.listing import plain_table
-from cosim.words.verdicts import NOTHING_DEMANDED, row
 
 COLUMNS = ("scenario", "claim", "paper", "measured", "limit", "pass")
 BEGINNING = re.compile(rb"\s+".join(map(str.encode, COLUMNS)))

@@ -14,8 +14,8 @@ import typer.exceptions
 from cosim import errors, interrupts
 from cosim.cli.check import check
 from cosim.cli.compare import compare
+from cosim.cli.evaluate import evaluate
 from cosim.cli.exchange.ssp import ssp
-from cosim.cli.judge import judge
 from cosim.cli.listing import list_scenarios
 from cosim.cli.media.report import report as report_page
 from cosim.cli.media.video import video
@@ -58,7 +58,7 @@ app.command("test")(run_tests)
 app.command("report")(report_page)
 app.command()(view)
 app.command()(video)
-app.command()(judge)
+app.command()(evaluate)
 app.command()(compare)
 app.command()(sweep)
 app.command()(optimize)

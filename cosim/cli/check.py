@@ -12,10 +12,10 @@ from cosim import paths
 from cosim.cli.options import COULD_NOT_RUN, InProcess, Quiet, Timeout, Verbose, checked_limits
 from cosim.cli.tasks import Check, place
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.scenario import complete
 from cosim.scenario.checked import Checked
 from cosim.show.console import configure_logging, report
-from cosim.words import strict
 from cosim.writing import write
 
 log = logging.getLogger("cosim")

@@ -10,10 +10,10 @@ from typer import Argument, Option
 
 from cosim.cli.options import FAILED, Quiet, Set, Verbose
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.loop import engines
 from cosim.show.console import configure_logging, output, progress_bar
 from cosim.trace.endings import READ, listed
-from cosim.words import strict
 from cosim.writing import write
 
 if TYPE_CHECKING:

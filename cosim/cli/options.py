@@ -19,7 +19,7 @@ INTERRUPTED = interrupts.INTERRUPTED
 """Exit code: Ctrl-C."""
 READER_GONE = 141
 """Exit code: nobody reads stdout any more, as a shell tells it of SIGPIPE."""
-MOST_SEED = 2**63 - 1
+MAX_SEED = 2**63 - 1
 """Largest seed: integers of scenarios have 64 bits."""
 
 Timeout = Annotated[float | None, Option(metavar="S", help="Most wall time in s.")]

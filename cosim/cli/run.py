@@ -10,7 +10,7 @@ from typer import Option
 
 from cosim.cli.options import (
     FAILED,
-    MOST_SEED,
+    MAX_SEED,
     InProcess,
     Json,
     Loop,
@@ -39,7 +39,7 @@ def run(
     loop: Loop,
     set_: Set = None,
     seed: Annotated[
-        int | None, Option(min=0, max=MOST_SEED, help="Seed of all noise, instead of the scenario's.")
+        int | None, Option(min=0, max=MAX_SEED, help="Seed of all noise, instead of the scenario's.")
     ] = None,
     seeds: Annotated[
         str | None,

@@ -10,8 +10,8 @@ from typer import Argument, Option
 from cosim.cli.options import checked_limits
 from cosim.cli.tasks import Schema, place
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.scenario import complete
-from cosim.words import strict
 from cosim.writing import write
 
 

@@ -10,10 +10,10 @@ import typer
 
 from cosim.cli.options import COULD_NOT_RUN, FAILED
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.loop.engines import Engine
 from cosim.pool.limits import Limits
 from cosim.show.console import output, progress_bar, report
-from cosim.words import strict
 from cosim.writing import write
 
 
@@ -36,7 +36,7 @@ def run_seeds(
     chosen = seeds.parse(text)
     with progress_bar(f"{scenario.name}, {len(chosen)} seeds", quiet) as progress:
         outcomes = seeds.run(scenario, chosen, engine, limits, progress)
-    found = seeds.survey(chosen, outcomes)
+    found = seeds.summarize(chosen, outcomes)
     runs = [seeds.plain(seed, outcome) for seed, outcome in zip(chosen, outcomes, strict=True)]
     if file is not None:
         write(strict.text(runs), file)

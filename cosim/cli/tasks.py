@@ -77,7 +77,7 @@ class Single:
     def run(self, bench: Bench) -> Report:
         """Run once."""
         from cosim.fmu import stale
-        from cosim.loop import course
+        from cosim.loop import time_series
         from cosim.scenario.load import load
         from cosim.show import display
         from cosim.trace import endings, files
@@ -92,7 +92,7 @@ class Single:
             session.check_drawn()
         stream = self.trace if self.trace and endings.streams(self.trace) else None
         if self.trace is not None:
-            course.check_apart(scenario, "--trace", self.trace)
+            time_series.check_apart(scenario, "--trace", self.trace)
             files.check_rows(self.trace, scenario.loop.rows)
         result = session.run(progress=bench.progress, stream=stream)
         return Report(

@@ -11,10 +11,10 @@ from typer import Argument, Option
 from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Timeout, Verbose, checked_limits
 from cosim.cli.run import check_outputs
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.loop import engines
 from cosim.scenario import complete
 from cosim.show.console import configure_logging, output, report
-from cosim.words import strict
 from cosim.writing import check_apart, check_text, write
 
 if TYPE_CHECKING:
@@ -109,10 +109,10 @@ def run_tests(
         console.print(shown)
     elif json != "-":
         print(text, end="", flush=True)
-    raise typer.Exit(judged(found))
+    raise typer.Exit(exit_code(found))
 
 
-def judged(outcomes: Mapping[str, Outcome]) -> int:
+def exit_code(outcomes: Mapping[str, Outcome]) -> int:
     """Exit code of all outcomes; errors are told."""
     code = 0
     for name, outcome in outcomes.items():

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from typer import Option
 
-from cosim.words.versions import PROJECT, version
+from cosim.formatting.versions import PROJECT, version
 
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
 """Distribution of each thing whose version is told."""

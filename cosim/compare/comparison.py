@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.compare.tube import Tube
-from cosim.words import strict
-from cosim.words.strict import plain
+from cosim.formatting import strict
+from cosim.formatting.strict import plain
 
 
 @dataclass(frozen=True)

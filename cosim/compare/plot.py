@@ -11,7 +11,7 @@ from cosim.compare.comparison import Comparison, Deviation
 from cosim.errors import CosimError
 from cosim.show import figure as figures
 
-MOST_PANELS = 6
+MAX_PANELS = 6
 
 
 def check(kind: str, path: Path) -> None:
@@ -35,7 +35,7 @@ def save(found: Comparison, path: Path) -> None:
     CosimError
         The file cannot be written.
     """
-    drawn = sorted(found.deviations, key=lambda d: (not d.outside, -d.outside))[:MOST_PANELS]
+    drawn = sorted(found.deviations, key=lambda d: (not d.outside, -d.outside))[:MAX_PANELS]
     with figures.styled() as pyplot:
         figure, grid = pyplot.subplots(
             len(drawn),

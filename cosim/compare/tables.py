@@ -8,8 +8,8 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from cosim.compare.comparison import Comparison, Deviation
+from cosim.formatting.quantity import number, text
 from cosim.show.listing import plain_table
-from cosim.words.quantity import number, text
 
 NAMES = {"traces": "column", "results": "metric", "sweeps": "metric"}
 

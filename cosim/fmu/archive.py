@@ -24,7 +24,7 @@ from cosim.fmu.cache import extracted
 
 log = logging.getLogger("cosim")
 
-MOST_PROBLEMS = 20
+MAX_PROBLEMS = 20
 """Problems of a model description that are told; one mistake in a tool repeats for every variable."""
 
 
@@ -295,7 +295,7 @@ def problems(error: Exception) -> list[str]:
 
 
 def listed(found: Iterable[object]) -> list[str]:
-    """Problems as texts; the first `MOST_PROBLEMS` of them."""
+    """Problems as texts; the first `MAX_PROBLEMS` of them."""
     texts = [str(problem) for problem in found]
-    more = len(texts) - MOST_PROBLEMS
-    return texts[:MOST_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])
+    more = len(texts) - MAX_PROBLEMS
+    return texts[:MAX_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])

@@ -12,10 +12,10 @@ from cosim.errors import FmuError
 DESCRIPTION = "modelDescription.xml"
 METHODS = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA}
 ENCRYPTED = 0x1
-MOST_FILES = 100_000
+MAX_FILES = 100_000
 SMALL = 200_000_000
 """An FMU that unpacks to less, in bytes, may be compressed as well as it likes."""
-MOST_RATIO = 100.0
+MAX_RATIO = 100.0
 """Ratio of unpacked to packed size above which a large FMU is no honest one; libraries reach 5, tables 30."""
 AGAIN = "build or copy it again"
 
@@ -31,8 +31,8 @@ def sizes(path: Path) -> dict[str, int]:
     shown = paths.shown(path)
     with zipped(path, shown) as archive:
         infos = archive.infolist()
-    if len(infos) > MOST_FILES:
-        raise FmuError(f"`{shown}` holds {len(infos)} files, more than {MOST_FILES}", AGAIN)
+    if len(infos) > MAX_FILES:
+        raise FmuError(f"`{shown}` holds {len(infos)} files, more than {MAX_FILES}", AGAIN)
     for info in infos:
         if problem := problem_of(info):
             raise FmuError(f"`{shown}`: the file `{paths.brief(info.filename)}` in it {problem}", AGAIN)
@@ -84,10 +84,10 @@ def problem_of(info: zipfile.ZipInfo) -> str:
 
 def check_size(shown: str, unpacked: int, packed: int) -> None:
     """Check that an FMU does not unpack to many times its size."""
-    if unpacked > SMALL and unpacked > MOST_RATIO * packed:
+    if unpacked > SMALL and unpacked > MAX_RATIO * packed:
         raise FmuError(
             f"`{shown}` of {packed / 1e6:.3g} MB unpacks to {unpacked / 1e6:.0f} MB, "
-            f"{unpacked / packed:.0f} times as much; more than {MOST_RATIO:g} times is taken for an attack",
+            f"{unpacked / packed:.0f} times as much; more than {MAX_RATIO:g} times is taken for an attack",
             "pack it without compression if it is meant so",
         )
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cosim.loop import fmus, idle
-from cosim.loop.doubts import doubts
+from cosim.loop import fmus, undriven
+from cosim.loop.ineffective import ineffective_settings
 from cosim.loop.place import Stage
 from cosim.loop.plant import starts
 from cosim.loop.session import Session, located
@@ -33,13 +33,13 @@ def check(session: Session) -> list[str]:
 def warnings(session: Session) -> list[str]:
     """Sentences about what is undriven, of unlike units, without effect, or not demanded."""
     found = []
-    known = idle.ends(session.fmus, session.plant)
-    if unknown := idle.unknown(session.scenario, known):
+    known = undriven.ends(session.fmus, session.plant)
+    if unknown := undriven.unknown(session.scenario, known):
         found.append(unknown)
-    if forgotten := idle.undriven(session.scenario, known):
-        found.append(idle.told(forgotten, session.plant))
+    if forgotten := undriven.undriven(session.scenario, known):
+        found.append(undriven.told(forgotten, session.plant))
     found += [told for wire in session.scenario.wire if (told := unlike(wire, session))]
-    found += [told for _, told in doubts(session.scenario)]
+    found += [told for _, told in ineffective_settings(session.scenario)]
     if not session.scenario.criterion:
         found.append("no criterion demands anything of a run")
     return found

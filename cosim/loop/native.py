@@ -37,7 +37,7 @@ class Call:
 
 @dataclass(frozen=True)
 class NativeTrigger:
-    """A trigger of `cosim.loop.wires.change`, its condition as a program."""
+    """A trigger of `cosim.loop.wires.fault`, its condition as a program."""
 
     program: condition.Program
     delay: int

@@ -15,9 +15,9 @@ from cosim.fmu.instance import Instance
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Plant, one_each, starts
 from cosim.loop.recorder import Recorder, Sink
-from cosim.loop.wires.change import Trigger, delay_of
 from cosim.loop.wires.connect import Connector
-from cosim.loop.wires.links import Fault, Inlet, Link
+from cosim.loop.wires.fault import Trigger, delay_of
+from cosim.loop.wires.links import Connection, Fault, Link
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
@@ -90,8 +90,8 @@ def run(parts: Parts) -> Recording:
             # sample: ideal readings, which wires make what the FMUs see
             links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
             # compute: the FMUs move first, one after the other
-            for (name, every), fmu, inlet in turns:
-                arrive(inlet, k)
+            for (name, every), fmu, connection in turns:
+                arrive(connection, k)
                 if k % every == 0:
                     place.at(Stage.STEP, name)
                     fmu.set()
@@ -150,13 +150,13 @@ def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) 
         raise failed_plant(f"the plant `{scenario.plant.name}` cannot be reset", error) from error
 
 
-def arrive(inlet: Inlet, k: int) -> None:
+def arrive(connection: Connection, k: int) -> None:
     """Carry values through their wires, then signals, then injections, to where they are meant for."""
-    for link in inlet.wires:
+    for link in connection.wires:
         carry(link, k)
-    for drive in inlet.drives:
+    for drive in connection.drives:
         drive.target.array[drive.target.index] = drive.target.convert(drive.course.item(k))
-    inject(inlet.faults, k)
+    inject(connection.faults, k)
 
 
 def carry(link: Link, k: int) -> None:

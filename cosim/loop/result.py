@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.fmu.archive import DisplayUnit
+from cosim.formatting import html, strict
+from cosim.formatting.frame import dataframe
+from cosim.formatting.strict import plain
+from cosim.formatting.verdicts import counted
+from cosim.formatting.versions import PROJECT, version
 from cosim.metrics.criteria import Measured, Verdict
 from cosim.trace import files
 from cosim.trace.columns import Columns, Held
 from cosim.trace.stored import LABELS
-from cosim.words import html, strict
-from cosim.words.frame import dataframe
-from cosim.words.strict import plain
-from cosim.words.verdicts import counted
-from cosim.words.versions import PROJECT, version
 from cosim.writing import write
 
 

@@ -16,7 +16,7 @@ from cosim.errors import CosimError, FmuError, PlantError, concerning
 from cosim.fmu import readable
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.instance import Instance
-from cosim.loop import condition, fmus, idle, native, plant, recorder, reference
+from cosim.loop import condition, fmus, native, plant, recorder, reference, undriven
 from cosim.loop.engines import Engine, checked
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Parts, Progress, Recording
@@ -29,7 +29,7 @@ from cosim.trace.columns import structured
 from cosim.trace.measure import measured
 
 TIMESTEP_TOLERANCE = 1e-9
-MOST_SUBSTEPS = 10**6
+MAX_SUBSTEPS = 10**6
 """Substeps that a hint proposes at most; more is a mistake in the time step."""
 
 
@@ -163,7 +163,7 @@ class Session(Closing):
         self.complete = False
         self.begin()
         with located(scenario), interrupts.deferred() as interrupt:
-            idle.report(scenario, self.fmus, self.plant)
+            undriven.report(scenario, self.fmus, self.plant)
             fmus.initialise(scenario, self.fmus, place)
             place.at(Stage.RESET_PLANT)
             reference.reset_plant(self.plant, scenario, child(seed, "plant"))
@@ -183,10 +183,10 @@ class Session(Closing):
                 file=file,
             )
             self.complete = True
-            idle.report_unmet(scenario, result.injected)
+            undriven.report_unmet(scenario, result.injected)
             recorder.report_unlisted(self.fmus, result.columns)
             metrics = measured(scenario.metric, self.metrics, result.columns)
-        return replace(result, metrics=metrics, criteria=criteria.judge(scenario.criterion, metrics))
+        return replace(result, metrics=metrics, criteria=criteria.evaluate(scenario.criterion, metrics))
 
     def _loop(self, parts: Parts, known: Result, file: Path | None) -> Recording:
         """Run the loop; the trace goes into a file if there is one."""
@@ -287,7 +287,7 @@ def check_timestep(scenario: Scenario, timestep: float) -> None:
     step, substeps = scenario.loop.step, scenario.loop.substeps
     if abs(substeps * timestep - step) > TIMESTEP_TOLERANCE * step:
         fitting = round(step / timestep)
-        fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MOST_SUBSTEPS
+        fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MAX_SUBSTEPS
         hint = (
             f"set `loop.substeps = {fitting}`"
             if fits

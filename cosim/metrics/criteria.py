@@ -214,7 +214,7 @@ def factor(criterion: Criterion, unit: str) -> float:
     return found
 
 
-def judge(criteria: tuple[Criterion, ...], measured: Mapping[str, Measured]) -> list[Verdict]:
+def evaluate(criteria: tuple[Criterion, ...], measured: Mapping[str, Measured]) -> list[Verdict]:
     """Hold every criterion against its metric, in the unit of the criterion where it names one."""
     verdicts = []
     for criterion in criteria:

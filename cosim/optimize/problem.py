@@ -13,7 +13,7 @@ from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
 from cosim.sweep.varied import Varied, check_keys, check_values, failing
 
-MOST_TRIALS = 100_000
+MAX_TRIALS = 100_000
 """More than a search that learns from all its trials has time for."""
 
 
@@ -102,8 +102,8 @@ def check(problem: Problem, fail: Fail) -> None:
         fail("objective.columns", "belongs to `objective.trace`")
     if objective.trace and objective.direction != "minimize":
         fail("objective.direction", "is `maximize`, what is measured can only be come close to")
-    if not 1 <= search.trials <= MOST_TRIALS:
-        fail("search.trials", f"is `{search.trials}`, it must lie in 1 .. {MOST_TRIALS}")
+    if not 1 <= search.trials <= MAX_TRIALS:
+        fail("search.trials", f"is `{search.trials}`, it must lie in 1 .. {MAX_TRIALS}")
     if search.batch < 1:
         fail("search.batch", f"is `{search.batch}`, it must be at least 1")
     if search.seeds is not None:

@@ -13,6 +13,8 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from cosim import paths
+from cosim.formatting import strict
+from cosim.formatting.quantity import number, text
 from cosim.optimize.objective import MISFIT
 from cosim.optimize.proposer import Trial
 from cosim.optimize.search import best
@@ -20,8 +22,6 @@ from cosim.optimize.variants import Variants
 from cosim.show.listing import plain_table
 from cosim.sweep.plan import text as value_text
 from cosim.sweep.varied import Vary
-from cosim.words import strict
-from cosim.words.quantity import number, text
 from cosim.writing import naming
 
 AT_END = 0.01

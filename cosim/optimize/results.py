@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim import paths
+from cosim.formatting import html
 from cosim.loop import engines
 from cosim.optimize import problem, report, search
 from cosim.optimize.proposer import Trial
@@ -13,7 +14,6 @@ from cosim.optimize.runner import SearchOptions
 from cosim.optimize.variants import Variants
 from cosim.show.console import progress_bar
 from cosim.sweep.store import Store, folder_of
-from cosim.words import html
 
 
 @dataclass(frozen=True, repr=False)

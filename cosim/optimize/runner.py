@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cosim.closing import Closing
+from cosim.formatting.strict import plain
 from cosim.loop.engines import Engine
 from cosim.loop.result import Result
 from cosim.optimize.objective import MISFIT, misfit
@@ -17,7 +18,6 @@ from cosim.pool.job import Outcome
 from cosim.pool.limits import processors
 from cosim.sweep.plan import Run
 from cosim.sweep.store import TROUBLES, Row, Store, row_of
-from cosim.words.strict import plain
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ from cosim.loop.engines import Engine
 from cosim.optimize.objective import measured
 from cosim.optimize.problem import Problem
 from cosim.pool.job import Job
-from cosim.scenario import layers
+from cosim.scenario import overrides
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
 from cosim.sweep.designs import value_at
-from cosim.sweep.identity import digest, finished, leaf, plant_of, section, total
 from cosim.sweep.plan import Run, check, things
+from cosim.sweep.run_hash import digest, finished, leaf, plant_of, section, total
 
 Values = dict[str, Any]
 """Keys with their values."""
@@ -36,9 +36,9 @@ class Variants:
         self.origin = f"`{paths.shown(problem.file)}`"
         near = problem.file.parent if problem.scenario.endswith(".toml") else None
         self.file = paths.find_scenario(problem.scenario, near).resolve()
-        self.base = layers.read(self.file)
+        self.base = overrides.read(self.file)
         for key, value in problem.set.items():
-            layers.assign(self.base, key, value, f"{self.origin}, `set.{key}`")
+            overrides.assign(self.base, key, value, f"{self.origin}, `set.{key}`")
         first, last = ({vary.key: value_at(vary, end) for vary in problem.vary} for end in (0.0, 1.0))
         self.scenario = self.at(first)
         plant_of.cache_clear()
@@ -61,7 +61,7 @@ class Variants:
         """Scenario with some values."""
         merged = self.base.copy()
         for key, value in values.items():
-            layers.assign(merged, key, value, f"{self.origin}, `{key}` = `{value}`")
+            overrides.assign(merged, key, value, f"{self.origin}, `{key}` = `{value}`")
         return replace(build(merged), name=paths.scenario_name(self.file), file=self.file)
 
     def job(self, run: Run, engine: Engine) -> Job:

@@ -10,7 +10,7 @@ from cosim.pool.job import Finished, Numbered, Outcome, WorkerError
 
 BATCH_TIME = 1.0
 """Time after which a batch that is not done is handed back, s: what it costs to send one is small to that."""
-MOST_RUNS = 100
+MAX_RUNS = 100
 """Most runs of a batch."""
 Batch = tuple[Numbered, ...]
 
@@ -44,7 +44,7 @@ class Batches:
         if rest:
             self.size = max(1, len(outcomes))
         elif len(batch) == self.size:
-            self.size = min(2 * self.size, MOST_RUNS)
+            self.size = min(2 * self.size, MAX_RUNS)
         self.finished += len(outcomes)
         return [(number, outcome) for (number, _), outcome in zip(batch, outcomes, strict=False)]
 

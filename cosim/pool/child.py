@@ -82,7 +82,7 @@ class Child:
         if self.output:
             self.output.close()
 
-    def last_words(self) -> str:
+    def last_output(self) -> str:
         """Last line that it printed, or logged; empty if that went to our stderr."""
         if self.output is None:
             return ""

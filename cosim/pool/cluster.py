@@ -30,7 +30,7 @@ FETCH_TIMEOUT = 60.0
 """Time to fetch outcomes that a Dask worker has, s."""
 POLL_INTERVAL = 1.0
 """Time between two counts of the Dask workers, s."""
-MOST_LOSSES = 5
+MAX_LOSSES = 5
 """Times in a row that a scheduler may be lost without a run being done."""
 Ended = tuple[str, str]
 """Key of a batch that ended, and the Dask worker if it was lost."""
@@ -79,7 +79,7 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
                 # else it would go on trying for as long as a connection may take
                 client.close(timeout=POLL_INTERVAL)
         losses = 1 if batches.finished > done else losses + 1
-        if losses > MOST_LOSSES:
+        if losses > MAX_LOSSES:
             raise CosimError(f"the Dask scheduler was lost {losses} times before a run was done", GOES_ON)
         client, patience = returned(distributed, address), RETURN_TIMEOUT
 

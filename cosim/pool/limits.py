@@ -13,7 +13,7 @@ from typing import Any
 
 from cosim.errors import CosimError
 
-MOST_MEMORY = 1e18
+MAX_MEMORY = 1e18
 """More bytes than any machine has, and few enough for what counts them in 64 bits."""
 CGROUPS = Path("/sys/fs/cgroup")
 MEMBERSHIP = Path("/proc/self/cgroup")
@@ -48,9 +48,9 @@ class Limits:
     def __post_init__(self) -> None:
         if self.timeout is not None and not 0.0 < self.timeout < math.inf:
             raise CosimError(f"`{self.keys[0]}` = `{self.timeout:g}` must be positive and finite")
-        if self.memory is not None and not 0.0 < self.memory <= MOST_MEMORY:
+        if self.memory is not None and not 0.0 < self.memory <= MAX_MEMORY:
             given = f"`{self.keys[1]}` = `{self.memory / 1e6:g}`"
-            raise CosimError(f"{given} must be positive and at most {MOST_MEMORY / 1e6:g}, in MB")
+            raise CosimError(f"{given} must be positive and at most {MAX_MEMORY / 1e6:g}, in MB")
 
 
 def isolates() -> bool:

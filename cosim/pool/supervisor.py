@@ -234,7 +234,7 @@ class Worker(Closing):
             child.process.wait(1.0)
         how = ending(child.process.poll())
         self.kill()
-        said = child.last_words()
+        said = child.last_output()
         how += f"; its last words: {said}" if said else ""
         if not child.ready:
             raise no_start(how)

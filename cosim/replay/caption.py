@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from cosim.formatting.quantity import PREFIXED, number, text
 from cosim.replay.motion import Recorded
-from cosim.words.quantity import PREFIXED, number, text
 
-MOST_STATES, MOST_NUMBERS = 2, 4
+MAX_STATES, MAX_NUMBERS = 2, 4
 STEP = 1e-3
 """Part of the largest value of a column in which it is told."""
 Line = Callable[[int], str]
@@ -23,14 +23,14 @@ def lines(recorded: Recorded) -> list[Line]:
     return [
         lambda row: f"t = {times[row]:.{digits}f} s",
         *(state(recorded, name) for name in states(recorded)),
-        *numbers(recorded)[:MOST_NUMBERS],
+        *numbers(recorded)[:MAX_NUMBERS],
     ]
 
 
 def states(recorded: Recorded) -> list[str]:
     """Columns of enumerations that move, the states before all others."""
     moving = [name for name in recorded.items if name in recorded.columns and np.ptp(recorded.columns[name])]
-    return sorted(moving, key=lambda name: not name.endswith(".state"))[:MOST_STATES]
+    return sorted(moving, key=lambda name: not name.endswith(".state"))[:MAX_STATES]
 
 
 def state(recorded: Recorded, name: str) -> Line:

@@ -10,9 +10,9 @@ import mujoco
 import numpy as np
 
 from cosim.errors import CosimError, closest
+from cosim.formatting.quantity import number, round_down
 from cosim.replay.motion import COORDINATE, Enlarged, Motion
 from cosim.trace.columns import Array
-from cosim.words.quantity import number, round_down
 
 ENLARGE = "enlarge"
 """Text of an MJCF that names them."""

@@ -11,10 +11,10 @@ from typing import Any
 from cosim import extras
 from cosim.errors import CosimError
 from cosim.replay import enlarge
-from cosim.replay.film import Shot
 from cosim.replay.motion import Recorded, motion
 from cosim.replay.pace import RATE, pace
 from cosim.replay.renderer import colour, light, place
+from cosim.replay.video_file import Shot
 
 
 def show(recorded: Recorded, shot: Shot, again: bool = True) -> None:

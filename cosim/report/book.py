@@ -17,7 +17,7 @@ from cosim.acceptance import runner
 from cosim.acceptance.job import RecordedJob
 from cosim.errors import CosimError
 from cosim.report import page, sweeps
-from cosim.report.job import FilmJob, ToldJob
+from cosim.report.job import ToldJob, VideoJob
 from cosim.report.sections import Chapter
 from cosim.show.bar import bar
 from cosim.writing import check_text, whole
@@ -25,7 +25,7 @@ from cosim.writing import check_text, whole
 TITLE = "What was measured in closed loop"
 """Title of a page that is given none."""
 ENDINGS = (".html", ".htm")
-MOST_FILM = 1_000_000
+MAX_VIDEO = 1_000_000
 """Bytes of a film on a page."""
 BEGINNING = re.compile(rb'\s*<!doctype html>.*<meta name="generator" content="cosim report">', re.DOTALL)
 """How a page begins."""
@@ -53,7 +53,7 @@ class Contents:
     scenarios: Sequence[str]
     studies: Sequence[Path] = ()
     documents: Sequence[Path] = ()
-    films: bool = True
+    videos: bool = True
 
 
 def check(option: str, file: Path) -> None:
@@ -120,38 +120,39 @@ def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcome
             for name, outcome in found.items()
             if not isinstance(outcome, CosimError)
         }
-        if contents.films:
+        if contents.videos:
             first = {loop(name): name for name in reversed(chapters)}.values()
-            for name, film in filmed({name: jobs[name] for name in first}, options):
-                chapters[name] |= film
+            for name, video in videos_of({name: jobs[name] for name in first}, options):
+                chapters[name] |= video
         return found, list(chapters.values())
 
 
-def filmed(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterator[tuple[str, Chapter]]:
+def videos_of(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterator[tuple[str, Chapter]]:
     """Film runs; what comes of each is a part of its chapter, why there is no film as well."""
-    films = {
-        name: FilmJob(job.scenario, job.seed, job.engine, film=job.chapter.with_suffix(".mp4"))
+    videos = {
+        name: VideoJob(job.scenario, job.seed, job.engine, video=job.chapter.with_suffix(".mp4"))
         for name, job in jobs.items()
     }
     with bar(options.quiet, MofNCompleteColumn()) as shown:
-        task: Any = None if shown is None else shown.add_task("films", total=len(films))
-        for name, outcome in runner.outcomes(films, options):
+        task: Any = None if shown is None else shown.add_task("films", total=len(videos))
+        for name, outcome in runner.outcomes(videos, options):
             if shown is not None:
                 shown.advance(task)
             if isinstance(outcome, CosimError):
-                yield name, {"no_film": str(outcome)}
+                yield name, {"no_video": str(outcome)}
             else:
-                yield name, shown_film(films[name].film)
+                yield name, shown_video(videos[name].video)
 
 
-def shown_film(film: Path) -> Chapter:
+def shown_video(video: Path) -> Chapter:
     """Film and picture of a chapter; of a film that is too large for a page the picture alone."""
-    video, still = (base64.b64encode(file.read_bytes()).decode() for file in (film, film.with_suffix(".jpg")))
-    size = film.stat().st_size
-    if size > MOST_FILM:
-        reason = f"it has {size / 1e6:.2g} MB, the limit is {MOST_FILM / 1e6:g} MB"
-        return {"still": still, "no_film": f"{reason}\nhint: `cosim video` makes it as large as it is"}
-    return {"still": still, "film": video}
+    files = (video, video.with_suffix(".jpg"))
+    encoded, still = (base64.b64encode(file.read_bytes()).decode() for file in files)
+    size = video.stat().st_size
+    if size > MAX_VIDEO:
+        reason = f"it has {size / 1e6:.2g} MB, the limit is {MAX_VIDEO / 1e6:g} MB"
+        return {"still": still, "no_video": f"{reason}\nhint: `cosim video` makes it as large as it is"}
+    return {"still": still, "video": encoded}
 
 
 def loop(name: str) -> str:

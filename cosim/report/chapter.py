@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from cosim import paths
 from cosim.errors import ExpressionError
+from cosim.formatting.quantity import text
+from cosim.formatting.verdicts import counted, row
 from cosim.loop.result import Result
 from cosim.report import charts, panels, provenance
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.display import injection_text, shorten
-from cosim.words.quantity import text
-from cosim.words.verdicts import counted, row
 
 if TYPE_CHECKING:
     from cosim.loop.session import Session
@@ -52,9 +52,9 @@ def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, A
         "charts": drawn,
         "views": views,
         "undrawn": undrawn,
-        "film": None,
+        "video": None,
         "still": None,
-        "no_film": "",
+        "no_video": "",
     }
 
 

@@ -13,8 +13,8 @@ from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import bode, courses, drawing, fields, polar, series
-from cosim.report.courses import Line
+from cosim.report import bode, curves, drawing, fields, polar, series
+from cosim.report.curves import Line
 from cosim.report.drawing import Cells
 from cosim.report.series import scaled
 from cosim.scenario.model import Chart, Scenario
@@ -30,11 +30,11 @@ CELLS = 60
 STILL = 1e-6
 """Part of its size by which a value moves at most that stands still."""
 KINDS = {
-    "path": courses.path,
-    "polar": courses.path,
-    "spectrum": courses.spectrum,
-    "peaks": courses.peaks,
-    "share": courses.share,
+    "path": curves.path,
+    "polar": curves.path,
+    "spectrum": curves.spectrum,
+    "peaks": curves.peaks,
+    "share": curves.share,
 }
 """What makes the lines of a kind."""
 LIMITED = ("path", "polar", "peaks", "share")
@@ -248,11 +248,11 @@ def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> li
         return evaluated(text, chart, table, items)
 
     if chart.kind == "array":
-        found = [courses.array(name, chart, trace) for name in chart.y]
+        found = [curves.array(name, chart, trace) for name in chart.y]
     elif chart.kind == "roc":
         quiet, sought = (value(part) != 0.0 for part in chart.parts)
         named = zip(chart.y, chart.names or chart.y, strict=True)
-        found = [line for y, name in named for line in courses.roc(name, value(y), quiet, sought)]
+        found = [line for y, name in named for line in curves.roc(name, value(y), quiet, sought)]
     else:
         masks = [value(part) != 0.0 for part in chart.parts] or [np.ones(rows, dtype=bool)]
         pairs = [(name, mask) for name in chart.y for mask in masks]

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.acceptance.job import RecordedJob
+from cosim.formatting import strict
 from cosim.loop.result import Result
 from cosim.pool.job import Bench, Job
-from cosim.words import strict
 from cosim.writing import write
 
-FILM_SIZE = (800, 600)
+VIDEO_SIZE = (800, 600)
 """Width and height of a film on the page, pixels."""
-FILM_SECONDS = 5.0
+VIDEO_SECONDS = 5.0
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class ToldJob(RecordedJob):
 
 
 @dataclass(frozen=True)
-class FilmJob(Job):
+class VideoJob(Job):
     """A run that is filmed, apart from the one that is judged: its trace holds coordinates, and it may fail.
 
     Parameters
@@ -52,18 +52,19 @@ class FilmJob(Job):
         Where the film is written, and a picture of it beside, as `.jpg`.
     """
 
-    film: Path = Path()
+    video: Path = Path()
 
     def run(self, bench: Bench) -> Result:
         """Run the scenario once more and film it; what a film needs is looked for before."""
-        from cosim.replay import film, motion, renderer
+        from cosim.replay import motion, renderer, video_file
 
         loop = dataclasses.replace(self.scenario.loop, record_qpos=True)
         scenario = dataclasses.replace(self.scenario, loop=loop)
         session = bench.session(scenario, self.engine)
-        film.check_packages(self.film.suffix)
+        video_file.check_packages(self.video.suffix)
         renderer.graphics((16, 16)).free()
         result = session.run(self.seed)
-        film.save(motion.of_result(scenario, result), film.Shot(FILM_SIZE, FILM_SECONDS), self.film)
-        self.film.with_suffix(".jpg").write_bytes(film.still(self.film))
+        shot = video_file.Shot(VIDEO_SIZE, VIDEO_SECONDS)
+        video_file.save(motion.of_result(scenario, result), shot, self.video)
+        self.video.with_suffix(".jpg").write_bytes(video_file.still(self.video))
         return dataclasses.replace(result, trace=None)

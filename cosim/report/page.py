@@ -13,11 +13,11 @@ from typing import Any
 
 from cosim import extras, paths
 from cosim.errors import CosimError
+from cosim.formatting import strict
+from cosim.formatting.versions import PROJECT, version
 from cosim.report import sections
 from cosim.report.provenance import SOURCES
 from cosim.report.sections import Chapter
-from cosim.words import strict
-from cosim.words.versions import PROJECT, version
 
 FOLDER = Path(__file__).parent / "templates"
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}

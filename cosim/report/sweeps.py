@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 
 from cosim import paths
+from cosim.formatting.quantity import prefixed, text
 from cosim.metrics import criteria
-from cosim.report import charts, courses
-from cosim.report.courses import Line
+from cosim.report import charts, curves
+from cosim.report.curves import Line
 from cosim.scenario.model import Chart
 from cosim.show import marks
-from cosim.sweep import influence, overview, study
+from cosim.sweep import influence, study, summary_tables
 from cosim.sweep.check import check_charts
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
 from cosim.sweep.store import DONE, Store, folder_of
-from cosim.sweep.survey import QUANTILES, Survey, columns, quantiles, quantities, results
-from cosim.words.quantity import prefixed, text
+from cosim.sweep.summary import QUANTILES, Summary, columns, quantiles, quantities, results
 
 Table = dict[str, Any]
 """Names of the columns, and rows of texts."""
@@ -44,7 +44,7 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
     folder = folder_of(None, Path(f"{file.stem}.sweep"))
     options = Options(file, folder, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
-    def tell(plan: Plan, store: Store, found: Survey) -> dict[str, Any]:
+    def tell(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)
         drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
         runs = worst(plan, found)
@@ -54,7 +54,7 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
             "title": plan.study.title or plan.study.name,
             "story": [part for part in plan.study.description.split("\n\n") if part.strip()],
             "command": f"cosim sweep {shlex.quote(paths.shown(file))}",
-            "verdict": overview.verdict(found).plain,
+            "verdict": summary_tables.verdict(found).plain,
             "short": short(found),
             "passed": found.passed,
             "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
@@ -67,14 +67,14 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
     return run_study(options, tell)
 
 
-def short(found: Survey) -> str:
+def short(found: Summary) -> str:
     """How many runs pass, or were done where nothing is demanded."""
     if found.passed is None:
         return f"{found.rows} runs"
     return f"{found.statuses['passed']} of {found.wanted} runs pass"
 
 
-def tables(plan: Plan, found: Survey) -> Iterator[Table]:
+def tables(plan: Plan, found: Summary) -> Iterator[Table]:
     """Criteria, distributions and sensitivity of the metrics, and what gave no result; only what there is."""
     claims = {entry.id: entry.claim for entry in plan.scenario.criterion}
     held = [(name, f"{count} of {found.results}", claims.get(name, "")) for name, count in found.held.items()]
@@ -90,13 +90,13 @@ def tables(plan: Plan, found: Survey) -> Iterator[Table]:
     every = (
         (("criterion", "holds in", "claim"), held),
         (("metric", *QUANTILES), spread),
-        (("sensitivity of", *influence.ranked_keys(found.influences)[: influence.MOST_KEYS]), moved),
+        (("sensitivity of", *influence.ranked_keys(found.influences)[: influence.MAX_KEYS]), moved),
         (("without result", "runs", "first run", "reason"), lost),
     )
     yield from ({"names": names, "rows": rows} for names, rows in every if rows)
 
 
-def worst_runs(plan: Plan, found: Survey, runs: list[int]) -> Iterator[Table]:
+def worst_runs(plan: Plan, found: Summary, runs: list[int]) -> Iterator[Table]:
     """Worst runs by the metric that the study names."""
     name = plan.study.traces.metric
     if runs:
@@ -105,12 +105,12 @@ def worst_runs(plan: Plan, found: Survey, runs: list[int]) -> Iterator[Table]:
         yield {"names": ("worst run", name), "rows": rows}
 
 
-def distributions(plan: Plan, found: Survey) -> Iterator[dict[str, Any]]:
+def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
     """Share of the runs up to each value of the metrics that are judged, of those that failed apart."""
     done = np.isin(found.columns["status"], DONE)
     failed = (np.array(found.columns["status"]) == "failed")[done]
     described = {metric.name: metric.description for metric in plan.scenario.metric}
-    for name in overview.drawn_metrics(plan.scenario, found):
+    for name in summary_tables.plotted_metrics(plan.scenario, found):
         values = np.array(found.columns[f"metric.{name}"], dtype=np.float64)[done]
         known = np.isfinite(values)
         unit, scale = prefixed(found.units[name], float(np.max(np.abs(values[known]))))
@@ -118,7 +118,7 @@ def distributions(plan: Plan, found: Survey) -> Iterator[dict[str, Any]]:
         lines = [
             Line(f"{words} ({np.count_nonzero(part)})", scale * x, share)
             for words, part in parts.items()
-            for x, share in courses.cumulative(values[part])
+            for x, share in curves.cumulative(values[part])
         ]
         limits = [
             (scale * place, marks.told(entry, relation, limit, entry.unit or found.units[name]))

@@ -7,17 +7,17 @@ import re
 
 from cosim.errors import closest
 from cosim.scenario.injection import INJECTED, Injection
-from cosim.scenario.layers import Layers
 from cosim.scenario.model import Criterion, FmuChoice, Loop, Scenario, Signal, Wire
+from cosim.scenario.overrides import Overrides
 from cosim.scenario.tables import IDENTITY, Fail, show
 
-MOST_STEPS = 1e12
+MAX_STEPS = 1e12
 """More steps than any run has; times beyond are never reached."""
 TAKEN = {"plant", "loop", "time", "title", "description", "idle", "plot", *IDENTITY}
 """Names that mean something else in wires, columns and overrides."""
 
 
-def check(scenario: Scenario, merged: Layers) -> None:
+def check(scenario: Scenario, merged: Overrides) -> None:
     """Check a loaded scenario."""
     check_loop(scenario.loop, merged.fail)
     check_forms(merged)
@@ -46,8 +46,8 @@ def check(scenario: Scenario, merged: Layers) -> None:
 
 def check_loop(loop: Loop, fail: Fail) -> None:
     """Check that the duration lies on the grid `k * step`."""
-    if loop.duration / loop.step > MOST_STEPS:
-        fail("loop.duration", f"is `{loop.duration}` s, that is more than {MOST_STEPS:g} steps")
+    if loop.duration / loop.step > MAX_STEPS:
+        fail("loop.duration", f"is `{loop.duration}` s, that is more than {MAX_STEPS:g} steps")
     ratio = loop.duration / loop.step
     if loop.steps < 1 or abs(ratio - loop.steps) > 1e-6:
         nearest = max(1, loop.steps) * loop.step
@@ -62,7 +62,7 @@ def check_loop(loop: Loop, fail: Fail) -> None:
         fail("loop.record_every", f"is `{loop.record_every}`, {most}", hint)
 
 
-def check_forms(merged: Layers) -> None:
+def check_forms(merged: Overrides) -> None:
     """Check that there is either one FMU or a list of them."""
     hint = "one FMU is a table `[controller]`, several are tables `[[fmu]]`"
     if "fmu" not in merged.table:
@@ -82,7 +82,7 @@ def check_fmu(choice: FmuChoice, loop: Loop, fail: Fail) -> None:
         fail(f"{key}.name", f"is {show(choice.name)}, it must be made of {letters}")
     if choice.name in TAKEN:
         fail(f"{key}.name", f"is `{choice.name}`, which means something else here", "give it another name")
-    if choice.step is not None and not MOST_STEPS > choice.step / loop.step > 0.5:
+    if choice.step is not None and not MAX_STEPS > choice.step / loop.step > 0.5:
         fail(f"{key}.step", f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s")
     every = loop.every(choice.step)
     if every > loop.steps:

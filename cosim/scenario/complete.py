@@ -52,13 +52,13 @@ def glob_escape(text: str) -> str:
 
 def keys(ctx: typer.Context, incomplete: str) -> list[str]:
     """Keys of the scenario that stands before on the command line, each with its `=`."""
-    from cosim.scenario import layers
+    from cosim.scenario import overrides
 
     # an option that still lacks its value leaves the arguments unparsed
     loop = next((word for word in (ctx.params.get("loop"), *ctx.args) if word), "")
     try:
         file = paths.find_scenario(str(loop))
-        table = layers.read(file).table
+        table = overrides.read(file).table
         found = dict.fromkeys([*scenario_keys(table), *fmu_keys(table, file.parent)])
     except Exception:  # whatever is wrong with the files, `cosim check` tells it
         return []

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from cosim import paths
 from cosim.errors import ScenarioError
-from cosim.scenario import checks, layers
+from cosim.scenario import checks, overrides
 from cosim.scenario.model import Scenario
+from cosim.scenario.overrides import Overrides
 from cosim.scenario.tables import parse, parse_value
 
 
@@ -21,7 +22,7 @@ def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  
     name_or_path
         Name of a scenario in one of the scenario folders, or path of a TOML file.
     set
-        Overrides `KEY=VALUE`, one or several, see `cosim.scenario.layers.override`.
+        Overrides `KEY=VALUE`, one or several, see `cosim.scenario.overrides.override`.
 
     Raises
     ------
@@ -29,14 +30,14 @@ def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  
         Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
     """
     file = paths.find_scenario(str(name_or_path))
-    merged = layers.read(file)
+    merged = overrides.read(file)
     if isinstance(set, Mapping) or not all(isinstance(entry, str) for entry in set):
         raise ScenarioError(f"`set` is `{set!r}`, it must hold texts", 'for example `set=["loop.seed=1"]`')
-    layers.override(merged, [set] if isinstance(set, str) else set)
+    overrides.override(merged, [set] if isinstance(set, str) else set)
     return replace(build(merged), name=paths.scenario_name(file), file=file.resolve())
 
 
-def build(merged: layers.Layers, before: tuple[layers.Layers, Scenario] | None = None) -> Scenario:
+def build(merged: Overrides, before: tuple[Overrides, Scenario] | None = None) -> Scenario:
     """Scenario of merged layers; name and file are left to the caller.
 
     Parameters

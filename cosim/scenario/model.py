@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from cosim import paths
-from cosim.scenario import layers
+from cosim.scenario import overrides
 from cosim.scenario.injection import INJECTED, Injection
 from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, NOT_NEGATIVE_COUNT, POSITIVE, limited
 from cosim.scenario.schema import schema_of
@@ -366,7 +366,7 @@ class Scenario:
         """File or override that a key comes from, for messages; `NAME.fmu` is that of an FMU of several."""
         if any(key.startswith(f"{choice.name}.") for choice in self.fmu):
             key = f"fmu.{key}"
-        return layers.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"
+        return overrides.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"
 
 
 def scenario_schema() -> dict[str, Any]:

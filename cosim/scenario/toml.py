@@ -10,9 +10,9 @@ from cosim import paths
 from cosim.errors import ScenarioError
 from cosim.scenario.tables import join, show
 
-MOST_NESTED = 32
+MAX_NESTED = 32
 """Tables and arrays in each other; no file of ours has more than five."""
-TOO_DEEP = f"tables and arrays are nested more than {MOST_NESTED} deep"
+TOO_DEEP = f"tables and arrays are nested more than {MAX_NESTED} deep"
 
 
 def parse_file(path: Path) -> dict[str, Any]:
@@ -83,7 +83,7 @@ def check_sizes(value: Any, level: int = 0, place: str = "") -> None:
     ScenarioError
         It is deeper or larger.
     """
-    if level > MOST_NESTED:
+    if level > MAX_NESTED:
         raise ScenarioError(TOO_DEEP)
     if isinstance(value, dict | list):
         items = (

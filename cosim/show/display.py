@@ -14,6 +14,8 @@ from rich.text import Text
 
 from cosim.fmu.archive import Variable
 from cosim.fmu.instance import Instance
+from cosim.formatting.quantity import number, text
+from cosim.formatting.verdicts import counted, row
 from cosim.loop.plant import Channel, Plant, start
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
@@ -21,8 +23,6 @@ from cosim.scenario.injection import Injection
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.listing import plain_table
-from cosim.words.quantity import number, text
-from cosim.words.verdicts import counted, row
 
 STYLES = {True: "bold green", False: "bold red", None: "bold"}
 """Style of a verdict by `passed`."""

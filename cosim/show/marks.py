@@ -10,13 +10,13 @@ import numpy as np
 
 from cosim.errors import ExpressionError
 from cosim.fmu.archive import DisplayUnit
+from cosim.formatting.quantity import text
 from cosim.loop.result import Result
 from cosim.metrics import criteria
 from cosim.metrics.expression import Expression
 from cosim.metrics.units import conversion
 from cosim.scenario.model import Criterion, Panel, Scenario
 from cosim.trace.columns import Array
-from cosim.words.quantity import text
 
 SHOWN_AS_THEY_ARE = ("max", "min", "first", "last", "at")
 """Functions whose value is one of the column."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.fmu.archive import DisplayUnit
+from cosim.formatting.quantity import prefixed
 from cosim.loop.result import Result
 from cosim.metrics import drawable
 from cosim.scenario.model import Panel, Scenario
@@ -19,11 +20,10 @@ from cosim.show import figure as figures
 from cosim.show import marks
 from cosim.show.marks import Marked
 from cosim.trace.columns import Array, Columns, InOrder, stepped
-from cosim.words.quantity import prefixed
 
-MOST_PANELS = 6
-MOST_COLUMNS = 8
-MOST_EVENTS = 6
+MAX_PANELS = 6
+MAX_COLUMNS = 8
+MAX_EVENTS = 6
 LIMIT: Any = {"color": "0.35", "linestyle": "--", "linewidth": 0.8}
 EVENT: Any = {"color": "0.35", "linestyle": ":", "linewidth": 0.8}
 NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
@@ -109,9 +109,9 @@ def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked
 def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:
     """Events from the first to the last of some times, and what they say; the last tells how many follow."""
     found = [event for event in marked.events if times[0] <= event[0] <= times[-1]]
-    if (more := len(found) - MOST_EVENTS) > 0:
-        t, last = found[MOST_EVENTS - 1]
-        found[MOST_EVENTS - 1 :] = [(t, f"{last}, and {more} more")]
+    if (more := len(found) - MAX_EVENTS) > 0:
+        t, last = found[MAX_EVENTS - 1]
+        found[MAX_EVENTS - 1 :] = [(t, f"{last}, and {more} more")]
     return found
 
 
@@ -157,10 +157,10 @@ def default_panels(trace: Columns, result: Result) -> tuple[Panel, ...]:
     # what the loop is doing comes first
     largest = sorted(groups.items(), key=lambda group: (not group[0][0], -len(group[1])))
     panels = [
-        Panel(tuple(columns[:MOST_COLUMNS]), title=and_more("column", len(columns) - MOST_COLUMNS))
-        for _, columns in largest[:MOST_PANELS]
+        Panel(tuple(columns[:MAX_COLUMNS]), title=and_more("column", len(columns) - MAX_COLUMNS))
+        for _, columns in largest[:MAX_PANELS]
     ]
-    beyond = and_more("unit", len(largest) - MOST_PANELS)
+    beyond = and_more("unit", len(largest) - MAX_PANELS)
     return *panels[:-1], replace(panels[-1], title=", ".join(filter(None, (panels[-1].title, beyond))))
 
 

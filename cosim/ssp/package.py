@@ -15,7 +15,7 @@ import fmpy
 
 from cosim import extras, paths
 from cosim.errors import CosimError, concerning
-from cosim.loop import course, fmus, lint
+from cosim.loop import fmus, lint, time_series
 from cosim.loop.place import Place
 from cosim.loop.plant import MJCF
 from cosim.loop.session import Session, located
@@ -108,7 +108,7 @@ def known(scenario: Scenario) -> str:
 def whole_paths(scenario: Scenario) -> list[str]:
     """Return overrides by which files that lie in the working directory are found from any other."""
     names = {f"signal.{signal.to}.file": signal.file for signal in scenario.signal if signal.file}
-    files = {f"signal.{to}.file": file for to, file in course.files(scenario).items()}
+    files = {f"signal.{to}.file": file for to, file in time_series.files(scenario).items()}
     if scenario.plant.name.endswith(MJCF):
         names["plant.name"] = scenario.plant.name
         files["plant.name"] = paths.find_mjcf(scenario.plant.name, scenario.folder)

@@ -14,7 +14,7 @@ from pythonfmu import Boolean, DefaultExperiment, Fmi2Causality, Fmi2Slave, Fmi2
 
 from cosim import paths
 from cosim.fmu.values import encode
-from cosim.loop import course, plant
+from cosim.loop import plant, time_series
 from cosim.loop.wires.connect import PLANT, side_of
 from cosim.loop.wires.links import CONVERT
 from cosim.loop.wires.wiring import Delay, Shape, child, noise, shaper
@@ -97,7 +97,7 @@ class Surroundings(Fmi2Slave):
         times: Any
         values: Any
         if signal.file:
-            found = course.read(course.find(signal.file, self.scenario.folder), signal.column)
+            found = time_series.read(time_series.find(signal.file, self.scenario.folder), signal.column)
             times, values = found.times, found.values
         else:
             targets = {port.name: port.variable for port in driven}
@@ -105,7 +105,7 @@ class Surroundings(Fmi2Slave):
                 (lambda value: float(encode(targets[signal.to], value))) if signal.to in targets else float
             )
             times, values = signal.times, [convert(value) for value in signal.values]
-        return course.sample(times, values, loop.step, loop.steps + 1, signal.interpolation)
+        return time_series.sample(times, values, loop.step, loop.steps + 1, signal.interpolation)
 
     def exit_initialization_mode(self) -> None:
         """Begin: the plant at rest, the first readings."""

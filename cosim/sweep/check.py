@@ -17,7 +17,7 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.toml import parse_file
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
-from cosim.sweep.survey import columns
+from cosim.sweep.summary import columns
 
 OF_A_TRACE = ("array", "bode", "field", "spectrum")
 """Kinds of charts that are made of the rows of one run."""

@@ -21,13 +21,13 @@ from cosim.pool.limits import processors
 from cosim.show.bar import bar
 from cosim.show.figure import wanted
 from cosim.show.lines import ProgressLines
-from cosim.sweep import influence, overview, study
+from cosim.sweep import influence, study, summary_tables
 from cosim.sweep.check import check_charts
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
 from cosim.sweep.store import DONE, Row, Store
-from cosim.sweep.survey import Survey, survey
+from cosim.sweep.summary import Summary, summarize
 
 log = logging.getLogger("cosim")
 T = TypeVar("T")
@@ -53,16 +53,16 @@ class Options:
             raise CosimError("`--cluster` is empty", "leave it out to run on this machine")
 
 
-def execute(options: Options) -> tuple[Survey, RenderableType]:
+def execute(options: Options) -> tuple[Summary, RenderableType]:
     """Do what is left of a study as `run_study` does; returns the survey and its tables."""
 
-    def tables(plan: Plan, store: Store, found: Survey) -> tuple[Survey, RenderableType]:
-        return found, overview.tables(plan, found, worst(plan, found))
+    def tables(plan: Plan, store: Store, found: Summary) -> tuple[Summary, RenderableType]:
+        return found, summary_tables.tables(plan, found, worst(plan, found))
 
     return run_study(options, tables)
 
 
-def run_study(options: Options, take: Callable[[Plan, Store, Survey], T]) -> T:
+def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
     """Do what is left of a study and write its summary; returns what `take` makes of it.
 
     Raises
@@ -81,19 +81,19 @@ def run_study(options: Options, take: Callable[[Plan, Store, Survey], T]) -> T:
             with progress(plan, store, options) as observe:
                 sweep(plan, store, pool_of(plan, options), observe, options.again)
         finally:
-            found = survey(plan, store)
-            summarise(plan, found, store.folder, options.plots)
+            found = summarize(plan, store)
+            write_summary(plan, found, store.folder, options.plots)
         if options.traces:
             save_traces(plan, store, found, pool_of(plan, options), options.plots)
         return take(plan, store, found)
 
 
-def summarise(plan: Plan, found: Survey, folder: Path, plots: bool) -> None:
+def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None:
     """Write tables and plots of the rows that are there."""
     save_csv(found.columns, folder / "summary.csv")
     save_parquet(found.columns, folder / "summary.parquet")
     if plots and found.results:
-        overview.save_plots(plan, found, folder / "summary.svg")
+        summary_tables.save_plots(plan, found, folder / "summary.svg")
     if plots and found.influences:
         influence.save_plots(
             found.influences, plan.study.title or plan.study.name, folder / "sensitivity.svg"

@@ -19,7 +19,7 @@ from cosim.sweep.varied import Vary
 
 Case = dict[str, Any]
 """One point of a design: keys and values."""
-MOST_OF_UNIT = math.nextafter(1.0, 0.0)
+MAX_OF_UNIT = math.nextafter(1.0, 0.0)
 
 
 def grid(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
@@ -116,7 +116,7 @@ def combined(varied: Sequence[Vary], values: Any) -> Case:
 def value_at(vary: Vary, share: float) -> Any:
     """Value of a key below which `share` of its distribution lies; 0 and 1 are the ends of its range."""
     if vary.values:
-        return vary.values[int(min(share, MOST_OF_UNIT) * len(vary.values))]
+        return vary.values[int(min(share, MAX_OF_UNIT) * len(vary.values))]
     low, high = vary.range
     if vary.distribution == "normal":
         value = normal_at(vary, share)
@@ -124,7 +124,7 @@ def value_at(vary: Vary, share: float) -> Any:
         value = math.exp(math.log(low) + share * (math.log(high) - math.log(low)))
     elif vary.integer:
         # every integer of the range is equally likely
-        return int(low) + int(min(share, MOST_OF_UNIT) * (int(high) - int(low) + 1))
+        return int(low) + int(min(share, MAX_OF_UNIT) * (int(high) - int(low) + 1))
     else:
         value = low + share * (high - low)
     value = min(max(value, low), high)
@@ -142,4 +142,4 @@ def normal_at(vary: Vary, share: float) -> float:
     # `NormalDist.cdf` has no digits either, far below the mean
     below, up_to = (0.5 * math.erfc((mean - end) / (math.sqrt(2.0) * deviation)) for end in (low, high))
     tiny = 1e-300
-    return NormalDist(mean, deviation).inv_cdf(min(max(below + share * (up_to - below), tiny), MOST_OF_UNIT))
+    return NormalDist(mean, deviation).inv_cdf(min(max(below + share * (up_to - below), tiny), MAX_OF_UNIT))

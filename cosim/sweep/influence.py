@@ -14,25 +14,25 @@ from cosim.show import figure as figures
 from cosim.show.listing import plain_table
 from cosim.sweep.sensitivity import Estimate, Influence
 
-MOST_KEYS = 6
+MAX_KEYS = 6
 """Keys in a table, the strongest; the plots and the JSON have all."""
-MOST_TORNADOS = 9
+MAX_TORNADOS = 9
 
 
 def table(found: list[Influence]) -> RenderableType:
     """Rank correlation of each metric with the strongest keys; bold where its interval is clear of zero."""
     keys = ranked_keys(found)
-    shown = plain_table("sensitivity of", *keys[:MOST_KEYS])
+    shown = plain_table("sensitivity of", *keys[:MAX_KEYS])
     for row in rows(found):
         shown.add_row(*row)
-    if len(keys) > MOST_KEYS:
-        shown.caption = f"and {len(keys) - MOST_KEYS} keys that matter less, see `sensitivity.svg`"
+    if len(keys) > MAX_KEYS:
+        shown.caption = f"and {len(keys) - MAX_KEYS} keys that matter less, see `sensitivity.svg`"
     return shown
 
 
 def rows(found: list[Influence]) -> list[list[Text]]:
     """Each metric with its cells for the strongest keys."""
-    keys = ranked_keys(found)[:MOST_KEYS]
+    keys = ranked_keys(found)[:MAX_KEYS]
     by_both = {(entry.metric, entry.key): entry for entry in found}
     return [[Text(metric), *(cell(by_both[metric, key]) for key in keys)] for metric in names(found)]
 
@@ -74,7 +74,7 @@ def save_plots(found: list[Influence], title: str, file: Path) -> None:
         The file cannot be written.
     """
     metrics, keys = names(found), ranked_keys(found)
-    drawn = metrics[:MOST_TORNADOS]
+    drawn = metrics[:MAX_TORNADOS]
     columns = min(3, len(drawn))
     lines = -(-len(drawn) // columns)
     heat, line = 0.32 * len(metrics) + 1.4, 0.34 * len(keys) + 1.0

@@ -16,20 +16,20 @@ from cosim.errors import CosimError, ScenarioError, closest, concerning
 from cosim.fmu import stale
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.values import expand
-from cosim.loop import course, fmus, plant
+from cosim.loop import fmus, plant, time_series
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
 from cosim.loop.session import located
 from cosim.pool.job import Job
-from cosim.scenario import layers
+from cosim.scenario import overrides
 from cosim.scenario.load import build
 from cosim.scenario.model import FmuChoice, Scenario
 from cosim.scenario.toml import toml_value
 from cosim.sweep.designs import DESIGNS, Case
-from cosim.sweep.identity import digest, finished, leaf, plant_of, project, section, total
+from cosim.sweep.run_hash import digest, finished, leaf, plant_of, project, section, total
 from cosim.sweep.study import Study
 
-MOST_SETTINGS = 1000
+MAX_SETTINGS = 1000
 """Settings that are remembered while runs are planned."""
 
 
@@ -94,9 +94,9 @@ class Plan:
         near = study.file.parent if study.scenario.endswith(".toml") else None
         self.file = paths.find_scenario(study.scenario, near).resolve()
         self.name = paths.scenario_name(self.file)
-        self.base = layers.read(self.file)
+        self.base = overrides.read(self.file)
         for key, value in study.set.items():
-            layers.assign(self.base, key, value, f"{self.origin}, `set.{key}`")
+            overrides.assign(self.base, key, value, f"{self.origin}, `set.{key}`")
         self.scenario = replace(build(self.base), name=self.name, file=self.file)
         self.totals = {name: total(section(name, part)) for name, part in self.base.table.items()}
         self.named = (*(choice.name for choice in self.scenario.fmus), "plant")
@@ -113,7 +113,7 @@ class Plan:
         rest = {key: value for key, value in case.items() if key not in parameters}
         name = repr(rest)
         if name not in self.settings:
-            if len(self.settings) >= MOST_SETTINGS:
+            if len(self.settings) >= MAX_SETTINGS:
                 self.settings.clear()
             self.settings[name] = self.setting(rest, index)
         setting = self.settings[name]
@@ -145,14 +145,14 @@ class Plan:
         places |= {choice.name: f"fmu[{index}]" for index, choice in enumerate(scenario.fmu)}
         return Setting(files, kind, places, leaves, sum(parts) + total(things(scenario, files, made)))
 
-    def merged(self, case: Case, index: int) -> layers.Layers:
+    def merged(self, case: Case, index: int) -> overrides.Overrides:
         """Layers of one case."""
         merged = self.base.copy()
         for key, value in case.items():
-            layers.assign(merged, key, value, f"{self.origin}, case {index}")
+            overrides.assign(merged, key, value, f"{self.origin}, case {index}")
         return merged
 
-    def build(self, merged: layers.Layers) -> Scenario:
+    def build(self, merged: overrides.Overrides) -> Scenario:
         """Scenario of one case."""
         return build(merged, (self.base, self.scenario))
 
@@ -187,7 +187,7 @@ class Plan:
 
 def things(scenario: Scenario, files: dict[str, FmuFile], plant_hash: str) -> dict[str, str]:
     """Hashes of what the numbers of a run depend on beside the values of its scenario."""
-    signals = {f"signal.{to}": digest(path) for to, path in course.files(scenario).items()}
+    signals = {f"signal.{to}": digest(path) for to, path in time_series.files(scenario).items()}
     digests = {f"fmu.{name}": digest(file.path) for name, file in files.items()}
     return {**project(), **signals, **digests, "plant": plant_hash}
 

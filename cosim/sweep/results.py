@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cosim.sweep import overview
+from cosim.formatting import html
+from cosim.formatting.frame import dataframe
+from cosim.formatting.quantity import text
+from cosim.sweep import summary_tables
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import Row, Store, folder_of
-from cosim.sweep.survey import QUANTILES, Survey, quantiles, quantities, rows
-from cosim.words import html
-from cosim.words.frame import dataframe
-from cosim.words.quantity import text
+from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities, rows
 
 
 @dataclass(frozen=True, repr=False)
@@ -26,7 +26,7 @@ class SweepResult:
         Title of the study, or its name.
     folder
         Folder of `results.jsonl`, tables, plots and traces.
-    survey
+    summary
         Counts, quantiles and what gave no result.
     rows
         One for each run: run, case, seed, status, reason, what was set, metrics, criteria, times, hash.
@@ -34,13 +34,13 @@ class SweepResult:
 
     study: str
     folder: Path
-    survey: Survey
+    summary: Summary
     rows: list[Row]
 
     @property
     def passed(self) -> bool | None:
         """Whether every run of the study passed; None where all were done and nothing was demanded."""
-        return self.survey.passed
+        return self.summary.passed
 
     def __len__(self) -> int:
         """Count the rows."""
@@ -48,18 +48,18 @@ class SweepResult:
 
     def __repr__(self) -> str:
         """One line: study and how many runs passed."""
-        return f"<SweepResult of {self.study}: {overview.verdict(self.survey).plain}>"
+        return f"<SweepResult of {self.study}: {summary_tables.verdict(self.summary).plain}>"
 
     def _repr_html_(self) -> str:
         """Tables for a notebook: criteria and the distribution of the metrics."""
-        found = self.survey
+        found = self.summary
         held = [(name, f"{count} of {found.results}") for name, count in found.held.items()]
         spread = [
             (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
             for name, values in quantities(found).items()
         ]
         tables = [html.table(("criterion", "holds in"), held), html.table(("metric", *QUANTILES), spread)]
-        return "\n".join([html.heading(self.study, overview.verdict(found).plain), *tables])
+        return "\n".join([html.heading(self.study, summary_tables.verdict(found).plain), *tables])
 
     def to_dataframe(self) -> Any:
         """Return the table of all rows as a `pandas.DataFrame`, the same as `summary.csv`.
@@ -70,7 +70,7 @@ class SweepResult:
             pandas is not installed.
         """
         return dataframe(
-            self.survey.columns, {f"metric.{name}": unit for name, unit in self.survey.units.items()}
+            self.summary.columns, {f"metric.{name}": unit for name, unit in self.summary.units.items()}
         )
 
 
@@ -116,7 +116,7 @@ def sweep(
     return run_study(Options(file, folder, workers, cluster, engine, again, plots, quiet), collect)
 
 
-def collect(plan: Plan, store: Store, found: Survey) -> SweepResult:
+def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:
     """Take what is left of a sweep into memory."""
     name = plan.study.title or plan.study.name
     return SweepResult(name, store.folder, found, list(rows(plan, store)))

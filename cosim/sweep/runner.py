@@ -15,12 +15,12 @@ from cosim.pool.job import Finished, Numbered, Outcome
 from cosim.show import plot
 from cosim.sweep.plan import Plan, Run
 from cosim.sweep.store import DONE, TROUBLES, Row, Store, row_of
-from cosim.sweep.survey import Survey
+from cosim.sweep.summary import Summary
 
 log = logging.getLogger("cosim")
 Pool = Callable[[Iterable[Numbered]], Generator[Finished]]
 """Runs jobs and yields their outcomes as they come: on this machine or on a cluster."""
-MOST_PLOTS = 3
+MAX_PLOTS = 3
 """Plots of the worst runs: a plot takes longer than a run."""
 Observer = Callable[[Row], None]
 """Told every new row."""
@@ -65,10 +65,10 @@ def outcomes(
             yield plan.runs[number], outcome
 
 
-def save_traces(plan: Plan, store: Store, found: Survey, pool: Pool, plots: bool) -> None:
+def save_traces(plan: Plan, store: Store, found: Summary, pool: Pool, plots: bool) -> None:
     """Run the failed and the worst runs again, save their traces and plot the worst; what is there stays."""
     folder = store.folder / "traces"
-    drawn = worst(plan, found)[:MOST_PLOTS] if plots else []
+    drawn = worst(plan, found)[:MAX_PLOTS] if plots else []
     names = {number: f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen(plan, found)}
     files = {number: folder / name for number, name in names.items()}
     missing = [number for number, file in files.items() if not file.exists()]
@@ -105,14 +105,14 @@ def make(folder: Path) -> None:
         ) from None
 
 
-def chosen(plan: Plan, found: Survey) -> list[int]:
+def chosen(plan: Plan, found: Summary) -> list[int]:
     """Numbers of the runs whose traces are kept: the first that failed, and the worst."""
     pairs = zip(found.columns["run"], found.columns["status"], strict=True)
     failed = [number for number, status in pairs if status == "failed"]
     return list(dict.fromkeys([*failed[: plan.study.traces.failed], *worst(plan, found)]))
 
 
-def worst(plan: Plan, found: Survey) -> list[int]:
+def worst(plan: Plan, found: Summary) -> list[int]:
     """Numbers of the worst runs by the metric of `traces`, the worst first; NaN is worse than anything."""
     traces = plan.study.traces
     if not traces.metric:

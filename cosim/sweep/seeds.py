@@ -20,11 +20,11 @@ from cosim.pool.job import Job, Outcome
 from cosim.pool.limits import Limits
 from cosim.pool.runs import ordered
 from cosim.scenario.model import Scenario
-from cosim.sweep import overview
+from cosim.sweep import summary_tables
 from cosim.sweep.store import VERDICTS
-from cosim.sweep.survey import Survey, quantities
+from cosim.sweep.summary import Summary, quantities
 
-MOST_SEEDS = 100_000
+MAX_SEEDS = 100_000
 """More seeds than these want a study, which keeps what is done."""
 PART = re.compile(r"(\d{1,18})(?:\.\.(\d{1,18}))?")
 
@@ -48,8 +48,8 @@ def parse(text: str) -> list[int]:
             raise CosimError(
                 f"`--seeds {text}`: `{part.strip()}` ends before it begins", f"`{last}..{first}`"
             )
-        if len(seeds) + last - first >= MOST_SEEDS:
-            problem = f"`--seeds {text}` names more than {MOST_SEEDS} seeds"
+        if len(seeds) + last - first >= MAX_SEEDS:
+            problem = f"`--seeds {text}` names more than {MAX_SEEDS} seeds"
             raise CosimError(problem, "a study of `cosim sweep` takes more, and keeps what is done")
         seeds += range(first, last + 1)
     if len(set(seeds)) < len(seeds):
@@ -88,9 +88,9 @@ def run(
     return found
 
 
-def survey(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Survey:
+def summarize(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Summary:
     """Take counts and distributions; what gave no result is told with its first seed."""
-    found = Survey(len(seeds))
+    found = Summary(len(seeds))
     values: dict[str, list[float]] = {}
     for seed, outcome in zip(seeds, outcomes, strict=True):
         if not isinstance(outcome, Result):
@@ -109,16 +109,16 @@ def survey(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Survey:
     return found
 
 
-def tables(scenario: Scenario, found: Survey) -> RenderableType:
+def tables(scenario: Scenario, found: Summary) -> RenderableType:
     """Criteria, metrics, what gave no result, and the verdict."""
     parts: list[RenderableType] = [Text(f"{scenario.name}: {scenario.title}", style="bold"), ""]
     if scenario.criterion and found.results:
-        parts += [overview.criteria_table(scenario, found), ""]
+        parts += [summary_tables.criteria_table(scenario, found), ""]
     if quantities(found):
-        parts += [overview.metric_table(found), ""]
+        parts += [summary_tables.metric_table(found), ""]
     if found.troubles:
-        parts += [overview.no_result_table(found, "first seed"), ""]
-    return Group(*parts, overview.verdict(found))
+        parts += [summary_tables.no_result_table(found, "first seed"), ""]
+    return Group(*parts, summary_tables.verdict(found))
 
 
 def plain(seed: int, outcome: Outcome) -> dict[str, Any]:

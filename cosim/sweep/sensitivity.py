@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.formatting.strict import plain
 from cosim.sweep.designs import generator
 from cosim.sweep.export import Table
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
-from cosim.words.strict import plain
 
 Array = NDArray[np.float64]
 

@@ -15,13 +15,13 @@ from typing import Any, Literal, NoReturn
 from cosim import paths
 from cosim.closing import Closing
 from cosim.errors import CosimError
+from cosim.formatting import strict
+from cosim.formatting.strict import plain
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
 from cosim.pool.job import Outcome
 from cosim.scenario.tables import parse
 from cosim.sweep.plan import Run
-from cosim.words import strict
-from cosim.words.strict import plain
 from cosim.writing import naming
 
 log = logging.getLogger("cosim")

@@ -19,7 +19,7 @@ from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file, toml_value
 from cosim.sweep.varied import Varied, check_keys, check_values, failing
 
-MOST_RUNS = 1_000_000
+MAX_RUNS = 1_000_000
 """More runs than any sweep has time for."""
 
 
@@ -155,8 +155,8 @@ def check(study: Study, fail: Fail) -> None:
         fail("traces.metric", "is missing", "it tells which runs are the worst")
     check_cases(study, fail) if design.kind == "list" else check_varied(study, fail)
     runs = count(study) * design.repeats
-    if runs > MOST_RUNS:
-        fail("design", f"makes {runs} runs, more than {MOST_RUNS}", "several studies may share a folder")
+    if runs > MAX_RUNS:
+        fail("design", f"makes {runs} runs, more than {MAX_RUNS}", "several studies may share a folder")
 
 
 def count(study: Study) -> int:

@@ -9,16 +9,16 @@ from typing import Any, Literal, NoReturn
 
 from cosim import paths
 from cosim.errors import ScenarioError
-from cosim.pool.limits import MOST_MEMORY, Limits
+from cosim.pool.limits import MAX_MEMORY, Limits
 from cosim.scenario.ranges import FINITE, NOT_NAN, NOT_NEGATIVE_COUNT, POSITIVE, limited
 from cosim.scenario.tables import Fail
 
 MEMORY = {
     **POSITIVE,
-    "maximum": MOST_MEMORY / 1e6,
-    "demand": f"be positive and at most {MOST_MEMORY / 1e6:g}",
+    "maximum": MAX_MEMORY / 1e6,
+    "demand": f"be positive and at most {MAX_MEMORY / 1e6:g}",
 }
-MOST_EXACT = 2.0**53
+MAX_EXACT = 2.0**53
 """Up to here 64-bit numbers tell all integers apart."""
 
 
@@ -153,10 +153,10 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
         fail(f"{key}.minimum", f"is `{low}`, a logarithmic range starts above 0")
     if vary.integer and any(math.isfinite(end) and not end.is_integer() for end in (low, high)):
         fail(f"{key}.integer", f"is true, but `{low}` .. `{high}` does not end at integers")
-    if vary.integer and any(math.isfinite(end) and abs(end) > MOST_EXACT for end in (low, high)):
+    if vary.integer and any(math.isfinite(end) and abs(end) > MAX_EXACT for end in (low, high)):
         fail(
             f"{key}.integer",
-            f"is true, but beyond {MOST_EXACT:.0f} not every number of `{low}` .. `{high}` is one",
+            f"is true, but beyond {MAX_EXACT:.0f} not every number of `{low}` .. `{high}` is one",
         )
     if (kind == "grid") != (vary.points is not None):
         fail(f"{key}.points", "belongs to a range in a `grid`, and only there")

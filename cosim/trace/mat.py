@@ -14,9 +14,9 @@ import numpy as np
 from scipy import io
 
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.trace.columns import Columns
 from cosim.trace.stored import facts
-from cosim.words import strict
 
 LONGEST = 63
 """Characters of a name that MATLAB tells apart."""

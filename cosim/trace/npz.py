@@ -9,9 +9,9 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from cosim.formatting import strict
 from cosim.trace.columns import Columns, Held, whole
 from cosim.trace.stored import StoredTrace, told
-from cosim.words import strict
 
 
 def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:

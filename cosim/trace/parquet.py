@@ -19,9 +19,9 @@ from pyarrow import parquet
 from cosim import paths
 from cosim.closing import Closing
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.trace.columns import Array, Columns
 from cosim.trace.stored import LABELS, StoredTrace, facts, told
-from cosim.words import strict
 from cosim.writing import whole
 
 BLOCK = 1 << 25

@@ -113,8 +113,8 @@ def test_a_mistake_that_repeats_fills_no_screen(folder: Path) -> None:
     with pytest.raises(FmuError) as caught:
         open_fmu(folder / "bad.fmu")
     told = caught.value.message.splitlines()[1:]
-    more = description().count("<ScalarVariable ") - archive.MOST_PROBLEMS
-    assert (len(told), told[-1]) == (archive.MOST_PROBLEMS + 1, f"  and {more} more")
+    more = description().count("<ScalarVariable ") - archive.MAX_PROBLEMS
+    assert (len(told), told[-1]) == (archive.MAX_PROBLEMS + 1, f"  and {more} more")
 
 
 def test_a_library_that_cannot_be_loaded_is_refused_and_the_folder_put_back(folder: Path) -> None:

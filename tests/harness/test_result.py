@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 import cosim
 from cosim.errors import CosimError
 from cosim.fmu.archive import DisplayUnit, open_fmu
+from cosim.formatting.quantity import text
 from cosim.metrics.criteria import Verdict
 from cosim.scenario.model import Criterion
 from cosim.show import plot
-from cosim.words.quantity import text
 
 from .conftest import DATA, END, pack
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.errors import CosimError
-from cosim.loop.course import sample
+from cosim.loop.time_series import sample
 from cosim.loop.wires.wiring import Delay, child, first_step, noise, shaper
 from cosim.scenario.model import Wire
 

@@ -14,7 +14,7 @@ import pytest
 from . import python, rust
 
 ROOT = Path(__file__).resolve().parents[2]
-MOST_FILES = 17
+MAX_FILES = 17
 """Source files in one folder: what rapier, a large crate that reads well, needs at most."""
 PACKAGES = ("cosim", "handbook", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
@@ -67,9 +67,9 @@ def crowded(crate: str) -> str:
         if file.suffix != ".pyi" and crate_of(file.parent) == crate:
             files[file.parent].append(file.name)
     return "\n".join(
-        f"`{shown(folder)}` has {len(names)} source files, limit {MOST_FILES}: {', '.join(names)}"
+        f"`{shown(folder)}` has {len(names)} source files, limit {MAX_FILES}: {', '.join(names)}"
         for folder, names in files.items()
-        if len(names) > MOST_FILES
+        if len(names) > MAX_FILES
     )
 
 

@@ -9,7 +9,7 @@ import typer
 from typer import Argument, Option
 
 from cosim.cli.options import FAILED, Quiet, Timeout, Verbose, checked_limits
-from cosim.cli.test import judged
+from cosim.cli.test import exit_code
 from cosim.loop import engines
 from cosim.scenario import complete
 from cosim.show.console import configure_logging
@@ -34,7 +34,7 @@ def report(
         Option(metavar="FILE.md", help="A text in Markdown. May be given again."),
     ] = None,
     title: Annotated[str, Option(help="Title of the page.")] = "",
-    films: Annotated[
+    videos: Annotated[
         bool, Option(help="Whether to film one scenario of each loop; needs the extra `replay`.")
     ] = True,
     workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
@@ -59,7 +59,7 @@ def report(
     limits = checked_limits(timeout, memory, in_process=False)
     options = RunOptions(None, False, workers, engines.checked(engine), limits, quiet)
     chosen = select(scenarios or ()) if scenarios or not study else ()
-    contents = book.Contents(title or book.TITLE, chosen, tuple(study or ()), tuple(document or ()), films)
+    contents = book.Contents(title or book.TITLE, chosen, tuple(study or ()), tuple(document or ()), videos)
     written = book.write(contents, options, out)
     print(f"wrote {out}")
-    raise typer.Exit(max(judged(written.scenarios), FAILED if False in written.studies else 0))
+    raise typer.Exit(max(exit_code(written.scenarios), FAILED if False in written.studies else 0))

@@ -16,8 +16,8 @@ from cosim.trace.endings import READ, listed
 if TYPE_CHECKING:
     from cosim.loop.session import Session
     from cosim.pool.job import Bench
-    from cosim.replay.film import Shot
     from cosim.replay.motion import Recorded
+    from cosim.replay.video_file import Shot
     from cosim.scenario.model import Scenario
 
 Run = Annotated[
@@ -94,17 +94,17 @@ class View:
 
 
 @dataclass(frozen=True)
-class Film(View):
+class Video(View):
     """A run in a film."""
 
     file: Path
 
     def run(self, bench: Bench) -> None:
         """Find the run and film it."""
-        from cosim.replay import film
+        from cosim.replay import video_file
 
         found = recorded(self.source, self.loop, self.changes, bench)
-        film.save(found, self.shot, self.file, bench.progress)
+        video_file.save(found, self.shot, self.file, bench.progress)
 
 
 def size(text: str) -> tuple[int, int]:

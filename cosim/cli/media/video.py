@@ -7,7 +7,7 @@ from typing import Annotated
 
 from typer import Option
 
-from cosim.cli.media.tasks import Begin, End, Enlarge, Film, Run, Seconds, TracedLoop, size
+from cosim.cli.media.tasks import Begin, End, Enlarge, Run, Seconds, TracedLoop, Video, size
 from cosim.cli.options import InProcess, Quiet, Set, Timeout, Verbose, checked_limits
 from cosim.cli.tasks import place
 from cosim.errors import CosimError
@@ -49,11 +49,11 @@ def video(
     or at once `cosim video dob -o dob.mp4`. It needs the extra `replay`.
     """
     configure_logging(verbose, quiet)
-    from cosim.replay import film
+    from cosim.replay import video_file
 
-    shot = film.Shot(size(size_), seconds, begin, end, camera, tuple(enlarge or ()))
-    film.check(out, shot)
-    task = Film(run, loop, tuple(set_ or ()), shot, out)
+    shot = video_file.Shot(size(size_), seconds, begin, end, camera, tuple(enlarge or ()))
+    video_file.check(out, shot)
+    task = Video(run, loop, tuple(set_ or ()), shot, out)
     try:
         with place(checked_limits(timeout, None, in_process)) as do, progress_bar("film", quiet) as progress:
             outcome: CosimError | None = do(task, progress)

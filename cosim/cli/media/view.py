@@ -28,7 +28,7 @@ def view(
     """
     configure_logging(verbose, quiet)
     from cosim.replay import pace
-    from cosim.replay.film import Shot
+    from cosim.replay.video_file import Shot
 
     pace.check(seconds)
     shot = Shot(seconds=seconds, begin=begin, end=end, enlarge=tuple(enlarge or ()))

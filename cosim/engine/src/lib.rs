@@ -6,9 +6,9 @@
 
 #![deny(unsafe_code)]
 
-mod change;
 mod condition;
 mod failure;
+mod fault;
 #[allow(unsafe_code)]
 pub mod ffi;
 mod links;
@@ -19,9 +19,9 @@ pub mod python;
 mod stepper;
 mod wire;
 
-pub use change::Change;
 pub use condition::{Condition, Operation};
 pub use failure::Failure;
+pub use fault::FaultEffect;
 pub use links::{Drive, Injection, Link, Links};
 pub use log::{Log, Trigger};
 pub use machine::Machine;

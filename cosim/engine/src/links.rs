@@ -1,7 +1,7 @@
 //! The wiring table of a closed loop: wires, signals and injections, tied to addresses.
 
-use crate::change::Change;
 use crate::failure::Failure;
+use crate::fault::FaultEffect;
 use crate::ffi::{Series, Slot};
 use crate::wire::{Delay, Shape};
 
@@ -37,7 +37,7 @@ pub struct Injection {
     /// steps
     pub length: f64,
     /// what happens to the value
-    pub change: Change,
+    pub change: FaultEffect,
     /// a number of it for every step
     pub series: Option<Series>,
     /// where

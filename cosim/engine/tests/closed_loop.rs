@@ -6,7 +6,7 @@ use std::ptr::NonNull;
 
 use cosim_engine::ffi::{Apply, Bank, Body, Call, Controller, Functions, Physics, Slot, Table, Trap};
 use cosim_engine::{
-    Change, Condition, Delay, Failure, Injection, Link, Links, Log, Machine, Operation, Shape, Stepper, Trigger,
+    Condition, Delay, Failure, FaultEffect, Injection, Link, Links, Log, Machine, Operation, Shape, Stepper, Trigger,
 };
 use plants::{Circuit, Element, Place, Ports};
 
@@ -247,7 +247,7 @@ fn a_condition_begins_an_injection_once_and_it_ends_by_itself() {
     let mut bench = start();
     bench.begin = f64::INFINITY;
     let (mut links, mut log) = (links(&mut bench, 0), log(&mut bench, None));
-    let (change, target) = (Change::Offset(1.0), at(&mut bench.input));
+    let (change, target) = (FaultEffect::Offset(1.0), at(&mut bench.input));
     links.input_faults = vec![Injection { begin: at(&mut bench.begin), length: 2.0, change, series: None, target }];
     let condition = Condition::new(program, 4).expect("a condition");
     log.triggers = vec![Trigger { condition, delay: 1.0, begin: at(&mut bench.begin) }];

@@ -12,11 +12,11 @@ from cosim.errors import CosimError, ScenarioError, closest, concerning, similar
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.instance import BASE, Instance
 from cosim.fmu.values import encode, lookup
-from cosim.loop.course import find, read, sample
 from cosim.loop.plant import Channel, Plant
+from cosim.loop.time_series import find, read, sample
 from cosim.loop.wires import order
-from cosim.loop.wires.change import NEVER, change, steps_of
-from cosim.loop.wires.links import Drive, Fault, Inlet, Link, Links, Slot
+from cosim.loop.wires.fault import NEVER, change, steps_of
+from cosim.loop.wires.links import Connection, Drive, Fault, Link, Links, Slot
 from cosim.loop.wires.wiring import Delay, Ideal, first_step, noise, shaper
 from cosim.scenario.injection import INJECTED, Injection
 from cosim.scenario.model import FmuChoice, Scenario, Signal, Wire
@@ -86,20 +86,21 @@ class Connector:
 
     def links(self) -> Links:
         """Build all connections; the FMUs must have been initialised, their outputs prime the delays."""
-        inlets = {name: Inlet() for name in (*self.fmus, PLANT)}
+        connections = {name: Connection() for name in (*self.fmus, PLANT)}
         for wire in self.scenario.wire:
             with concerning(f"wire.{wire.to}"):
                 link = self.link(wire)
-                inlets[side_of(wire.to)].wires.append(link)
+                connections[side_of(wire.to)].wires.append(link)
         for signal in self.scenario.signal:
             drive = self.drive(signal)
-            inlets[side_of(signal.to)].drives.append(drive)
+            connections[side_of(signal.to)].drives.append(drive)
         for to, hold in self.holds().items():
-            inlets[side_of(to)].drives.append(hold)
+            connections[side_of(to)].drives.append(hold)
         begins = np.full(len(self.scenario.inject), NEVER)
         for index, injection in enumerate(self.scenario.inject):
-            inlets[side_of(injection.to)].faults.append(self.fault(injection, Slot(begins, index)))
-        return Links(self.sensed, self.commands, [inlets[name] for name in self.fmus], inlets[PLANT], begins)
+            connections[side_of(injection.to)].faults.append(self.fault(injection, Slot(begins, index)))
+        fmus = [connections[name] for name in self.fmus]
+        return Links(self.sensed, self.commands, fmus, connections[PLANT], begins)
 
     def link(self, wire: Wire) -> Link:
         """Wire by what is at its ends."""

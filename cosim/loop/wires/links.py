@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError
-from cosim.loop.wires.change import Change
+from cosim.loop.wires.fault import FaultEffect
 from cosim.loop.wires.wiring import Delay, Shape
 
 
@@ -69,12 +69,12 @@ class Fault:
 
     begin: Slot
     length: int
-    change: Change
+    change: FaultEffect
     target: Slot
 
 
 @dataclass(frozen=True)
-class Inlet:
+class Connection:
     """What arrives at the inputs of an FMU, or at the commands of the plant, before it moves."""
 
     wires: list[Link] = field(default_factory=list)
@@ -100,14 +100,14 @@ class Links:
 
     sensed: NDArray[np.float64]
     commands: NDArray[np.float64]
-    fmus: list[Inlet]
-    plant: Inlet
+    fmus: list[Connection]
+    plant: Connection
     begins: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     @property
     def drives(self) -> list[Drive]:
         """All signals, as native code takes them."""
-        return [drive for inlet in (*self.fmus, self.plant) for drive in inlet.drives]
+        return [drive for connection in (*self.fmus, self.plant) for drive in connection.drives]
 
     @property
     def readings(self) -> list[Link]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.loop.plant import Channel
-from cosim.scenario.checks import MOST_STEPS
+from cosim.scenario.checks import MAX_STEPS
 from cosim.scenario.model import Wire
 
 
@@ -139,4 +139,4 @@ class Delay:
 
 def first_step(time: float, step: float) -> int:
     """First step `k` with `k * step >= time`, forgiving the rounding of `k * step`."""
-    return math.ceil(min(max(time / step - 1e-6, 0.0), MOST_STEPS))
+    return math.ceil(min(max(time / step - 1e-6, 0.0), MAX_STEPS))

@@ -217,8 +217,8 @@ if (filters) {
 }
 
 // a picture stands once in the page: in its chapter, where it is what the film begins with
-all("img[data-still]").forEach((image) => { image.src = one("#" + image.dataset.still + " .filmed img, #" + image.dataset.still + " .story img").src; });
-all(".filmed").forEach((box) => { one("video", box).poster = one("img", box).src; });
+all("img[data-still]").forEach((image) => { image.src = one("#" + image.dataset.still + " .with-video img, #" + image.dataset.still + " .story img").src; });
+all(".with-video").forEach((box) => { one("video", box).poster = one("img", box).src; });
 
 // a link opens what it leads to
 function opened() {

@@ -70,7 +70,7 @@ def test_a_library_that_ends_its_process_costs_its_own_row(lag: Path, broken_lib
 def test_an_fmu_of_very_many_files_is_refused(
     lag: Path, monkeypatch: pytest.MonkeyPatch, refuse: Refuse, broken_library: bytes
 ) -> None:
-    monkeypatch.setattr(members, "MOST_FILES", 10)
+    monkeypatch.setattr(members, "MAX_FILES", 10)
     fmus.holding({f"resources/{index}": "" for index in range(10)})(lag / "broken.fmu", broken_library)
     words = ("`broken.fmu` holds 12 files, more than 10",)
     refuse(Case(given("run", "lag.toml", "--set", "controller.fmu=broken.fmu"), words))

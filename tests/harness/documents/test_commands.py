@@ -18,8 +18,8 @@ import typer
 import cosim
 from cosim.acceptance.selection import select
 from cosim.cli.app import app
+from cosim.formatting.verdicts import row
 from cosim.loop import lint
-from cosim.words.verdicts import row
 from handbook.pages import ROOT
 
 from ..cli.commands import called

@@ -12,7 +12,7 @@ from rich.console import Console
 import cosim
 from cosim.errors import CosimError, FmuError
 from cosim.loop import lint
-from cosim.scenario import complete, layers
+from cosim.scenario import complete, overrides
 from cosim.scenario.model import scenario_schema
 from cosim.show import display
 from cosim.sweep.check import check
@@ -147,7 +147,7 @@ def test_show_lists_each(write: Write) -> None:
 
 def test_keys_are_completed(write: Write, folder: Path) -> None:
     write(text=CHAIN)
-    table = layers.read(folder / "lag.toml").table
+    table = overrides.read(folder / "lag.toml").table
     found = {*complete.scenario_keys(table), *complete.fmu_keys(table, folder)}
     assert {"a.gain", "b.gain", "a.fmu", "wire.b.in.noise"} <= found
     assert not any(key.startswith(("fmu.", "controller.")) for key in found)

@@ -47,7 +47,7 @@ def test_a_streamed_trace_has_the_numbers_of_one_in_memory(cart: Cart, engine: E
     assert found.trace.dtype == held.trace.dtype
     assert found.trace.tobytes() == held.trace.tobytes()
     assert (done.metrics, done.criteria, done.simulated_s) == (held.metrics, held.criteria, held.simulated_s)
-    assert cosim.judge(scenario, found).metrics == held.metrics
+    assert cosim.evaluate(scenario, found).metrics == held.metrics
 
 
 @pytest.mark.parametrize("engine", ["reference", "native"])

@@ -15,10 +15,10 @@ import pytest
 
 import cosim
 from cosim.errors import CosimError
+from cosim.formatting.quantity import number
 from cosim.replay import caption, enlarge
 from cosim.replay.motion import Motion, Recorded, motion, of_result, of_trace
 from cosim.replay.pace import RATE, pace
-from cosim.words.quantity import number
 from plants.bare import Bare
 
 RECORD = ["loop.record_qpos=true"]
@@ -89,8 +89,8 @@ def test_what_is_placed_by_chance_is_where_the_run_had_it(
     result = cosim.run(scenario, seed=7)
     result.save_trace("cart.npz")
     stored = cosim.read_trace("cart.npz")
-    untold = dataclasses.replace(stored, about={})
-    runs = (of_result(scenario, result), of_trace(scenario, stored), of_trace(scenario, untold))
+    without_unit = dataclasses.replace(stored, about={})
+    runs = (of_result(scenario, result), of_trace(scenario, stored), of_trace(scenario, without_unit))
     drawn = [motion(one).model.geom_pos[0, 0] for one in runs]
     assert drawn[:2] == [walls[0]] * 2
     cosim.run(scenario)

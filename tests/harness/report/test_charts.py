@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from cosim.errors import CosimError
+from cosim.formatting.quantity import prefixed
 from cosim.metrics import drawable
 from cosim.metrics.criteria import Verdict
-from cosim.report import charts, courses, drawing, panels, polar
+from cosim.report import charts, curves, drawing, panels, polar
 from cosim.report.provenance import numbers, origin
 from cosim.report.series import unpacked
 from cosim.scenario.model import Chart, Criterion, Panel, Plot
 from cosim.show import plot
 from cosim.trace.columns import Held
-from cosim.words.quantity import prefixed
 
 from .traces import ROWS, TIME, lines, result, scenario, traced
 
@@ -44,7 +44,7 @@ def test_what_stands_still_is_left_out() -> None:
 def test_a_path_of_many_rows_keeps_its_peaks() -> None:
     peaked = np.where(np.arange(ROWS) == 1234, 50.0, 0.0)
     (x, y) = lines(Chart("path", ("plant.y",), x="plant.x"), traced(plant_x=TIME, plant_y=peaked))["plant.y"]
-    assert len(x) <= courses.MOST_POINTS
+    assert len(x) <= curves.MAX_POINTS
     assert x[np.argmax(y)] == TIME[1234]
     assert y.max() == 50.0
 
@@ -96,7 +96,7 @@ def test_a_spectrum_over_an_angle_tells_waves_per_turn() -> None:
     wave = 3.0 + 2.0 * np.cos(4.0 * angle + 0.3) + 0.5 * np.sin(12.0 * angle)
     trace = traced(plant_a=angle, plant_e=wave)
     x, y = lines(Chart("spectrum", ("plant.e",), x="plant.a"), trace)["plant.e"]
-    assert list(x) == list(range(1, courses.ORDERS + 1))
+    assert list(x) == list(range(1, curves.ORDERS + 1))
     assert y[3] == pytest.approx(2.0, rel=1e-2)
     # straight lines between the rows take a little of a wave of 12 rows
     assert y[11] == pytest.approx(0.5, rel=3e-2)

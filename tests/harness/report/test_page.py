@@ -15,10 +15,10 @@ import pytest
 from lxml import html
 
 import cosim
+from cosim.formatting.verdicts import row
 from cosim.report import book
 from cosim.report.page import library
 from cosim.report.series import unpacked
-from cosim.words.verdicts import row
 
 from ..cli.commands import called
 from ..cli.commands import cosim as command

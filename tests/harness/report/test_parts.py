@@ -23,7 +23,7 @@ from cosim.acceptance.job import RecordedJob
 from cosim.errors import CosimError
 from cosim.pool.job import Outcome
 from cosim.report import book, drawing
-from cosim.report.job import FilmJob
+from cosim.report.job import VideoJob
 from cosim.report.series import BUCKETS, STEPS, packed, scaled, thinned, unpacked
 
 from ..cli.commands import cosim as command
@@ -123,10 +123,10 @@ def encoded(content: bytes) -> str:
 
 
 def test_of_a_film_that_is_too_large_there_is_a_picture(tmp_path: Path) -> None:
-    (tmp_path / "a.mp4").write_bytes(bytes(book.MOST_FILM + 100_000))
+    (tmp_path / "a.mp4").write_bytes(bytes(book.MAX_VIDEO + 100_000))
     (tmp_path / "a.jpg").write_bytes(b"still")
     told = "it has 1.1 MB, the limit is 1 MB\nhint: `cosim video` makes it as large as it is"
-    assert book.shown_film(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_film": told}
+    assert book.shown_video(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_film": told}
 
 
 def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeypatch: Any) -> None:
@@ -141,11 +141,11 @@ def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeyp
             job.chapter.write_text(json.dumps({"name": name}))
         return {name: CosimError("not run") if name == "dob" else result for name in names}
 
-    def outcomes(jobs: Mapping[str, FilmJob], options: runner.RunOptions) -> Iterator[tuple[str, Outcome]]:
+    def outcomes(jobs: Mapping[str, VideoJob], options: runner.RunOptions) -> Iterator[tuple[str, Outcome]]:
         for name, job in jobs.items():
             assert (job.scenario, job.seed) == (scenario, 7)
-            job.film.write_bytes(b"film")
-            job.film.with_suffix(".jpg").write_bytes(b"still")
+            job.video.write_bytes(b"film")
+            job.video.with_suffix(".jpg").write_bytes(b"still")
             yield name, CosimError("too dark") if name == "fts/lens" else result
 
     monkeypatch.setattr(runner, "run", run)
@@ -158,7 +158,7 @@ def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeyp
         {"name": "fts"},
         {"name": "dob/10"},
     ]
-    _, chapters = book.told(book.Contents("", names, films=False), runner.RunOptions())
+    _, chapters = book.told(book.Contents("", names, videos=False), runner.RunOptions())
     assert chapters == [{"name": name} for name in names[1:]]
 
 
@@ -172,7 +172,7 @@ def test_nothing_is_run_for_a_film_that_cannot_be_drawn(
     bench = Mock()
     monkeypatch.setattr("cosim.replay.renderer.graphics", dark)
     with pytest.raises(CosimError, match="too dark"):
-        FilmJob(cosim.load("lag.toml"), 1, film=Path("lag.mp4")).run(bench)
+        VideoJob(cosim.load("lag.toml"), 1, video=Path("lag.mp4")).run(bench)
     bench.session.assert_called_once()
     bench.session.return_value.run.assert_not_called()
 

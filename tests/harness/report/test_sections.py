@@ -10,7 +10,7 @@ import pytest
 from lxml import html
 
 from cosim.report import page, sections
-from cosim.sweep.survey import Survey, quantities
+from cosim.sweep.summary import Summary, quantities
 
 
 def chapter(name: str, *claims: dict[str, Any]) -> dict[str, Any]:
@@ -111,7 +111,7 @@ def test_each_cell_of_a_document_tells_its_column(tmp_path: Path) -> None:
 
 def test_a_yes_or_no_has_no_distribution() -> None:
     values = {"found": [0.0, 1.0], "never": [0.0, float("nan")], "depth": [0.0, 1.0], "share": [0.0, 0.5]}
-    found = Survey(
+    found = Summary(
         2,
         values={name: np.array(column) for name, column in values.items()},
         units={"found": "1", "never": "", "depth": "m", "share": "1"},

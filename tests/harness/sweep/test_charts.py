@@ -15,7 +15,7 @@ from cosim.scenario.model import Chart
 from cosim.sweep import study
 from cosim.sweep.check import check_charts
 from cosim.sweep.plan import Plan
-from cosim.sweep.survey import Survey, columns, results
+from cosim.sweep.summary import Summary, columns, results
 
 CASES = [
     {"controller.detector": "Glr", "plant.mass": 9.0, "plant.workpiece": False},
@@ -24,9 +24,9 @@ CASES = [
 ]
 
 
-def surveyed(*depths: float | None) -> Survey:
+def summarized(*depths: float | None) -> Summary:
     """Survey of a run of each case; without a depth it gave no result."""
-    found = Survey(len(depths))
+    found = Summary(len(depths))
     names = dict.fromkeys(name for case in CASES for name in case)
     found.columns = {name: [case.get(name) for case in CASES] for name in names}
     found.columns["status"] = ["crashed" if depth is None else "passed" for depth in depths]
@@ -40,20 +40,20 @@ def test_texts_have_items_and_runs_without_a_result_no_row() -> None:
     known = columns(cosim.load("dob"), CASES)
     assert known["controller.detector"] == {"Glr": 0, "Slope": 1}
     assert known["plant.mass"] is None
-    table = results(surveyed(1e-7, None, 3e-7), known)
+    table = results(summarized(1e-7, None, 3e-7), known)
     assert list(table) == list(known)
     assert table["time"].tolist() == [2.0, 2.0]
     assert table["controller.detector"].tolist() == [0.0, 0.0]
     assert table["plant.workpiece"].tolist() == [0.0, 1.0]
     assert table["metric.depth"].tolist() == [1e-7, 3e-7]
-    assert math.isnan(results(surveyed(1e-7, 2e-7, 3e-7), known)["plant.workpiece"][1])
+    assert math.isnan(results(summarized(1e-7, 2e-7, 3e-7), known)["plant.workpiece"][1])
 
 
 def test_a_share_of_the_runs_of_a_text_is_drawn() -> None:
     known = columns(cosim.load("dob"), CASES)
     parts = ('controller.detector == "Glr"',)
     wanted = Chart("share", ("metric.depth",), parts=parts, names=("likelihood",), scale=1.0, x_scale=1e9)
-    table = results(surveyed(3e-7, 2e-7, 1e-7), known)
+    table = results(summarized(3e-7, 2e-7, 1e-7), known)
     (line,) = charts.lines(wanted, table, known)
     assert line.name == "likelihood"
     np.testing.assert_allclose(line.x, [100.0, 300.0])

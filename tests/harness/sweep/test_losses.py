@@ -17,7 +17,7 @@ from distributed.comm.core import CommClosedError
 
 import cosim
 from cosim.errors import CosimError
-from cosim.pool.batches import MOST_RUNS, Batches
+from cosim.pool.batches import MAX_RUNS, Batches
 from cosim.pool.cluster import SchedulerLostError, reported_by
 from cosim.pool.job import Job
 from cosim.sweep.store import Store
@@ -58,7 +58,7 @@ failed = 0
 """
 PATIENCE = 300.0
 """Time without a new row after which nothing more is expected, s."""
-MOST_PER_RUN = 1000.0
+MAX_PER_RUN = 1000.0
 """Memory of the command for each run, bytes: where its row is, and its cells in the table."""
 
 
@@ -150,7 +150,7 @@ def test_a_sweep_survives_a_killed_worker_and_a_restarted_scheduler(
         assert row["metrics"] == {"end": single.metrics["end"].value}
     # the tables at the end are of the whole
     going = [memory for rows, memory in sweep.memory if runs // 10 < rows < runs]
-    assert max(going) - going[0] < 30e6 + MOST_PER_RUN * runs
+    assert max(going) - going[0] < 30e6 + MAX_PER_RUN * runs
 
 
 def report(sweep: Sweep, rows: int) -> str:
@@ -224,7 +224,7 @@ def test_batches_grow_while_they_are_done_in_time_and_shrink_to_what_was() -> No
         batch = batches.take()
         sizes.append(len(batch))
         assert numbers(batches.finish(batch, [DONE] * len(batch))) == numbers(batch)
-    assert sizes == [1, 2, 4, 8, 16, 32, 64, MOST_RUNS, MOST_RUNS]
+    assert sizes == [1, 2, 4, 8, 16, 32, 64, MAX_RUNS, MAX_RUNS]
     batch = batches.take()
     assert numbers(batches.finish(batch, [DONE] * 3)) == numbers(batch)[:3]
     assert numbers(batches.take()) == numbers(batch)[3:6]

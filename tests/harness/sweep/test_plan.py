@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cosim.errors import CosimError
-from cosim.sweep import identity, study
+from cosim.sweep import run_hash, study
 from cosim.sweep.plan import Plan
 
 from ..conftest import SCENARIO
@@ -20,7 +20,7 @@ CASES = ["plant.pole = 0.25", "controller.gain = 0.4", "loop.duration = 0.02", '
 
 def hashes(folder: Path, text: str) -> list[str]:
     """Hashes of the runs of a study, as another process would find them."""
-    for function in (identity.digest_of, identity.plant_of, identity.project):
+    for function in (run_hash.digest_of, run_hash.plant_of, run_hash.project):
         function.cache_clear()
     (folder / "study.toml").write_text(text)
     return [run.hash for run in Plan(study.load(folder / "study.toml")).runs]
@@ -83,7 +83,7 @@ def test_the_project_as_it_is_is_part_of_every_hash(
     for file in files:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text("before")
-    monkeypatch.setattr(identity, "PROJECT", packages)
+    monkeypatch.setattr(run_hash, "PROJECT", packages)
     text = studies.case_list(["plant.pole = 0.25"])
     found = [hashes(folder, text)]
     for file in files:

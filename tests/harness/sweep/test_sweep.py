@@ -18,7 +18,7 @@ import pyarrow.parquet
 import pytest
 
 import cosim
-from cosim.sweep import overview
+from cosim.sweep import summary_tables
 
 from . import studies
 
@@ -166,8 +166,8 @@ def test_a_plot_shows_texts_and_tells_what_it_leaves_out(
     write(f'{studies.MEASURED}{least}claim = "c"\nmetric = "least"\nequals = 1\n')
     key = '{key = "controller.label", values = ["Slow", "Fast"]},\n    {key = "plant.pole"'
     (folder / "grid.toml").write_text(studies.GRID.replace('{key = "plant.pole"', key))
-    monkeypatch.setattr(overview, "MOST_KEYS", 2)
-    monkeypatch.setattr(overview, "MOST_METRICS", 1)
+    monkeypatch.setattr(summary_tables, "MAX_KEYS", 2)
+    monkeypatch.setattr(summary_tables, "MAX_METRICS", 1)
     cosim.sweep("grid.toml", plots=True)
     texts = told(study / "summary.svg")
     assert "and 1 more metric, and 1 more key" in texts

@@ -5,9 +5,9 @@ use plants::python::Cell;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::rows::{ChangeRow, DriveRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, ShapeRow, TriggerRow};
-use crate::change::Change;
+use super::rows::{DriveRow, FaultEffectRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, ShapeRow, TriggerRow};
 use crate::condition::{Condition, Operation};
+use crate::fault::FaultEffect;
 use crate::ffi::{Bank, Exports};
 use crate::links::{Drive, Injection, Link, Links};
 use crate::log::{Log, Trigger};
@@ -57,17 +57,17 @@ fn injection(exports: &mut Exports, row: FaultRow) -> PyResult<Injection> {
     })
 }
 
-fn change(row: ChangeRow) -> PyResult<Change> {
+fn change(row: FaultEffectRow) -> PyResult<FaultEffect> {
     Ok(match row.kind.as_str() {
-        "value" => Change::Value(row.number),
-        "frozen" => Change::Frozen(0.0),
-        "offset" => Change::Offset(row.number),
-        "scale" => Change::Scale(row.number),
-        "ramp" => Change::Ramp(row.number),
-        "noise" => Change::Noise,
-        "drop" => Change::Drop(0.0),
-        "lose" => Change::Lose,
-        "late" => Change::Late(Delay::new(row.delay.steps, row.delay.ring)),
+        "value" => FaultEffect::Value(row.number),
+        "frozen" => FaultEffect::Frozen(0.0),
+        "offset" => FaultEffect::Offset(row.number),
+        "scale" => FaultEffect::Scale(row.number),
+        "ramp" => FaultEffect::Ramp(row.number),
+        "noise" => FaultEffect::Noise,
+        "drop" => FaultEffect::Drop(0.0),
+        "lose" => FaultEffect::Lose,
+        "late" => FaultEffect::Late(Delay::new(row.delay.steps, row.delay.ring)),
         kind => return Err(PyValueError::new_err(format!("`{kind}` is no kind of injection"))),
     })
 }

@@ -86,13 +86,13 @@ pub struct DriveRow<'py> {
 pub struct FaultRow<'py> {
     pub begin: PlaceRow<'py>,
     pub length: f64,
-    pub change: ChangeRow<'py>,
+    pub change: FaultEffectRow<'py>,
     pub target: PlaceRow<'py>,
 }
 
 /// What an injection does; `kind` says what the rest means.
 #[derive(FromPyObject)]
-pub struct ChangeRow<'py> {
+pub struct FaultEffectRow<'py> {
     pub kind: String,
     pub number: f64,
     pub series: Option<Bound<'py, PyAny>>,

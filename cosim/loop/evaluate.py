@@ -23,7 +23,7 @@ ENGINE = "stored"
 """What stands in a result instead of the engine: nothing was run."""
 
 
-def judge(scenario: Scenario, found: StoredTrace) -> Result:
+def evaluate(scenario: Scenario, found: StoredTrace) -> Result:
     """Compute the metrics of a scenario on a stored trace and hold its criteria against them.
 
     The numbers are those of the run that wrote the trace; only metrics and criteria of the scenario count.
@@ -50,7 +50,7 @@ def judge(scenario: Scenario, found: StoredTrace) -> Result:
         compiled = compile_metrics(scenario, found, shown)
         check_units(scenario, compiled, found, shown)
         metrics = measured(scenario.metric, compiled, found.data)
-        verdicts = criteria.judge(scenario.criterion, metrics)
+        verdicts = criteria.evaluate(scenario.criterion, metrics)
     return Result(
         scenario=scenario.name,
         title=scenario.title,
@@ -85,10 +85,10 @@ def check_units(scenario: Scenario, compiled: list[Expression], found: StoredTra
     ExpressionError
         Names criterion and metric: the number may be meant in another unit.
     """
-    untold = [name for name in found.columns if name not in found.units]
-    if not untold:
+    without_unit = [name for name in found.columns if name not in found.units]
+    if not without_unit:
         return
-    as_if = replace(found, units=found.units | dict.fromkeys(untold, ONE))
+    as_if = replace(found, units=found.units | dict.fromkeys(without_unit, ONE))
     told = compile_metrics(scenario, as_if, shown)
     columns = zip(scenario.metric, compiled, told, strict=True)
     doubtful = {metric.name for metric, now, then in columns if not metric.unit and now.unit != then.unit}

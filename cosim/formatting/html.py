@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
+from cosim.formatting.quantity import text
+from cosim.formatting.verdicts import row
 from cosim.metrics.criteria import Measured, Verdict
-from cosim.words.quantity import text
-from cosim.words.verdicts import row
 
 
 def run(title: str, line: str, metrics: Mapping[str, Measured], verdicts: Sequence[Verdict]) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cosim.formatting.quantity import text
 from cosim.metrics.criteria import Verdict
-from cosim.words.quantity import text
 
 NOTHING_DEMANDED = "no criteria: nothing was demanded"
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 from cosim.errors import closest
 from cosim.fmu.instance import Instance
-from cosim.loop.doubts import doubts
+from cosim.loop.ineffective import ineffective_settings
 from cosim.loop.plant import Plant, start
 from cosim.loop.wires.connect import targets
 from cosim.scenario.model import Scenario
 from cosim.warned import warn_once
 
-MOST_NAMES = 8
+MAX_NAMES = 8
 """Names in one warning."""
 
 
@@ -23,7 +23,7 @@ def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
         warn_once(f"{scenario.origin('idle')}: {text}")
     if forgotten := undriven(scenario, known):
         warn_once(f"{scenario.origin('wire')}: {told(forgotten, plant)}")
-    for key, doubt in doubts(scenario):
+    for key, doubt in ineffective_settings(scenario):
         warn_once(f"{scenario.origin(key)}: {doubt}")
 
 
@@ -59,8 +59,8 @@ def told(forgotten: list[str], plant: Plant) -> str:
 
 def several(names: list[str]) -> str:
     """Names, the first few of many."""
-    shown = ", ".join(names[:MOST_NAMES])
-    return shown if len(names) <= MOST_NAMES else f"{shown} and {len(names) - MOST_NAMES} more"
+    shown = ", ".join(names[:MAX_NAMES])
+    return shown if len(names) <= MAX_NAMES else f"{shown} and {len(names) - MAX_NAMES} more"
 
 
 def quoted(names: list[str]) -> str:

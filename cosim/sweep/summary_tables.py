@@ -10,6 +10,8 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from cosim.formatting.quantity import number, text
+from cosim.formatting.verdicts import NOTHING_DEMANDED
 from cosim.metrics import criteria
 from cosim.scenario.model import Scenario
 from cosim.show import figure as figures
@@ -19,18 +21,16 @@ from cosim.show.plot import and_more
 from cosim.sweep import influence
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
-from cosim.sweep.survey import QUANTILES, Survey, confidence, quantiles, quantities
-from cosim.words.quantity import number, text
-from cosim.words.verdicts import NOTHING_DEMANDED
+from cosim.sweep.summary import QUANTILES, Summary, confidence, quantiles, quantities
 
-MOST_TROUBLES = 8
-MOST_METRICS = 6
-MOST_KEYS = 4
+MAX_TROUBLES = 8
+MAX_METRICS = 6
+MAX_KEYS = 4
 FEWEST_FOR_TENDENCY = 2
 """Different values that a key must take to be drawn."""
 
 
-def tables(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
+def tables(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
     """Verdict, criteria, metrics, worst runs and what could not be run."""
     scenario = plan.scenario
     parts: list[RenderableType] = [Text(plan.study.title or plan.study.name, style="bold"), ""]
@@ -47,7 +47,7 @@ def tables(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
     return Group(*parts, verdict(found))
 
 
-def verdict(found: Survey) -> Text:
+def verdict(found: Summary) -> Text:
     """One line: how many passed."""
     counts = ", ".join(f"{count} {status}" for status, count in found.statuses.most_common())
     line = Text(
@@ -64,7 +64,7 @@ def verdict(found: Survey) -> Text:
     return line
 
 
-def criteria_table(scenario: Scenario, found: Survey) -> RenderableType:
+def criteria_table(scenario: Scenario, found: Summary) -> RenderableType:
     """How often each criterion held."""
     table = plain_table("criterion", "holds in", "claim")
     for entry in scenario.criterion:
@@ -72,7 +72,7 @@ def criteria_table(scenario: Scenario, found: Survey) -> RenderableType:
     return table
 
 
-def metric_table(found: Survey) -> RenderableType:
+def metric_table(found: Summary) -> RenderableType:
     """Distribution of each metric that is more than a yes or no."""
     table = plain_table("metric", *QUANTILES, "not finite")
     for name, values in quantities(found).items():
@@ -82,7 +82,7 @@ def metric_table(found: Survey) -> RenderableType:
     return table
 
 
-def worst_runs(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
+def worst_runs(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
     """Worst runs, and how to repeat them: commands that are never wrapped."""
     name = plan.study.traces.metric
     values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
@@ -93,18 +93,18 @@ def worst_runs(plan: Plan, found: Survey, worst: list[int]) -> RenderableType:
     return Group(table, "", Text("repeat them with", style="bold"), commands)
 
 
-def no_result_table(found: Survey, first: str = "first") -> RenderableType:
+def no_result_table(found: Summary, first: str = "first") -> RenderableType:
     """Table of the runs without a result, by reason."""
     table = plain_table("without result", "runs", first, "reason")
     ranked = sorted(found.troubles.items(), key=lambda item: -item[1][0])
-    for (status, reason), (count, where) in ranked[:MOST_TROUBLES]:
+    for (status, reason), (count, where) in ranked[:MAX_TROUBLES]:
         table.add_row(status, str(count), str(where), Text(reason))
-    if len(ranked) > MOST_TROUBLES:
-        table.add_row("...", "", "", f"and {len(ranked) - MOST_TROUBLES} reasons more, see `results.jsonl`")
+    if len(ranked) > MAX_TROUBLES:
+        table.add_row("...", "", "", f"and {len(ranked) - MAX_TROUBLES} reasons more, see `results.jsonl`")
     return table
 
 
-def save_plots(plan: Plan, found: Survey, file: Path) -> None:
+def save_plots(plan: Plan, found: Summary, file: Path) -> None:
     """Draw success rates, distributions with their limits, and the metrics over what was varied.
 
     The title tells how many metrics and keys are left out.
@@ -115,8 +115,8 @@ def save_plots(plan: Plan, found: Survey, file: Path) -> None:
         The file cannot be written.
     """
     scenario = plan.scenario
-    metrics, varied = drawn_metrics(scenario, found), drawn_keys(plan)
-    names, keys = metrics[:MOST_METRICS], dict([*varied.items()][:MOST_KEYS])
+    metrics, varied = plotted_metrics(scenario, found), plotted_keys(plan)
+    names, keys = metrics[:MAX_METRICS], dict([*varied.items()][:MAX_KEYS])
     more = and_more("metric", len(metrics) - len(names)), and_more("key", len(varied) - len(keys))
     count = 1 + len(keys)
     with figures.styled({"axes.formatter.limits": (-3, 4)}) as pyplot:
@@ -133,7 +133,7 @@ def save_plots(plan: Plan, found: Survey, file: Path) -> None:
         figures.save(figure, file)
 
 
-def drawn_metrics(scenario: Scenario, found: Survey) -> list[str]:
+def plotted_metrics(scenario: Scenario, found: Summary) -> list[str]:
     """Metrics that criteria judge, or all; those with a distribution."""
     judged = list(dict.fromkeys(entry.metric for entry in scenario.criterion)) or list(found.values)
     return [name for name in judged if is_quantity(found.values.get(name, np.empty(0)))]
@@ -145,7 +145,7 @@ def is_quantity(values: Any) -> bool:
     return different.size > 1 and not np.all(np.isin(different, (0.0, 1.0)))
 
 
-def drawn_keys(plan: Plan) -> dict[str, list[str]]:
+def plotted_keys(plan: Plan) -> dict[str, list[str]]:
     """Keys that take several values; with the texts of these, in their order, where they are no numbers."""
     values: dict[str, list[Any]] = {}
     for case in plan.cases:
@@ -160,7 +160,7 @@ def drawn_keys(plan: Plan) -> dict[str, list[str]]:
     return found
 
 
-def draw_rates(axes: Any, scenario: Scenario, found: Survey) -> None:
+def draw_rates(axes: Any, scenario: Scenario, found: Summary) -> None:
     """Bars: share of runs that passed, and of results in which each criterion holds."""
     bars = {"all": (found.statuses["passed"], found.rows)}
     bars |= {entry.id: (found.held[entry.id], found.results) for entry in scenario.criterion}
@@ -176,7 +176,7 @@ def draw_rates(axes: Any, scenario: Scenario, found: Survey) -> None:
     axes.set_xlabel("holds in (%), 95 % confidence")
 
 
-def draw_metrics(grid: Any, plan: Plan, found: Survey, names: list[str], keys: dict[str, list[str]]) -> None:
+def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: dict[str, list[str]]) -> None:
     """Histogram of each metric with its limits, and the metric over each varied key; failed runs in red."""
     scenario, columns = plan.scenario, found.columns
     logarithmic = [vary.key for vary in plan.study.vary if vary.distribution == "log-uniform"]

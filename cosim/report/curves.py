@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.formatting.quantity import round_down
 from cosim.metrics.drawable import numbered
 from cosim.report import series
 from cosim.scenario.model import Chart
 from cosim.trace.columns import Array, Columns
-from cosim.words.quantity import round_down
 
-MOST_POINTS = 2 * series.BUCKETS
+MAX_POINTS = 2 * series.BUCKETS
 SEEN = 0.1
 """Part of the size of a path that its largest error has where it is drawn larger."""
 ORDERS = 40
 """Waves per turn that a spectrum over an angle shows."""
 PER_TURN = 512
 """Samples of a turn from which they are taken."""
-MOST_LINES = 12
+MAX_LINES = 12
 """Lines of a path that is split; the last takes all values from there on."""
 
 
@@ -47,11 +47,11 @@ def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: C
         return [Line(name, *few(x[mask], y[mask]))]
     split = value(chart.split)
     turns = np.unique(split[mask & np.isfinite(split)])
-    last = turns[min(len(turns), MOST_LINES) - 1] if len(turns) else np.nan
+    last = turns[min(len(turns), MAX_LINES) - 1] if len(turns) else np.nan
     several = len(chart.y) > 1 or len(chart.parts) > 1
     found = []
-    for turn in turns[:MOST_LINES]:
-        rest = turn == last and len(turns) > MOST_LINES
+    for turn in turns[:MAX_LINES]:
+        rest = turn == last and len(turns) > MAX_LINES
         rows = mask & (split >= turn if rest else split == turn)
         told = f"{chart.split_name} {turn:g}{' and on' if rest else ''}".strip()
         told = f"{name}, {told}" if several else told
@@ -81,9 +81,9 @@ def beside(name: str, x: Array, y: Array, error: Array) -> list[Line]:
 
 def few(x: Array, y: Array) -> tuple[Array, Array]:
     """As many points as can be seen: in equal steps the rows with the least and the largest `x` and `y`."""
-    if len(y) <= MOST_POINTS:
+    if len(y) <= MAX_POINTS:
         return x, y
-    rows = np.unique(np.concatenate([series.extremes(each, MOST_POINTS // 4) for each in (x, y)]))
+    rows = np.unique(np.concatenate([series.extremes(each, MAX_POINTS // 4) for each in (x, y)]))
     return x[rows], y[rows]
 
 
@@ -141,7 +141,7 @@ def cumulative(values: Array) -> list[tuple[Array, Array]]:
     found = np.sort(values[np.isfinite(values)])
     if not len(found):
         return []
-    at = np.unique(np.linspace(0, len(found) - 1, MOST_POINTS).astype(int))
+    at = np.unique(np.linspace(0, len(found) - 1, MAX_POINTS).astype(int))
     return [(found[at], (at + 1) / len(found))]
 
 
@@ -152,7 +152,7 @@ def roc(name: str, y: Array, quiet: Any, sought: Any) -> list[Line]:
         return []
     # from the largest down, and beyond both
     thresholds = np.append(np.unique(np.concatenate([air, contact]))[::-1], -np.inf)
-    thresholds = thresholds[np.unique(np.linspace(0, len(thresholds) - 1, MOST_POINTS).astype(int))]
+    thresholds = thresholds[np.unique(np.linspace(0, len(thresholds) - 1, MAX_POINTS).astype(int))]
     above = [1.0 - np.searchsorted(each, thresholds, side="right") / len(each) for each in (air, contact)]
     return [Line(name, above[0], above[1])]
 

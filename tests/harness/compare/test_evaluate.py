@@ -41,7 +41,7 @@ def test_a_stored_trace_gives_the_numbers_of_its_run(stored: Path) -> None:
     scenario = cosim.load("lag.toml", ["loop.seed=3"])
     result = cosim.run(scenario)
     result.save_trace(stored)
-    again = cosim.judge(scenario, cosim.read_trace(stored))
+    again = cosim.evaluate(scenario, cosim.read_trace(stored))
     assert again.metrics == result.metrics
     assert again.metrics["top"].unit == "m"
     assert again.criteria == result.criteria
@@ -53,7 +53,7 @@ def test_a_csv_file_takes_items_and_units_from_the_fmu(stored: Path) -> None:
     scenario = cosim.load("lag.toml")
     result = cosim.run(scenario)
     result.save_trace(stored.with_suffix(".csv"))
-    again = cosim.judge(scenario, cosim.read_trace(stored.with_suffix(".csv")))
+    again = cosim.evaluate(scenario, cosim.read_trace(stored.with_suffix(".csv")))
     values = {name: metric.value for name, metric in result.metrics.items()}
     assert {name: metric.value for name, metric in again.metrics.items()} == values
     # what the plant's columns are in is not known
@@ -71,16 +71,16 @@ def test_a_limit_in_a_unit_needs_one_of_the_number(stored: Path) -> None:
     with pytest.raises(
         CosimError, match=r"`criterion.end.unit` is `mm`, `lag.csv` tells no units.*`metric.top`"
     ):
-        cosim.judge(scenario, found)
+        cosim.evaluate(scenario, found)
     told = cosim.load("lag.toml", [*demand, "metric.top.unit=m"])
-    assert cosim.judge(told, found).criteria == result.criteria
+    assert cosim.evaluate(told, found).criteria == result.criteria
 
 
 def test_only_metrics_and_criteria_count(stored: Path) -> None:
     run = cosim.run(cosim.load("lag.toml"))
     end = run.metrics["end"].value
     changed = cosim.load("lag.toml", ["plant.pole=0.9", f"criterion.end.maximum={end / 2.0}"])
-    again = cosim.judge(changed, cosim.read_trace(stored))
+    again = cosim.evaluate(changed, cosim.read_trace(stored))
     assert again.metrics["end"].value == end
     assert (run.passed, again.passed) == (True, False)
 
@@ -104,7 +104,7 @@ def test_the_command_judges_without_a_run(stored: Path, folder: Path) -> None:
 def test_a_column_that_the_trace_does_not_have_is_named(stored: Path) -> None:
     scenario = cosim.load("lag.toml", ["metric.end.value='last(plant.why)'"])
     with pytest.raises(CosimError, match=r"names `plant.why`, which is no column of the trace `lag.npz`"):
-        cosim.judge(scenario, cosim.read_trace(stored))
+        cosim.evaluate(scenario, cosim.read_trace(stored))
 
 
 def test_a_trace_of_another_loop_is_told(
@@ -112,7 +112,7 @@ def test_a_trace_of_another_loop_is_told(
 ) -> None:
     (folder / "other.toml").write_text((folder / "lag.toml").read_text())
     monkeypatch.setattr(logging.getLogger("cosim"), "propagate", True)
-    cosim.judge(cosim.load("other.toml"), cosim.read_trace(stored))
+    cosim.evaluate(cosim.load("other.toml"), cosim.read_trace(stored))
     assert "is a trace of `lag`, it is judged as one of `other`" in caplog.text
 
 
@@ -142,6 +142,6 @@ def test_what_a_file_tells_wrongly_is_not_taken(stored: Path) -> None:
     trace = np.load(stored)["trace"]
     about = {"seed": "x", "simulated_s": [], "scenario": 3, "units": {"plant.x": 1}, "items": {"a": 2}}
     np.savez(stored, trace=trace, about=json.dumps(about))
-    again = cosim.judge(cosim.load("lag.toml", ["metric.active.value='0'"]), cosim.read_trace(stored))
+    again = cosim.evaluate(cosim.load("lag.toml", ["metric.active.value='0'"]), cosim.read_trace(stored))
     assert again.seed == 1
     assert again.simulated_s == pytest.approx(0.05)

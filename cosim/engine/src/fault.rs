@@ -4,7 +4,7 @@ use crate::wire::Delay;
 
 /// What an injection does to the value that arrives.
 #[derive(Clone, Debug)]
-pub enum Change {
+pub enum FaultEffect {
     /// the value is this number
     Value(f64),
     /// the value stays what it was in the first step, which is held here
@@ -25,7 +25,7 @@ pub enum Change {
     Late(Delay),
 }
 
-impl Change {
+impl FaultEffect {
     /// Value that arrives instead in step `k`, so many steps after the first; `sample` is the number of the step.
     ///
     /// Before the first step `since` is negative and the value is only seen: what is given back means nothing.
@@ -62,15 +62,15 @@ mod tests {
         // the second step is the first of the injection; samples are lost in it and in the last
         let steps = [(1.0, -1.0, 0.0), (2.0, 0.0, 1.0), (4.0, 1.0, 0.0), (8.0, 2.0, 1.0)];
         for (mut change, expected) in [
-            (Change::Value(0.5), [0.5, 0.5, 0.5]),
-            (Change::Frozen(0.0), [2.0, 2.0, 2.0]),
-            (Change::Offset(0.5), [2.5, 4.5, 8.5]),
-            (Change::Scale(-1.0), [-2.0, -4.0, -8.0]),
-            (Change::Ramp(0.5), [2.0, 4.5, 9.0]),
-            (Change::Noise, [3.0, 4.0, 9.0]),
-            (Change::Drop(0.0), [1.0, 4.0, 4.0]),
-            (Change::Lose, [0.0, 4.0, 0.0]),
-            (Change::Late(Delay::new(1, vec![])), [1.0, 2.0, 4.0]),
+            (FaultEffect::Value(0.5), [0.5, 0.5, 0.5]),
+            (FaultEffect::Frozen(0.0), [2.0, 2.0, 2.0]),
+            (FaultEffect::Offset(0.5), [2.5, 4.5, 8.5]),
+            (FaultEffect::Scale(-1.0), [-2.0, -4.0, -8.0]),
+            (FaultEffect::Ramp(0.5), [2.0, 4.5, 9.0]),
+            (FaultEffect::Noise, [3.0, 4.0, 9.0]),
+            (FaultEffect::Drop(0.0), [1.0, 4.0, 4.0]),
+            (FaultEffect::Lose, [0.0, 4.0, 0.0]),
+            (FaultEffect::Late(Delay::new(1, vec![])), [1.0, 2.0, 4.0]),
         ] {
             let found: Vec<f64> = steps
                 .iter()

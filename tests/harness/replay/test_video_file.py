@@ -17,11 +17,11 @@ from lxml import html
 import cosim
 from cosim.errors import CosimError
 from cosim.physics import CHOICE
-from cosim.replay import enlarge, film, renderer
-from cosim.replay.film import Shot
+from cosim.replay import enlarge, renderer, video_file
 from cosim.replay.motion import Recorded, motion, of_result
 from cosim.replay.pace import RATE
-from cosim.report.job import FILM_SECONDS, FILM_SIZE
+from cosim.replay.video_file import Shot
+from cosim.report.job import VIDEO_SECONDS, VIDEO_SIZE
 
 from ..cli.commands import called
 from ..cli.commands import cosim as command
@@ -67,7 +67,7 @@ def test_the_free_camera_sees_all_of_it_before_a_background(cart: Path) -> None:
 
 def test_what_is_written_stands_above_where_no_player_hides_it() -> None:
     picture = np.full((120, 160, 3), 200, np.uint8)
-    written = film.lettered(picture, ["t = 1 s", "state: Run"], ["real time"])
+    written = video_file.lettered(picture, ["t = 1 s", "state: Run"], ["real time"])
     changed = np.flatnonzero((written != picture).any(axis=(1, 2)))
     (gap,) = np.flatnonzero(np.diff(changed) > 1)
     # two lines, below them one
@@ -79,11 +79,11 @@ def test_what_is_written_stands_above_where_no_player_hides_it() -> None:
 
 
 @pytest.mark.usefixtures("_drawing")
-@pytest.mark.parametrize("ending", film.ENDINGS)
+@pytest.mark.parametrize("ending", video_file.ENDINGS)
 def test_a_film_has_its_pictures(ending: str, cart: Path, folder: Path) -> None:
     file = folder / f"cart{ending}"
     seen: list[tuple[int, int]] = []
-    film.save(recorded(cart), SMALL, file, lambda done, total: seen.append((done, total)))
+    video_file.save(recorded(cart), SMALL, file, lambda done, total: seen.append((done, total)))
     count = round(RATE * SMALL.seconds)
     assert seen == [(n, count) for n in range(1, count + 1)]
     if ending == ".mp4":
@@ -106,12 +106,12 @@ def test_the_command_films_a_trace_or_a_scenario(cart: Path, folder: Path) -> No
     options = ("--seconds", "0.2", "--size", "64x48")
     done = called("run", "cart.toml", "--set", "loop.record_qpos=true", "--trace", "cart.npz", "-q")
     assert done.returncode == 0, done.stderr
-    films = []
+    videos = []
     for source in (("cart.npz", "cart.toml"), ("cart.toml",)):
         done = command("video", *source, "-o", "cart.webp", "-q", *options)
         assert (done.returncode, done.stdout) == (0, "wrote cart.webp\n"), done.stderr
-        films.append(Path("cart.webp").read_bytes())
-    assert films[0] == films[1]
+        videos.append(Path("cart.webp").read_bytes())
+    assert videos[0] == videos[1]
 
 
 @pytest.mark.usefixtures("_drawing", "cart")
@@ -121,12 +121,12 @@ def test_a_page_holds_the_film(folder: Path) -> None:
     page = html.fromstring((folder / "cart.html").read_text())
     assert not page.find_class("note")
     (shown,) = page.iter("video")
-    assert (int(shown.get("width")), int(shown.get("height"))) == FILM_SIZE
+    assert (int(shown.get("width")), int(shown.get("height"))) == VIDEO_SIZE
     content = base64.b64decode(shown.get("src").removeprefix("data:video/mp4;base64,"))
     with importlib.import_module("av").open(io.BytesIO(content)) as container:
         pictures = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
-    assert len(pictures) == round(RATE * FILM_SECONDS)
-    assert pictures[0].shape == (*FILM_SIZE[::-1], 3)
+    assert len(pictures) == round(RATE * VIDEO_SECONDS)
+    assert pictures[0].shape == (*VIDEO_SIZE[::-1], 3)
     assert red(pictures[0]).size
     assert np.abs(pictures[0].astype(int) - pictures[-1].astype(int)).max() > 60
     # what stands still costs next to nothing, so a page of many loops can be sent
@@ -213,7 +213,7 @@ def test_an_mjcf_names_what_may_be_drawn_larger(cart: Path) -> None:
 @pytest.mark.usefixtures("_drawing")
 def test_a_camera_that_is_not_there_is_told(cart: Path) -> None:
     with pytest.raises(CosimError, match="no camera `sid`") as caught:
-        film.made(recorded(cart), Shot((64, 48), camera="sid"), ".webp")
+        video_file.made(recorded(cart), Shot((64, 48), camera="sid"), ".webp")
     assert caught.value.hint == "did you mean `side`?"
 
 

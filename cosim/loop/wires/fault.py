@@ -18,7 +18,7 @@ NEVER = math.inf
 
 
 @dataclass
-class Change:
+class FaultEffect:
     """What an injection does to the value that arrives.
 
     Parameters
@@ -76,7 +76,7 @@ class Change:
         return self.series.item(k)
 
 
-def change(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> Change:
+def change(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> FaultEffect:
     """Change that an injection says.
 
     Parameters
@@ -97,15 +97,15 @@ def change(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> C
     random = np.random.default_rng(child(seed, name))
     match kind:
         case "noise":
-            return Change(kind, series=random.normal(0.0, number, loop.steps))
+            return FaultEffect(kind, series=random.normal(0.0, number, loop.steps))
         case "drop":
             lost = (random.random(loop.steps) < number).astype(float)
-            return Change("lose" if truth else kind, series=lost)
+            return FaultEffect("lose" if truth else kind, series=lost)
         case "late":
-            return Change(kind, delay=Delay(int(number)))
+            return FaultEffect(kind, delay=Delay(int(number)))
         case "ramp":
-            return Change(kind, number * loop.step)
-    return Change(kind, number)
+            return FaultEffect(kind, number * loop.step)
+    return FaultEffect(kind, number)
 
 
 def steps_of(entry: Injection, loop: Loop) -> int:

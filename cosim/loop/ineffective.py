@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from cosim.loop.wires.change import steps_of
+from cosim.loop.wires.fault import steps_of
 from cosim.loop.wires.wiring import first_step
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Criterion, Loop, Scenario
@@ -14,7 +14,7 @@ NEUTRAL = {"offset": 0.0, "scale": 1.0, "ramp": 0.0, "noise": 0.0, "drop": 0.0}
 """Numbers that make no fault, by the kind of an injection."""
 
 
-def doubts(scenario: Scenario) -> Iterator[tuple[str, str]]:
+def ineffective_settings(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Keys and sentences about injections that never happen and limits that hold for any number."""
     for injection in scenario.inject:
         if not happens(injection, scenario.loop):
@@ -27,7 +27,7 @@ def doubts(scenario: Scenario) -> Iterator[tuple[str, str]]:
             key = f"inject.{injection.to}.{kind}"
             yield key, f"`{key}` is `{getattr(injection, kind):g}`, which changes nothing"
     for criterion in scenario.criterion:
-        if name := boundless(criterion):
+        if name := without_bound(criterion):
             key = f"criterion.{criterion.id}"
             yield key, f"`{key}.{name}` is `{getattr(criterion, name)}`, which any number holds"
 
@@ -40,7 +40,7 @@ def happens(injection: Injection, loop: Loop) -> bool:
     return begin < min(begin + steps_of(injection, loop), loop.steps)
 
 
-def boundless(criterion: Criterion) -> str:
+def without_bound(criterion: Criterion) -> str:
     """Name of a limit of a criterion that limits nothing; empty if there is none."""
     ends = {"minimum": -math.inf, "maximum": math.inf}
     return next((name for name, end in ends.items() if getattr(criterion, name) == end), "")

@@ -20,7 +20,7 @@ Place = list[str | int]
 
 
 @dataclass
-class Layers:
+class Overrides:
     """Merged tables, and for every key the layer that wrote it last (for messages)."""
 
     table: dict[str, Any] = field(default_factory=dict)
@@ -54,9 +54,9 @@ class Layers:
         self.table = replaced(self.table, path, value)
         self.origins[dotted(path, self.table)] = origin
 
-    def copy(self) -> Layers:
+    def copy(self) -> Overrides:
         """Layers that may be changed, while these stay as they are."""
-        return Layers(self.table, dict(self.origins), self.files)
+        return Overrides(self.table, dict(self.origins), self.files)
 
 
 def find_origin(origins: dict[str, str], key: str) -> str:
@@ -68,7 +68,7 @@ def find_origin(origins: dict[str, str], key: str) -> str:
     return ""
 
 
-def read(path: Path) -> Layers:
+def read(path: Path) -> Overrides:
     """Read a scenario file and, first, the file it extends.
 
     Raises
@@ -76,7 +76,7 @@ def read(path: Path) -> Layers:
     ScenarioError
         Missing file, broken TOML, a file of another kind, a circle of `extends`.
     """
-    layers = Layers()
+    layers = Overrides()
     chain = [(path.resolve(), parse_scenario(path))]
     while (parent := chain[-1][1].pop("extends", None)) is not None:
         origin = f"`{paths.shown(chain[-1][0])}`"
@@ -180,7 +180,7 @@ def drop(table: dict[str, Any], entry: str, origin: str) -> None:
     table[name] = kept
 
 
-def override(layers: Layers, assignments: Sequence[str]) -> None:
+def override(layers: Overrides, assignments: Sequence[str]) -> None:
     """Apply `KEY=VALUE` overrides.
 
     `controller.<fmi name>` and `plant.<parameter>` reach the parameters (`controller.fmu` and `plant.name`
@@ -203,13 +203,13 @@ def override(layers: Layers, assignments: Sequence[str]) -> None:
         assign(layers, key, value)
 
 
-def assign(layers: Layers, key: str, value: Any, origin: str = "") -> None:
+def assign(layers: Overrides, key: str, value: Any, origin: str = "") -> None:
     """Set one dotted key of the merged tables; `origin` says in messages where it comes from."""
     origin = origin or f"`{SET} {key}`"
     layers.put(place_of(layers, key, origin), value, origin)
 
 
-def place_of(layers: Layers, key: str, origin: str) -> Place:
+def place_of(layers: Overrides, key: str, origin: str) -> Place:
     """Place in the merged tables that a dotted key means."""
     tables = parameterised(layers.table)
     section, _, name = key.partition(".")
@@ -242,7 +242,7 @@ def parameterised(table: dict[str, Any]) -> dict[str, tuple[Place, tuple[str, ..
     return {**{name: (["fmu", index], ("fmu", "step")) for name, index in fmus.items()}, **found}
 
 
-def find_item(layers: Layers, section: str, name: str, origin: str) -> Place:
+def find_item(layers: Overrides, section: str, name: str, origin: str) -> Place:
     """Place of a key in an item of an array of tables; `name` is `<identity>.<key>`."""
     items = layers.table.get(section, [])
     if not is_tables(items):

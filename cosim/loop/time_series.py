@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from cosim import extras, paths
 from cosim.errors import CosimError, ScenarioError, closest
-from cosim.scenario.checks import MOST_STEPS
+from cosim.scenario.checks import MAX_STEPS
 from cosim.scenario.model import Scenario
 from cosim.trace.endings import PARQUET
 
@@ -75,7 +75,7 @@ def sample(
         joined: NDArray[np.float64] = np.interp(grid * step, times, known)
         return joined
     # the first step that is not before the time, as `first_step` tells it
-    first = np.ceil(np.clip(np.asarray(times) / step - 1e-6, 0.0, MOST_STEPS))
+    first = np.ceil(np.clip(np.asarray(times) / step - 1e-6, 0.0, MAX_STEPS))
     held: NDArray[np.float64] = known[np.searchsorted(first, grid, side="right") - 1]
     return held
 

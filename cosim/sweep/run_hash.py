@@ -13,10 +13,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from cosim.formatting.versions import version
 from cosim.loop import own_code, plant
 from cosim.pool import trial
-from cosim.scenario.layers import is_tables
-from cosim.words.versions import version
+from cosim.scenario.overrides import is_tables
 
 PRESENTATION = ("title", "description", "plot")
 """Parts of a scenario that change no number."""

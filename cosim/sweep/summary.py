@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.formatting import strict
+from cosim.formatting.strict import plain
 from cosim.metrics.expression import Items
 from cosim.scenario.model import Scenario
 from cosim.show.display import shorten
@@ -20,8 +22,6 @@ from cosim.sweep.plan import Plan
 from cosim.sweep.sensitivity import Influence, influences
 from cosim.sweep.store import DONE, Row, Store
 from cosim.trace.columns import Columns
-from cosim.words import strict
-from cosim.words.strict import plain
 
 TIME = "time"
 """First column of any table that expressions see; of a sweep how long each run lasted, s."""
@@ -31,7 +31,7 @@ NORMAL_95 = 1.959964
 
 
 @dataclass
-class Survey:
+class Summary:
     """Counts and numbers of a sweep.
 
     Parameters
@@ -105,9 +105,9 @@ class Survey:
         return strict.text(self.to_dict())
 
 
-def survey(plan: Plan, store: Store) -> Survey:
+def summarize(plan: Plan, store: Store) -> Summary:
     """Read all rows of a study once."""
-    found = Survey(len(plan.runs))
+    found = Summary(len(plan.runs))
     where = places(plan)
     found.columns = {name: [] for name in where}
     for row in rows(plan, store):
@@ -162,7 +162,7 @@ def quantiles(values: NDArray[np.float64]) -> dict[str, float]:
     return {name: float(np.quantile(finite, share)) for name, share in QUANTILES.items()}
 
 
-def quantities(found: Survey) -> dict[str, NDArray[np.float64]]:
+def quantities(found: Summary) -> dict[str, NDArray[np.float64]]:
     """Values of the metrics that are more than a yes or no."""
     return {
         name: values
@@ -198,7 +198,7 @@ def items(values: list[Any]) -> Items | None:
     return {name: number for number, name in enumerate(dict.fromkeys(map(shorten, values)))}
 
 
-def results(found: Survey, known: Mapping[str, Items | None]) -> Columns:
+def results(found: Summary, known: Mapping[str, Items | None]) -> Columns:
     """Columns of the runs that gave a result, each of shape (runs,); NaN where a run has no value."""
     done = np.isin(found.columns["status"], DONE)
     named = {name: found.columns["simulated_s" if name == TIME else name] for name in known}

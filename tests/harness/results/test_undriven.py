@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import cosim
-from cosim.loop import idle, lint
+from cosim.loop import lint, undriven
 from cosim.warned import warn_once
 
 from ..conftest import END, SCENARIO, entry
@@ -93,5 +93,5 @@ def test_what_has_no_effect_is_warned_of_in_runs_and_checks(
 def test_the_own_scenarios_leave_nothing_idle_by_mistake(name: str) -> None:
     scenario = cosim.load(name)
     with cosim.Session(scenario) as session:
-        known = idle.ends(session.fmus, session.plant)
-    assert (idle.undriven(scenario, known), idle.unknown(scenario, known)) == ([], "")
+        known = undriven.ends(session.fmus, session.plant)
+    assert (undriven.undriven(scenario, known), undriven.unknown(scenario, known)) == ([], "")

@@ -16,7 +16,7 @@ from cosim.trace.endings import READ, listed
 from cosim.writing import write
 
 
-def judge(
+def evaluate(
     trace: Annotated[
         Path, Argument(metavar="TRACE", help=f"What `cosim run --trace` wrote: {listed(READ)}.")
     ],
@@ -42,7 +42,7 @@ def judge(
     if trace.suffix not in READ and Path(loop).suffix in READ:
         raise CosimError(f"`{trace}` is no trace", f"the trace comes first: `cosim judge {loop} {trace}`")
     check_outputs(json, None, None)
-    from cosim.loop.judge import judge as judged
+    from cosim.loop.evaluate import evaluate as judged
     from cosim.scenario.load import load
     from cosim.show import display
     from cosim.trace import files
