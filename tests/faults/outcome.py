@@ -12,7 +12,7 @@ import cosim
 from cosim.metrics.criteria import Measured
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Metric, Scenario
-from cosim.words.quantity import text
+from cosim.formatting.quantity import text
 
 from .matrix import DONE, Matrix, Row
 

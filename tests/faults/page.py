@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from cosim.words.quantity import text
+from cosim.formatting.quantity import text
 
 from .matrix import Matrix, Row
 from .outcome import Outcome
