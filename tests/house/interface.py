@@ -8,14 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ITEM = re.compile(r"(?:pub\s+)?(?P<kind>struct|enum)\s+(?P<name>\w+)(?:<[^>]*>)?\s*\{")
-MEMBER = re.compile(r"(?:pub\s+)?(?P<name>[A-Za-z_]\w*)(?:\s*:\s*(?P<type>\[[^\]]*\]|[\w:<>]+))?\s*(?:,|$|\})")
+MEMBER = re.compile(
+    r"(?:pub\s+)?(?P<name>[A-Za-z_]\w*)(?:\s*:\s*(?P<type>\[[^\]]*\]|[\w:<>]+))?\s*(?:,|$|\})"
+)
 CONSTANT = re.compile(r"const\s+(\w+)\s*:\s*usize\s*=\s*(\d+)\s*;")
 STRING = re.compile(r'"((?:\\.|[^"\\])*)"', re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Member:
-    """A field of a struct or an item of an enum: its documentation with its line, its attributes and its type."""
+    """A field of a struct or an item of an enum, with the line of its documentation."""
 
     line: int
     name: str
@@ -102,9 +104,9 @@ def before(text: str, at: int) -> tuple[str, str, int]:
         start = line_start
         if start == 0:
             break
-    block = text[start:at]
-    documentation = " ".join(part.strip()[3:].strip() for part in block.split("\n") if part.strip().startswith("///"))
-    attributes = "\n".join(part for part in block.split("\n") if not part.strip().startswith("///"))
+    lines = text[start:at].split("\n")
+    documentation = " ".join(line.strip()[3:].strip() for line in lines if line.strip().startswith("///"))
+    attributes = "\n".join(line for line in lines if not line.strip().startswith("///"))
     return documentation, attributes, start
 
 

@@ -2,7 +2,7 @@
 
     .venv/bin/python -m tests.house.language [--comments] [PATH...]
 
-prints `file:line: rule: text` for each offense and exits with 1 if there is one. Without a path it checks everything.
+prints `file:line: rule: text` for each offense and exits with 1 if there is one; without a path: everything.
 `--comments` checks ordinary comments of Rust and Python too; their counts are in `comments.toml`.
 """
 
@@ -47,7 +47,8 @@ GENERATED_PAGES = ("docs/faults/*.md", "fmu-*/doc/variables.md", "docs/communica
 HISTORY = ("CHANGELOG.md", "*/CHANGELOG.md")
 """Pages that grow with each release: no limit for the whole page."""
 BLOCK = re.compile(
-    r"<!-- (?:measured:|[^>]*generated)[^>]*-->.*?<!-- end[^>]*-->|<!-- variables -->.*?<!-- end[^>]*-->", re.DOTALL
+    r"<!-- (?:measured:|variables -->|[^>]*generated).*?<!-- end[^>]*-->",
+    re.DOTALL,
 )
 """Generated blocks of a page."""
 CONTEXT = re.compile(r"^(Its|That|The same)\b")
@@ -55,7 +56,7 @@ WORD = re.compile(r"[^\W_]")
 
 
 def compiled(section: str) -> list[tuple[re.Pattern[str], str]]:
-    """Patterns of a section; a space matches any white space, but not in a look-behind, which has a fixed width."""
+    """Patterns of a section; a space matches any white space, except in a look-behind (fixed width)."""
     found = []
     for words, instead in TABLE[section].items():
         parts = re.split(r"(\(\?<!.*?\))", words)
@@ -65,6 +66,8 @@ def compiled(section: str) -> list[tuple[re.Pattern[str], str]]:
 
 
 PATTERNS = [found for section in ("words", "phrases", "spelling") for found in compiled(section)]
+ANY = re.compile("|".join(pattern.pattern for pattern, _ in PATTERNS), re.IGNORECASE)
+"""All patterns in one: most texts match none."""
 
 
 @dataclass(frozen=True, order=True)
@@ -118,7 +121,7 @@ def words(file: Path, *kinds: str) -> Iterator[Offense]:
     if name in WITHOUT:
         return
     for text in texts(file):
-        if text.kind not in kinds:
+        if text.kind not in kinds or not ANY.search(text.content):
             continue
         for pattern, instead in PATTERNS:
             for found in pattern.finditer(text.content):
@@ -127,9 +130,14 @@ def words(file: Path, *kinds: str) -> Iterator[Offense]:
                     yield Offense(name, text.line_of(found.start()), "word", f"`{word}` -> {instead}")
 
 
-def comment_count(folder: str) -> int:
-    """Count offenses in the ordinary comments of a top folder."""
-    return sum(1 for file in below([ROOT / folder]) for _ in words(file, "comment"))
+def comment_counts() -> dict[str, int]:
+    """Offenses in the ordinary comments of each top folder that has some."""
+    counts: dict[str, int] = {}
+    for file in every_file():
+        found = sum(1 for _ in words(file, "comment"))
+        folder = shown(file).split("/")[0]
+        counts[folder] = counts.get(folder, 0) + found
+    return {folder: number for folder, number in sorted(counts.items()) if number}
 
 
 def count(text: str) -> int:
@@ -145,9 +153,9 @@ def page(file: Path) -> Iterator[Offense]:
     for number, line in enumerate(lines, 1):
         if line.lstrip().startswith("|"):
             for cell in re.split(r"(?<!\\)\|", line)[1:-1]:
-                if count(cell) > CELL_WORDS:
-                    short = " ".join(cell.split()[:6])
-                    yield Offense(name, number, "cell", f"{count(cell)} words, limit {CELL_WORDS}: {short} ...")
+                if (length := count(cell)) > CELL_WORDS:
+                    start = " ".join(cell.split()[:6])
+                    yield Offense(name, number, "cell", f"{length} words, limit {CELL_WORDS}: {start} ...")
     if matches(name, GENERATED_PAGES):
         return
     hand_written = FENCE.sub("\n\n", BLOCK.sub("\n\n", text))
@@ -163,9 +171,7 @@ def page(file: Path) -> Iterator[Offense]:
 def sentences(text: str) -> list[str]:
     """Sentences of the prose of a page, without tables, headings and comments."""
     text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
-    kept = [
-        "\n\n" if line.lstrip().startswith(("|", "#", ">", "![")) else line for line in text.split("\n")
-    ]
+    kept = ["\n\n" if line.lstrip().startswith(("|", "#", ">", "![")) else line for line in text.split("\n")]
     paragraphs = re.split(r"\n\s*\n|\n\s*(?:[-*+]|\d+\.)\s+", "\n" + "\n".join(kept))
     found = [
         sentence
@@ -180,9 +186,8 @@ def landing(name: str, text: str) -> Iterator[Offense]:
     lines = text.rstrip("\n").split("\n")
     if len(lines) > LANDING_LINES:
         yield Offense(name, len(lines), "landing", f"{len(lines)} lines, limit {LANDING_LINES}")
-    start = next((number for number, line in enumerate(lines, 1) if re.match(r"\|\s*Inputs?\b", line)), None)
-    heading = next((number for number, line in enumerate(lines, 1) if re.match(r"#+ Inputs?\b|\*\*Inputs?", line)), None)
-    at = start or heading
+    table = re.compile(r"\|\s*Inputs?\b|#+ Inputs?\b|\*\*Inputs?")
+    at = next((number for number, line in enumerate(lines, 1) if table.match(line)), None)
     if at is None or at > INPUT_TABLE_LINE:
         where = f"line {at}" if at else "missing"
         yield Offense(name, at or 1, "landing", f"input table: {where}, limit line {INPUT_TABLE_LINE}")
@@ -201,7 +206,7 @@ def interface(file: Path) -> Iterator[Offense]:
             if "`" in text:
                 yield Offense(name, line, "description", "backticks")
             if CONTEXT.match(text):
-                yield Offense(name, line, "description", f"starts with `{text.split()[0]}`: name the quantity")
+                yield Offense(name, line, "description", f"starts with `{text.split()[0]}`: name the subject")
         for member in item.members:
             hint = member.text("hint")
             if hint is not None and count(hint) > HINT_WORDS:
@@ -225,6 +230,8 @@ def offenses(files: Iterable[Path], *, comments: bool = False) -> Iterator[Offen
     """Everything in some files that breaks a rule."""
     kinds = ("page", "documentation", "message", "settings", *(["comment"] if comments else []))
     for file in files:
+        if not file.is_file():
+            continue
         yield from sorted(words(file, *kinds))
         if file.suffix == ".md":
             yield from page(file)
@@ -234,10 +241,12 @@ def offenses(files: Iterable[Path], *, comments: bool = False) -> Iterator[Offen
 
 def main() -> int:
     """Run the command line."""
-    parser = argparse.ArgumentParser(prog="python -m tests.house.language", description="Check the rules of STYLE.md.")
-    parser.add_argument("--comments", action="store_true", help="check ordinary comments of Rust and Python too")
+    parser = argparse.ArgumentParser(prog="python -m tests.house.language", description="Check STYLE.md.")
+    parser.add_argument(
+        "--comments", action="store_true", help="also check ordinary Rust and Python comments"
+    )
     parser.add_argument("--summary", action="store_true", help="print counts by file instead of offenses")
-    parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="files and folders; default: everything")
+    parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="files, folders; default: all")
     chosen = parser.parse_args()
     files = below(chosen.paths) if chosen.paths else every_file()
     total = 0

@@ -1,4 +1,4 @@
-"""Texts that a person reads, taken from Markdown, Rust, Python, TOML, Modelica, HTML and notebooks with their lines."""
+"""Texts that a person reads, with their lines: Markdown, Rust, Python, TOML, Modelica, HTML, notebooks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ RUST = re.compile(
     r"""|(?P<string>b?r(?P<fence>\#*)".*?"(?P=fence)|b?"(?:\\.|[^"\\])*")|b?'(?:\\[^']*'|[^\\']')""",
     re.DOTALL,
 )
-STRING = re.compile(r'"""(.*?)"""|\'\'\'(.*?)\'\'\'|"((?:\\.|[^"\\\n])*)"|\'([^\'\n]*)\'|(#[^\n]*)', re.DOTALL)
+STRING = re.compile(
+    r'"""(.*?)"""|\'\'\'(.*?)\'\'\'|"((?:\\.|[^"\\\n])*)"|\'([^\'\n]*)\'|(#[^\n]*)', re.DOTALL
+)
 MODELICA = re.compile(r'"((?:\\.|[^"\\])*)"|(//[^\n]*)', re.DOTALL)
 TAG = re.compile(r"<script.*?</script>|<style.*?</style>|<[^>]*>|\{[{%#].*?[}%#]\}", re.DOTALL)
 
@@ -53,7 +55,7 @@ def prose(text: str) -> str:
 def texts(file: Path) -> Iterator[Text]:
     """All texts of a file by its suffix; none for a file of another kind."""
     read = READERS.get(file.suffix)
-    if read is not None:
+    if read is not None and file.is_file():
         yield from read(file.read_text(encoding="utf-8"))
 
 
