@@ -14,6 +14,9 @@ use crate::process;
 use crate::profile;
 use crate::project::Project;
 
+/// The variable of the environment by which `fmi2-export` makes outputs of local variables, if it is `all`.
+pub const OUTPUTS: &str = "FMI2_EXPORT_OUTPUTS";
+
 /// A C library and the packages that were compiled for it, build scripts and macros included.
 pub struct Built {
     /// What it was compiled for.

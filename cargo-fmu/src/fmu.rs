@@ -9,6 +9,7 @@ use cargo_metadata::Package;
 
 use crate::binary;
 use crate::build::Built;
+use crate::contents::chapters::QuickStart;
 use crate::contents::terminals::Ports;
 use crate::contents::{chapters, guide, licences, picture, reference, terminals};
 use crate::facts::Facts;
@@ -44,9 +45,16 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
     let libraries = all.iter().map(|built| read(package, built)).collect::<Result<Vec<_>>>()?;
     let mut content = Content::default();
     let (chapters, outside) = (chapters::read(package)?, chapters::outside(project, package));
+    let platforms: Vec<_> = all.iter().map(|built| built.platform.folder).collect();
     for (path, text) in binary::files(&built.library)? {
-        let text = if path == PAGE { guide::insert(&text, &chapters, &outside) } else { text };
+        let text = if path == PAGE { guide::insert(&text, &chapters, &platforms, &outside) } else { text };
         content.add(path, text.into_bytes())?;
+    }
+    if let Some(QuickStart { name, program, plot }) = chapters.quick_start {
+        content.add(format!("documentation/{name}"), program.into_bytes())?;
+        if let Some(plot) = plot {
+            content.add(format!("documentation/{}", guide::PLOT), plot.into_bytes())?;
+        }
     }
     let interface = Interface::of_library(content.text(DESCRIPTION).unwrap_or_default())?;
     let (identifier, ports) = (&interface.identifier, Ports::of(&interface));

@@ -15,7 +15,7 @@ use cargo_fmu::platform::Platform;
 use cargo_fmu::project::Project;
 use cargo_fmu::{archive, choice, plain};
 use cargo_metadata::{CargoOpt, MetadataCommand, Package};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 #[derive(Parser)]
 #[command(name = "cargo", bin_name = "cargo")]
@@ -39,6 +39,14 @@ enum Command {
     },
 }
 
+/// Which variables of the model become outputs.
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+enum Outputs {
+    #[default]
+    Declared,
+    All,
+}
+
 #[derive(Args)]
 struct Pack {
     /// Package to pack; needed when a workspace has several
@@ -53,6 +61,9 @@ struct Pack {
     /// A library of the same model that was built elsewhere, such as `win64=FILE`; once for each platform
     #[arg(long, value_name = "PLATFORM=FILE", value_parser = elsewhere)]
     binary: Vec<(&'static Platform, PathBuf)>,
+    /// Variables with causality `output`: those that the model declares, or also its local variables
+    #[arg(long, value_enum, default_value_t)]
+    outputs: Outputs,
     /// Path of the `Cargo.toml`
     #[arg(long, value_name = "FILE")]
     manifest_path: Option<PathBuf>,
@@ -140,6 +151,9 @@ impl Pack {
         let mut project = Project::load(&command)?;
         project.linker = Linker::find();
         project.arguments = self.arguments(&project);
+        if self.outputs == Outputs::All {
+            project.environment.push((build::OUTPUTS, "all".into()));
+        }
         Ok(project)
     }
 

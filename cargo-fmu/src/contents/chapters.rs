@@ -1,4 +1,5 @@
-//! What the guide of an FMU is made of: the README of the package, and the Markdown files that its manifest names.
+//! What the page of an FMU shows besides the declaration: an example of use, the README of the package, and the Markdown
+//! files that its manifest names.
 
 use std::fs;
 
@@ -12,18 +13,57 @@ use crate::project::Project;
 /// The table of a manifest that is for this program.
 const TABLE: &str = "fmu";
 
-/// The README without its title, and the chapters behind it: `guide = ["FILE", "FILE#section"]` in
-/// `[package.metadata.fmu]`, relative to the manifest. A file is a section with its title, `#section` takes one of it.
+/// Texts for the page of an FMU.
+#[derive(Default)]
+pub struct Chapters {
+    /// A program that uses the FMU, and a plot of its result.
+    pub quick_start: Option<QuickStart>,
+    /// Markdown: the README without its title, then the chapters.
+    pub guide: String,
+    /// Markdown: measured results, the last part of the page.
+    pub results: String,
+}
+
+/// An example of use.
+pub struct QuickStart {
+    /// File name of the program.
+    pub name: String,
+    /// The program.
+    pub program: String,
+    /// Plot of its result, as SVG.
+    pub plot: Option<String>,
+}
+
+/// Reads `[package.metadata.fmu]`, whose files are relative to the manifest:
+///
+/// - `quick-start = "FILE.py"` and `plot = "FILE.svg"`;
+/// - `guide = ["FILE", "FILE#section"]`, chapters that follow the README, and `results = [...]` in the same form. A file is
+///   a section with its title; `#section` takes one section of it.
 ///
 /// # Errors
 /// When a file cannot be read, or has no title or no such section.
-pub fn read(package: &Package) -> Result<String> {
+pub fn read(package: &Package) -> Result<Chapters> {
     let folder = package.manifest_path.with_file_name("");
     let readme = package.readme.as_ref().map(|file| folder.join(file)).filter(|file| file.is_file());
     let readme = readme.map(|file| text(&file)).transpose()?.unwrap_or_default();
     let body = if readme.starts_with("# ") { readme.split_once('\n').map_or("", |(_, body)| body) } else { &readme };
-    let mut markdown = body.to_owned();
-    for name in strings(&package.metadata[TABLE]["guide"]) {
+    let table = &package.metadata[TABLE];
+    let file = |key: &str| table[key].as_str().map(|name| text(&folder.join(name)).map(|text| (name, text))).transpose();
+    let quick_start = match file("quick-start")? {
+        None => None,
+        Some((name, program)) => {
+            let name = Utf8Path::new(name).file_name().unwrap_or(name).to_owned();
+            Some(QuickStart { name, program, plot: file("plot")?.map(|(_, plot)| plot) })
+        }
+    };
+    let chapters = |key: &str| chapters(package, &folder, &strings(&table[key]));
+    Ok(Chapters { quick_start, guide: format!("{body}{}", chapters("guide")?), results: chapters("results")? })
+}
+
+/// The named chapters, each after a blank line.
+fn chapters(package: &Package, folder: &Utf8Path, names: &[String]) -> Result<String> {
+    let mut markdown = String::new();
+    for name in names {
         let (file, section) = name.split_once('#').map_or((name.as_str(), None), |(file, id)| (file, Some(id)));
         let found = text(&folder.join(file)).and_then(|text| chapter(&text, section));
         let found = found.with_context(|| format!("no chapter `{name}` for the guide of `{}`", package.name))?;

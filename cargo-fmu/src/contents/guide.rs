@@ -1,36 +1,66 @@
-//! The README of a package and what follows it as the guide in the documentation page of its FMU.
+//! The texts of a package in the documentation page of its FMU: an example of use, the guide, the results.
 
 use std::fmt::Write as _;
 use std::ops::Range;
 
 use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
-use super::chapters::slug;
+use super::chapters::{Chapters, QuickStart, slug};
 use super::markup::escaped;
 use super::sources::Outside;
 use super::state_chart;
 
-/// Where the page of `fmi2-export` takes a guide, and the links to its sections.
-const PLACE: &str = "<!-- guide -->\n";
-const CONTENTS: &str = "<!-- contents of the guide -->\n";
+/// Where the page of `fmi2-export` takes texts, and the links to their sections.
+const PLATFORMS: &str = "<!-- platforms -->";
+const QUICK_START: [&str; 2] = ["<!-- quick start -->\n", "<!-- contents of the quick start -->\n"];
+const GUIDE: [&str; 2] = ["<!-- guide -->\n", "<!-- contents of the guide -->\n"];
+const RESULTS: [&str; 2] = ["<!-- results -->\n", "<!-- contents of the results -->\n"];
 
-/// What a chart of states calls the beginning.
+/// Name of the plot of the example next to the page.
+pub const PLOT: &str = "run.svg";
+
+/// The first state in a chart of states.
 const BEGIN: &str = "begin";
 
-/// The heading of a section that the page has of its own.
-const TABLES: &str = "<!-- variables:";
+/// Marks around what is generated from the declaration, which the page shows itself.
+const GENERATED: &str = ": generated from the interface -->";
+const END: &str = "<!-- end of ";
 
-/// What the names of its sections begin with in the page.
+/// Prefix of the section names in the page.
 const ID: &str = "guide-";
 
-/// The page with the guide in it, whose states lead to those of the page, without what it tells of things `outside`; a page
-/// without a place for it stays as it is.
-pub fn insert(page: &str, markdown: &str, outside: &Outside) -> String {
+/// The page with the texts in it, whose states link to those of the page, without mentions of things `outside`; a page
+/// without places for them stays as it is.
+pub fn insert(page: &str, chapters: &Chapters, platforms: &[&str], outside: &Outside) -> String {
+    let of = format!(", {}", platforms.join(", "));
+    let page = page.replacen(PLATFORMS, if platforms.is_empty() { "" } else { &of }, 1);
+    let (html, link) = chapters.quick_start.as_ref().map_or_else(Default::default, quick_start);
+    let page = page.replacen(QUICK_START[0], &html, 1).replacen(QUICK_START[1], &link, 1);
+    let page = insert_sections(&page, GUIDE, &chapters.guide, outside);
+    insert_sections(&page, RESULTS, &chapters.results, outside)
+}
+
+fn insert_sections(page: &str, [place, contents]: [&str; 2], markdown: &str, outside: &Outside) -> String {
     let sections = sections(&written(markdown, outside), page);
     let links = sections.iter().filter(|section| !section.title.is_empty());
     let links = links.map(|section| format!("<a href=\"#{}\">{}</a>\n", section.id, section.title)).collect::<String>();
     let bodies = sections.iter().map(|section| section.html.as_str()).collect::<String>();
-    page.replacen(PLACE, &bodies, 1).replacen(CONTENTS, &links, 1)
+    page.replacen(place, &bodies, 1).replacen(contents, &links, 1)
+}
+
+/// The example as a section, and the link to it.
+fn quick_start(QuickStart { name, program, plot }: &QuickStart) -> (String, String) {
+    let mut html = format!(
+        "<h2 id=\"quick-start\">Quick start</h2>\n<p>This program closes a loop around the FMU with \
+         <a href=\"https://github.com/CATIA-Systems/FMPy\">FMPy</a>. It is next to this page: \
+         <code>python {} FILE.fmu</code>.</p>\n<pre><code>{}</code></pre>\n",
+        escaped(name),
+        escaped(program.trim_end())
+    );
+    if plot.is_some() {
+        _ = writeln!(html, "<p><img src=\"{PLOT}\" alt=\"Result of the quick start\"/></p>");
+    }
+    (html, "<a href=\"#quick-start\">Quick start</a>\n".to_owned())
 }
 
 /// A heading of the second order and what follows it; the first section has no heading.
@@ -40,14 +70,30 @@ struct Section {
     html: String,
 }
 
-/// The Markdown without what it tells of things outside, and the sections that hold the tables of the declaration; links to
-/// sections of it lead to them.
+/// The Markdown without mentions of things outside and without what is generated from the declaration; links to sections
+/// of it lead to them.
 fn written(markdown: &str, outside: &Outside) -> String {
-    let is_kept = |part: &&str| !part.contains(TABLES);
-    let text = format!("\n{markdown}");
-    let parts: Vec<_> = text.split("\n## ").filter(is_kept).collect();
+    let text = format!("\n{}", by_hand(markdown));
+    let parts: Vec<_> = text.split("\n## ").collect();
     let slugs: Vec<_> = parts.iter().skip(1).filter_map(|part| part.lines().next()).map(slug).collect();
-    outside.left_out(&led_inside(&parts.join("\n## "), &slugs))
+    outside.left_out(&led_inside(&text, &slugs))
+}
+
+/// The Markdown without generated parts.
+fn by_hand(markdown: &str) -> String {
+    let mut kept = String::new();
+    let mut is_generated = false;
+    for line in markdown.lines() {
+        if line.ends_with(GENERATED) {
+            is_generated = true;
+        } else if line.starts_with(END) {
+            is_generated = false;
+        } else if !is_generated {
+            kept += line;
+            kept.push('\n');
+        }
+    }
+    kept
 }
 
 /// Links to sections of these names, in whichever file they stood, as links inside the page.
@@ -179,12 +225,35 @@ mod tests {
     const README: &str = "A *spring*, [measured](../docs/x.md), see [FMI](https://fmi-standard.org).\n\n\
         ## How `it` works\n\n```mermaid\nstateDiagram-v2\n    [*] --> Idle\n    Idle --> Run: a < b\n    \
         note right of Run: slow\n```\n\n| a | b |\n|---|---|\n| 1 | `x` |\n\n\
-        ## Variables\n\n<!-- variables: made -->\n| n |\n|---|\n| y |\n<!-- end -->\n\n## Limits\n\nNone.\n";
+        ## Variables\n\n<!-- variables: generated from the interface -->\n| n |\n|---|\n| y |\n<!-- end of variables -->\n\n## Limits\n\nNone.\n";
+
+    fn shown(page: &str, markdown: &str) -> String {
+        let chapters = Chapters { guide: markdown.to_owned(), ..Chapters::default() };
+        insert(page, &chapters, &[], &Outside::default())
+    }
+
+    #[test]
+    fn an_example_is_shown_with_its_plot_and_results_come_last() {
+        let quick_start = |plot| {
+            let program = "if a < b:\n    run()\n".to_owned();
+            Some(QuickStart { name: "run.py".to_owned(), program, plot })
+        };
+        let page = [PLATFORMS, QUICK_START[1], QUICK_START[0], RESULTS[0]].concat();
+        let results = "\n\n## Results\n\nGood.\n".to_owned();
+        let chapters = Chapters { quick_start: quick_start(Some("<svg/>".to_owned())), guide: String::new(), results };
+        let found = insert(&page, &chapters, &["linux64", "win64"], &Outside::default());
+        assert!(found.starts_with(", linux64, win64<a href=\"#quick-start\">Quick start</a>\n<h2"), "{found}");
+        assert!(found.contains("<code>python run.py FILE.fmu</code>") && found.contains("if a &lt; b:\n    run()</code>"));
+        assert!(found.ends_with("<img src=\"run.svg\" alt=\"Result of the quick start\"/></p>\n<h2 id=\"guide-results\">Results</h2>\n<p>Good.</p>\n"), "{found}");
+        let without = Chapters { quick_start: quick_start(None), ..chapters };
+        assert!(!insert(&page, &without, &[], &Outside::default()).contains("<img"));
+        assert_eq!(insert(&page, &Chapters::default(), &[], &Outside::default()), "");
+    }
 
     #[test]
     fn the_readme_stands_in_its_place_without_title_and_tables() {
         let page =
-            insert("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README, &Outside::default());
+            shown("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README);
         assert!(page.starts_with(
             "<nav><a href=\"#guide-how-it-works\">How it works</a>\n<a href=\"#guide-limits\">Limits</a>\n</nav>\n<p>A <em>"
         ));
@@ -195,20 +264,20 @@ mod tests {
 
     #[test]
     fn only_links_to_the_net_stay_links() {
-        let page = insert(PLACE, README, &Outside::default());
+        let page = shown(GUIDE[0], README);
         assert!(page.contains("</em>, measured, see <a href=\"https://fmi-standard.org\">FMI</a>"), "{page}");
     }
 
     #[test]
     fn a_link_to_a_section_that_is_there_leads_to_it() {
         let text = "See [x](../a.md#how-it-works), [y](#other).\n\n## How it works\n\nSo.\n";
-        let page = insert(PLACE, text, &Outside::default());
+        let page = shown(GUIDE[0], text);
         assert!(page.starts_with("<p>See <a href=\"#guide-how-it-works\">x</a>, y.</p>"), "{page}");
     }
 
     #[test]
     fn a_chart_of_states_is_a_picture_and_a_table_of_transitions() {
-        let page = insert(&format!("{PLACE}<td id=\"State-Idle\"/>"), README, &Outside::default());
+        let page = shown(&format!("{}<td id=\"State-Idle\"/>", GUIDE[0]), README);
         assert!(
             page.contains("<tr><td>1</td><td>begin</td><td><a href=\"#State-Idle\">Idle</a></td><td></td></tr>"),
             "{page}"
@@ -219,13 +288,13 @@ mod tests {
 
     #[test]
     fn a_chart_that_is_none_of_states_stays_code() {
-        let page = insert(PLACE, "```mermaid\nflowchart LR\n    a --> b\n```\n", &Outside::default());
+        let page = shown(GUIDE[0], "```mermaid\nflowchart LR\n    a --> b\n```\n");
         assert!(page.contains("<code class=\"language-mermaid\">flowchart LR\n    a --&gt; b\n</code>"), "{page}");
         assert!(!page.contains("<table"), "{page}");
     }
 
     #[test]
     fn a_page_without_a_place_stays() {
-        assert_eq!(insert("<p/>", README, &Outside::default()), "<p/>");
+        assert_eq!(shown("<p/>", README), "<p/>");
     }
 }

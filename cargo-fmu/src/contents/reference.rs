@@ -22,9 +22,12 @@ const MANIFEST: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 </fmiReferences>
 "#;
 
-/// Communication steps of the run, and the one with which Boolean inputs become true and numbers of items rise.
+/// Communication steps of the run, and the step with the first request. Each request (a Boolean that starts false, an
+/// enumeration) is made for `REQUEST` steps, and the next one follows `PAUSE` steps after it.
 const STEPS: usize = 100;
 const EVENT: usize = 10;
+const REQUEST: usize = 4;
+const PAUSE: usize = 4;
 
 /// Real outputs agree when they differ by less than this part of the largest value of their column: they are written with 9
 /// significant digits, as the last ones may depend on the C library of the machine.
@@ -33,8 +36,8 @@ const TOLERANCE: f64 = 1e-8;
 const CO_SIMULATION: c_int = 1;
 const WARNING: c_int = 1;
 
-/// Files of the run by their paths inside the FMU, with the parameters that the FMU starts with: Real inputs move a little,
-/// Booleans that start false become true, enumerations take their next item.
+/// Files of the run by their paths inside the FMU, with the parameters that the FMU starts with. Real inputs move a little. One
+/// after the other, Booleans that start false are true and enumerations have their second item for some steps.
 ///
 /// # Errors
 /// When the library cannot be loaded, or when the model cannot run so.
@@ -45,7 +48,7 @@ pub fn files(library: &Path, interface: &Interface, resources: &Path) -> Result<
     let experiments = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Experiments name=\"{0}\">\n  <Experiment name=\"short run\" \
          startTime=\"0.0\" stopTime=\"{stop:?}\" stepSize=\"{1:?}\" tolerance=\"{TOLERANCE:?}\" description=\"Real inputs move a \
-         little, Booleans that start false become true; parameters have their start values\">\n    <Stimuli source=\"inputs.csv\" type=\"text/csv\"/>\n    \
+         little, requests follow one after the other; parameters have their start values\">\n    <Stimuli source=\"inputs.csv\" type=\"text/csv\"/>\n    \
          <References source=\"outputs.csv\" type=\"text/csv\"/>\n  </Experiment>\n</Experiments>\n",
         escaped(run.name),
         run.step
@@ -74,6 +77,8 @@ struct Port<'a> {
     reference: c_uint,
     kind: Kind,
     start: f64,
+    /// Which of the requests this input is, from 0.
+    request: Option<usize>,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -86,12 +91,16 @@ enum Kind {
 
 impl<'a> Run<'a> {
     fn of(interface: &'a Interface) -> Result<Self> {
-        let ports = |parts| interface.of(parts).filter_map(|variable| port(interface, variable)).collect();
+        let ports =
+            |parts| interface.of(parts).filter_map(|variable| port(interface, variable)).collect::<Vec<_>>();
+        let mut inputs = ports(&[Part::Input]);
+        let requests = inputs.iter_mut().filter(|port| port.is_request());
+        requests.enumerate().for_each(|(number, port)| port.request = Some(number));
         Ok(Self {
             name: &interface.name,
             guid: &interface.guid,
             step: interface.step.parse().with_context(|| format!("the step `{}` is no number", interface.step))?,
-            inputs: ports(&[Part::Input]),
+            inputs,
             outputs: ports(&[Part::Output]),
         })
     }
@@ -130,7 +139,7 @@ fn port<'a>(interface: &Interface, variable: &'a Quantity) -> Option<Port<'a>> {
         "false" | "" => 0.0,
         number => number.parse().ok()?,
     };
-    Some(Port { name: &variable.name, reference: variable.reference, kind, start })
+    Some(Port { name: &variable.name, reference: variable.reference, kind, start, request: None })
 }
 
 impl Port<'_> {
@@ -141,11 +150,27 @@ impl Port<'_> {
         let saw = (k * (2 * i + 3) % 16) as f64 / 16.0 - 0.5;
         match self.kind {
             Kind::Real => self.start + 1e-6 * saw,
-            _ if k < EVENT => self.start,
+            _ if !self.requested(k) => self.start,
             Kind::Boolean => 1.0,
-            Kind::Integer(None) => self.start,
-            Kind::Integer(Some(items)) => (self.start + 1.0).min(items as f64),
+            Kind::Integer(_) => self.start + 1.0,
         }
+    }
+
+    /// Whether the input can make a request: a Boolean that starts false, or an enumeration that has a next item.
+    fn is_request(&self) -> bool {
+        match self.kind {
+            Kind::Real | Kind::Integer(None) => false,
+            Kind::Boolean => self.start == 0.0,
+            Kind::Integer(Some(items)) => self.start < items as f64,
+        }
+    }
+
+    /// Whether its request is made in the step `k`.
+    fn requested(&self, k: usize) -> bool {
+        self.request.is_some_and(|number| {
+            let begin = EVENT + number * (REQUEST + PAUSE);
+            (begin..begin + REQUEST).contains(&k)
+        })
     }
 
     /// Value of an output as it is written.
@@ -291,7 +316,10 @@ mod tests {
         assert_eq!((head(&run.inputs), head(&run.outputs)), ("time,x,on,mode\n".into(), "time,y\n".into()));
         let at = |k| run.inputs.iter().enumerate().map(|(i, port)| port.value(i, k)).collect::<Vec<_>>();
         assert_eq!(at(0), [2.0 - 0.5e-6, 0.0, 1.0]);
-        assert_eq!(at(EVENT)[1..], [1.0, 2.0]);
+        assert_eq!(at(EVENT)[1..], [1.0, 1.0]);
+        assert_eq!(at(EVENT + REQUEST)[1..], [0.0, 1.0]);
+        assert_eq!(at(EVENT + REQUEST + PAUSE)[1..], [0.0, 2.0]);
+        assert_eq!(at(STEPS - 1)[1..], [0.0, 1.0]);
         assert!((0..STEPS).all(|k| (at(k)[0] - 2.0).abs() < 0.6e-6 && at(k)[0] != at(k + 1)[0]));
         let mut text = String::new();
         line(&mut text, 0.1, &run.inputs, &[1e-7, 1.0, 2.0]);
@@ -300,7 +328,7 @@ mod tests {
 
     #[test]
     fn no_real_input_stands_still_whatever_its_index() {
-        let port = Port { name: "x", reference: 0, kind: Kind::Real, start: 0.0 };
+        let port = Port { name: "x", reference: 0, kind: Kind::Real, start: 0.0, request: None };
         for i in 0..64 {
             assert!((0..STEPS).all(|k| port.value(i, k) != port.value(i, k + 1)), "{i}");
         }

@@ -1,57 +1,70 @@
-//! `documentation/index.html`: the declaration for people, as one page for screens, light and dark, and for paper.
+//! `documentation/index.html`: the declaration as one page for screens, light and dark, and for paper.
+//!
+//! Order: facts, block, quick start, inputs, outputs, essential parameters, timing, faults, guide, all other variables, results.
 
 use crate::description::block_diagram;
 use crate::description::cells::Cells;
 use crate::description::model_description::used_types;
+use crate::description::pages::fault_type;
 use crate::description::xml::escape;
 use crate::exported::Exported;
 use crate::host::logger::Category;
 use crate::instance::start_period;
 use crate::model::{Info, Interface};
-use crate::table::enumeration::EnumType;
-use crate::table::variable::{Role, Variable};
+use crate::table::enumeration::{EnumType, Item};
+use crate::table::variable::{Role, Tier, Variable};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("documentation.css");
 
-/// Where a packer may put what else there is to read, as sections of the page with headings of the second order.
+/// Where a packer inserts what only it knows: the platforms, an example of use, and chapters with headings of the second
+/// order and the links to them.
+const PLATFORMS: &str = "<!-- platforms -->";
+const QUICK_START: &str = "<!-- quick start -->\n";
+const QUICK_START_CONTENTS: &str = "<!-- contents of the quick start -->\n";
 const GUIDE: &str = "<!-- guide -->\n";
-
-/// And the links to them.
 const GUIDE_CONTENTS: &str = "<!-- contents of the guide -->\n";
+const RESULTS: &str = "<!-- results -->\n";
+const RESULTS_CONTENTS: &str = "<!-- contents of the results -->\n";
 
-const STEPS: &str = "<p>The controller samples at the start time plus <var>n</var> sample periods, whatever the importer does; \
-outputs are held between samples.</p>
+const STEPS: &str = "<p>The controller samples at the start time plus <var>n</var> sample periods, whatever the communication \
+step is. Outputs are held between samples.</p>
 <h3>Co-simulation</h3>
-<p>A step [t, t + h) runs every sample that lies in it, with the inputs set at t. Read the outputs after \
-<code>fmi2DoStep</code> and apply them from t on, and the loop has no delay beside the sampling; an importer that applies them \
-at t + h, as most do, adds one communication step. Real inputs may come with derivatives of any order \
-(<code>fmi2SetRealInputDerivatives</code>); they are extrapolated to the samples inside the step.</p>
+<p>A step [t, t + h) runs every sample in it, with the inputs that were set at t. A master that applies the outputs at t adds no \
+delay. A master that applies them at t + h, as most do, adds one communication step. Real inputs may come with derivatives \
+(<code>fmi2SetRealInputDerivatives</code>): they are extrapolated to the samples inside the step.</p>
 ";
 
 const EVENTS: &str = "<h3>Model exchange</h3>
 <p>There are no continuous states. Each sample is a time event: <code>fmi2NewDiscreteStates</code> runs the sample that is due \
-and tells the time of the next. There is no communication step to choose, and outputs act at once: a parameter that tells the \
-controller of a delay in samples is 0 there.</p>
+and returns the time of the next one. There is no communication step, and outputs act immediately: set a parameter that \
+states the delay in samples to 0.</p>
 ";
 
 /// The whole page.
 pub fn write<M: Exported>() -> String {
     let (info, table) = (M::INFO, M::Vars::TABLE);
     let mut page = Page { text: String::new(), names: table.iter().map(|row| row.name).collect() };
-    page.head(&info);
+    let faults = fault_type(table);
+    page.head(&info, start_period::<M>(), table);
     page.contents(table);
     page.section("block", "Block");
     page.text += &block_diagram::write(info.name, table);
-    page.text += GUIDE;
-    page.section("timing", "Timing and delay");
-    page.text += STEPS;
-    page.step(&info, start_period::<M>());
-    page.text += EVENTS;
+    page.text += QUICK_START;
     page.signals(table, "inputs", "Inputs", Role::Input);
     page.signals(table, "outputs", "Outputs", Role::Output);
+    page.parameters(table, "essential", "Essential parameters", Tier::Essential);
+    page.section("timing", "Timing and delay");
+    page.step(&info, start_period::<M>());
+    page.text += STEPS;
+    page.text += EVENTS;
+    if let Some(ty) = faults {
+        page.faults(ty);
+    }
+    page.text += GUIDE;
     page.signals(table, "locals", "Local variables", Role::Local);
-    page.parameters(table);
+    page.parameters(table, "parameters", "Parameters", Tier::Normal);
+    page.parameters(table, "expert-parameters", "Expert parameters", Tier::Expert);
     page.enumerations(table);
     page.section("log", "Log categories");
     page.table("log", &["Category", "Meaning"], &mut |page| {
@@ -59,6 +72,7 @@ pub fn write<M: Exported>() -> String {
             page.row(&[&code(category.name()), &escape(category.description())]);
         }
     });
+    page.text += RESULTS;
     page.text += "</main>\n</body>\n</html>\n";
     page.text
 }
@@ -70,7 +84,7 @@ struct Page {
 }
 
 impl Page {
-    fn head(&mut self, info: &Info) {
+    fn head<V>(&mut self, info: &Info, period: f64, table: &[Variable<V>]) {
         let name = escape(info.name);
         self.put(format_args!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
@@ -79,48 +93,72 @@ impl Page {
             breakable(info.name),
             self.inline(info.description)
         ));
+        let count = |role: fn(Role) -> bool| -> usize {
+            table.iter().filter(|row| role(row.role())).map(Variable::len).sum()
+        };
+        let (inputs, outputs) = (count(|role| role == Role::Input), count(|role| role == Role::Output));
+        let (locals, parameters) = (count(|role| role == Role::Local), count(is_parameter));
+        self.put(format_args!(
+            "<p class=\"facts\">FMI 2.0 co-simulation (communication step {period} s) and model exchange{PLATFORMS} &#183; \
+             {inputs} inputs, {outputs} outputs, {locals} local variables, {parameters} parameters</p>\n"
+        ));
         let facts = [("Version", info.version), ("Author", info.author), ("Licence", info.license)];
         let facts = facts.iter().filter(|(_, fact)| !fact.is_empty());
         let facts: Vec<_> = facts.map(|(what, fact)| format!("{what} {}", escape(fact))).collect();
         self.put(format_args!("<p class=\"facts\">{}</p>\n</header>\n", facts.join(" &#183; ")));
     }
 
-    /// Links to the sections of the declaration and to the groups of the parameters.
+    /// Links to the sections.
     fn contents<V>(&mut self, table: &[Variable<V>]) {
         self.text += "<nav>\n";
         let has = |role: Role| table.iter().any(|row| row.role() == role);
-        let mut link = |id: &str, title: &str| self.put(format_args!("<a href=\"#{id}\">{title}</a>\n"));
-        link("block", "Block");
-        self.text += GUIDE_CONTENTS;
-        let mut link = |id: &str, title: &str| self.put(format_args!("<a href=\"#{id}\">{title}</a>\n"));
-        link("timing", "Timing and delay");
-        for (role, id, title) in
-            [(Role::Input, "inputs", "Inputs"), (Role::Output, "outputs", "Outputs"), (Role::Local, "locals", "Locals")]
-        {
-            if has(role) {
-                link(id, title);
+        let has_tier = |tier: Tier| table.iter().any(|row| is_parameter(row.role()) && row.tier == tier);
+        let faults = fault_type(table);
+        self.link("block", "Block");
+        self.text += QUICK_START_CONTENTS;
+        for (is_there, id, title) in [
+            (has(Role::Input), "inputs", "Inputs"),
+            (has(Role::Output), "outputs", "Outputs"),
+            (has_tier(Tier::Essential), "essential", "Essential parameters"),
+            (true, "timing", "Timing and delay"),
+            (faults.is_some(), "faults", "Faults"),
+        ] {
+            if is_there {
+                self.link(id, title);
             }
         }
-        if table.iter().any(|row| is_parameter(row.role())) {
-            link("parameters", "Parameters");
+        self.text += GUIDE_CONTENTS;
+        for (is_there, id, title) in [
+            (has(Role::Local), "locals", "Local variables"),
+            (has_tier(Tier::Normal), "parameters", "Parameters"),
+            (has_tier(Tier::Expert), "expert-parameters", "Expert parameters"),
+        ] {
+            if is_there {
+                self.link(id, title);
+            }
         }
-        for ty in used_types(table) {
-            link(&format!("type-{}", ty.name), ty.name);
+        for ty in used_types(table).into_iter().filter(|ty| ty.reactions.is_empty()) {
+            self.link(&format!("type-{}", ty.name), ty.name);
         }
-        link("log", "Log");
+        self.link("log", "Log");
+        self.text += RESULTS_CONTENTS;
         self.text += "</nav>\n<main>\n";
     }
 
+    fn link(&mut self, id: &str, title: &str) {
+        self.put(format_args!("<a href=\"#{id}\">{title}</a>\n"));
+    }
+
     fn step(&mut self, info: &Info, period: f64) {
-        self.put(format_args!("<p>The sample period is {period} s unless a parameter sets another one. "));
+        self.put(format_args!("<p>Recommended communication step: {period} s, one sample period. "));
         if info.longest_step.is_finite() {
-            let steps = match info.longest_step {
-                1.0 => "a communication step of one sample period".to_owned(),
-                longest => format!("communication steps of up to {longest} sample periods, best with one"),
+            let longest = match info.longest_step {
+                1.0 => "one sample period".to_owned(),
+                longest => format!("{longest} sample periods"),
             };
             self.put(format_args!(
-                "A closed loop works with {steps}: in a longer step inputs are held for all of its samples, and of the outputs \
-                 those of the last sample are seen. The first step beyond that is told as a warning."
+                "A closed loop works with steps of up to {longest}. In a longer step the inputs are held for all of its samples, \
+                 and only the outputs of the last sample are visible; the first such step returns a warning."
             ));
         }
         self.text += "</p>\n";
@@ -141,13 +179,17 @@ impl Page {
         });
     }
 
-    /// Parameters group by group: the part of a name before its last dot.
-    fn parameters<V>(&mut self, table: &[Variable<V>]) {
-        let rows: Vec<_> = table.iter().filter(|row| is_parameter(row.role())).collect();
+    /// Parameters of a tier. All but the essential ones are listed by group: the part of a name before its last dot.
+    fn parameters<V>(&mut self, table: &[Variable<V>], id: &str, title: &str, tier: Tier) {
+        let head = ["Name", "Default", "Range", "Paper", "Meaning", "Reason of the default"];
+        let rows: Vec<_> = table.iter().filter(|row| is_parameter(row.role()) && row.tier == tier).collect();
         if rows.is_empty() {
             return;
         }
-        self.section("parameters", "Parameters");
+        self.section(id, title);
+        if tier == Tier::Essential {
+            return self.table("parameters", &head, &mut |page| rows.iter().for_each(|row| page.parameter(row)));
+        }
         let mut groups: Vec<&str> = Vec::new();
         for row in &rows {
             if !groups.contains(&group(row.name)) {
@@ -163,7 +205,6 @@ impl Page {
                 let head = self.inline(row.head);
                 self.put(format_args!("<p>{head}.</p>\n"));
             }
-            let head = ["Name", "Start", "Range", "Paper", "Meaning", "Source"];
             self.table("parameters", &head, &mut |page| rows.iter().for_each(|row| page.parameter(row)));
         }
     }
@@ -185,8 +226,34 @@ impl Page {
         self.row_of(row.name, &[&code(&name), &value, &escape(&range), &paper, &meaning, &source]);
     }
 
+    /// Faults by reaction, the mildest first.
+    fn faults(&mut self, ty: &EnumType) {
+        self.section("faults", "Faults");
+        self.put(format_args!("<p id=\"type-{}\">{}.</p>\n", ty.name, escape(ty.description)));
+        for reaction in ty.reactions {
+            let is_of = |(item, _): &(&Item, i32)| item.reaction == reaction.name;
+            let items: Vec<_> = ty.items.iter().zip(1..).filter(is_of).collect();
+            if items.is_empty() {
+                continue;
+            }
+            let (does, acknowledge) = (self.inline(reaction.description), self.inline(reaction.acknowledge));
+            self.put(format_args!(
+                "<h3>{}</h3>\n<p>Reaction: {does}. Acknowledge: {acknowledge}.</p>\n",
+                code(reaction.name)
+            ));
+            self.table("faults", &["Number", "Fault", "Cause", "Detected when", "Remedy"], &mut |page| {
+                for (item, number) in &items {
+                    let (cause, detection) = (page.inline(item.description), page.inline(item.detection));
+                    let cells = [number.to_string(), code(item.name), cause, detection, page.inline(item.hint)];
+                    page.row_of(&format!("{}-{}", ty.name, item.name), &cells.each_ref().map(String::as_str));
+                }
+            });
+        }
+    }
+
+    /// All enumerations but the faults.
     fn enumerations<V>(&mut self, table: &[Variable<V>]) {
-        for ty in used_types(table) {
+        for ty in used_types(table).into_iter().filter(|ty| ty.reactions.is_empty()) {
             self.section(&format!("type-{}", ty.name), &format!("Enumeration {}", code(ty.name)));
             let description = self.inline(ty.description);
             self.put(format_args!("<p>{description}.</p>\n"));
