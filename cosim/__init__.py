@@ -1,10 +1,10 @@
-"""Co-simulation of FMI 2.0 FMUs with plants: scenarios, the reference loop, results and criteria.
+"""Co-simulation of FMI 2.0 FMUs with plants: scenarios, the reference engine, results and criteria.
 
 >>> import cosim
 >>> result = cosim.run(cosim.load("dob", set=["plant.gap=2e-4"]), seed=7)  # doctest: +SKIP
 >>> result.passed, result.metrics["depth"].value, result.trace["controller.current"]  # doctest: +SKIP
 
-Importing this package is cheap; numpy and FMPy are imported with the first name that needs them.
+Importing this package is cheap; the first name that needs numpy or FMPy imports them.
 """
 
 from importlib import import_module
@@ -65,7 +65,7 @@ RENAMED = {"judge": "evaluate"}
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name when it is asked for."""
+    """Import a public name on first use."""
     if name in RENAMED:
         raise AttributeError(f"`cosim.{name}` was renamed in 0.2.0: use `cosim.{RENAMED[name]}`")
     if name not in LOCATIONS:

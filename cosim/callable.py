@@ -8,9 +8,9 @@ from typing import Any
 
 
 class CallableModule(ModuleType):
-    """A package that has the name of its main function, which its module `results` defines."""
+    """A package that has the name of its main function, defined in its module `results`."""
 
     def __call__(self, *arguments: Any, **options: Any) -> Any:
-        """Call that function; what it needs is imported now."""
+        """Call the main function; import its dependencies now."""
         name = self.__name__.rpartition(".")[2]
         return getattr(import_module(f"{self.__name__}.results"), name)(*arguments, **options)

@@ -1,4 +1,4 @@
-"""What has something open: `with` closes it at the end."""
+"""Base class of objects that hold open resources: `with` closes them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Self
 
 
 class Closing(ABC):
-    """Base of what is closed when its `with` ends, however that ends."""
+    """Base class of objects that close when their `with` block ends, also after an error."""
 
     @abstractmethod
     def close(self) -> None:
-        """Give back what is open."""
+        """Release the open resources."""
 
     def __enter__(self) -> Self:
         return self

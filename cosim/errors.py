@@ -7,23 +7,23 @@ import difflib
 from collections.abc import Iterable, Iterator
 
 LONGEST = 500
-"""Characters shown of an error that nobody foresaw."""
+"""Maximum length of the text of an unexpected error."""
 
 
 class CosimError(Exception):
-    """A run that could not be done, said in one sentence.
+    """An error that a user can cause, in one sentence.
 
     Parameters
     ----------
     message
-        What is wrong: names the thing, its value and its limit in backticks.
+        The problem: names the object, its value and its limit in backticks.
     hint
-        What to do about it, empty if nothing useful can be said.
+        The remedy; empty if there is none.
 
     Attributes
     ----------
     key
-        Key of the scenario that it concerns, where known.
+        Key of the scenario that it concerns, if known.
     """
 
     def __init__(self, message: str, hint: str = "") -> None:
@@ -33,7 +33,7 @@ class CosimError(Exception):
         self.key = ""
 
     def __str__(self) -> str:
-        """Message and hint as the command line shows them."""
+        """Message and hint as on the command line."""
         return f"{self.message}\nhint: {self.hint}" if self.hint else self.message
 
 
@@ -54,21 +54,21 @@ class PlantError(CosimError):
 
 
 class UnforeseenError(CosimError):
-    """What should not happen."""
+    """An unexpected error."""
 
 
 def unforeseen(error: BaseException) -> UnforeseenError:
-    """Error of what should not happen."""
-    words = " ".join(str(error).split())[:LONGEST] or "without a word"
+    """Error for an unexpected exception."""
+    words = " ".join(str(error).split())[:LONGEST] or "no message"
     failure = UnforeseenError(
-        f"this should not happen: {type(error).__name__}: {words}", "`-v` shows where; please report it"
+        f"unexpected error: {type(error).__name__}: {words}", "Show the origin with `-v`, and report the error."
     )
     failure.__cause__ = error
     return failure
 
 
 def readable(text: str) -> str:
-    """Text of others as a message may show it: no codes of terminals, nothing that cannot be seen."""
+    """Foreign text for a message, without terminal codes and invisible characters."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in "\n\t\xa0" else "\ufffd" for c in text)
@@ -77,7 +77,7 @@ def readable(text: str) -> str:
 def similar(name: str, choices: Iterable[str]) -> str:
     """Hint that names the closest of `choices`, empty when none is close."""
     match = difflib.get_close_matches(name, list(choices), n=1, cutoff=0.6)
-    return f"did you mean `{match[0]}`?" if match else ""
+    return f"Use `{match[0]}`." if match else ""
 
 
 def closest(name: str, choices: Iterable[str]) -> str:
@@ -87,13 +87,13 @@ def closest(name: str, choices: Iterable[str]) -> str:
         return hint
     if not known:
         return ""
-    shown = ", ".join(f"`{choice}`" for choice in known[:20])
-    return f"known here: {shown}" + (", ..." if len(known) > 20 else "")
+    shown = ", ".join(f"`{choice}`" for choice in known[:20]) + (", ..." if len(known) > 20 else "")
+    return f"Known names: {shown}."
 
 
 @contextlib.contextmanager
 def concerning(key: str) -> Iterator[None]:
-    """Note on errors from within which key of the scenario they concern."""
+    """Add the key of the scenario to errors in the block."""
     try:
         yield
     except CosimError as error:

@@ -23,5 +23,5 @@ def needed(module: str, problem: str, hint: str) -> Any:
 
 
 def hint(extra: str) -> str:
-    """How to install an extra of this project."""
-    return f"install the extra: `pip install machining-fmus[{extra}]`"
+    """Hint how to install an extra of this project."""
+    return f"Install the extra: `pip install machining-fmus[{extra}]`."

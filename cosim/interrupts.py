@@ -1,4 +1,4 @@
-"""Ctrl-C: never lost, whatever the process is doing."""
+"""Handling of Ctrl-C that is never lost, whatever the process does."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 INTERRUPTED = 130
 """Exit code of a process that Ctrl-C ended."""
 SHOW_CURSOR = b"\r\x1b[2K\x1b[?25h"
-"""Clears a line of a progress bar and gives the cursor back."""
+"""Clears the line of a progress bar and restores the cursor."""
 Handler = Callable[..., Any]
 
 
@@ -26,7 +26,7 @@ def quit_at_once(*_: object) -> NoReturn:
 
 @contextlib.contextmanager
 def handled_by(handler: Handler) -> Iterator[None]:
-    """Let `handler` take Ctrl-C; where it is ignored, and outside of the main thread, all stays as it is."""
+    """Let `handler` handle Ctrl-C, unless it is ignored or this is not the main thread."""
     before = current()
     if before is None:
         yield
@@ -39,7 +39,7 @@ def handled_by(handler: Handler) -> Iterator[None]:
 
 
 def current() -> Handler | None:
-    """Present handler of Ctrl-C, None where it cannot be changed or should not."""
+    """Present handler of Ctrl-C; None if it must not be changed."""
     handler = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(handler):
         return None
@@ -48,7 +48,7 @@ def current() -> Handler | None:
 
 @contextlib.contextmanager
 def raising() -> Iterator[None]:
-    """Let the first Ctrl-C raise KeyboardInterrupt, so that what is open is closed; the second ends all."""
+    """Let the first Ctrl-C raise KeyboardInterrupt, to close resources; the second ends the process."""
 
     def handler(*arguments: object) -> None:
         signal.signal(signal.SIGINT, quit_at_once)
@@ -60,7 +60,7 @@ def raising() -> Iterator[None]:
 
 @contextlib.contextmanager
 def deferred() -> Iterator[Callable[[], None]]:
-    """Hold Ctrl-C back to where `check`, which this gives, is called, and to the end.
+    """Defer Ctrl-C until the yielded `check` is called, or the block ends.
 
     An exception that is raised within a callback of C would be lost. A second Ctrl-C does not wait.
     """

@@ -1,4 +1,4 @@
-"""Where scenarios, FMUs and the extraction cache are found."""
+"""Locations of scenarios, FMUs and the extraction cache."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import platformdirs
 from cosim.errors import CosimError, FmuError, PlantError, ScenarioError, closest, readable
 
 PACKED = Path(__file__).resolve().parent / "packed"
-"""Scenarios and FMUs that a wheel brings along."""
+"""Scenarios and FMUs in the wheel."""
 ROOT = PACKED.parent.parent
 """Project root of an editable install."""
 OWN_SCENARIOS = PACKED / "scenarios" if PACKED.is_dir() else ROOT / "scenarios"
@@ -22,7 +22,7 @@ FMU_PATH_ENV = "COSIM_FMU_PATH"
 CACHE_ENV = "COSIM_CACHE"
 CACHE_NAME = "machining-fmus"
 LONGEST = 100
-"""Characters of a name that a message repeats."""
+"""Maximum length of a name in a message."""
 
 
 def scenario_folders() -> list[Path]:
@@ -56,7 +56,7 @@ def find_scenario(name: str, near: Path | None = None) -> Path:
         if file := existing(name, places):
             return file
         problem = f"the scenario file `{brief(name)}` {missing(name, places)}"
-        raise ScenarioError(problem, "`cosim list` shows the known names")
+        raise ScenarioError(problem, "List the known names with `cosim list`.")
     for folder in [*bases, *scenario_folders()]:
         if is_file(file := folder / f"{name}.toml"):
             return file
@@ -66,7 +66,7 @@ def find_scenario(name: str, near: Path | None = None) -> Path:
 
 
 def list_scenarios() -> Iterator[tuple[str, Path]]:
-    """Name and file of every scenario in the folders, sorted; a name found twice is the first one's."""
+    """Name and file of every scenario in the folders, sorted; the first of two equal names is used."""
     seen: set[str] = set()
     for folder in scenario_folders():
         names = {
@@ -94,7 +94,7 @@ def find_study(name: str) -> Path:
 
 
 def scenario_name(file: Path) -> str:
-    """Name of a scenario file: relative to its folder where it lies in one, else its stem."""
+    """Name of a scenario file: relative to its scenario folder, otherwise its stem."""
     for folder in scenario_folders():
         if resolved(file).is_relative_to(folder):
             return resolved(file).relative_to(folder).with_suffix("").as_posix()
@@ -107,7 +107,7 @@ def find_fmu(name: str, near: Path) -> Path:
     Raises
     ------
     FmuError
-        No such file; the hint says how to build it or where it was looked for.
+        No such file; the hint shows how to build it and the searched folders.
     """
     places = [near, working_folder()]
     if name.endswith(".fmu") or "/" in name or os.sep in name:
@@ -119,11 +119,11 @@ def find_fmu(name: str, near: Path) -> Path:
         if is_file(file := folder / f"{name}.fmu"):
             return file
     if existing(name, places):
-        raise FmuError(f"`{brief(name)}` is no FMU", "the name of an FMU file ends in `.fmu`")
+        raise FmuError(f"`{brief(name)}` is not an FMU", "Use a file that ends in `.fmu`.")
     searched = ", ".join(f"`{shown(folder)}`" for folder in unique(folders))
-    build = f"build it with `cargo xtask fmu {brief(name.removeprefix('fmu-'))}`"
+    build = f"Build it with `cargo xtask fmu {brief(name.removeprefix('fmu-'))}`"
     raise FmuError(
-        f"the FMU `{brief(name)}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}; looked in {searched}"
+        f"the FMU `{brief(name)}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}. Searched: {searched}."
     )
 
 
@@ -149,18 +149,18 @@ def existing(name: str, places: Iterable[Path]) -> Path | None:
 
 
 def missing(name: str, places: Iterable[Path]) -> str:
-    """Say why there is no such file: folders and devices are none."""
+    """Reason why a path is not a regular file."""
     there = any(is_there(place / expanded(name)) for place in places)
-    return "is no regular file" if there else "does not exist"
+    return "is not a regular file" if there else "does not exist"
 
 
 def looked_in(near: Path) -> str:
-    """Hint for a file that is in neither of its places: beside what names it, and the working directory."""
-    return "looked in " + " and ".join(f"`{folder}`" for folder in unique([near, working_folder()]))
+    """Hint with the searched folders: that of the file that names it, and the working directory."""
+    return "Searched: " + " and ".join(f"`{folder}`" for folder in unique([near, working_folder()]))
 
 
 def cache_folder() -> Path:
-    """Folder that only the cache uses: in `COSIM_CACHE`, else in the user's cache folder."""
+    """Folder of the cache: in `COSIM_CACHE`, or in the user's cache folder."""
     given = os.environ.get(CACHE_ENV)
     if given:
         return working_folder() / given / CACHE_NAME
@@ -173,17 +173,17 @@ def working_folder() -> Path:
     Raises
     ------
     CosimError
-        It was removed.
+        The folder was removed.
     """
     try:
         return Path.cwd()
     except OSError as error:
         problem = f"the working directory cannot be used: {error.strerror or error}"
-        raise CosimError(problem, "change into a folder that is there") from None
+        raise CosimError(problem, "Change to an existing folder.") from None
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file; a name that no file can have is none."""
+    """Whether a file exists; False for invalid names."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -191,7 +191,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_there(path: Path) -> bool:
-    """Whether there is anything at all, be it a folder or a device."""
+    """Whether a path exists, also as folder or device."""
     try:
         return path.exists()
     except (OSError, ValueError):
@@ -199,12 +199,12 @@ def is_there(path: Path) -> bool:
 
 
 def resolved(path: Path) -> Path:
-    """Path without symbolic links; one that leads in a circle stays as it is."""
+    """Path without symbolic links; a circular link stays unchanged."""
     return Path(os.path.realpath(path))
 
 
 def expanded(name: str) -> Path:
-    """Path with `~` replaced by the home of its user, where there is one."""
+    """Path with `~` replaced by the home folder, if there is one."""
     try:
         return Path(name).expanduser()
     except RuntimeError:
@@ -212,13 +212,13 @@ def expanded(name: str) -> Path:
 
 
 def brief(name: str) -> str:
-    """Name as a message repeats it: not without end, no control codes."""
+    """Name for a message: shortened, without control codes."""
     shown = readable(name[:LONGEST]).replace("\n", "\ufffd")
     return shown if len(name) <= LONGEST else f"{shown}..."
 
 
 def shown(path: Path) -> str:
-    """Path as shown to the user: relative to the working directory where that is shorter."""
+    """Path for display: relative to the working directory if that is shorter."""
     try:
         return str(resolved(path).relative_to(Path.cwd())) or "."
     except (ValueError, OSError):

@@ -1,4 +1,4 @@
-"""MuJoCo where its choice of what draws cannot be had: it is made on import, which fails as a whole then."""
+"""Import of MuJoCo on systems without its rendering backend, which it selects on import."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import importlib
 import os
 
 CHOICE = "MUJOCO_GL"
-"""Variable of the environment with which MuJoCo lets choose what draws."""
+"""Environment variable that selects MuJoCo's rendering backend."""
 
 
 def ready() -> None:
-    """Import MuJoCo, without what draws if it has to be; what is drawn then tells why it cannot be."""
+    """Import MuJoCo, without a rendering backend if necessary; rendering then raises the reason."""
     chosen = os.environ.get(CHOICE)
     if not chosen:
         return

@@ -1,4 +1,4 @@
-"""What foreign code may change of the process it runs in, so that other runs in it have other results."""
+"""Process state that foreign code may change, with an effect on the results of later runs."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ ARITHMETIC_ROOM, ACTION_ROOM = 64, 256
 """Bytes that hold an `fenv_t` and a `struct sigaction` of any system."""
 LIMITS = "resource limits"
 DRAWING = b"PYOPENGL_PLATFORM="
-"""Environment variable that MuJoCo sets where it draws, and nobody else reads."""
+"""Environment variable that MuJoCo sets for rendering and no other code reads."""
 HANDLER = ctypes.sizeof(ctypes.c_void_p)
-"""Bytes of the latter that are the handler; it comes first."""
+"""Bytes of the handler, which is first in `struct sigaction`."""
 _c: Any = ctypes.CDLL(None) if os.name == "posix" else None
 SYSTEM = (sys.platform, os.uname().machine if hasattr(_c, "fegetenv") else "")
 CONTROL = {
@@ -26,11 +26,11 @@ CONTROL = {
     ("linux", "aarch64"): 0xFFFF_FFFF,
     ("darwin", "arm64"): 0xFFFF_FFFF << 8 * 8,
 }.get(SYSTEM, 0)
-"""Bits of an `fenv_t` that say how is calculated: rounding, denormals, precision, traps; 0 is not known."""
+"""Bits of an `fenv_t` for rounding, denormals, precision and traps; 0 if unknown."""
 
 
 class Arithmetic:
-    """How the processor calculates in this thread, as it was when this was made."""
+    """Floating-point environment of this thread at the time of construction."""
 
     def __init__(self) -> None:
         self.noted = ctypes.create_string_buffer(ARITHMETIC_ROOM)
@@ -44,7 +44,7 @@ class Arithmetic:
         return int.from_bytes(room.raw, "little") & CONTROL
 
     def put_back(self) -> bool:
-        """Calculate as before; whether that was changed. No number is calculated here, traps may be on."""
+        """Restore it; return whether it was changed. Calculates nothing, because traps may be on."""
         if self._look(ctypes.create_string_buffer(ARITHMETIC_ROOM)) == self.control:
             return False
         _c.fesetenv(self.noted)
@@ -52,7 +52,7 @@ class Arithmetic:
 
 
 def belongings() -> dict[str, object]:
-    """Look at what belongs to the process as a whole, by what it is called; about 0.1 ms."""
+    """Return the state of the process by name; takes about 0.1 ms."""
     import locale
     import resource
 
@@ -71,7 +71,7 @@ def belongings() -> dict[str, object]:
 
 
 def folder() -> str:
-    """Working directory, empty if it is gone."""
+    """Working directory; empty if it was removed."""
     try:
         return os.getcwd()  # noqa: PTH109
     except OSError:
@@ -79,7 +79,7 @@ def folder() -> str:
 
 
 def environment() -> list[bytes]:
-    """Environment variables as code of C sees them, which may not tell Python of its changes."""
+    """Environment variables as seen by C code, whose changes Python does not see."""
     found: list[bytes] = []
     try:
         place = ctypes.POINTER(ctypes.c_char_p).in_dll(_c, "environ")
@@ -103,6 +103,6 @@ def signals() -> list[object]:
 
 
 def changed(before: dict[str, object]) -> str:
-    """Name what is not as it was, empty if all is."""
+    """Name a changed state; empty if nothing changed."""
     now = belongings()
     return " and ".join(f"the {name}" for name, value in before.items() if now[name] != value)

@@ -1,4 +1,4 @@
-"""Warnings that are told once in a process, however many runs or workers they concern."""
+"""Warnings that are logged once in a process, for any number of runs and workers."""
 
 from __future__ import annotations
 

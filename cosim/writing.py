@@ -1,4 +1,4 @@
-"""Files that are written: texts, and large ones that are there only when they are whole."""
+"""Writing of files: texts, and large files that appear only when they are complete."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from pathlib import Path
 from cosim.errors import CosimError
 
 JSON = re.compile(rb"\s*(\{|\[\s*[{\]])")
-"""How a JSON file begins that a command wrote; `[` alone begins a table of TOML as well."""
+"""Start of a JSON file of a command; `[` alone also starts a TOML table."""
 LOOKED_AT = 4096
-"""Bytes of a file by which its kind is told."""
+"""Number of bytes that identify the kind of a file."""
 
 
 def write(text: str, file: str | Path) -> None:
-    """Write a text to a file, or to stdout where it is `-`.
+    """Write a text to a file, or to stdout for `-`.
 
     Raises
     ------
@@ -32,16 +32,16 @@ def write(text: str, file: str | Path) -> None:
 
 
 def check_text(option: str, file: str | Path, kind: str, beginning: re.Pattern[bytes]) -> None:
-    """Check before a long run that a text can be written to a file, over nothing but a text of its kind.
+    """Check before a long run that a text can be written, and replaces only a text of its kind.
 
     Parameters
     ----------
     option
-        What names the file, for messages.
+        Option that names the file, for messages.
     file
         The file; `-` is stdout.
     kind, beginning
-        What is written, and how texts of that kind begin.
+        Kind of the text, and the start of such texts.
 
     Raises
     ------
@@ -54,12 +54,12 @@ def check_text(option: str, file: str | Path, kind: str, beginning: re.Pattern[b
     check_folder(path)
     there = beginning_of(path)
     if there and not beginning.match(there):
-        problem = f"`{option}` `{file}` would be written over a file that is no {kind}"
-        raise CosimError(problem, "choose another name, or remove the file")
+        problem = f"`{option}` `{file}` would overwrite a file that is not {kind}"
+        raise CosimError(problem, "Choose another name, or remove the file.")
 
 
 def beginning_of(file: Path) -> bytes:
-    """First bytes of a file; none of one that is not there, or a device, which loses nothing."""
+    """First bytes of a file; empty for a missing file or a device."""
     if not file.is_file():
         return b""
     try:
@@ -70,24 +70,24 @@ def beginning_of(file: Path) -> bytes:
 
 
 def check_folder(file: Path) -> None:
-    """Check before a long run that the folder of a file is there.
+    """Check before a long run that the folder of a file exists.
 
     Raises
     ------
     CosimError
-        It is not.
+        The folder does not exist.
     """
     if not file.absolute().parent.is_dir():
         raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
 
 
 def check_apart(files: Mapping[str, Path | None]) -> None:
-    """Check that files, by the options that name them, are not one and the same.
+    """Check that the files of different options are different.
 
     Raises
     ------
     CosimError
-        Two are.
+        Two options name the same file.
     """
     seen: dict[str, str] = {}
     for option, file in files.items():
@@ -96,25 +96,25 @@ def check_apart(files: Mapping[str, Path | None]) -> None:
         other = seen.setdefault(os.path.realpath(file), option)
         if other != option and not is_device(file):
             raise CosimError(
-                f"`{other}` and `{option}` are one file: `{file}`", "give each a file of its own"
+                f"`{other}` and `{option}` name the same file `{file}`", "Give each option its own file."
             )
 
 
 def is_device(file: Path) -> bool:
-    """Whether what is there is no file that holds something, such as `/dev/null`."""
+    """Whether a path is a device, such as `/dev/null`."""
     return file.exists() and not file.is_file()
 
 
 @contextlib.contextmanager
 def whole(file: Path) -> Iterator[Path]:
-    """Path to write to that becomes `file` at the end: a file that is there is whole.
+    """Temporary path that becomes `file` at the end, so that `file` is always complete.
 
-    A link stays one, what it leads to is written; a device is written to itself.
+    A link stays a link: its target is written. A device is written directly.
 
     Raises
     ------
     CosimError
-        The file cannot be written; as after any other exception, nothing of it stays.
+        The file cannot be written. After any exception no partial file remains.
     """
     target = Path(os.path.realpath(file))
     try:
@@ -131,13 +131,13 @@ def whole(file: Path) -> Iterator[Path]:
 
 
 def partial(file: Path) -> Path:
-    """Path of a file that is being written."""
+    """Temporary path of a file that is being written."""
     target = Path(os.path.realpath(file))
     return target.with_name(f".{target.name}.partial")
 
 
 def discard(file: Path) -> None:
-    """Remove what a process that died has left of a file."""
+    """Remove the partial file of a process that died."""
     with contextlib.suppress(OSError):
         partial(Path(os.path.realpath(file))).unlink(missing_ok=True)
 
@@ -149,7 +149,7 @@ def refused(file: str | Path, error: OSError, hint: str = "") -> CosimError:
 
 @contextlib.contextmanager
 def naming(file: str | Path, hint: str = "") -> Iterator[None]:
-    """Make an error of the system one of the file that is written."""
+    """Convert a system error into one that names the file."""
     try:
         yield
     except OSError as error:

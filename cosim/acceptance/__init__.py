@@ -1,1 +1,1 @@
-"""Many scenarios at once, each held against its criteria: acceptance table, JSON, plots, JUnit XML."""
+"""Acceptance runs of many scenarios: table of criteria, JSON, plots and JUnit XML."""

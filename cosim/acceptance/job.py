@@ -1,4 +1,4 @@
-"""A run whose result and plot are written where it is done, so that its trace need not travel."""
+"""A run whose worker writes the result and the plot, so that the trace is not transferred."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class RecordedJob(Job):
     Parameters
     ----------
     json, plot
-        Where result and plot are written, None is nowhere.
+        Files of the result and the plot; None writes nothing.
     """
 
     json: Path | None = None
@@ -25,11 +25,11 @@ class RecordedJob(Job):
 
     @property
     def draws(self) -> bool:
-        """Whether anything of the run is drawn."""
+        """Whether the run is plotted."""
         return self.plot is not None
 
     def run(self, bench: Bench) -> Result:
-        """Run the scenario once and write its files; the result comes back without its trace."""
+        """Run the scenario once and write its files; return the result without its trace."""
         if self.draws:
             self.session(bench).check_drawn()
         result = super().run(bench)

@@ -13,9 +13,9 @@ from cosim.metrics.criteria import Verdict
 from cosim.pool.job import Outcome
 
 BEGINNING = re.compile(rb"\s*(<\?xml[^>]*>\s*)?<testsuite")
-"""How a file of this kind begins, of whatever program."""
+"""Start of a JUnit XML file of any program."""
 COUNTS = {"failures": "failure", "errors": "error", "skipped": "skipped"}
-"""Counts of a test suite, by what they count."""
+"""Counts of a test suite, by kind."""
 
 
 def document(outcomes: Outcomes) -> str:
@@ -28,7 +28,7 @@ def document(outcomes: Outcomes) -> str:
 
 
 def suite(name: str, outcome: Outcome) -> Element:
-    """Test suite of a scenario; one case stands for it where nothing was judged."""
+    """Test suite of a scenario; a scenario without criteria has one test case."""
     found = Element("testsuite", name=name)
     if not isinstance(outcome, Result):
         SubElement(case(found, name, "run"), "error", message=outcome.message).text = str(outcome)
@@ -50,7 +50,8 @@ def case(parent: Element, scenario: str, name: str) -> Element:
 
 
 def add_verdict(found: Element, verdict: Verdict) -> None:
-    """Note that a criterion does not hold."""
+    """Record a failed criterion."""
     if not verdict.passed:
-        problem = f"{verdict.criterion.claim}: measured {measured(verdict)}, limit {limits(verdict)}"
+        limit = f", limit {limits(verdict)}" if limits(verdict) else ""
+        problem = f"{verdict.criterion.claim}: {measured(verdict)}{limit}"
         SubElement(found, "failure", message=problem)

@@ -1,4 +1,4 @@
-"""Runs scenarios on all cores; one that cannot run stops no other."""
+"""Run scenarios on all cores; an error in one does not stop the others."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from cosim.show.bar import bar
 from cosim.writing import check_text, naming
 
 Outcomes = Mapping[str, Outcome]
-"""What became of each scenario, by name, in the order in which they were asked for."""
+"""Outcome of each scenario by name, in the requested order."""
 KINDS = {
-    ".json": ("result of a run", re.compile(rb'\{\s*"loop":')),
+    ".json": ("the result of a run", re.compile(rb'\{\s*"loop":')),
     ".svg": (
-        "plot of a run",
+        "the plot of a run",
         re.compile(rb"\s*<\?xml.*<dc:creator>\s*<cc:Agent>\s*<dc:title>cosim</dc:title>", re.DOTALL),
     ),
 }
-"""What is written for each scenario, and how such files begin."""
+"""Files written for each scenario, and the start of such files."""
 
 Change = Callable[[str, RecordedJob], RecordedJob]
-"""Takes the name of a scenario and its job."""
+"""Changes the job of a scenario, given by name."""
 
 
 @dataclass(frozen=True)
@@ -47,15 +47,15 @@ class RunOptions:
     Parameters
     ----------
     folder
-        Where `NAME.json` and `NAME.svg` are written, None is nowhere.
+        Folder of `NAME.json` and `NAME.svg`; None writes nothing.
     plots
         Whether to draw the plots.
     workers
-        Worker processes; None is one per processor that this process may use.
+        Number of worker processes; None is one for each available processor.
     limits
-        What each run may take.
+        Limits of each run.
     quiet
-        No progress.
+        Whether to hide the progress.
     """
 
     folder: Path | None = None
@@ -72,20 +72,20 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
     Parameters
     ----------
     change
-        Makes of the job of each scenario the one that is done.
+        Replaces the job of each scenario.
 
     Raises
     ------
     CosimError
-        Two files have one name, the folder cannot be written, a file there is none of a
-        scenario's results, or no worker can be had.
+        Two files have one name, the folder cannot be written, it holds a file of another kind,
+        or no worker can be started.
     """
     names: dict[str, str] = {}
     for given in scenarios:
         name = paths.scenario_name(Path(given)) if given.endswith(".toml") else given
         if name in names:
-            problem = f"`{given}` and another file are both the scenario `{name}`"
-            raise CosimError(problem, "test them one after the other")
+            problem = f"`{given}` and another file both define the scenario `{name}`"
+            raise CosimError(problem, "Test them in separate commands.")
         names[name] = given
     files = {name: places(options.folder, name) for name in names}
     for file in itertools.chain.from_iterable(files.values()):
@@ -107,7 +107,7 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
 
 
 def outcomes(jobs: Mapping[str, Job], options: RunOptions) -> Iterator[tuple[str, Outcome]]:
-    """Outcomes by name, as they come."""
+    """Outcomes by name, in order of completion."""
     names = list(jobs)
     workers = min(options.workers or processors(), len(jobs))
     with contextlib.closing(
@@ -118,7 +118,7 @@ def outcomes(jobs: Mapping[str, Job], options: RunOptions) -> Iterator[tuple[str
 
 
 def job(given: str, files: tuple[Path, ...], options: RunOptions) -> RecordedJob | CosimError:
-    """Job of a scenario, or what is wrong with it."""
+    """Job of a scenario, or the error in it."""
     json, plot = files or (None, None)
     try:
         scenario = load(given)
@@ -132,7 +132,7 @@ def job(given: str, files: tuple[Path, ...], options: RunOptions) -> RecordedJob
 
 
 def places(folder: Path | None, name: str) -> tuple[Path, ...]:
-    """Files of a scenario's results, whose folder is made; no file of another kind may be there."""
+    """Files of a scenario's results. Makes their folder; rejects existing files of another kind."""
     if folder is None:
         return ()
     files = tuple(folder / f"{name}{ending}" for ending in KINDS)
@@ -144,7 +144,7 @@ def places(folder: Path | None, name: str) -> tuple[Path, ...]:
 
 
 def plain(outcomes: Outcomes) -> list[dict[str, Any]]:
-    """Results as plain data for JSON, in their order; why there is none for those that could not run."""
+    """Results as plain data for JSON, in their order; an error message for each failed run."""
     return [
         outcome.to_dict()
         if isinstance(outcome, Result)
@@ -155,7 +155,7 @@ def plain(outcomes: Outcomes) -> list[dict[str, Any]]:
 
 @contextlib.contextmanager
 def progress(count: int, quiet: bool) -> Iterator[Callable[[str, Outcome], None]]:
-    """Tell each scenario that is done in a line on stderr, above a bar if that is a terminal."""
+    """Report each completed scenario in a line on stderr, above a progress bar on a terminal."""
     from rich.progress import MofNCompleteColumn
 
     with bar(quiet, MofNCompleteColumn()) as shown:

@@ -1,4 +1,4 @@
-"""Which scenarios are meant: names, files and patterns of names."""
+"""Selection of scenarios by names, files and patterns."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from cosim.errors import ScenarioError
 
 
 def select(words: Sequence[str]) -> list[str]:
-    """Names and files of the scenarios that are meant, each once; all of `cosim list` without a word.
+    """Names and files of the selected scenarios, each once; by default all of `cosim list`.
 
     Parameters
     ----------
     words
-        Names (`dob`), files (`my.toml`) and patterns of names (`dob/*`, where `*` stands for anything).
+        Names (`dob`), files (`my.toml`) and patterns of names (`dob/*`, where `*` matches any text).
 
     Raises
     ------
@@ -25,13 +25,13 @@ def select(words: Sequence[str]) -> list[str]:
     known = [name for name, _ in paths.list_scenarios()]
     if not words and not known:
         raise ScenarioError(
-            f"no scenario files in {paths.folders_text()}", f"set {paths.SCENARIOS_ENV} to your folder"
+            f"no scenario files in {paths.folders_text()}", f"Set {paths.SCENARIOS_ENV} to your folder."
         )
     return list(dict.fromkeys(meant(words, known) if words else known))
 
 
 def meant(words: Sequence[str], known: Sequence[str]) -> Iterator[str]:
-    """Names and files, patterns replaced by the known names that they match."""
+    """Names and files, with patterns replaced by the matching names."""
     for word in words:
         if not set(word) & set("*?["):
             yield word
@@ -39,5 +39,5 @@ def meant(words: Sequence[str], known: Sequence[str]) -> Iterator[str]:
         found = fnmatch.filter(known, word)
         if not found:
             problem = f"no scenario matches `{paths.brief(word)}`"
-            raise ScenarioError(problem, "`cosim list` shows the known names")
+            raise ScenarioError(problem, "List the known names with `cosim list`.")
         yield from found

@@ -1,35 +1,37 @@
-"""The acceptance table: what was claimed, measured and demanded of every scenario, and whether it holds."""
+"""The acceptance table: claim, measured value, limit and result of every criterion."""
 
 from __future__ import annotations
 
 import io
 import re
+from collections.abc import Sequence
 
 from rich.console import Group, RenderableType
 from rich.table import Table
 
 from cosim.acceptance.runner import Outcomes
-from cosim.formatting.verdicts import NOTHING_DEMANDED, row
+from cosim.formatting.verdicts import NOTHING_DEMANDED, cells, columns
 from cosim.loop.result import Result
+from cosim.metrics.criteria import Verdict
 from cosim.show.bar import plain_console
 from cosim.show.display import pass_text
 from cosim.show.listing import plain_table
 
-COLUMNS = ("scenario", "claim", "paper", "measured", "limit", "pass")
-BEGINNING = re.compile(rb"\s+".join(map(str.encode, COLUMNS)))
-"""How a file that holds the table begins."""
+BEGINNING = re.compile(rb"scenario\s+claim\s+(paper\s+)?measured\s+limit\s+(result|pass)")
+"""Start of a file that holds the table."""
 FOLDED = ("claim", "paper")
-"""Columns that a narrow terminal shows on several lines."""
+"""Columns that wrap on a narrow terminal."""
 DIGITS = 3
-"""Digits of what was measured: enough to compare, `cosim run` shows more."""
+"""Digits of measured values; `cosim run` shows more."""
 WIDTH = 160
-"""Columns of the table in a file: few claims need two lines."""
+"""Width of the table in a file, in characters: few claims need two lines."""
 COULD_NOT_RUN = "could not run"
 
 
 def table(outcomes: Outcomes) -> RenderableType:
-    """Table of all criteria, and below it how many of them hold."""
-    shown = plain_table(*COLUMNS)
+    """Table of all criteria, and the number that passed."""
+    names = columns(verdicts_of(outcomes))
+    shown = plain_table("scenario", *names)
     for column in shown.columns:
         column.no_wrap = column.header not in FOLDED
     for name, outcome in outcomes.items():
@@ -38,22 +40,28 @@ def table(outcomes: Outcomes) -> RenderableType:
         elif not outcome.criteria:
             shown.add_row(name, NOTHING_DEMANDED)
         else:
-            add(shown, name, outcome)
+            add(shown, names, name, outcome)
     return Group(shown, closing_line(outcomes))
 
 
-def add(shown: Table, name: str, result: Result) -> None:
-    """Add the criteria of a scenario, whose name stands once."""
+def add(shown: Table, names: Sequence[str], name: str, result: Result) -> None:
+    """Add the criteria of a scenario; the first row has its name."""
     for index, verdict in enumerate(result.criteria):
-        shown.add_row("" if index else name, *row(verdict, DIGITS)[:-1], pass_text(verdict))
+        *parts, _ = cells(verdict, names, DIGITS)
+        shown.add_row("" if index else name, *parts, pass_text(verdict))
+
+
+def verdicts_of(outcomes: Outcomes) -> list[Verdict]:
+    """Verdicts of all scenarios that gave a result."""
+    results = [outcome for outcome in outcomes.values() if isinstance(outcome, Result)]
+    return [verdict for result in results for verdict in result.criteria]
 
 
 def closing_line(outcomes: Outcomes) -> str:
-    """How many criteria hold, and how many scenarios could not run."""
-    results = [outcome for outcome in outcomes.values() if isinstance(outcome, Result)]
-    verdicts = [verdict for result in results for verdict in result.criteria]
-    line = f"{sum(verdict.passed for verdict in verdicts)} of {len(verdicts)} criteria hold"
-    lost = len(outcomes) - len(results)
+    """Number of passed criteria, and of scenarios that could not run."""
+    verdicts = verdicts_of(outcomes)
+    line = f"{sum(verdict.passed for verdict in verdicts)} of {len(verdicts)} criteria passed"
+    lost = sum(not isinstance(outcome, Result) for outcome in outcomes.values())
     return line + (f", {lost} of {len(outcomes)} scenarios {COULD_NOT_RUN}" if lost else "")
 
 

@@ -12,14 +12,14 @@ from typing import NoReturn
 from cosim import interrupts
 
 ISOLATED = [["run"], ["show"], ["check"]]
-"""Commands of which a worker process does the most."""
+"""Commands that do most of their work in a worker process."""
 OTHERWISE = ("--in-process", "--seeds", "--help", "-h")
-"""How options begin with which they do without it, or have several."""
+"""Prefixes of options that need no worker process, or several."""
 
 
 def main() -> NoReturn:
-    """Run the command line and exit; Ctrl-C ends it at any moment, the imports included."""
-    # a stream that the caller has closed takes everything and shows nothing
+    """Run the command line and exit; Ctrl-C ends it at any time, also during imports."""
+    # replace a stream that the caller closed by one that discards everything
     sys.stdout = sys.stdout or Path(os.devnull).open("w")  # noqa: SIM115
     sys.stderr = sys.stderr or Path(os.devnull).open("w")  # noqa: SIM115
     with contextlib.ExitStack() as stack:
@@ -30,19 +30,19 @@ def main() -> NoReturn:
             stack.enter_context(once.started_ahead())
         from cosim.cli.app import app, status_of
 
-        replace_what_cannot_be_written()
+        replace_unsupported_characters()
         if len(sys.argv) == 1:
             sys.argv.append("--help")
         status = status_of(app)
     sys.exit(status)
 
 
-def isolated(words: list[str]) -> bool:
-    """Whether a command will want a worker process, as far as its words tell before they are parsed."""
-    return words[:1] in ISOLATED and not any(word.startswith(OTHERWISE) for word in words)
+def isolated(arguments: list[str]) -> bool:
+    """Whether a command needs a worker process, estimated from its unparsed arguments."""
+    return arguments[:1] in ISOLATED and not any(entry.startswith(OTHERWISE) for entry in arguments)
 
 
-def replace_what_cannot_be_written() -> None:
-    """Let stdout show `?` for characters that it has not, instead of ending the run; JSON is ASCII anyway."""
+def replace_unsupported_characters() -> None:
+    """Make stdout print `?` for unsupported characters instead of failing; JSON is ASCII in any case."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")

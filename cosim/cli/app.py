@@ -1,4 +1,4 @@
-"""The commands together, and the exit code of each."""
+"""The command line: all commands and their exit codes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import typer.exceptions
 from cosim import errors, interrupts
 from cosim.cli.check import check
 from cosim.cli.compare import compare
-from cosim.cli.evaluate import evaluate
+from cosim.cli.evaluate import evaluate, judge
 from cosim.cli.exchange.ssp import ssp
 from cosim.cli.listing import list_scenarios
 from cosim.cli.media.report import report as report_page
@@ -33,20 +33,20 @@ from cosim.errors import CosimError
 from cosim.show.console import report
 
 NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
-"""Errors of a disk behind stdout."""
+"""Disk errors of a redirected stdout."""
 COMPLETING = "_COSIM_COMPLETE"
-"""Set by a shell that asks for completions; typer ends the process when it has told them."""
+"""Set by a shell that requests completions; typer prints them and ends the process."""
 COMPLETION = ("--install-completion", "--show-completion")
-"""Options that typer answers itself, and ends the process then; 1 is a shell that it does not know."""
+"""Options that typer handles before it ends the process; exit code 1 is an unknown shell."""
 
 log = logging.getLogger("cosim")
 app = typer.Typer(
     pretty_exceptions_enable=False,
-    # plain help: rich's takes longer to import than all else
+    # plain help: rich takes longer to import than everything else
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
-    help="Run FMI 2.0 FMUs in closed loop with plants and hold criteria against the results.",
-    epilog="Exit code: 0 all criteria hold, 1 some do not, 2 could not run.",
+    help="Run FMI 2.0 FMUs in closed loop with plants and check the results against criteria.",
+    epilog="Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not run.",
 )
 app.callback()(options)
 app.command("list")(list_scenarios)
@@ -59,6 +59,7 @@ app.command("report")(report_page)
 app.command()(view)
 app.command()(video)
 app.command()(evaluate)
+app.command(hidden=True, context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(judge)
 app.command()(compare)
 app.command()(sweep)
 app.command()(optimize)
@@ -67,7 +68,7 @@ app.command()(ssp)
 
 
 def status_of(command: Any) -> int:
-    """Exit code of a command; every error is one message, with a traceback only on demand."""
+    """Exit code of a command; an error prints one message, with a traceback only on request."""
     try:
         with interrupts.raising():
             code = command(standalone_mode=False)
@@ -75,7 +76,7 @@ def status_of(command: Any) -> int:
         if code == INTERRUPTED:
             report("interrupted")
         if code and about_completion():
-            report("there is no completion for this shell", "bash, zsh, fish and PowerShell have it")
+            report("completion is not available for this shell", "Use bash, zsh, fish or PowerShell.")
             return COULD_NOT_RUN
         return code if isinstance(code, int) else 0
     except CosimError as error:
@@ -88,13 +89,13 @@ def status_of(command: Any) -> int:
     except typer.exceptions.TyperException as error:
         context = getattr(error, "ctx", None)
         called = context.command_path if context else "cosim"
-        report(error.format_message(), f"`{called} --help` shows what it takes")
+        report(error.format_message(), f"Show the arguments with `{called} --help`.")
         return COULD_NOT_RUN
     except (KeyboardInterrupt, typer.Abort):
         report("interrupted")
         return INTERRUPTED
     except SystemExit as error:
-        # typer ends quietly when the reader of its output has gone; what else ends the process is no result
+        # typer ends silently when the reader of its output is gone; any other exit is unexpected
         if isinstance(error.__context__, BrokenPipeError):
             return READER_GONE
         return 0 if COMPLETING in os.environ or about_completion() else unforeseen(error)
@@ -108,19 +109,19 @@ def status_of(command: Any) -> int:
 
 
 def about_completion() -> bool:
-    """Whether the command line asks for nothing but the completion of a shell."""
+    """Whether the command line requests only shell completion."""
     return sys.argv[1:2] in ([option] for option in COMPLETION)
 
 
 def is_interrupt(error: BaseException | None) -> bool:
-    """Whether Ctrl-C stands behind an error: a module in C turns it into an `ImportError` of its own."""
+    """Whether Ctrl-C caused an error: a module in C turns it into its own `ImportError`."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None
 
 
 def unforeseen(error: BaseException) -> int:
-    """Report what should not happen."""
+    """Report an unexpected error."""
     log.debug("here:", exc_info=error)
     if is_interrupt(error):
         report("interrupted")

@@ -25,18 +25,21 @@ def check(
     files: Annotated[
         list[str],
         Argument(
-            metavar="LOOP|FILE.toml...",
+            metavar="SCENARIO|FILE.toml...",
             help="Scenarios, studies and optimizations.",
             autocompletion=complete.loops,
         ),
     ],
     timeout: Timeout = None,
     in_process: InProcess = False,
-    json: Annotated[bool, Option("--json", help="Print what was found as JSON.")] = False,
+    json: Annotated[bool, Option("--json", help="Print the findings as JSON.")] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Check files of all kinds without running them: names, types, units, ranges, wires, metrics."""
+    """Check scenario, study and optimization files.
+
+    Nothing runs. Checked are names, types, units, ranges, wires and metrics.
+    """
     configure_logging(verbose, quiet)
     with place(checked_limits(timeout, None, in_process)) as do:
         found = [named(file, do(Check(file))) for file in files]
@@ -49,22 +52,22 @@ def check(
 
 
 def named(file: str, outcome: Checked | CosimError) -> Checked:
-    """Put what was found under the name of its file, also where that took the process along."""
+    """Attach the findings to the name of the file, also if the check ended its process."""
     return Checked(file, error=outcome, runs=0) if isinstance(outcome, CosimError) else outcome
 
 
 def about(file: str, message: str) -> str:
-    """Message with the file that it is about in front, unless it names that itself."""
+    """Message that starts with its file, unless it names that already."""
     named = {f"`{file}`", f"`{paths.shown(paths.expanded(file))}`"}
     return message if message.startswith(tuple(named)) else f"`{file}`: {message}"
 
 
 def show(entry: Checked, quiet: bool) -> None:
-    """Print one line for what can run, and what is wrong or doubtful on stderr."""
+    """Print one line for a valid file; print errors and warnings on stderr."""
     if entry.error is not None:
         report(about(entry.name, entry.error.message), entry.error.hint)
         return
     for warning in () if quiet else entry.warnings:
         log.warning("`%s`: %s", entry.name, warning)
     runs = f", {entry.runs} runs" if entry.kind != "scenario" else ""
-    print(f"{entry.name}: {entry.kind}{runs}, fit to run")
+    print(f"{entry.name}: {entry.kind}{runs}, valid")

@@ -29,14 +29,14 @@ def compare(
     reference: Annotated[
         str,
         Argument(
-            metavar="REFERENCE|LOOP",
-            help=f"What is right: a trace ({listed(READ)}), a result (`.json`) or the folder of a sweep. "
-            "Alone: a scenario, which is run and compared with its baseline.",
+            metavar="REFERENCE|SCENARIO",
+            help=f"Reference: a trace ({listed(READ)}), a result (`.json`) or the folder of a sweep.  "
+            "Alone: a scenario, which runs and is compared with its baseline.",
         ),
     ],
     other: Annotated[
         str | None,
-        Argument(metavar="OTHER", show_default=False, help="What is held against it, of the same kind."),
+        Argument(metavar="OTHER", show_default=False, help="File or folder to compare, of the same kind."),
     ] = None,
     atol: Annotated[
         list[str] | None,
@@ -47,43 +47,43 @@ def compare(
     ] = None,
     dt: Annotated[
         list[str] | None,
-        Option(metavar=LIMIT, help="Time in s by which a column may come early or late. Default 0."),
+        Option(metavar=LIMIT, help="Permitted time shift of a column in s. Default 0."),
     ] = None,
     only: Annotated[
-        list[str] | None, Option(metavar="PATTERN", help="Compare only what this fits: `plant.*`.")
+        list[str] | None, Option(metavar="PATTERN", help="Compare only matching names, such as `plant.*`.")
     ] = None,
     update: Annotated[
-        bool, Option("--update", help="Run the scenario and make that its baseline, instead of comparing.")
+        bool, Option("--update", help="Run the scenario and store the trace as its baseline.")
     ] = False,
     set_: Set = None,
-    engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
+    engine: Annotated[str, Option(help="reference (FMPy) or native (faster, bit-identical).")] = "reference",
     plot: Annotated[
         Path | None,
-        Option(metavar="FILE.svg|.png", help="Plot the columns that deviate most, with their tubes."),
+        Option(metavar="FILE.svg|.png", help="Plot the columns with the largest deviations."),
     ] = None,
     json: Annotated[bool, Option("--json", help="Print the comparison as JSON.")] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare traces, results or sweeps within tolerances, or a scenario with its baseline.
+    """Compare traces, results, sweeps or a baseline.
 
-    What is right comes first:
+    Give the reference first:
 
     \b
         cosim compare before.npz after.npz --atol 'plant.*=1e-9' --dt 1e-4
         cosim compare before.json after.json --rtol 1e-6
         cosim compare old.sweep new.sweep --only depth --rtol 0.01
 
-    A baseline is the trace of a run that was found good, in the file
-    SCENARIO.baseline.npz beside the scenario:
+    A baseline is the trace of an accepted run, in the file
+    SCENARIO.baseline.npz next to the scenario:
 
     \b
         cosim compare dob --update    (runs it and writes the baseline)
         cosim compare dob             (runs it and compares)
 
-    --atol, --rtol, --dt and --only may be given again. A limit holds for the
-    columns or metrics that its pattern fits (`*` is any text), without a pattern
-    for all; of several the last one counts. A value v at time t is good if
+    --atol, --rtol, --dt and --only may be repeated. A limit applies to the
+    columns or metrics that its pattern matches (`*` is any text), without a
+    pattern to all; the last match is used. A value v at time t passes if
     |v - r| <= atol + rtol |r| for some r of the reference in t - dt .. t + dt.
     NaN on one side only is a difference at any tolerance.
 
@@ -97,8 +97,8 @@ def compare(
         limits = (("--atol", atol), ("--rtol", rtol), ("--dt", dt), ("--only", only))
         for name, given in (("OTHER", other), ("--set", set_), ("--plot", plot), *limits):
             if given:
-                hint = "a baseline is made of one scenario as it stands"
-                raise CosimError(f"`{name}` does not go with `--update`", hint)
+                hint = "Update the baseline of an unchanged scenario."
+                raise CosimError(f"`{name}` cannot be combined with `--update`", hint)
         write_baseline(reference, engine, json, quiet)
         return
     allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
@@ -106,7 +106,7 @@ def compare(
         plots.check("trace" if other is None else command.kind_of(other), plot)
     if other is not None:
         if set_:
-            raise CosimError("`--set` does not go with two files", "it is for a scenario and its baseline")
+            raise CosimError("`--set` cannot be combined with two files", "Use it with a scenario and its baseline.")
         found = command.compare(reference, other, allowed)
     else:
         found = with_baseline(reference, allowed, set_ or [], engine, quiet)
@@ -130,7 +130,7 @@ def with_baseline(loop: str, allowed: Tolerances, changes: list[str], engine: st
 
 
 def write_baseline(loop: str, engine: str, json: bool, quiet: bool) -> None:
-    """Write the baseline of a scenario and tell so."""
+    """Write the baseline of a scenario and print its file name."""
     from cosim.compare import baseline
 
     chosen = engines.checked(engine)
@@ -150,6 +150,6 @@ def scenario_of(loop: str, changes: list[str]) -> Scenario:
 
     if loop.endswith(FILES):
         raise CosimError(
-            f"there is nothing to compare `{loop}` with", "give a second file, or a scenario alone"
+            f"`{loop}` needs a second file to compare", "Give a second file, or only a scenario."
         )
     return load(loop, changes)

@@ -1,4 +1,4 @@
-"""`cosim judge`."""
+"""`cosim evaluate`, and the error for its old name."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cosim.writing import write
 
 def evaluate(
     trace: Annotated[
-        Path, Argument(metavar="TRACE", help=f"What `cosim run --trace` wrote: {listed(READ)}.")
+        Path, Argument(metavar="TRACE", help=f"File of `cosim run --trace`: {listed(READ)}.")
     ],
     loop: Loop,
     set_: Set = None,
@@ -26,30 +26,35 @@ def evaluate(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Judge a stored trace by the metrics and criteria of a scenario, without running it again.
+    """Evaluate a stored trace without a run.
 
-    For a limit or a metric that changed after a long run: the numbers of the
-    trace stay what they are, of the scenario only metrics and criteria count.
-    The trace must hold every column that they name; all but .csv files also hold
-    the units of the columns, and the items of those that are enumerations. So:
+    Use it after a change of metrics or criteria of the scenario. The numbers of
+    the trace do not change. The trace must hold every column that they name.
+    All formats except .csv also hold the units and the items of enumerations.
 
+    \b
         cosim run dob --trace dob.npz
-        cosim judge dob.npz dob --set criterion.depth.maximum=4e-7
+        cosim evaluate dob.npz dob --set criterion.depth.maximum=4e-7
 
-    Exit code: 0 all criteria hold, 1 some do not, 2 could not be judged.
-    """
+    Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not be evaluated.
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
     if trace.suffix not in READ and Path(loop).suffix in READ:
-        raise CosimError(f"`{trace}` is no trace", f"the trace comes first: `cosim judge {loop} {trace}`")
+        raise CosimError(f"`{trace}` is not a trace", f"Give the trace first: `cosim evaluate {loop} {trace}`.")
     check_outputs(json, None, None)
-    from cosim.loop.evaluate import evaluate as judged
+    from cosim.loop.evaluate import evaluate as evaluated
     from cosim.scenario.load import load
     from cosim.show import display
     from cosim.trace import files
 
-    result = judged(load(loop, set_ or ()), files.read(trace))
+    result = evaluated(load(loop, set_ or ()), files.read(trace))
     if json is not None:
         write(result.to_json(), json)
     if json != "-":
         output().print(display.result(result))
     raise typer.Exit(FAILED if result.passed is False else 0)
+
+
+def judge() -> None:
+    """Renamed to `cosim evaluate`."""
+    raise CosimError("`cosim judge` was renamed", "Use `cosim evaluate`.")

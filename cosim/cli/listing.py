@@ -26,6 +26,6 @@ def list_scenarios(verbose: Verbose = False, quiet: Quiet = False) -> None:
             log.warning("%s", error.message)
     if not entries:
         raise CosimError(
-            f"no scenario files in {paths.folders_text()}", f"set {paths.SCENARIOS_ENV} to your folder"
+            f"no scenario files in {paths.folders_text()}", f"Set {paths.SCENARIOS_ENV} to your folder."
         )
     output().print(listing.scenarios(entries))

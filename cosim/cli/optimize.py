@@ -16,42 +16,41 @@ from cosim.writing import write
 
 def optimize(
     study: Annotated[
-        Path, Argument(metavar="STUDY.toml", help="What may vary, of which scenario, and what is wanted.")
+        Path, Argument(metavar="STUDY.toml", help="Optimization file: scenario, variables and objective.")
     ],
     out: Annotated[
-        str | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.optimize`.")
+        str | None, Option(metavar="FOLDER", help="Folder of the results; default `STUDY.optimize`.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
-    engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
-    again: Annotated[bool, Option("--again", help="Do runs again that gave no result.")] = False,
+    workers: Annotated[int | None, Option(min=1, help="Number of worker processes; default: one per core.")] = None,
+    engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
+    again: Annotated[bool, Option("--again", help="Repeat runs that gave no result.")] = False,
     json: Annotated[bool, Option("--json", help="Print the best trial as JSON.")] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the values of some keys at which a metric is best, or a run most like a measured one.
+    """Find the parameter values that optimize a metric.
 
-    The file is like a study of `cosim sweep`, with what is wanted in place of a
-    design:
+    The objective can also be the agreement with a measured trace. The file is
+    similar to a study of `cosim sweep`, with an objective in place of a design:
 
     \b
         scenario = "crane"
         vary = [{key = "controller.gain", minimum = 0.1, maximum = 10.0}]
-        objective = {metric = "swing", direction = "minimize"}
+        objective = {metric = "sway", direction = "minimize"}
         search = {trials = 100, batch = 8, seeds = [1, 2]}
         limits = {timeout = 600.0, memory = 2000.0}
 
     The criteria of the scenario are constraints. To calibrate parameters, name a
     measured trace: objective = {trace = "measured.csv", columns = ["plant.x"]}.
-    Of search and limits everything may be left out; batch points are chosen at a
-    time, of several seeds the mean counts, and a run may take timeout in s and
-    memory in MB.
+    All keys of search and limits are optional. batch points are proposed at a
+    time; several seeds are averaged; timeout is in s and memory in MB per run.
 
     Optuna proposes the points. The same file gives the same trials with any
-    number of workers, and what is done is not done again: the command goes on
-    after an interruption, or when trials was raised. The folder then holds
-    results.jsonl, a row for each run, and trials.csv.
+    number of workers. Completed runs are not repeated: the command continues
+    after an interruption, or with more trials. The folder holds
+    results.jsonl, with a row for each run, and trials.csv.
 
-    Exit code: 0 found, 1 no trial holds all criteria, 2 could not run.
+    Exit code: 0 found, 1 no trial passed all criteria, 2 could not run.
     """  # noqa: D301 - click keeps the lines of a paragraph that begins with a backspace
     configure_logging(verbose, quiet)
     from cosim.optimize import report, results

@@ -30,8 +30,8 @@ from cosim.trace import endings
 from cosim.writing import JSON, check_apart, check_folder, check_text, discard, write
 
 TRACE = (
-    f"Write the trace: {endings.listed(endings.WRITTEN)}. A Parquet file is written while the run goes, "
-    "in little memory."
+    f"Write the trace: {endings.listed(endings.WRITTEN)}. A Parquet file is written during the run, "
+    "with little memory."
 )
 
 
@@ -39,27 +39,30 @@ def run(
     loop: Loop,
     set_: Set = None,
     seed: Annotated[
-        int | None, Option(min=0, max=MAX_SEED, help="Seed of all noise, instead of the scenario's.")
+        int | None, Option(min=0, max=MAX_SEED, help="Seed of all noise; default: that of the scenario.")
     ] = None,
     seeds: Annotated[
         str | None,
-        Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print distributions."),
+        Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print the distributions."),
     ] = None,
-    engine: Annotated[str, Option(help="reference (FMPy drives) or native (fast, same bits).")] = "reference",
-    delay: Annotated[int | None, Option(help="Steps by which commands act later: 0 or 1.")] = None,
+    engine: Annotated[str | None, Option(help="reference (FMPy) or native (compiled).")] = None,
+    delay: Annotated[int | None, Option(help="Delay of the commands in steps: 0 or 1.")] = None,
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
     json: Json = None,
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv|...", help=TRACE)] = None,
     plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
     timeout: Timeout = None,
-    memory: Annotated[float | None, Option(metavar="MB", help="Most memory of the run's process.")] = None,
+    memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of the run's process.")] = None,
     in_process: InProcess = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scenario once and print its metrics and criteria."""
+    """Run a scenario and print its metrics and criteria.
+
+    The engines give bit-identical results. Default: native with `--seeds`, else reference.
+    """
     configure_logging(verbose, quiet)
-    chosen = engines.checked(engine)
+    chosen = engines.checked(engine or ("reference" if seeds is None else "native"))
     options = {"loop.seed": seed, "loop.compute_delay": delay, "loop.duration": duration}
     changes = (*(set_ or ()), *(f"{key}={value!r}" for key, value in options.items() if value is not None))
     limits = checked_limits(timeout, memory, in_process)
@@ -82,7 +85,7 @@ def run(
 
 
 def save(report: Report, json: str | None, trace: Path | None, plot: Path | None) -> None:
-    """Write the files that are wanted."""
+    """Write the requested files."""
     if trace is not None and report.result is not None and not endings.streams(trace):
         report.result.save_trace(trace)
     if plot is not None and report.result is not None and report.scenario is not None:
@@ -94,7 +97,7 @@ def save(report: Report, json: str | None, trace: Path | None, plot: Path | None
 
 
 def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:
-    """Check before a long run that its files can be written, and that nothing else is lost by them."""
+    """Check before a long run that its files can be written without overwriting other files."""
     if trace is not None:
         endings.check(trace)
     if plot is not None:

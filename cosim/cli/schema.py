@@ -24,22 +24,22 @@ class File(enum.StrEnum):
 
 
 def schema(
-    file: Annotated[File, Argument(help="Which kind of file.")] = File.SCENARIO,
+    file: Annotated[File, Argument(help="Kind of the file.")] = File.SCENARIO,
     for_: Annotated[
         str,
         Option(
             "--for",
-            metavar="LOOP|FILE.toml",
-            help="A scenario: its FMUs' variables and its plant's parameters are in the schema, too.",
+            metavar="SCENARIO|FILE.toml",
+            help="Add the FMU variables and plant parameters of this scenario.",
             autocompletion=complete.loops,
         ),
     ] = "",
 ) -> None:
-    """Print the JSON schema of one kind of file, with which editors complete and check them.
+    """Print the JSON schema of one kind of file.
 
-    Write it to a file and name that in the first line of your TOML:
+    Editors use it to complete and check files. Name the schema in the first line of the TOML:
     `cosim schema --for my.toml > my.schema.json`, then `#:schema ./my.schema.json`.
-    Editors with Taplo do the rest: Even Better TOML for VS Code, `taplo lsp` for others.
+    It works with Taplo: Even Better TOML for VS Code, `taplo lsp` for other editors.
     """
     if for_:
         write(strict.text(filled(file, for_)), "-")
@@ -57,9 +57,9 @@ def schema(
 
 
 def filled(file: File, loop: str) -> dict[str, Any]:
-    """Describe scenarios with what may be set in one of them; its plant may be foreign code."""
+    """Schema of scenarios with the settings of one scenario; its plant may be foreign code."""
     if file != File.SCENARIO:
-        raise CosimError("`--for` makes a schema of scenarios alone", f"leave it or `{file}` out")
+        raise CosimError("`--for` works only for the schema of scenarios", f"Omit `--for` or `{file}`.")
     with place(checked_limits(None, None, in_process=False)) as do:
         found: dict[str, Any] | CosimError = do(Schema(loop))
     if isinstance(found, CosimError):

@@ -26,7 +26,7 @@ def run_seeds(
     file: str | None,
     quiet: bool,
 ) -> NoReturn:
-    """Run a scenario with the seeds of a text, print what came of it and exit."""
+    """Run a scenario with several seeds, print the distributions and exit."""
     from cosim.fmu import stale
     from cosim.scenario.load import load
     from cosim.sweep import seeds
@@ -50,12 +50,12 @@ def run_seeds(
 
 
 def check_options(seed: int | None, trace: Path | None, plot: Path | None) -> None:
-    """Refuse options that speak of one run."""
+    """Reject options that apply to one run only."""
     for option, value in (("--seed", seed), ("--trace", trace), ("--plot", plot)):
         if value is not None:
             raise CosimError(
                 f"`{option}` and `--seeds` cannot be given together",
-                f"`--seeds` makes many runs; repeat one of them with `--seed` for its {option[2:]}"
+                f"Repeat one run with `--seed` to get its {option[2:]}."
                 if option != "--seed"
-                else "`--seed 7` is one run, `--seeds 1..20` are twenty",
+                else "Use `--seed 7` for one run or `--seeds 1..20` for twenty.",
             )

@@ -17,10 +17,13 @@ def show(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Show a loop: FMU variables and plant parameters with units, defaults and ranges; the wires."""
+    """Show variables, parameters and wires of a scenario.
+
+    Variables and parameters have units, defaults and ranges.
+    """
     configure_logging(verbose, quiet)
     with place(checked_limits(timeout, None, in_process)) as do:
-        told: str | CosimError = do(Show(loop, tuple(set_ or ()), sheet.stdout()))
-    if isinstance(told, CosimError):
-        raise told
-    print(told, end="", flush=True)
+        text: str | CosimError = do(Show(loop, tuple(set_ or ()), sheet.stdout()))
+    if isinstance(text, CosimError):
+        raise text
+    print(text, end="", flush=True)

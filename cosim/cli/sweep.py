@@ -14,26 +14,29 @@ from cosim.show.console import configure_logging, output, report
 from cosim.writing import write
 
 CLUSTER = (
-    "Run on the Dask scheduler at this address, of this scheduler file, or of this security file, "
-    "which holds address, ca, certificate and key for TLS."
+    "Dask scheduler: address, scheduler file, or security file with "
+    "address, ca, certificate and key for TLS."
 )
 
 
 def sweep(
-    study: Annotated[Path, Argument(metavar="STUDY.toml", help="What is varied, and of which scenario.")],
+    study: Annotated[Path, Argument(metavar="STUDY.toml", help="Study file: scenario, varied keys and design.")],
     out: Annotated[
-        str | None, Option(metavar="FOLDER", help="Folder of the results, by default `STUDY.sweep`.")
+        str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of the results; default `STUDY.sweep`.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
+    workers: Annotated[int | None, Option(min=1, help="Number of worker processes; default: one per core.")] = None,
     cluster: Annotated[str | None, Option(metavar="ADDRESS|FILE.json|FILE.toml", help=CLUSTER)] = None,
-    engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
-    again: Annotated[bool, Option("--again", help="Do runs again that gave no result.")] = False,
-    plots: Annotated[bool, Option(help="Whether to draw plots, if matplotlib is installed.")] = True,
+    engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
+    again: Annotated[bool, Option("--again", help="Repeat runs that gave no result.")] = False,
+    plots: Annotated[bool, Option(help="Whether to make plots, if matplotlib is installed.")] = True,
     json: Annotated[bool, Option("--json", help="Print the summary as JSON.")] = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run the cases of a study on many processes; what is done already is not done again."""
+    """Run the cases of a study in parallel.
+
+    Completed runs are not repeated: the command continues an interrupted sweep.
+    """
     configure_logging(verbose, quiet)
     from cosim.sweep import command
     from cosim.sweep.store import folder_of
@@ -45,7 +48,7 @@ def sweep(
         write(found.to_json(), "-")
     else:
         output().print(tables, crop=False)
-        # for copying: never wrapped
+        # not wrapped, so that it can be copied
         print(f"wrote {paths.shown(folder)}")
     if not found.results:
         (_, reason), *_ = found.troubles

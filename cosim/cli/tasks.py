@@ -1,4 +1,4 @@
-"""What commands do in a worker process, or with `--in-process` in their own: all that runs foreign code."""
+"""Tasks that run foreign code: in a worker process, or with `--in-process` in this one."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def place(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
-    """Place where tasks are done, see `once.place`; what it needs is imported only now."""
+    """Runner of tasks, see `once.place`; imports its dependencies now."""
     with interrupts.handled_by(interrupts.quit_at_once):
         from cosim.pool import once
     return once.place(limits)
@@ -29,16 +29,16 @@ def place(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
 
 @dataclass(frozen=True)
 class Report:
-    """What is left of a run: texts are ready, so that who prints them need not import what made them.
+    """Printable outcome of a run; printing it needs no further import.
 
     Parameters
     ----------
     table, json
         The result as a table and as JSON.
     result
-        The result, where a plot or a trace that was not streamed is wanted.
+        The result, if a plot or a trace that was not streamed is requested.
     scenario
-        The scenario, where a plot is wanted.
+        The scenario, if a plot is requested.
     """
 
     passed: bool | None
@@ -50,20 +50,20 @@ class Report:
 
 @dataclass(frozen=True)
 class Single:
-    """One run from the words of a command line.
+    """One run from the arguments of a command line.
 
     Parameters
     ----------
     loop, changes
         The scenario and its overrides, as for `cosim.load`.
     verbose
-        Whether the FMU shall log events.
+        Whether the FMU logs events.
     trace
-        File of the trace, None is none; it is written during the run where its format allows that.
+        File of the trace or None; it is written during the run if its format allows that.
     plot
-        Plot that will be made of the run, None is none; it is checked before the run.
+        File of the plot or None; it is checked before the run.
     sheet
-        What the table is printed on.
+        Output device of the table.
     """
 
     loop: str
@@ -106,14 +106,14 @@ class Single:
 
 @dataclass(frozen=True)
 class Show:
-    """The tables of a loop, for what they are printed on."""
+    """The tables of a scenario for an output device."""
 
     loop: str
     changes: tuple[str, ...]
     sheet: Sheet
 
     def run(self, bench: Bench) -> str:
-        """Open the loop and describe it."""
+        """Open the scenario and describe it."""
         from cosim.fmu import stale
         from cosim.scenario.load import load
         from cosim.show import display
@@ -126,12 +126,12 @@ class Show:
 
 @dataclass(frozen=True)
 class Schema:
-    """JSON schema of scenarios with the FMUs and the plant of one."""
+    """JSON schema of scenarios with the FMUs and the plant of one scenario."""
 
     loop: str
 
     def run(self, bench: Bench) -> dict[str, Any]:
-        """Describe what may be set of them; the FMUs are only read."""
+        """Describe their settings; the FMUs are only read."""
         from cosim.fmu.described import filled_schema, settable_variables
         from cosim.loop import fmus, plant
         from cosim.loop.place import Stage
@@ -157,7 +157,7 @@ class Check:
     file: str
 
     def run(self, bench: Bench) -> Checked:
-        """Look at it without a run."""
+        """Check the file without a run."""
         from cosim.optimize.check import check
 
         return check(self.file, bench.place)
@@ -165,7 +165,7 @@ class Check:
 
 @dataclass(frozen=True)
 class DraftText:
-    """Text of a new scenario, its wires, and the inputs and commands that are left without one."""
+    """Text of a new scenario, its number of wires, and of inputs and commands without a wire."""
 
     text: str
     wired: int
@@ -174,7 +174,7 @@ class DraftText:
 
 @dataclass(frozen=True)
 class New:
-    """A draft of a scenario that will lie in `folder`, of an FMU and of a plant if there is one."""
+    """Draft of a scenario in `folder` for an FMU and an optional plant."""
 
     fmu: str
     plant: str

@@ -30,19 +30,19 @@ def run_tests(
     scenarios: Annotated[
         list[str] | None,
         Argument(
-            metavar="LOOP|PATTERN|FILE.toml",
-            help="Such as `dob` or `'dob/*'`; all of `cosim list` without one.",
+            metavar="SCENARIO|PATTERN|FILE.toml",
+            help="For example `dob` or `'dob/*'`. Default: all of `cosim list`.",
             autocompletion=complete.loops,
         ),
     ] = None,
     out: Annotated[
-        Path | None, Option(metavar="FOLDER", help="Write table, results and plots into this folder.")
+        Path | None, Option("-o", "--out", metavar="FOLDER", help="Write table, results and plots into this folder.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
-    engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
+    workers: Annotated[int | None, Option(min=1, help="Number of worker processes; default: one per core.")] = None,
+    engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
     timeout: Timeout = None,
-    memory: Annotated[float | None, Option(metavar="MB", help="Most memory of a run's process.")] = None,
-    plots: Annotated[bool, Option(help="Whether to draw plots, if matplotlib is installed.")] = True,
+    memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process.")] = None,
+    plots: Annotated[bool, Option(help="Whether to make plots, if matplotlib is installed.")] = True,
     json: Annotated[
         str | None, Option(metavar="FILE|-", help="Write all results as JSON; `-` is stdout.")
     ] = None,
@@ -51,23 +51,23 @@ def run_tests(
     ] = None,
     page: Annotated[
         Path | None,
-        Option("--report", metavar="FILE.html", help="Write the page of `cosim report`, too."),
+        Option("--report", metavar="FILE.html", help="Also write the HTML report, see `cosim report`."),
     ] = None,
     study: Annotated[
         list[Path] | None,
-        Option(metavar="FILE.toml", help="A study for this page; it is not judged. May be given again."),
+        Option(metavar="FILE.toml", help="A study for the report; its criteria do not count. May be repeated."),
     ] = None,
     document: Annotated[
         list[Path] | None,
-        Option(metavar="FILE.md", help="A text in Markdown for this page. May be given again."),
+        Option(metavar="FILE.md", help="A Markdown text for the report. May be repeated."),
     ] = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run many scenarios and hold the criteria of each: the acceptance table.
+    """Run many scenarios and print the acceptance table.
 
-    Each runs once with its own seed. One that cannot run stops no other. Exit
-    code: 0 all criteria hold, 1 some do not, 2 a scenario could not run.
+    Each runs once with its own seed. An error in one does not stop the others. Exit
+    code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
     """
     configure_logging(verbose, quiet)
     from cosim.acceptance import junit as xml
@@ -82,9 +82,9 @@ def run_tests(
     check_apart({option: Path(file) if file else None for option, file in files.items()})
     for option, given in (("--study", study), ("--document", document)):
         if page is None and given:
-            raise CosimError(f"`{option}` is for the page of `--report`", "name that, too")
+            raise CosimError(f"`{option}` requires `--report`", "Add `--report FILE.html`.")
     if out is not None and out.is_dir():
-        check_text("--out", out / TABLE, "acceptance table", table.BEGINNING)
+        check_text("--out", out / TABLE, "an acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
     options = runner.RunOptions(out, wanted(plots), workers, engines.checked(engine), limits, quiet)
     chosen = select(scenarios or ())
@@ -113,7 +113,7 @@ def run_tests(
 
 
 def exit_code(outcomes: Mapping[str, Outcome]) -> int:
-    """Exit code of all outcomes; errors are told."""
+    """Exit code of all outcomes; prints their errors."""
     code = 0
     for name, outcome in outcomes.items():
         if isinstance(outcome, CosimError):

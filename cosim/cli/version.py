@@ -11,11 +11,11 @@ from typer import Option
 from cosim.formatting.versions import PROJECT, version
 
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
-"""Distribution of each thing whose version is told."""
+"""Distribution of each program whose version is shown."""
 
 
 def versions() -> dict[str, str]:
-    """Versions of what computes the numbers; nothing is imported for it."""
+    """Versions of the programs that compute the results, without importing them."""
     found = {name: version(distribution) or "not installed" for name, distribution in DISTRIBUTIONS.items()}
     return {**found, "Python": platform.python_version()}
 

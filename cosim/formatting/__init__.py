@@ -1,1 +1,1 @@
-"""What a result says of itself: quantities and verdicts in words, tables in HTML, data frames."""
+"""Formatting of results: quantities, verdicts, HTML tables, data frames and strict JSON."""

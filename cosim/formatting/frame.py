@@ -1,4 +1,4 @@
-"""Columns as a pandas data frame, where pandas is installed."""
+"""Columns as a pandas data frame, if pandas is installed."""
 
 from __future__ import annotations
 

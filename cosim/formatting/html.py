@@ -6,22 +6,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 from cosim.formatting.quantity import text
-from cosim.formatting.verdicts import row
+from cosim.formatting.verdicts import cells, columns
 from cosim.metrics.criteria import Measured, Verdict
 
 
 def run(title: str, line: str, metrics: Mapping[str, Measured], verdicts: Sequence[Verdict]) -> str:
-    """Title and a line of one run, its criteria, and the metrics that no criterion shows."""
+    """Title and summary of one run, its criteria, and the metrics without a criterion."""
     held = {verdict.criterion.metric for verdict in verdicts}
-    judged = [row(verdict) for verdict in verdicts]
     others = [
         (metric.name, text(metric.value, metric.unit), metric.description)
         for metric in metrics.values()
         if metric.name not in held
     ]
     parts = [heading(title, line)]
-    if judged:
-        parts.append(table(("claim", "paper", "measured", "limit", "pass"), judged))
+    if verdicts:
+        names = columns(verdicts)
+        parts.append(table(names, [cells(verdict, names) for verdict in verdicts]))
     if others:
         parts.append(table(("metric", "value", "description"), others))
     return "\n".join(parts)

@@ -1,4 +1,4 @@
-"""Numbers with units as people write them."""
+"""Numbers with units in readable form."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import math
 
 PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 PREFIXED = {"m", "s", "N", "A", "V", "W", "J", "Pa", "Hz", "m/s", "N/s", "N.m", "m/s2"}
-"""Units that take a prefix; others (rad, kg, 1, ...) are shown as they are."""
+"""Units that take a prefix; others (rad, kg, 1, ...) are not scaled."""
 SMALLEST = 1e-15
-"""What is smaller takes no prefix, nor does 0."""
+"""Smaller values and 0 take no prefix."""
 
 
 def text(value: float, unit: str = "", digits: int = 4) -> str:
@@ -29,7 +29,7 @@ def text(value: float, unit: str = "", digits: int = 4) -> str:
 
 
 def prefixed(unit: str, largest: float) -> tuple[str, float]:
-    """Find the prefix for values up to `largest`; returns the unit with it, and the factor to it."""
+    """Find the prefix for values up to `largest`; returns the prefixed unit and the factor."""
     if unit not in PREFIXED or not SMALLEST <= largest < math.inf:
         return unit, 1.0
     exponent = 3 * math.floor(math.log10(largest) / 3.0)
@@ -39,7 +39,7 @@ def prefixed(unit: str, largest: float) -> tuple[str, float]:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Format a number with up to `digits` significant digits, but with all before the point."""
+    """Format a number with up to `digits` significant digits and with all digits before the point."""
     if abs(value) < 1e9 and (float(value).is_integer() or 10.0**digits <= abs(value) < 1e6):
         return f"{value:.0f}"
     return f"{value:.{digits}g}"

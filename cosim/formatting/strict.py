@@ -1,4 +1,4 @@
-"""Strict JSON: what every file and `--json` of this program is."""
+"""Strict JSON, as in every file and `--json` output of this program."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import Any
 
 
 def text(content: Any) -> str:
-    """Return lines of strict JSON, for people and programs; the last one ends."""
+    """Return indented strict JSON with a final newline."""
     return json.dumps(plain(content), indent=2, allow_nan=False) + "\n"
 
 
 def line(content: Any) -> str:
-    """Return one line of strict JSON, without its end; what JSON has no word for (a date) is its text."""
+    """Return one line of strict JSON without newline; types that JSON does not have become text."""
     return json.dumps(plain(content), allow_nan=False, default=str)
 
 
 def plain(value: Any) -> Any:
-    """Return what strict JSON can hold: `NaN`, `Infinity` and `-Infinity` are texts, which `float` reads."""
+    """Return data for strict JSON: `NaN`, `Infinity` and `-Infinity` become texts that `float` reads."""
     if isinstance(value, Mapping):
         return {name: plain(item) for name, item in value.items()}
     if isinstance(value, list | tuple):

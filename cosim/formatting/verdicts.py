@@ -1,43 +1,58 @@
-"""Verdicts in words: what was measured, the limits it was held against, how many criteria hold."""
+"""Texts of verdicts: measured value, limits, and the number of passed criteria."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from cosim.formatting.quantity import text
 from cosim.metrics.criteria import Verdict
 
-NOTHING_DEMANDED = "no criteria: nothing was demanded"
+NOTHING_DEMANDED = "no criteria"
+COLUMNS = ("claim", "paper", "measured", "limit", "result")
+"""Columns of tables of criteria."""
 
 
 def row(verdict: Verdict, digits: int = 4) -> tuple[str, str, str, str, str]:
-    """Claim, paper, measured, limit and pass, as tables of criteria show them."""
+    """Cells of a criterion in tables with `COLUMNS`."""
     criterion = verdict.criterion
-    passed = "yes" if verdict.passed else "NO"
-    return criterion.claim, criterion.paper, measured(verdict, digits), limits(verdict), passed
+    return criterion.claim, criterion.paper, measured(verdict, digits), limits(verdict), outcome(verdict)
+
+
+def columns(verdicts: Iterable[Verdict]) -> tuple[str, ...]:
+    """Columns of a table of criteria: without `paper` if no criterion compares with a paper."""
+    papers = any(verdict.criterion.paper for verdict in verdicts)
+    return tuple(name for name in COLUMNS if papers or name != "paper")
+
+
+def cells(verdict: Verdict, names: Sequence[str], digits: int = 4) -> list[str]:
+    """Cells of a criterion in some of the `COLUMNS`."""
+    found = dict(zip(COLUMNS, row(verdict, digits), strict=True))
+    return [found[name] for name in names]
+
+
+def outcome(verdict: Verdict) -> str:
+    """Result of a criterion."""
+    return "passed" if verdict.passed else "FAILED"
 
 
 def measured(verdict: Verdict, digits: int = 4) -> str:
-    """Value that was held against the limits; yes or no where the limit is."""
+    """Measured value; of a claim that is true or false, whether it is true."""
     if verdict.logical:
-        return "yes" if verdict.value else "no"
+        return "as claimed" if verdict.passed else "not as claimed"
     return text(verdict.value, verdict.unit, digits)
 
 
 def limits(verdict: Verdict) -> str:
-    """Limits of a criterion."""
+    """Limits of a criterion; empty for a claim that is true or false."""
     if isinstance(verdict.criterion.equals, bool):
-        return "= yes" if verdict.criterion.equals else "= no"
+        return ""
     if [relation for relation, _ in verdict.limits] == [">=", "<="]:
         return " .. ".join(text(limit, verdict.unit) for _, limit in verdict.limits)
     return " ".join(f"{relation} {text(limit, verdict.unit)}" for relation, limit in verdict.limits)
 
 
 def counted(verdicts: Sequence[Verdict]) -> str:
-    """How many of the criteria hold."""
-    count, failed = len(verdicts), sum(not verdict.passed for verdict in verdicts)
-    if not count:
+    """Number of passed criteria."""
+    if not verdicts:
         return NOTHING_DEMANDED
-    if failed:
-        return f"{failed} of {count} criteria do not hold"
-    return f"all {count} criteria hold" if count > 1 else "the criterion holds"
+    return f"{sum(verdict.passed for verdict in verdicts)} of {len(verdicts)} criteria passed"

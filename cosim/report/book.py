@@ -67,7 +67,7 @@ def check(option: str, file: Path) -> None:
     page.check()
     if file.suffix not in ENDINGS:
         raise CosimError(f"cannot write a page to `{file}`", "the name must end in `.html`")
-    check_text(option, file, "page of `cosim report`", BEGINNING)
+    check_text(option, file, "an HTML report", BEGINNING)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from rich.text import Text
 from cosim.fmu.archive import Variable
 from cosim.fmu.instance import Instance
 from cosim.formatting.quantity import number, text
-from cosim.formatting.verdicts import counted, row
+from cosim.formatting.verdicts import cells, columns, counted, outcome
 from cosim.loop.plant import Channel, Plant, start
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
@@ -202,22 +202,23 @@ def result(found: Result) -> RenderableType:
 
 
 def criteria_table(verdicts: list[Verdict]) -> Table:
-    """Claim, paper, measured, limit, pass."""
+    """Table of criteria; without `paper` if no criterion compares with a paper."""
     table = Table(show_edge=False, pad_edge=False, header_style="bold", border_style="dim")
-    table.add_column("claim", ratio=1, overflow="fold")
-    table.add_column("paper", overflow="fold")
-    table.add_column("measured", justify="right", no_wrap=True)
-    table.add_column("limit", justify="right", no_wrap=True)
-    table.add_column("pass", no_wrap=True)
+    names = columns(verdicts)
+    for name in names:
+        if name in ("claim", "paper"):
+            table.add_column(name, ratio=1 if name == "claim" else None, overflow="fold")
+        else:
+            table.add_column(name, justify="left" if name == "result" else "right", no_wrap=True)
     for verdict in verdicts:
-        claim, paper, value, limit, _ = row(verdict)
-        table.add_row(Text(claim), Text(paper), value, limit, pass_text(verdict))
+        *parts, _ = (Text(cell) for cell in cells(verdict, names))
+        table.add_row(*parts, pass_text(verdict))
     return table
 
 
 def pass_text(verdict: Verdict) -> Text:
-    """Yes or no, in colours."""
-    return Text("yes", style="green") if verdict.passed else Text("NO", style="bold red")
+    """Result of a criterion, in color."""
+    return Text(outcome(verdict), style="green" if verdict.passed else "bold red")
 
 
 def summary(found: Result) -> Text:

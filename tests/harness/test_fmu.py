@@ -170,7 +170,7 @@ def test_a_missing_fmu_says_how_to_build_it(write: Write) -> None:
         FmuError, match=r"`fmu-none.fmu` does not exist\nhint: build it with `cargo xtask fmu none`"
     ):
         parameters(write, "controller.fmu=fmu-none")
-    with pytest.raises(FmuError, match=r"the FMU file `none.fmu` does not exist\nhint: looked in `[^`]*`$"):
+    with pytest.raises(FmuError, match=r"the FMU file `none.fmu` does not exist\nhint: Searched: `[^`]*`$"):
         parameters(write, "controller.fmu=none.fmu")
 
 

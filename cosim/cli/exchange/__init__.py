@@ -1,1 +1,1 @@
-"""Commands that hand a loop over to other tools."""
+"""Commands that export a scenario to other tools."""

@@ -27,7 +27,7 @@ class Export:
     file: Path
 
     def run(self, bench: Bench) -> float:
-        """Write it; the communication step in s."""
+        """Write the package; return the communication step in s."""
         from cosim.ssp.package import write
 
         return write(self.loop, self.changes, self.seed, self.file, bench.place).loop.step
@@ -36,11 +36,11 @@ class Export:
 def ssp(
     loop: Loop,
     out: Annotated[
-        Path | None, Option("-o", "--out", metavar="FILE.ssp", help="The file, by default named as the loop.")
+        Path | None, Option("-o", "--out", metavar="FILE.ssp", help="Output file; default `SCENARIO.ssp`.")
     ] = None,
     seed: Annotated[
         int | None,
-        Option(min=0, max=2**31 - 1, help="Seed of all noise, by default that of the loop."),
+        Option(min=0, max=2**31 - 1, help="Seed of all noise; default: that of the scenario."),
     ] = None,
     set_: Set = None,
     timeout: Timeout = None,
@@ -48,15 +48,15 @@ def ssp(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write a loop as an SSP 1.0 package, for masters that connect FMUs by it.
+    """Write a scenario as an SSP 1.0 package.
 
-    Plant, noise and signals become an FMU of PythonFMU, which runs where this harness is
-    installed. Use the communication step of the loop. It needs the extra `ssp`.
+    Plant, noise and signals become an FMU made with PythonFMU. It runs where this harness is
+    installed. Use the communication step of the scenario. Requires the extra `ssp`.
     """
     configure_logging(verbose, quiet)
     file = out or Path(f"{loop.removesuffix('.toml').replace('/', '-')}.ssp")
     if file.suffix != ".ssp":
-        raise CosimError(f"cannot write a package to `{file}`", "the name must end in `.ssp`")
+        raise CosimError(f"cannot write a package to `{file}`", "Use a name that ends in `.ssp`.")
     with place(checked_limits(timeout, None, in_process)) as do:
         step: float | CosimError = do(Export(loop, tuple(set_ or ()), seed, file))
     if isinstance(step, CosimError):

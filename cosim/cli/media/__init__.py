@@ -1,1 +1,1 @@
-"""Commands that make something to look at: films, the viewer, the page of results."""
+"""Commands with visual output: videos, the viewer and the HTML report."""

@@ -19,36 +19,37 @@ def report(
     scenarios: Annotated[
         list[str] | None,
         Argument(
-            metavar="LOOP|PATTERN|FILE.toml",
-            help="Such as `dob` or `'dob/*'`; all of `cosim list` without one and without `--study`.",
+            metavar="SCENARIO|PATTERN|FILE.toml",
+            help="For example `dob` or `'dob/*'`. Default without `--study`: all of `cosim list`.",
             autocompletion=complete.loops,
         ),
     ] = None,
-    out: Annotated[Path, Option("-o", "--out", metavar="FILE.html", help="The page.")] = Path("report.html"),
+    out: Annotated[Path, Option("-o", "--out", metavar="FILE.html", help="Output file.")] = Path("report.html"),
     study: Annotated[
         list[Path] | None,
-        Option(metavar="FILE.toml", help="A study, as for `cosim sweep`. May be given again."),
+        Option(metavar="FILE.toml", help="A study, as for `cosim sweep`. May be repeated."),
     ] = None,
     document: Annotated[
         list[Path] | None,
-        Option(metavar="FILE.md", help="A text in Markdown. May be given again."),
+        Option(metavar="FILE.md", help="A Markdown text to include. May be repeated."),
     ] = None,
-    title: Annotated[str, Option(help="Title of the page.")] = "",
+    title: Annotated[str, Option(help="Title of the report.")] = "",
     videos: Annotated[
-        bool, Option(help="Whether to film one scenario of each loop; needs the extra `replay`.")
+        bool, Option(help="Whether to add a video of each controller's first scenario (extra `replay`).")
     ] = True,
-    workers: Annotated[int | None, Option(min=1, help="Worker processes, by default one per core.")] = None,
-    engine: Annotated[str, Option(help="native (fast) or reference (FMPy drives, same bits).")] = "native",
+    workers: Annotated[int | None, Option(min=1, help="Number of worker processes; default: one per core.")] = None,
+    engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
     timeout: Timeout = None,
-    memory: Annotated[float | None, Option(metavar="MB", help="Most memory of a run's process.")] = None,
+    memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process.")] = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write one HTML page of scenarios and sweeps: claims, stories, films, plots, parameters.
+    """Write an HTML report of scenarios and studies.
 
-    The scenarios are run, each once with its own seed; of studies what is not
-    done yet. The page needs nothing but a browser. Exit code: 0 all criteria
-    hold, 1 some do not, 2 a scenario could not run. It needs the extra `report`.
+    The report holds claims, descriptions, videos, plots and parameters, and needs only a browser.
+    Each scenario runs once with its own seed; of a study only the missing cases run.
+    Exit code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
+    Requires the extra `report`.
     """
     configure_logging(verbose, quiet)
     from cosim.acceptance.runner import RunOptions

@@ -1,4 +1,4 @@
-"""What these commands do in a worker process: plants and FMUs are foreign code."""
+"""Work of these commands in a worker process: plants and FMUs are foreign code."""
 
 from __future__ import annotations
 
@@ -23,48 +23,48 @@ if TYPE_CHECKING:
 Run = Annotated[
     str,
     Argument(
-        metavar="TRACE|LOOP|FILE.toml",
-        help=f"A trace with coordinates ({listed(READ)}), or a scenario, which is run first.",
+        metavar="TRACE|SCENARIO|FILE.toml",
+        help=f"A trace with coordinates ({listed(READ)}), or a scenario, which runs first.",
     ),
 ]
 TracedLoop = Annotated[
     str,
-    Argument(metavar="[LOOP|FILE.toml]", help="Scenario of the trace, by default the one that it names."),
+    Argument(metavar="[SCENARIO|FILE.toml]", help="Scenario of the trace; default: the one named in it."),
 ]
-Seconds = Annotated[float, Option(metavar="S", help="Time that it takes to show it, s.")]
-Begin = Annotated[float | None, Option("--from", metavar="S", help="Begin at this time of the run.")]
-End = Annotated[float | None, Option("--to", metavar="S", help="End at this time of the run.")]
+Seconds = Annotated[float, Option(metavar="S", help="Duration of the video or the view, s.")]
+Begin = Annotated[float | None, Option("--from", metavar="S", help="Start at this time of the run, s.")]
+End = Annotated[float | None, Option("--to", metavar="S", help="End at this time of the run, s.")]
 Enlarge = Annotated[
     list[str] | None,
     Option(
         metavar="COORDINATE=FACTOR",
-        help="Draw a motion larger than it is, such as `ring_*=20`; without this what is too small to be "
-        "seen is. May be given again.",
+        help="Enlarge a motion, for example `ring_*=20`. Default: motions that are too small to see "
+        "are enlarged. May be repeated.",
     ),
 ]
 
 
 def recorded(source: str, loop: str, changes: tuple[str, ...], bench: Bench) -> Recorded:
-    """Read a run from its trace, or make it."""
+    """Read a run from its trace, or run the scenario."""
     from cosim.replay.motion import RECORD, of_result, of_trace
     from cosim.scenario.load import load
     from cosim.trace import files
 
     if Path(source).suffix not in READ:
         if loop:
-            raise CosimError(f"`{source}` is no trace", f"a trace ends in {listed(READ)}")
+            raise CosimError(f"`{source}` is not a trace", f"Use a trace that ends in {listed(READ)}.")
         scenario: Scenario = load(source, (*changes, RECORD))
         session: Session = bench.session(scenario, "native")
         return of_result(scenario, session.run(progress=bench.progress))
     trace = files.read(source)
     name = loop or str(trace.about.get("scenario", ""))
     if not name:
-        raise CosimError(f"`{source}` does not tell its scenario", "name it behind the trace")
+        raise CosimError(f"`{source}` does not name its scenario", "Name the scenario after the trace.")
     if not loop:
         try:
             paths.find_scenario(name)
         except CosimError as error:
-            hint = "the file of the scenario may be named behind the trace"
+            hint = "Name the file of the scenario after the trace."
             raise CosimError(f"the scenario of `{source}` is not found: {error.message}", hint) from None
     return of_trace(load(name, changes), trace)
 
@@ -78,7 +78,7 @@ class View:
     source, loop, changes
         Trace or scenario, scenario of the trace, and overrides, as for `recorded`.
     shot
-        How it is shown.
+        View settings.
     """
 
     source: str
@@ -95,12 +95,12 @@ class View:
 
 @dataclass(frozen=True)
 class Video(View):
-    """A run in a film."""
+    """A run in a video."""
 
     file: Path
 
     def run(self, bench: Bench) -> None:
-        """Find the run and film it."""
+        """Find the run and make its video."""
         from cosim.replay import video_file
 
         found = recorded(self.source, self.loop, self.changes, bench)
@@ -111,5 +111,5 @@ def size(text: str) -> tuple[int, int]:
     """Width and height from a text such as `640x480`."""
     width, _, height = text.partition("x")
     if not (width.isdecimal() and height.isdecimal()):
-        raise typer.BadParameter(f"`{text}` is no size such as `640x480`")
+        raise typer.BadParameter(f"`{text}` is not a size such as `640x480`")
     return int(width), int(height)

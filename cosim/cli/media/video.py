@@ -18,7 +18,7 @@ from cosim.writing import discard
 def video(
     run: Run,
     loop: TracedLoop = "",
-    out: Annotated[Path, Option("-o", "--out", metavar="FILE.mp4|.gif|.webp", help="The film.")] = Path(
+    out: Annotated[Path, Option("-o", "--out", metavar="FILE.mp4|.gif|.webp", help="Output file.")] = Path(
         "run.mp4"
     ),
     seconds: Seconds = 8.0,
@@ -28,7 +28,7 @@ def video(
     camera: Annotated[
         str,
         Option(
-            help="Camera of the MJCF; by default `closeup` with `overview` in a corner, or one that sees all."
+            help="Camera of the MJCF. Default: `closeup` with `overview` in a corner, or a view of everything."
         ),
     ] = "",
     enlarge: Enlarge = None,
@@ -38,15 +38,16 @@ def video(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Film a run without a screen: the machine as MuJoCo draws it, with time, state and key numbers.
+    """Make a video of a run; no screen is needed.
 
-    The trace must hold MuJoCo's coordinates. Time-lapse or slow motion, and what
-    is drawn larger than it is, are told in the picture. So:
+    It shows the machine, the time, the state and key numbers. The trace must hold
+    MuJoCo's coordinates. The picture states its speed and enlarged motions. Example:
 
+    \b
         cosim run dob --set loop.record_qpos=true --trace dob.npz
         cosim video dob.npz -o dob.mp4
 
-    or at once `cosim video dob -o dob.mp4`. It needs the extra `replay`.
+    The same in one step: `cosim video dob -o dob.mp4`. Requires the extra `replay`.
     """
     configure_logging(verbose, quiet)
     from cosim.replay import video_file
@@ -55,7 +56,7 @@ def video(
     video_file.check(out, shot)
     task = Video(run, loop, tuple(set_ or ()), shot, out)
     try:
-        with place(checked_limits(timeout, None, in_process)) as do, progress_bar("film", quiet) as progress:
+        with place(checked_limits(timeout, None, in_process)) as do, progress_bar("video", quiet) as progress:
             outcome: CosimError | None = do(task, progress)
     finally:
         discard(out)

@@ -21,10 +21,11 @@ def view(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Show a run in MuJoCo's viewer, again and again until its window is closed.
+    """Show a run in MuJoCo's viewer.
 
-    The mouse turns and moves the camera. The trace must hold MuJoCo's coordinates,
-    see `cosim video`, which needs no screen. It needs the extra `replay`.
+    The run repeats until the window is closed. The mouse turns and moves the camera.
+    The trace must hold MuJoCo's coordinates, see `cosim video`, which needs no screen.
+    Requires the extra `replay`.
     """
     configure_logging(verbose, quiet)
     from cosim.replay import pace

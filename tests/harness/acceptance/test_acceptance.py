@@ -222,5 +222,5 @@ def test_no_file_of_the_user_is_written_over(
     monkeypatch.setattr(sys, "argv", ["cosim", "test", "lag", "lag/free", "--out", str(tmp_path)])
     assert app.status_of(app.app) == 2
     told = capsys.readouterr().err
-    assert f"`{tmp_path / file}` would be written over a file that is no {kind}" in told
+    assert f"`{tmp_path / file}` would overwrite a file that is not {kind}" in told
     assert {place: place.read_text() for place in tmp_path.rglob("*.*")} == before

@@ -79,7 +79,7 @@ LINES: dict[str, Case] = {
         given("judge", "half.npz", "lag.toml"), ("`half.npz` holds no trace", "no npz file, or one cut off")
     ),
     "judge the other way round": Case(
-        given("judge", "lag.toml", "in.csv"), ("`lag.toml` is no trace", "the trace comes first")
+        given("judge", "lag.toml", "in.csv"), ("`lag.toml` is not a trace", "the trace comes first")
     ),
     "baseline is a folder": Case(
         given("compare", "lag.toml", "--update"), ("cannot write `lag.baseline.npz`", "folder")
@@ -106,7 +106,7 @@ LINES: dict[str, Case] = {
         for file, option in FULL.items()
     },
     "sweep of nothing": Case(given("sweep", "no.toml"), ("the study file `no.toml` does not exist",)),
-    "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` is no regular file",)),
+    "sweep of a folder": Case(given("sweep", "cache"), ("the study file `cache` is not a regular file",)),
     "sweep of a long name": Case(given("sweep", f"{LONG}.toml"), ("the study file `aaaa",)),
     "sweep of a scenario": Case(
         given("sweep", "lag.toml"), ("`lag.toml` is a scenario", "`cosim run lag.toml`")
@@ -133,8 +133,8 @@ LINES: dict[str, Case] = {
     "sweep on an empty cluster": Case(
         given("sweep", "study.toml", "--cluster", ""), ("`--cluster` is empty",)
     ),
-    "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("is no regular file",)),
-    "new of a folder": Case(given("new", "./"), ("the FMU file `./` is no regular file",)),
+    "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("is not a regular file",)),
+    "new of a folder": Case(given("new", "./"), ("the FMU file `./` is not a regular file",)),
     "no workers": Case(given("sweep", "study.toml", "--workers", "0"), ("--workers",)),
     "sweep with an unknown engine": Case(given("sweep", "study.toml", "--engine", "x"), ("`x`",)),
 }

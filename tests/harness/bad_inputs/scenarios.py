@@ -117,7 +117,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "no such FMU": (edited('"probe"', '"prob"'), ("the FMU `prob.fmu` does not exist",)),
     "no such FMU file": (edited('"probe"', '"a/prob.fmu"'), ("`a/prob.fmu` does not exist",)),
-    "FMU is a folder": (edited('"probe"', '"./"'), ("the FMU file `./` is no regular file",)),
+    "FMU is a folder": (edited('"probe"', '"./"'), ("the FMU file `./` is not a regular file",)),
     "FMU without a name": (edited('"probe"', '""'), ("the FMU `.fmu` does not exist",)),
     "FMU of nobody": (edited('"probe"', '"~nobody_here/x.fmu"'), ("`~nobody_here/x.fmu` does not exist",)),
     "FMU of a long name": (edited('"probe"', f'"{"a" * 300}"'), ("aaaa...", "does not exist")),

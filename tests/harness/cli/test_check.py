@@ -39,7 +39,7 @@ def test_good_files_are_fit_and_nothing_is_run(write: Write, folder: Path) -> No
     (folder / "study.toml").write_text(STUDY.format(0.2))
     done = cosim("check", "lag.toml", "study.toml")
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == "lag.toml: scenario, fit to run\nstudy.toml: study, 2 runs, fit to run\n"
+    assert done.stdout == "lag.toml: scenario, valid\nstudy.toml: study, 2 runs, valid\n"
 
 
 OPTIMIZATION = """
@@ -56,7 +56,7 @@ def test_an_optimization_is_checked_at_both_ends(write: Write, folder: Path) -> 
     (folder / "bad.toml").write_text(OPTIMIZATION.format(1.5))
     done = called("check", "good.toml", "bad.toml")
     assert done.returncode == 2
-    assert done.stdout == "good.toml: optimization, 40 runs, fit to run\n"
+    assert done.stdout == "good.toml: optimization, 40 runs, valid\n"
     assert "`plant.pole` is `1.5`, it must lie in 0 .. 1" in done.stderr
 
 
@@ -88,7 +88,7 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Wri
     assert "`plant.pole` is `7.0`, it must lie in 0 .. 1" in bad["error"]["message"]
     assert none["error"] == {
         "message": "the scenario file `none.toml` does not exist",
-        "hint": "`cosim list` shows the known names",
+        "hint": "List the known names with `cosim list`.",
     }
     assert good == {
         "file": "lag.toml", "kind": "scenario", "ok": True, "runs": 1, "error": None, "warnings": [],

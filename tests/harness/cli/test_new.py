@@ -73,7 +73,7 @@ def test_the_new_scenario_passes_the_check_and_runs(folder: Path) -> None:
     assert "probe.toml: 2 wires, 4 inputs and commands left as comments" in done.stdout
     checked = cosim("check", "probe.toml")
     assert checked.returncode == 0
-    assert checked.stdout == "probe.toml: scenario, fit to run\n"
+    assert checked.stdout == "probe.toml: scenario, valid\n"
     assert (
         "nothing drives `controller.count`, `controller.mode`, `controller.flag`, `plant.brake`"
         in checked.stderr
@@ -124,7 +124,7 @@ def test_nothing_is_ever_overwritten(folder: Path) -> None:
     (folder / "probe.toml").write_text("mine")
     done = called("new", "probe.fmu")
     assert done.returncode == 2
-    assert done.stderr == "error: `probe.toml` is there already\nhint: choose another name with `--out`\n"
+    assert done.stderr == "error: `probe.toml` exists already\nhint: Choose another name with `--out`.\n"
     assert (folder / "probe.toml").read_text() == "mine"
 
 
@@ -135,7 +135,7 @@ def test_nothing_is_ever_overwritten(folder: Path) -> None:
         (["probe.fmu", "none.xml"], "the MJCF file `none.xml` does not exist"),
         (["probe.fmu", "slid"], "did you mean `slide`?"),
         (["probe.fmu", "exiting:Any"], "the plant `exiting:Any` ended the process: `sys.exit(0)`"),
-        (["probe.fmu", "--out", "a.txt"], "the name must end in `.toml`"),
+        (["probe.fmu", "--out", "a.txt"], "Use a name that ends in `.toml`."),
         (["probe.fmu", "--out", "none/a.toml"], "cannot write `none/a.toml`: No such file"),
     ],
 )

@@ -123,7 +123,7 @@ def test_a_trace_of_another_loop_is_told(
         (["lag.npz", "gone"], "there is no scenario `gone`"),
         (["lag.npz", "lag.toml", "--set", "metric.end.value='plant.x'"], "gives 50 values, not one"),
         (["lag.npz", "lag.toml", "--json", "no/a.json"], "cannot write `no/a.json`"),
-        (["lag.toml", "lag.toml"], "`lag.toml` is no trace"),
+        (["lag.toml", "lag.toml"], "`lag.toml` is not a trace"),
     ],
 )
 @pytest.mark.usefixtures("stored")

@@ -145,7 +145,7 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
     ),
     "choice": (
         "time,a,b\n0,1,2\n",
-        r"`column` is missing, `.*x.csv` has 2 beside the time\nhint: known here: `a`, `b`",
+        r"`column` is missing, `.*x.csv` has 2 beside the time\nhint: Known names: `a`, `b`",
     ),
     "bytes": (b"time,a\n0,\xff\n", r"not a CSV file in UTF-8"),
 }
@@ -163,7 +163,7 @@ def test_a_broken_file_is_told_with_its_line(write: Write, file: Path, name: str
 @pytest.mark.parametrize(
     ("to", "added", "told"),
     [
-        ("controller.in", 'column = "c"\n', r"has no column `c`\nhint: known here: `a`, `b c`"),
+        ("controller.in", 'column = "c"\n', r"has no column `c`\nhint: Known names: `a`, `b c`"),
         ("controller.in", "times = [0.0]\nvalues = [1.0]\n", "does not go with `times` and `values`"),
         ("controller.in", 'interpolation = "cubic"\n', "it must be `hold` or `linear`"),
         ("controller.mode", 'column = "a"\ninterpolation = "linear"\n', "takes no values in between"),

@@ -45,7 +45,7 @@ def test_a_crash_is_one_line(arguments: list[str], line: str) -> None:
 
 def test_a_crash_in_a_check_costs_no_other_file() -> None:
     done = cosim("check", "abort.toml", "exit.toml", "study.toml", "lag.toml", "-q")
-    assert (done.returncode, done.stdout) == (2, "lag.toml: scenario, fit to run\n")
+    assert (done.returncode, done.stdout) == (2, "lag.toml: scenario, valid\n")
     assert done.stderr.splitlines() == [
         f"error: `abort.toml`: {BUILT}",
         f"error: `exit.toml`: {EXITS}",
@@ -73,4 +73,4 @@ def test_a_plant_that_does_not_return_ends_with_the_timeout_or_ctrl_c(name: str,
 def test_a_limit_needs_a_process(name: str) -> None:
     done = cosim(name, "lag.toml", "--timeout", "5", "--in-process")
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith("error: `--timeout` needs a process of its own\n")
+    assert done.stderr.startswith("error: `--timeout` needs a separate process\n")

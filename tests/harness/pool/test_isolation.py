@@ -115,7 +115,7 @@ def test_a_panic_of_anything_is_exit_code_2_in_this_process_too(
     monkeypatch.setattr(place, panic)
     done = called("run", "lag.toml", "--in-process")
     assert done.returncode == 2
-    assert done.stderr.startswith("error: this should not happen: GeneratorExit")
+    assert done.stderr.startswith("error: unexpected error: GeneratorExit")
 
 
 @pytest.mark.parametrize("engine", ["reference", "native"])

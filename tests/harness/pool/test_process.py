@@ -59,7 +59,7 @@ def test_what_nobody_foresaw_is_one_line_and_exit_code_2(
             main()
         out, err = capsys.readouterr()
         assert (exited.value.code, out) == (2, "")
-        assert f"error: this should not happen: {type(error).__name__}: " in err
+        assert f"error: unexpected error: {type(error).__name__}: " in err
         assert ("Traceback" in err) == bool(verbose)
 
 

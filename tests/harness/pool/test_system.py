@@ -59,8 +59,8 @@ def test_an_option_that_cannot_be_kept_is_refused(
 ) -> None:
     assert call(monkeypatch, "run", "lag.toml", option, "100") == 2
     assert capsys.readouterr().err.splitlines() == [
-        f"error: `{option}` cannot be kept: this system has no supervised worker processes",
-        f"hint: leave `{option}` out; then all is done in the process of the command",
+        f"error: `{option}` cannot be enforced: this system has no supervised worker processes",
+        f"hint: leave `{option}` ; the command then runs in its own process.",
     ]
 
 

@@ -123,7 +123,7 @@ def test_every_claim_stands_in_the_table_as_it_was_measured(page: Any, result: c
     assert cells(page.get_element_by_id("table")) == wanted
     sources = [line.get("data-source") for line in page.get_element_by_id("table").iter("tr")][1:]
     assert sources == ["prediction", "choice"]
-    assert "1 of 2 criteria hold" in page.text_content()
+    assert "1 of 2 criteria passed" in page.text_content()
 
 
 def test_what_could_not_run_is_told(page: Any) -> None:
@@ -214,7 +214,7 @@ def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
     ("words", "message"),
     [
         (("lag.toml", "-o", "page.pdf"), "the name must end in `.html`"),
-        (("lag.toml", "-o", "lag.html"), "would be written over a file that is no page of `cosim report`"),
+        (("lag.toml", "-o", "lag.html"), "would overwrite a file that is not page of `cosim report`"),
         (("lag.toml", "--document", "gone.md"), "cannot read `gone.md`"),
         (("lag.toml", "--study", "gone.toml"), "the study file `gone.toml` does not exist"),
         (("lag.toml", "--study", "typo.toml"), "`desing` is not a known key"),
@@ -282,7 +282,7 @@ def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.
     for option, file in (("--document", "faults.md"), ("--study", "study.toml")):
         alone = called(*words, option, file)
         assert (alone.returncode, alone.stdout) == (2, "")
-        assert f"`{option}` is for the page of `--report`" in alone.stderr
+        assert f"`{option}` requires `--report`" in alone.stderr
 
 
 QUESTION = """

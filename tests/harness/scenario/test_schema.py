@@ -212,4 +212,4 @@ def test_the_command_takes_a_scenario_for_scenarios_alone() -> None:
     wrong = [*command, "study", "--for", "dob"]
     refused = subprocess.run(wrong, capture_output=True, text=True, cwd=ROOT, check=False)
     assert (refused.returncode, refused.stdout) == (2, "")
-    assert "error: `--for` makes a schema of scenarios alone" in refused.stderr
+    assert "error: `--for` works only for the schema of scenarios" in refused.stderr

@@ -65,5 +65,5 @@ def test_a_trace_that_is_too_long_is_refused_before_the_run(monkeypatch: pytest.
 @pytest.mark.usefixtures("folder")
 def test_a_mat_file_is_not_read_back() -> None:
     save("x.mat")
-    with pytest.raises(CosimError, match=r"`x\.mat` is no trace"):
+    with pytest.raises(CosimError, match=r"`x\.mat` is not a trace"):
         files.read("x.mat")
