@@ -1,58 +1,66 @@
-"""The tables of the documents: rows of what is kept, with the words of `tables.toml`.
+"""The tables of the pages: rows of stored numbers, with the texts of `tables.toml`.
 
-A table stands on a page between two marks, which name it. A row `TABLE#ROW` is one of another table.
-Words may name a value of another row of the same: `{row[value]}`.
+A table is on a page between two marks, which name it. A row `TABLE#ROW` belongs to another table.
+A text may name a value of another row of the same table: `{row[value]}`.
 """
 
 from __future__ import annotations
 
 import re
 import tomllib
+from pathlib import Path
 from typing import Any
 
 from .store import HERE, ROOT, Values, load
 
-MARKED = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->\n)", re.DOTALL)
-"""A table on a page, and its marks."""
+MARKED = re.compile(r"^(<!-- measured: ([\w-]+) -->\n).*?^(<!-- end -->\n)", re.DOTALL | re.MULTILINE)
+"""A table on a page, with its marks."""
 SECTION = re.compile(r"^## Measured$.*?(?=^## |\Z)", re.DOTALL | re.MULTILINE)
-"""What the README of a controller tells of measurements; `docs/results.md` tells nothing else."""
-PAGES = [ROOT / "docs/results.md", ROOT / "plants/README.md", *sorted(ROOT.glob("fmu-*/README.md"))]
+"""Measurements on a page about something else; a page about results has nothing else."""
+FOLDERS = ("docs/*.md", "docs/results/*.md", "fmu-*/*.md", "fmu-*/doc/*.md", "plants/*.md", "plants/doc/*.md")
 TABLES: dict[str, dict[str, Any]] = tomllib.loads((HERE / "tables.toml").read_text("utf-8"))
 
 
+def pages() -> list[Path]:
+    """Pages with tables of measurements."""
+    found = [page for pattern in FOLDERS for page in sorted(ROOT.glob(pattern))]
+    return [page for page in found if MARKED.search(page.read_text("utf-8"))]
+
+
 def text(name: str) -> str:
-    """Lines of a table, with what measured it."""
+    """Lines of a table, and the command that measures it."""
     table = TABLES[name]
     kept = {row: own(name, row) for row, _ in table["rows"]}
     lines = [f"| {table['head']} |", "|---" * (table["head"].count("|") + 1) + "|"]
     for row, words in table["rows"]:
         cells = words if "{" in words else f"{words} | {table['cells']}"
-        values: dict[str, Any] = {**beside(name, row), **kept[row]}
-        told = cells.format(**values)
-        # what did not happen within any time
-        lines.append(f"| {told.replace('inf s', 'never').replace('inf N', 'a fault')} |")
-    codes = sorted({str(kept[row]["code"]) for row, _ in table["rows"]})
+        values: dict[str, Any] = {**rows_of(name, row), **kept[row]}
+        filled = cells.format(**values)
+        # an event that did not happen
+        lines.append(f"| {filled.replace('inf s', 'never').replace('inf N', 'a fault')} |")
+    versions = sorted({str(kept[row]["code"]).split(" ")[0] for row, _ in table["rows"]})
     command = table.get("command") or f"pytest {table['tests']}"
-    told = f"`{command}` measures it, here with version {', '.join(codes)}."
-    return "\n".join([*lines, "", told, ""])
+    return "\n".join([*lines, "", f"Measured with version {', '.join(versions)} by `{command}`.", ""])
 
 
 def own(name: str, row: str) -> Values:
-    """Take what is kept for a row of a table, or of the one that the row names."""
-    return beside(name, row)[row.rpartition("#")[2]]
+    """Return the stored values of a row of a table, or of the one that the row names."""
+    return rows_of(name, row)[row.rpartition("#")[2]]
 
 
-def beside(name: str, row: str) -> dict[str, Values]:
-    """Rows of the table that a row is of."""
+def rows_of(name: str, row: str) -> dict[str, Values]:
+    """Rows of the table to which a row belongs."""
     return load(row.rpartition("#")[0] or name)
 
 
-def told_of_measurements(page: str) -> str:
-    """Section of a page that tells what was measured, or all of it."""
-    found = SECTION.search(page)
-    return found[0] if found else page
+def measurements(page: Path, content: str) -> str:
+    """Part of a page that is about measurements: all of a page about results, one section of another."""
+    if page.is_relative_to(ROOT / "docs/results") or page == ROOT / "docs/results.md":
+        return content
+    found = SECTION.search(content)
+    return found[0] if found else ""
 
 
 def renewed(page: str) -> str:
-    """Page with the tables that its marks name."""
+    """Page with the current tables between its marks."""
     return MARKED.sub(lambda found: f"{found[1]}\n{text(found[2])}\n{found[3]}", page)

@@ -1,4 +1,4 @@
-"""The tables on the pages are those of what is kept, and no other table tells what was measured."""
+"""The tables on the pages show the stored numbers, and no other table shows measurements."""
 
 import os
 import re
@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from .store import FOLDER, ROOT, near
-from .tables import MARKED, PAGES, TABLES, renewed, text, told_of_measurements
+from .tables import MARKED, TABLES, measurements, pages, renewed, text
+
+PAGES = pages()
 
 
 def named(page: Path) -> str:
@@ -15,29 +17,31 @@ def named(page: Path) -> str:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=named)
-def test_a_page_tells_what_is_kept(page: Path) -> None:
+def test_a_page_shows_the_stored_numbers(page: Path) -> None:
     found = page.read_text("utf-8")
-    wanted = renewed(found)
+    expected = renewed(found)
     if "BLESS" in os.environ:
-        page.write_text(wanted, "utf-8")
+        page.write_text(expected, "utf-8")
         return
-    assert found == wanted, "hint: `BLESS=1 pytest tests/acceptance/measured/test_tables.py` renews the page"
+    assert found == expected, (
+        "hint: `BLESS=1 pytest tests/acceptance/measured/test_tables.py` renews the page"
+    )
 
 
-def test_every_table_stands_on_a_page_and_every_file_is_of_a_table() -> None:
-    named = {name for page in PAGES for _, name, _ in MARKED.findall(page.read_text("utf-8"))}
-    assert named == set(TABLES)
+def test_every_table_is_on_a_page_and_every_file_belongs_to_a_table() -> None:
+    names = {name for page in PAGES for _, name, _ in MARKED.findall(page.read_text("utf-8"))}
+    assert names == set(TABLES)
     kept = {row.rpartition("#")[0] or name for name, table in TABLES.items() for row, _ in table["rows"]}
     assert kept == {file.stem for file in FOLDER.glob("*.json")}
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page.parent.name != "plants"], ids=named)
-def test_what_was_measured_is_in_no_other_table(page: Path) -> None:
-    rest = MARKED.sub("", told_of_measurements(page.read_text("utf-8")))
+def test_measurements_are_in_no_other_table(page: Path) -> None:
+    rest = MARKED.sub("", measurements(page, page.read_text("utf-8")))
     assert re.findall(r"(?<!\|\n)^\|.*\|$(?=\n\|-)", rest, re.MULTILINE) == []
 
 
-def test_tests_that_a_table_names_are_there() -> None:
+def test_the_tests_that_a_table_names_exist() -> None:
     for table in TABLES.values():
         modules = re.findall(r"-m (tests[\w.]+)", table.get("command", ""))
         files = re.findall(r"tests/\S+", table.get("tests", "")) or [
@@ -47,7 +51,7 @@ def test_tests_that_a_table_names_are_there() -> None:
         assert all((ROOT / file).exists() for file in files)
 
 
-def test_a_number_is_near_within_a_tenth_and_a_count_within_one() -> None:
+def test_numbers_are_near_within_a_tenth_and_counts_within_one() -> None:
     assert near(0.2, 0.219)
     assert not near(0.2, 0.223)
     assert near(3.0, 4.0)
@@ -56,5 +60,5 @@ def test_a_number_is_near_within_a_tenth_and_a_count_within_one() -> None:
     assert not near(float("inf"), 50.0)
 
 
-def test_a_table_without_an_end_is_never() -> None:
+def test_an_infinite_time_is_shown_as_never() -> None:
     assert re.search(r"one push by geometry \| 0 of \d+ \| never \|", text("centering-baselines"))
