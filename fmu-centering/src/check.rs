@@ -1,8 +1,7 @@
 //! Checks of parameters against each other; single ranges are in the variable table of the FMU.
 
-use control_blocks::{Check, Parameter, ParameterError, check_all, check_commission_time};
+use control_blocks::{Check, Parameter, ParameterError, check_all};
 
-use crate::commission::plan;
 use crate::interface::Law;
 use crate::interface::Parameters;
 use crate::limits::{GRAVITY, TRIAL_MOVE_MIN, look_ahead, spindle_acceleration};
@@ -12,7 +11,7 @@ use crate::limits::{GRAVITY, TRIAL_MOVE_MIN, look_ahead, spindle_acceleration};
 /// # Errors
 /// When a parameter does not fit the others.
 pub fn check(p: &Parameters) -> Result<(), ParameterError> {
-    const CHECKS: [Check<Parameters>; 17] = [
+    const CHECKS: [Check<Parameters>; 16] = [
         park,
         gap,
         trial,
@@ -29,7 +28,6 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
         spindle_speed,
         commission_travel,
         commission_acceleration,
-        commission_time,
     ];
     check_all(p, &CHECKS)
 }
@@ -37,7 +35,7 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
 fn stroke(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "let the probe stand out less before the pusher";
     Parameter::new("probe.stroke", p.probe.stroke, "m", hint)
-        .at_least(p.probe.at_pusher + p.follow.gap, "`probe.at_pusher` with one `follow.gap` of reserve")
+        .at_least(p.probe.at_pusher + p.follow.gap, "`probe.at_pusher` with one `expert.follow.gap` of reserve")
 }
 
 fn park(p: &Parameters) -> Result<(), ParameterError> {
@@ -49,20 +47,20 @@ fn park(p: &Parameters) -> Result<(), ParameterError> {
 
 fn gap(p: &Parameters) -> Result<(), ParameterError> {
     let most = p.probe.at_pusher - 2.0 * p.probe.contact;
-    Parameter::new("follow.gap", p.follow.gap, "m", "the probe must touch while the slide follows")
+    Parameter::new("expert.follow.gap", p.follow.gap, "m", "the probe must touch while the slide follows")
         .at_most(most, "`probe.at_pusher` less twice `probe.contact`")
 }
 
 /// Way (m) that the probe must keep on the ring for its test: twice the least move.
 fn trial(p: &Parameters) -> Result<(), ParameterError> {
     let least = p.probe.contact + 2.0 * TRIAL_MOVE_MIN;
-    let hint = "or the probe cannot be tested before `Centred`";
+    let hint = "or the probe cannot be tested before `Centered`";
     match p.law {
         Law::Default => Parameter::new("park.dead_zone", p.park.dead_zone, "m", hint)
             .at_most(p.park.probe - least, "`park.probe` less `probe.contact` and 0.2 mm"),
-        Law::Paper => Parameter::new("follow.gap", p.follow.gap, "m", hint).at_most(
+        Law::Paper => Parameter::new("expert.follow.gap", p.follow.gap, "m", hint).at_most(
             p.probe.at_pusher - least - p.follow.dead_zone,
-            "`probe.at_pusher` less `probe.contact`, `follow.dead_zone` and 0.2 mm",
+            "`probe.at_pusher` less `probe.contact`, `expert.follow.dead_zone` and 0.2 mm",
         ),
     }
 }
@@ -99,29 +97,33 @@ fn stopping(p: &Parameters) -> Result<(), ParameterError> {
 
 fn follow_delay(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "with one beat of delay a larger gain swings";
-    let gain = Parameter::new("follow.gain", p.follow.gain, "1/s", hint);
-    gain.at_most(0.25 * p.rates.control, "a quarter of `rates.control`")
+    let gain = Parameter::new("expert.follow.gain", p.follow.gain, "1/s", hint);
+    gain.at_most(0.25 * p.rates.control, "a quarter of `expert.rates.control`")
 }
 
 fn follow_braking(p: &Parameters) -> Result<(), ParameterError> {
     let most = p.slide.acceleration_max / p.follow.velocity_max;
     let hint = "a larger gain cannot brake from `follow.velocity_max` before the pusher touches; lower one of them";
-    Parameter::new("follow.gain", p.follow.gain, "1/s", hint)
+    Parameter::new("expert.follow.gain", p.follow.gain, "1/s", hint)
         .at_most(most, "`slide.acceleration_max` over `follow.velocity_max`")
 }
 
 fn bands(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "or the pusher touches while the slide follows";
-    let dead_zone = Parameter::new("follow.dead_zone", p.follow.dead_zone, "m", hint);
-    dead_zone.less_than(p.follow.gap, "the `follow.gap`")?;
-    let settle_band = Parameter::new("follow.settle_band", p.follow.settle_band, "m", "or following never settles");
-    settle_band.more_than(p.follow.dead_zone, "the `follow.dead_zone`")
+    let dead_zone = Parameter::new("expert.follow.dead_zone", p.follow.dead_zone, "m", hint);
+    dead_zone.less_than(p.follow.gap, "the `expert.follow.gap`")?;
+    let settle_band =
+        Parameter::new("expert.follow.settle_band", p.follow.settle_band, "m", "or following never settles");
+    settle_band.more_than(p.follow.dead_zone, "the `expert.follow.dead_zone`")
 }
 
 fn rates(p: &Parameters) -> Result<(), ParameterError> {
     let most = 1.0 / p.sample_period;
-    let rates =
-        [("rates.control", p.rates.control), ("rates.collect", p.rates.collect), ("rates.model", p.rates.model)];
+    let rates = [
+        ("expert.rates.control", p.rates.control),
+        ("expert.rates.collect", p.rates.collect),
+        ("expert.rates.model", p.rates.model),
+    ];
     rates.into_iter().try_for_each(|(name, value)| {
         let rate = Parameter::new(name, value, "Hz", "shorten `sample_period` or run this loop less often");
         rate.must_be(value <= most * (1.0 + 1e-9), || format!("at most `{most} Hz`, one in each `sample_period`"))
@@ -129,9 +131,10 @@ fn rates(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn push_velocities(p: &Parameters) -> Result<(), ParameterError> {
-    let least = Parameter::new("push.velocity_min", p.push.velocity_min, "m/s", "small pushes are the slow ones");
-    least.at_most(p.push.velocity_max, "the `push.velocity_max`")?;
-    let most = Parameter::new("push.velocity_max", p.push.velocity_max, "m/s", "the paper's 3500 mm/s are um/s");
+    let least =
+        Parameter::new("expert.push.velocity_min", p.push.velocity_min, "m/s", "small pushes are the slow ones");
+    least.at_most(p.push.velocity_max, "the `expert.push.velocity_max`")?;
+    let most = Parameter::new("expert.push.velocity_max", p.push.velocity_max, "m/s", "the paper's 3500 mm/s are um/s");
     most.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
 }
 
@@ -165,10 +168,6 @@ fn commission_acceleration(p: &Parameters) -> Result<(), ParameterError> {
     acceleration.at_most(p.slide.acceleration_max, "the `slide.acceleration_max`")
 }
 
-fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
-    check_commission_time(p.commission.time, || plan::least_time(p))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,35 +180,34 @@ mod tests {
         // 0.8 of 0.49 m/s2 at 25 mm
         (|p| p.spindle_speed = 4.0, "spindle.speed", "`4 rad/s`", "`3.961"),
         (|p| p.park.dead_zone = 5e-3, "park.dead_zone", "`0.005 m`", "`0.0043 m`"),
-        (|p| p.follow.gap = 0.02, "follow.gap", "`0.02 m`", "`0.0196 m`"),
+        (|p| p.follow.gap = 0.02, "expert.follow.gap", "`0.02 m`", "`0.0196 m`"),
         (
             |p| (p.probe.contact, p.follow.gap, p.probe.stroke) = (3e-4, 0.01945, 0.04),
-            "follow.gap",
+            "expert.follow.gap",
             "`0.01945 m`",
             "twice `probe.contact`",
         ),
         (|p| (p.law, p.park.dead_zone) = (Law::Default, 4.2e-3), "park.dead_zone", "`0.0042 m`", "`0.00409"),
         (
             |p| (p.law, p.probe.contact, p.follow.gap) = (Law::Paper, 1e-4, 0.01975),
-            "follow.gap",
+            "expert.follow.gap",
             "`0.01975 m`",
             "`0.0197 m`",
         ),
         (|p| p.limits.following_error = 1e-4, "limits.following_error", "`0.0001 m`", "`0.00012"),
         (|p| p.approach.velocity = 0.2, "approach.velocity", "`0.2 m/s`", "`0.12 m/s`"),
         (|p| p.limits.friction = 0.5, "approach.velocity", "`0.12 m/s`", "`0.0198 m`"),
-        (|p| p.follow.gain = 30.0, "follow.gain", "`30 1/s`", "`25 1/s`"),
-        (|p| (p.follow.gain, p.follow.velocity_max) = (22.0, 0.12), "follow.gain", "`22 1/s`", "`21.33"),
-        (|p| p.follow.dead_zone = 1e-3, "follow.dead_zone", "`0.001 m`", "`0.0005 m`"),
-        (|p| p.follow.dead_zone = 3e-4, "follow.settle_band", "`0.0002 m`", "`0.0003 m`"),
-        (|p| p.rates.control = 2000.0, "rates.control", "`2000 Hz`", "`1000 Hz`"),
-        (|p| p.rates.collect = 1001.0, "rates.collect", "`1001 Hz`", "`1000 Hz`"),
-        (|p| p.rates.model = 5000.0, "rates.model", "`5000 Hz`", "`1000 Hz`"),
-        (|p| p.push.velocity_min = 0.01, "push.velocity_min", "`0.01 m/s`", "`0.0035 m/s`"),
-        (|p| p.push.velocity_max = 3.5, "push.velocity_max", "`3.5 m/s`", "um/s"),
+        (|p| p.follow.gain = 30.0, "expert.follow.gain", "`30 1/s`", "`25 1/s`"),
+        (|p| (p.follow.gain, p.follow.velocity_max) = (22.0, 0.12), "expert.follow.gain", "`22 1/s`", "`21.33"),
+        (|p| p.follow.dead_zone = 1e-3, "expert.follow.dead_zone", "`0.001 m`", "`0.0005 m`"),
+        (|p| p.follow.dead_zone = 3e-4, "expert.follow.settle_band", "`0.0002 m`", "`0.0003 m`"),
+        (|p| p.rates.control = 2000.0, "expert.rates.control", "`2000 Hz`", "`1000 Hz`"),
+        (|p| p.rates.collect = 1001.0, "expert.rates.collect", "`1001 Hz`", "`1000 Hz`"),
+        (|p| p.rates.model = 5000.0, "expert.rates.model", "`5000 Hz`", "`1000 Hz`"),
+        (|p| p.push.velocity_min = 0.01, "expert.push.velocity_min", "`0.01 m/s`", "`0.0035 m/s`"),
+        (|p| p.push.velocity_max = 3.5, "expert.push.velocity_max", "`3.5 m/s`", "um/s"),
         (|p| p.commission.travel = 0.16, "commission.travel", "`0.16 m`", "`0.15 m`"),
         (|p| p.commission.acceleration = 2.6, "commission.acceleration", "`2.6 m/s2`", "`2.56 m/s2`"),
-        (|p| p.commission.time = 8.0, "commission.time", "`8 s`", "`9.009"),
     ];
 
     #[test]

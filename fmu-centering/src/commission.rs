@@ -1,9 +1,10 @@
-//! The machine measured by its own controller: strokes of the slide before the ring, what they tell, and what is made of it.
+//! Commissioning run: strokes of the slide before the ring, the identification of its servo, and the derived parameters.
 
-mod commissioner;
 mod experiment;
+mod identification;
 pub mod plan;
 pub mod response;
 mod values;
 
-pub use commissioner::Commissioner;
+pub use identification::Identification;
+pub use values::{DELAY_STD_MAX, STD_MAX};

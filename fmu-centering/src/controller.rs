@@ -6,10 +6,10 @@ mod watching;
 use control_blocks::{Consecutive, ParameterError, Progress, WaitingRequest, export_commission};
 use serde::{Deserialize, Serialize};
 
-use crate::centre::{Centre, Estimate};
+use crate::center::{Center, Estimate};
 use crate::check::check;
-use crate::commission::Commissioner;
-use crate::faults::{Supervisor, cause, judge, line_moved};
+use crate::commission::Identification;
+use crate::faults::{Supervisor, cause, evaluate, line_moved};
 use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
 use crate::law::{ActiveLaw, Observation, Verdict};
 use crate::machine::{Events, next};
@@ -54,14 +54,14 @@ pub struct Controller {
     first: Option<f64>,
     /// the surest model so far
     surest: Option<Estimate>,
-    /// way of the line of a centred ring and its limit (m), where that is too far
+    /// way of the line of a centered ring and its limit (m), where that is too far
     line: Option<[f64; 2]>,
     /// where the ring was before the last push, until the model after it
-    before: Option<Centre>,
+    before: Option<Center>,
     report: PushReport,
     started: f64,
-    centred: Option<f64>,
-    commissioner: Commissioner,
+    centered: Option<f64>,
+    identification: Identification,
     /// an edge of `commission` waits for a slide at rest
     commission_asked: WaitingRequest,
     long_step: bool,
@@ -104,8 +104,8 @@ impl Controller {
             before: None,
             report: PushReport::START,
             started: 0.0,
-            centred: None,
-            commissioner: Commissioner::new(p),
+            centered: None,
+            identification: Identification::new(p),
             commission_asked: WaitingRequest::default(),
             long_step: false,
         })
@@ -118,7 +118,7 @@ impl Controller {
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
     pub fn bring_into_force(&self, p: &mut Parameters) {
-        self.commissioner.put(p);
+        self.identification.put(p);
     }
 
     /// Writes what the last good commission derives into the file `commission.export`.
@@ -126,12 +126,12 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        export_commission(&p.commission.export, &self.commissioner.derived())
+        export_commission(&p.commission.export, &self.identification.derived())
     }
 
     /// Whether there is a good commission.
     pub fn commissioned(&self) -> bool {
-        self.commissioner.measured.valid
+        self.identification.measured.valid
     }
 
     /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`].
@@ -162,7 +162,7 @@ impl Controller {
             self.drive = DriveMonitor::default();
         }
         if self.state == State::Commission {
-            self.commissioner.observe(p, &mut self.motion, sample.slide, reading.slide.is_none());
+            self.identification.observe(p, &mut self.motion, sample.slide, reading.slide.is_none());
         }
         if reading.jumped {
             self.spindle.restart();
@@ -197,8 +197,8 @@ impl Controller {
                 reading.begin_commission,
                 reading.commission,
             ),
-            break_off: !reading.commission || reading.start,
-            commissioned: self.commissioner.finished,
+            abort: !reading.commission || reading.start,
+            commissioned: self.identification.finished,
             ..Events::default()
         };
         let now = self.observation(p, due);
@@ -254,22 +254,22 @@ impl Controller {
         match verdict {
             Verdict::Measure => return None,
             Verdict::Unresolved => return Some(Fault::Unresolved),
-            Verdict::Centred | Verdict::Push => {}
+            Verdict::Centered | Verdict::Push => {}
         }
         if let Some(before) = self.before.take() {
-            self.report.overshoot = ring.centre.overshoot(&before);
+            self.report.overshoot = ring.center.overshoot(&before);
             self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
         }
         let surest = *self.surest.get_or_insert(*ring);
         if ring.sigma < surest.sigma {
             self.surest = Some(*ring);
         }
-        let first = *self.first.get_or_insert(ring.centre.eccentricity());
+        let first = *self.first.get_or_insert(ring.center.eccentricity());
         self.line = line_moved(p, &surest, ring);
         if self.line.is_some() {
-            return Some(if self.frozen.stands() { Fault::FrozenProbe } else { Fault::ProbeJump });
+            return Some(if self.frozen.stands() { Fault::ProbeFrozen } else { Fault::ProbeJump });
         }
-        judge(p, self.spindle.speed(), self.report.count, first, ring)
+        evaluate(p, self.spindle.speed(), self.report.count, first, ring)
     }
 
     /// What the law sees.
@@ -326,19 +326,19 @@ impl Controller {
             state: self.state,
             fault: self.fault,
             drive_enable: self.driven(),
-            centred: self.centred.is_some(),
-            time_to_centre: self.centred.map_or(0.0, |time| time - self.started),
-            eccentricity: ring.map_or(0.0, |ring| ring.centre.eccentricity()),
-            eccentricity_angle: ring.map_or(0.0, |ring| ring.centre.nearest()),
-            eccentricity_sigma: ring.map_or(0.0, |ring| ring.sigma),
+            centered: self.centered.is_some(),
+            time_to_center: self.centered.map_or(0.0, |time| time - self.started),
+            eccentricity: ring.map_or(0.0, |ring| ring.center.eccentricity()),
+            eccentricity_angle: ring.map_or(0.0, |ring| ring.center.nearest()),
+            eccentricity_std: ring.map_or(0.0, |ring| ring.sigma),
             spindle_speed: self.spindle.speed(),
             pusher_gap: p.probe.at_pusher - self.sample.probe,
             push: PushReport { offset: self.law.offset(), ..self.report },
             monitor: MonitorReport {
                 following_error: self.drive.error(),
-                drive_share: self.drive.share(p),
-                probe_share: self.trial.share().unwrap_or(1.0),
-                job_time: self.progress.samples() as f64 * p.sample_period,
+                drive_gain_ratio: self.drive.share(p),
+                probe_gain_ratio: self.trial.share().unwrap_or(1.0),
+                cycle_time: self.progress.samples() as f64 * p.sample_period,
             },
             measured: self.measured(),
             numbers: Numbers {

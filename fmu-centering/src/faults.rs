@@ -1,116 +1,79 @@
-//! Faults of the ring, the probe and the job are found here, of readings and drive in `sensing` and `monitoring`; how each
-//! of them ends, and the numbers that are told with it.
+//! Faults of the ring, the probe and the cycle are detected here, faults of measurements and drive in `sensing` and
+//! `monitoring`. The values that are logged with each fault are here, too.
 
 use std::f64::consts::TAU;
 
-use control_blocks::{Consecutive, DELAY_MAX, SafeEnd};
+use control_blocks::{Consecutive, DELAY_MAX};
 use serde::{Deserialize, Serialize};
 
-use crate::centre::Estimate;
-use crate::commission::plan;
+use crate::center::Estimate;
 use crate::commission::response::braked_late;
+use crate::commission::{DELAY_STD_MAX, STD_MAX, plan};
 use crate::interface::{Fault, Input, Parameters, State, Vars};
-use crate::limits::{GRAVITY, held_surface_velocity, job_time, servo_damping, slowest_servo, speed_limit};
+use crate::limits::{GRAVITY, cycle_time, held_surface_velocity, servo_damping, slowest_servo, speed_limit};
 use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
 use crate::motion::TOLERANCE;
 use crate::sensing::ProbeDelay;
 
-/// A probe that has no contact for longer has lost the ring, s.
+/// Time without contact after which the probe has lost the ring, s.
 const LOST_TIME: f64 = 0.1;
-/// A pusher that touches for longer while following is a crash, s.
+/// Time of contact of the pusher while following after which it is a crash, s.
 const PRESSED_TIME: f64 = 0.005;
-/// A surface that is too fast for longer is no jump of the probe, s.
+/// Time after which a surface that is too fast is no jump of the probe, s.
 const FLYING_TIME: f64 = 0.03;
-/// A spindle that is slow for longer stands still, s.
+/// Time after which a slow spindle is at rest, s.
 const STILL_TIME: f64 = 0.5;
-/// A probe that takes longer than the way to its place, the time of settling and this does not settle, s.
+/// Time to settle, in addition to the travel of the probe to its position and the time of settling, s.
 const UNSETTLED_TIME: f64 = 3.0;
-/// Turning (in revolutions) in which every collection and every wait ends.
+/// Rotation (revolutions) within which every collection and every wait must end.
 const TURNS_MAX: f64 = 1.1;
-/// Turning (in revolutions) from push to push, with three models of the ring and the wait (our choice).
+/// Rotation (revolutions) from push to push: three models of the ring and the wait, with a tenth to spare.
 const CYCLE_TURNS_MAX: f64 = 4.4;
-/// What the line of a centred ring may move in a centring, m (our choice: warmth moves it by less).
+/// Allowed motion of the line of a centered ring in a cycle, m (default; thermal drift is less).
 const LINE_MOVED: f64 = 1e-4;
-/// Standard deviations, of both models, and share of the arc's height for a radius that is told wrong.
+/// Standard deviations, of both models, and ratio of the height of the arc for a radius that is configured wrong.
 const LINE_SIGMAS: f64 = 6.0;
 const LINE_BEND: f64 = 0.25;
-/// Least share of its turning that a spindle which does not reverse goes forward.
+/// Minimum ratio of forward rotation to all rotation of a spindle that does not reverse.
 const FORWARD: f64 = 0.9;
 
-impl Fault {
-    /// How a centring ends that this fault has stopped: by going back, where the place of the slide is known.
-    pub fn safe_end(self) -> SafeEnd {
-        match self {
-            Self::LostReading
-            | Self::ReadingJump
-            | Self::FrozenReading
-            | Self::FollowingError
-            | Self::DriveSign
-            | Self::WeakDrive
-            | Self::LongStep => SafeEnd::DriveOff,
-            Self::None
-            | Self::NoPart
-            | Self::RingTooSmall
-            | Self::ProbeRange
-            | Self::Centrifugal
-            | Self::PushBudget
-            | Self::LostProbe
-            | Self::ProbeJump
-            | Self::FrozenProbe
-            | Self::LostSpindle
-            | Self::SpindleJump
-            | Self::FrozenSpindle
-            | Self::Spindle
-            | Self::Divergence
-            | Self::Unresolved
-            | Self::SlowServo
-            | Self::SpindleSpeed
-            | Self::NoProgress
-            | Self::CommissionRejected
-            | Self::LateProbe
-            | Self::LateReading
-            | Self::EarlyContact => SafeEnd::Retract,
-        }
-    }
-}
-
-/// The first of the gravest faults.
-pub fn graver(found: &[Option<Fault>]) -> Option<Fault> {
-    let worse = |a: Fault, b: Fault| if b.safe_end() > a.safe_end() { b } else { a };
+/// The first of the faults with the highest severity.
+pub fn most_severe(found: &[Option<Fault>]) -> Option<Fault> {
+    let worse = |a: Fault, b: Fault| if b.reaction() > a.reaction() { b } else { a };
     found.iter().copied().flatten().reduce(worse)
 }
 
-/// The cause of a fault with a probe that is `late` s later than the slide, or earlier: whatever makes no sense of the ring then
-/// follows from that.
+/// The cause of a fault with a probe that is delayed by `late` s relative to the slide (negative: the slide is delayed). Such a
+/// delay explains every implausible measurement of the ring.
 pub fn cause(fault: Fault, late: Option<f64>) -> Fault {
     use Fault::{
-        Centrifugal, Divergence, EarlyContact, FrozenProbe, LateProbe, LateReading, NoProgress, ProbeJump, ProbeRange,
-        PushBudget, Unresolved,
+        Centrifugal, Divergence, EarlyContact, NoProgress, PositionDelayed, ProbeDelayed, ProbeFrozen, ProbeJump,
+        ProbeRange, PushBudget, Unresolved,
     };
     match (fault, late) {
         (
-            ProbeRange | Centrifugal | PushBudget | ProbeJump | FrozenProbe | Divergence | Unresolved | NoProgress
+            ProbeRange | Centrifugal | PushBudget | ProbeJump | ProbeFrozen | Divergence | Unresolved | NoProgress
             | EarlyContact,
             Some(late),
         ) => {
             if late > 0.0 {
-                LateProbe
+                ProbeDelayed
             } else {
-                LateReading
+                PositionDelayed
             }
         }
         _ => fault,
     }
 }
 
-/// What is watched in one tick.
+/// Quantities that are monitored in one control step.
 #[derive(Clone, Copy, Debug)]
 pub struct Watched<'a> {
-    /// State of the tick before.
+    /// State of the step before.
     pub state: State,
-    /// Probe collapse, m.
+    /// Probe deflection, m.
     pub probe: f64,
-    /// Turning since the tick before, rad.
+    /// Rotation since the step before, rad.
     pub turned: f64,
     /// Spindle speed, rad/s.
     pub speed: f64,
@@ -122,7 +85,7 @@ pub struct Watched<'a> {
     pub estimate: Option<&'a Estimate>,
 }
 
-/// Counts how long things have been wrong; by default they are not.
+/// Counts for how long each condition has been violated; by default for no time.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Supervisor {
     lost: Consecutive,
@@ -130,12 +93,13 @@ pub struct Supervisor {
     flying: Consecutive,
     still: Consecutive,
     unsettled: Consecutive,
+    /// rotation in the present state, rad
     turned: f64,
-    /// the same with its sign
+    /// the same with its sign, rad
     forward: f64,
-    /// turning since the last push
+    /// rotation since the last push, rad
     cycle: f64,
-    /// revolutions of one of them that are too many, and how many there may be
+    /// revolutions without a result and their limit, where they exceed it
     endless: Option<[f64; 2]>,
 }
 
@@ -149,17 +113,17 @@ impl Supervisor {
         }
     }
 
-    /// Revolutions without result where there were too many, and how many there may be.
+    /// Revolutions without a result and their limit, where they exceed it.
     pub fn endless(&self) -> Option<[f64; 2]> {
         self.endless
     }
 
-    /// Share of its turning that the spindle has gone forward in the present state; 1 before it turned.
+    /// Ratio of forward rotation to all rotation in the present state; 1 before the spindle turned.
     pub fn forward(&self) -> f64 {
         if self.turned > 0.0 { self.forward.abs() / self.turned } else { 1.0 }
     }
 
-    /// The gravest thing that is wrong in this tick.
+    /// The fault of the highest severity in this step.
     pub fn check(&mut self, p: &Parameters, view: &Watched) -> Option<Fault> {
         self.count(p, view);
         if !view.state.active() {
@@ -177,8 +141,8 @@ impl Supervisor {
             .then_some(Fault::ProbeRange)
             .or((view.beyond_travel || over(self.lost, LOST_TIME)).then_some(Fault::NoPart))
             .or(flying.then_some(Fault::Centrifugal))
-            .or(over(self.still, STILL_TIME).then_some(Fault::FrozenSpindle))
-            .or(reversing.then_some(Fault::Spindle))
+            .or(over(self.still, STILL_TIME).then_some(Fault::SpindleFrozen))
+            .or(reversing.then_some(Fault::SpindleUneven))
             .or(endless.map(|_| Fault::NoProgress))
     }
 
@@ -197,51 +161,51 @@ impl Supervisor {
     }
 }
 
-/// Whether the centrifugal force of the ring exceeds the friction that is assumed, eq. 2.
+/// Whether the centrifugal force of the ring exceeds the configured friction, eq. 2.
 pub fn too_fast(p: &Parameters, speed: f64, ring: &Estimate) -> bool {
-    speed.abs() >= speed_limit(p.limits.friction, ring.centre.eccentricity())
+    speed.abs() >= speed_limit(p.limits.friction, ring.center.eccentricity())
 }
 
-/// Whether the surface moves faster than that of any ring that friction holds: an answer before the first model.
+/// Whether the surface moves faster than that of any ring that friction holds. It needs no model of the ring.
 fn shows_too_fast(p: &Parameters, view: &Watched) -> bool {
-    // the fastest place of any surface has at least e w: a cheap question first
+    // the fastest point of any surface has at least the velocity e w: evaluate the cheap condition first
     let fastest = view.surface.abs();
     view.state.follows()
         && fastest * view.speed.abs() > p.limits.friction * GRAVITY
         && fastest > held_surface_velocity(p.limits.friction, p.ring.radius, view.speed)
 }
 
-/// By how much a new model sees the line of a centred ring elsewhere than the surest one so far, and the limit (m), where
-/// that is too far: no ring and no spindle moves that, so a reading has.
-pub fn line_moved(p: &Parameters, surest: &Estimate, ring: &Estimate) -> Option<[f64; 2]> {
-    let most = surest.centre.eccentricity().max(ring.centre.eccentricity());
+/// Distance (m) between the lines of a centered ring in a new model and in the most certain one so far, and its limit (m),
+/// where it exceeds the limit. Neither ring nor spindle can move that line, so a measurement has jumped.
+pub fn line_moved(p: &Parameters, most_certain: &Estimate, ring: &Estimate) -> Option<[f64; 2]> {
+    let most = most_certain.center.eccentricity().max(ring.center.eccentricity());
     let bend = LINE_BEND * most.powi(2) / (4.0 * p.ring.radius);
-    let way = (ring.mean - surest.mean).abs();
-    let limit = LINE_MOVED + LINE_SIGMAS * (surest.sigma + ring.sigma) + bend;
-    (way > limit).then_some([way, limit])
+    let distance = (ring.mean - most_certain.mean).abs();
+    let limit = LINE_MOVED + LINE_SIGMAS * (most_certain.sigma + ring.sigma) + bend;
+    (distance > limit).then_some([distance, limit])
 }
 
-/// What is wrong with a new model after `pushes` pushes; the first model had the eccentricity `first` m.
-pub fn judge(p: &Parameters, speed: f64, pushes: i32, first: f64, ring: &Estimate) -> Option<Fault> {
-    let eccentricity = ring.centre.eccentricity();
+/// Fault of a new model after `pushes` pushes; the first model had the eccentricity `first` m.
+pub fn evaluate(p: &Parameters, speed: f64, pushes: i32, first: f64, ring: &Estimate) -> Option<Fault> {
+    let eccentricity = ring.center.eccentricity();
     if eccentricity >= p.ring.radius {
         // eq. 32
         Some(Fault::RingTooSmall)
     } else if too_fast(p, speed, ring) {
         Some(Fault::Centrifugal)
     } else if eccentricity > first + p.push.critical_distance {
-        // pushes that are much slower than the surface move the ring aside
+        // pushes that are much slower than the surface move the ring sideways
         Some(Fault::Divergence)
     } else {
         (eccentricity > p.tolerance && pushes >= p.limits.pushes).then_some(Fault::PushBudget)
     }
 }
 
-/// The numbers behind a state or a fault, for the log.
+/// Values that belong to a state or a fault, for the log.
 pub fn numbers(vars: &Vars) -> String {
     let e = 1e6 * vars.output.eccentricity;
     match (vars.output.state, vars.output.fault) {
-        (State::Wait | State::Centred, _) => format!("; eccentricity `{e:.2} um`"),
+        (State::Wait | State::Centered, _) => format!("; eccentricity `{e:.2} um`"),
         (State::Fault, fault) => of_fault(vars, fault, e),
         _ => String::new(),
     }
@@ -255,28 +219,28 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
     let (pushes, speed) = (output.push.count, output.spindle_speed);
     let row = format!("for more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
     let error = format!(
-        "following error `{:.3} mm` of `{:.3} mm`, share of the setpoint `{:.2}`",
+        "following error `{:.3} mm`, limit `{:.3} mm`, gain ratio `{:.2}`",
         1e3 * output.monitor.following_error,
         1e3 * following_limit,
-        output.monitor.drive_share
+        output.monitor.drive_gain_ratio
     );
     match fault {
         Fault::None => String::new(),
         Fault::NoPart => format!(
-            ": probe at `{probe_position:.6} m`, on a ring from `probe.contact` = `{} m` on; slide at \
+            ": probe at `{probe_position:.6} m`, contact from `probe.contact` = `{} m`; slide at \
              `{slide_position:.6} m`, `approach.travel_max` = `{} m`",
             p.probe.contact, p.approach.travel_max
         ),
         Fault::RingTooSmall => format!(": r = `{} m`, B = `{e:.2} um`", p.ring.radius),
         Fault::ProbeRange => format!(
-            ": probe at `{probe_position:.6} m`, its place is `{:.6} m`, `probe.at_pusher` = `{} m`, `probe.stroke` = `{} m`",
+            ": probe at `{probe_position:.6} m`, target `{:.6} m`, `probe.at_pusher` = `{} m`, `probe.stroke` = `{} m`",
             p.null(),
             p.probe.at_pusher,
             p.probe.stroke
         ),
         Fault::Centrifugal if e > 0.0 => {
             let most = speed_limit(p.limits.friction, output.eccentricity);
-            format!(": `{speed:.3} rad/s`, at most `{most:.3} rad/s` for the B of the last model, `{e:.2} um`")
+            format!(": `{speed:.3} rad/s`, limit `{most:.3} rad/s` at B = `{e:.2} um` of the last model")
         }
         Fault::Centrifugal => format!(": `{speed:.3} rad/s`, before the first model"),
         Fault::PushBudget => format!(
@@ -285,32 +249,28 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             1e6 * p.tolerance
         ),
         Fault::Divergence => format!(
-            ": `{pushes}` pushes, B from `{:.2} um` to `{e:.2} um`, `push.critical_distance` = `{:.2} um` more at most",
+            ": `{pushes}` pushes, B from `{:.2} um` to `{e:.2} um`, increase limit `expert.push.critical_distance` = `{:.2} um`",
             1e6 * first,
             1e6 * p.push.critical_distance
         ),
-        Fault::LostProbe => format!(": probe at `{probe_position} m` {row}"),
+        Fault::ProbeLost => format!(": probe at `{probe_position} m` {row}"),
         Fault::ProbeJump => match line {
             Some([way, limit]) => {
-                format!(
-                    ": the centred surface is `{:.3} mm` from where it was, limit `{:.3} mm`",
-                    1e3 * way,
-                    1e3 * limit
-                )
+                format!(": the line of the centered ring moved by `{:.3} mm`, limit `{:.3} mm`", 1e3 * way, 1e3 * limit)
             }
             None => format!(": probe at `{probe_position} m` {row}"),
         },
-        Fault::FrozenProbe => {
-            let share = output.monitor.probe_share;
+        Fault::ProbeFrozen => {
+            let share = output.monitor.probe_gain_ratio;
             let tested = if believable_share(share) {
                 String::new()
             } else {
-                format!(", it answered `{share:.2}` of its test, within `{SHARE_ERROR}` of 1 is right")
+                format!(", gain ratio in the probe test `{share:.2}`, limits 1 +- `{SHARE_ERROR}`")
             };
             format!(": probe at `{probe_position} m`{tested}")
         }
-        Fault::LateProbe | Fault::LateReading => {
-            let first = if fault == Fault::LateProbe { "slide" } else { "probe" };
+        Fault::ProbeDelayed | Fault::PositionDelayed => {
+            let first = if fault == Fault::ProbeDelayed { "slide" } else { "probe" };
             let least = if ProbeDelay::longest(p, probe_delay) { "at least " } else { "" };
             format!(
                 ": {least}`{:.2} ms` after the {first}, `sample_period` = `{:.2} ms`",
@@ -319,40 +279,42 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             )
         }
         Fault::EarlyContact => format!(
-            ": met with the probe at `{met:.6} m`, `probe.at_pusher` = `{} m`; it is at `{probe_position:.6} m` now",
+            ": contact with the probe at `{met:.6} m`, `probe.at_pusher` = `{} m`; probe now at `{probe_position:.6} m`",
             p.probe.at_pusher
         ),
-        Fault::LostSpindle | Fault::SpindleJump => format!(": spindle at `{spindle_angle} rad` {row}"),
-        Fault::FrozenSpindle => {
-            format!(
-                ": `{speed:.3} rad/s`, at least `limits.spindle_speed_min` = `{} rad/s`",
-                p.limits.spindle_speed_min
-            )
+        Fault::SpindleLost | Fault::SpindleJump => format!(": spindle at `{spindle_angle} rad` {row}"),
+        Fault::SpindleFrozen => {
+            format!(": `{speed:.3} rad/s`, minimum `limits.spindle_speed_min` = `{} rad/s`", p.limits.spindle_speed_min)
         }
-        Fault::Spindle => format!(
-            ": `{speed:.3} rad/s`, `{forward:.2}` of its turning forwards, at least `{FORWARD}`; `rates.collect` = `{} Hz`",
+        Fault::SpindleUneven => format!(
+            ": `{speed:.3} rad/s`, ratio of forward rotation `{forward:.2}`, minimum `{FORWARD}`; `expert.rates.collect` = `{} Hz`",
             p.rates.collect
         ),
         Fault::SpindleSpeed => {
-            format!(": `{speed:.3} rad/s`, `spindle.speed` = `{} rad/s`, within `{TOLERANCE}` of it", p.spindle_speed)
+            format!(
+                ": `{speed:.3} rad/s`, `spindle.speed` = `{} rad/s`, relative tolerance `{TOLERANCE}`",
+                p.spindle_speed
+            )
         }
-        Fault::LostReading | Fault::ReadingJump => format!(": slide at `{slide_position} m` {row}"),
+        Fault::PositionLost | Fault::PositionJump => format!(": slide at `{slide_position} m` {row}"),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
-        Fault::FrozenReading => format!(": slide at `{slide_position} m`, {error}"),
+        Fault::PositionFrozen => format!(": slide at `{slide_position} m`, {error}"),
         Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => format!(": {error}"),
         Fault::SlowServo => format!(
-            ": `{:.1} Hz`, standard deviation `{:.1} Hz`, at least `{:.1} Hz`",
+            ": `{:.1} Hz`, standard deviation `{:.1} Hz`, minimum `{:.1} Hz`",
             output.measured.slide_bandwidth / TAU,
-            output.measured.slide_bandwidth_deviation / TAU,
+            output.measured.slide_bandwidth_std / TAU,
             slowest_servo(p) / TAU
         ),
         Fault::NoProgress => {
             let lasted = match endless {
-                Some([turns, most]) => format!("`{turns:.2}` of `{most}` revolutions without result"),
+                Some([turns, most]) => format!("`{turns:.2}` revolutions without a result, limit `{most}`"),
                 None => {
-                    let (limit, commission) = (job_time(p, speed), plan::time(p));
-                    let lasted = output.monitor.job_time;
-                    format!("`{lasted:.1} s`, limit of a centring `{limit:.1} s`, of a commission `{commission:.1} s`")
+                    let (limit, commission) = (cycle_time(p, speed), plan::time(p));
+                    let lasted = output.monitor.cycle_time;
+                    format!(
+                        "`{lasted:.1} s`, limit of a cycle `{limit:.1} s`, of a commissioning run `{commission:.1} s`"
+                    )
                 }
             };
             format!(": {lasted}, B = `{e:.2} um`")
@@ -360,33 +322,31 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
         Fault::CommissionRejected => of_commission(vars),
         Fault::Unresolved => format!(
             ": B = `{e:.3} um`, standard deviation `{:.3} um`, `tolerance` = `{:.3} um`",
-            1e6 * output.eccentricity_sigma,
+            1e6 * output.eccentricity_std,
             1e6 * p.tolerance
         ),
     }
 }
 
-/// The same for a commission that was rejected, after which what was told is in force.
+/// The same for a commissioning run that was rejected, after which the configured values are active.
 fn of_commission(vars: &Vars) -> String {
     let (p, m) = (&vars.in_force, &vars.output.measured);
     let damping = servo_damping(p, m.slide_bandwidth);
     format!(
-        ": bandwidth `{:.1} Hz`, deviation `{:.2} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz` as told, `{:.1} Hz` or more for \
-         `limits.following_error`, and `commission.deviation_max` = `{}` of it beside `{:.4}` of the steps of a servo; damping `{:.2}`, limits `{:.2}` to `{:.2}` for \
-         `limits.following_error` and `stroke.feedback`; delay `{:.2}` samples, deviation `{:.3}`, limits `0` to `{DELAY_MAX}` and \
-         `commission.delay_deviation_max` = `{}`; probe at `{} m`, free up to `probe.contact` = `{} m`",
+        ": bandwidth `{:.1} Hz`, limits half and twice `slide.bandwidth` = `{:.1} Hz`, minimum `{:.1} Hz` for \
+         `limits.following_error`; its standard deviation `{:.2} Hz`, limit `{STD_MAX}` and `{:.4}` of the bandwidth; damping \
+         `{:.2}`, limits `{:.2}` to `{:.2}`; delay `{:.2}` samples, limits `0` to `{DELAY_MAX}`; its standard deviation \
+         `{:.3}`, limit `{DELAY_STD_MAX}`; probe at `{} m`, free up to `probe.contact` = `{} m`",
         m.slide_bandwidth / TAU,
-        m.slide_bandwidth_deviation / TAU,
         p.slide.bandwidth / TAU,
         slowest_servo(p) / TAU,
-        p.commission.deviation_max,
+        m.slide_bandwidth_std / TAU,
         braked_late(p, m),
         m.slide_damping,
         damping.start(),
         damping.end(),
         m.io_delay,
-        m.io_delay_deviation,
-        p.commission.delay_deviation_max,
+        m.io_delay_std,
         vars.input.probe_position,
         p.probe.contact
     )

@@ -1,7 +1,7 @@
 //! The two laws behind one face: the paper's and the default.
 
 mod active;
-mod centring;
+mod centering;
 
 pub use active::ActiveLaw;
-pub use centring::{CentringLaw, Conclusion, Launch, Observation, Verdict};
+pub use centering::{CenteringLaw, Conclusion, Launch, Observation, Verdict};

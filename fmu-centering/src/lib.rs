@@ -1,10 +1,10 @@
-//! Centring of a ring on a rotating table by pushes of a slide with a probe (Mears et al., 2007), as an FMU.
+//! Centering of a ring on a rotating table by pushes of a slide with a probe (Mears et al., 2007), as an FMU.
 //!
 //! This file is the FMU. Its variables are in [`interface`]; [`controller::Controller`] is the law, plain Rust that knows
 //! nothing of FMI.
 #![forbid(unsafe_code)]
 
-mod centre;
+mod center;
 mod check;
 mod commission;
 pub mod controller;
@@ -28,12 +28,8 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "RingCentering", state_version: 12, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "RingCentering", state_version: 13, stop_time: 60.0, longest_step: 1.0, ..package!() };
     type Vars = Vars;
-
-    fn calculate(vars: &mut Vars) {
-        vars.parameters.approach.look_ahead = limits::look_ahead(&vars.in_force);
-    }
 
     fn numbers(vars: &Vars) -> String {
         faults::numbers(vars)

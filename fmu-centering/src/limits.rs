@@ -62,10 +62,10 @@ pub fn look_ahead(p: &Parameters) -> f64 {
     stopping_distance(p.approach.velocity + surface, p.slide.acceleration_max)
 }
 
-/// Longest centring, s, with the spindle at `speed` rad/s.
-pub fn job_time(p: &Parameters, speed: f64) -> f64 {
-    if p.limits.job_time > 0.0 {
-        return p.limits.job_time;
+/// Longest centering, s, with the spindle at `speed` rad/s.
+pub fn cycle_time(p: &Parameters, speed: f64) -> f64 {
+    if p.limits.cycle_time > 0.0 {
+        return p.limits.cycle_time;
     }
     let revolution = TAU / speed.abs().max(p.limits.spindle_speed_min);
     // a push that loses the ring goes the whole way anew
@@ -141,13 +141,13 @@ mod tests {
     }
 
     #[test]
-    fn the_budget_of_a_centring_goes_with_the_speed_of_the_spindle() {
+    fn the_budget_of_a_centering_goes_with_the_speed_of_the_spindle() {
         let mut p = Parameters::START;
         // 1.25 s, and 26 cycles of 5 s, 4.5 mm at 20 mm/s and 6.6 s
-        assert!((job_time(&p, TAU / 3.0) - 308.7).abs() < 1e-9);
-        assert!((job_time(&p, 0.0) - 1.25 - 26.0 * (5.225 + 2.2 * TAU / 0.1)).abs() < 1e-9);
-        p.limits.job_time = 7.0;
-        assert_eq!(job_time(&p, 0.0), 7.0);
+        assert!((cycle_time(&p, TAU / 3.0) - 308.7).abs() < 1e-9);
+        assert!((cycle_time(&p, 0.0) - 1.25 - 26.0 * (5.225 + 2.2 * TAU / 0.1)).abs() < 1e-9);
+        p.limits.cycle_time = 7.0;
+        assert_eq!(cycle_time(&p, 0.0), 7.0);
     }
 
     #[test]

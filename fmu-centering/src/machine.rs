@@ -1,17 +1,17 @@
-//! State machine of one centring: states, faults and the transitions between them.
+//! State machine of one centering: states, faults and the transitions between them.
 
 use crate::interface::{Fault, State};
 use crate::law::Verdict;
 
 impl State {
-    /// Whether a centring is under way or finished, but not faulted.
+    /// Whether a centering is under way or finished, but not faulted.
     pub fn active(self) -> bool {
         !matches!(self, Self::Idle | Self::Fault | Self::Commission)
     }
 
     /// Whether the slide follows the surface of the ring, without contact of the pusher.
     pub fn follows(self) -> bool {
-        matches!(self, Self::Follow | Self::Collect | Self::Model | Self::Wait | Self::Centred)
+        matches!(self, Self::Follow | Self::Collect | Self::Model | Self::Wait | Self::Centered)
     }
 
     /// Whether the state can only end by the turning of the spindle.
@@ -55,14 +55,14 @@ pub struct Events {
     /// A commission is asked for, see [`control_blocks::WaitingRequest`].
     pub commission: bool,
     /// The commission is to be broken off.
-    pub break_off: bool,
+    pub abort: bool,
     /// The commission has come to its end.
     pub commissioned: bool,
 }
 
 /// The state after `state` and `events`; a fault comes first, then the end of `enable`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Centred, Collect, Commission, Confirm, Fault, Follow, Idle, Model, Push, Settle, Wait};
+    use State::{Approach, Centered, Collect, Commission, Confirm, Fault, Follow, Idle, Model, Push, Settle, Wait};
     match state {
         Fault if events.reset && events.at_rest && events.fault.is_none() => Idle,
         Fault => Fault,
@@ -70,20 +70,20 @@ pub fn next(state: State, events: &Events) -> State {
         Idle if events.start => Approach,
         Idle if events.commission && events.at_rest => Commission,
         Idle => Idle,
-        Commission if events.break_off || events.commissioned => Idle,
+        Commission if events.abort || events.commissioned => Idle,
         Commission => Commission,
         _ if !events.enabled => Idle,
         Approach if events.touched => Follow,
         Follow | Settle if events.settled => Collect,
         Wait if events.launched => Push,
         Collect | Model | Wait if events.verdict.is_some() => match events.verdict {
-            Some(Verdict::Centred) => Confirm,
+            Some(Verdict::Centered) => Confirm,
             Some(Verdict::Push) => Wait,
             _ => Collect,
         },
         Collect if events.collected => Model,
         Push if events.stroke_over => Settle,
-        Confirm if events.confirmed => Centred,
+        Confirm if events.confirmed => Centered,
         unchanged => unchanged,
     }
 }
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn the_whole_way_of_one_centring() {
+    fn the_whole_way_of_one_centering() {
         let settled = enabled(|events| events.settled = true);
         let collected = enabled(|events| events.collected = true);
         let way = [
@@ -120,8 +120,8 @@ mod tests {
             (enabled(|events| events.stroke_over = true), State::Settle),
             (settled, State::Collect),
             (collected, State::Model),
-            (enabled(|events| events.verdict = Some(Verdict::Centred)), State::Confirm),
-            (enabled(|events| events.confirmed = true), State::Centred),
+            (enabled(|events| events.verdict = Some(Verdict::Centered)), State::Confirm),
+            (enabled(|events| events.confirmed = true), State::Centered),
         ];
         let mut state = State::Idle;
         for (events, expected) in way {
@@ -138,7 +138,7 @@ mod tests {
             |events| (events.reset, events.at_rest) = (true, true),
             |events| (events.touched, events.settled) = (true, true),
             |events| events.collected = true,
-            |events| events.verdict = Some(Verdict::Centred),
+            |events| events.verdict = Some(Verdict::Centered),
             |events| events.launched = true,
             |events| events.stroke_over = true,
             |events| events.confirmed = true,
@@ -155,16 +155,13 @@ mod tests {
         let commission = Events { commission: true, at_rest: true, ..Events::default() };
         assert_eq!(next(State::Idle, &commission), State::Commission);
         assert_eq!(next(State::Idle, &Events { at_rest: false, ..commission }), State::Idle);
-        // who asks for both gets the centring
+        // who asks for both gets the centering
         assert_eq!(next(State::Idle, &Events { start: true, enabled: true, ..commission }), State::Approach);
-        let ends = [(true, false), (false, true)].map(|(break_off, commissioned)| Events {
-            break_off,
-            commissioned,
-            ..commission
-        });
+        let ends =
+            [(true, false), (false, true)].map(|(abort, commissioned)| Events { abort, commissioned, ..commission });
         for events in ends {
             assert_eq!(next(State::Commission, &events), State::Idle);
-            let fault = Some(Fault::LostReading);
+            let fault = Some(Fault::PositionLost);
             assert_eq!(next(State::Commission, &Events { fault, ..events }), State::Fault);
         }
     }

@@ -1,5 +1,5 @@
 //! What is watched beside the law: the drive's answer, a probe that stands, a ring that is met too
-//! early, and the test of the probe before the ring counts as centred.
+//! early, and the test of the probe before the ring counts as centered.
 
 mod drive;
 mod early_contact;

@@ -10,7 +10,7 @@ const PARAMETERS: f64 = 3.0;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SineSums {
     count: u32,
-    /// the first value: others are taken against it, so that micrometres on metres keep their digits
+    /// the first value: others are taken against it, so that micrometers on meters keep their digits
     base: f64,
     normal: Matrix3<f64>,
     right: Vector3<f64>,

@@ -1,4 +1,4 @@
-//! No sample allocates: not in a centring by either law, nor in the next one, nor in any fault and after its reset.
+//! No sample allocates: not in a centering by either law, nor in the next one, nor in any fault and after its reset.
 
 #[expect(dead_code, reason = "the closed loop uses more of it")]
 #[path = "closed_loop/ring.rs"]
@@ -44,10 +44,10 @@ fn begin(run: &mut Loop) {
 }
 
 #[test]
-fn a_centring_of_each_law_and_the_next_one() {
+fn a_centering_of_each_law_and_the_next_one() {
     for p in LAWS {
         let mut run = Loop::new(&p, Ring::new(1, 2e-4, 0.5));
-        let visited = visit(&mut run, State::Centred);
+        let visited = visit(&mut run, State::Centered);
         for &state in State::ALL {
             // the default law has its model at all times
             let passed =
@@ -55,12 +55,12 @@ fn a_centring_of_each_law_and_the_next_one() {
             assert_eq!(visited[state as usize - 1], passed, "{state:?}");
         }
         begin(&mut run);
-        visit(&mut run, State::Centred);
+        visit(&mut run, State::Centered);
     }
 }
 
 #[test]
-fn a_centring_that_was_copied_or_stored() {
+fn a_centering_that_was_copied_or_stored() {
     for p in LAWS {
         let mut run = Loop::new(&p, Ring::new(1, 2e-4, 0.5));
         visit(&mut run, State::Collect);
@@ -69,7 +69,7 @@ fn a_centring_that_was_copied_or_stored() {
         visit(&mut run, State::Push);
         let bytes = postcard::to_allocvec(&run.controller).unwrap();
         run.controller = postcard::from_bytes(&bytes).unwrap();
-        visit(&mut run, State::Centred);
+        visit(&mut run, State::Centered);
     }
 }
 
@@ -96,7 +96,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
             ring = Ring::new(4, 0.02, 0.0);
         }
         Fault::Unresolved => p = Parameters { tolerance: 1e-9, ..Parameters::START },
-        Fault::NoProgress | Fault::LateProbe | Fault::LateReading => p.limits.job_time = 2.0,
+        Fault::NoProgress | Fault::ProbeDelayed | Fault::PositionDelayed => p.limits.cycle_time = 2.0,
         // the paper's law follows just before the pusher
         Fault::EarlyContact => p = Parameters::START,
         // the table of the test turns by itself
@@ -115,7 +115,7 @@ fn disturb(fault: Fault, run: &mut Loop) {
     match fault {
         Fault::NoPart => run.ring.present = false,
         Fault::LongStep => run.controller.begin_long_step(),
-        Fault::FrozenSpindle => run.ring.speed = 0.0,
+        Fault::SpindleFrozen => run.ring.speed = 0.0,
         Fault::Centrifugal => run.ring.speed = SPEED * 130.0 / 20.0,
         _ => {}
     }
@@ -127,7 +127,7 @@ fn disturb(fault: Fault, run: &mut Loop) {
             return;
         }
         // as fast as the slide may be, and what a slide does that goes the wrong way or not all of it
-        if fault == Fault::Spindle {
+        if fault == Fault::SpindleUneven {
             // there and back by a radian
             run.ring.speed = 4.0 * SPEED * (8e-3 * f64::from(k)).cos();
         }
@@ -140,26 +140,26 @@ fn disturb(fault: Fault, run: &mut Loop) {
         step(run, |input| match fault {
             Fault::SlowServo => input.slide_position = slow,
             Fault::ProbeRange => input.probe_position = probe + fast,
-            Fault::LostProbe => input.probe_position = f64::NAN,
+            Fault::ProbeLost => input.probe_position = f64::NAN,
             Fault::ProbeJump => input.probe_position += 5e-3,
-            Fault::LateProbe => {
+            Fault::ProbeDelayed => {
                 told.rotate_right(1);
                 told[0] = input.probe_position;
                 input.probe_position = told[5];
             }
-            Fault::LateReading => {
+            Fault::PositionDelayed => {
                 told.rotate_right(1);
                 told[0] = input.slide_position;
                 input.slide_position = told[5];
             }
             // a pusher that meets the ring there
             Fault::EarlyContact => input.probe_position = input.probe_position.min(0.032 - input.probe_position),
-            Fault::FrozenProbe => input.probe_position = probe,
-            Fault::LostSpindle => input.spindle_angle = f64::NAN,
+            Fault::ProbeFrozen => input.probe_position = probe,
+            Fault::SpindleLost => input.spindle_angle = f64::NAN,
             Fault::SpindleJump => input.spindle_angle += 1.0,
-            Fault::LostReading => input.slide_position = f64::NAN,
-            Fault::ReadingJump => input.slide_position += 0.01,
-            Fault::FrozenReading => input.slide_position = place,
+            Fault::PositionLost => input.slide_position = f64::NAN,
+            Fault::PositionJump => input.slide_position += 0.01,
+            Fault::PositionFrozen => input.slide_position = place,
             Fault::FollowingError => input.slide_position = place + 0.9 * moved,
             Fault::DriveSign => input.slide_position = place - moved,
             Fault::WeakDrive => input.slide_position = place + 0.3 * moved,
@@ -191,7 +191,7 @@ fn a_commission_that_is_broken_off_rejected_and_used() {
         (0..1000).for_each(|_| step(&mut run, |input| input.enable = false));
         step(&mut run, |input| (input.enable, input.reset_fault) = (false, true));
     }
-    visit(&mut run, State::Centred);
+    visit(&mut run, State::Centered);
 }
 
 #[test]
@@ -205,9 +205,9 @@ fn every_fault_and_what_comes_after_its_reset() {
         let mut run = Loop::new(&p, ring);
         // drive and delay show in the approach
         if ![
-            Fault::LateProbe,
-            Fault::LateReading,
-            Fault::FrozenReading,
+            Fault::ProbeDelayed,
+            Fault::PositionDelayed,
+            Fault::PositionFrozen,
             Fault::FollowingError,
             Fault::DriveSign,
             Fault::WeakDrive,

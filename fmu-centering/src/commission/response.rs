@@ -27,10 +27,10 @@ pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured
     let m = of_factors(p, fit, delay)?;
     let (braked_late, lines) = (braked_late(p, &m), (m.slide_bandwidth * p.sample_period).powi(2) / 12.0);
     Some(Measured {
-        slide_bandwidth_deviation: m.slide_bandwidth_deviation.hypot(m.slide_bandwidth * braked_late),
-        slide_damping_deviation: m.slide_damping_deviation.hypot(m.slide_damping * (braked_late + lines)),
-        slide_integral_deviation: SLOW.sqrt() * m.slide_integral_deviation,
-        io_delay_deviation: m.io_delay_deviation.hypot(LEAST_DELAY),
+        slide_bandwidth_std: m.slide_bandwidth_std.hypot(m.slide_bandwidth * braked_late),
+        slide_damping_std: m.slide_damping_std.hypot(m.slide_damping * (braked_late + lines)),
+        slide_integral_std: SLOW.sqrt() * m.slide_integral_std,
+        io_delay_std: m.io_delay_std.hypot(LEAST_DELAY),
         ..m
     })
 }
@@ -52,22 +52,22 @@ fn of_factors(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured> 
     };
     let found = Measured {
         slide_bandwidth: w,
-        slide_bandwidth_deviation: servo.deviation,
+        slide_bandwidth_std: servo.deviation,
         slide_damping: damping / (2.0 * w),
-        slide_damping_deviation: deviation([(0, -damping / (4.0 * w * stiffness)), (1, 0.5 / w)]),
+        slide_damping_std: deviation([(0, -damping / (4.0 * w * stiffness)), (1, 0.5 / w)]),
         slide_integral: integral / stiffness,
-        slide_integral_deviation: deviation([(0, -integral / stiffness.powi(2)), (4, stiffness.recip())]),
+        slide_integral_std: deviation([(0, -integral / stiffness.powi(2)), (4, stiffness.recip())]),
         io_delay: delay - late / sample,
-        io_delay_deviation: deviation([(0, late / (sample * stiffness)), (2, -sample.recip())]),
+        io_delay_std: deviation([(0, late / (sample * stiffness)), (2, -sample.recip())]),
         ..Measured::START
     };
     let numbers = [
         found.slide_damping,
-        found.slide_damping_deviation,
+        found.slide_damping_std,
         found.slide_integral,
-        found.slide_integral_deviation,
+        found.slide_integral_std,
         found.io_delay,
-        found.io_delay_deviation,
+        found.io_delay_std,
     ];
     numbers.into_iter().all(f64::is_finite).then_some(found)
 }
@@ -86,10 +86,10 @@ mod tests {
     /// A number of a measurement and its standard deviation.
     type Word = fn(&Measured) -> [f64; 2];
     const WORDS: [Word; 4] = [
-        |m| [m.slide_bandwidth, m.slide_bandwidth_deviation],
-        |m| [m.slide_damping, m.slide_damping_deviation],
-        |m| [m.slide_integral, m.slide_integral_deviation],
-        |m| [m.io_delay, m.io_delay_deviation],
+        |m| [m.slide_bandwidth, m.slide_bandwidth_std],
+        |m| [m.slide_damping, m.slide_damping_std],
+        |m| [m.slide_integral, m.slide_integral_std],
+        |m| [m.io_delay, m.io_delay_std],
     ];
 
     /// What 200 rad/s, the damping 0.6, an integral time of 0.1 s and 1.5 samples more than told are in the regression.

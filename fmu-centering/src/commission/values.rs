@@ -7,7 +7,12 @@ use crate::commission::response::braked_late;
 use crate::interface::{Measured, Parameters};
 use crate::limits::{servo_damping, slowest_servo};
 
-/// All parameters that a commission derives.
+/// Largest relative standard deviation of the bandwidth: the feed-forward has twice that error.
+pub const STD_MAX: f64 = 0.02;
+/// Largest standard deviation of the delay, samples: two of them reach the next half sample.
+pub const DELAY_STD_MAX: f64 = 0.25;
+
+/// All parameters that a commissioning run derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     bandwidth: f64,
@@ -40,8 +45,8 @@ impl Values {
     /// of the parameters ask of what is derived. `shift` (samples) is what its
     /// last round has found of the delay that the round before had not. What steps of the servo leave refuses nothing: it acts as it was found.
     pub fn accept(&self, p: &Parameters, m: &Measured, shift: f64) -> bool {
-        sure(m.slide_bandwidth, m.slide_bandwidth_deviation, p.commission.deviation_max.hypot(braked_late(p, m)))
-            && m.io_delay_deviation.max(shift.abs()) <= p.commission.delay_deviation_max
+        sure(m.slide_bandwidth, m.slide_bandwidth_std, STD_MAX.hypot(braked_late(p, m)))
+            && m.io_delay_std.max(shift.abs()) <= DELAY_STD_MAX
             && m.slide_bandwidth >= slowest_servo(p)
             && servo_damping(p, m.slide_bandwidth).contains(&m.slide_damping)
             && (self.bandwidth == 0.0 || within_factor(m.slide_bandwidth, self.bandwidth, RATIO_MAX))
@@ -59,10 +64,10 @@ mod tests {
     /// A good measurement of a servo of 30 Hz that acts two samples late.
     const GOOD: Measured = Measured {
         slide_bandwidth: TAU * 30.0,
-        slide_bandwidth_deviation: 0.1,
+        slide_bandwidth_std: 0.1,
         slide_damping: 0.7,
         io_delay: 1.9,
-        io_delay_deviation: 0.01,
+        io_delay_std: 0.01,
         ..Measured::START
     };
 
@@ -85,8 +90,8 @@ mod tests {
     fn each_limit_is_the_last_value_that_is_accepted() {
         type Set = fn(&mut Measured, f64);
         let limits: [(Set, f64, f64); 8] = [
-            (|m, x| m.slide_bandwidth_deviation = x * TAU * 30.0, 0.021_05, 0.021_07),
-            (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
+            (|m, x| m.slide_bandwidth_std = x * TAU * 30.0, 0.021_05, 0.021_07),
+            (|m, x| m.io_delay_std = x, 0.25, 0.251),
             (|m, x| m.slide_bandwidth = TAU * x, 79.9, 80.1),
             (|m, x| m.slide_bandwidth = TAU * x, 20.1, 19.9),
             // 60 /s over 30 Hz, and where that takes 45 degrees

@@ -1,6 +1,6 @@
-//! What happens once, when a state begins: a motion, a push, a new centring, the way back.
+//! What happens once, when a state begins: a motion, a push, a new centering, the way back.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 
 use crate::controller::Controller;
 use crate::interface::{Fault, Parameters, PushReport, State};
@@ -12,8 +12,8 @@ use crate::monitoring::{DriveMonitor, EarlyContact, ProbeTrial};
 impl Controller {
     /// What happens once, when `state` begins.
     pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, launch: Option<Launch>) {
-        if self.state == State::Commission && !self.commissioner.finished {
-            self.commissioner.break_off();
+        if self.state == State::Commission && !self.identification.finished {
+            self.identification.abort();
         }
         match state {
             // nothing moves by itself after a reset
@@ -30,7 +30,7 @@ impl Controller {
                 self.drive = DriveMonitor::default();
                 // what an approach has told is not what is measured now
                 (self.servo, self.probe_delay) = Default::default();
-                self.commissioner.begin(p, &mut self.motion);
+                self.identification.begin(p, &mut self.motion);
             }
             State::Push => {
                 self.probe_delay.end(p);
@@ -46,9 +46,9 @@ impl Controller {
                 self.note_trial();
                 self.try_probe(p, -trial_move(p));
             }
-            State::Centred => {
+            State::Centered => {
                 self.motion.release();
-                self.centred = Some(self.clock.time(p));
+                self.centered = Some(self.clock.time(p));
             }
             // at once, or the slide would brake until the next beat
             State::Follow => {
@@ -61,13 +61,13 @@ impl Controller {
 
     /// Goes back to where the approach began, if anything drives the slide.
     pub(super) fn leave(&mut self, p: &Parameters) {
-        match self.fault.safe_end() {
-            SafeEnd::Retract | SafeEnd::Stop => self.motion.retreat(p),
-            SafeEnd::DriveOff => self.motion.release(),
+        match self.fault.reaction() {
+            Reaction::Retract | Reaction::Stop => self.motion.retreat(p),
+            Reaction::DriveOff => self.motion.release(),
         }
     }
 
-    /// Forgets the last centring and begins a new one.
+    /// Forgets the last centering and begins a new one.
     pub(super) fn restart(&mut self, p: &Parameters) {
         self.motion.start(self.sample.slide);
         self.law.restart(p);
@@ -76,8 +76,8 @@ impl Controller {
         (self.servo_estimator, self.servo, self.probe_delay) = Default::default();
         (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
         self.line = None;
-        self.commissioner.forget_rejected();
-        (self.report, self.started, self.centred) = (PushReport::START, self.clock.time(p), None);
+        self.identification.forget_rejected();
+        (self.report, self.started, self.centered) = (PushReport::START, self.clock.time(p), None);
     }
 
     /// Begins a push.
@@ -86,7 +86,7 @@ impl Controller {
         if let Some(end) = launch.end {
             self.motion.go(p, end, launch.velocity);
         }
-        self.before = self.estimate.map(|ring| ring.centre);
+        self.before = self.estimate.map(|ring| ring.center);
         self.report.count += 1;
         self.report.distance = launch.distance;
         self.report.velocity = launch.velocity;

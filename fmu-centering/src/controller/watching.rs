@@ -1,12 +1,12 @@
-//! What is wrong in a sample, the fault that is in force, and the test of the probe before `Centred`.
+//! What is wrong in a sample, the fault that is in force, and the test of the probe before `Centered`.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 
 use crate::commission::plan;
 use crate::controller::Controller;
-use crate::faults::{Watched, graver};
+use crate::faults::{Watched, most_severe};
 use crate::interface::{Fault, Measured, Parameters, State};
-use crate::limits::{job_time, slowest_servo, trial_move};
+use crate::limits::{cycle_time, slowest_servo, trial_move};
 use crate::machine::Events;
 use crate::monitoring::{Phase, believable_share};
 use crate::sensing::{Freedom, Reading};
@@ -52,26 +52,26 @@ impl Controller {
             beyond_travel: self.motion.beyond(p, travel),
             estimate: self.estimate.as_ref(),
         };
-        let centring = self.state.active() && self.state != State::Centred;
+        let centering = self.state.active() && self.state != State::Centered;
         let commission = self.state == State::Commission;
-        if centring || commission {
+        if centering || commission {
             self.progress.count();
         }
-        let longest = if commission { plan::time(p) } else { job_time(p, view.speed) };
-        let late = (centring || commission) && self.progress.samples() > u64::from(p.ticks(longest));
+        let longest = if commission { plan::time(p) } else { cycle_time(p, view.speed) };
+        let late = (centering || commission) && self.progress.samples() > u64::from(p.ticks(longest));
         // strokes are for a probe that nothing touches
-        let rejected = commission && (self.commissioner.rejected || self.calm.probe > p.probe.contact);
+        let rejected = commission && (self.identification.rejected || self.calm.probe > p.probe.contact);
         let found = [
             (self.long_step && (self.state.active() || commission)).then_some(Fault::LongStep),
             reading.fault,
-            (frozen || astray).then_some(if hit { Fault::EarlyContact } else { Fault::FrozenProbe }),
+            (frozen || astray).then_some(if hit { Fault::EarlyContact } else { Fault::ProbeFrozen }),
             self.drive.fault(p),
             self.supervisor.check(p, &view),
             (self.state.active() && self.table.disobeys(p)).then_some(Fault::SpindleSpeed),
             late.then_some(Fault::NoProgress),
             rejected.then_some(Fault::CommissionRejected),
         ];
-        graver(&found)
+        most_severe(&found)
     }
 
     /// How slide and ring move against each other.
@@ -85,7 +85,7 @@ impl Controller {
 
     /// A later fault may ask for a safer end.
     pub(super) fn escalate(&mut self, p: &Parameters, fault: Option<Fault>) {
-        if let Some(fault) = fault.filter(|fault| fault.safe_end() > self.fault.safe_end())
+        if let Some(fault) = fault.filter(|fault| fault.reaction() > self.fault.reaction())
             && self.state == State::Fault
         {
             self.fault = fault;
@@ -95,7 +95,7 @@ impl Controller {
 
     /// Whether the drive of the slide may be on.
     pub(super) fn driven(&self) -> bool {
-        self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff
+        self.state != State::Fault || self.fault.reaction() != Reaction::DriveOff
     }
 
     /// Takes what the way to the ring has told of the servo, and judges whether the law can work with it.
@@ -123,10 +123,10 @@ impl Controller {
             Some(servo) => Measured {
                 valid: servo.sure(),
                 slide_bandwidth: servo.bandwidth,
-                slide_bandwidth_deviation: servo.deviation,
+                slide_bandwidth_std: servo.deviation,
                 ..Measured::START
             },
-            None => self.commissioner.measured,
+            None => self.identification.measured,
         }
     }
 
@@ -139,13 +139,13 @@ impl Controller {
         match self.trial.share() {
             None => self.try_probe(p, trial_move(p)),
             Some(share) if believable_share(share) => events.confirmed = true,
-            Some(_) => events.fault = Some(Fault::FrozenProbe),
+            Some(_) => events.fault = Some(Fault::ProbeFrozen),
         }
     }
 
     /// A place of that test, less what the ring has turned towards the probe.
     pub(super) fn note_trial(&mut self) {
-        let turned = self.estimate.map_or(0.0, |ring| ring.centre.along(self.spindle.angle()));
+        let turned = self.estimate.map_or(0.0, |ring| ring.center.along(self.spindle.angle()));
         self.trial.note(self.sample.slide, self.calm.probe - turned);
     }
 

@@ -1,5 +1,7 @@
 use super::*;
-use crate::centre::Centre;
+use control_blocks::Reaction;
+
+use crate::center::Center;
 use crate::limits::surface_velocity;
 
 const P: Parameters = Parameters::PAPER;
@@ -20,24 +22,24 @@ fn fault(view: Watched, ticks: u32) -> Option<(u32, Fault)> {
 }
 
 fn ring(eccentricity: f64) -> Estimate {
-    Estimate { centre: Centre { x: eccentricity, y: 0.0 }, mean: 0.08, sigma: 0.0 }
+    Estimate { center: Center { x: eccentricity, y: 0.0 }, mean: 0.08, sigma: 0.0 }
 }
 
 #[test]
 fn a_revolution_has_no_fault_and_more_than_that_has() {
     assert_eq!(fault(GOOD, 3299), None);
     assert_eq!(fault(GOOD, 3400), Some((3299, Fault::NoProgress)));
-    assert_eq!(fault(Watched { state: State::Centred, ..GOOD }, 100_000), None);
+    assert_eq!(fault(Watched { state: State::Centered, ..GOOD }, 100_000), None);
 }
 
 #[test]
-fn one_that_reverses_is_told_from_one_that_turns() {
+fn one_that_reverses_is_distinguished_from_one_that_turns() {
     let mut supervisor = Supervisor::default();
     let found = (0..3400).find_map(|k| {
         let turned = if k % 1000 < 500 { GOOD.turned } else { -GOOD.turned };
         supervisor.check(&P, &Watched { turned, ..GOOD })
     });
-    assert_eq!(found, Some(Fault::Spindle));
+    assert_eq!(found, Some(Fault::SpindleUneven));
 }
 
 #[test]
@@ -60,25 +62,26 @@ fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
 #[test]
 fn only_a_slide_that_knows_its_place_goes_back() {
     for &fault in Fault::ALL {
-        let readings = [Fault::LostReading, Fault::ReadingJump, Fault::FrozenReading];
+        let readings = [Fault::PositionLost, Fault::PositionJump, Fault::PositionFrozen];
         let own = [Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive, Fault::LongStep];
-        let end = if own.contains(&fault) || readings.contains(&fault) { SafeEnd::DriveOff } else { SafeEnd::Retract };
-        assert_eq!(fault.safe_end(), end, "{fault:?}");
+        let end =
+            if own.contains(&fault) || readings.contains(&fault) { Reaction::DriveOff } else { Reaction::Retract };
+        assert_eq!(fault.reaction(), end, "{fault:?}");
     }
-    let found = [None, Some(Fault::NoPart), Some(Fault::DriveSign), Some(Fault::LostReading)];
-    assert_eq!((graver(&found), graver(&[None])), (Some(Fault::DriveSign), None));
+    let found = [None, Some(Fault::NoPart), Some(Fault::DriveSign), Some(Fault::PositionLost)];
+    assert_eq!((most_severe(&found), most_severe(&[None])), (Some(Fault::DriveSign), None));
 }
 
 #[test]
 fn a_standing_spindle_has_a_name_when_rotation_is_needed() {
     let still = Watched { speed: 0.0, turned: 0.0, ..GOOD };
-    assert_eq!(fault(still, 1000), Some((500, Fault::FrozenSpindle)));
-    assert_eq!(fault(Watched { state: State::Centred, ..still }, 10_000), None);
+    assert_eq!(fault(still, 1000), Some((500, Fault::SpindleFrozen)));
+    assert_eq!(fault(Watched { state: State::Centered, ..still }, 10_000), None);
 }
 
 #[test]
 fn a_probe_without_contact_has_lost_the_part() {
-    for state in [State::Follow, State::Collect, State::Model, State::Wait, State::Push, State::Settle, State::Centred]
+    for state in [State::Follow, State::Collect, State::Model, State::Wait, State::Push, State::Settle, State::Centered]
     {
         assert_eq!(fault(Watched { state, probe: 0.0, ..GOOD }, 1000), Some((100, Fault::NoPart)));
     }
@@ -118,7 +121,7 @@ fn the_centrifugal_limit_is_that_of_the_paper() {
     // 25 mm: 42.3 rpm
     let (slow, fast) = (42.0 * TAU / 60.0, 42.5 * TAU / 60.0);
     assert!(!too_fast(&P, slow, &ring(0.025)) && too_fast(&P, fast, &ring(0.025)));
-    let view = Watched { speed: -fast, estimate: Some(&ring(0.025)), state: State::Centred, ..GOOD };
+    let view = Watched { speed: -fast, estimate: Some(&ring(0.025)), state: State::Centered, ..GOOD };
     assert_eq!(fault(view, 1), Some((0, Fault::Centrifugal)));
 }
 
@@ -133,35 +136,35 @@ fn a_fast_surface_is_centrifugal_before_there_is_a_model() {
 }
 
 #[test]
-fn a_new_model_is_judged() {
-    assert_eq!(judge(&P, 1.0, 0, 0.06, &ring(0.06)), Some(Fault::RingTooSmall));
-    assert_eq!(judge(&P, 40.0, 0, 0.001, &ring(0.001)), Some(Fault::Centrifugal));
-    assert_eq!(judge(&P, 2.0, 25, 1e-4, &ring(1e-5)), Some(Fault::PushBudget));
-    assert_eq!(judge(&P, 2.0, 25, 1e-4, &ring(2e-6)), None);
-    assert_eq!(judge(&P, 2.0, 24, 1e-4, &ring(1e-5)), None);
-    assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0126)), Some(Fault::Divergence));
-    assert_eq!(judge(&P, 2.0, 1, 0.010, &ring(0.0124)), None);
+fn a_new_model_is_evaluated() {
+    assert_eq!(evaluate(&P, 1.0, 0, 0.06, &ring(0.06)), Some(Fault::RingTooSmall));
+    assert_eq!(evaluate(&P, 40.0, 0, 0.001, &ring(0.001)), Some(Fault::Centrifugal));
+    assert_eq!(evaluate(&P, 2.0, 25, 1e-4, &ring(1e-5)), Some(Fault::PushBudget));
+    assert_eq!(evaluate(&P, 2.0, 25, 1e-4, &ring(2e-6)), None);
+    assert_eq!(evaluate(&P, 2.0, 24, 1e-4, &ring(1e-5)), None);
+    assert_eq!(evaluate(&P, 2.0, 1, 0.010, &ring(0.0126)), Some(Fault::Divergence));
+    assert_eq!(evaluate(&P, 2.0, 1, 0.010, &ring(0.0124)), None);
 }
 
 #[test]
-fn a_fault_is_told_with_its_numbers_and_a_state_without() {
+fn a_fault_is_logged_with_its_values_and_a_state_without() {
     let mut vars = <Vars as fmi2_export::Interface>::START;
     assert_eq!(numbers(&vars), "");
     vars.output.eccentricity = 12e-6;
     vars.output.state = State::Wait;
     assert_eq!(numbers(&vars), "; eccentricity `12.00 um`");
     vars.output.state = State::Fault;
-    let told = [
-        (Fault::FrozenSpindle, ": `0.000 rad/s`, at least `limits.spindle_speed_min` = `0.1 rad/s`"),
-        (Fault::FrozenProbe, ": probe at `0 m`"),
+    let expected = [
+        (Fault::SpindleFrozen, ": `0.000 rad/s`, minimum `limits.spindle_speed_min` = `0.1 rad/s`"),
+        (Fault::ProbeFrozen, ": probe at `0 m`"),
     ];
-    for (fault, expected) in told {
+    for (fault, expected) in expected {
         vars.output.fault = fault;
         assert_eq!(numbers(&vars), expected);
     }
-    vars.output.monitor.probe_share = 0.7;
-    vars.output.fault = Fault::FrozenProbe;
-    let tested = ": probe at `0 m`, it answered `0.70` of its test, within `0.2` of 1 is right";
+    vars.output.monitor.probe_gain_ratio = 0.7;
+    vars.output.fault = Fault::ProbeFrozen;
+    let tested = ": probe at `0 m`, gain ratio in the probe test `0.70`, limits 1 +- `0.2`";
     assert_eq!(numbers(&vars), tested);
     for &fault in Fault::ALL {
         vars.output.fault = fault;
@@ -171,7 +174,7 @@ fn a_fault_is_told_with_its_numbers_and_a_state_without() {
 
 #[test]
 fn a_line_that_moves_is_a_jump_of_a_reading() {
-    let seen = |mean: f64, sigma: f64, x: f64| Estimate { centre: Centre { x, y: 0.0 }, mean, sigma };
+    let seen = |mean: f64, sigma: f64, x: f64| Estimate { center: Center { x, y: 0.0 }, mean, sigma };
     let sure = seen(0.08, 1e-6, 1e-5);
     // 0.1 mm and 6 x (1 + 4) um
     for way in [1.29e-4, -1.29e-4] {
@@ -179,7 +182,7 @@ fn a_line_that_moves_is_a_jump_of_a_reading() {
         let [moved, limit] = line_moved(&P, &sure, &seen(0.08 + 1.02 * way, 4e-6, 0.0)).unwrap();
         assert!((moved - 1.02 * way.abs()).abs() < 1e-9 && (limit - 1.3e-4).abs() < 1e-6, "{moved} {limit}");
     }
-    // 20 mm off, a radius that is told 25 % wrong moves the line by 0.5 mm
+    // 20 mm off, a radius that is configured 25 % wrong moves the line by 0.5 mm
     let far = seen(0.08, 0.0, 0.02);
     assert_eq!(line_moved(&P, &far, &seen(0.08059, 0.0, 0.0)), None);
     assert!(line_moved(&P, &far, &seen(0.08061, 0.0, 0.0)).is_some());
@@ -197,7 +200,7 @@ fn a_limit_itself_is_good_but_for_the_end_of_the_stroke_of_the_probe() {
     let below = |share: f64| Watched { probe: share * P.probe.contact, ..GOOD };
     assert_eq!(fault(below(0.499), 700), Some((100, Fault::NoPart)));
     let slow = Watched { speed: -0.999 * P.limits.spindle_speed_min, turned: 0.0, ..GOOD };
-    assert_eq!(fault(slow, 700), Some((500, Fault::FrozenSpindle)));
+    assert_eq!(fault(slow, 700), Some((500, Fault::SpindleFrozen)));
 }
 
 #[test]
@@ -213,7 +216,7 @@ fn a_spindle_that_has_come_back_after_as_much_turning_as_there_may_be_has_no_fau
     let mut supervisor = Supervisor::default();
     let mut turn = |turned: f64| supervisor.check(&P, &Watched { turned, ..GOOD });
     let half = 0.5 * TURNS_MAX * TAU;
-    assert_eq!([half, -half, 1e-9].map(&mut turn), [None, None, Some(Fault::Spindle)]);
+    assert_eq!([half, -half, 1e-9].map(&mut turn), [None, None, Some(Fault::SpindleUneven)]);
 }
 
 #[test]
@@ -226,11 +229,11 @@ fn nine_tenths_of_the_turning_forwards_are_no_reversal() {
             supervisor.check(&P, &Watched { turned, ..GOOD })
         })
     };
-    assert_eq!([4, 6].map(found), [Some(Fault::NoProgress), Some(Fault::Spindle)]);
+    assert_eq!([4, 6].map(found), [Some(Fault::NoProgress), Some(Fault::SpindleUneven)]);
 }
 
 #[test]
-fn what_was_counted_is_forgotten_with_the_state_and_the_cycle_with_the_push() {
+fn what_was_counted_is_reset_with_the_state_and_the_cycle_with_the_push() {
     let mut supervisor = Supervisor::default();
     (0..3000).for_each(|_| assert_eq!(supervisor.check(&P, &GOOD), None));
     supervisor.enter(State::Wait);
@@ -254,9 +257,10 @@ fn the_time_to_settle_is_that_of_the_law() {
 }
 
 #[test]
-fn each_judgement_begins_at_its_limit() {
-    let at =
-        |eccentricity: f64, speed: f64, pushes: i32, first: f64| judge(&P, speed, pushes, first, &ring(eccentricity));
+fn each_evaluation_starts_at_its_limit() {
+    let at = |eccentricity: f64, speed: f64, pushes: i32, first: f64| {
+        evaluate(&P, speed, pushes, first, &ring(eccentricity))
+    };
     assert_eq!(at(P.ring.radius, 0.1, 0, 0.1), Some(Fault::RingTooSmall));
     let fast = speed_limit(P.limits.friction, 0.01);
     assert_eq!(at(0.01, fast, 0, 0.01), Some(Fault::Centrifugal));
@@ -276,25 +280,25 @@ fn a_late_probe_or_slide_is_the_cause_of_what_makes_no_sense_of_the_ring_and_of_
         Fault::Centrifugal,
         Fault::PushBudget,
         Fault::ProbeJump,
-        Fault::FrozenProbe,
+        Fault::ProbeFrozen,
         Fault::Divergence,
         Fault::Unresolved,
         Fault::NoProgress,
         Fault::EarlyContact,
     ];
-    assert_eq!(renamed(2e-3, Fault::LateProbe), of_the_ring);
-    assert_eq!(renamed(-2e-3, Fault::LateReading), of_the_ring);
+    assert_eq!(renamed(2e-3, Fault::ProbeDelayed), of_the_ring);
+    assert_eq!(renamed(-2e-3, Fault::PositionDelayed), of_the_ring);
     assert!(Fault::ALL.iter().all(|fault| cause(*fault, None) == *fault));
 }
 
 #[test]
-fn each_fault_is_told_in_its_own_words() {
+fn each_fault_is_logged_with_its_own_text() {
     let mut vars = <Vars as fmi2_export::Interface>::START;
-    (vars.output.eccentricity, vars.output.eccentricity_sigma) = (12.3456e-6, 2.5e-6);
+    (vars.output.eccentricity, vars.output.eccentricity_std) = (12.3456e-6, 2.5e-6);
     (vars.output.spindle_speed, vars.output.push.count) = (2.0944, 7);
     (vars.input.spindle_angle, vars.input.slide_position, vars.input.probe_position) = (1.5, 0.25, 0.0125);
     let monitor = &mut vars.output.monitor;
-    (monitor.following_error, monitor.drive_share, monitor.job_time) = (0.0015, 0.25, 12.34);
+    (monitor.following_error, monitor.drive_gain_ratio, monitor.cycle_time) = (0.0015, 0.25, 12.34);
     vars.output.numbers = Numbers {
         following_limit: 0.0012,
         forward: 0.5,
@@ -304,68 +308,77 @@ fn each_fault_is_told_in_its_own_words() {
         probe_delay: 2e-3,
         met: 0.017,
     };
-    (vars.in_force.limits.job_time, vars.in_force.commission.time) = (10.0, 15.9);
-    vars.output.state = State::Centred;
+    vars.in_force.limits.cycle_time = 10.0;
+    vars.output.state = State::Centered;
     assert_eq!(numbers(&vars), "; eccentricity `12.35 um`");
     vars.output.state = State::Fault;
-    let drive = "following error `1.500 mm` of `1.200 mm`, share of the setpoint `0.25`";
+    let drive = "following error `1.500 mm`, limit `1.200 mm`, gain ratio `0.25`";
     let row = "for more than `limits.lost_samples` = `3` samples";
-    let told = [
+    let expected = [
         (
             Fault::NoPart,
-            ": probe at `0.012500 m`, on a ring from `probe.contact` = `0.0002 m` on; slide at `0.250000 m`, \
+            ": probe at `0.012500 m`, contact from `probe.contact` = `0.0002 m`; slide at `0.250000 m`, \
              `approach.travel_max` = `0.15 m`",
         ),
         (Fault::RingTooSmall, ": r = `0.05 m`, B = `12.35 um`"),
         (
             Fault::ProbeRange,
-            ": probe at `0.012500 m`, its place is `0.004500 m`, `probe.at_pusher` = `0.02 m`, `probe.stroke` = `0.025 m`",
+            ": probe at `0.012500 m`, target `0.004500 m`, `probe.at_pusher` = `0.02 m`, `probe.stroke` = `0.025 m`",
         ),
-        (Fault::Centrifugal, ": `2.094 rad/s`, at most `199.295 rad/s` for the B of the last model, `12.35 um`"),
+        (Fault::Centrifugal, ": `2.094 rad/s`, limit `199.295 rad/s` at B = `12.35 um` of the last model"),
         (Fault::PushBudget, ": `7` pushes, `limits.pushes` = `25`, B = `12.35 um`, `tolerance` = `2.50 um`"),
         (
             Fault::Divergence,
-            ": `7` pushes, B from `10.00 um` to `12.35 um`, `push.critical_distance` = `2500.00 um` more at most",
+            ": `7` pushes, B from `10.00 um` to `12.35 um`, increase limit `expert.push.critical_distance` = `2500.00 um`",
         ),
-        (Fault::LostProbe, &format!(": probe at `0.0125 m` {row}")),
+        (Fault::ProbeLost, &format!(": probe at `0.0125 m` {row}")),
         (Fault::ProbeJump, &format!(": probe at `0.0125 m` {row}")),
-        (Fault::LateProbe, ": `2.00 ms` after the slide, `sample_period` = `1.00 ms`"),
+        (Fault::ProbeDelayed, ": `2.00 ms` after the slide, `sample_period` = `1.00 ms`"),
         (
             Fault::EarlyContact,
-            ": met with the probe at `0.017000 m`, `probe.at_pusher` = `0.02 m`; it is at `0.012500 m` now",
+            ": contact with the probe at `0.017000 m`, `probe.at_pusher` = `0.02 m`; probe now at `0.012500 m`",
         ),
-        (Fault::LostSpindle, &format!(": spindle at `1.5 rad` {row}")),
+        (Fault::SpindleLost, &format!(": spindle at `1.5 rad` {row}")),
         (Fault::SpindleJump, &format!(": spindle at `1.5 rad` {row}")),
-        (Fault::LostReading, &format!(": slide at `0.25 m` {row}")),
-        (Fault::ReadingJump, &format!(": slide at `0.25 m` {row}")),
-        (Fault::FrozenReading, &format!(": slide at `0.25 m`, {drive}")),
+        (Fault::PositionLost, &format!(": slide at `0.25 m` {row}")),
+        (Fault::PositionJump, &format!(": slide at `0.25 m` {row}")),
+        (Fault::PositionFrozen, &format!(": slide at `0.25 m`, {drive}")),
         (Fault::DriveSign, &format!(": {drive}")),
         (Fault::FollowingError, &format!(": {drive}")),
-        (Fault::NoProgress, ": `12.3 s`, limit of a centring `10.0 s`, of a commission `15.9 s`, B = `12.35 um`"),
-        (Fault::Spindle, ": `2.094 rad/s`, `0.50` of its turning forwards, at least `0.9`; `rates.collect` = `66 Hz`"),
+        (
+            Fault::NoProgress,
+            &format!(
+                ": `12.3 s`, limit of a cycle `10.0 s`, of a commissioning run `{:.1} s`, B = `12.35 um`",
+                plan::time(&vars.in_force)
+            ),
+        ),
+        (
+            Fault::SpindleUneven,
+            ": `2.094 rad/s`, ratio of forward rotation `0.50`, minimum `0.9`; `expert.rates.collect` = `66 Hz`",
+        ),
         (Fault::Unresolved, ": B = `12.346 um`, standard deviation `2.500 um`, `tolerance` = `2.500 um`"),
     ];
-    for (fault, expected) in told {
+    for (fault, expected) in expected {
         vars.output.fault = fault;
         assert_eq!(numbers(&vars), expected, "{fault:?}");
     }
-    (vars.output.fault, vars.output.numbers.probe_delay) = (Fault::LateReading, -3e-3);
+    (vars.output.fault, vars.output.numbers.probe_delay) = (Fault::PositionDelayed, -3e-3);
     assert_eq!(numbers(&vars), ": `3.00 ms` after the probe, `sample_period` = `1.00 ms`");
     vars.output.numbers.probe_delay = -6e-3;
     assert_eq!(numbers(&vars), ": at least `6.00 ms` after the probe, `sample_period` = `1.00 ms`");
     let measured = &mut vars.output.measured;
-    (measured.slide_bandwidth, measured.slide_bandwidth_deviation, measured.slide_damping) = (188.5, 9.43, 0.284);
-    (measured.io_delay, measured.io_delay_deviation) = (1.254, 0.3127);
+    (measured.slide_bandwidth, measured.slide_bandwidth_std, measured.slide_damping) = (188.5, 9.43, 0.284);
+    (measured.io_delay, measured.io_delay_std) = (1.254, 0.3127);
     vars.output.fault = Fault::CommissionRejected;
     assert_eq!(
         numbers(&vars),
-        ": bandwidth `30.0 Hz`, deviation `1.50 Hz`, limits half and twice `slide.bandwidth` = `40.0 Hz` as told, `13.9 Hz` or more for \
-         `limits.following_error`, and `commission.deviation_max` = `0.02` of it beside `0.0027` of the steps of \
-         a servo; damping `0.28`, limits `0.32` to `1.41` for `limits.following_error` and `stroke.feedback`; delay `1.25` samples, deviation `0.313`, limits `0` to `8` and \
-         `commission.delay_deviation_max` = `0.25`; probe at `0.0125 m`, free up to `probe.contact` = `0.0002 m`"
+        ": bandwidth `30.0 Hz`, limits half and twice `slide.bandwidth` = `40.0 Hz`, minimum `13.9 Hz` for \
+         `limits.following_error`; its standard deviation `1.50 Hz`, limit `0.02` and `0.0027` of the bandwidth; damping \
+         `0.28`, limits `0.32` to `1.41`; delay `1.25` samples, limits `0` to `8`; its standard deviation `0.313`, limit \
+         `0.25`; probe at `0.0125 m`, free up to `probe.contact` = `0.0002 m`"
     );
     (vars.output.fault, vars.output.numbers.line) = (Fault::ProbeJump, Some([2e-4, 1.3e-4]));
-    assert_eq!(numbers(&vars), ": the centred surface is `0.200 mm` from where it was, limit `0.130 mm`");
+    assert_eq!(numbers(&vars), ": the line of the centered ring moved by `0.200 mm`, limit `0.130 mm`");
     (vars.output.fault, vars.output.numbers.endless) = (Fault::NoProgress, Some([1.1003, 1.1]));
-    assert_eq!(numbers(&vars), ": `1.10` of `1.1` revolutions without result, B = `12.35 um`");
+    assert_eq!(numbers(&vars), ": `1.10` revolutions without a result, limit `1.1`, B = `12.35 um`");
 }

@@ -5,7 +5,7 @@ use std::ops::{Deref, DerefMut};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Law, Parameters};
-use crate::law::centring::CentringLaw;
+use crate::law::centering::CenteringLaw;
 use crate::paper::PaperLaw;
 use crate::predictive::PredictiveLaw;
 
@@ -29,7 +29,7 @@ impl ActiveLaw {
 }
 
 impl Deref for ActiveLaw {
-    type Target = dyn CentringLaw;
+    type Target = dyn CenteringLaw;
 
     fn deref(&self) -> &Self::Target {
         match self {

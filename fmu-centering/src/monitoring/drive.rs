@@ -94,7 +94,7 @@ impl DriveMonitor {
         }
         let share = self.share(p);
         Some(if self.frozen.unanswered() > UNANSWERED * self.error.abs() {
-            Fault::FrozenReading
+            Fault::PositionFrozen
         } else if share < BACKWARDS {
             Fault::DriveSign
         } else if share < WEAK {
@@ -136,7 +136,7 @@ mod tests {
             (Fault::DriveSign, |told| -told),
             (Fault::WeakDrive, |told| 0.3 * told),
             (Fault::FollowingError, |told| 0.9 * told),
-            (Fault::FrozenReading, |told| 1e-5 * (1e4 * told).sin()),
+            (Fault::PositionFrozen, |told| 1e-5 * (1e4 * told).sin()),
         ];
         for (fault, slide) in causes {
             let (name, error) = found(slide).unwrap();
@@ -176,7 +176,7 @@ mod tests {
         let kept = 0.95_f64.powi(20);
         assert!((moved(1.0, 300, 0.0, 21).share(&P) - kept).abs() < 0.02, "{}", moved(1.0, 300, 0.0, 21).share(&P));
         assert_eq!(DriveMonitor::default().share(&P), 1.0);
-        // less than a micrometre in that time tells nothing, a little more does
+        // less than a micrometer in that time tells nothing, a little more does
         let slow = |way: f64| {
             let mut drive = DriveMonitor::default();
             for k in 0..100 {

@@ -1,8 +1,8 @@
-//! A probe that keeps its value although it cannot: a jammed probe would else look like a ring that is centred.
+//! A probe that keeps its value although it cannot: a jammed probe would else look like a ring that is centered.
 //!
 //! In a stroke and its retract the slide moves far against the ring, so the probe must answer by more than the coarsest
 //! resolution. While it follows, the probe is to stay where it is: there only one that shows its last bit can be told
-//! from a jammed one, which flickers by that bit at most. What neither shows is found by the test before `Centred`.
+//! from a jammed one, which flickers by that bit at most. What neither shows is found by the test before `Centered`.
 
 use std::f64::consts::TAU;
 
@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(broken_in(Phase::Push, 5e-6, live), None);
         let jammed = broken_in(Phase::Push, 5e-6, |angle| (0.1 + 1e-3 * angle, 5e-3)).unwrap();
         assert!((jammed - 1.0).abs() < 0.02, "{jammed} rad");
-        // a millimetre before the pusher it may be at the ring
+        // a millimeter before the pusher it may be at the ring
         assert_eq!(broken_in(Phase::Push, 5e-6, |angle| (0.1 + 1e-3 * angle, 19.5e-3)), None);
     }
 

@@ -11,7 +11,7 @@ pub struct Numbers {
     pub forward: f64,
     /// Revolutions without result and how many there may be, where that is the fault.
     pub endless: Option<[f64; 2]>,
-    /// Way of the line of a centred ring and its limit (m), where that is the fault.
+    /// Way of the line of a centered ring and its limit (m), where that is the fault.
     pub line: Option<[f64; 2]>,
     /// Eccentricity of the first model, m.
     pub first: f64,
@@ -22,7 +22,7 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Before the first centring.
+    /// Before the first centering.
     pub const START: Self =
         Self { following_limit: 0.0, forward: 1.0, endless: None, line: None, first: 0.0, probe_delay: 0.0, met: 0.0 };
 }

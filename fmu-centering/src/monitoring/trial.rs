@@ -1,4 +1,4 @@
-//! The test of the probe before `Centred`: it must follow a small move of the slide, out and in again.
+//! The test of the probe before `Centered`: it must follow a small move of the slide, out and in again.
 //!
 //! With the places s and q of slide and probe at rest before, outside and after it, the probe has answered the share
 //! (q0 - 2 q1 + q2) / (s0 - 2 s1 + s2) of the move. The surface goes on turning meanwhile; what it moves evenly cancels.

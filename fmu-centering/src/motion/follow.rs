@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Law, Parameters};
 use crate::sensing::Calm;
 
+/// Time within the band of settling after which the probe has settled, published law, s (default; ten beats of the loop).
+const SETTLE_TIME: f64 = 0.1;
+
 impl Parameters {
     /// Collapse of the probe while following, m.
     pub fn null(&self) -> f64 {
@@ -25,7 +28,7 @@ impl Parameters {
     /// Error of following that counts as settled (m), and for how long (s).
     pub fn settling(&self) -> (f64, f64) {
         match self.law {
-            Law::Paper => (self.follow.settle_band, self.follow.settle_time),
+            Law::Paper => (self.follow.settle_band, SETTLE_TIME),
             // the model takes the surface as it comes, the slide may move
             Law::Default => (self.park.probe, 0.0),
         }
@@ -167,7 +170,7 @@ mod tests {
         let (paper, start) = (Parameters::PAPER, Parameters::START);
         assert_eq!((paper.null(), start.null()), (0.02 - 5e-4, 4.5e-3));
         assert_eq!((paper.dead_zone(), start.dead_zone()), (paper.follow.dead_zone, start.park.dead_zone));
-        assert_eq!(paper.settling(), (paper.follow.settle_band, paper.follow.settle_time));
+        assert_eq!(paper.settling(), (paper.follow.settle_band, SETTLE_TIME));
         assert_eq!(start.settling(), (start.park.probe, 0.0));
     }
 

@@ -3,9 +3,9 @@
 use control_blocks::Trajectory;
 use serde::{Deserialize, Serialize};
 
-use crate::centre::Estimate;
+use crate::center::Estimate;
 use crate::interface::{Fault, Parameters, State};
-use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
+use crate::law::{CenteringLaw, Conclusion, Launch, Observation, Verdict};
 use crate::motion::Motion;
 use crate::paper::model::SineModel;
 use crate::paper::offset::{LastStroke, Learner};
@@ -24,7 +24,7 @@ pub struct PaperLaw {
     stroke: Option<LastStroke>,
 }
 
-impl CentringLaw for PaperLaw {
+impl CenteringLaw for PaperLaw {
     fn restart(&mut self, _: &Parameters) {
         *self = Self::default();
     }
@@ -38,7 +38,7 @@ impl CentringLaw for PaperLaw {
         let sample = &now.sample;
         let seen = self.despiker.update(Measurement { angle: now.angle, slide: sample.slide, tip: sample.tip() });
         if let Some(seen) = seen.filter(|_| now.due.collect && now.state == State::Collect) {
-            self.model.update(p, seen.angle, seen.tip);
+            self.model.update(seen.angle, seen.tip);
         }
     }
 
@@ -98,15 +98,15 @@ impl PaperLaw {
     /// Makes the model and learns from the last push.
     ///
     /// # Errors
-    /// [`Fault::Spindle`] when the data do not determine the model.
+    /// [`Fault::SpindleUneven`] when the data do not determine the model.
     fn model_of_the_ring(&mut self, p: &Parameters) -> Result<Conclusion, Fault> {
-        let ring = self.model.estimate().ok_or(Fault::Spindle)?;
+        let ring = self.model.estimate().ok_or(Fault::SpindleUneven)?;
         if let Some(stroke) = self.stroke.take() {
             self.learner.learn(&p.offset, &stroke, &ring);
         }
         self.estimate = Some(ring);
-        let centred = ring.centre.eccentricity() <= p.tolerance;
-        Ok((Some(ring), if centred { Verdict::Centred } else { Verdict::Push }))
+        let centered = ring.center.eccentricity() <= p.tolerance;
+        Ok((Some(ring), if centered { Verdict::Centered } else { Verdict::Push }))
     }
 }
 
@@ -163,8 +163,8 @@ mod tests {
         let (estimate, verdict) = concluded(&mut law, 2e-4);
         assert_eq!(verdict, Verdict::Push);
         // the filter lags by 1.56 samples
-        assert!((estimate.unwrap().centre.eccentricity() - 2e-4).abs() < 1e-6);
-        assert_eq!(concluded(&mut collected(1e-6), 1e-6).1, Verdict::Centred);
+        assert!((estimate.unwrap().center.eccentricity() - 2e-4).abs() < 1e-6);
+        assert_eq!(concluded(&mut collected(1e-6), 1e-6).1, Verdict::Centered);
         assert_eq!(concluded(&mut collected(2.6e-6), 2.6e-6).1, Verdict::Push);
     }
 
@@ -172,7 +172,7 @@ mod tests {
     fn what_does_not_determine_a_ring_is_the_spindle() {
         let mut law = PaperLaw::default();
         (0..6).for_each(|_| law.observe(&P, &now(State::Collect, ALL, 1e-4, 1.0)));
-        assert_eq!(law.conclude(&P, &now(State::Model, ALL, 1e-4, 1.0)), Some(Err(Fault::Spindle)));
+        assert_eq!(law.conclude(&P, &now(State::Model, ALL, 1e-4, 1.0)), Some(Err(Fault::SpindleUneven)));
     }
 
     #[test]
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_push_goes_to_the_place_of_the_centred_ring() {
+    fn a_push_goes_to_the_place_of_the_centered_ring() {
         let (_, launch) = launched();
         let sample = 0.1 + launch.distance;
         assert!((launch.end.unwrap() - sample).abs() < 1e-12);

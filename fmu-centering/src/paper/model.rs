@@ -1,11 +1,10 @@
-//! The paper's model of the ring: from samples of the surface to the place of its centre.
+//! The paper's model of the ring: from samples of the surface to the place of its center.
 
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use crate::centre::{Centre, Estimate};
-use crate::interface::Parameters;
+use crate::center::{Center, Estimate};
 use crate::paper::kalman::ScalarKalman;
 use crate::sine_fit::SineSums;
 
@@ -20,8 +19,8 @@ pub struct SineModel {
 
 impl SineModel {
     /// Takes one sample of the collection loop: smoothed unwrapped spindle angle (rad), tip position (m).
-    pub fn update(&mut self, p: &Parameters, angle: f64, tip: f64) {
-        let filtered = self.filter.update(&p.kalman, tip);
+    pub fn update(&mut self, angle: f64, tip: f64) {
+        let filtered = self.filter.update(tip);
         self.sums.add(angle, filtered);
         let [low, high] = self.range.unwrap_or([angle; 2]);
         self.range = Some([low.min(angle), high.max(angle)]);
@@ -35,13 +34,14 @@ impl SineModel {
     /// The model of what was collected; none if that does not determine it.
     pub fn estimate(&self) -> Option<Estimate> {
         let sine = self.sums.fit()?;
-        Some(Estimate { centre: Centre::from_sine(&sine), mean: sine.mean, sigma: sine.sigma })
+        Some(Estimate { center: Center::from_sine(&sine), mean: sine.mean, sigma: sine.sigma })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interface::Parameters;
     use control_blocks::wrap;
 
     /// Collects a sine of 0.1 mm nearest at 1 rad at 66 Hz and `speed` rad/s; samples until complete.
@@ -51,7 +51,7 @@ mod tests {
         let mut count = 0;
         while !model.complete() && count < 10_000 {
             let angle = 100.0 + speed * f64::from(count) / p.rates.collect;
-            model.update(&p, angle, 0.03 - 1e-4 * (angle - 1.0).cos());
+            model.update(angle, 0.03 - 1e-4 * (angle - 1.0).cos());
             count += 1;
         }
         (model, count)
@@ -65,7 +65,7 @@ mod tests {
             assert_eq!(count, 199);
             let estimate = model.estimate().unwrap();
             assert!((estimate.mean - 0.03).abs() < 1e-6);
-            assert!((estimate.centre.eccentricity() - 1e-4).abs() < 1e-6, "{estimate:?}");
+            assert!((estimate.center.eccentricity() - 1e-4).abs() < 1e-6, "{estimate:?}");
         }
     }
 
@@ -73,19 +73,18 @@ mod tests {
     fn the_filter_lags_behind_the_turning_as_its_gain_says() {
         // 1.56 samples: 2.84 deg at 20 rpm, with the direction of rotation
         for speed in [2.0944, -2.0944] {
-            let centre = collected(speed).0.estimate().unwrap().centre;
-            let lag = wrap(centre.nearest() - 1.0).to_degrees() * speed.signum();
+            let center = collected(speed).0.estimate().unwrap().center;
+            let lag = wrap(center.nearest() - 1.0).to_degrees() * speed.signum();
             assert!((lag - 2.84).abs() < 0.15, "{lag} deg");
         }
     }
 
     #[test]
     fn a_spindle_that_turns_back_completes_nothing() {
-        let p = Parameters::PAPER;
         let mut model = SineModel::default();
         for k in 0..10_000 {
             let angle = 3.0 * (0.01 * f64::from(k)).sin();
-            model.update(&p, angle, 0.03);
+            model.update(angle, 0.03);
         }
         assert!(!model.complete());
     }

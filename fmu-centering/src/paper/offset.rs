@@ -2,8 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::centre::Estimate;
+use crate::center::Estimate;
 use crate::interface::{Offset, OffsetMethod};
+
+/// Only pushes of a smaller eccentricity are used for learning, m (paper).
+const GATE: f64 = 2e-4;
+/// Largest offset in either direction, m: a third of the usual eccentricity (default).
+const LIMIT: f64 = 3e-4;
 
 /// A ring that moved by less than this share of what was wished was not touched (paper).
 const UNTOUCHED: f64 = 0.05;
@@ -33,30 +38,30 @@ impl Learner {
     pub fn learn(&mut self, p: &Offset, stroke: &LastStroke, after: &Estimate) {
         match p.method {
             OffsetMethod::Off => {}
-            OffsetMethod::Recursive => self.recurse(p, stroke, after),
+            OffsetMethod::Recursive => self.recurse(stroke, after),
         }
     }
 
-    fn recurse(&mut self, p: &Offset, stroke: &LastStroke, after: &Estimate) {
-        let wished = stroke.before.centre.eccentricity();
-        if wished >= p.gate {
+    fn recurse(&mut self, stroke: &LastStroke, after: &Estimate) {
+        let wished = stroke.before.center.eccentricity();
+        if wished >= GATE {
             return;
         }
-        let actual = stroke.before.centre.distance(&after.centre);
+        let actual = stroke.before.center.distance(&after.center);
         // 38: the gap left counts when the pusher has not reached the ring
         let remaining = if actual < UNTOUCHED * wished { stroke.remaining.max(0.0) } else { 0.0 };
         // 37, 39: wished less actual; P is not part of the wish, or it would grow by itself
-        self.offset = (self.offset + remaining + wished - actual).clamp(-p.limit, p.limit);
+        self.offset = (self.offset + remaining + wished - actual).clamp(-LIMIT, LIMIT);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::centre::Centre;
+    use crate::center::Center;
 
     fn at(x: f64) -> Estimate {
-        Estimate { centre: Centre { x, y: 0.0 }, mean: 0.08, sigma: 0.0 }
+        Estimate { center: Center { x, y: 0.0 }, mean: 0.08, sigma: 0.0 }
     }
 
     fn learned(before: f64, after: f64, remaining: f64) -> f64 {
@@ -102,7 +107,7 @@ mod tests {
         for _ in 0..100 {
             learner.learn(&Offset::START, &LastStroke { before: at(1e-4), remaining: 1e-4 }, &at(1e-4));
         }
-        assert_eq!(learner.offset(), Offset::START.limit);
+        assert_eq!(learner.offset(), LIMIT);
     }
 
     #[test]

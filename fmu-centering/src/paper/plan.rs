@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use crate::centre::Estimate;
+use crate::center::Estimate;
 use crate::interface::Parameters;
 use crate::motion::duration;
 use crate::paper::crossing::Crossing;
@@ -48,7 +48,7 @@ pub struct LeadPlanner {
 impl LeadPlanner {
     /// The push, in the control beat of its launch.
     pub fn update(&mut self, p: &Parameters, now: &Situation) -> Option<PlannedPush> {
-        let (b, r) = (now.estimate.centre.eccentricity(), p.ring.radius);
+        let (b, r) = (now.estimate.center.eccentricity(), p.ring.radius);
         // eq. 29 with its sign put right: positive while following
         let gap = p.probe.at_pusher - now.sample.probe;
         let travel = |lead: f64| distance(r, b, lead, gap, now.offset);
@@ -56,7 +56,7 @@ impl LeadPlanner {
         let delay = start_delay(p);
         let time = |lead: f64| (duration(travel(lead), velocity, p.slide.acceleration_max) + delay).max(0.0);
         let lead = lead_angle(now.speed, time);
-        let left = now.speed.signum() * (now.estimate.centre.nearest() - now.angle);
+        let left = now.speed.signum() * (now.estimate.center.nearest() - now.angle);
         // the beat after a crossing is half a beat late on average
         let early = 0.5 * now.speed.abs() / p.rates.control;
         if !self.crossing.update(left - lead - early) {
@@ -76,7 +76,7 @@ fn start_delay(p: &Parameters) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::centre::Centre;
+    use crate::center::Center;
     use control_blocks::wrap;
 
     const P: Parameters = Parameters::PAPER;
@@ -90,7 +90,7 @@ mod tests {
 
     fn launched_with(p: &Parameters, speed: f64, phase: f64) -> (f64, PlannedPush) {
         let (x, y) = (3e-4 * 1f64.cos(), -3e-4 * 1f64.sin());
-        let estimate = Estimate { centre: Centre { x, y }, mean: 0.08, sigma: 0.0 };
+        let estimate = Estimate { center: Center { x, y }, mean: 0.08, sigma: 0.0 };
         let mut planner = LeadPlanner::default();
         for k in 0..400 {
             let angle = phase + speed * f64::from(k) / p.rates.control;
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_spindle_at_rest_launches_nothing_and_stays_finite() {
-        let estimate = Estimate { centre: Centre { x: 3e-4, y: 0.0 }, mean: 0.08, sigma: 0.0 };
+        let estimate = Estimate { center: Center { x: 3e-4, y: 0.0 }, mean: 0.08, sigma: 0.0 };
         let mut planner = LeadPlanner::default();
         for angle in [0.0, 0.0, -0.0, 1e-3, 0.0] {
             let sample = Sample { angle, slide: 0.1, probe: P.null() };

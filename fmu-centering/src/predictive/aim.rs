@@ -12,7 +12,7 @@ use crate::predictive::press::{Ending, Press};
 use crate::predictive::ring_model::RingModel;
 use crate::predictive::stroke::{Finish, SlideLimits, Stroke};
 
-/// Passes of the fixed point of angle and stroke: the line changes by micrometres over a stroke.
+/// Passes of the fixed point of angle and stroke: the line changes by micrometers over a stroke.
 const PASSES: usize = 3;
 /// Margin before the expected contact: standard deviations of what the contact is known to, and at least, m.
 const STANDOFF: f64 = 3.0;
@@ -105,7 +105,7 @@ fn push(p: &Parameters, input: &AimInput) -> PlannedApproach {
         .at_least(standoff(input) / CREEP_TIME, eccentricity);
     let mut meeting = contact(p, input).meeting(eccentricity, &finish);
     if !p.stroke.phase_plan {
-        meeting.centre = nalgebra::Vector2::new(eccentricity, 0.0);
+        meeting.center = nalgebra::Vector2::new(eccentricity, 0.0);
     }
     PlannedApproach { meeting, finish, ending: Ending::Rest }
 }
@@ -114,7 +114,7 @@ fn push(p: &Parameters, input: &AimInput) -> PlannedApproach {
 fn blow(p: &Parameters, input: &AimInput, speed: f64) -> PlannedApproach {
     let mut meeting = contact(p, input).blow(input.ring.eccentricity());
     if !p.stroke.phase_plan {
-        meeting.centre = nalgebra::Vector2::new(input.ring.eccentricity(), 0.0);
+        meeting.center = nalgebra::Vector2::new(input.ring.eccentricity(), 0.0);
     }
     PlannedApproach { meeting, finish: Finish { velocity: speed, deceleration: BLOW }, ending: Ending::Blow }
 }
@@ -125,7 +125,7 @@ fn plan(p: &Parameters, input: &AimInput, approach: &PlannedApproach, angle: f64
     let zero = p.probe.at_pusher + input.learned.contact.mean;
     let (line, slow) = match approach.ending {
         Ending::Rest => {
-            (input.ring.centred_line(angle) + input.learned.recoil.mean, input.ring.eccentricity() + standoff(input))
+            (input.ring.centered_line(angle) + input.learned.recoil.mean, input.ring.eccentricity() + standoff(input))
         }
         Ending::Blow => (input.ring.line(angle), 0.0),
     };
@@ -134,8 +134,8 @@ fn plan(p: &Parameters, input: &AimInput, approach: &PlannedApproach, angle: f64
 
 /// Time until the stroke must begin, s; it ends in a sample, so that all strokes are sampled alike.
 fn wait_for(p: &Parameters, input: &AimInput, approach: &PlannedApproach, stroke: &Stroke) -> f64 {
-    let centre = Rotation2::new(input.angle) * input.ring.centre();
-    let turn = input.speed.signum() * (approach.meeting.direction() - centre.y.atan2(centre.x));
+    let center = Rotation2::new(input.angle) * input.ring.center();
+    let turn = input.speed.signum() * (approach.meeting.direction() - center.y.atan2(center.x));
     let ahead = stroke.duration() - approach.meeting.time;
     let left = turn - input.speed.abs() * ahead;
     let wait = ((left + LATE).rem_euclid(TAU) - LATE) / input.speed.abs();
@@ -156,16 +156,16 @@ mod tests {
     const P: Parameters = Parameters::START;
     const HORIZON: f64 = 0.015;
 
-    fn ring(centre: Vector2<f64>) -> RingModel {
-        let assumed = Assumptions { radius: 0.05, noise: 2e-7, centre: 5e-3, form: 0.0, gate: 6.0, rejections_max: 5 };
+    fn ring(center: Vector2<f64>) -> RingModel {
+        let assumed = Assumptions { radius: 0.05, noise: 2e-7, center: 5e-3, form: 0.0, gate: 6.0, rejections_max: 5 };
         let mut ring = RingModel::new(assumed);
-        ring.displaced(centre, 1e-6);
+        ring.displaced(center, 1e-6);
         ring
     }
 
     /// Angles and plans of all launches of a spindle that turns by `speed` rad/s for a revolution, without their effect.
-    fn launches(p: &Parameters, centre: Vector2<f64>, speed: f64, tap: Option<f64>) -> Vec<(f64, PlannedStroke)> {
-        let (ring, learned) = (ring(centre), LearnedParameters::new(p));
+    fn launches(p: &Parameters, center: Vector2<f64>, speed: f64, tap: Option<f64>) -> Vec<(f64, PlannedStroke)> {
+        let (ring, learned) = (ring(center), LearnedParameters::new());
         let setpoint = Trajectory { position: p.park.probe, ..Trajectory::default() };
         let beats = (TAU / (speed.abs() * HORIZON)) as i32;
         let at = |k: i32| 0.4 + speed * HORIZON * f64::from(k);
@@ -185,28 +185,28 @@ mod tests {
     }
 
     #[test]
-    fn the_ring_is_met_in_the_direction_from_which_the_push_ends_at_the_centre() {
-        let centre = Vector2::new(2e-4, -3e-4);
+    fn the_ring_is_met_in_the_direction_from_which_the_push_ends_at_the_center() {
+        let center = Vector2::new(2e-4, -3e-4);
         for speed in [2.094, -2.094, 4.712] {
             // the first launch of a revolution is on time; a later one of the same chance is late by up to 0.1 rad
-            let found = launches(&P, centre, speed, None);
+            let found = launches(&P, center, speed, None);
             let (angle, planned) = &found[0];
-            let e = centre.norm();
+            let e = center.norm();
             let finish = Finish::braked(e, 0.08, 0.04);
             let meeting = Contact { radius: 0.05, speed, lateral: 0.05 }.meeting(e, &finish);
-            let touch = planned.angle - speed * meeting.time + centre.y.atan2(centre.x);
+            let touch = planned.angle - speed * meeting.time + center.y.atan2(center.x);
             // a sample, and the line that changes on the way
             assert!(wrap(touch - meeting.direction()).abs() < 1e-3 * speed.abs(), "{speed}: {touch}");
             assert!((planned.angle - angle - speed.signum() * planned.lead).abs() < 1e-9);
             assert!((planned.velocity - 2.0 * e / 0.08).abs() < 1e-12, "{} m/s", planned.velocity);
-            // from the parked probe to the pusher on the line of the centred ring, which is 0
+            // from the parked probe to the pusher on the line of the centered ring, which is 0
             assert!((planned.distance - (P.probe.at_pusher - P.park.probe)).abs() < 1e-12, "{}", planned.distance);
         }
     }
 
     #[test]
     fn the_shortest_push_is_through_its_standoff_in_the_time_of_a_creep() {
-        let standoff = STANDOFF * LearnedParameters::new(&P).contact.sigma + STANDOFF_MIN;
+        let standoff = STANDOFF * LearnedParameters::new().contact.sigma + STANDOFF_MIN;
         let found = launches(&P, Vector2::new(2e-6, 0.0), 2.094, None);
         assert!((found[0].1.velocity - standoff / CREEP_TIME).abs() < 1e-12, "{} m/s", found[0].1.velocity);
     }
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn a_push_goes_deeper_by_what_was_learned_and_a_tap_by_the_contact() {
         let e = 1e-4;
-        let (ring, mut learned) = (ring(Vector2::new(e, 0.0)), LearnedParameters::new(&P));
+        let (ring, mut learned) = (ring(Vector2::new(e, 0.0)), LearnedParameters::new());
         (learned.contact.mean, learned.recoil.mean) = (5e-6, 3e-6);
         let setpoint = Trajectory { position: P.park.probe, ..Trajectory::default() };
         let planned = |tap: Option<f64>| {

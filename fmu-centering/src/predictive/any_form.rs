@@ -23,19 +23,19 @@ pub struct AnyForm {
 }
 
 impl AnyForm {
-    /// Of a ring whose centre was taken to be near `centre` (table frame, m), within `sigma` (m) in each coordinate, before what
+    /// Of a ring whose center was taken to be near `center` (table frame, m), within `sigma` (m) in each coordinate, before what
     /// has made a ground ring of the state `ground`; begins its first fit.
-    pub fn new(assumed: Assumptions, centre: Vector2<f64>, sigma: f64, ground: &Vector<GROUND>) -> Self {
-        let mut any = Self::assumed(assumed, centre, sigma);
+    pub fn new(assumed: Assumptions, center: Vector2<f64>, sigma: f64, ground: &Vector<GROUND>) -> Self {
+        let mut any = Self::assumed(assumed, center, sigma);
         let mut linear = Vector::<ANY>::zeros();
         linear.fixed_rows_mut::<GROUND>(0).copy_from(ground);
         any.refit = Some(Refit::new(Purpose::Widen, linear));
         any
     }
 
-    /// Nothing known but the assumptions and about where the centre is.
-    fn assumed(assumed: Assumptions, centre: Vector2<f64>, sigma: f64) -> Self {
-        let estimate = RingEstimate::new(assumed, centre, sigma);
+    /// Nothing known but the assumptions and about where the center is.
+    fn assumed(assumed: Assumptions, center: Vector2<f64>, sigma: f64) -> Self {
+        let estimate = RingEstimate::new(assumed, center, sigma);
         Self { before: Prior::of(&estimate.now), estimate, refit: None }
     }
 
@@ -71,12 +71,12 @@ impl AnyForm {
         self.estimate.note_misfit(found.squares, (count - ANY as f64).max(FREE * count), history.len());
     }
 
-    /// The ring was moved: its centre is now near `centre` (table frame, m), within `sigma` (m) in each coordinate.
-    pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
-        if self.estimate.displaced(centre, sigma) {
+    /// The ring was moved: its center is now near `center` (table frame, m), within `sigma` (m) in each coordinate.
+    pub fn displaced(&mut self, center: Vector2<f64>, sigma: f64) {
+        if self.estimate.displaced(center, sigma) {
             (self.before, self.refit) = (Prior::of(&self.estimate.now), None);
         } else {
-            *self = Self::assumed(self.estimate.assumed, centre, sigma);
+            *self = Self::assumed(self.estimate.assumed, center, sigma);
         }
     }
 }

@@ -14,8 +14,8 @@ pub struct Assumptions {
     pub radius: f64,
     /// Standard deviation of one measurement: probe, roughness, error motion, m.
     pub noise: f64,
-    /// Standard deviation of each coordinate of the centre before the first measurement, m.
-    pub centre: f64,
+    /// Standard deviation of each coordinate of the center before the first measurement, m.
+    pub center: f64,
     /// Standard deviation of each form coefficient before the first measurement, m.
     pub form: f64,
     /// Innovations beyond this many standard deviations are dirt.
@@ -25,11 +25,11 @@ pub struct Assumptions {
 }
 
 impl Assumptions {
-    /// Standard deviation of each state (m) of a ring whose centre is known to `centre` m.
-    pub fn sigmas<const N: usize>(&self, centre: f64) -> Vector<N> {
+    /// Standard deviation of each state (m) of a ring whose center is known to `center` m.
+    pub fn sigmas<const N: usize>(&self, center: f64) -> Vector<N> {
         let mut sigmas = Vector::<N>::from_element(self.form);
         sigmas[0] = LINE_SIGMA;
-        (sigmas[1], sigmas[2]) = (centre, centre);
+        (sigmas[1], sigmas[2]) = (center, center);
         sigmas
     }
 }

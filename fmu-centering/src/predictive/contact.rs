@@ -1,4 +1,4 @@
-//! Kinematics of a push: where the ring must be when the pusher meets it, so that it ends at the centre.
+//! Kinematics of a push: where the ring must be when the pusher meets it, so that it ends at the center.
 //!
 //! World frame, pusher from +x. The ring turns with the table; while it is pushed, it slips over the table along the
 //! force of the pusher, which acts along the normal and, by friction, against the turning surface:
@@ -8,8 +8,8 @@
 //! c_x + sqrt(r^2 - c_y^2) = r + d(t)                                   while they touch
 //! ```
 //!
-//! d is what is left of the stroke. It is integrated backwards from the centre, where every good push ends; a pusher
-//! that dwells does not centre, since (0, c_y) slides in equilibrium.
+//! d is what is left of the stroke. It is integrated backwards from the center, where every good push ends; a pusher
+//! that dwells does not center, since (0, c_y) slides in equilibrium.
 
 use nalgebra::Vector2;
 
@@ -21,16 +21,16 @@ const STEPS: u32 = 64;
 /// Where and when the pusher meets the ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstContact {
-    /// Centre of the ring in the world frame, m.
-    pub centre: Vector2<f64>,
+    /// Center of the ring in the world frame, m.
+    pub center: Vector2<f64>,
     /// Time before the end of the stroke, s.
     pub time: f64,
 }
 
 impl FirstContact {
-    /// Direction of the centre as seen from the axis, rad.
+    /// Direction of the center as seen from the axis, rad.
     pub fn direction(&self) -> f64 {
-        self.centre.y.atan2(self.centre.x)
+        self.center.y.atan2(self.center.x)
     }
 }
 
@@ -46,17 +46,17 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// The meeting at the eccentricity (m) from which a stroke with this finish ends at the centre.
+    /// The meeting at the eccentricity (m) from which a stroke with this finish ends at the center.
     pub fn meeting(&self, eccentricity: f64, finish: &Finish) -> FirstContact {
         let step = finish.time(eccentricity) / f64::from(STEPS);
-        let mut before = FirstContact { centre: Vector2::zeros(), time: 0.0 };
+        let mut before = FirstContact { center: Vector2::zeros(), time: 0.0 };
         // the ring flees a slow pusher; beyond four times the stroke there is no contact any more
         for k in 1..=4 * STEPS {
-            let (time, y) = (f64::from(k) * step, before.centre.y);
+            let (time, y) = (f64::from(k) * step, before.center.y);
             let half = y - 0.5 * step * self.velocity_across(y, time - step, finish);
             let y = y - step * self.velocity_across(half, time - 0.5 * step, finish);
-            let now = FirstContact { centre: Vector2::new(self.along(y, finish.before(time).0), y), time };
-            if now.centre.norm() >= eccentricity {
+            let now = FirstContact { center: Vector2::new(self.along(y, finish.before(time).0), y), time };
+            if now.center.norm() >= eccentricity {
                 return between(&before, &now, eccentricity);
             }
             before = now;
@@ -68,7 +68,7 @@ impl Contact {
     pub fn blow(&self, eccentricity: f64) -> FirstContact {
         let direction = self.speed.signum() * self.lateral.atan();
         let (sine, cosine) = direction.sin_cos();
-        FirstContact { centre: Vector2::new(cosine, sine) * eccentricity, time: 0.0 }
+        FirstContact { center: Vector2::new(cosine, sine) * eccentricity, time: 0.0 }
     }
 
     /// c_x while the ring touches the pusher, `d` m before its end.
@@ -98,9 +98,9 @@ impl Contact {
 
 /// Linear interpolation to the eccentricity.
 fn between(a: &FirstContact, b: &FirstContact, eccentricity: f64) -> FirstContact {
-    let (near, far) = (a.centre.norm(), b.centre.norm());
+    let (near, far) = (a.center.norm(), b.center.norm());
     let share = (eccentricity - near) / (far - near);
-    FirstContact { centre: a.centre.lerp(&b.centre, share), time: a.time + share * (b.time - a.time) }
+    FirstContact { center: a.center.lerp(&b.center, share), time: a.time + share * (b.time - a.time) }
 }
 
 #[cfg(test)]
@@ -117,19 +117,19 @@ mod tests {
             let (b, duration) = (1e-5, 0.02);
             let meeting = contact.meeting(b, &Finish::braked(b, duration, 1.0));
             let expected = sign * (0.12 * b - CONTACT.speed * b * duration / 3.0);
-            assert!((meeting.centre.y - expected).abs() < 5e-3 * b, "{meeting:?}");
-            assert!((meeting.centre.norm() - b).abs() < 1e-12);
+            assert!((meeting.center.y - expected).abs() < 5e-3 * b, "{meeting:?}");
+            assert!((meeting.center.norm() - b).abs() < 1e-12);
             assert!((meeting.time - duration).abs() < 0.02 * duration);
         }
     }
 
     #[test]
-    fn forwards_in_time_the_ring_reaches_the_centre() {
+    fn forwards_in_time_the_ring_reaches_the_center() {
         for (eccentricity, duration, lateral) in [(5e-4, 0.08, 0.12), (3e-3, 0.2, 0.3), (0.02, 0.6, 0.05)] {
             let contact = Contact { lateral, ..CONTACT };
             let finish = Finish::braked(eccentricity, duration, 0.04);
             let meeting = contact.meeting(eccentricity, &finish);
-            let (steps, mut y) = (100_000, meeting.centre.y);
+            let (steps, mut y) = (100_000, meeting.center.y);
             let dt = meeting.time / f64::from(steps);
             for k in 0..steps {
                 y += dt * contact.velocity_across(y, meeting.time - (f64::from(k) + 0.5) * dt, &finish);
@@ -143,21 +143,21 @@ mod tests {
         let finish = Finish::braked(3e-3, 0.2, 0.04);
         let forth = CONTACT.meeting(3e-3, &finish);
         let back = Contact { speed: -CONTACT.speed, ..CONTACT }.meeting(3e-3, &finish);
-        assert_eq!((forth.centre.x, forth.centre.y, forth.time), (back.centre.x, -back.centre.y, back.time));
+        assert_eq!((forth.center.x, forth.center.y, forth.time), (back.center.x, -back.center.y, back.time));
     }
 
     #[test]
     fn a_blow_moves_against_the_rotation() {
         let meeting = CONTACT.blow(1e-5);
         assert!((meeting.direction().tan() - 0.12).abs() < 1e-12);
-        assert!((meeting.centre.norm() - 1e-5).abs() < 1e-18);
+        assert!((meeting.center.norm() - 1e-5).abs() < 1e-18);
     }
 
     #[test]
     fn a_ring_that_flees_ends_the_search() {
         let finish = Finish { velocity: 1e-6, deceleration: 1e-6 };
         let meeting = CONTACT.meeting(0.02, &finish);
-        assert!(meeting.centre.iter().all(|x| x.is_finite()) && meeting.time.is_finite());
+        assert!(meeting.center.iter().all(|x| x.is_finite()) && meeting.time.is_finite());
     }
 
     #[test]
@@ -182,10 +182,10 @@ mod tests {
 
     #[test]
     fn between_two_places_the_meeting_is_on_their_line() {
-        let at = |x: f64, y: f64, time: f64| FirstContact { centre: Vector2::new(x, y), time };
+        let at = |x: f64, y: f64, time: f64| FirstContact { center: Vector2::new(x, y), time };
         let (near, far) = (at(3e-3, 4e-3, 0.1), at(6e-3, 8e-3, 0.2));
         let met = between(&near, &far, 7.5e-3);
-        assert!((met.centre - Vector2::new(4.5e-3, 6e-3)).norm() < 1e-15 && (met.time - 0.15).abs() < 1e-15);
+        assert!((met.center - Vector2::new(4.5e-3, 6e-3)).norm() < 1e-15 && (met.time - 0.15).abs() < 1e-15);
         assert!((met.direction() - (4.0_f64 / 3.0).atan()).abs() < 1e-12);
     }
 }

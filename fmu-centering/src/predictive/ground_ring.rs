@@ -21,7 +21,7 @@ pub struct GroundRing {
 impl GroundRing {
     /// Nothing known but the assumptions.
     pub fn new(assumed: Assumptions) -> Self {
-        let estimate = RingEstimate::new(assumed, Vector2::zeros(), assumed.centre);
+        let estimate = RingEstimate::new(assumed, Vector2::zeros(), assumed.center);
         Self { before: estimate.now.clone(), estimate }
     }
 
@@ -48,14 +48,14 @@ impl GroundRing {
         }
     }
 
-    /// Where the centre was taken for before the measurements (table frame, m), and how surely, m.
+    /// Where the center was taken for before the measurements (table frame, m), and how surely, m.
     pub fn told(&self) -> (Vector2<f64>, f64) {
         (self.before.mean.fixed_rows::<2>(1).into_owned(), self.before.root.row(1).norm())
     }
 
-    /// The ring was moved: its centre is now near `centre` (table frame, m), within `sigma` (m) in each coordinate.
-    pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
-        self.estimate.displaced(centre, sigma);
+    /// The ring was moved: its center is now near `center` (table frame, m), within `sigma` (m) in each coordinate.
+    pub fn displaced(&mut self, center: Vector2<f64>, sigma: f64) {
+        self.estimate.displaced(center, sigma);
         self.before = self.estimate.now.clone();
     }
 }

@@ -6,9 +6,9 @@ use control_blocks::Trajectory;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use crate::centre::{Centre, Estimate};
+use crate::center::{Center, Estimate};
 use crate::interface::{Fault, Parameters, State};
-use crate::law::{CentringLaw, Conclusion, Launch, Observation, Verdict};
+use crate::law::{CenteringLaw, Conclusion, Launch, Observation, Verdict};
 use crate::monitoring::PRESSED_IN_PUSH;
 use crate::motion::Motion;
 use crate::predictive::aim::{AimInput, aim};
@@ -22,15 +22,17 @@ use crate::sensing::{Despiker, Measurement};
 const REST: f64 = 0.03;
 /// Measurements in a row beyond the gate that mean that the ring has moved.
 const REJECTIONS_MAX: u32 = 5;
-/// Spread of the centre after a push: relative to the push, and at least, m.
+/// Spread of the center after a push: relative to the push, and at least, m.
 const SPREAD: f64 = 0.3;
 const SPREAD_MIN: f64 = 5e-6;
 /// Least share of a push that must have been done to feel the ring.
 const FELT: f64 = 0.3;
 /// Error of the surface on the way to the ring with which no stroke goes on: relative to the eccentricity, more than
-/// twice the `estimator.certainty` of a push, and at least, m (what a probe seems to be off that is 10 ms late).
+/// twice the `expert.estimator.certainty` of a push, and at least, m (what a probe seems to be off that is 10 ms late).
 const ASTRAY: f64 = 0.5;
 const ASTRAY_MIN: f64 = 1.5e-3;
+/// Largest distance for a tap, in deflections of the servo (default; a farther ring is pushed first).
+const TAP_REACH: f64 = 1.5;
 /// Turning (in revolutions) after which more measurements of the same places tell nothing new.
 const TURNS: f64 = 1.05;
 /// A slower spindle never brings the ring to the pusher, rad/s: nothing is divided by less.
@@ -62,7 +64,7 @@ impl PredictiveLaw {
             despiker: Despiker::default(),
             seen: None,
             ring: RingModel::new(assumptions(p)),
-            learned: LearnedParameters::new(p),
+            learned: LearnedParameters::new(),
             press: None,
             last_push: None,
             rest: 0,
@@ -72,7 +74,7 @@ impl PredictiveLaw {
     }
 }
 
-impl CentringLaw for PredictiveLaw {
+impl CenteringLaw for PredictiveLaw {
     fn restart(&mut self, p: &Parameters) {
         *self = Self::new(p);
     }
@@ -116,10 +118,10 @@ impl CentringLaw for PredictiveLaw {
         if !now.due.collect || self.ring.undecided() {
             return None;
         }
-        let sigma = self.ring.centre_sigma();
+        let sigma = self.ring.center_sigma();
         let certain = self.ring.settled() && sigma < p.estimator.certainty * self.ring.eccentricity();
         let verdict = self.verdict(p, now.speed, sigma, certain);
-        let known = certain || matches!(verdict, Verdict::Centred | Verdict::Unresolved);
+        let known = certain || matches!(verdict, Verdict::Centered | Verdict::Unresolved);
         Some(Ok((known.then(|| self.estimate(sigma)), verdict)))
     }
 
@@ -155,7 +157,7 @@ impl CentringLaw for PredictiveLaw {
     fn press(&mut self, p: &Parameters, now: &Observation) -> Option<Trajectory> {
         let (press, seen) = (self.press.as_mut()?, self.seen.as_ref()?);
         let goal = Goal {
-            line: self.ring.centred_line(seen.angle) + self.learned.recoil.mean,
+            line: self.ring.centered_line(seen.angle) + self.learned.recoil.mean,
             contact: p.probe.at_pusher + self.learned.contact.mean,
             deflection: if p.learn.deflection { self.learned.deflection.mean } else { 0.0 },
         };
@@ -192,7 +194,7 @@ impl CentringLaw for PredictiveLaw {
 }
 
 impl PredictiveLaw {
-    /// What the contact tells is learned, and the centre is where it should be, more or less.
+    /// What the contact tells is learned, and the center is where it should be, more or less.
     fn end_stroke(&mut self, p: &Parameters) {
         let (Some(press), Some(last_push)) = (self.press.take(), &mut self.last_push) else { return };
         let spread = SPREAD * last_push.eccentricity + SPREAD_MIN;
@@ -214,15 +216,15 @@ impl PredictiveLaw {
 
     /// What is known of the ring.
     fn estimate(&self, sigma: f64) -> Estimate {
-        let centre = self.ring.centre();
-        Estimate { centre: Centre { x: centre.x, y: centre.y }, mean: self.ring.mean_line(), sigma }
+        let center = self.ring.center();
+        Estimate { center: Center { x: center.x, y: center.y }, mean: self.ring.mean_line(), sigma }
     }
 
     /// What to do next.
     fn verdict(&self, p: &Parameters, speed: f64, sigma: f64, certain: bool) -> Verdict {
         let (eccentricity, full) = (self.ring.eccentricity(), self.turned >= TAU);
         if full && eccentricity + p.estimator.margin * sigma <= p.tolerance {
-            return Verdict::Centred;
+            return Verdict::Centered;
         }
         // what a full revolution will leave in doubt
         let samples = p.rates.collect * TAU / speed.abs().max(STANDING);
@@ -247,7 +249,7 @@ impl PredictiveLaw {
     /// Speed (m/s) of a tap, if the ring is too heavy to be pushed so little.
     fn tap_speed(&self, p: &Parameters, bandwidth: f64, learned: &mut LearnedParameters) -> Option<f64> {
         let (eccentricity, deflection) = (self.ring.eccentricity(), learned.deflection.mean);
-        let heavy = deflection > p.tap.deflection_min && eccentricity < p.tap.reach * deflection;
+        let heavy = deflection > p.tap.deflection_min && eccentricity < TAP_REACH * deflection;
         (p.tap.enabled && heavy).then(|| learned.prepare_tap(p, bandwidth).speed(eccentricity).min(p.tap.speed_max))
     }
 }
@@ -257,7 +259,7 @@ fn assumptions(p: &Parameters) -> Assumptions {
     Assumptions {
         radius: p.ring.radius,
         noise: p.estimator.noise,
-        centre: p.estimator.centre,
+        center: p.estimator.center,
         form: p.estimator.form,
         gate: p.estimator.gate,
         rejections_max: REJECTIONS_MAX,

@@ -1,4 +1,4 @@
-//! What the pushes of one centring teach about this ring and this machine.
+//! What the pushes of one centering teach about this ring and this machine.
 
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -12,6 +12,9 @@ use crate::predictive::tap::{Hammer, TapLaw};
 const CONTACT: GaussianEstimate = GaussianEstimate::new(0.0, 3e-5);
 const DEFLECTION: GaussianEstimate = GaussianEstimate::new(0.0, 1e-3);
 const RECOIL: GaussianEstimate = GaussianEstimate::new(0.0, 2e-6);
+/// Lateral ratio before the first push: lower than that of any machine, so that what remains of the eccentricity reaches
+/// the pusher after a quarter of a revolution and not after three.
+const LATERAL: GaussianEstimate = GaussianEstimate::new(0.05, 0.1);
 /// Scatter from push to push: contact (m), deflection (relative), recoil (m), lateral ratio.
 const CONTACT_SCATTER: f64 = 3e-7;
 const DEFLECTION_SCATTER: f64 = 0.1;
@@ -61,14 +64,8 @@ pub enum PushKind {
 
 impl LearnedParameters {
     /// Nothing learned.
-    pub fn new(p: &Parameters) -> Self {
-        Self {
-            contact: CONTACT,
-            deflection: DEFLECTION,
-            recoil: RECOIL,
-            lateral: GaussianEstimate::new(p.learn.lateral_start, p.learn.lateral_sigma),
-            tap: None,
-        }
+    pub fn new() -> Self {
+        Self { contact: CONTACT, deflection: DEFLECTION, recoil: RECOIL, lateral: LATERAL, tap: None }
     }
 
     /// Learns from the contact itself: deflection (m) and, if known, probe position (m) while the ring was pushed.
@@ -93,8 +90,8 @@ impl LearnedParameters {
     #[must_use]
     pub fn after(&self, p: &Parameters, last_push: &LastPush, ring: &RingModel) -> Self {
         let mut learned = self.clone();
-        let left = Rotation2::new(last_push.angle) * ring.centre();
-        let sigma = ring.centre_sigma();
+        let left = Rotation2::new(last_push.angle) * ring.center();
+        let sigma = ring.center_sigma();
         let moved = last_push.eccentricity - left.x;
         if p.learn.lateral && moved > MOVED * last_push.eccentricity {
             learned.lateral = self.sideways(last_push, left, moved, sigma);
@@ -102,7 +99,7 @@ impl LearnedParameters {
         match last_push.kind {
             PushKind::Push(reached) if p.learn.recoil => {
                 // where the surface was at the end of the stroke, against where it is now
-                let recoil = left.x - (ring.centred_line(last_push.angle) - reached);
+                let recoil = left.x - (ring.centered_line(last_push.angle) - reached);
                 learned.recoil = self.recoil.after(recoil, RECOIL_SCATTER + sigma);
             }
             PushKind::Push(_) => {}
@@ -138,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_push_that_does_not_reach_the_ring_is_followed_by_a_deeper_one() {
-        let mut learned = LearnedParameters::new(&P);
+        let mut learned = LearnedParameters::new();
         learned.missed(&P, P.probe.at_pusher + 7e-6);
         assert!((learned.contact.mean - 7e-6).abs() < 1e-15);
         // less deep tells nothing
@@ -150,10 +147,10 @@ mod tests {
     fn what_is_not_to_be_learned_stays() {
         let mut p = P;
         (p.learn.contact, p.learn.deflection) = (false, false);
-        let mut learned = LearnedParameters::new(&p);
+        let mut learned = LearnedParameters::new();
         learned.missed(&p, p.probe.at_pusher + 7e-6);
         learned.touched(&p, 1e-5, Some(p.probe.at_pusher + 5e-6));
-        assert_eq!(learned, LearnedParameters::new(&p));
+        assert_eq!(learned, LearnedParameters::new());
     }
 
     const ANGLE: f64 = 0.7;
@@ -161,7 +158,7 @@ mod tests {
 
     /// A ring that lies at (x, y) m in the world at the angle of the last push, known to 1 um.
     fn left(x: f64, y: f64) -> RingModel {
-        let assumed = Assumptions { radius: 0.05, noise: 2e-7, centre: 5e-3, form: 0.0, gate: 6.0, rejections_max: 5 };
+        let assumed = Assumptions { radius: 0.05, noise: 2e-7, center: 5e-3, form: 0.0, gate: 6.0, rejections_max: 5 };
         let mut ring = RingModel::new(assumed);
         ring.displaced(Rotation2::new(-ANGLE) * Vector2::new(x, y), 1e-6);
         ring
@@ -173,7 +170,7 @@ mod tests {
 
     #[test]
     fn where_the_ring_went_sideways_teaches_the_lateral_ratio() {
-        let learned = LearnedParameters::new(&P);
+        let learned = LearnedParameters::new();
         for sense in [1.0, -1.0] {
             let after = learned.after(&P, &push(sense, PushKind::Push(0.0)), &left(1e-5, -sense * 9e-6));
             // 9 um beside a way of 90 um, on the side to which the table turns
@@ -190,8 +187,8 @@ mod tests {
 
     #[test]
     fn where_the_ring_lies_after_the_stroke_teaches_the_recoil() {
-        let learned = LearnedParameters::new(&P);
-        // the surface was 3 um before the line of the centred ring, and is 5 um behind it
+        let learned = LearnedParameters::new();
+        // the surface was 3 um before the line of the centered ring, and is 5 um behind it
         let after = learned.after(&P, &push(1.0, PushKind::Push(-3e-6)), &left(5e-6, 0.0));
         let expected = learned.recoil.after(2e-6, 2e-7 + 1e-6);
         assert!(
@@ -204,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_tap_teaches_the_law_of_taps_and_no_recoil() {
-        let mut learned = LearnedParameters::new(&P);
+        let mut learned = LearnedParameters::new();
         learned.deflection.mean = 2e-4;
         let law = learned.prepare_tap(&P, P.slide.bandwidth);
         let servo = P.tap.slide_mass * P.slide.bandwidth.powi(2);
@@ -220,7 +217,7 @@ mod tests {
 
     #[test]
     fn the_touch_teaches_deflection_and_contact() {
-        let mut learned = LearnedParameters::new(&P);
+        let mut learned = LearnedParameters::new();
         let before = learned.clone();
         learned.touched(&P, 4e-6, Some(P.probe.at_pusher + 5e-6));
         assert_eq!(learned.deflection, before.deflection.after(4e-6, 0.4e-6 + 3e-7));

@@ -86,11 +86,11 @@ mod tests {
     use crate::predictive::ring_estimate::RingEstimate;
 
     const ASSUMED: Assumptions =
-        Assumptions { radius: 0.05, noise: 1e-7, centre: 5e-3, form: 2e-6, gate: 6.0, rejections_max: 5 };
+        Assumptions { radius: 0.05, noise: 1e-7, center: 5e-3, form: 2e-6, gate: 6.0, rejections_max: 5 };
 
     /// What is assumed, and a revolution of a ring that is 0.2 mm off with a lobe of 3 um, as its own model has it.
     fn revolution() -> (Prior, Vector<ANY>, Vec<(f64, f64)>) {
-        let told = RingEstimate::new(ASSUMED, Vector2::zeros(), ASSUMED.centre);
+        let told = RingEstimate::new(ASSUMED, Vector2::zeros(), ASSUMED.center);
         let mut state = Vector::zeros();
         (state[0], state[1], state[2], state[2 * 11]) = (0.07, 2e-4, -1e-4, 3e-6);
         let angles = (0..200).map(|k| std::f64::consts::TAU * f64::from(k) / 200.0);

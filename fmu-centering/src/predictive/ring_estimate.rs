@@ -57,19 +57,19 @@ pub struct RingEstimate<const N: usize> {
 
 /// What an estimate tells, whatever its number of states, and how it takes a measurement.
 pub trait Known {
-    /// b0: where the line of a round and centred ring is, m.
+    /// b0: where the line of a round and centered ring is, m.
     fn mean_line(&self) -> f64;
-    /// Centre of the ring in the table frame, m.
-    fn centre(&self) -> Vector2<f64>;
-    /// Covariance of the centre, m2.
-    fn centre_covariance(&self) -> Matrix2<f64>;
-    /// What y = s - q would be at `angle` (rad) with the centre of the ring on the axis of the spindle, m.
-    fn centred_line(&self, angle: f64) -> f64;
+    /// Center of the ring in the table frame, m.
+    fn center(&self) -> Vector2<f64>;
+    /// Covariance of the center, m2.
+    fn center_covariance(&self) -> Matrix2<f64>;
+    /// What y = s - q would be at `angle` (rad) with the center of the ring on the axis of the spindle, m.
+    fn centered_line(&self, angle: f64) -> f64;
     /// What y = s - q is expected to be at `angle` (rad), m.
     fn line(&self, angle: f64) -> f64;
     /// Standard deviation of what is measured from the model, in that of the noise, at least 1.
     fn misfit(&self) -> f64;
-    /// Whether the centre is so near to the point of linearisation that the curvature of the circle does not matter.
+    /// Whether the center is so near to the point of linearisation that the curvature of the circle does not matter.
     fn settled(&self) -> bool;
     /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
     fn observe(&mut self, angle: f64, y: f64) -> bool;
@@ -78,10 +78,10 @@ pub trait Known {
 }
 
 impl<const N: usize> RingEstimate<N> {
-    /// Of a ring whose centre is near `centre` (table frame, m), within `sigma` (m) in each coordinate; nothing else is known.
-    pub fn new(assumed: Assumptions, centre: Vector2<f64>, sigma: f64) -> Self {
+    /// Of a ring whose center is near `center` (table frame, m), within `sigma` (m) in each coordinate; nothing else is known.
+    pub fn new(assumed: Assumptions, center: Vector2<f64>, sigma: f64) -> Self {
         let mut mean = Vector::<N>::zeros();
-        mean.fixed_rows_mut::<2>(1).copy_from(&centre);
+        mean.fixed_rows_mut::<2>(1).copy_from(&center);
         let root = Matrix::from_diagonal(&assumed.sigmas(sigma));
         Self { assumed, now: Gaussian { mean, root }, linear: mean, misfit: 1.0 }
     }
@@ -99,13 +99,13 @@ impl<const N: usize> RingEstimate<N> {
         self.misfit = if count > 2 * N { misfit } else { self.misfit.max(misfit) };
     }
 
-    /// The ring was moved: its centre is now near `centre` (table frame, m), within `sigma` (m) in each coordinate; false where
+    /// The ring was moved: its center is now near `center` (table frame, m), within `sigma` (m) in each coordinate; false where
     /// rounding has left no covariance.
     ///
     /// What was taken for b0 and form where the ring was is less sure here: it has turned a little, and the radius is
     /// not known exactly.
-    pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) -> bool {
-        let way = (self.centre() - centre).norm();
+    pub fn displaced(&mut self, center: Vector2<f64>, sigma: f64) -> bool {
+        let way = (self.center() - center).norm();
         let doubt = TURN * way + RADIUS * way * way / (4.0 * self.assumed.radius);
         let mut covariance = self.now.root * self.now.root.transpose() * self.misfit.powi(2);
         for i in 0..N {
@@ -116,7 +116,7 @@ impl<const N: usize> RingEstimate<N> {
             covariance.column_mut(i).fill(0.0);
             covariance[(i, i)] = sigma.powi(2);
         }
-        self.now.mean.fixed_rows_mut::<2>(1).copy_from(&centre);
+        self.now.mean.fixed_rows_mut::<2>(1).copy_from(&center);
         self.linear = self.now.mean;
         let root = covariance.cholesky();
         root.is_some_and(|root| {
@@ -125,7 +125,7 @@ impl<const N: usize> RingEstimate<N> {
         })
     }
 
-    /// From the point of linearisation to the centre, m.
+    /// From the point of linearisation to the center, m.
     pub fn step(&self) -> Vector2<f64> {
         Vector2::new(self.now.mean[1] - self.linear[1], self.now.mean[2] - self.linear[2])
     }
@@ -139,7 +139,7 @@ impl<const N: usize> RingEstimate<N> {
     pub fn blur(&self, gradient: &Vector<N>) -> f64 {
         // c_y varies with the derivative of the gradient by the angle
         let side = Vector2::new(gradient[2], -gradient[1]);
-        0.5 * side.dot(&(self.centre_covariance() * side)) / self.assumed.radius + self.bend(&self.step())
+        0.5 * side.dot(&(self.center_covariance() * side)) / self.assumed.radius + self.bend(&self.step())
     }
 }
 
@@ -148,16 +148,16 @@ impl<const N: usize> Known for RingEstimate<N> {
         self.now.mean[0]
     }
 
-    fn centre(&self) -> Vector2<f64> {
+    fn center(&self) -> Vector2<f64> {
         self.now.mean.fixed_rows::<2>(1).into_owned()
     }
 
-    fn centre_covariance(&self) -> Matrix2<f64> {
+    fn center_covariance(&self) -> Matrix2<f64> {
         let rows = self.now.root.fixed_rows::<2>(1);
         rows * rows.transpose() * self.misfit.powi(2)
     }
 
-    fn centred_line(&self, angle: f64) -> f64 {
+    fn centered_line(&self, angle: f64) -> f64 {
         self.now.mean[0] - form(&self.now.mean, -angle)
     }
 

@@ -1,6 +1,6 @@
 //! What the probe sees of a ring: eq. 4 for an eccentric ring with lobes, and its gradient.
 //!
-//! State: b0, centre (c_x, c_y) in the table frame, cosine and sine of the form harmonics.
+//! State: b0, center (c_x, c_y) in the table frame, cosine and sine of the form harmonics.
 
 use nalgebra::SVector;
 
@@ -14,12 +14,12 @@ const LEVER_MAX: f64 = 0.9;
 /// The state, or a gradient by it.
 pub type Vector<const N: usize> = SVector<f64, N>;
 
-/// b0, centre, and two for each harmonic; the lowest is 2, since 1 is the centre.
+/// b0, center, and two for each harmonic; the lowest is 2, since 1 is the center.
 const fn states(highest: usize) -> usize {
     3 + 2 * (highest - 1)
 }
 
-/// y = b0 + r - (c_x + sqrt(R^2 - c_y^2)), eq. 4 with the centre in the world frame, of a ring of `radius` m at the
+/// y = b0 + r - (c_x + sqrt(R^2 - c_y^2)), eq. 4 with the center in the world frame, of a ring of `radius` m at the
 /// spindle angle (rad), for a state near the point of linearisation, and its gradient.
 pub fn line<const N: usize>(radius: f64, linear: &Vector<N>, angle: f64, state: &Vector<N>) -> (f64, Vector<N>) {
     let tangent = Tangent::new(radius, linear, angle);

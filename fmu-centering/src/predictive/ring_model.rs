@@ -1,4 +1,4 @@
-//! Recursive model of the ring: where its centre is, how far the line of measurement, and what form it has.
+//! Recursive model of the ring: where its center is, how far the line of measurement, and what form it has.
 //!
 //! One scalar measurement y = s - q at a time, through the exact geometry (`ring_line`), so that a part of a revolution is
 //! enough once b0 and the form are known, and all angles count at once. The covariance says how much is known.
@@ -148,9 +148,9 @@ impl RingModel {
 
     /// Begins to try whether a ring of any form explains what was measured; a few measurements are explained by any.
     fn widen(&mut self) {
-        let (centre, sigma) = self.ground.told();
+        let (center, sigma) = self.ground.told();
         let tell = self.history.len() > 2 * GROUND && self.widens();
-        self.any = tell.then(|| AnyForm::new(self.assumed, centre, sigma, &self.ground.estimate.now.mean));
+        self.any = tell.then(|| AnyForm::new(self.assumed, center, sigma, &self.ground.estimate.now.mean));
     }
 
     /// Begins to find out whether a ring that has more form than assumed, or is rougher, explains what was rejected; false where
@@ -170,7 +170,7 @@ impl RingModel {
     /// form than assumed: so few are explained by any roughness, too.
     fn waits(&self) -> bool {
         let few = self.any.is_none() && self.history.len() <= 2 * GROUND;
-        self.lost() && few && self.widens() && self.ground.told().1 >= self.assumed.centre
+        self.lost() && few && self.widens() && self.ground.told().1 >= self.assumed.center
     }
 
     /// Whether a ground ring that is rougher than assumed explains what was rejected; it is taken for such a one then.
@@ -193,14 +193,14 @@ impl RingModel {
         explained
     }
 
-    /// The ring was moved: its centre is now near `centre` (table frame, m), within `sigma` (m) in each coordinate.
-    pub fn displaced(&mut self, centre: Vector2<f64>, sigma: f64) {
+    /// The ring was moved: its center is now near `center` (table frame, m), within `sigma` (m) in each coordinate.
+    pub fn displaced(&mut self, center: Vector2<f64>, sigma: f64) {
         if self.tried() {
             self.any = None;
         }
         match &mut self.any {
-            Some(any) => any.displaced(centre, sigma),
-            None => self.ground.displaced(centre, sigma),
+            Some(any) => any.displaced(center, sigma),
+            None => self.ground.displaced(center, sigma),
         }
         self.history.clear();
     }
@@ -231,39 +231,39 @@ impl RingModel {
         self.known().misfit()
     }
 
-    /// Whether the centre is so near to the point of linearisation that the curvature of the circle does not matter.
+    /// Whether the center is so near to the point of linearisation that the curvature of the circle does not matter.
     pub fn settled(&self) -> bool {
         self.known().settled()
     }
 
-    /// b0: where the line of a round and centred ring is, m.
+    /// b0: where the line of a round and centered ring is, m.
     pub fn mean_line(&self) -> f64 {
         self.known().mean_line()
     }
 
-    /// Centre of the ring in the table frame, m.
-    pub fn centre(&self) -> Vector2<f64> {
-        self.known().centre()
+    /// Center of the ring in the table frame, m.
+    pub fn center(&self) -> Vector2<f64> {
+        self.known().center()
     }
 
-    /// Covariance of the centre, m2.
-    pub fn centre_covariance(&self) -> Matrix2<f64> {
-        self.known().centre_covariance()
+    /// Covariance of the center, m2.
+    pub fn center_covariance(&self) -> Matrix2<f64> {
+        self.known().center_covariance()
     }
 
     /// Eccentricity B, m.
     pub fn eccentricity(&self) -> f64 {
-        self.centre().norm()
+        self.center().norm()
     }
 
-    /// Standard deviation of the centre in the direction in which it is known least, m.
-    pub fn centre_sigma(&self) -> f64 {
-        self.centre_covariance().symmetric_eigenvalues().max().max(0.0).sqrt()
+    /// Standard deviation of the center in the direction in which it is known least, m.
+    pub fn center_sigma(&self) -> f64 {
+        self.center_covariance().symmetric_eigenvalues().max().max(0.0).sqrt()
     }
 
-    /// What y = s - q would be at `angle` (rad) with the centre of the ring on the axis of the spindle, m.
-    pub fn centred_line(&self, angle: f64) -> f64 {
-        self.known().centred_line(angle)
+    /// What y = s - q would be at `angle` (rad) with the center of the ring on the axis of the spindle, m.
+    pub fn centered_line(&self, angle: f64) -> f64 {
+        self.known().centered_line(angle)
     }
 
     /// What y = s - q is expected to be at `angle` (rad), m.

@@ -214,7 +214,7 @@ mod tests {
         let stroke = Stroke::plan(&rest(0.1), 0.116, 1e-3, &finish, &LIMITS);
         assert!((stroke.at(0.0).position - 0.1).abs() < 1e-12);
         assert_eq!((stroke.end(), stroke.at(-1.0).position), (0.116, stroke.at(0.0).position));
-        // the last millimetre: 8 um of braking, and before it 50 ms at 1 mm/s and 6 ms of easing
+        // the last millimeter: 8 um of braking, and before it 50 ms at 1 mm/s and 6 ms of easing
         let slow = stroke.duration() - finish.time(1e-3);
         let velocities = [1e-4, -1e-4, -0.0059, -0.0061, -0.0559, -0.0565].map(|late| stroke.at(slow + late).velocity);
         let eased = 4e-4 + 0.1 * 1e-4;

@@ -160,9 +160,9 @@ impl Reader {
         let lost = |guard: &JumpGuard| guard.doubted() > p.limits.lost_samples.unsigned_abs();
         let probe = lost(&self.probe) && self.sprung.count() == 0;
         let found = [
-            (lost(&self.slide), raw.slide, Fault::LostReading, Fault::ReadingJump),
-            (lost(&self.angle), raw.angle, Fault::LostSpindle, Fault::SpindleJump),
-            (probe, raw.probe, Fault::LostProbe, Fault::ProbeJump),
+            (lost(&self.slide), raw.slide, Fault::PositionLost, Fault::PositionJump),
+            (lost(&self.angle), raw.angle, Fault::SpindleLost, Fault::SpindleJump),
+            (probe, raw.probe, Fault::ProbeLost, Fault::ProbeJump),
         ];
         let (_, value, none, jump) = found.into_iter().find(|(lost, ..)| *lost)?;
         Some(if value.is_nan() { none } else { jump })
@@ -181,7 +181,7 @@ fn take(guard: &mut JumpGuard, raw: f64, reach: Reach, freedom: Freedom) -> bool
 }
 
 fn turning(p: &Parameters) -> Reach {
-    Reach { motion: SPEED_MAX * p.sample_period, spread: p.spindle_quantum }
+    Reach { motion: SPEED_MAX * p.sample_period, spread: p.spindle_resolution }
 }
 
 fn sliding(p: &Parameters) -> Reach {
@@ -220,9 +220,9 @@ mod tests {
         let good = at(1.0, 0.1, 0.01);
         for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             let spoilt = [
-                (at(nonsense, 0.1, 0.01), Fault::LostSpindle),
-                (at(1.0, 0.1, nonsense), Fault::LostProbe),
-                (at(1.0, nonsense, 0.01), Fault::LostReading),
+                (at(nonsense, 0.1, 0.01), Fault::SpindleLost),
+                (at(1.0, 0.1, nonsense), Fault::ProbeLost),
+                (at(1.0, nonsense, 0.01), Fault::PositionLost),
             ];
             for (bad, fault) in spoilt {
                 // before the first good one nothing stands in for it
@@ -245,7 +245,7 @@ mod tests {
         let inputs: Vec<Input> = (0..100).map(|k| at(1.0, slid(k), if k > 0 { f64::NAN } else { 0.01 })).collect();
         for (k, reading) in (0..).zip(read(&inputs)) {
             assert_eq!((reading.slide, reading.sample.unwrap().slide), (Some(slid(k)), slid(k)));
-            assert_eq!(reading.fault, (k > 3).then_some(Fault::LostProbe));
+            assert_eq!(reading.fault, (k > 3).then_some(Fault::ProbeLost));
         }
     }
 
@@ -280,7 +280,7 @@ mod tests {
         let good = at(1.0, 0.1, 0.01);
         let here = Sample { angle: 1.0, slide: 0.1, probe: 0.01 };
         let spoilt = [(at(3.0, 0.1, 0.01), Fault::SpindleJump), (at(1.0, 0.1, 0.02), Fault::ProbeJump)];
-        for (bad, fault) in spoilt.into_iter().chain([(at(1.0, 0.12, 0.01), Fault::ReadingJump)]) {
+        for (bad, fault) in spoilt.into_iter().chain([(at(1.0, 0.12, 0.01), Fault::PositionJump)]) {
             let readings = read(&[good.clone(), bad.clone(), bad.clone(), bad.clone(), bad, good.clone()]);
             for (k, reading) in readings.iter().enumerate() {
                 assert_eq!(reading.sample, Some(here), "{k}");

@@ -20,7 +20,7 @@ impl Spindle {
     pub fn new(p: &Parameters) -> Self {
         Self {
             period: p.sample_period,
-            quantum: p.spindle_quantum,
+            quantum: p.spindle_resolution,
             unwrapper: Unwrapper::default(),
             unwrapped: 0.0,
             line: AnchoredLine::new(p.ticks(p.spindle_window).max(2) as usize),

@@ -76,9 +76,9 @@ fn unknown_machines_are_measured_and_the_slide_keeps_to_its_way() {
         // what samples of 1 ms do to a servo of 50 Hz
         assert!((m.slide_bandwidth / (TAU * servo.frequency) - 1.0).abs() < 0.01, "{servo:?}: {m:?}");
         assert!((m.slide_damping / servo.damping - 1.0).abs() < 0.02, "{servo:?}: {m:?}");
-        assert!((m.slide_integral - servo.integral).abs() < 0.5 + 3.0 * m.slide_integral_deviation, "{servo:?}: {m:?}");
-        assert!((m.io_delay - servo.delay as f64).abs() < 0.02 + 3.0 * m.io_delay_deviation, "{servo:?}: {m:?}");
-        assert!(m.slide_bandwidth_deviation < 0.02 * m.slide_bandwidth && m.io_delay_deviation < 0.02, "{m:?}");
+        assert!((m.slide_integral - servo.integral).abs() < 0.5 + 3.0 * m.slide_integral_std, "{servo:?}: {m:?}");
+        assert!((m.io_delay - servo.delay as f64).abs() < 0.02 + 3.0 * m.io_delay_std, "{servo:?}: {m:?}");
+        assert!(m.slide_bandwidth_std < 0.02 * m.slide_bandwidth && m.io_delay_std < 0.02, "{m:?}");
         // 1.6 mm and what the slide goes beyond its setpoint: 1.7 a / w^2 at the damping 0.4
         assert!(back > -1.8e-4 && ahead < 1.6e-3 + 1.8e-4, "{servo:?}: {back} to {ahead} m");
         assert!(run.time() < 10.0 && run.ring.gap() > 0.06, "{} s", run.time());
@@ -95,10 +95,10 @@ fn the_deviations_are_those_of_servos_that_compute_in_steps_of_their_own() {
         commission(&mut run);
         let m = &run.output.measured;
         let found = [
-            (m.slide_bandwidth - TAU * servo.frequency, m.slide_bandwidth_deviation),
-            (m.slide_damping - servo.damping, m.slide_damping_deviation),
-            (m.slide_integral - servo.integral, m.slide_integral_deviation),
-            (m.io_delay - servo.delay as f64, m.io_delay_deviation),
+            (m.slide_bandwidth - TAU * servo.frequency, m.slide_bandwidth_std),
+            (m.slide_damping - servo.damping, m.slide_damping_std),
+            (m.slide_integral - servo.integral, m.slide_integral_std),
+            (m.io_delay - servo.delay as f64, m.io_delay_std),
         ];
         errors.iter_mut().zip(found).for_each(|(errors, (error, deviation))| errors.push(error / deviation));
     }
@@ -126,12 +126,12 @@ fn what_was_measured_is_used_on_request_and_kept_in_a_file() {
         let told = std::fs::read_to_string(&p.commission.export).unwrap();
         let found = format!("\"slide.bandwidth\": {:e},", run.output.measured.slide_bandwidth);
         assert!(told.contains(&found) && told.contains("\"io_delay\": 2"), "{told} {found}");
-        // with what was told the ring is not centred sooner
+        // with what was told the ring is not centered sooner
         let measured = run.output.measured;
         run.step_with(rest);
-        let centred = run.run_to(State::Centred, run.time() + 30.0);
-        assert!(centred || !apply, "{:?}", run.output);
-        assert!(!centred || run.ring.eccentricity() < 2.65e-6);
+        let centered = run.run_to(State::Centered, run.time() + 30.0);
+        assert!(centered || !apply, "{:?}", run.output);
+        assert!(!centered || run.ring.eccentricity() < 2.65e-6);
         // the way to the ring tells less
         assert_eq!(run.output.measured, measured);
     }
@@ -281,10 +281,10 @@ fn a_servo_that_swings_or_creeps_is_rejected() {
 fn a_drive_that_is_lost_or_turns_round_is_found_at_once() {
     // in the first stroke there is no answer before it; later the slide has come half of its way and stands or turns
     for (time, lost, turned) in [
-        (0.0, &[Fault::FrozenReading, Fault::WeakDrive][..], &[Fault::DriveSign][..]),
+        (0.0, &[Fault::PositionFrozen, Fault::WeakDrive][..], &[Fault::DriveSign][..]),
         (
             2.0,
-            &[Fault::FrozenReading, Fault::WeakDrive, Fault::FollowingError],
+            &[Fault::PositionFrozen, Fault::WeakDrive, Fault::FollowingError],
             &[Fault::DriveSign, Fault::FollowingError],
         ),
     ] {
@@ -329,10 +329,10 @@ fn a_round_with_a_lost_reading_is_done_again_and_too_many_end_it() {
 fn every_other_reading_that_is_lost_ends_it_by_its_name() {
     type Spoil = fn(&mut Input);
     let spoils: [(Spoil, Fault); 4] = [
-        (|input| input.slide_position = f64::NAN, Fault::LostReading),
-        (|input| input.slide_position += 0.01, Fault::ReadingJump),
-        (|input| input.probe_position = f64::NAN, Fault::LostProbe),
-        (|input| input.spindle_angle = f64::NAN, Fault::LostSpindle),
+        (|input| input.slide_position = f64::NAN, Fault::PositionLost),
+        (|input| input.slide_position += 0.01, Fault::PositionJump),
+        (|input| input.probe_position = f64::NAN, Fault::ProbeLost),
+        (|input| input.spindle_angle = f64::NAN, Fault::SpindleLost),
     ];
     for (spoil, fault) in spoils {
         let mut run = machine(&P, TOLD);

@@ -41,7 +41,7 @@ fn enable_again_on_the_way_back_begins_anew() {
     (0..100).for_each(|_| run.step_with(|input| input.enable = false));
     run.step();
     assert_eq!(run.output.state, State::Approach);
-    assert!(run.run_to(State::Centred, 90.0), "{:?}", run.output);
+    assert!(run.run_to(State::Centered, 90.0), "{:?}", run.output);
     (0..3000).for_each(|_| run.step_with(|input| input.enable = false));
     assert!(run.output.slide.position_setpoint.abs() < 1e-6, "{} m", run.output.slide.position_setpoint);
 }
@@ -51,7 +51,7 @@ fn faulted() -> Loop {
     let mut run = running(&P, State::Wait);
     run.spoil(|input| input.probe_position = f64::NAN);
     (0..3000).for_each(|_| run.step());
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostProbe));
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::ProbeLost));
     run
 }
 
@@ -78,7 +78,7 @@ fn nothing_moves_after_a_reset_until_enable_rises_anew() {
     stands(&mut run, State::Idle, |input| input.enable = false);
     run.step();
     assert_eq!((run.output.state, run.output.fault), (State::Approach, Fault::None));
-    assert!(run.run_to(State::Centred, 90.0));
+    assert!(run.run_to(State::Centered, 90.0));
 }
 
 #[test]

@@ -11,15 +11,15 @@ const P: Parameters = Parameters::PAPER;
 
 #[test]
 fn nonsense_from_probe_or_spindle_ends_behind_the_way_back() {
-    for state in [State::Approach, State::Collect, State::Wait, State::Push, State::Centred] {
+    for state in [State::Approach, State::Collect, State::Wait, State::Push, State::Centered] {
         let good = running(&P, state);
         for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             let mut run = good.clone();
             run.spoil(|input| input.probe_position = nonsense);
-            retreats(run, Fault::LostProbe, 0.0);
+            retreats(run, Fault::ProbeLost, 0.0);
             let mut run = good.clone();
             run.spoil(|input| input.spindle_angle = nonsense);
-            retreats(run, Fault::LostSpindle, 0.0);
+            retreats(run, Fault::SpindleLost, 0.0);
         }
     }
 }
@@ -31,7 +31,7 @@ fn a_slide_that_does_not_know_where_it_is_loses_its_drive() {
         run.spoil(|input| input.slide_position = f64::NAN);
         for k in 0..1000 {
             run.step_with(|input| input.slide_position = f64::NAN);
-            assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostReading), "{k}");
+            assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::PositionLost), "{k}");
             assert!(finite(&run.output) && !run.output.drive_enable && run.output.slide.velocity_setpoint == 0.0);
         }
     }
@@ -43,9 +43,9 @@ fn one_jump_of_an_encoder_is_bridged_and_a_lasting_one_has_a_name_but_not_while_
     let jumps: [Jump; 3] = [
         (|input| input.spindle_angle += 2.0, Fault::SpindleJump),
         (|input| input.probe_position -= 0.01, Fault::ProbeJump),
-        (|input| input.slide_position += 0.01, Fault::ReadingJump),
+        (|input| input.slide_position += 0.01, Fault::PositionJump),
     ];
-    for state in [State::Collect, State::Wait, State::Push, State::Centred] {
+    for state in [State::Collect, State::Wait, State::Push, State::Centered] {
         let good = running(&P, state);
         for (jump, fault) in jumps {
             let (mut run, mut calm) = (good.clone(), good.clone());

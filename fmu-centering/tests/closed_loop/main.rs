@@ -1,4 +1,4 @@
-//! The controller in closed loop with a ring: centring, laws, faults, enable and reset, hostile inputs, state bytes.
+//! The controller in closed loop with a ring: centering, laws, faults, enable and reset, hostile inputs, state bytes.
 
 mod centering;
 mod commission;

@@ -7,13 +7,13 @@ use crate::run::{Loop, running};
 
 const P: Parameters = Parameters::START;
 
-/// Steps with changed inputs to a fault within 10 s; the ring must neither be called centred nor be moved outwards.
+/// Steps with changed inputs to a fault within 10 s; the ring must neither be called centered nor be moved outwards.
 fn faulted(mut run: Loop, fault: Fault, change: impl Fn(u32, &mut Input)) -> Loop {
     let begin = run.ring.eccentricity();
     for k in 0..10_000 {
         run.step_with(|input| change(k, input));
-        assert!(run.output.state != State::Centred, "{:?}", run.output);
-        assert!(run.ring.eccentricity() < begin + 1e-6, "{k}: {begin} m, {:?} {:?}", run.output, run.ring.centre);
+        assert!(run.output.state != State::Centered, "{:?}", run.output);
+        assert!(run.ring.eccentricity() < begin + 1e-6, "{k}: {begin} m, {:?} {:?}", run.output, run.ring.center);
         if run.output.state == State::Fault {
             assert_eq!(run.output.fault, fault, "{:?}", run.output);
             return run;
@@ -23,24 +23,24 @@ fn faulted(mut run: Loop, fault: Fault, change: impl Fn(u32, &mut Input)) -> Loo
 }
 
 #[test]
-fn the_default_law_centres() {
+fn the_default_law_centers() {
     for (seed, eccentricity, sense) in [(1, 2e-4, 1.0), (2, 5e-4, -1.0), (3, 3e-3, 1.0)] {
         let mut ring = Ring::new(seed, eccentricity, 0.5);
         ring.speed *= sense;
         let mut run = Loop::new(&P, ring);
-        assert!(run.run_to(State::Centred, 20.0), "{:?}", run.output);
+        assert!(run.run_to(State::Centered, 20.0), "{:?}", run.output);
         assert!(run.ring.eccentricity() < P.tolerance, "{} m", run.ring.eccentricity());
-        assert!((run.output.monitor.probe_share - 1.0).abs() < 0.01 && run.output.drive_enable);
+        assert!((run.output.monitor.probe_gain_ratio - 1.0).abs() < 0.01 && run.output.drive_enable);
     }
 }
 
 #[test]
-fn a_jammed_probe_is_never_a_centred_ring_however_coarse_it_is() {
+fn a_jammed_probe_is_never_a_centered_ring_however_coarse_it_is() {
     for state in [State::Follow, State::Collect, State::Wait, State::Settle] {
         let run = running(&P, state);
         let jammed = AT_PUSHER - run.output.pusher_gap;
         for bit in [0.0, 5e-8, 1e-6, 5e-6] {
-            faulted(run.clone(), Fault::FrozenProbe, |k, input| {
+            faulted(run.clone(), Fault::ProbeFrozen, |k, input| {
                 input.probe_position = jammed + if k % 2 == 0 { bit } else { 0.0 };
             });
         }
@@ -52,18 +52,18 @@ fn a_probe_with_another_scale_pushes_nothing() {
     for scale in [0.7, 1.4] {
         let mut run = Loop::new(&P, Ring::new(1, 5e-4, 0.5));
         (0..5).for_each(|_| run.step());
-        faulted(run, Fault::FrozenProbe, |_, input| input.probe_position *= scale);
+        faulted(run, Fault::ProbeFrozen, |_, input| input.probe_position *= scale);
     }
 }
 
-/// What ends a centring at 45 rpm whose probe is `late` samples late from `state` on, and the eccentricity then, m.
+/// What ends a centering at 45 rpm whose probe is `late` samples late from `state` on, and the eccentricity then, m.
 fn with_late_probe(late: usize, state: State) -> (Fault, f64) {
     let mut ring = Ring::new(1, 5e-4, 0.5);
     ring.speed = 4.71;
     let mut run = Loop::new(&P, ring);
     assert!(run.run_to(state, 10.0), "{:?}", run.output);
     let mut told = std::collections::VecDeque::new();
-    while !matches!(run.output.state, State::Fault | State::Centred) {
+    while !matches!(run.output.state, State::Fault | State::Centered) {
         run.step_with(|input| {
             told.push_front(input.probe_position);
             told.truncate(late + 1);
@@ -78,7 +78,7 @@ fn with_late_probe(late: usize, state: State) -> (Fault, f64) {
 fn a_probe_that_is_late_is_named_before_and_after_a_push() {
     for (late, state) in [(5, State::Approach), (5, State::Push), (10, State::Push)] {
         let (fault, eccentricity) = with_late_probe(late, state);
-        assert_eq!(fault, Fault::LateProbe, "{late} {state:?}");
+        assert_eq!(fault, Fault::ProbeDelayed, "{late} {state:?}");
         assert!(eccentricity < 5.1e-4, "{eccentricity} m");
     }
     assert_eq!(with_late_probe(0, State::Approach).0, Fault::None);
@@ -97,9 +97,9 @@ fn a_slide_that_is_late_is_named() {
             told.truncate(6);
             input.slide_position = *told.back().unwrap();
         });
-        assert!(run.time() < 30.0 && run.output.state != State::Centred, "{:?}", run.output);
+        assert!(run.time() < 30.0 && run.output.state != State::Centered, "{:?}", run.output);
     }
-    assert_eq!(run.output.fault, Fault::LateReading);
+    assert_eq!(run.output.fault, Fault::PositionDelayed);
     assert!((run.output.numbers.probe_delay + 5e-3).abs() < 1e-4, "{:?}", run.output.numbers);
 }
 
@@ -118,18 +118,18 @@ fn a_pusher_that_meets_the_ring_too_early_is_named_with_its_place() {
 fn an_encoder_of_the_slide_that_stands_ends_a_stroke_before_the_ring() {
     let run = running(&P, State::Push);
     let stands = run.output.slide.position_setpoint;
-    let run = faulted(run, Fault::FrozenReading, |_, input| input.slide_position = stands);
+    let run = faulted(run, Fault::PositionFrozen, |_, input| input.slide_position = stands);
     assert!(!run.output.drive_enable && run.ring.gap() > 5e-3, "{} m", run.ring.gap());
 }
 
 #[test]
-fn a_centring_that_is_too_long_ends_with_a_name() {
+fn a_centering_that_is_too_long_ends_with_a_name() {
     let mut p = P;
-    p.limits.job_time = 2.0;
+    p.limits.cycle_time = 2.0;
     let mut run = Loop::new(&p, Ring::new(1, 5e-4, 0.5));
     assert!(run.run_to(State::Fault, 5.0), "{:?}", run.output);
     assert_eq!(run.output.fault, Fault::NoProgress);
-    assert!((2.0..2.003).contains(&run.output.monitor.job_time), "{}", run.output.monitor.job_time);
+    assert!((2.0..2.003).contains(&run.output.monitor.cycle_time), "{}", run.output.monitor.cycle_time);
 }
 
 #[test]
@@ -137,9 +137,9 @@ fn a_second_fault_on_the_way_back_switches_the_drive_off_and_a_lighter_one_does_
     let mut run = running(&P, State::Wait);
     run.spoil(|input| input.probe_position = f64::NAN);
     (0..50).for_each(|_| run.step());
-    assert!(run.output.fault == Fault::LostProbe && run.output.drive_enable);
+    assert!(run.output.fault == Fault::ProbeLost && run.output.drive_enable);
     run.spoil(|input| input.slide_position = f64::NAN);
-    let lost = |run: &Loop| run.output.fault == Fault::LostReading && !run.output.drive_enable;
+    let lost = |run: &Loop| run.output.fault == Fault::PositionLost && !run.output.drive_enable;
     assert!(lost(&run), "{:?}", run.output);
     run.spoil(|input| input.probe_position = f64::NAN);
     assert!(lost(&run), "{:?}", run.output);
@@ -155,7 +155,7 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
     let spoilt = || {
         let mut run = running(&P, State::Wait);
         run.spoil(|input| input.probe_position = f64::NAN);
-        assert_eq!(run.output.fault, Fault::LostProbe);
+        assert_eq!(run.output.fault, Fault::ProbeLost);
         run
     };
     // a good slide goes back, with the probe dead all the way and when it comes to life
@@ -163,7 +163,7 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
         let mut run = spoilt();
         (0..dead).for_each(|_| run.step_with(|input| input.probe_position = f64::NAN));
         (0..2000).for_each(|_| run.step());
-        assert_eq!(run.output.fault, Fault::LostProbe, "{:?}", run.output);
+        assert_eq!(run.output.fault, Fault::ProbeLost, "{:?}", run.output);
         assert!(run.output.slide.position_setpoint.abs() < 1e-6);
     }
     // one that stands does not
@@ -171,12 +171,12 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
     let stands = run.ring.slide();
     let slide_stands = |input: &mut Input| (input.probe_position, input.slide_position) = (f64::NAN, stands);
     (0..100).for_each(|_| run.step_with(slide_stands));
-    assert!(run.output.fault == Fault::FrozenReading && !run.output.drive_enable, "{:?}", run.output);
+    assert!(run.output.fault == Fault::PositionFrozen && !run.output.drive_enable, "{:?}", run.output);
 }
 
 #[test]
 fn a_probe_that_is_off_for_good_after_a_model_has_a_name_before_the_next_push() {
-    // the pusher of the paper's law is half a millimetre before the ring
+    // the pusher of the paper's law is half a millimeter before the ring
     let near = [2e-4, -2e-4, 4e-4, 3e-3, -3e-3];
     let far = [2e-4, -2e-4, 8e-4, -8e-4, 3e-3, -3e-3];
     for (p, offsets) in [(P, &far[..]), (Parameters::PAPER, &near[..])] {
@@ -190,7 +190,7 @@ fn a_probe_that_is_off_for_good_after_a_model_has_a_name_before_the_next_push() 
 }
 
 #[test]
-fn a_probe_that_loses_the_ring_in_a_stroke_ends_it_and_the_ring_is_centred_later() {
+fn a_probe_that_loses_the_ring_in_a_stroke_ends_it_and_the_ring_is_centered_later() {
     let push = running(&P, State::Push);
     for (after, free) in [(5, 10), (5, 80), (60, 30), (150, 6), (150, 50)] {
         let mut run = push.clone();
@@ -204,7 +204,7 @@ fn a_probe_that_loses_the_ring_in_a_stroke_ends_it_and_the_ring_is_centred_later
             before = run.output.slide;
         }
         assert_eq!(run.output.state, State::Settle, "{after}, {free}");
-        assert!(run.run_to(State::Centred, run.time() + 20.0), "{:?}", run.output);
+        assert!(run.run_to(State::Centered, run.time() + 20.0), "{:?}", run.output);
         assert!(run.ring.eccentricity() < P.tolerance);
     }
 }
@@ -217,8 +217,8 @@ fn a_ring_that_turns_fast_spoils_no_test_of_the_probe() {
         let mut ring = Ring::new(1, 3e-4, phase);
         ring.speed *= 5.0;
         let mut run = Loop::new(&p, ring);
-        assert!(run.run_to(State::Centred, 20.0), "{:?}", run.output);
-        assert!((run.output.monitor.probe_share - 1.0).abs() < 0.05, "{}", run.output.monitor.probe_share);
+        assert!(run.run_to(State::Centered, 20.0), "{:?}", run.output);
+        assert!((run.output.monitor.probe_gain_ratio - 1.0).abs() < 0.05, "{}", run.output.monitor.probe_gain_ratio);
     }
 }
 
@@ -227,8 +227,8 @@ fn a_probe_that_answers_seven_tenths_of_its_test_is_not_believed() {
     let run = running(&P, State::Confirm);
     let rest = AT_PUSHER - run.output.pusher_gap;
     let answers = |_, input: &mut Input| input.probe_position = rest + 0.7 * (input.probe_position - rest);
-    let run = faulted(run, Fault::FrozenProbe, answers);
-    assert!((run.output.monitor.probe_share - 0.7).abs() < 0.02, "{}", run.output.monitor.probe_share);
+    let run = faulted(run, Fault::ProbeFrozen, answers);
+    assert!((run.output.monitor.probe_gain_ratio - 0.7).abs() < 0.02, "{}", run.output.monitor.probe_gain_ratio);
 }
 
 #[test]
@@ -252,7 +252,7 @@ fn a_coarse_probe_that_is_frozen_as_it_touches_does_not_let_the_pusher_meet_the_
         while AT_PUSHER - run.ring.gap() < frozen {
             run.step_with(|input| input.probe_position = (input.probe_position / 5e-6).round() * 5e-6);
         }
-        let run = faulted(run, Fault::FrozenProbe, |_, input| input.probe_position = frozen);
+        let run = faulted(run, Fault::ProbeFrozen, |_, input| input.probe_position = frozen);
         assert!(run.ring.gap() > 5e-3, "{} m", run.ring.gap());
     }
 }

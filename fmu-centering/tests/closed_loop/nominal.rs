@@ -9,10 +9,10 @@ use rand_pcg::Pcg64Mcg;
 use crate::ring::{Ring, SPEED};
 use crate::run::Loop;
 
-/// Time for which a centred ring is watched, s.
+/// Time for which a centered ring is watched, s.
 const LINGER: f64 = 2.0;
 
-/// Centres rings of the paper's eccentricities at 20 to 45 rpm in both directions for so long, and tells how many.
+/// Centers rings of the paper's eccentricities at 20 to 45 rpm in both directions for so long, and tells how many.
 fn rings_without_a_fault(hours: f64) -> u32 {
     let mut random = Pcg64Mcg::seed_from_u64(71_001);
     let (mut done, mut rings) = (0.0, 0);
@@ -21,13 +21,13 @@ fn rings_without_a_fault(hours: f64) -> u32 {
         let direction = if random.random() { 1.0 } else { -1.0 };
         ring.speed = direction * SPEED * random.random_range(1.0..2.25);
         let mut run = Loop::new(&Parameters::START, ring);
-        assert!(run.run_to(State::Centred, 60.0), "ring {rings}: {:?}", run.output);
+        assert!(run.run_to(State::Centered, 60.0), "ring {rings}: {:?}", run.output);
         assert!(run.ring.eccentricity() < 3e-6, "ring {rings}: {} m", run.ring.eccentricity());
         let end = run.time() + LINGER;
         while run.time() < end {
             run.step();
         }
-        assert_eq!(run.output.state, State::Centred, "ring {rings}: {:?}", run.output.fault);
+        assert_eq!(run.output.state, State::Centered, "ring {rings}: {:?}", run.output.fault);
         (done, rings) = (done + run.time(), rings + 1);
     }
     rings

@@ -21,7 +21,7 @@ const DT: f64 = STEP / SUBSTEPS as f64;
 const SERVO_TIME: f64 = 4e-3;
 /// Collapse of the probe at which the pusher touches, m.
 pub const AT_PUSHER: f64 = 0.020;
-/// Distance of the pusher from a centred ring at the start, m.
+/// Distance of the pusher from a centered ring at the start, m.
 const START_GAP: f64 = 0.070;
 const SLIDE_STEP: f64 = 20e-9;
 const PROBE_STEP: f64 = 50e-9;
@@ -56,8 +56,8 @@ pub struct Ring {
     random: Pcg64Mcg,
     /// Outer radius, m.
     pub radius: f64,
-    /// Centre in the table frame, m.
-    pub centre: [f64; 2],
+    /// Center in the table frame, m.
+    pub center: [f64; 2],
     /// Whether there is a ring.
     pub present: bool,
     /// Speed of the spindle, rad/s.
@@ -86,7 +86,7 @@ impl Ring {
         Self {
             random: Pcg64Mcg::seed_from_u64(seed),
             radius: 0.05,
-            centre: [eccentricity * phase.cos(), eccentricity * phase.sin()],
+            center: [eccentricity * phase.cos(), eccentricity * phase.sin()],
             present: true,
             speed: SPEED,
             angle: 0.0,
@@ -101,9 +101,9 @@ impl Ring {
         }
     }
 
-    /// Distance of the ring's centre from the spindle axis, m.
+    /// Distance of the ring's center from the spindle axis, m.
     pub fn eccentricity(&self) -> f64 {
-        self.centre[0].hypot(self.centre[1])
+        self.center[0].hypot(self.center[1])
     }
 
     /// Gap between pusher and ring, negative where they overlap, m.
@@ -161,7 +161,7 @@ impl Ring {
             let cosine = (1.0 - sine * sine).sqrt();
             let [along, across] = [-cosine - drag * sine, sine - drag * cosine];
             let share = way / (across * sine / cosine - along);
-            self.centre = turned([x + share * along, y + share * across], -self.angle);
+            self.center = turned([x + share * along, y + share * across], -self.angle);
         }
     }
 
@@ -175,7 +175,7 @@ impl Ring {
     }
 
     fn world(&self) -> [f64; 2] {
-        turned(self.centre, self.angle)
+        turned(self.center, self.angle)
     }
 
     /// Place of the surface on the line of the slide, m; far away without a ring.

@@ -102,10 +102,10 @@ pub fn finite(o: &Output) -> bool {
     let reals = [
         o.slide.position_setpoint,
         o.slide.velocity_setpoint,
-        o.time_to_centre,
+        o.time_to_center,
         o.eccentricity,
         o.eccentricity_angle,
-        o.eccentricity_sigma,
+        o.eccentricity_std,
         o.spindle_speed,
         o.pusher_gap,
         o.push.distance,

@@ -7,13 +7,13 @@ use crate::run::Loop;
 
 const P: Parameters = Parameters::PAPER;
 
-/// Continues a loop in `state` from its bytes beside itself, to the end of the centring.
+/// Continues a loop in `state` from its bytes beside itself, to the end of the centering.
 fn continued(p: &Parameters, state: State) {
     let mut run = Loop::new(p, Ring::new(1, 2e-4, 0.5));
     assert!(run.run_to(state, 60.0));
     (0..20).for_each(|_| run.step());
     let mut copy = run.reloaded();
-    while run.output.state != State::Centred {
+    while run.output.state != State::Centered {
         run.step();
         copy.step();
         assert_eq!(copy.output, run.output);

@@ -42,14 +42,14 @@ fn verdict(e: f64, turns: f64) -> Verdict {
 }
 
 #[test]
-fn centred_is_told_after_a_revolution_and_with_its_doubt_within_the_tolerance() {
-    assert_eq!([0.9, 1.01].map(|turns| verdict(1e-6, turns)), [Verdict::Measure, Verdict::Centred]);
+fn centered_is_told_after_a_revolution_and_with_its_doubt_within_the_tolerance() {
+    assert_eq!([0.9, 1.01].map(|turns| verdict(1e-6, turns)), [Verdict::Measure, Verdict::Centered]);
     // 2.5 um less 3 standard deviations of 20 nm
-    assert_eq!([2.4e-6, 2.48e-6].map(|e| verdict(e, 1.01)), [Verdict::Centred, Verdict::Push]);
+    assert_eq!([2.4e-6, 2.48e-6].map(|e| verdict(e, 1.01)), [Verdict::Centered, Verdict::Push]);
 }
 
 #[test]
-fn a_ring_that_is_surely_off_is_pushed_early_and_one_that_may_be_centred_is_measured() {
+fn a_ring_that_is_surely_off_is_pushed_early_and_one_that_may_be_centered_is_measured() {
     assert_eq!([1e-4, 2e-6].map(|e| verdict(e, 0.6)), [Verdict::Push, Verdict::Measure]);
     let mut p = P;
     p.estimator.partial = false;
@@ -76,7 +76,7 @@ fn the_ring_is_measured_on_its_own_only() {
         Some(LastPush { eccentricity: 1e-4, angle: 0.0, sense: 1.0, lateral: 0.0, kind: PushKind::Tap(0.1) });
     law.enter(&P, State::Settle, &now(State::Settle, 1e-4, 0.0));
     let spread = (1e-4 * SPREAD + SPREAD_MIN).abs();
-    assert!((law.ring.centre_sigma() - spread).abs() < 1e-12 && law.turned == 0.0);
+    assert!((law.ring.center_sigma() - spread).abs() < 1e-12 && law.turned == 0.0);
     let first = (0..100).find(|k| {
         law.observe(&P, &now(State::Settle, 1e-6, 0.01 * f64::from(*k)));
         law.since.is_some()
@@ -151,7 +151,7 @@ fn a_stroke_is_over_when_its_press_is() {
 }
 
 #[test]
-fn a_stroke_ends_at_the_line_of_the_centred_ring_with_what_was_learned() {
+fn a_stroke_ends_at_the_line_of_the_centered_ring_with_what_was_learned() {
     let mut law = pressing(1e-4, 0.0, 0.02);
     (law.learned.recoil.mean, law.learned.contact.mean, law.learned.deflection.mean) = (3e-6, 5e-6, 1.1e-5);
     assert!((law.offset() - 1.9e-5).abs() < 1e-18);
@@ -160,7 +160,7 @@ fn a_stroke_ends_at_the_line_of_the_centred_ring_with_what_was_learned() {
         let mut p = P;
         p.learn.deflection = deflection;
         let goal = Goal {
-            line: law.ring.centred_line(1.0) + 3e-6,
+            line: law.ring.centered_line(1.0) + 3e-6,
             contact: p.probe.at_pusher + 5e-6,
             deflection: if deflection { 1.1e-5 } else { 0.0 },
         };
@@ -178,7 +178,7 @@ fn a_stroke_ends_at_the_line_of_the_centred_ring_with_what_was_learned() {
 #[test]
 fn the_ring_is_told_when_it_is_known_and_only_while_it_is_measured() {
     let mut law = seen(1e-4, 1.01);
-    for state in [State::Follow, State::Push, State::Settle, State::Confirm, State::Centred] {
+    for state in [State::Follow, State::Push, State::Settle, State::Confirm, State::Centered] {
         assert!(law.conclude(&P, &now(state, 1e-4, 1.0)).is_none(), "{state:?}");
     }
     let mut early = now(State::Wait, 1e-4, 1.0);
@@ -187,8 +187,8 @@ fn the_ring_is_told_when_it_is_known_and_only_while_it_is_measured() {
     for state in [State::Collect, State::Wait] {
         let (estimate, verdict) = law.conclude(&P, &now(state, 1e-4, 1.0)).unwrap().unwrap();
         let estimate = estimate.unwrap();
-        assert!((estimate.centre.eccentricity() - 1e-4).abs() < 1e-7 && verdict == Verdict::Push);
-        assert_eq!((estimate.mean, estimate.sigma), (law.ring.mean_line(), law.ring.centre_sigma()));
+        assert!((estimate.center.eccentricity() - 1e-4).abs() < 1e-7 && verdict == Verdict::Push);
+        assert_eq!((estimate.mean, estimate.sigma), (law.ring.mean_line(), law.ring.center_sigma()));
     }
     // nothing is told of a ring that was hardly seen
     let mut law = seen(1e-4, 0.05);
@@ -199,7 +199,7 @@ fn the_ring_is_told_when_it_is_known_and_only_while_it_is_measured() {
 #[test]
 fn a_ring_is_certain_within_a_share_of_its_eccentricity() {
     let mut law = seen(1e-4, 1.01);
-    let share = law.ring.centre_sigma() / law.ring.eccentricity();
+    let share = law.ring.center_sigma() / law.ring.eccentricity();
     for (of, known) in [(1.01, true), (0.99, false)] {
         let mut p = P;
         p.estimator.certainty = of * share;
@@ -262,7 +262,7 @@ fn a_push_that_was_felt_teaches_and_one_that_was_not_seen_does_not() {
         let mut law = pushed(way);
         let reached = law.seen.unwrap().tip;
         law.enter(&P, State::Settle, &settle);
-        assert_eq!(law.learned.deflection == LearnedParameters::new(&P).deflection, !felt, "{way}");
+        assert_eq!(law.learned.deflection == LearnedParameters::new().deflection, !felt, "{way}");
         assert!((law.learned.contact.mean - 7e-6).abs() < 1e-8);
         let last = law.last_push.unwrap();
         assert_eq!((last.kind, last.angle), (PushKind::Push(reached), 1.0));
@@ -270,16 +270,16 @@ fn a_push_that_was_felt_teaches_and_one_that_was_not_seen_does_not() {
     let mut law = pushed(3.1e-5);
     law.seen = None;
     law.enter(&P, State::Settle, &settle);
-    assert!(law.last_push.is_none() && law.learned == LearnedParameters::new(&P));
+    assert!(law.last_push.is_none() && law.learned == LearnedParameters::new());
 }
 
 #[test]
-fn a_centred_ring_and_one_to_be_pushed_are_told_apart_by_their_doubt() {
+fn a_centered_ring_and_one_to_be_pushed_are_told_apart_by_their_doubt() {
     let law = seen(2e-6, 1.01);
     let told = |sigma: f64, certain: bool| law.verdict(&P, SPEED, sigma, certain);
     // 2.5 um less the eccentricity over three standard deviations
     let most = (P.tolerance - law.ring.eccentricity()) / P.estimator.margin;
-    assert_eq!([0.99, 1.01].map(|share| told(share * most, true)), [Verdict::Centred, Verdict::Push]);
+    assert_eq!([0.99, 1.01].map(|share| told(share * most, true)), [Verdict::Centered, Verdict::Push]);
     // half a revolution: what a whole one will leave in doubt, of 66 Hz x 3 s
     let half = seen(2.4e-6, 0.5);
     let doubt = P.estimator.noise * half.ring.misfit() * (2.0 / (P.rates.collect * 3.0)).sqrt();
@@ -380,7 +380,7 @@ fn a_ring_that_waits_for_measurements_is_not_judged_because_one_of_them_fits() {
             law.observe(&p, &rough);
             waited += u32::from(law.ring.lost());
             if matches!(law.conclude(&p, &rough), Some(Ok((Some(_), Verdict::Push)))) && waited > 0 {
-                let error = (law.ring.centre() - Vector2::new(5e-4, 0.0)).norm();
+                let error = (law.ring.center() - Vector2::new(5e-4, 0.0)).norm();
                 assert!(k >= 26 && error < p.estimator.certainty * 5e-4, "{waves} waves, {k}: {error} m");
                 break;
             }

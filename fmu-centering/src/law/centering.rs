@@ -1,8 +1,8 @@
-//! What a law of centring sees in a sample, and what it answers.
+//! What a law of centering sees in a sample, and what it answers.
 
 use control_blocks::Trajectory;
 
-use crate::centre::Estimate;
+use crate::center::Estimate;
 use crate::interface::{Fault, Parameters, State};
 use crate::motion::Motion;
 use crate::sensing::{Due, Sample};
@@ -44,8 +44,8 @@ pub struct Launch {
 /// What the model of the ring says about the next step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The ring is centred.
-    Centred,
+    /// The ring is centered.
+    Centered,
     /// It needs a push.
     Push,
     /// More data are needed.
@@ -58,7 +58,7 @@ pub enum Verdict {
 pub type Conclusion = (Option<Estimate>, Verdict);
 
 /// A law that measures the ring and plans pushes.
-pub trait CentringLaw {
+pub trait CenteringLaw {
     /// Forgets everything, in place.
     fn restart(&mut self, p: &Parameters);
 

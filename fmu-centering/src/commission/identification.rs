@@ -10,7 +10,7 @@ use crate::motion::Motion;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Commissioner {
+pub struct Identification {
     experiment: Experiment,
     /// What was measured, also of a commission that was rejected.
     pub measured: Measured,
@@ -21,7 +21,7 @@ pub struct Commissioner {
     values: InForce<Values>,
 }
 
-impl Commissioner {
+impl Identification {
     /// Nothing measured so far.
     pub fn new(p: &Parameters) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl Commissioner {
     }
 
     /// Ends before its end: what was told counts.
-    pub fn break_off(&mut self) {
+    pub fn abort(&mut self) {
         self.values.restore();
         self.measured.valid = false;
     }
