@@ -6,6 +6,8 @@ import contextlib
 import difflib
 from collections.abc import Iterable, Iterator
 
+from cosim.renamed import replacement
+
 LONGEST = 500
 """Maximum length of the text of an unexpected error."""
 
@@ -75,7 +77,9 @@ def readable(text: str) -> str:
 
 
 def similar(name: str, choices: Iterable[str]) -> str:
-    """Hint that names the closest of `choices`, empty when none is close."""
+    """Hint that names the closest of `choices` or the new name, empty when none is close."""
+    if hint := replacement(name):
+        return hint
     match = difflib.get_close_matches(name, list(choices), n=1, cutoff=0.6)
     return f"Use `{match[0]}`." if match else ""
 

@@ -17,7 +17,7 @@ from typing import Any
 import fmpy
 from fmpy.validation import validate_model_description
 
-from cosim import paths
+from cosim import paths, renamed
 from cosim.errors import FmuError
 from cosim.fmu import members
 from cosim.fmu.cache import extracted
@@ -123,6 +123,7 @@ def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
         description = described(shown, path)
         check_identifier(shown, description.coSimulation.modelIdentifier)
         folder = extracted(path, sizes, lambda target: unpack(path, shown, target))
+        renamed.learn(folder)
     except OSError as error:
         raise unreadable(path, error) from None
     return describe(path, folder, description)

@@ -76,7 +76,7 @@ class Instance(Closing):
     file
         The opened FMU.
     inputs, outputs
-        Variables that `set` and `get` move in every step.
+        Variables that `set` and `get` move in every step; local variables may be among the outputs.
     log_events
         Whether the FMU shall log events beside warnings and errors.
     owner
@@ -95,6 +95,7 @@ class Instance(Closing):
         self.owner = owner
         self.name = owner.name
         self.driven = inputs
+        self.recorded = outputs
         self.log_events = log_events
         self.inputs = banks(inputs)
         self.outputs = banks(outputs)

@@ -58,7 +58,9 @@ def open_instances(
         choice.name: fmu
         for fmu in before
         for choice, file, inputs in wanted
-        if called(fmu.owner) == called(choice) and fits(fmu, file, inputs, log_events)
+        if called(fmu.owner) == called(choice)
+        and fits(fmu, file, inputs, log_events)
+        and fmu.recorded == recorder.recorded(file, scenario.loop.record_locals)
     }
     close([fmu for fmu in before if fmu not in fitting.values()], place)
     opened = []
@@ -66,7 +68,7 @@ def open_instances(
         for choice, file, inputs in wanted:
             place.at(Stage.LOAD, choice.shown)
             fmu = fitting.get(choice.name) or Instance(
-                file, inputs, recorder.numeric_outputs(file), log_events, choice
+                file, inputs, recorder.recorded(file, scenario.loop.record_locals), log_events, choice
             )
             opened.append(fmu)
     except BaseException:

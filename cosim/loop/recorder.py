@@ -17,6 +17,10 @@ from cosim.trace.columns import Columns
 from cosim.warned import warn_once
 
 
+LOCALS_MAX = 256
+"""Local variables of an FMU that are recorded without a request; models of other tools may have thousands."""
+
+
 class Sink(Protocol):
     """Takes the rows of a run, so many at once, that would not fit into memory."""
 
@@ -180,6 +184,16 @@ def displays(fmus: Sequence[Instance]) -> dict[str, DisplayUnit]:
     return {f"{name}.{variable.name}": variable.display for name, variable in variables if variable.display}
 
 
-def numeric_outputs(file: FmuFile) -> list[Variable]:
-    """List the outputs of an FMU that can be recorded."""
-    return [variable for variable in file.named("output") if BASE[variable.kind] != "String"]
+def recorded(file: FmuFile, record_locals: bool | None) -> list[Variable]:
+    """List the outputs and local variables of an FMU that are recorded, in its order.
+
+    Parameters
+    ----------
+    record_locals
+        Whether local variables are; None for those of an FMU with at most `LOCALS_MAX`.
+    """
+    numeric = [variable for variable in file.variables.values() if BASE[variable.kind] != "String"]
+    moving = [v for v in numeric if v.causality == "local" and v.variability not in ("constant", "fixed")]
+    if record_locals is None:
+        record_locals = len(moving) <= LOCALS_MAX
+    return [v for v in numeric if v.causality == "output" or (record_locals and v in moving)]

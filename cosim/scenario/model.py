@@ -35,6 +35,8 @@ class Loop:
         Steps between two rows of the trace; metrics and `stop_when` see these rows.
     record_qpos
         Whether the trace holds MuJoCo's `qpos` as well, `plant.qpos.<joint>`, to show the run again.
+    record_locals
+        Whether the trace holds the local variables of the FMUs; where left out, those of an FMU with at most 256.
     stop_when
         Expression over the current row of the trace that ends the run early; empty never does.
     """
@@ -47,6 +49,7 @@ class Loop:
     compute_delay: Literal[0, 1] = 1
     record_every: int = limited(COUNT, 1)
     record_qpos: bool = False
+    record_locals: bool | None = None
     stop_when: str = ""
 
     @property
