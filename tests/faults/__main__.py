@@ -12,9 +12,9 @@ from .outcome import running
 
 
 def main() -> int:
-    """Run the command; 0 if every row is as it must be, 1 if one is not, 2 if one could not be run."""
+    """Run the command; 0 if every row passes, 1 if one fails, 2 if one could not run."""
     parser = argparse.ArgumentParser(prog="python -m tests.faults", description=__doc__)
-    parser.add_argument("names", metavar="NAME", nargs="*", help="`dob`; without one all")
+    parser.add_argument("names", metavar="NAME", nargs="*", help="controller; default: all")
     bad = 0
     try:
         for name in parser.parse_args().names or matrix.names():
@@ -26,7 +26,7 @@ def main() -> int:
 
 
 def write(name: str) -> int:
-    """Write the page of a controller and print what is wrong; number of bad rows."""
+    """Write the page of a controller and print its problems; return the number of failed rows."""
     found = matrix.load(name)
     with running(found) as runner:
         outcomes = runner.outcomes()
@@ -35,7 +35,7 @@ def write(name: str) -> int:
     bad = [one for one in outcomes if one.problems]
     for one in bad:
         print(f"{name}: {one.row.name}: {'; '.join(one.problems)}")
-    print(f"{name}: {len(outcomes)} rows, {len(bad)} not as they must be")
+    print(f"{name}: {len(outcomes)} rows, {len(bad)} failed")
     return len(bad)
 
 

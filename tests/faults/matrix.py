@@ -1,4 +1,4 @@
-"""A fault matrix as data: a controller has one, `MATRIX` in the file of its name."""
+"""A fault matrix as data: a controller has one, `MATRIX` in the module of its name."""
 
 from __future__ import annotations
 
@@ -11,41 +11,40 @@ from cosim.scenario.injection import Injection
 from cosim.scenario.model import Signal
 
 DONE = "None"
-"""Item of the output `fault` that says that there is none: the job must then be done, and good."""
+"""Item of the output `fault` for no fault: the cycle must then complete with a good result."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One fault.
+    """One simulated fault.
 
     Parameters
     ----------
     name
-        What is wrong, in the words of the page: "encoder frozen in motion".
+        Description on the page: "encoder frozen in motion".
     faults
-        Which faults are right, by the items of the output `fault`; `DONE` is among them where the job may as
-        well be done and good. Every fault that the run shows must be among them.
+        Correct faults, by the items of the output `fault`; with `DONE` if the cycle may also complete with a
+        good result. Every fault that the run raises must be among them.
     truth
-        Expression over the trace, a number: the true excursion of the machine until its safe end.
+        Expression over the trace, a number: the actual excursion until the end of the reaction.
     limit
-        What the excursion must not be above, in its unit.
+        Maximum of the excursion, in its unit.
     why
-        Where the limit comes from, in one line.
+        Reason for the limit, in one line.
     inject
-        The fault, where it is one of values.
+        The fault, if it changes values.
     signals
-        Stimuli in place of the scenario's for the same target, or beside them.
+        Stimuli that replace those of the scenario for the same target, or add to them.
     changes
         Overrides, `controller.stage.mass=3`.
     scenario
-        Scenario that this row changes; empty is that of the matrix.
+        Scenario that this row changes; empty: that of the matrix.
     unit
-        Unit of the excursion, where the expression does not tell it.
+        Unit of the excursion, if the expression does not determine it.
     sequence
-        Whether all of `faults` must come, in their order: one that is found while another is ended.
-    untold
-        Why no reading of the machine tells this fault, in one line, which the page says; empty for all that
-        must be told.
+        Whether all of `faults` must occur in their order: one is found while another is handled.
+    undetectable
+        Why no measurement shows this fault, in one line for the page; empty if it must be detected.
     """
 
     name: str
@@ -59,7 +58,7 @@ class Row:
     scenario: str = ""
     unit: str = ""
     sequence: bool = False
-    untold: str = ""
+    undetectable: str = ""
 
 
 @dataclass(frozen=True)
@@ -69,18 +68,18 @@ class Matrix:
     Parameters
     ----------
     scenario
-        Scenario that its rows change; its criteria do not count here.
+        Scenario that its rows change; its criteria are not evaluated.
     seed
         Seed of all runs, used nowhere else.
     good
-        Expression over the trace: the job is done, and the part is good.
+        Expression over the trace: the cycle completed, and the part is good.
     rest
-        Expression over the trace: at the end the machine stands; not asked for where `drive_enable` is false.
+        Expression over the trace: at the end the machine is at rest; ignored if `drive_enable` is false.
     rows
         The faults.
     stop
-        Condition over the current row that ends a run; empty is that of the scenario. It must leave the
-        machine the time to come to its safe end.
+        Condition over the current row that ends a run; empty: that of the scenario. It must leave enough
+        time for the reaction to end.
     """
 
     scenario: str

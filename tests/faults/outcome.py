@@ -1,4 +1,4 @@
-"""Rows of a fault matrix are run, and what came of each is judged."""
+"""Run the rows of a fault matrix and evaluate each."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import cosim
+from cosim.formatting.quantity import text
 from cosim.metrics.criteria import Measured
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Metric, Scenario
-from cosim.formatting.quantity import text
 
 from .matrix import DONE, Matrix, Row
 
@@ -22,20 +22,20 @@ ENABLE = "controller.drive_enable"
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one row.
+    """Result of one row.
 
     Parameters
     ----------
     row
         The row.
     found
-        Faults that the controller told, in their order.
+        Faults that the controller raised, in their order.
     after
-        Time from the beginning of the injection, or of the run, to the first of them that came then, s.
+        Time from the start of the injection, or of the run, to the first later one of them, s.
     excursion
-        True excursion, in `unit`.
+        Actual excursion, in `unit`.
     problems
-        What is demanded of it and does not hold; empty for a good one.
+        Requirements that are not met.
     """
 
     row: Row
@@ -47,7 +47,7 @@ class Outcome:
 
 
 class Runner:
-    """Runs the rows of one matrix, each once; sessions hand on what they have open."""
+    """Runs the rows of one matrix, each once; each session reuses what the one before has open."""
 
     def __init__(self, matrix: Matrix) -> None:
         self.matrix = matrix
@@ -59,7 +59,7 @@ class Runner:
         if row.name not in self.done:
             scenario = changed(self.matrix, row)
             self.session = cosim.Session(scenario, engine="native", previous=self.session)
-            self.done[row.name] = judged(row, self.session.run(), scenario)
+            self.done[row.name] = evaluated(row, self.session.run(), scenario)
         return self.done[row.name]
 
     def outcomes(self) -> list[Outcome]:
@@ -67,7 +67,7 @@ class Runner:
         return [self.outcome(row) for row in self.matrix.rows]
 
     def close(self) -> None:
-        """Close what is open."""
+        """Close the open session."""
         if self.session is not None:
             self.session.close()
             self.session = None
@@ -75,7 +75,7 @@ class Runner:
 
 @contextlib.contextmanager
 def running(matrix: Matrix) -> Iterator[Runner]:
-    """Runner of a matrix that is closed at the end."""
+    """Runner of a matrix, closed at the end."""
     runner = Runner(matrix)
     try:
         yield runner
@@ -84,7 +84,7 @@ def running(matrix: Matrix) -> Iterator[Runner]:
 
 
 def changed(matrix: Matrix, row: Row) -> Scenario:
-    """Scenario of a row: with its fault and what is asked of its trace."""
+    """Scenario of a row: with its fault and the metrics of its excursion and result."""
     scenario = cosim.load(row.scenario or matrix.scenario, set=list(row.changes))
     loop = replace(scenario.loop, seed=matrix.seed, stop_when=matrix.stop or scenario.loop.stop_when)
     targets = {signal.to for signal in row.signals}
@@ -102,27 +102,29 @@ def changed(matrix: Matrix, row: Row) -> Scenario:
     )
 
 
-def judged(row: Row, result: cosim.Result, scenario: Scenario) -> Outcome:
+def evaluated(row: Row, result: cosim.Result, scenario: Scenario) -> Outcome:
     """Outcome of a row from its run."""
     assert result.trace is not None
     trace, metrics = result.trace, result.metrics
     items = {number: name for name, number in result.items[FAULT].items()}
     faults = [items[number] for number in trace[FAULT]]
-    told = {name: float(trace["time"][faults.index(name)]) for name in dict.fromkeys(faults) if name != DONE}
-    found = tuple(told)
+    raised = {
+        name: float(trace["time"][faults.index(name)]) for name in dict.fromkeys(faults) if name != DONE
+    }
+    found = tuple(raised)
     began = min((time for time in result.injected if time is not None), default=0.0)
     excursion = metrics["excursion"]
     good, rest = (bool(metrics[name].value) for name in ("good", "rest"))
     driven = ENABLE not in result.units or bool(trace[ENABLE][-1])
     problems = (
         *unmet(row, found, good),
-        *early(row, told, began),
-        *(f"`inject.{one.to}` never began" for one in late(result, scenario)),
+        *early(row, raised, began),
+        *(f"`inject.{one.to}` never started" for one in late(result, scenario)),
         *(f"`{name}` is not finite" for name in broken(result, scenario)),
-        *([] if rest or not driven else ["the machine moves at the end, and its drive is on"]),
+        *([] if rest or not driven else ["the machine moves at the end with its drive on"]),
         *([] if excursion.value <= row.limit else [beyond(row, excursion)]),
     )
-    return Outcome(row, found, answered(told, began), excursion.value, excursion.unit, problems)
+    return Outcome(row, found, answered(raised, began), excursion.value, excursion.unit, problems)
 
 
 def beyond(row: Row, excursion: Measured) -> str:
@@ -132,44 +134,44 @@ def beyond(row: Row, excursion: Measured) -> str:
 
 
 def unmet(row: Row, found: tuple[str, ...], good: bool) -> Iterator[str]:
-    """Sentences about what was found and is not right, or was not found."""
+    """Sentences about faults that are not correct or missing."""
     right = " or ".join(f"`{name}`" for name in row.faults)
-    if row.untold and good:
-        yield "nothing was to be told: the job is done and good"
-    if not found and row.untold:
+    if row.undetectable and good:
+        yield "no fault was expected: the cycle completed with a good result"
+    if not found and row.undetectable:
         return
     if not found and DONE not in row.faults:
-        yield f"silent: no fault, {right} is right"
+        yield f"undetected: no fault, expected {right}"
     if not found and DONE in row.faults and not good:
-        yield "silent: no fault, and the job is not done and good"
+        yield "undetected: no fault, and no good result"
     if row.sequence and found != row.faults:
-        yield f"told were {', '.join(found)}: {', '.join(row.faults)} are right, in this order"
+        yield f"raised {', '.join(found)}, expected {', '.join(row.faults)} in this order"
     for name in found:
         if name not in row.faults:
-            yield f"`{name}` was told, {right} is right"
+            yield f"raised `{name}`, expected {right}"
 
 
-def answered(told: dict[str, float], began: float) -> float:
-    """Time (s) from `began` to the first fault told since; NaN without one."""
-    return next((time - began for time in told.values() if time >= began), np.nan)
+def answered(raised: dict[str, float], began: float) -> float:
+    """Time (s) from `began` to the first fault raised since; NaN without one."""
+    return next((time - began for time in raised.values() if time >= began), np.nan)
 
 
-def early(row: Row, told: dict[str, float], began: float) -> Iterator[str]:
-    """Sentences about faults that were told before the one of the row began, at a time in s."""
-    for name, time in told.items():
+def early(row: Row, raised: dict[str, float], began: float) -> Iterator[str]:
+    """Sentences about faults that were raised before the one of the row began, at a time in s."""
+    for name, time in raised.items():
         if time < began and not row.sequence:
-            yield f"`{name}` was told {text(began - time, 's')} before anything was injected"
+            yield f"raised `{name}` {text(began - time, 's')} before the injection"
 
 
 def late(result: cosim.Result, scenario: Scenario) -> Iterator[Injection]:
-    """Injections that never began."""
+    """Injections that never started."""
     for entry, began in zip(scenario.inject, result.injected, strict=True):
         if began is None:
             yield entry
 
 
 def broken(result: cosim.Result, scenario: Scenario) -> Iterator[str]:
-    """Columns that hold NaN or infinity; an input may get them from an injection."""
+    """Columns with NaN or infinity; an input may get them from an injection."""
     assert result.trace is not None
     changed = {entry.to for entry in scenario.inject}
     for name in result.units:

@@ -1,4 +1,4 @@
-"""The page of a fault matrix in the documentation, and whether it tells what the runs give."""
+"""The page of a fault matrix in the documentation, and its comparison with the runs."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .outcome import Outcome
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "faults"
 LASTS = ("loop.duration=", "loop.stop_when=")
-"""Changes that only say how long a run is looked at."""
+"""Changes that only set the duration of a run."""
 DIGITS = 3
 """Digits of the numbers on a page."""
 TOLERANCE = 0.02
-"""Share by which a number of a run may differ from the page: another processor rounds otherwise."""
+"""Relative tolerance between a number of a run and the page: another processor rounds differently."""
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
@@ -32,23 +32,23 @@ def page(name: str, matrix: Matrix, outcomes: Sequence[Outcome]) -> str:
     common = [
         change for change in changes(matrix.rows[0]) if all(change in changes(row) for row in matrix.rows)
     ]
-    everywhere = f", all with {', '.join(common)}" if common else ""
-    untold = sum(not one.found for one in outcomes if one.row.untold)
-    silent = sum(any(told.startswith("silent") for told in one.problems) for one in outcomes)
-    quiet = f"Silent are {silent}"
-    if untold:
-        quiet += f", but for {untold} that no reading tells, with the reason"
-    runs = f"run of the loop `{matrix.scenario}` (seed {matrix.seed}){everywhere}"
+    everywhere = f", all runs with {', '.join(common)}" if common else ""
+    undetectable = sum(not one.found for one in outcomes if one.row.undetectable)
+    undetected = sum(any(each.startswith("undetected") for each in one.problems) for one in outcomes)
+    quiet = f"Undetected: {undetected} (neither a correct fault nor a good result)"
+    if undetectable:
+        quiet += f"; undetectable: {undetectable}, with the reason"
+    runs = f"run of the scenario `{matrix.scenario}` (seed {matrix.seed}){everywhere}"
     lines = [
         f"# Faults of fmu-{name}",
         "",
-        f"{len(outcomes)} faults, one in each {runs}.",
-        "In brackets is what a row changes beside it. Each fault of the controller is told at least once.",
-        f"{quiet}: neither a right fault is told nor is the job done and good. The excursion is",
-        "what the machine truly does until its safe end, the limit what it must not exceed.",
+        f"{len(outcomes)} simulated faults, one in each {runs}.",
+        "Brackets show further changes of a row. Each fault of the controller is raised at least once.",
+        f"{quiet}. The excursion is",
+        "the actual motion or force until the end of the reaction.",
         f"`python -m tests.faults {name}` writes this page; a test compares it with the runs.",
         "",
-        "| injected | found as | after | excursion | limit | why that limit |",
+        "| simulated fault | response | after | excursion | limit | reason for the limit |",
         "|---|---|---|---|---|---|",
         *(line(one, common) for one in outcomes),
     ]
@@ -56,16 +56,16 @@ def page(name: str, matrix: Matrix, outcomes: Sequence[Outcome]) -> str:
 
 
 def changes(row: Row) -> list[str]:
-    """List what a row changes, but for how long it lasts."""
+    """List the changes of a row, except the duration."""
     return [f"`{change}`" for change in row.changes if not change.startswith(LASTS)]
 
 
 def line(one: Outcome, common: Sequence[str]) -> str:
-    """Line of one row in the table; what all rows change is not told again."""
+    """Line of one row in the table, without the changes of all rows."""
     elsewhere = [f"in `{one.row.scenario}`"] if one.row.scenario else []
     changed = [*elsewhere, *(change for change in changes(one.row) if change not in common)]
     name = f"{one.row.name} ({', '.join(changed)})" if changed else one.row.name
-    quiet = f"not told: {one.row.untold}" if one.row.untold else "the job is done and good"
+    quiet = f"undetectable: {one.row.undetectable}" if one.row.undetectable else "completes, good result"
     found = " then ".join(f"`{name}`" for name in one.found) or quiet
     if one.problems:
         found = f"**{'; '.join(one.problems)}**"
@@ -75,7 +75,7 @@ def line(one: Outcome, common: Sequence[str]) -> str:
 
 
 def differences(kept: str, now: str) -> list[str]:
-    """Lines of a page that differ from those of the runs in words, or in a number beyond the tolerance."""
+    """Lines of a page whose words, or numbers by more than the tolerance, differ from those of the runs."""
     before, after = kept.splitlines(), now.splitlines()
     if len(before) != len(after):
         return [f"the page has {len(before)} lines, the runs give {len(after)}"]
@@ -84,7 +84,7 @@ def differences(kept: str, now: str) -> list[str]:
 
 
 def alike(old: str, new: str) -> bool:
-    """Whether two lines have the same words and nearly the same numbers."""
+    """Whether two lines have the same words and, within the tolerance, the same numbers."""
     if NUMBER.sub("", old) != NUMBER.sub("", new):
         return False
     numbers = zip(map(float, NUMBER.findall(old)), map(float, NUMBER.findall(new)), strict=True)

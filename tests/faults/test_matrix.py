@@ -1,4 +1,4 @@
-"""Every fault of a matrix is found by its name or does no harm, and the page tells what the runs give."""
+"""Every fault of a matrix is detected by its name or is harmless, and the page shows the runs."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from . import matrix, page
 from .matrix import DONE, Row
 from .outcome import FAULT, Runner
 
-LEAST = 20
-"""Rows of a matrix."""
+ROWS_MIN = 20
+"""Minimum number of rows of a matrix."""
 
 
 def together(name: str) -> pytest.MarkDecorator:
-    """Return the mark of tests that share the runs of a controller, so that one process makes them all."""
+    """Return the mark of tests that share the runs of a controller, so that one process runs them all."""
     return pytest.mark.xdist_group(f"faults-{name}")
 
 
@@ -37,7 +37,7 @@ def runners() -> Iterator[dict[str, Runner]]:
 
 
 @pytest.mark.parametrize(("name", "row"), ROWS)
-def test_a_fault_is_told_or_does_no_harm(runners: dict[str, Runner], name: str, row: Row) -> None:
+def test_a_fault_is_detected_or_harmless(runners: dict[str, Runner], name: str, row: Row) -> None:
     assert runners[name].outcome(row).problems == ()
 
 
@@ -46,21 +46,21 @@ def test_each_page_has_its_matrix() -> None:
 
 
 @pytest.mark.parametrize("name", matrix.names())
-def test_a_matrix_has_rows_enough_of_different_names(name: str) -> None:
+def test_a_matrix_has_enough_rows_with_different_names(name: str) -> None:
     rows = [row.name for row in matrix.load(name).rows]
-    assert len(set(rows)) == len(rows) >= LEAST
+    assert len(set(rows)) == len(rows) >= ROWS_MIN
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_fault_of_the_controller_is_told_in_a_row(runners: dict[str, Runner], name: str) -> None:
+def test_each_fault_of_the_controller_is_raised_in_a_row(runners: dict[str, Runner], name: str) -> None:
     runner = runners[name]
-    told = {fault for outcome in runner.outcomes() for fault in outcome.found}
+    raised = {fault for outcome in runner.outcomes() for fault in outcome.found}
     assert runner.session is not None
-    assert set(runner.session.columns[FAULT] or ()) == told | {DONE}
+    assert set(runner.session.columns[FAULT] or ()) == raised | {DONE}
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_page_tells_what_the_runs_give(runners: dict[str, Runner], name: str) -> None:
+def test_the_page_shows_the_results_of_the_runs(runners: dict[str, Runner], name: str) -> None:
     found = matrix.load(name)
     now = page.page(name, found, runners[name].outcomes())
     kept = page.file(name).read_text(encoding="utf-8")

@@ -22,6 +22,8 @@ RUST = re.compile(
     r"""|(?P<string>b?r(?P<fence>\#*)".*?"(?P=fence)|b?"(?:\\.|[^"\\])*")|b?'(?:\\[^']*'|[^\\']')""",
     re.DOTALL,
 )
+PARAMETER = re.compile(r"^( *)\w+(?:, \w+)*\n(?=\1 +\S)", re.MULTILINE)
+"""Names of parameters in a docstring, each on a line of its own."""
 STRING = re.compile(
     r'"""(.*?)"""|\'\'\'(.*?)\'\'\'|"((?:\\.|[^"\\\n])*)"|\'([^\'\n]*)\'|(#[^\n]*)', re.DOTALL
 )
@@ -97,7 +99,7 @@ def python(text: str) -> Iterator[Text]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             if id(node) in documentation:
-                yield Text(node.lineno, "documentation", prose(node.value))
+                yield Text(node.lineno, "documentation", prose(PARAMETER.sub(r"\1·\n", node.value)))
             elif " " in node.value:
                 yield Text(node.lineno, "message", prose(node.value))
     comments = [
