@@ -27,7 +27,7 @@ pub struct Info {
     /// Raise it whenever the variables or the model change their layout or meaning: the GUID changes and
     /// state bytes of the older version are refused.
     pub state_version: u32,
-    /// Suggested stop time, s.
+    /// Suggested stop time, s; 0 for 1000 sample periods, the longest experiment in which FMPy's default step is one of them.
     pub stop_time: f64,
     /// Sample period where no parameter `sample_period` tells it, s.
     pub sample_period: f64,
@@ -47,7 +47,7 @@ impl Info {
         copyright: "",
         license: "",
         state_version: 1,
-        stop_time: 1.0,
+        stop_time: 0.0,
         sample_period: 1e-3,
         longest_step: f64::INFINITY,
     };

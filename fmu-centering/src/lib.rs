@@ -28,7 +28,7 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "RingCentering", state_version: 13, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "RingCentering", state_version: 13, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn numbers(vars: &Vars) -> String {

@@ -1,8 +1,9 @@
-//! Sensor-less micro-tool contact detection with a disturbance observer (Kakinuma and Nagakari, 2017), as an FMU.
+//! Sensorless contact detection of a micro tool with a disturbance observer (Kakinuma and Nagakari, 2017), as an FMU.
 //!
-//! [`interface`] holds the variables; [`controller::Controller`] is the law, plain Rust that knows nothing of FMI.
+//! [`interface`] declares the variables; [`controller::Controller`] is the control law in plain Rust, independent of FMI.
 #![forbid(unsafe_code)]
 
+mod calibration;
 mod check;
 mod commission;
 pub mod controller;
@@ -16,7 +17,6 @@ pub mod monitoring;
 mod motion;
 mod reading;
 mod spans;
-mod teaching;
 
 use controller::Controller;
 use fmi2_export::{Env, Error, Info, Model, export, package};
@@ -26,8 +26,7 @@ impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info = Info {
         name: "DisturbanceObserverContactDetection",
-        state_version: 16,
-        stop_time: 2.0,
+        state_version: 17,
         longest_step: 1.0,
         ..package!()
     };
@@ -50,16 +49,16 @@ impl Model for Controller {
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
-        let before = [vars.output.measured.valid, vars.output.taught.valid];
+        let before = [vars.output.measured.valid, vars.output.calibrated.valid];
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        // a fault is told with what counts from now on
+        // a fault is reported with the parameters that are active from now on
         self.bring_into_force(&mut vars.in_force);
         // a machine does not stop because a file cannot be written
         if vars.output.measured.valid && !before[0] {
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }
-        if vars.output.taught.valid && !before[1] {
+        if vars.output.calibrated.valid && !before[1] {
             self.export_bias(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }
         Ok(())

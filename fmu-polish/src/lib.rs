@@ -24,7 +24,7 @@ use interface::Vars;
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
     const INFO: Info =
-        Info { name: "StickSlipPolishing", state_version: 10, stop_time: 60.0, longest_step: 1.0, ..package!() };
+        Info { name: "StickSlipPolishing", state_version: 11, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn numbers(vars: &Vars) -> String {
@@ -43,7 +43,7 @@ impl Model for Controller {
     }
 
     fn sample(&mut self, vars: &mut Vars, env: &mut Env) -> Result<(), Error> {
-        let (frozen, before) = (vars.output.ripple_frozen, vars.output.measured.valid);
+        let (frozen, before) = (vars.output.ripple_stopped, vars.output.measured.valid);
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
         // a fault is told with what counts from now on
@@ -52,8 +52,8 @@ impl Model for Controller {
             // a machine does not stop because a file cannot be written
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }
-        if vars.output.ripple_frozen && !frozen {
-            env.warn(force::ripple::FROZEN);
+        if vars.output.ripple_stopped && !frozen {
+            env.warn(force::ripple::STOPPED);
         }
         Ok(())
     }

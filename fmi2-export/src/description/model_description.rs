@@ -131,11 +131,26 @@ fn default_experiment(xml: &mut Writer, info: &Info, step_size: f64) {
         "DefaultExperiment",
         &[
             ("startTime", "0.0"),
-            ("stopTime", &real(info.stop_time)),
+            ("stopTime", &real(stop_time(info, step_size))),
             ("tolerance", "1e-6"),
             ("stepSize", &real(step_size)),
         ],
     );
+}
+
+/// Number of steps from which on FMPy simulates with a multiple of `stepSize`.
+const STEPS_MAX: f64 = 1000.0;
+
+/// The suggested stop time.
+fn stop_time(info: &Info, step_size: f64) -> f64 {
+    if info.stop_time > 0.0 {
+        return info.stop_time;
+    }
+    let mut stop = STEPS_MAX * step_size;
+    while stop / step_size > STEPS_MAX {
+        stop = stop.next_down();
+    }
+    stop
 }
 
 fn variables<V>(xml: &mut Writer, table: &[Variable<V>]) {
@@ -257,6 +272,17 @@ fn borrowed<'a>(attributes: &'a [(&'a str, String)]) -> Vec<(&'a str, &'a str)> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_default_experiment_has_at_most_a_thousand_steps() {
+        for k in 1..1000 {
+            let period = 1e-5 * f64::from(k);
+            let stop = stop_time(&Info::DEFAULT, period);
+            assert!(stop / period <= STEPS_MAX && stop > 999.9 * period, "{period}");
+        }
+        assert_eq!(stop_time(&Info { stop_time: 2.0, ..Info::DEFAULT }, 1e-4), 2.0);
+        assert_eq!(stop_time(&Info::DEFAULT, 1e-4), 0.1);
+    }
 
     #[test]
     fn facts_that_nobody_told_are_left_out() {

@@ -279,7 +279,7 @@ mod tests {
         const fn fault(name: &'static str, reaction: &'static str) -> Item {
             Item { name, description: "cause", hint: "Check it.", reaction, detection: "a > b|c" }
         }
-        let ty = EnumType {
+        const FAULTS: EnumType = EnumType {
             name: "Fault",
             description: "x",
             items: &[fault("None", ""), fault("Late", "DriveOff"), fault("Early", "Retract")],
@@ -289,7 +289,7 @@ mod tests {
                 Reaction { name: "DriveOff", description: "Switches the drive off", acknowledge: "Reset at rest" },
             ],
         };
-        let text = faults(&ty);
+        let text = faults(&FAULTS);
         let (early, late) = (text.find("`Early`").unwrap(), text.find("`Late`").unwrap());
         assert!(early < late && !text.contains("`None`") && !text.contains("### Stop"));
         assert!(text.contains("**Reaction:** Switches the drive off.\n**Acknowledge:** Reset at rest.\n"));

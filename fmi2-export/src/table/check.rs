@@ -60,9 +60,9 @@ pub const fn info(info: &Info) {
         i += 1;
     }
     assert!(!info.name.is_empty() && !info.description.is_empty(), "an FMU needs a name and a description");
-    let numbers = info.sample_period > 0.0 && info.stop_time > 0.0;
+    let numbers = info.sample_period > 0.0 && info.stop_time >= 0.0;
     let finite = info.sample_period.is_finite() && info.stop_time.is_finite();
-    assert!(numbers && finite, "sample period and stop time are positive and finite");
+    assert!(numbers && finite, "the sample period is positive and finite, the stop time is not negative and finite");
     assert!(info.longest_step >= 1.0, "the longest communication step is at least one sample period");
     let texts = [info.name, info.description, info.version, info.author, info.copyright, info.license];
     let mut i = 0;
