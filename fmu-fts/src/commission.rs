@@ -2,6 +2,6 @@
 //! bears, what its response tells of the arm, and what is made of it.
 
 pub mod arm;
-pub mod commissioner;
 pub mod plan;
+pub mod run;
 pub mod values;

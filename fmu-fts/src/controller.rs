@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::calibration::calibrator::Calibrator;
 use crate::calibration::cut::Moment;
 use crate::check::check;
-use crate::commission::commissioner::Commissioner;
+use crate::commission::run::CommissioningRun;
 use crate::identify::experiment::Identification;
 use crate::identify::tone::Expected;
 use crate::interface::{Input, Output, Parameters, State};
@@ -43,7 +43,6 @@ pub struct Controller {
     long_step: bool,
     request: Request,
     reset_fault: Edge,
-    forget: Edge,
     spindle: Spindle,
     state: State,
     ending: Ending,
@@ -66,7 +65,7 @@ pub struct Controller {
     /// that of `response.file`
     told_response: Option<FrequencyResponse>,
     identification: Identification,
-    commissioner: Commissioner,
+    commissioning: CommissioningRun,
     /// `commission` and `enable` in the last sample
     before: Option<[bool; 2]>,
     /// an edge of `commission` waits for an arm at rest
@@ -101,7 +100,6 @@ impl Controller {
             long_step: false,
             request: Request::default(),
             reset_fault: Edge::default(),
-            forget: Edge::default(),
             spindle: Spindle::default(),
             state: State::Idle,
             ending: Ending::default(),
@@ -118,7 +116,7 @@ impl Controller {
             identification,
             response: Some(tables.response.unwrap_or(known)),
             told_response: tables.response,
-            commissioner: Commissioner::new(p),
+            commissioning: CommissioningRun::new(p),
             before: None,
             commission_asked: WaitingRequest::default(),
             slow: false,
@@ -133,7 +131,7 @@ impl Controller {
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
     pub fn bring_into_force(&self, p: &mut Parameters) {
-        self.commissioner.put(p);
+        self.commissioning.put(p);
     }
 
     /// Writes what the last good commission derives into the file `commission.export`.
@@ -141,12 +139,12 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        export_commission(&p.commission.export, &self.commissioner.derived())
+        export_commission(&p.commission.export, &self.commissioning.derived())
     }
 
     /// One sample; the parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
-        if self.commissioner.take_renewed() {
+        if self.commissioning.take_renewed() {
             self.renew(p);
         }
         // a flexure that is measured at its resonance pushes the hub with more than the torque
@@ -155,7 +153,7 @@ impl Controller {
         self.spindle.update(p, reading.spindle_angle, self.reader.spindle_begins());
         let phasors = self.tracker.locate(p, reading.slide_position, &self.spindle);
         self.decide(p, input, &reading);
-        let layers = self.layers(p, input);
+        let layers = self.layers(input);
         let wanted = self.refer(p, &reading, layers, &phasors);
         let torque = self.act(p, &wanted, &reading);
         self.torque = torque;
@@ -165,7 +163,7 @@ impl Controller {
         output.afc_frozen = !layers.learning;
         self.long_step = false;
         if self.state == State::Commission {
-            self.commissioner.observe(p, reading.arm_angle);
+            self.commissioning.observe(p, reading.arm_angle);
         }
         if self.on_path() {
             self.feed.update(p, self.spindle.angle, reading.slide_position);
@@ -192,7 +190,7 @@ impl Controller {
     fn renew(&mut self, p: &Parameters) {
         self.compensator = shape(&p.into()).0;
         self.tracker.renew(p, LoopModel::new(p, self.compensator));
-        let told = self.told_response.filter(|_| self.commissioner.as_told());
+        let told = self.told_response.filter(|_| self.commissioning.as_told());
         told.iter().for_each(|measured| self.tracker.take(p, measured));
         let Self { tracker, identification, .. } = self;
         identification.expect(p, |omega| expected(tracker, omega));
@@ -211,18 +209,18 @@ impl Controller {
 
     /// Whether the arm swings to be measured.
     fn swinging(&self) -> bool {
-        self.identification.swinging() || self.commissioner.experiment.swinging()
+        self.identification.swinging() || self.commissioning.experiment.swinging()
     }
 
     /// Ends a swing.
     fn stop_swing(&mut self) {
         self.identification.stop();
-        self.commissioner.experiment.stop();
+        self.commissioning.experiment.stop();
     }
 
     /// Times (s) of an identification, and the longest of a commission.
     fn measurements(&self) -> [f64; 2] {
-        [self.identification.duration(), self.commissioner.limit()]
+        [self.identification.duration(), self.commissioning.limit()]
     }
 
     /// Whether the position loop is closed.
@@ -277,7 +275,7 @@ impl Controller {
         }
         let (error, limit) = (wanted.set_point - reading.arm_angle, p.servo.torque_max);
         if self.slow {
-            return self.recursion.update(self.commissioner.compensator(), error, limit);
+            return self.recursion.update(self.commissioning.compensator(), error, limit);
         }
         let torque = self.recursion.update(&self.compensator, error, limit) + dry_friction(p, wanted.motion);
         torque.clamp(-limit, limit)

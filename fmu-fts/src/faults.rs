@@ -1,12 +1,10 @@
-//! Every fault is named here, how it ends, and the numbers that are told with it.
-
-use control_blocks::SafeEnd;
+//! Selection of the fault of a control step, and the values in its message.
 
 use crate::calibration::form::READINGS_MIN;
 use crate::commission::plan::FLEXURE_MAX;
 use crate::commission::values::longest_delay;
-use crate::interface::Fault::{FrozenReading, FrozenSlide, FrozenSpindle, LostReading, LostSlide, LostSpindle};
-use crate::interface::Fault::{ReadingJump, SlideJump, SpindleJump};
+use crate::interface::Fault::{PositionFrozen, PositionJump, PositionLost};
+use crate::interface::Fault::{SlideFrozen, SlideJump, SlideLost, SpindleFrozen, SpindleJump, SpindleLost};
 use crate::interface::{Fault, Measured, Parameters, Status, Vars};
 use crate::monitoring::numbers::Numbers;
 use crate::monitoring::watch::{REVERSALS, SETTLED};
@@ -14,76 +12,47 @@ use crate::path::feasibility::{available_torque, infeasible};
 use crate::path::path_table::PathTable;
 use crate::reading::{Loss, Missing};
 
-/// A table that leaves out more is told to the user, m.
+/// Omitted depth of a table above which the user gets a warning, m.
 const TRUNCATION_MAX: f64 = 1e-7;
 
-/// What the faults of one sample are found from.
+/// Findings of one sample, from which its fault is selected.
 pub struct Situation<'a> {
-    /// What of the readings is missing.
+    /// Missing measurements.
     pub missing: &'a Missing,
-    /// What the monitors of the closed loop have found.
+    /// Fault found by the monitors of the closed loop.
     pub found: Option<Fault>,
-    /// The slide does not go on with its feed.
+    /// The slide does not keep its feed.
     pub feed_lost: bool,
     /// The samples of this communication step have the same inputs.
     pub long_step: bool,
-    /// The job has taken longer than it may.
+    /// The task has exceeded its time limit.
     pub overdue: bool,
-    /// The commission has a result that cannot be used.
+    /// The commissioning run has a result that cannot be used.
     pub rejected: bool,
-    /// The path that is asked for, if one is.
+    /// The requested path, if any.
     pub path: Option<&'a PathTable>,
-    /// The slide is where the path has no table, and it is not the end of the cut.
+    /// The slide is outside the table, and this is not the end of the cut.
     pub outside: bool,
-    /// Spindle speed, rad/s; 0 while it is not sure.
+    /// Spindle speed, rad/s; 0 while it is unconfirmed.
     pub spindle_speed: f64,
 }
 
 impl Fault {
-    /// What a torque does to the arm, as far as is known: 1 if what it should, -1 if the opposite, 0 if that is not sure; `seen`
-    /// is what it was seen to do.
+    /// Response of the arm to a torque, as far as it is known with this fault: 1 nominal, -1 reversed, 0 unknown; `seen` is the
+    /// observed response.
     pub fn answer(self, seen: f64) -> f64 {
         match self {
-            // of a long step the last command alone is seen
+            // in a long step only the last command takes effect
             Self::WeakDrive | Self::Oscillation | Self::LongStep => 0.0,
-            // which a drive that does not obey may cause
+            // a drive that does not respond may be the cause
             Self::FollowingError | Self::Saturation => seen.max(0.0),
             Self::DriveSign => seen.min(0.0),
             _ => 1.0,
         }
     }
-
-    /// How the job ends. The arm obeys wherever its encoder, its drive and its loop do, and leaves the part then; without
-    /// one of them, or with no torque to spare, none is known to help.
-    pub fn safe_end(self) -> SafeEnd {
-        match self {
-            Self::None
-            | Self::Infeasible
-            | Self::OutsideTable
-            | Self::InvalidInput
-            | Self::LostSpindle
-            | Self::SpindleJump
-            | Self::FrozenSpindle
-            | Self::LostSlide
-            | Self::SlideJump
-            | Self::FrozenSlide
-            | Self::NoProgress
-            | Self::Divergence
-            | Self::CommissionRejected => SafeEnd::Retract,
-            Self::FollowingError
-            | Self::LostReading
-            | Self::FrozenReading
-            | Self::ReadingJump
-            | Self::DriveSign
-            | Self::WeakDrive
-            | Self::Oscillation
-            | Self::Saturation
-            | Self::LongStep => SafeEnd::DriveOff,
-        }
-    }
 }
 
-/// The gravest fault of this sample, its cause before its consequences.
+/// The fault of this sample: causes before their consequences.
 pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
     let Situation { missing, spindle_speed, .. } = *now;
     let of = |loss: Option<Loss>, [invalid, frozen, jump]: [Fault; 3]| {
@@ -95,14 +64,14 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
     };
     now.long_step
         .then_some(Fault::LongStep)
-        .or(of(missing.arm, [LostReading, FrozenReading, ReadingJump]))
+        .or(of(missing.arm, [PositionLost, PositionFrozen, PositionJump]))
         .or(now.found)
         .or(missing.hold.then_some(Fault::InvalidInput))
         .or(now.path.and_then(|path| {
             let infeasible = infeasible(p, path, spindle_speed);
-            of(missing.spindle, [LostSpindle, FrozenSpindle, SpindleJump])
-                .or(of(missing.slide, [LostSlide, FrozenSlide, SlideJump]))
-                .or(now.feed_lost.then_some(FrozenSlide))
+            of(missing.spindle, [SpindleLost, SpindleFrozen, SpindleJump])
+                .or(of(missing.slide, [SlideLost, SlideFrozen, SlideJump]))
+                .or(now.feed_lost.then_some(SlideFrozen))
                 .or(now.outside.then_some(Fault::OutsideTable))
                 .or(infeasible.then_some(Fault::Infeasible))
         }))
@@ -110,59 +79,62 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
         .or(now.rejected.then_some(Fault::CommissionRejected))
 }
 
-/// The numbers behind a fault.
+/// Values and limits of the present fault, for its message.
 pub fn numbers(vars: &Vars) -> String {
     let Vars { input, output, in_force: p, .. } = vars;
     let Numbers { saturated, turns, begin, share, late, fed, table: [first, last] } = output.numbers;
     let share = format!(
-        "`{share:.2}` of what the torque should do, at least `limits.drive_share` = `{}`",
-        p.limits.drive_share
+        "`{share:.2}` of the expected acceleration, minimum `expert.limits.drive_gain_ratio` = `{}`",
+        p.limits.drive_gain_ratio
     );
-    let lost = format!("more than `limits.lost_samples` = `{}` readings", p.limits.lost_samples);
+    let lost = format!("more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
     let error = format!(
-        "error over a turn `{:.1} um`, `limits.tracking_error` = `{:.1} um`",
+        "error of a revolution `{:.1} um`, `expert.limits.tracking_error` = `{:.1} um`",
         1e6 * output.error.rms,
         1e6 * p.limits.tracking_error
     );
     match output.fault {
         Fault::None => String::new(),
         Fault::FollowingError => format!(
-            ": `{:.3} mm`, limit `{} mm`; the arm does {share}",
+            ": `{:.3} mm`, limit `{} mm`; the arm has {share}",
             1e3 * output.error.tracking,
             1e3 * p.limits.following_error
         ),
-        Fault::DriveSign | Fault::WeakDrive => format!(": the arm does {share}"),
+        Fault::DriveSign | Fault::WeakDrive => format!(": the arm has {share}"),
         Fault::Saturation => format!(
-            ": `{saturated:.2}` of the samples at `servo.torque_max` = `{} N.m`, at most `limits.saturated_share` = `{}`",
-            p.servo.torque_max, p.limits.saturated_share
+            ": `{saturated:.2}` of the samples at `servo.torque_max` = `{} N.m`, maximum `expert.limits.saturated_ratio` = `{}`",
+            p.servo.torque_max, p.limits.saturated_ratio
         ),
         Fault::Oscillation => {
-            format!(": `{REVERSALS}` times from limit to limit of `servo.torque_max` = `{} N.m`", p.servo.torque_max)
+            format!(": `{REVERSALS}` changes between the limits of `servo.torque_max` = `{} N.m`", p.servo.torque_max)
         }
         Fault::NoProgress => match late {
             Some([time, limit]) => format!(": `{time:.1} s`, limit `{limit:.1} s`"),
-            None => format!(": {error}, for `{} s` of learning", SETTLED * p.afc.tau),
+            None => format!(": {error}, after `{} s` of learning", SETTLED * p.afc.tau),
         },
-        Fault::Divergence => format!(": from `{:.1} um` in `{turns}` turns; {error}", 1e6 * begin),
+        Fault::Divergence => format!(": from `{:.1} um` in `{turns}` revolutions; {error}", 1e6 * begin),
         Fault::Infeasible => format!(
-            ": needed `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`",
+            ": required `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`",
             output.path_torque,
             output.spindle_speed,
             available_torque(p)
         ),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
         Fault::OutsideTable => {
-            format!(": `slide_position` = `{} m`, the table is from `{first} m` to `{last} m`", input.slide_position)
+            format!(
+                ": `slide_position` = `{} m`, the table extends from `{first} m` to `{last} m`",
+                input.slide_position
+            )
         }
-        LostReading | FrozenReading | ReadingJump => {
-            format!(": `arm_angle` = `{} rad`, wanted `{} rad`, {lost}", input.arm_angle, output.reference.angle)
+        PositionLost | PositionFrozen | PositionJump => {
+            format!(": `arm_angle` = `{} rad`, reference `{} rad`, {lost}", input.arm_angle, output.reference.angle)
         }
-        LostSpindle | FrozenSpindle | SpindleJump => {
+        SpindleLost | SpindleFrozen | SpindleJump => {
             format!(": `spindle_angle` = `{} rad`, {lost}", input.spindle_angle)
         }
-        LostSlide | FrozenSlide | SlideJump => match fed.filter(|_| output.fault == FrozenSlide) {
+        SlideLost | SlideFrozen | SlideJump => match fed.filter(|_| output.fault == SlideFrozen) {
             Some(way) => format!(
-                ": `slide_position` went `{way:.2e} m` in a turn, `limits.feed` = `{} m` within half of it",
+                ": `slide_position` moved `{way:.2e} m` in a revolution, `limits.feed` = `{} m`, tolerance 50 %",
                 p.limits.feed
             ),
             None => format!(": `slide_position` = `{} m`, {lost}", input.slide_position),
@@ -172,151 +144,156 @@ pub fn numbers(vars: &Vars) -> String {
     }
 }
 
-/// The numbers of a commission that was rejected, after which what was told is in force.
+/// Values of a rejected commissioning run, after which the configured parameters are active.
 fn rejected(p: &Parameters, m: &Measured) -> String {
     format!(
-        ": inertia `{} kg.m2`, deviation `{} kg.m2`, limits half and twice `servo.inertia` = `{} kg.m2` as told and \
-         `commission.deviation_max` = `{}` of it; flexure `{} rad/s`, deviation `{} rad/s`, limits `tip.frequency` = `{} rad/s` as told \
-         within a factor of `{FLEXURE_MAX}` and the same part; delay `{}` samples, deviation `{}`, limits `0` to `{}` for `io_delay` = `{}` \
-         as told and `commission.delay_deviation_max` = `{}`; or no loop of 0.3 `servo.bandwidth` with a sensitivity of \
-         `commission.sensitivity_max` = `{}`",
+        ": inertia `{} kg.m2`, standard deviation `{} kg.m2`, limits half and twice `servo.inertia` = `{} kg.m2` and relative \
+         `expert.commission.std_max` = `{}`; flexure `{} rad/s`, standard deviation `{} rad/s`, limits `tip.frequency` = `{} rad/s` \
+         within a factor of `{FLEXURE_MAX}` and the same relative one; delay `{}` samples, standard deviation `{}`, limits `0` to \
+         `{}` for `io_delay` = `{}` and `expert.commission.delay_std_max` = `{}`; or no loop of 0.3 `servo.bandwidth` with a \
+         sensitivity of `expert.commission.sensitivity_max` = `{}`",
         m.inertia,
-        m.inertia_deviation,
+        m.inertia_std,
         p.servo.inertia,
-        p.commission.deviation_max,
+        p.commission.std_max,
         m.tip_frequency,
-        m.tip_frequency_deviation,
+        m.tip_frequency_std,
         p.tip.frequency,
         m.io_delay,
-        m.io_delay_deviation,
+        m.io_delay_std,
         longest_delay(&p.into()),
         p.io_delay,
-        p.commission.delay_deviation_max,
+        p.commission.delay_std_max,
         p.commission.sensitivity_max,
     )
 }
 
-/// A warning of a table with too few harmonics.
+/// Warning about a table with too few harmonics.
 pub fn truncation(vars: &Vars) -> Option<String> {
     let (left_out, harmonics) = (vars.output.path_truncation, vars.in_force.path.harmonics);
     (left_out > TRUNCATION_MAX).then(|| {
         format!(
-            "`path.harmonics` = `{harmonics}` leave out up to `{left_out:.1e} m` of the depth\nhint: take more harmonics, \
-             or end the cut at a smaller `surface.outer_radius`"
+            "`path.harmonics` = `{harmonics}` omits up to `{left_out:.1e} m` of the depth\nhint: increase `path.harmonics`, \
+             or reduce `surface.outer_radius`"
         )
     })
 }
 
-/// A warning of a fitted lens that gives no correction; `corrects`: the next path has one of a lens before.
+/// Warning about a fitted lens without a correction; `corrects`: the next path has the correction of an earlier lens.
 pub fn form(vars: &Vars, corrects: bool) -> Option<String> {
     let (form, limits, found) = (&vars.output.form, &vars.in_force.form, &vars.output.calibration);
     let (what, hint) = match found.status {
         Status::Solved => return None,
-        Status::NotForm => (
+        Status::TooLarge => (
             format!(
-                "the lens asks for a correction of `{:.1e} m`, limit `form.depth_max` = `{:.1e} m`",
+                "the lens needs a correction of `{:.1e} m`, limit `expert.form.depth_max` = `{:.1e} m`",
                 form.largest, limits.depth_max
             ),
-            "calibrate `tool.*` by a toroid and flats, and check that this part was cut on this path",
+            "Calibrate `tool.*` with a toroid and flats. Check that this part was cut on this path.",
         ),
-        Status::Unsure => (
+        Status::Uncertain => (
             format!(
-                "the correction has a deviation of `{:.1e} m`, limit `form.deviation_max` = `{:.1e} m`, residuals `{:.1e} m`",
-                form.deviation, limits.deviation_max, found.residual
+                "the correction has a standard deviation of `{:.1e} m`, limit `expert.form.std_max` = `{:.1e} m`, residuals `{:.1e} m`",
+                form.std, limits.std_max, found.residual
             ),
-            "read more places at more angles, all that were cut, on both sides of the axis",
+            "Probe more positions and angles, over the whole cut and on both sides of the axis.",
         ),
         status => (
             format!(
-                "the readings of the lens tell no correction, `{status:?}`: `{}` are stored, at least `{READINGS_MIN}` are needed",
+                "the samples of the lens give no correction, `{status:?}`: `{}` stored, minimum `{READINGS_MIN}`",
                 found.samples
             ),
-            "read at least nine angles on each side of the axis, and all places at each",
+            "Probe at least nine angles on each side of the axis, and all positions at each.",
         ),
     };
-    let then = if corrects { "the correction before stays" } else { "it corrects nothing" };
+    let then = if corrects { "the previous correction stays" } else { "no correction" };
     Some(format!("{what}: {then}\nhint: {hint}"))
 }
 
 #[cfg(test)]
 mod tests {
+    use control_blocks::Reaction;
+
     use super::*;
 
     #[test]
-    fn the_arm_moves_on_only_where_encoder_drive_and_loop_obey() {
+    fn the_arm_retracts_only_where_encoder_drive_and_loop_respond() {
         for fault in Fault::ALL {
             let end = match fault {
-                Fault::None | Fault::Infeasible | Fault::OutsideTable | Fault::InvalidInput => SafeEnd::Retract,
-                Fault::LostSpindle | Fault::SpindleJump | Fault::FrozenSpindle => SafeEnd::Retract,
-                Fault::LostSlide | Fault::SlideJump | Fault::FrozenSlide => SafeEnd::Retract,
-                Fault::NoProgress | Fault::Divergence | Fault::CommissionRejected => SafeEnd::Retract,
-                Fault::LostReading | Fault::FrozenReading | Fault::ReadingJump => SafeEnd::DriveOff,
-                Fault::DriveSign | Fault::WeakDrive | Fault::Oscillation => SafeEnd::DriveOff,
-                Fault::FollowingError | Fault::Saturation | Fault::LongStep => SafeEnd::DriveOff,
+                Fault::None | Fault::Infeasible | Fault::OutsideTable | Fault::InvalidInput => Reaction::Retract,
+                Fault::SpindleLost | Fault::SpindleJump | Fault::SpindleFrozen => Reaction::Retract,
+                Fault::SlideLost | Fault::SlideJump | Fault::SlideFrozen => Reaction::Retract,
+                Fault::NoProgress | Fault::Divergence | Fault::CommissionRejected => Reaction::Retract,
+                Fault::PositionLost | Fault::PositionFrozen | Fault::PositionJump => Reaction::DriveOff,
+                Fault::DriveSign | Fault::WeakDrive | Fault::Oscillation => Reaction::DriveOff,
+                Fault::FollowingError | Fault::Saturation | Fault::LongStep => Reaction::DriveOff,
             };
-            assert_eq!(fault.safe_end(), end, "{fault:?}");
+            assert_eq!(fault.reaction(), end, "{fault:?}");
         }
     }
 
     #[test]
-    fn a_fault_tells_what_was_judged_and_its_limit() {
+    fn a_fault_message_has_value_and_limit() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.input.spindle_angle = 7.0;
         vars.output.error.rms = 50e-6;
         vars.output.numbers =
             Numbers { saturated: 0.31, turns: 5, begin: 24e-6, share: -0.9, fed: Some(1e-6), ..Numbers::START };
         vars.output.numbers.table = [0.04, 0.09];
-        let tracking = "error over a turn `50.0 um`, `limits.tracking_error` = `20.0 um`";
-        let mut told = |fault, expected: &str| {
+        let tracking = "error of a revolution `50.0 um`, `expert.limits.tracking_error` = `20.0 um`";
+        let mut check = |fault, expected: &str| {
             vars.output.fault = fault;
             assert_eq!(numbers(&vars), expected, "{fault:?}");
         };
-        told(
+        check(
             Fault::Saturation,
-            ": `0.31` of the samples at `servo.torque_max` = `7 N.m`, at most `limits.saturated_share` = `0.18`",
+            ": `0.31` of the samples at `servo.torque_max` = `7 N.m`, maximum `expert.limits.saturated_ratio` = `0.18`",
         );
-        told(
+        check(
             Fault::DriveSign,
-            ": the arm does `-0.90` of what the torque should do, at least `limits.drive_share` = `0.4`",
+            ": the arm has `-0.90` of the expected acceleration, minimum `expert.limits.drive_gain_ratio` = `0.4`",
         );
-        told(Fault::Divergence, &format!(": from `24.0 um` in `5` turns; {tracking}"));
-        told(Fault::NoProgress, &format!(": {tracking}, for `2.4 s` of learning"));
-        told(SpindleJump, ": `spindle_angle` = `7 rad`, more than `limits.lost_samples` = `3` readings");
-        told(FrozenSlide, ": `slide_position` went `1.00e-6 m` in a turn, `limits.feed` = `0 m` within half of it");
-        told(Fault::OutsideTable, ": `slide_position` = `0 m`, the table is from `0.04 m` to `0.09 m`");
+        check(Fault::Divergence, &format!(": from `24.0 um` in `5` revolutions; {tracking}"));
+        check(Fault::NoProgress, &format!(": {tracking}, after `2.4 s` of learning"));
+        check(SpindleJump, ": `spindle_angle` = `7 rad`, more than `limits.lost_samples` = `3` samples");
+        check(
+            SlideFrozen,
+            ": `slide_position` moved `1.00e-6 m` in a revolution, `limits.feed` = `0 m`, tolerance 50 %",
+        );
+        check(Fault::OutsideTable, ": `slide_position` = `0 m`, the table extends from `0.04 m` to `0.09 m`");
         vars.output.numbers.late = Some([61.0, 60.0]);
         vars.output.fault = Fault::NoProgress;
         assert_eq!(numbers(&vars), ": `61.0 s`, limit `60.0 s`");
     }
 
     #[test]
-    fn too_few_harmonics_are_told_beyond_their_limit() {
+    fn too_few_harmonics_give_a_warning_beyond_their_limit() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.path_truncation = TRUNCATION_MAX;
         assert_eq!(truncation(&vars), None);
         vars.output.path_truncation = 1.001 * TRUNCATION_MAX;
         vars.in_force.path.harmonics = 12;
-        let told = truncation(&vars).unwrap();
-        assert!(told.starts_with("`path.harmonics` = `12` leave out up to `"), "{told}");
+        let message = truncation(&vars).unwrap();
+        assert!(message.starts_with("`path.harmonics` = `12` omits up to `"), "{message}");
     }
 
     #[test]
-    fn a_lens_that_corrects_nothing_is_told_with_value_and_limit() {
+    fn a_lens_without_a_correction_gives_a_warning_with_value_and_limit() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
-        (vars.output.form.largest, vars.output.form.deviation, vars.output.calibration.residual) = (3e-4, 5e-7, 1e-6);
+        (vars.output.form.largest, vars.output.form.std, vars.output.calibration.residual) = (3e-4, 5e-7, 1e-6);
         vars.output.calibration.samples = 30;
-        let few = "`30` are stored, at least `38` are needed";
+        let few = "`30` stored, minimum `38`";
         for (status, parts) in [
-            (Status::NotForm, ["`3.0e-4 m`", "`form.depth_max` = `1.0e-4 m`"]),
-            (Status::Unsure, ["`5.0e-7 m`", "`form.deviation_max` = `2.0e-7 m`, residuals `1.0e-6 m`"]),
+            (Status::TooLarge, ["`3.0e-4 m`", "`expert.form.depth_max` = `1.0e-4 m`"]),
+            (Status::Uncertain, ["`5.0e-7 m`", "`expert.form.std_max` = `2.0e-7 m`, residuals `1.0e-6 m`"]),
             (Status::TooFewSamples, ["`TooFewSamples`", few]),
             (Status::NotObservable, ["`NotObservable`", few]),
             (Status::NotConverged, ["`NotConverged`", few]),
         ] {
             vars.output.calibration.status = status;
-            for (corrects, then) in [(false, ": it corrects nothing\n"), (true, ": the correction before stays\n")] {
-                let told = form(&vars, corrects).unwrap();
-                assert!(parts.iter().chain(&[then, "hint: "]).all(|part| told.contains(part)), "{told}");
+            for (corrects, then) in [(false, ": no correction\n"), (true, ": the previous correction stays\n")] {
+                let message = form(&vars, corrects).unwrap();
+                assert!(parts.iter().chain(&[then, "hint: "]).all(|part| message.contains(part)), "{message}");
             }
         }
         vars.output.calibration.status = Status::Solved;
@@ -324,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_is_told_with_numbers() {
+    fn every_fault_message_has_values() {
         for fault in Fault::ALL {
             let mut vars = <Vars as fmi2_export::Interface>::START;
             vars.output.fault = *fault;

@@ -29,8 +29,7 @@ use texts::Tables;
 
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
-    const INFO: Info =
-        Info { name: "RotaryFastToolServo", state_version: 14, longest_step: 1.0, ..package!() };
+    const INFO: Info = Info { name: "RotaryFastToolServo", state_version: 14, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn on_the_way_out_faults_count_and_another_job_may_begin() {
         let moving = Events { at_rest: false, ..NOTHING };
-        let broken = Events { fault: Some(Fault::LostReading), ..moving };
+        let broken = Events { fault: Some(Fault::PositionLost), ..moving };
         assert_eq!(next(State::Retract, Mode::Idle, &broken), State::Fault);
         assert_eq!(next(State::Idle, Mode::Idle, &broken), State::Idle);
         assert_eq!(next(State::Retract, Mode::Hold, &moving), State::Hold);

@@ -72,7 +72,7 @@ impl Reader {
             spindle_angle: self.spindle.update_angle(input.spindle_angle, &spindle),
             slide_position: self.slide.update(input.slide_position, &slide),
             hold_angle,
-            cutting: input.calibration.cut,
+            cutting: input.calibration_cut,
         };
         self.missing = Missing {
             arm: self.arm.lost(&arm),

@@ -64,9 +64,9 @@ fn neither_a_whole_identification_nor_a_fit_allocates() {
     for mode in [Mode::CalibrateToroid, Mode::CalibrateFlats] {
         // cut and read in turn, solve at the end
         bench.run(mode, 2000, |k, input| {
-            (input.calibration.cut, input.probe.capture) = (k % 8 < 3, k % 8 == 5);
-            (input.probe.lateral, input.probe.depth) = (1e-5 * f64::from(k), 1e-8 * f64::from(k * k));
-            input.calibration.solve = k == 1999;
+            (input.calibration_cut, input.probe_capture) = (k % 8 < 3, k % 8 == 5);
+            (input.probe_lateral, input.probe_depth) = (1e-5 * f64::from(k), 1e-8 * f64::from(k * k));
+            input.calibration_solve = k == 1999;
         });
         assert!(bench.output.calibration.samples > 100);
     }
@@ -75,13 +75,13 @@ fn neither_a_whole_identification_nor_a_fit_allocates() {
 #[test]
 fn neither_the_form_of_a_lens_nor_its_correction_allocates() {
     let mut p = Parameters::START;
-    (p.form.apply, p.form.depth_max, p.form.deviation_max, p.limits.arm_spread) = (true, 1e-2, 1e-3, 0.1);
+    (p.form.apply, p.form.depth_max, p.form.std_max, p.limits.arm_spread) = (true, 1e-2, 1e-3, 0.1);
     let mut bench = Bench::new(p);
     bench.run(Mode::CalibrateForm, 4000, |k, input| {
-        (input.probe.capture, input.calibration.solve) = (k % 2 == 1, k == 3999);
+        (input.probe_capture, input.calibration_solve) = (k % 2 == 1, k == 3999);
         // twenty places at each of twenty angles, and some where nothing is
-        (input.probe.lateral, input.probe.angle) = (0.02 + 1e-3 * f64::from(k / 2 % 20), f64::from(k / 40) * 0.314);
-        input.probe.lateral += if k > 3900 { 0.1 } else { 0.0 };
+        (input.probe_lateral, input.probe_angle) = (0.02 + 1e-3 * f64::from(k / 2 % 20), f64::from(k / 40) * 0.314);
+        input.probe_lateral += if k > 3900 { 0.1 } else { 0.0 };
     });
     assert_eq!(bench.output.calibration.status, Status::Solved);
     bench.run(Mode::Track, 8000, |_, _| ());
@@ -93,7 +93,7 @@ fn neither_a_whole_commission_nor_what_it_brings_into_force_allocates() {
     for apply in [true, false] {
         let mut p = Parameters::START;
         // the arm of the bench goes where it is told without a torque
-        (p.commission.apply, p.limits.arm_spread, p.limits.drive_share) = (apply, 0.1, 0.0);
+        (p.commission.apply, p.limits.arm_spread, p.limits.drive_gain_ratio) = (apply, 0.1, 0.0);
         let mut bench = Bench::new(p);
         bench.run(Mode::Idle, 10, |_, _| ());
         bench.run(Mode::Idle, 110_000, |_, input| input.commission = true);
@@ -128,10 +128,10 @@ fn an_error_that_grows_from_turn_to_turn_allocates_nothing() {
 fn no_fault_allocates() {
     type Spoil = fn(&mut Input);
     let wrong: [(Fault, Spoil); 5] = [
-        (Fault::ReadingJump, |input| input.arm_angle += 0.1),
+        (Fault::PositionJump, |input| input.arm_angle += 0.1),
         (Fault::SpindleJump, |input| input.spindle_angle *= 10.0),
         (Fault::SlideJump, |input| input.slide_position = 1.0),
-        (Fault::LostReading, |input| input.arm_angle = f64::NAN),
+        (Fault::PositionLost, |input| input.arm_angle = f64::NAN),
         (Fault::InvalidInput, |input| input.hold_angle = f64::NAN),
     ];
     for (fault, spoil) in wrong {

@@ -1,7 +1,7 @@
 //! Calibration in place: collects what was cut and what the probe says of it, fits, and keeps the record of the tool.
 //!
-//! While `calibration.cut` is set the tool cuts the part; afterwards `probe.capture` stores readings of the probe, the
-//! first at its rising edge and more while it stays set and the probe moves on; `calibration.solve` fits them. All readings
+//! While `calibration_cut` is set the tool cuts the part; afterwards `probe_capture` stores readings of the probe, the
+//! first at its rising edge and more while it stays set and the probe moves on; `calibration_solve` fits them. All readings
 //! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile. A lens was cut before, when
 //! the path was followed last, with the correction that it had then.
 
@@ -15,7 +15,7 @@ use crate::calibration::flats::{self, ArmEstimate, Flat, FlatAccuracy};
 use crate::calibration::form::{self, FormAccuracy, FormReading};
 use crate::calibration::store::Store;
 use crate::calibration::toroid::{self, ProbeAccuracy, ProbePoint};
-use crate::interface::{CalibrationOutput, FormOutput, Input, Mode, Parameters, ProbeInput, Status};
+use crate::interface::{CalibrationOutput, FormOutput, Input, Mode, Parameters, Status};
 use crate::lists::harmonics::HIGHEST;
 use crate::path::correction::Correction;
 use crate::path::path_table::PathTable;
@@ -38,9 +38,9 @@ pub struct Record {
     /// Arm length and arm zero.
     pub arm: ArmEstimate,
     /// Cross-slide offset x_0, m.
-    pub centre_offset: f64,
+    pub center_offset: f64,
     /// Its standard deviation, m.
-    pub centre_offset_sigma: f64,
+    pub center_offset_std: f64,
 }
 
 /// The calibration between two samples.
@@ -76,11 +76,11 @@ impl Calibrator {
         let arm = ArmEstimate {
             length: tool.arm_length[i],
             zero: tool.arm_zero[i],
-            length_sigma: tool.arm_length_sigma[i],
-            zero_sigma: 0.0,
+            length_std: tool.arm_length_std[i],
+            zero_std: 0.0,
         };
         Self {
-            record: Record { arm, centre_offset: tool.centre_offset[i], centre_offset_sigma: 0.0 },
+            record: Record { arm, center_offset: tool.center_offset[i], center_offset_std: 0.0 },
             mode: Mode::Idle,
             cut: Cut::default(),
             flats: Store::new(SAMPLES_MAX, Flat { arm_angle: 0.0, depth: 0.0 }),
@@ -106,19 +106,19 @@ impl Calibrator {
         if std::mem::replace(&mut self.mode, input.mode) != input.mode {
             self.begin();
         }
-        if self.cutting.rises(input.calibration.cut) {
+        if self.cutting.rises(input.calibration_cut) {
             (self.cut, self.readings) = (Cut::default(), 0);
         }
-        if input.calibration.cut {
+        if input.calibration_cut {
             self.cut.add(now);
         }
-        let rising = self.capture.rises(input.probe.capture);
+        let rising = self.capture.rises(input.probe_capture);
         // a reading that is no number has not moved on
-        let moved = (input.probe.lateral - self.stored_at).abs() >= p.probe.pitch;
-        if rising || (input.probe.capture && moved) {
+        let moved = (input.probe_lateral - self.stored_at).abs() >= p.probe.pitch;
+        if rising || (input.probe_capture && moved) {
             self.store(p, input, path);
         }
-        let solve = self.solve.rises(input.calibration.solve);
+        let solve = self.solve.rises(input.calibration_solve);
         self.lens_fitted = solve && self.mode == Mode::CalibrateForm;
         if solve {
             self.status = self.fit(p);
@@ -158,15 +158,15 @@ impl Calibrator {
 
     /// The record as outputs.
     pub fn report(&self) -> CalibrationOutput {
-        let Record { arm, centre_offset, centre_offset_sigma } = self.record;
+        let Record { arm, center_offset, center_offset_std } = self.record;
         CalibrationOutput {
             status: self.status,
             arm_length: arm.length,
-            centre_offset,
+            center_offset,
             arm_zero: arm.zero,
-            arm_length_sigma: arm.length_sigma,
-            centre_offset_sigma,
-            arm_zero_sigma: arm.zero_sigma,
+            arm_length_std: arm.length_std,
+            center_offset_std,
+            arm_zero_std: arm.zero_std,
             residual: self.residual,
             samples: (self.flats.samples().len() + self.points.samples().len() + self.lens.samples().len()) as i32,
         }
@@ -181,7 +181,7 @@ impl Calibrator {
     }
 
     fn store(&mut self, p: &Parameters, input: &Input, path: &PathTable) {
-        let (lateral, depth) = (input.probe.lateral, input.probe.depth);
+        let (lateral, depth) = (input.probe_lateral, input.probe_depth);
         let refused = match input.mode {
             _ if ![lateral, depth].into_iter().all(|reading| believable(reading, READING_MAX)) => {
                 Some(Status::InvalidProbe)
@@ -214,7 +214,7 @@ impl Calibrator {
 
     /// Keeps a reading of a lens, or says why not.
     fn keep_lens(&mut self, p: &Parameters, input: &Input, path: &PathTable) -> Option<Status> {
-        let &ProbeInput { lateral, depth, angle, .. } = &input.probe;
+        let &Input { probe_lateral: lateral, probe_depth: depth, probe_angle: angle, .. } = input;
         if !believable(angle, ANGLE_MAX) {
             return Some(Status::InvalidProbe);
         }
@@ -259,14 +259,13 @@ impl Calibrator {
 
     /// What is no error of the form, or not sure, corrects nothing.
     fn fit_form(&mut self, p: &Parameters) -> Result<Status, NoEstimate> {
-        let accuracy =
-            FormAccuracy { depth: p.probe.depth_sigma, lateral: p.probe.lateral_sigma, axis: p.probe.cusp_sigma };
+        let accuracy = FormAccuracy { depth: p.probe.depth_std, lateral: p.probe.lateral_std, axis: p.probe.cusp_std };
         let found = form::fit(self.lens.samples(), self.cut_with.as_ref(), &accuracy)?;
-        self.form = FormOutput { error: found.error, largest: found.largest, deviation: found.deviation, ..self.form };
+        self.form = FormOutput { error: found.error, largest: found.largest, std: found.std, ..self.form };
         self.residual = found.residual;
         Ok(match () {
-            () if found.deviation > p.form.deviation_max => Status::Unsure,
-            () if found.largest > p.form.depth_max => Status::NotForm,
+            () if found.std > p.form.std_max => Status::Uncertain,
+            () if found.largest > p.form.depth_max => Status::TooLarge,
             () => {
                 self.correction = Some(found.correction);
                 Status::Solved
@@ -275,24 +274,23 @@ impl Calibrator {
     }
 
     fn fit_flats(&mut self, p: &Parameters) -> Result<(), NoEstimate> {
-        let accuracy = FlatAccuracy { depth: p.probe.depth_sigma, arm_angle: p.calibration.arm_angle_sigma };
+        let accuracy = FlatAccuracy { depth: p.probe.depth_std, arm_angle: p.calibration.arm_angle_std };
         let (arm, residual) = flats::fit(self.flats.samples(), &self.record.arm, &accuracy)?;
         (self.record.arm, self.residual) = (arm, residual);
         Ok(())
     }
 
     fn fit_toroid(&mut self, p: &Parameters) -> Result<(), NoEstimate> {
-        let accuracy =
-            ProbeAccuracy { depth: p.probe.depth_sigma, lateral: p.probe.lateral_sigma, cusp: p.probe.cusp_sigma };
+        let accuracy = ProbeAccuracy { depth: p.probe.depth_std, lateral: p.probe.lateral_std, cusp: p.probe.cusp_std };
         let arc = toroid::fit(self.points.samples(), &accuracy)?;
         let cut = self.cut.mean().ok_or(NoEstimate::TooFew)?;
         let (tool, i) = (&p.tool, p.tool.index());
         let arm = &mut self.record.arm;
         arm.length = arc.radius - tool.nose_radius[i] + p.probe.radius;
-        let radii = tool.nose_radius_sigma[i].hypot(p.probe.radius_sigma);
-        arm.length_sigma = arc.radius_sigma.hypot(radii);
-        self.record.centre_offset = arc.distance + cut.slide_position;
-        self.record.centre_offset_sigma = arc.distance_sigma.hypot(p.probe.lateral_sigma);
+        let radii = tool.nose_radius_std[i].hypot(p.probe.radius_std);
+        arm.length_std = arc.radius_std.hypot(radii);
+        self.record.center_offset = arc.distance + cut.slide_position;
+        self.record.center_offset_std = arc.distance_std.hypot(p.probe.lateral_std);
         self.residual = arc.residual;
         Ok(())
     }
@@ -335,11 +333,11 @@ mod tests {
         for (arm_angle, depths) in flats {
             let now = Moment { arm_angle, torque: 0.0, slide_position: 0.0 };
             for cut in [true, false] {
-                input.calibration.cut = cut;
+                input.calibration_cut = cut;
                 calibrator.step(&p, &input, now, &path);
             }
             for (depth, capture) in depths.into_iter().flat_map(|depth| [(depth, true), (depth, false)]) {
-                (input.probe.depth, input.probe.capture) = (depth, capture);
+                (input.probe_depth, input.probe_capture) = (depth, capture);
                 calibrator.step(&p, &input, now, &path);
             }
         }

@@ -25,9 +25,9 @@ pub struct ArmEstimate {
     /// Arm zero b_0, rad.
     pub zero: f64,
     /// Standard deviation of the length, m.
-    pub length_sigma: f64,
+    pub length_std: f64,
     /// Standard deviation of the zero, rad.
-    pub zero_sigma: f64,
+    pub zero_std: f64,
 }
 
 /// Standard deviations of what is measured.
@@ -42,7 +42,7 @@ pub struct FlatAccuracy {
 /// Arm zero, arm length, K.
 type ArmUnknowns = SVector<f64, 3>;
 
-/// Fits the arm and the root mean square of the residuals (m), with `known.length` and `known.length_sigma` from the
+/// Fits the arm and the root mean square of the residuals (m), with `known.length` and `known.length_std` from the
 /// toroid; `known.zero` only tells the half turn in which the arm is.
 ///
 /// # Errors
@@ -56,16 +56,16 @@ pub fn fit(flats: &[Flat], known: &ArmEstimate, accuracy: &FlatAccuracy) -> Resu
         Some(flat) => observe(flat, accuracy, value),
         // the arm length of the toroid
         None => Observation {
-            residual: (value[1] - known.length) / known.length_sigma,
-            gradient: SVector::from([0.0, 1.0 / known.length_sigma, 0.0]),
+            residual: (value[1] - known.length) / known.length_std,
+            gradient: SVector::from([0.0, 1.0 / known.length_std, 0.0]),
         },
     })?;
     let squares: f64 = flats.iter().map(|flat| gap(flat, &found.value).powi(2)).sum();
     let arm = ArmEstimate {
         length: found.value[1],
         zero: found.value[0],
-        length_sigma: found.sigma(1),
-        zero_sigma: found.sigma(0),
+        length_std: found.sigma(1),
+        zero_std: found.sigma(0),
     };
     Ok((arm, (squares / flats.len() as f64).sqrt()))
 }
@@ -102,7 +102,7 @@ mod tests {
     const ZERO: f64 = 0.052_4;
     const ACCURACY: FlatAccuracy = FlatAccuracy { depth: 65e-9, arm_angle: 0.25e-6 };
     /// What the machine is believed to be before the flats, with the arm length of a toroid from 30 to 60 degrees.
-    const KNOWN: ArmEstimate = ArmEstimate { length: LENGTH, zero: 0.05, length_sigma: 0.35e-6, zero_sigma: 0.01 };
+    const KNOWN: ArmEstimate = ArmEstimate { length: LENGTH, zero: 0.05, length_std: 0.35e-6, zero_std: 0.01 };
 
     /// `count` flats with b_0 + b from `low` to `high` degrees.
     fn flats(low: f64, high: f64, count: usize) -> Vec<Flat> {
@@ -149,9 +149,9 @@ mod tests {
     }
 
     /// Error of b_0 (rad) and its ratio to the reported sigma: root mean squares and largest error of `runs` samples.
-    fn monte_carlo(flats: &[Flat], length_sigma: f64, runs: u32) -> [f64; 3] {
+    fn monte_carlo(flats: &[Flat], length_std: f64, runs: u32) -> [f64; 3] {
         let mut random = Pcg64Mcg::seed_from_u64(42);
-        let (depth, length) = (Normal::new(0.0, ACCURACY.depth).unwrap(), Normal::new(0.0, length_sigma).unwrap());
+        let (depth, length) = (Normal::new(0.0, ACCURACY.depth).unwrap(), Normal::new(0.0, length_std).unwrap());
         let angle = Normal::new(0.0, ACCURACY.arm_angle).unwrap();
         let (mut squares, mut ratios, mut largest) = (0.0, 0.0, 0.0);
         for _ in 0..runs {
@@ -160,11 +160,11 @@ mod tests {
                 depth: f.depth + depth.sample(random),
             };
             let sample: Vec<_> = flats.iter().map(|flat| add(flat, &mut random)).collect();
-            let known = ArmEstimate { length: LENGTH + length.sample(&mut random), length_sigma, ..KNOWN };
+            let known = ArmEstimate { length: LENGTH + length.sample(&mut random), length_std, ..KNOWN };
             let (arm, _) = fit(&sample, &known, &ACCURACY).unwrap();
             let error = arm.zero - ZERO;
             squares += error * error;
-            ratios += (error / arm.zero_sigma).powi(2);
+            ratios += (error / arm.zero_std).powi(2);
             largest = f64::max(largest, error.abs());
         }
         [(squares / f64::from(runs)).sqrt(), (ratios / f64::from(runs)).sqrt(), largest]
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn sigma_is_the_scatter_of_the_estimate() {
         for (low, high) in [(30.0, 60.0), (0.0, 22.0), (-30.0, 30.0), (-11.0, 11.0)] {
-            let [rms, ratio, largest] = monte_carlo(&flats(low, high, 15), KNOWN.length_sigma, 2000);
+            let [rms, ratio, largest] = monte_carlo(&flats(low, high, 15), KNOWN.length_std, 2000);
             println!("flats {low}..{high}: rms {rms:.3e} rad, largest {largest:.3e} rad, against sigma {ratio:.3}");
             // the residuals of 15 flats can only widen sigma
             assert!(ratio > 0.8 && ratio < 1.05, "{low}..{high}: {ratio}");
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn flats_around_45_degrees_keep_a_hundredth_of_a_milliradian() {
-        let [rms, _, largest] = monte_carlo(&flats(30.0, 60.0, 15), KNOWN.length_sigma, 500);
+        let [rms, _, largest] = monte_carlo(&flats(30.0, 60.0, 15), KNOWN.length_std, 500);
         assert!(rms < 0.01e-3 && largest < 0.025e-3, "{rms:e} {largest:e}");
     }
 
@@ -190,10 +190,10 @@ mod tests {
     fn near_the_square_position_sigma_says_that_the_zero_is_unknown() {
         let around = |degrees: f64| {
             let (arm, _) = fit(&flats(-degrees, degrees, 15), &KNOWN, &ACCURACY).unwrap();
-            arm.zero_sigma
+            arm.zero_std
         };
         let (good, _) = fit(&flats(30.0, 60.0, 15), &KNOWN, &ACCURACY).unwrap();
-        assert!(good.zero_sigma < 5e-6, "{:e}", good.zero_sigma);
+        assert!(good.zero_std < 5e-6, "{:e}", good.zero_std);
         assert!(around(11.0) > 30e-6, "{:e}", around(11.0));
         assert!(around(3.0) > 300e-6, "{:e}", around(3.0));
     }
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn an_arm_length_taken_as_exact_spoils_the_zero() {
         // the paper's estimator with 1 um of error in R_a: db_0 = (dR_a / R_a) cot(b_0 + b) in the middle of the flats
-        let exact = ArmEstimate { length: LENGTH + 1e-6, length_sigma: 1e-9, ..KNOWN };
+        let exact = ArmEstimate { length: LENGTH + 1e-6, length_std: 1e-9, ..KNOWN };
         for (low, high) in [(40.0f64, 50.0f64), (30.0, 60.0), (15.0, 25.0), (5.0, 15.0)] {
             let (arm, _) = fit(&flats(low, high, 15), &exact, &ACCURACY).unwrap();
             let expected = 1e-6 / LENGTH / (0.5 * (low + high)).to_radians().tan();

@@ -60,7 +60,7 @@ pub struct FormEstimate {
     /// Correction of the next path.
     pub correction: Correction,
     /// Standard deviation of its depth, root mean square over what was probed, m.
-    pub deviation: f64,
+    pub std: f64,
     /// Error of the form of this lens: what of the readings is smooth, root mean square without the mean, m.
     pub error: f64,
     /// Largest depth of the correction where it was probed, m.
@@ -106,7 +106,7 @@ pub fn fit(
         (readings.iter().map(|reading| part(reading).powi(2)).sum::<f64>() / readings.len() as f64).sqrt()
     };
     Ok(FormEstimate {
-        deviation: (1..UNKNOWNS - 1).map(|i| found.sigma(i).powi(2) * power(i)).sum::<f64>().sqrt(),
+        std: (1..UNKNOWNS - 1).map(|i| found.sigma(i).powi(2) * power(i)).sum::<f64>().sqrt(),
         error: rms(&|reading| error(reading, cut_with, &whole) - mean),
         largest: readings.iter().map(|reading| depth(&correction, reading).abs()).fold(0.0, f64::max),
         residual: rms(&|reading| row(reading, &span).dot(&found.value) - wanted(reading, cut_with)),
@@ -262,7 +262,7 @@ mod tests {
         let (mut ratio, mut cut) = (0.0, 0.0);
         for _ in 0..40 {
             let found = fit(&readings(&nothing, 16, 3e-7, &mut random), None, &ACCURACY).unwrap();
-            ratio += (found.error / found.deviation).powi(2) / 40.0;
+            ratio += (found.error / found.std).powi(2) / 40.0;
             cut += left(&found.correction, &nothing).powi(2) / 40.0;
             assert!((found.residual / 3e-7 - 1.0).abs() < 0.15, "{:e}", found.residual);
         }
@@ -281,7 +281,7 @@ mod tests {
         // eight angles do not tell the fourth harmonic apart
         let few = readings(&wrong(), 8, 6e-8, &mut random);
         match fit(&few, None, &ACCURACY) {
-            Ok(found) => assert!(found.deviation > 1e-3, "{:e}", found.deviation),
+            Ok(found) => assert!(found.std > 1e-3, "{:e}", found.std),
             Err(failure) => assert_eq!(failure, NoEstimate::NotObservable),
         }
     }

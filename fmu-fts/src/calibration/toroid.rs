@@ -1,7 +1,7 @@
 //! Calibration toroid: arm length and cross-slide offset from the probed profile of a revolved arc.
 //!
 //! With the slide fixed at x_F the nose of the tool cuts an arc of the radius R_a + R_t around the arm axis, which the
-//! spindle revolves to a toroid. The centre of the probe ball follows (l - R_c)^2 + (p - z_c)^2 = (R_a + R_t - R_p)^2,
+//! spindle revolves to a toroid. The center of the probe ball follows (l - R_c)^2 + (p - z_c)^2 = (R_a + R_t - R_p)^2,
 //! where l counts from the cusp on the spindle axis, and x_0 = R_c + x_F. The arc is fitted with orthogonal distances:
 //! depth residuals would be wrong on its flanks.
 
@@ -34,17 +34,17 @@ pub struct ProbeAccuracy {
 pub struct Arc {
     /// Radius R_a + R_t - R_p.
     pub radius: f64,
-    /// Distance R_c of its centre from the cusp.
+    /// Distance R_c of its center from the cusp.
     pub distance: f64,
     /// Standard deviation of the radius.
-    pub radius_sigma: f64,
+    pub radius_std: f64,
     /// Standard deviation of the distance.
-    pub distance_sigma: f64,
+    pub distance_std: f64,
     /// Root mean square of the orthogonal distances.
     pub residual: f64,
 }
 
-/// Place of the cusp, distance and depth of the centre, radius.
+/// Place of the cusp, distance and depth of the center, radius.
 type ArcUnknowns = SVector<f64, 4>;
 
 /// Fits the arc to points on one or both sides of the cusp. Points on both sides find the cusp by themselves.
@@ -65,8 +65,8 @@ pub fn fit(points: &[ProbePoint], accuracy: &ProbeAccuracy) -> Result<Arc, NoEst
     Ok(Arc {
         radius: found.value[3],
         distance: found.value[1],
-        radius_sigma: found.sigma(3),
-        distance_sigma: found.sigma(1),
+        radius_std: found.sigma(3),
+        distance_std: found.sigma(1),
         residual: (squares / points.len() as f64).sqrt(),
     })
 }
@@ -180,10 +180,10 @@ mod tests {
         both.iter_mut().for_each(|point| point.lateral += 2e-4);
         let found = fit(&both, &unsure).unwrap();
         assert!((found.distance - DISTANCE).abs() < 1e-11, "{:e}", found.distance - DISTANCE);
-        assert!(found.distance_sigma < 1e-6);
+        assert!(found.distance_std < 1e-6);
         let found = fit(&one, &unsure).unwrap();
-        assert!((found.distance_sigma - 1e-3).abs() < 1e-5, "{:e}", found.distance_sigma);
-        assert!(found.radius_sigma < 1e-6);
+        assert!((found.distance_std - 1e-3).abs() < 1e-5, "{:e}", found.distance_std);
+        assert!(found.radius_std < 1e-6);
     }
 
     /// Root mean square of the error and of error / sigma, for radius and distance, over `runs` samples.
@@ -193,7 +193,7 @@ mod tests {
         for _ in 0..runs {
             let found = fit(&noisy(points, accuracy, &mut random), accuracy).unwrap();
             let (radius, distance) = (found.radius - RADIUS, found.distance - DISTANCE);
-            let all = [radius, distance, radius / found.radius_sigma, distance / found.distance_sigma];
+            let all = [radius, distance, radius / found.radius_std, distance / found.distance_std];
             squares.iter_mut().zip(all).for_each(|(sum, error)| *sum += error * error);
         }
         squares.map(|sum| (sum / f64::from(runs)).sqrt())
@@ -223,7 +223,7 @@ mod tests {
         let mut random = Pcg64Mcg::seed_from_u64(7);
         let sample = noisy(&points, &ACCURACY, &mut random);
         let (honest, corrected) = (fit(&sample, &ACCURACY).unwrap(), fit(&sample, &told).unwrap());
-        assert!((corrected.radius_sigma / honest.radius_sigma - 1.0).abs() < 0.2);
+        assert!((corrected.radius_std / honest.radius_std - 1.0).abs() < 0.2);
     }
 
     #[test]

@@ -29,8 +29,8 @@ use crate::servo::nominal::Nominal;
 pub const FLEXURE_MAX: f64 = 1.43;
 /// Least damping of a flexure over the told one, and least of all.
 const DAMPING: (f64, f64) = (0.5, 1e-3);
-/// Lead and lag of the compensator.
-const SHAPE: (f64, f64) = (4.0, 10.0);
+/// Lead of the compensator; its lag is that of the position loop.
+const LEAD: f64 = 4.0;
 /// Largest crossing of a machine over that of the told one, and the phase (rad) that delays may take there.
 const CROSSING: f64 = 1.7;
 const PHASE: f64 = 0.3;
@@ -99,7 +99,7 @@ type Bearable = (LoopModel, Tip);
 /// The compensator that holds all of them.
 fn compensator(told: &Nominal) -> LeadLag {
     let mut slow = *told;
-    (slow.servo.lead, slow.servo.lag) = SHAPE;
+    slow.servo.lead = LEAD;
     LeadLag::new(slow, crossover(told))
 }
 
@@ -114,7 +114,7 @@ fn crossover(told: &Nominal) -> f64 {
     let by_wish = 0.25 * servo.bandwidth;
     let whole = (1.0 - tip.inertia).sqrt();
     let pole = tip.frequency / FLEXURE_MAX / whole;
-    let peak = RATIO_MAX * SHAPE.0 * tip.inertia / (2.0 * damping(told) * whole);
+    let peak = RATIO_MAX * LEAD * tip.inertia / (2.0 * damping(told) * whole);
     let by_flexure = if tip.frequency * tip.inertia > 0.0 { pole * (PEAK / peak).sqrt() } else { f64::INFINITY };
     by_delay.min(by_wish).min(by_flexure)
 }
@@ -198,7 +198,7 @@ pub fn torque(p: &Parameters) -> f64 {
     told_or(p.commission.torque, || TORQUE_SHARE * p.servo.torque_max)
 }
 
-/// Longest commission (s): `commission.time`, or what its motions take and some more.
+/// Longest commission (s): `expert.commission.time`, or what its motions take and some more.
 pub fn time(p: &Parameters) -> f64 {
     commission_time(p.commission.time, || least_time(p))
 }

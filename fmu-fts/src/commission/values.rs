@@ -31,12 +31,12 @@ impl Values {
         [
             ("servo.bandwidth", servo.bandwidth),
             ("servo.inertia", servo.inertia),
-            ("servo.viscous_friction", servo.viscous_friction),
-            ("servo.dry_friction", servo.dry_friction),
+            ("expert.servo.viscous_friction", servo.viscous_friction),
+            ("expert.servo.dry_friction", servo.dry_friction),
             ("io_delay", f64::from(*io_delay)),
             ("tip.frequency", tip.frequency),
-            ("tip.inertia", tip.inertia),
-            ("tip.damping", tip.damping),
+            ("expert.tip.inertia", tip.inertia),
+            ("expert.tip.damping", tip.damping),
         ]
     }
 
@@ -45,8 +45,8 @@ impl Values {
         let Nominal { servo, .. } = self.nominal;
         let servo = Servo {
             inertia: m.inertia,
-            viscous_friction: significant_or(m.viscous_friction, m.viscous_friction_deviation, servo.viscous_friction),
-            dry_friction: significant_or(m.dry_friction, m.dry_friction_deviation, servo.dry_friction),
+            viscous_friction: significant_or(m.viscous_friction, m.viscous_friction_std, servo.viscous_friction),
+            dry_friction: significant_or(m.dry_friction, m.dry_friction_std, servo.dry_friction),
             ..servo
         };
         let tip = Tip {
@@ -67,13 +67,13 @@ pub fn longest_delay(told: &Nominal) -> i32 {
 /// Whether an arm was measured surely enough, and is one of those that the commission is for; `told` is the machine that it took
 /// for it.
 pub fn acceptable(p: &Parameters, told: &Nominal, m: &Measured) -> bool {
-    let share = p.commission.deviation_max;
+    let share = p.commission.std_max;
     within_factor(m.inertia, told.servo.inertia, RATIO_MAX)
-        && sure(m.inertia, m.inertia_deviation, share)
+        && sure(m.inertia, m.inertia_std, share)
         && within_factor(m.tip_frequency, told.tip.frequency, FLEXURE_MAX)
-        && sure(m.tip_frequency, m.tip_frequency_deviation, share)
+        && sure(m.tip_frequency, m.tip_frequency_std, share)
         && (0..=longest_delay(told)).contains(&whole_delay(m.io_delay))
-        && m.io_delay_deviation <= p.commission.delay_deviation_max
+        && m.io_delay_std <= p.commission.delay_std_max
 }
 
 #[cfg(test)]
@@ -84,19 +84,19 @@ mod tests {
     const GOOD: Measured = Measured {
         valid: true,
         inertia: 9.6e-4,
-        inertia_deviation: 1e-6,
+        inertia_std: 1e-6,
         viscous_friction: 3e-3,
-        viscous_friction_deviation: 2e-3,
+        viscous_friction_std: 2e-3,
         dry_friction: 0.012,
-        dry_friction_deviation: 1e-3,
+        dry_friction_std: 1e-3,
         io_delay: 1.7,
-        io_delay_deviation: 0.02,
+        io_delay_std: 0.02,
         tip_frequency: 7000.0,
-        tip_frequency_deviation: 10.0,
+        tip_frequency_std: 10.0,
         tip_inertia: 0.4,
-        tip_inertia_deviation: 0.01,
+        tip_inertia_std: 0.01,
         tip_damping: -1e-3,
-        tip_damping_deviation: 2e-3,
+        tip_damping_std: 2e-3,
     };
 
     #[test]
@@ -128,15 +128,15 @@ mod tests {
             acceptable(&p, &told, &m)
         };
         let limits: [(Set, f64, f64); 9] = [
-            (|m, x| m.inertia_deviation = x, 1.92e-5, 1.93e-5),
+            (|m, x| m.inertia_std = x, 1.92e-5, 1.93e-5),
             (|m, x| m.inertia = x, 1.599e-3, 1.601e-3),
             (|m, x| m.inertia = x, 4.001e-4, 3.999e-4),
-            (|m, x| m.tip_frequency_deviation = x, 140.0, 141.0),
+            (|m, x| m.tip_frequency_std = x, 140.0, 141.0),
             (|m, x| m.tip_frequency = x, 10_781.0, 10_783.0),
             (|m, x| m.tip_frequency = x, 5273.0, 5272.0),
             (|m, x| m.io_delay = x, 3.49, 3.5),
             (|m, x| m.io_delay = x, -0.49, -0.5),
-            (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
+            (|m, x| m.io_delay_std = x, 0.25, 0.251),
         ];
         for (i, (set, last, first)) in limits.into_iter().enumerate() {
             assert_eq!((with(set, last), with(set, first)), (true, false), "{i}");

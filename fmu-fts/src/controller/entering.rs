@@ -17,8 +17,8 @@ impl Controller {
         let closed = self.closed();
         let fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
         self.ending.begin(p, fault, closed && state == State::Fault, self.last_motion(p));
-        if self.state == State::Commission && !self.commissioner.finished {
-            self.commissioner.break_off();
+        if self.state == State::Commission && !self.commissioning.finished {
+            self.commissioning.break_off();
         }
         if !closed || state == State::Commission {
             self.begin(p, reading.arm_angle);
@@ -33,7 +33,7 @@ impl Controller {
                 }
             }
             State::Commission => {
-                self.commissioner.begin();
+                self.commissioning.begin();
                 self.request.spend();
                 self.job.restart();
                 self.slow = true;

@@ -1,5 +1,7 @@
 //! What the arm should do in a sample: held, on the path, on its way between both, or swinging to be measured.
 
+use std::f64::consts::TAU;
+
 use control_blocks::Trajectory;
 
 use crate::controller::Controller;
@@ -9,13 +11,16 @@ use crate::reading::Reading;
 use crate::tracking::phasors::Phasors;
 use crate::tracking::tracker::{Layers, Wanted};
 
+/// Spindle speed (rad/s) below which nothing is learned: 60 rpm. A slower revolution takes longer than `afc.tau`.
+const SPEED_MIN: f64 = TAU;
+
 impl Controller {
     /// Which layers work in this sample.
-    pub(super) fn layers(&mut self, p: &Parameters, input: &Input) -> Layers {
-        if self.forget.rises(input.afc_reset) || !input.afc_enable {
+    pub(super) fn layers(&mut self, input: &Input) -> Layers {
+        if !input.afc_enable {
             self.tracker.forget();
         }
-        let steady = !self.recursion.saturated && self.reader.known() && self.spindle.speed.abs() >= p.afc.speed_min;
+        let steady = !self.recursion.saturated && self.reader.known() && self.spindle.speed.abs() >= SPEED_MIN;
         Layers {
             feedforward: input.feedforward_enable,
             cancellation: input.afc_enable,
@@ -61,18 +66,18 @@ impl Controller {
 
     /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use; what is broken
     /// off fades.
-    fn swing(&mut self, p: &Parameters, centre: Trajectory, reading: &Reading) -> Trajectory {
+    fn swing(&mut self, p: &Parameters, center: Trajectory, reading: &Reading) -> Trajectory {
         let measures = matches!(self.state, State::Identify | State::Commission);
         let ready = measures && self.hold.arrived(p) && self.tracker.gone(p);
-        let experiment = if self.slow { &mut self.commissioner.experiment } else { &mut self.identification };
+        let experiment = if self.slow { &mut self.commissioning.experiment } else { &mut self.identification };
         let begins = ready && !experiment.done();
         if begins && experiment.broken_off() {
             experiment.restart();
         }
         if !begins && !experiment.swinging() {
-            return centre;
+            return center;
         }
-        let position = centre.position + experiment.step(reading.arm_angle - centre.position, self.recursion.saturated);
+        let position = center.position + experiment.step(reading.arm_angle - center.position, self.recursion.saturated);
         if self.state == State::Identify && self.identification.done() {
             self.tracker.take(p, self.identification.response());
             self.response = Some(*self.identification.response());

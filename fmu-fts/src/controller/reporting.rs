@@ -22,7 +22,7 @@ impl Controller {
         output.state = self.state;
         output.fault = self.ending.fault();
         output.drive_enable = self.ending.drive_enable();
-        output.drive_share = self.watch.share(p).unwrap_or(1.0);
+        output.drive_gain_ratio = self.watch.share(p).unwrap_or(1.0);
         output.reference = ReferenceOutput { depth: wanted.depth, angle: wanted.motion.position };
         output.error = ErrorOutput {
             // of a fault the last error is told
@@ -37,7 +37,7 @@ impl Controller {
         output.spindle_speed = speed;
         output.saturated = self.closed() && self.recursion.saturated;
         output.path_torque = needed_torque(p, path, speed);
-        output.path_torque_share = self.tracker.torque_share();
+        output.path_torque_ratio = self.tracker.torque_share();
         output.path_truncation = path.truncation;
         output.numbers = Numbers {
             share: self.watch.least_share(p),
@@ -48,7 +48,7 @@ impl Controller {
         };
         output.calibration = self.calibration.report();
         output.form = FormOutput { corrected: path.correction().is_some(), ..self.calibration.form() };
-        output.measured = self.commissioner.measured;
+        output.measured = self.commissioning.measured;
         output.identify_progress = self.identification.progress();
         if let Some(response) = self.response.take() {
             output.response = ResponseOutput::of(&response, self.tracker.response(), &self.tracker.flexure());

@@ -16,6 +16,11 @@ use crate::identify::tone::{Expected, Tone};
 use crate::interface::Parameters;
 use crate::servo::response::FrequencyResponse;
 
+/// Time from one frequency to the next, s: long against the closed loop, so that the transition excites little.
+const GLIDE_TIME: f64 = 0.05;
+/// Time at a frequency before it is measured, s: five times the slowest pole of the closed loop.
+const SETTLE_TIME: f64 = 0.1;
+
 /// The experiment: glide to each frequency, settle, average, and glide to rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Identification {
@@ -44,7 +49,7 @@ impl Identification {
     /// The experiment before its first sample; `expected` tells about what happens at a frequency (rad/s).
     pub fn new(p: &Parameters, expected: impl Fn(f64) -> Expected) -> Self {
         let tones = p.identify.grid.iter().map(|omega| Tone::new(p, omega, &expected(omega))).collect();
-        Self::of(p, tones, p.identify.settle_time)
+        Self::of(p, tones, SETTLE_TIME)
     }
 
     /// The experiment of these tones, each measured after the time `settle` (s).
@@ -52,7 +57,7 @@ impl Identification {
         Self {
             period: p.sample_period,
             tones,
-            glide: ticks(p.identify.glide_time, p.sample_period).max(1),
+            glide: ticks(GLIDE_TIME, p.sample_period).max(1),
             settle: ticks(settle, p.sample_period),
             tone: 0,
             tick: 0,
@@ -93,7 +98,7 @@ impl Identification {
         self.elapsed > 0 && !self.over()
     }
 
-    /// One sample: takes the arm angle (rad) and gives the set-point (rad), both from the centre of the swing;
+    /// One sample: takes the arm angle (rad) and gives the set-point (rad), both from the center of the swing;
     /// `saturated` says that the last torque was at its limit.
     pub fn step(&mut self, angle: f64, saturated: bool) -> f64 {
         self.saturated |= saturated;
@@ -298,7 +303,7 @@ mod tests {
         assert!((largest * 0.08 / p.identify.amplitude - 1.0).abs() < 0.02, "{largest}");
         let acceleration = angles.windows(3).map(|b| (b[0] - 2.0 * b[1] + b[2]) / 1e-8);
         let torque = acceleration.fold(0.0, |largest: f64, a| largest.max(a.abs())) * p.servo.inertia;
-        let limit = p.identify.torque_share * p.servo.torque_max;
+        let limit = p.identify.torque_ratio * p.servo.torque_max;
         assert!(torque > 0.95 * limit && torque < 1.05 * limit, "{torque}");
     }
 
@@ -358,7 +363,7 @@ mod tests {
             let (measured, most) = (identification.response().points().len(), identification.excitation().0);
             identification.stop();
             identification.stop();
-            let glide = ticks(p.identify.glide_time, p.sample_period);
+            let glide = ticks(GLIDE_TIME, p.sample_period);
             for k in 0..glide {
                 assert!(
                     identification.swinging() && !identification.broken_off() && !identification.done(),

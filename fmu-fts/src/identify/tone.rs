@@ -10,6 +10,9 @@ use crate::interface::Parameters;
 /// Part of the following error that is a fault which the swing may have.
 const ERROR_SHARE: f64 = 0.7;
 
+/// Least time that is averaged, in whole periods, s: two periods of the lowest default frequency.
+const AVERAGE_TIME: f64 = 0.2;
+
 /// What is expected at a frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
@@ -37,7 +40,7 @@ impl Tone {
     pub fn new(p: &Parameters, omega: f64, expected: &Expected) -> Self {
         let per_sample = omega * p.sample_period / TAU;
         // rounding errors make no period more
-        let periods = (omega * p.identify.average_time / TAU - 1e-9).ceil().max(1.0);
+        let periods = (omega * AVERAGE_TIME / TAU - 1e-9).ceil().max(1.0);
         let samples = (periods / per_sample).round();
         Self { periods: periods as u32, samples: samples as u32, amplitude: amplitude(p, omega, expected) }
     }
@@ -58,7 +61,7 @@ impl Tone {
 fn amplitude(p: &Parameters, omega: f64, expected: &Expected) -> f64 {
     let (identify, length) = (&p.identify, p.tool.arm_length[p.tool.index()]);
     let tool = identify.amplitude.min(identify.acceleration_max / (omega * omega));
-    let torque = identify.torque_share * p.servo.torque_max;
+    let torque = identify.torque_ratio * p.servo.torque_max;
     let arm = (expected.hub_over_tool * tool / length).min(torque / expected.stiffness);
     let error = ERROR_SHARE * p.limits.following_error / length;
     let (arm, behind) = (arm / expected.response.norm(), (1.0 - expected.response).norm());

@@ -65,7 +65,7 @@ impl FromStr for Frequencies {
 fn refused(text: &str, what: &str) -> ParameterError {
     let (low, high) = LIMITS;
     ParameterError {
-        name: "identify.frequencies",
+        name: "expert.identify.frequencies",
         value: text.to_owned(),
         limit: format!("1 to {COUNT_MAX} ascending numbers from `{low}` to `{high}` Hz, {what}"),
         hint: "write for instance `10, 20, 40, 80, 160, 320`",
@@ -102,7 +102,7 @@ mod tests {
         ];
         for (text, part) in cases {
             let message = text.parse::<Frequencies>().unwrap_err().to_string();
-            assert!(message.starts_with(&format!("parameter `identify.frequencies` is `{text}`")), "{message}");
+            assert!(message.starts_with(&format!("parameter `expert.identify.frequencies` is `{text}`")), "{message}");
             assert!(message.contains(part) && message.contains("hint:"), "{message}");
         }
     }

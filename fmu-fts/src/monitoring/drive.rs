@@ -85,10 +85,10 @@ impl DriveWatch {
         }
     }
 
-    /// The same of the last millisecond, with what is fast; none while disturbances could take it below `limits.drive_share`, or three
+    /// The same of the last millisecond, with what is fast; none while disturbances could take it below `expert.limits.drive_gain_ratio`, or three
     /// deviations of the noise a drive that does nothing above it.
     pub fn now(&self, p: &Parameters) -> Option<f64> {
-        let (dt, least_share) = (p.sample_period, p.limits.drive_share);
+        let (dt, least_share) = (p.sample_period, p.limits.drive_gain_ratio);
         if least_share == 0.0 {
             return None;
         }
@@ -120,15 +120,15 @@ impl DriveWatch {
     }
 
     /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could take the
-    /// share, at worst 1 - d / u, of a good drive below `limits.drive_share`.
+    /// share, at worst 1 - d / u, of a good drive below `expert.limits.drive_gain_ratio`.
     pub fn share(&self, p: &Parameters) -> Option<f64> {
         self.response.share(undisturbed(p, MEMORY))
     }
 }
 
-/// Square of accelerations in the time `memory` (s), of a torque that disturbances cannot take below `limits.drive_share`.
+/// Square of accelerations in the time `memory` (s), of a torque that disturbances cannot take below `expert.limits.drive_gain_ratio`.
 fn undisturbed(p: &Parameters, memory: f64) -> f64 {
-    let least = disturbance(p) / (p.servo.inertia * (1.0 - p.limits.drive_share));
+    let least = disturbance(p) / (p.servo.inertia * (1.0 - p.limits.drive_gain_ratio));
     memory / p.sample_period * least * least
 }
 
@@ -204,7 +204,7 @@ mod tests {
                 angle += dt * velocity;
                 velocity += dt * before / p.servo.inertia;
                 before = motion * phase;
-                assert!(watch.share(&p).is_none_or(|share| share >= p.limits.drive_share), "{motion}");
+                assert!(watch.share(&p).is_none_or(|share| share >= p.limits.drive_gain_ratio), "{motion}");
             }
         }
     }
@@ -255,7 +255,7 @@ mod tests {
         p.limits.arm_spread = 1e-6;
         assert_eq!([0.3, 0.5].map(|torque| now(&p, 1.0, torque).is_some()), [false, true]);
         // where the drive is not watched
-        p.limits.drive_share = 0.0;
+        p.limits.drive_gain_ratio = 0.0;
         assert_eq!(now(&p, 1.0, 5.0), None);
     }
 

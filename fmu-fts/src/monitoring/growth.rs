@@ -3,7 +3,7 @@
 //! What a stable loop is left with falls with its time constants, and noise is the same in every turn. A tool that goes
 //! into the part, or a step of another kind, is over within two turns. An error that rises in four to ten turns in a row,
 //! to twice what it was, by 1.05 to 4 in each, comes of itself: each turn cuts what the one before has left, and the
-//! harmonics learn it with the wrong phase. At another speed the path is another, too, and the turns begin anew. Below `limits.tracking_error` nothing is said.
+//! harmonics learn it with the wrong phase. At another speed the path is another, too, and the turns begin anew. Below `expert.limits.tracking_error` nothing is said.
 
 use serde::{Deserialize, Serialize};
 

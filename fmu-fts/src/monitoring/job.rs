@@ -19,7 +19,7 @@ pub fn late(
     state: State,
     job: &Progress,
 ) -> Option<[f64; 2]> {
-    let told = |usual: f64| if p.limits.job_time > 0.0 { p.limits.job_time } else { usual };
+    let told = |usual: f64| if p.limits.cycle_time > 0.0 { p.limits.cycle_time } else { usual };
     let limit = match state {
         State::Approach | State::Ready | State::Track => told(path.extent() / SLOWEST),
         // before it, at most two turns to `hold_angle` and the way off the path
@@ -51,7 +51,7 @@ mod tests {
         assert_eq!(limit(&p, State::Identify, most - 0.01), None);
         assert_eq!(limit(&p, State::Identify, most + 0.01), Some(most));
         assert_eq!((limit(&p, State::Hold, 100.0), limit(&p, State::Track, 100.0)), (None, None));
-        p.limits.job_time = 0.5;
+        p.limits.cycle_time = 0.5;
         assert_eq!((limit(&p, State::Commission, 2.99), limit(&p, State::Commission, 3.01)), (None, Some(3.0)));
         assert_eq!((limit(&p, State::Track, 0.49), limit(&p, State::Track, 0.51)), (None, Some(0.5)));
         assert_eq!(limit(&p, State::Hold, 0.51), None);

@@ -86,13 +86,13 @@ impl Watch {
         let frozen = stands && self.life.unanswered(p, length) > 1.0;
         let behind = self.following_error.abs() > p.limits.following_error;
         let poor = f64::from(self.poor) * p.sample_period > SETTLED * p.afc.tau;
-        let left = self.drive.moving(p).is_some_and(|moving| moving.abs() < p.limits.drive_share);
+        let left = self.drive.moving(p).is_some_and(|moving| moving.abs() < p.limits.drive_gain_ratio);
         frozen
-            .then_some(if left { Fault::WeakDrive } else { Fault::FrozenReading })
+            .then_some(if left { Fault::WeakDrive } else { Fault::PositionFrozen })
             .or(share.and_then(|share| self.drive_fault(p, share)))
             .or((self.turns >= REVERSALS).then_some(Fault::Oscillation))
             .or(behind.then(|| self.left_behind(p)))
-            .or((self.saturated > p.limits.saturated_share).then_some(Fault::Saturation))
+            .or((self.saturated > p.limits.saturated_ratio).then_some(Fault::Saturation))
             .or(self.growth.grows(p).then_some(Fault::Divergence))
             .or(poor.then_some(Fault::NoProgress))
     }
@@ -116,7 +116,7 @@ impl Watch {
     /// What a torque is known to do to the arm: 1 if the drive obeyed when it was last seen, and nothing was seen against it
     /// since; -1 if it has turned; 0 if neither is sure.
     pub fn answer(&self, p: &Parameters) -> f64 {
-        let obeys = |share: f64| share >= p.limits.drive_share;
+        let obeys = |share: f64| share >= p.limits.drive_gain_ratio;
         if self.drive.cause(p).is_some_and(|share| share < TURNED) {
             return -1.0;
         }
@@ -130,9 +130,9 @@ impl Watch {
 
     /// Why the arm is behind: a fast path leaves its limit before a whole `MEMORY` tells what the drive does.
     fn left_behind(&self, p: &Parameters) -> Fault {
-        match self.drive.cause(p).filter(|share| *share < p.limits.drive_share) {
+        match self.drive.cause(p).filter(|share| *share < p.limits.drive_gain_ratio) {
             None => Fault::FollowingError,
-            Some(_) if p.limits.drive_share == 0.0 => Fault::FollowingError,
+            Some(_) if p.limits.drive_gain_ratio == 0.0 => Fault::FollowingError,
             Some(share) if share < TURNED => Fault::DriveSign,
             Some(_) => Fault::WeakDrive,
         }
@@ -140,14 +140,14 @@ impl Watch {
 
     /// What a share of the torque means.
     fn drive_fault(&self, p: &Parameters, share: f64) -> Option<Fault> {
-        if p.limits.drive_share == 0.0 || share >= p.limits.drive_share {
+        if p.limits.drive_gain_ratio == 0.0 || share >= p.limits.drive_gain_ratio {
             return None;
         }
         let stands = share.abs() < 0.1 && f64::from(self.life.still()) * p.sample_period > 5e-3;
         Some(if share < AGAINST || self.drive.cause(p).is_some_and(|cause| cause < TURNED) {
             Fault::DriveSign
         } else if stands {
-            Fault::FrozenReading
+            Fault::PositionFrozen
         } else {
             Fault::WeakDrive
         })
@@ -158,7 +158,7 @@ impl Watch {
 mod tests {
     use std::f64::consts::TAU;
 
-    use control_blocks::SafeEnd;
+    use control_blocks::Reaction;
 
     use super::*;
 
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn nothing_goes_on_at_full_torque() {
         for behind in [0.02, 0.001] {
-            assert_eq!(at_full_torque(behind).map(Fault::safe_end), Some(SafeEnd::DriveOff));
+            assert_eq!(at_full_torque(behind).map(Fault::reaction), Some(Reaction::DriveOff));
         }
     }
 
@@ -318,7 +318,7 @@ mod tests {
             assert_eq!(found, [Fault::FollowingError, Fault::FollowingError, Fault::WeakDrive, Fault::DriveSign]);
         }
         // where the drive is not watched
-        p.limits.drive_share = 0.0;
+        p.limits.drive_gain_ratio = 0.0;
         assert_eq!([0.1, -1.0].map(|gain| turned(&p, gain, 7e-3).left_behind(&p)), [Fault::FollowingError; 2]);
     }
 
@@ -370,15 +370,15 @@ mod tests {
             }
             held.get()
         };
-        assert_eq!(standing(false, frozen), Some(Fault::FrozenReading));
+        assert_eq!(standing(false, frozen), Some(Fault::PositionFrozen));
     }
 
     #[test]
     fn a_share_of_nothing_is_a_frozen_reading_where_the_reading_stands() {
         let p = Parameters::START;
         for (speed, share, fault) in [
-            (0.0, 0.05, Fault::FrozenReading),
-            (0.0, -0.05, Fault::FrozenReading),
+            (0.0, 0.05, Fault::PositionFrozen),
+            (0.0, -0.05, Fault::PositionFrozen),
             (0.0, 0.15, Fault::WeakDrive),
             (1e-3, 0.05, Fault::WeakDrive),
             (0.0, -0.25, Fault::DriveSign),

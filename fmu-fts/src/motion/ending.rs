@@ -4,7 +4,7 @@
 //! whole `servo.torque_max` for J |v| / T_max, over which it goes J v^2 / (2 T_max) further. An inertia that is told wrong
 //! by the share s leaves the speed s v. A drive that is seen to do the opposite gets the opposite pulse.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
@@ -16,7 +16,7 @@ const PULSE_MAX: f64 = 0.01;
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Ending {
     fault: Fault,
-    end: SafeEnd,
+    end: Reaction,
     /// the position loop is closed
     retracting: bool,
     brake: Pulse,
@@ -42,21 +42,21 @@ pub struct LastMotion {
 
 impl Default for Ending {
     fn default() -> Self {
-        Self { fault: Fault::None, end: SafeEnd::Retract, retracting: false, brake: Pulse::default() }
+        Self { fault: Fault::None, end: Reaction::Retract, retracting: false, brake: Pulse::default() }
     }
 }
 
 impl Ending {
     /// Begins the end of a fault; of an arm that was under control before (`closed`).
     pub fn begin(&mut self, p: &Parameters, fault: Fault, closed: bool, arm: LastMotion) {
-        *self = Self { fault, end: fault.safe_end(), retracting: closed, brake: Pulse::default() };
+        *self = Self { fault, end: fault.reaction(), retracting: closed, brake: Pulse::default() };
         self.switch_off(p, arm);
     }
 
     /// A later fault may ask for more and never for less.
     pub fn escalate(&mut self, p: &Parameters, fault: Option<Fault>, arm: LastMotion) {
-        if let Some(fault) = fault.filter(|fault| fault.safe_end() > self.end) {
-            (self.fault, self.end) = (fault, fault.safe_end());
+        if let Some(fault) = fault.filter(|fault| fault.reaction() > self.end) {
+            (self.fault, self.end) = (fault, fault.reaction());
             self.switch_off(p, arm);
         }
     }
@@ -83,7 +83,7 @@ impl Ending {
 
     /// Whether the drive may be on.
     pub fn drive_enable(&self) -> bool {
-        self.end < SafeEnd::DriveOff || self.braking()
+        self.end < Reaction::DriveOff || self.braking()
     }
 
     /// Torque (N.m) of a sample in which the loop is open.
@@ -94,7 +94,7 @@ impl Ending {
     }
 
     fn switch_off(&mut self, p: &Parameters, arm: LastMotion) {
-        if self.end < SafeEnd::DriveOff {
+        if self.end < Reaction::DriveOff {
             return;
         }
         if self.retracting {
@@ -140,7 +140,7 @@ mod tests {
     fn the_pulse_takes_the_speed_with_no_more_than_the_torque() {
         let p = Parameters::START;
         for velocity in [34.0, -34.0, 2.75, -0.1] {
-            let (torques, on) = ended(Fault::LostReading, true, velocity);
+            let (torques, on) = ended(Fault::PositionLost, true, velocity);
             let taken: f64 = torques.iter().sum::<f64>() * p.sample_period / p.servo.inertia;
             assert!((taken + velocity).abs() < 1e-9, "{velocity}: {taken}");
             assert!(torques.iter().all(|torque| torque.abs() <= p.servo.torque_max));
@@ -155,15 +155,15 @@ mod tests {
             assert_eq!(ended(fault, true, 5.0), (vec![0.0; 200], 0), "{fault:?}");
         }
         // an arm at rest, or one that nobody held
-        assert_eq!(ended(Fault::LostReading, true, 0.0), (vec![0.0; 200], 0));
-        assert_eq!(ended(Fault::LostReading, false, 5.0), (vec![0.0; 200], 0));
+        assert_eq!(ended(Fault::PositionLost, true, 0.0), (vec![0.0; 200], 0));
+        assert_eq!(ended(Fault::PositionLost, false, 5.0), (vec![0.0; 200], 0));
         // an absurd speed
-        assert_eq!(ended(Fault::ReadingJump, true, 1e6).1, 100);
+        assert_eq!(ended(Fault::PositionJump, true, 1e6).1, 100);
     }
 
     #[test]
     fn an_arm_that_is_behind_is_braked_where_its_drive_was_seen_to_obey() {
-        for (fault, unseen) in [(Fault::FollowingError, 0), (Fault::Saturation, 0), (Fault::LostReading, 6)] {
+        for (fault, unseen) in [(Fault::FollowingError, 0), (Fault::Saturation, 0), (Fault::PositionLost, 6)] {
             let on = [1.0, 0.0].map(|answer| of(fault, true, LastMotion { answer, ..MOVES }).1);
             assert_eq!(on, [6, unseen], "{fault:?}");
         }
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn a_drive_that_has_turned_is_braked_by_the_opposite_pulse() {
         let pulse = |fault, answer| of(fault, true, LastMotion { answer, ..MOVES }).0;
-        let opposite: Vec<_> = pulse(Fault::LostReading, -1.0).iter().map(|torque| -torque).collect();
+        let opposite: Vec<_> = pulse(Fault::PositionLost, -1.0).iter().map(|torque| -torque).collect();
         assert!(opposite[0] > 0.0);
         assert_eq!(pulse(Fault::DriveSign, -1.0), opposite);
         for fault in [Fault::FollowingError, Fault::Saturation, Fault::WeakDrive] {
@@ -183,24 +183,24 @@ mod tests {
     #[test]
     fn a_graver_fault_takes_over_and_a_lighter_one_never_does() {
         let (p, mut ending) = (Parameters::START, Ending::default());
-        ending.begin(&p, Fault::LostSpindle, true, MOVES);
+        ending.begin(&p, Fault::SpindleLost, true, MOVES);
         assert_eq!((ending.retracting(), ending.braking(), ending.drive_enable()), (true, false, true));
         ending.escalate(&p, Some(Fault::NoProgress), MOVES);
-        assert_eq!((ending.fault(), ending.retracting()), (Fault::LostSpindle, true));
-        ending.escalate(&p, Some(Fault::ReadingJump), MOVES);
-        assert_eq!((ending.fault(), ending.retracting(), ending.braking()), (Fault::ReadingJump, false, true));
+        assert_eq!((ending.fault(), ending.retracting()), (Fault::SpindleLost, true));
+        ending.escalate(&p, Some(Fault::PositionJump), MOVES);
+        assert_eq!((ending.fault(), ending.retracting(), ending.braking()), (Fault::PositionJump, false, true));
         while ending.torque() < 0.0 {
             assert!(ending.drive_enable());
         }
         assert!(!ending.drive_enable() && !ending.braking());
-        ending.escalate(&p, Some(Fault::LostSpindle), MOVES);
-        assert_eq!((ending.fault(), ending.drive_enable()), (Fault::ReadingJump, false));
+        ending.escalate(&p, Some(Fault::SpindleLost), MOVES);
+        assert_eq!((ending.fault(), ending.drive_enable()), (Fault::PositionJump, false));
     }
 
     #[test]
     fn what_is_let_go_may_keep_its_drive() {
         let (p, mut ending) = (Parameters::START, Ending::default());
-        ending.begin(&p, Fault::LostSlide, true, MOVES);
+        ending.begin(&p, Fault::SlideLost, true, MOVES);
         ending.release();
         assert_eq!((ending.retracting(), ending.drive_enable(), ending.torque()), (false, true, 0.0));
     }

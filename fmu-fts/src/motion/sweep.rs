@@ -7,7 +7,7 @@ use crate::interface::Parameters;
 /// Time in which the speed is reached and left, s.
 const RAMP_TIME: f64 = 0.02;
 
-/// The motion one sample after `before`, towards rest at `goal` (rad), with `calibration.sweep_speed`.
+/// The motion one sample after `before`, towards rest at `goal` (rad), with `expert.calibration.sweep_speed`.
 pub fn sweep(p: &Parameters, before: Trajectory, goal: f64) -> Trajectory {
     let (speed, dt) = (p.calibration.sweep_speed, p.sample_period);
     let (slope, away) = (speed / RAMP_TIME, goal - before.position);

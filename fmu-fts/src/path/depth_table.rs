@@ -58,19 +58,19 @@ fn too_deep(p: &Parameters, length: f64) -> ParameterError {
             "long enough for the depths of the surface out to `surface.outer_radius` = `{} m`",
             p.surface.outer_radius
         ),
-        hint: "cut less of the surface, or place the part with `surface.depth_auto`",
+        hint: "reduce the cut surface, or set `expert.surface.depth_auto` = true",
     }
 }
 
-/// Number of rows over a length (m), the grid not wider than wished.
+/// Number of rows over a length (m), the grid at most `expert.path.grid`.
 fn rows(p: &Parameters, length: f64) -> Result<usize, ParameterError> {
     // a length of whole grid steps may be a little more by rounding
     let steps = (length / p.path.grid - 1e-6).ceil().max(2.0);
     require(steps < ROWS_MAX as f64, || ParameterError {
-        name: "path.grid",
+        name: "expert.path.grid",
         value: format!("{} m", p.path.grid),
         limit: format!("at least `{} m`, for at most `{ROWS_MAX}` rows", length / ROWS_MAX as f64),
-        hint: "0.5 mm is fine enough for lenses, the table is interpolated",
+        hint: "use 0.5 mm: the table is interpolated",
     })?;
     Ok(steps as usize + 1)
 }
@@ -144,6 +144,6 @@ mod tests {
         p.surface.outer_radius = 0.5;
         p.path.grid = 1e-4;
         let message = DepthTable::of_surface(&p).unwrap_err().to_string();
-        assert!(message.starts_with("parameter `path.grid` is `0.0001 m`"), "{message}");
+        assert!(message.starts_with("parameter `expert.path.grid` is `0.0001 m`"), "{message}");
     }
 }

@@ -10,7 +10,7 @@ pub fn needed_torque(p: &Parameters, path: &PathTable, speed: f64) -> f64 {
 
 /// Torque (N.m) that a path may need.
 pub fn available_torque(p: &Parameters) -> f64 {
-    p.limits.torque_share * p.servo.torque_max
+    p.limits.torque_ratio * p.servo.torque_max
 }
 
 /// Whether a path needs more than it may at a spindle speed (rad/s).

@@ -1,7 +1,7 @@
 //! The arm: encoder angle against depth and distance of the tool nose, exact in both directions.
 //!
 //! phi = b_0 + b is the angle of the arm out of the plane through its axis; z = R_a sin phi is the depth of the nose
-//! centre, rho = (x_0 - x) - R_a cos phi its distance from the spindle axis.
+//! center, rho = (x_0 - x) - R_a cos phi its distance from the spindle axis.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,14 +27,14 @@ pub struct Arm {
     /// Angle b_0 at the encoder index, rad.
     pub zero: f64,
     /// Cross-slide offset x_0, m.
-    pub centre_offset: f64,
+    pub center_offset: f64,
 }
 
 impl Arm {
     /// The arm as the selected tool's calibration record has it.
     pub fn new(p: &Parameters) -> Self {
         let (tool, i) = (&p.tool, p.tool.index());
-        Self { length: tool.arm_length[i], zero: tool.arm_zero[i], centre_offset: tool.centre_offset[i] }
+        Self { length: tool.arm_length[i], zero: tool.arm_zero[i], center_offset: tool.center_offset[i] }
     }
 
     /// Encoder angle b (rad) for a depth z (m); depths out of reach give the last angle in reach.
@@ -63,13 +63,13 @@ impl Arm {
         sine / (1.0 - sine * sine).sqrt()
     }
 
-    /// Distance rho (m) of the nose centre from the spindle axis at a slide position (m) and a depth (m).
+    /// Distance rho (m) of the nose center from the spindle axis at a slide position (m) and a depth (m).
     pub fn distance(&self, slide_position: f64, depth: f64) -> f64 {
         let sine = (depth / self.length).clamp(-SINE_MAX, SINE_MAX);
-        self.centre_offset - slide_position - self.length * (1.0 - sine * sine).sqrt()
+        self.center_offset - slide_position - self.length * (1.0 - sine * sine).sqrt()
     }
 
-    /// Slide position (m) that brings the nose centre to a distance (m) from the spindle axis at a depth (m).
+    /// Slide position (m) that brings the nose center to a distance (m) from the spindle axis at a depth (m).
     pub fn slide_position(&self, distance: f64, depth: f64) -> f64 {
         self.distance(distance, depth)
     }

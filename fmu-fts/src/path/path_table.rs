@@ -137,9 +137,9 @@ impl PathTable {
 
     /// Interpolates at a slide position (m); outside the table the nearest end counts.
     pub fn interpolate(&self, slide_position: f64, row: &mut Row) {
-        let (neighbours, t) = self.neighbours(slide_position);
+        let (neighbors, t) = self.neighbors(slide_position);
         let weights = hermite::weights(t);
-        let [r0, r1, r2, r3] = neighbours;
+        let [r0, r1, r2, r3] = neighbors;
         for ((((value, c0), c1), c2), c3) in row.values.iter_mut().zip(r0).zip(r1).zip(r2).zip(r3) {
             *value = c0 * weights[0] + c1 * weights[1] + c2 * weights[2] + c3 * weights[3];
         }
@@ -150,10 +150,10 @@ impl PathTable {
 
     /// Depth z (m) of the path as it was told, without a correction, and dz/dx, with e^(j n theta), n = 0 first.
     pub fn told_depth(&self, slide_position: f64, phasors: &[Complex<f64>]) -> [f64; 2] {
-        let (neighbours, t) = self.neighbours(slide_position);
+        let (neighbors, t) = self.neighbors(slide_position);
         let (weights, slopes) = (hermite::weights(t), hermite::slopes(t));
         let mut found = [0.0; 2];
-        for ((row, weight), slope) in neighbours.iter().zip(weights).zip(slopes) {
+        for ((row, weight), slope) in neighbors.iter().zip(weights).zip(slopes) {
             let depth: f64 = row[..self.depth_count].iter().zip(phasors).map(|(c, phasor)| (c * phasor).re).sum();
             found[0] += weight * depth;
             found[1] += slope / self.step * depth;
@@ -162,7 +162,7 @@ impl PathTable {
     }
 
     /// The four rows about a slide position (m), and its share between the middle two.
-    fn neighbours(&self, slide_position: f64) -> ([&[Complex<f64>]; 4], f64) {
+    fn neighbors(&self, slide_position: f64) -> ([&[Complex<f64>]; 4], f64) {
         let last = (self.rows - 2) as f64;
         let place = ((slide_position - self.first) / self.step).clamp(-MARGIN, last + 1.0 + MARGIN);
         let before = place.floor().clamp(0.0, last);

@@ -1,7 +1,7 @@
 //! What a probe reads on the part that a path cuts: the nose of the tool and the ball of the probe roll on the same section.
 //!
-//! The section at one angle of the part is the envelope of the nose, so that the centre of the ball moves on the curve that is R_t - R_p
-//! beside that of the centre of the nose: with Z' the slope dz/drho of the latter and q = sqrt(1 + Z'^2) it is at
+//! The section at one angle of the part is the envelope of the nose, so that the center of the ball moves on the curve that is R_t - R_p
+//! beside that of the center of the nose: with Z' the slope dz/drho of the latter and q = sqrt(1 + Z'^2) it is at
 //! rho - (R_t - R_p) Z' / q and z + (R_t - R_p) / q. The slope of both curves is the same there.
 
 use nalgebra::Complex;
@@ -54,7 +54,7 @@ mod tests {
     use crate::interface::Parameters;
     use crate::path::depth_table::DepthTable;
     use crate::path::kinematics::Arm;
-    use crate::path::surface::centre_depth;
+    use crate::path::surface::center_depth;
     use crate::path::toric::section;
     use crate::tracking::phasors::Phasors;
 
@@ -77,14 +77,14 @@ mod tests {
             for (distance, theta) in [(0.01, 0.0), (0.02, 0.7), (0.03, 1.6), (0.033, 4.0)] {
                 let phasors = Phasors::new(theta, 24);
                 let found = contact(&path, [nose, ball], distance, phasors.from_zero()).unwrap();
-                // lowest centre of a ball that nowhere cuts into the section
-                let centre = |k: i32| {
+                // lowest center of a ball that nowhere cuts into the section
+                let center = |k: i32| {
                     let across = 1e-6 * f64::from(k);
                     let sag = section(&p.surface, distance + across, theta.sin(), theta.cos()).sag;
-                    centre_depth(&p.surface) + nose - sag - (ball * ball - across * across).max(0.0).sqrt()
+                    center_depth(&p.surface) + nose - sag - (ball * ball - across * across).max(0.0).sqrt()
                 };
                 let reach = (1e6 * ball) as i32;
-                let lowest = (-reach..=reach).map(centre).fold(f64::INFINITY, f64::min) + ball;
+                let lowest = (-reach..=reach).map(center).fold(f64::INFINITY, f64::min) + ball;
                 assert!((found.depth - lowest).abs() < 3e-9, "{ball} {distance} {theta}: {:e}", found.depth - lowest);
             }
         }

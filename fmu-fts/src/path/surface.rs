@@ -1,6 +1,6 @@
-//! Tool path over a surface: depth of the nose centre at a slide position and spindle angle.
+//! Tool path over a surface: depth of the nose center at a slide position and spindle angle.
 //!
-//! The tool is flat-faced with a round nose in the radial plane. Its centre lies R_t along the normal of the section:
+//! The tool is flat-faced with a round nose in the radial plane. Its center lies R_t along the normal of the section:
 //! z = z_c - s + R_t (1 - 1/q), rho = rho_c - R_t s'/q with q = sqrt(1 + s'^2) at the point of contact rho_c. The arm
 //! moves sideways while it swings, rho = (x_0 - x) - R_a cos phi, so that the path belongs to the slide position.
 
@@ -22,10 +22,10 @@ pub struct ToolPath<'a> {
     surface: &'a Surface,
     arm: Arm,
     nose_radius: f64,
-    centre_depth: f64,
+    center_depth: f64,
 }
 
-/// The nose centre for a point of contact.
+/// The nose center for a point of contact.
 struct Nose {
     depth: f64,
     distance: f64,
@@ -56,7 +56,7 @@ impl Directions {
 /// What the search for a point of contact ends with.
 #[derive(Clone, Copy)]
 enum Found {
-    /// Depth of the nose centre, m.
+    /// Depth of the nose center, m.
     Depth(f64),
     /// The surface is narrower than the tool at this distance from the spindle axis, m.
     TooBlunt(f64),
@@ -69,11 +69,11 @@ impl<'a> ToolPath<'a> {
             surface: &p.surface,
             arm: Arm::new(p),
             nose_radius: p.tool.nose_radius[p.tool.index()],
-            centre_depth: centre_depth(&p.surface),
+            center_depth: center_depth(&p.surface),
         }
     }
 
-    /// Depths z (m) of the nose centre at a slide position (m) and some spindle angles.
+    /// Depths z (m) of the nose center at a slide position (m) and some spindle angles.
     ///
     /// # Errors
     /// Where the tool cannot reach the surface.
@@ -90,7 +90,7 @@ impl<'a> ToolPath<'a> {
         blocks.take(directions.angles.len()).map(conclude).collect()
     }
 
-    /// Depth z (m) of the nose centre at a slide position (m) and spindle angle (rad).
+    /// Depth z (m) of the nose center at a slide position (m) and spindle angle (rad).
     #[cfg(test)]
     pub fn depth(&self, slide_position: f64, spindle_angle: f64) -> Result<f64, ParameterError> {
         self.depths(slide_position, &Directions::new([spindle_angle])).map(|depths| depths[0])
@@ -98,7 +98,7 @@ impl<'a> ToolPath<'a> {
 
     fn wave(&self, spindle_angle: f64) -> f64 {
         let phase = f64::from(self.surface.wave_harmonic) * spindle_angle;
-        self.centre_depth + self.surface.wave_amplitude * phase.cos()
+        self.center_depth + self.surface.wave_amplitude * phase.cos()
     }
 
     /// Newton's method for the points of contact in some directions (sine, cosine).
@@ -144,7 +144,7 @@ impl<'a> ToolPath<'a> {
     fn nose(&self, section: &Section, q: f64, contact: f64) -> Nose {
         let turn = self.nose_radius * section.bend / (q * q * q);
         Nose {
-            depth: self.centre_depth - section.sag + self.nose_radius * (1.0 - 1.0 / q),
+            depth: self.center_depth - section.sag + self.nose_radius * (1.0 - 1.0 / q),
             distance: contact - self.nose_radius * section.slope / q,
             depth1: section.slope * (turn - 1.0),
             distance1: 1.0 - turn,
@@ -164,16 +164,14 @@ impl<'a> ToolPath<'a> {
         ParameterError {
             name: "surface.outer_radius",
             value: format!("{} m", self.surface.outer_radius),
-            limit: format!(
-                "where the tool reaches the surface, which it does not at the slide position `{slide_position} m`"
-            ),
-            hint: "cut less of the surface, or a flatter one",
+            limit: format!("within reach of the tool, which it is not at the slide position `{slide_position} m`"),
+            hint: "reduce the cut surface, or use a flatter one",
         }
     }
 }
 
-/// Depth z_c (m) of the nose centre at the spindle axis; automatic in the middle of the sag.
-pub fn centre_depth(surface: &Surface) -> f64 {
+/// Depth z_c (m) of the nose center at the spindle axis; automatic in the middle of the sag.
+pub fn center_depth(surface: &Surface) -> f64 {
     match (surface.depth_auto, surface.kind) {
         (false, _) => surface.depth,
         (true, SurfaceKind::Toric) => {
@@ -194,7 +192,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// Slide position at which the nose centre passes `rho` (m) with the arm in its plane.
+    /// Slide position at which the nose center passes `rho` (m) with the arm in its plane.
     fn slide(p: &Parameters, rho: f64) -> f64 {
         Arm::new(p).slide_position(rho, 0.0)
     }
@@ -246,13 +244,13 @@ mod tests {
         let (path, arm) = (ToolPath::new(&p), Arm::new(&p));
         for (rho, theta) in [(0.03, 0.3), (0.045, 2.0), (0.01, -1.0), (0.0, 1.0)] {
             let z = path.depth(slide(&p, rho), theta).unwrap();
-            let centre = arm.distance(slide(&p, rho), z);
+            let center = arm.distance(slide(&p, rho), z);
             let distance = |r: f64| {
                 let sag = section(&p.surface, r, theta.sin(), theta.cos()).sag;
-                // the surface is R_t deeper than the nose centre where it is level
-                (r - centre).hypot(centre_depth(&p.surface) + 0.002 - sag - z)
+                // the surface is R_t deeper than the nose center where it is level
+                (r - center).hypot(center_depth(&p.surface) + 0.002 - sag - z)
             };
-            let nearest = (-3000..3000).map(|k| distance(centre + 1e-6 * f64::from(k))).fold(f64::INFINITY, f64::min);
+            let nearest = (-3000..3000).map(|k| distance(center + 1e-6 * f64::from(k))).fold(f64::INFINITY, f64::min);
             assert!((nearest - 0.002).abs() < 1e-9, "{rho} {theta}: {nearest}");
         }
     }
@@ -281,10 +279,10 @@ mod tests {
         };
         let sag = 0.1325 - (0.1325f64 * 0.1325 - 0.0009).sqrt();
         for sign in [1.0, -1.0] {
-            assert!((centre_depth(&surface(sign / 0.1325)) - 0.5 * sign * sag).abs() < 1e-12);
+            assert!((center_depth(&surface(sign / 0.1325)) - 0.5 * sign * sag).abs() < 1e-12);
         }
         let told = crate::interface::Surface { depth_auto: false, depth: 0.007, ..surface(5.0) };
-        assert_eq!(centre_depth(&told), 0.007);
+        assert_eq!(center_depth(&told), 0.007);
     }
 
     #[test]
@@ -302,9 +300,9 @@ mod tests {
         (p.surface.cross_curvature, p.surface.outer_radius, p.tool.nose_radius[0]) = (40.0, 0.02, 0.024);
         for rho in [0.0, 2e-4, 4e-4, 7e-4] {
             let z = ToolPath::new(&p).depth(slide(&p, rho), 0.0).unwrap();
-            // the centre of the nose goes round that of the hollow, 25 mm from its ground, at 1 mm
+            // the center of the nose goes round that of the hollow, 25 mm from its ground, at 1 mm
             let across = Arm::new(&p).distance(slide(&p, rho), z);
-            let expected = centre_depth(&p.surface) - 1e-3 + (1e-6 - across * across).sqrt();
+            let expected = center_depth(&p.surface) - 1e-3 + (1e-6 - across * across).sqrt();
             assert!((z - expected).abs() < 1e-9, "{rho}: {z} {expected}");
         }
     }

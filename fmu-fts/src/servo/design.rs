@@ -77,7 +77,7 @@ pub fn design(p: &Parameters) -> Result<LeadLag, ParameterError> {
              `{:.2}` (at least `{GAIN_MARGIN_MIN}`)",
             margins.phase, margins.gain
         ),
-        hint: "wish for less bandwidth, more `servo.lead`, or less delay (`io_delay`, `arm_delay`, `servo.current_bandwidth`)",
+        hint: "reduce `servo.bandwidth`, increase `expert.servo.lead`, or reduce the delay (`io_delay`, `arm_delay`, `servo.current_bandwidth`)",
     })?;
     Ok(compensator)
 }

@@ -1,4 +1,4 @@
-//! Lead-lag compensator: crossover, Tustin discretisation, recursion with the torque limit inside.
+//! Lead-lag compensator: crossover, Tustin discretization, recursion with the torque limit inside.
 //!
 //! ```text
 //! K(s) = K (s + w_z)(s + w_i) / ((s + w_p) s (s / w_r + 1))
@@ -8,6 +8,9 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use crate::servo::nominal::Nominal;
+
+/// Crossover over the zero of the integrator: 6 degrees of phase at the crossover.
+pub const LAG: f64 = 10.0;
 
 /// Coefficients of the discrete compensator in falling powers of z.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +26,7 @@ impl LeadLag {
     pub fn new(nominal: impl Into<Nominal>, crossover: f64) -> Self {
         let Nominal { servo, sample_period, .. } = nominal.into();
         let (zero, pole) = (crossover / servo.lead, crossover * servo.lead);
-        let (integral, roll_off) = (crossover / servo.lag, servo.roll_off);
+        let (integral, roll_off) = (crossover / LAG, servo.roll_off);
         let numerator = [zero * integral, zero + integral, 1.0, 0.0];
         let denominator = [0.0, pole, 1.0 + pole / roll_off, 1.0 / roll_off];
         // unit loop gain of a rigid arm at the crossover

@@ -43,7 +43,7 @@ impl ResponseOutput {
             sensitivity_peak,
             tip_frequency: flexure.frequency,
             tip_damping: flexure.damping,
-            tip_sigma: flexure.sigma,
+            tip_frequency_std: flexure.sigma,
             ..Self::START
         };
         for (i, point) in response.points().iter().enumerate() {
@@ -73,7 +73,7 @@ pub fn margins(first: f64, last: f64, t: impl Fn(f64) -> Complex<f64>) -> Margin
 }
 
 impl Margins {
-    /// Looks at the straight line between two neighbours (frequency, T).
+    /// Looks at the straight line between two neighbors (frequency, T).
     fn look(&mut self, before: (f64, Complex<f64>), now: (f64, Complex<f64>)) {
         self.sensitivity_peak = self.sensitivity_peak.max((1.0 - now.1).norm());
         let (high, low) = (before.1.norm(), now.1.norm());

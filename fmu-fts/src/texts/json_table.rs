@@ -1,4 +1,4 @@
-//! Tables in JSON files that text parameters name, read once at initialisation.
+//! Tables in JSON files that text parameters name, read once at initialization.
 
 use std::path::Path;
 

@@ -10,7 +10,7 @@
 //! In the angle domain it needs no speed: xi_n += 2 T_s / (tau |T|) e exp(-j (n theta + arg T)), u = Re xi_n e^(j n theta).
 //!
 //! What a feedforward with a wrong response leaves grows and shrinks with the harmonic B_n of the path. Where it does not learn the
-//! response itself (`feedforward.adaptive`) xi_n is carried along, xi_n B_n(x) / B_n(x'), as the slide goes from x' to x. Learned
+//! response itself (`expert.feedforward.adaptive`) xi_n is carried along, xi_n B_n(x) / B_n(x'), as the slide goes from x' to x. Learned
 //! alone it would be late by tau for ever.
 
 use control_blocks::{Canceller, adaptation_gain};

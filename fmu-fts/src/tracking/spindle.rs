@@ -2,10 +2,16 @@
 //!
 //! The path uses the raw angle, so that it follows every irregularity of the spindle; only the speed is filtered.
 
+use std::f64::consts::TAU;
+
 use control_blocks::{SentCommands, Unwrapper};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
+
+/// Natural frequency (rad/s) of the loop that estimates the speed: 20 Hz, slow enough for the encoder steps, fast enough for a
+/// ramp. The path uses the raw angle.
+const BANDWIDTH: f64 = 20.0 * TAU;
 
 /// Spindle angle and speed; by default nothing, before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -34,7 +40,7 @@ impl Spindle {
             0 => self.locked_angle = self.angle,
             // the second sample gives the loop a speed to begin with
             samples if samples == 1 || begins => (self.locked_angle, self.speed) = (self.angle, step / p.sample_period),
-            _ => self.follow(p.pll_bandwidth, p.sample_period),
+            _ => self.follow(BANDWIDTH, p.sample_period),
         }
         self.samples = (self.samples + 1).min(2);
     }
@@ -98,7 +104,7 @@ mod tests {
     fn a_ramp_lags_by_acceleration_over_bandwidth() {
         // 600 to 900 rpm in 1 s
         let (spindle, _) = turned(|t| 62.83 + 31.4 * t, false, 0.5);
-        let lag = 2.0 * 31.4 / Parameters::START.pll_bandwidth;
+        let lag = 2.0 * 31.4 / BANDWIDTH;
         assert!((spindle.speed - (62.83 + 31.4 * 0.5) + lag).abs() < 0.02, "{}", spindle.speed);
     }
 

@@ -50,7 +50,7 @@ impl Default for Transition {
 }
 
 impl Transition {
-    /// From the present share onto the path, within `approach.time`.
+    /// From the present share onto the path, within `expert.approach.time`.
     pub fn approach(&mut self, p: &Parameters) {
         *self = Self { share: Quintic::new(self.now(p), 1.0, p.approach_time), ticks: 0 };
     }

@@ -40,35 +40,35 @@ impl Bench {
 
     /// Cuts for ten samples as the machine stands.
     fn cut(&mut self) {
-        self.input.calibration.cut = true;
+        self.input.calibration_cut = true;
         (0..10).for_each(|_| self.step());
-        self.input.calibration.cut = false;
+        self.input.calibration_cut = false;
         self.step();
     }
 
     /// A cut in which `change` moves the machine gives no sample.
     fn assert_moved(&mut self, change: impl FnOnce(&mut Moment)) {
-        self.input.calibration.cut = true;
+        self.input.calibration_cut = true;
         self.step();
         change(&mut self.now);
         self.step();
-        self.input.calibration.cut = false;
+        self.input.calibration_cut = false;
         self.capture(0.01, 0.05);
         assert_eq!(self.calibration.status(), Status::Moved);
     }
 
     /// One reading by a rising edge.
     fn capture(&mut self, lateral: f64, depth: f64) {
-        (self.input.probe.lateral, self.input.probe.depth) = (lateral, depth);
+        (self.input.probe_lateral, self.input.probe_depth) = (lateral, depth);
         for capture in [true, false] {
-            self.input.probe.capture = capture;
+            self.input.probe_capture = capture;
             self.step();
         }
     }
 
     fn solve(&mut self) -> Status {
         for solve in [true, false] {
-            self.input.calibration.solve = solve;
+            self.input.calibration_solve = solve;
             self.step();
         }
         self.calibration.status()
@@ -110,11 +110,11 @@ fn a_toroid_gives_arm_length_and_offset() {
         assert_eq!(bench.solve(), Status::Solved);
         let found = bench.calibration.report();
         assert!((found.arm_length - LENGTH).abs() < 1e-10, "{:e}", found.arm_length - LENGTH);
-        assert!((found.centre_offset - OFFSET).abs() < 1e-10, "{:e}", found.centre_offset - OFFSET);
+        assert!((found.center_offset - OFFSET).abs() < 1e-10, "{:e}", found.center_offset - OFFSET);
         assert_eq!(found.samples, 120);
         // the two radii and the fit
-        assert!(found.arm_length_sigma > 1.4e-7 && found.arm_length_sigma < 1e-6, "{:e}", found.arm_length_sigma);
-        assert!(found.centre_offset_sigma > 3e-8 && found.centre_offset_sigma < 1e-6);
+        assert!(found.arm_length_std > 1.4e-7 && found.arm_length_std < 1e-6, "{:e}", found.arm_length_std);
+        assert!(found.center_offset_std > 3e-8 && found.center_offset_std < 1e-6);
     }
 }
 
@@ -134,9 +134,9 @@ fn flats_give_the_arm_zero_and_use_the_toroid_before() {
         assert_eq!(bench.solve(), Status::Solved);
         let flats = bench.calibration.report();
         assert!((flats.arm_zero - zero).abs() < 1e-8, "{:e}", flats.arm_zero - zero);
-        assert!(flats.arm_zero_sigma > 1e-6 && flats.arm_zero_sigma < 1e-5, "{:e}", flats.arm_zero_sigma);
-        assert!((flats.arm_length - LENGTH).abs() < 1e-9 && flats.arm_length_sigma <= toroid.arm_length_sigma);
-        assert_eq!((flats.centre_offset, flats.samples), (toroid.centre_offset, 11));
+        assert!(flats.arm_zero_std > 1e-6 && flats.arm_zero_std < 1e-5, "{:e}", flats.arm_zero_std);
+        assert!((flats.arm_length - LENGTH).abs() < 1e-9 && flats.arm_length_std <= toroid.arm_length_std);
+        assert_eq!((flats.center_offset, flats.samples), (toroid.center_offset, 11));
     }
 }
 
@@ -144,13 +144,13 @@ fn flats_give_the_arm_zero_and_use_the_toroid_before() {
 fn readings_on_one_flat_are_one_sample() {
     let mut bench = Bench::new(Parameters::START, Mode::CalibrateFlats);
     bench.cut();
-    bench.input.probe.capture = true;
+    bench.input.probe_capture = true;
     for k in 0..1000 {
-        (bench.input.probe.lateral, bench.input.probe.depth) = (0.02 + 1e-6 * f64::from(k), 0.05);
+        (bench.input.probe_lateral, bench.input.probe_depth) = (0.02 + 1e-6 * f64::from(k), 0.05);
         bench.step();
     }
     assert_eq!(bench.calibration.report().samples, 1);
-    bench.input.probe.capture = false;
+    bench.input.probe_capture = false;
     bench.step();
     bench.capture(0.02, 0.05);
     assert_eq!(bench.calibration.report().samples, 1);
@@ -196,9 +196,9 @@ fn another_calibration_in_between_begins_with_nothing() {
 fn a_capture_that_stays_reads_once_every_pitch() {
     let mut bench = Bench::new(Parameters::START, Mode::CalibrateToroid);
     bench.cut();
-    bench.input.probe.capture = true;
+    bench.input.probe_capture = true;
     for k in 0..=1000 {
-        bench.input.probe.lateral = 0.03 - 1e-6 * f64::from(k);
+        bench.input.probe_lateral = 0.03 - 1e-6 * f64::from(k);
         bench.step();
     }
     // 1 mm with 0.1 mm of pitch, less what rounding leaves
@@ -246,8 +246,8 @@ fn a_fit_that_fails_says_why_and_keeps_the_record() {
         });
         assert_eq!(bench.solve(), Status::NotObservable, "{mode:?}");
         let after = bench.calibration.report();
-        assert_eq!((after.arm_length, after.arm_zero, after.centre_offset), (0.08, 0.0523, 0.15));
-        assert_eq!(after.arm_length_sigma, before.arm_length_sigma);
+        assert_eq!((after.arm_length, after.arm_zero, after.center_offset), (0.08, 0.0523, 0.15));
+        assert_eq!(after.arm_length_std, before.arm_length_std);
     }
 }
 
@@ -280,18 +280,18 @@ fn whatever_comes_in_the_record_stays_finite() {
                 4 => 1e-300,
                 _ => random.random_range(-0.1..0.1),
             };
-            (bench.input.probe.lateral, bench.input.probe.depth) = (wild(), wild());
+            (bench.input.probe_lateral, bench.input.probe_depth) = (wild(), wild());
             bench.now = Moment { arm_angle: 1e-3 * wild().clamp(-1.0, 1.0), torque: wild(), slide_position: SLIDE };
             if !bench.now.arm_angle.is_finite() || !bench.now.torque.is_finite() {
                 bench.now = Moment { arm_angle: 0.5, torque: 0.1, slide_position: SLIDE };
             }
-            bench.input.calibration.cut = random.random_bool(0.3);
-            bench.input.probe.capture = random.random_bool(0.5);
-            bench.input.calibration.solve = random.random_bool(0.02);
+            bench.input.calibration_cut = random.random_bool(0.3);
+            bench.input.probe_capture = random.random_bool(0.5);
+            bench.input.calibration_solve = random.random_bool(0.02);
             bench.step();
             let found = bench.calibration.report();
-            let all = [found.arm_length, found.centre_offset, found.arm_zero, found.residual];
-            let sigmas = [found.arm_length_sigma, found.centre_offset_sigma, found.arm_zero_sigma];
+            let all = [found.arm_length, found.center_offset, found.arm_zero, found.residual];
+            let sigmas = [found.arm_length_std, found.center_offset_std, found.arm_zero_std];
             assert!(all.iter().chain(&sigmas).all(|x| x.is_finite()), "{found:?}");
         }
     }

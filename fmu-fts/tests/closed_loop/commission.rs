@@ -81,13 +81,13 @@ fn unknown_machines_are_measured_within_their_deviations() {
         let (delay, frequency) = (build.delay as f64, TAU * build.flexure);
         // measured and its deviation, the truth, and the largest error and deviation
         for (measured, truth, most) in [
-            ([m.inertia, m.inertia_deviation], inertia, [1e-3 * inertia, 2e-3 * inertia]),
-            ([m.viscous_friction, m.viscous_friction_deviation], viscous, [0.03 * viscous, 0.5 * viscous]),
-            ([m.dry_friction, m.dry_friction_deviation], dry, [0.01 * dry, 0.1 * dry]),
-            ([m.io_delay, m.io_delay_deviation], delay, [0.005, 0.02]),
-            ([m.tip_frequency, m.tip_frequency_deviation], frequency, [5e-3 * frequency, 0.015 * frequency]),
-            ([m.tip_inertia, m.tip_inertia_deviation], 0.4375, [0.01, 0.05]),
-            ([m.tip_damping, m.tip_damping_deviation], build.damping, [2e-3, 0.02]),
+            ([m.inertia, m.inertia_std], inertia, [1e-3 * inertia, 2e-3 * inertia]),
+            ([m.viscous_friction, m.viscous_friction_std], viscous, [0.03 * viscous, 0.5 * viscous]),
+            ([m.dry_friction, m.dry_friction_std], dry, [0.01 * dry, 0.1 * dry]),
+            ([m.io_delay, m.io_delay_std], delay, [0.005, 0.02]),
+            ([m.tip_frequency, m.tip_frequency_std], frequency, [5e-3 * frequency, 0.015 * frequency]),
+            ([m.tip_inertia, m.tip_inertia_std], 0.4375, [0.01, 0.05]),
+            ([m.tip_damping, m.tip_damping_std], build.damping, [2e-3, 0.02]),
         ] {
             let error = (measured[0] - truth).abs();
             assert!(error < most[0] && error < measured[1] && measured[1] < most[1], "{seed}: {measured:?}, {truth}");
@@ -125,11 +125,11 @@ fn what_was_measured_is_used_on_request_and_the_lens_is_then_cut_as_ever() {
         (run.input.enable, run.input.mode) = (true, Mode::Track);
         run.run_to(15.0);
         let measured = run.measure(0.5);
-        println!("{apply}: {measured:.3?}, drive share {:.2}", run.output.path_torque_share);
+        println!("{apply}: {measured:.3?}, drive share {:.2}", run.output.path_torque_ratio);
         assert_eq!((run.output.state, run.output.fault), (State::Track, Fault::None));
         assert!(measured.rms < 0.6, "{apply}: {measured:?}");
         // the torque that the path takes is now the one that is expected
-        assert_eq!((run.output.path_torque_share - 1.0).abs() < 0.05, apply, "{}", run.output.path_torque_share);
+        assert_eq!((run.output.path_torque_ratio - 1.0).abs() < 0.05, apply, "{}", run.output.path_torque_ratio);
     }
 }
 
@@ -238,11 +238,11 @@ fn another_commission_finds_the_same_again() {
 
 #[test]
 fn what_is_not_sure_or_not_for_this_controller_is_rejected_with_its_numbers() {
-    let unsure = |p: &mut Parameters| p.commission.deviation_max = 1e-6;
+    let unsure = |p: &mut Parameters| p.commission.std_max = 1e-6;
     let stiff = |p: &mut Parameters| p.commission.sensitivity_max = 1.3;
     type Change = fn(&mut Parameters);
     let cases: [(Change, Build); 6] = [
-        (|p| p.commission.delay_deviation_max = 0.001, STANDING),
+        (|p| p.commission.delay_std_max = 0.001, STANDING),
         (|_| (), Build { delay: 4, ..STANDING }),
         (unsure, STANDING),
         (stiff, OTHER),
@@ -343,7 +343,7 @@ fn a_lost_reading_now_and_then_does_not_matter_and_a_lost_encoder_ends_it() {
             input.arm_angle = f64::NAN;
         });
     }
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionLost, false));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Faults: the named fault, its safe end, finite outputs, whatever comes in.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 use fmu_fts::controller::Controller;
 use fmu_fts::interface::{Fault, Input, Mode, Output, Parameters, State};
 use fmu_fts::texts::Tables;
@@ -29,12 +29,12 @@ fn finite(o: &Output) -> bool {
 fn recovers(mut run: Loop, fault: Fault, torque: bool) {
     // an arm that moves is braked before its drive is off
     let braked = run.time() + 0.01;
-    while run.output.drive_enable && fault.safe_end() == SafeEnd::DriveOff && run.time() < braked {
+    while run.output.drive_enable && fault.reaction() == Reaction::DriveOff && run.time() < braked {
         run.step();
     }
     for _ in 0..100 {
         assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
-        assert_eq!(run.output.drive_enable, fault.safe_end() != SafeEnd::DriveOff);
+        assert_eq!(run.output.drive_enable, fault.reaction() != Reaction::DriveOff);
         assert!(torque || run.output.torque == 0.0);
         assert!(finite(&run.output));
         run.step();
@@ -75,7 +75,7 @@ fn only_a_rising_edge_resets_a_fault() {
         run.input.mode = if k < 50 { Mode::Idle } else { Mode::Hold };
         run.input.enable = k % 20 < 10;
         run.step();
-        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostSlide));
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::SlideLost));
     }
     run.run_to(0.5);
     reset(&mut run);
@@ -183,9 +183,9 @@ fn nonsense_is_bridged_and_then_a_fault_in_every_state() {
     type Place = fn(&mut Input) -> &mut f64;
     // and whether a held arm needs it
     let changes: [(Place, Fault, bool); 4] = [
-        (|i| &mut i.arm_angle, Fault::LostReading, true),
-        (|i| &mut i.spindle_angle, Fault::LostSpindle, false),
-        (|i| &mut i.slide_position, Fault::LostSlide, false),
+        (|i| &mut i.arm_angle, Fault::PositionLost, true),
+        (|i| &mut i.spindle_angle, Fault::SpindleLost, false),
+        (|i| &mut i.slide_position, Fault::SlideLost, false),
         (|i| &mut i.hold_angle, Fault::InvalidInput, true),
     ];
     for mode in &Mode::ALL[1..] {
@@ -203,7 +203,7 @@ fn nonsense_is_bridged_and_then_a_fault_in_every_state() {
                 assert_eq!(run.output.fault, if faulty { fault } else { Fault::None }, "{mode:?}");
                 if faulty {
                     run.step();
-                    recovers(run, fault, fault != Fault::LostReading);
+                    recovers(run, fault, fault != Fault::PositionLost);
                 }
             }
         }
@@ -230,16 +230,15 @@ fn hostile_inputs_never_give_nan() {
         input.spindle_angle = wild(input.spindle_angle + 6e-3);
         input.slide_position = wild(0.04);
         input.hold_angle = wild(0.0);
-        input.probe.depth = wild(0.0);
-        input.probe.lateral = wild(0.0);
+        input.probe_depth = wild(0.0);
+        input.probe_lateral = wild(0.0);
         for switch in [
             &mut input.enable,
             &mut input.reset_fault,
-            &mut input.afc_reset,
             &mut input.afc_enable,
             &mut input.feedforward_enable,
-            &mut input.probe.capture,
-            &mut input.calibration.solve,
+            &mut input.probe_capture,
+            &mut input.calibration_solve,
         ] {
             *switch ^= random.random_range(0..50) == 0;
         }

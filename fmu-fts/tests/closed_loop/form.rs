@@ -58,7 +58,7 @@ fn a_good_machine_is_not_made_worse_and_a_second_lens_not_again() {
         };
         let mut bench = Bench::new(Parameters::START, wrong, seed);
         let before = bench.form();
-        let deviation = bench.correct(NOISE).deviation;
+        let deviation = bench.correct(NOISE).std;
         let first = bench.form();
         bench.correct(NOISE);
         let second = bench.form();
@@ -79,14 +79,14 @@ fn a_good_machine_is_not_made_worse_and_a_second_lens_not_again() {
 fn what_is_no_error_of_the_form_or_not_sure_corrects_nothing() {
     let mut bench = Bench::new(Parameters::START, Wrong { offset: -6e-4, ..LONG }, 4);
     bench.probe(NOISE);
-    assert_eq!(bench.solve(), Status::NotForm);
+    assert_eq!(bench.solve(), Status::TooLarge);
     let told = bench.calibration.form();
     assert!(told.largest > bench.p.form.depth_max && bench.calibration.correction().is_none(), "{told:?}");
     let mut bench = Bench::new(Parameters::START, LONG, 5);
     bench.probe(10.0 * NOISE);
-    assert_eq!(bench.solve(), Status::Unsure);
+    assert_eq!(bench.solve(), Status::Uncertain);
     let told = bench.calibration.form();
-    assert!(told.deviation > bench.p.form.deviation_max && bench.calibration.correction().is_none(), "{told:?}");
+    assert!(told.std > bench.p.form.std_max && bench.calibration.correction().is_none(), "{told:?}");
 }
 
 #[test]
@@ -103,11 +103,11 @@ fn a_probe_of_three_times_the_noise_corrects_no_worse_than_it_tells_or_is_unsure
                 assert_eq!(status, Status::Solved);
                 bench.path.correct(Some(correction));
                 let after = bench.form();
-                assert!(after < 0.2 * before + 3.0 * told.deviation, "{seed}: {after:e} of {before:e}, {told:?}");
+                assert!(after < 0.2 * before + 3.0 * told.std, "{seed}: {after:e} of {before:e}, {told:?}");
             }
             None => {
-                assert_eq!(status, Status::Unsure, "{seed}");
-                assert!(told.deviation > bench.p.form.deviation_max, "{told:?}");
+                assert_eq!(status, Status::Uncertain, "{seed}");
+                assert!(told.std > bench.p.form.std_max, "{told:?}");
             }
         }
     }
@@ -120,13 +120,13 @@ fn every_fit_of_a_lens_is_one_also_with_the_same_result() {
     for mode in [Mode::CalibrateForm, Mode::CalibrateFlats] {
         bench.input.mode = mode;
         for solve in [false, true, true, false, true, false] {
-            let rises = solve && !bench.input.calibration.solve;
-            bench.input.calibration.solve = solve;
+            let rises = solve && !bench.input.calibration_solve;
+            bench.input.calibration_solve = solve;
             bench.step();
             assert_eq!(bench.calibration.lens_fitted(), rises && mode == Mode::CalibrateForm, "{mode:?}");
         }
     }
-    (bench.input.mode, bench.input.calibration.solve) = (Mode::CalibrateForm, true);
+    (bench.input.mode, bench.input.calibration_solve) = (Mode::CalibrateForm, true);
     bench.step();
     assert!(bench.calibration.lens_fitted() && bench.calibration.status() == Status::TooFewSamples);
     bench.calibration.rest();
@@ -135,12 +135,12 @@ fn every_fit_of_a_lens_is_one_also_with_the_same_result() {
 
 #[test]
 fn of_one_side_alone_the_centre_is_as_unsure_as_the_axis_of_the_probe() {
-    for (cusp_sigma, status) in [(1e-4, Status::Unsure), (1e-7, Status::Solved)] {
+    for (cusp_std, status) in [(1e-4, Status::Uncertain), (1e-7, Status::Solved)] {
         let mut p = Parameters::START;
-        p.probe.cusp_sigma = cusp_sigma;
+        p.probe.cusp_std = cusp_std;
         let mut bench = Bench { scans: 16, ..Bench::new(p, LONG, 9) };
         bench.probe(NOISE);
-        assert_eq!(bench.solve(), status, "{cusp_sigma}");
+        assert_eq!(bench.solve(), status, "{cusp_std}");
     }
 }
 
@@ -185,18 +185,19 @@ fn probe(run: &mut Loop, excess: f64) {
     for (k, i) in (0..24).flat_map(|k| (0..20).map(move |i| (k, i))) {
         let (distance, (side, angle)) = (0.028 + 2e-4 * f64::from(i), around(k));
         let told = contact(&path, [2e-3, 1.5e-3], distance, Phasors::new(angle, 64).from_zero()).unwrap();
-        let probe = &mut run.input.probe;
-        // twice a turn, both sides of the axis are alike
-        (probe.lateral, probe.depth, probe.angle) = (side * distance, told.depth + excess * (2.0 * angle).cos(), angle);
+        let input = &mut run.input;
+        // both sides of the axis are alike for an excess twice per revolution
+        (input.probe_lateral, input.probe_angle) = (side * distance, angle);
+        input.probe_depth = told.depth + excess * (2.0 * angle).cos();
         for capture in [true, false] {
-            run.input.probe.capture = capture;
+            run.input.probe_capture = capture;
             run.step();
         }
     }
-    run.input.calibration.solve = true;
+    run.input.calibration_solve = true;
     run.step();
     assert_eq!(run.output.calibration.status, Status::Solved);
-    run.input.calibration.solve = false;
+    run.input.calibration_solve = false;
     run.input.mode = Mode::Track;
 }
 

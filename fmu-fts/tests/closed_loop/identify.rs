@@ -146,11 +146,11 @@ fn the_tool_follows_though_its_flexure_is_told_wrong() {
         println!(
             "{:.2} Hz (sigma {:.2}), {:.4}",
             response.tip_frequency / TAU,
-            response.tip_sigma / TAU,
+            response.tip_frequency_std / TAU,
             response.tip_damping
         );
         assert!((response.tip_frequency / (TAU * flexure) - 1.0).abs() < 5e-3, "{}", response.tip_frequency / TAU);
-        assert!(response.tip_sigma > 0.0);
+        assert!(response.tip_frequency_std > 0.0);
         let left = tip(found);
         println!("told {told:.3?}, found {left:.3?}");
         assert!(told.tip > 1.0 && left.tip < 0.2 && left.rms < 0.1, "{told:?} {left:?}");
@@ -162,15 +162,15 @@ fn what_is_measured_and_held_has_no_end_and_is_measured_anew_with_the_next_job()
     let mut p = parameters("40, 80");
     let mut run = identified(&p, &LINEAR);
     // so long as the measurement takes
-    p.limits.job_time = run.time() + 0.05;
+    p.limits.cycle_time = run.time() + 0.05;
     run = identified(&p, &LINEAR);
-    run.run_to(run.time() + 2.0 * p.limits.job_time);
+    run.run_to(run.time() + 2.0 * p.limits.cycle_time);
     assert_eq!((run.output.state, run.output.fault, run.output.identify_progress), (State::Identify, Fault::None, 1.0));
     run.input.mode = Mode::Hold;
     run.run_to(run.time() + 0.3);
     run.input.mode = Mode::Identify;
     run.run_to(run.time() + 0.3);
     assert!(run.output.identify_progress < 1.0 && run.output.fault == Fault::None, "{}", run.output.identify_progress);
-    run.run_to(run.time() + p.limits.job_time - 0.3);
+    run.run_to(run.time() + p.limits.cycle_time - 0.3);
     assert_eq!((run.output.identify_progress, run.output.fault), (1.0, Fault::None));
 }

@@ -159,13 +159,13 @@ fn a_lost_spindle_ends_out_of_the_part_under_control() {
             }
         }
         assert!(high < most + 0.05 * (most - least), "{high} {most}");
-        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::FrozenSpindle, true));
+        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::SpindleFrozen, true));
         // a second fault in the end is not ignored, and asks for more
         for _ in 0..5 {
             run.step_with(|input| input.arm_angle = f64::NAN);
         }
         let told = (run.output.fault, run.output.drive_enable, run.output.torque);
-        assert_eq!(told, (Fault::LostReading, false, 0.0));
+        assert_eq!(told, (Fault::PositionLost, false, 0.0));
     }
 }
 
@@ -264,7 +264,7 @@ fn an_arm_whose_encoder_is_lost_is_braked_before_the_drive_is_off() {
                     run.step_with(|input| input.arm_angle = f64::NAN);
                     high = high.max(run.machine.tip_depth());
                 }
-                assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+                assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionLost, false));
                 // coasting, 3 cm at 870 rpm would go round in circles
                 assert!(high < most + 0.05 * (most - least), "gain {gain}, {phase}: {high} {most}");
             }

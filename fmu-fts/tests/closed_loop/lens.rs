@@ -76,7 +76,7 @@ impl Bench {
         self.path.interpolate(slide_position, &mut row);
         let depth = row.depth(Phasors::new(angle - late, 64).from_zero()).value;
         let (phi, length) = (told.angle(depth) + told.zero + bent, told.length + length);
-        [told.centre_offset + offset - slide_position - length * phi.cos(), length * phi.sin()]
+        [told.center_offset + offset - slide_position - length * phi.cos(), length * phi.sin()]
     }
 
     /// Lowest point of a ball on the cut section, m.
@@ -114,9 +114,9 @@ impl Bench {
     }
 
     pub fn read(&mut self, lateral: f64, angle: f64, depth: f64) {
-        (self.input.probe.lateral, self.input.probe.depth, self.input.probe.angle) = (lateral, depth, angle);
+        (self.input.probe_lateral, self.input.probe_depth, self.input.probe_angle) = (lateral, depth, angle);
         for capture in [true, false] {
-            self.input.probe.capture = capture;
+            self.input.probe_capture = capture;
             self.step();
         }
     }
@@ -137,7 +137,7 @@ impl Bench {
 
     pub fn solve(&mut self) -> Status {
         for solve in [true, false] {
-            self.input.calibration.solve = solve;
+            self.input.calibration_solve = solve;
             self.step();
         }
         self.calibration.status()

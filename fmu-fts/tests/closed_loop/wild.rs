@@ -23,7 +23,7 @@ fn parameters(random: &mut Pcg64Mcg) -> Parameters {
     change(&mut p.sample_period, 2e-5, 1e-3);
     change(&mut p.tool.arm_length[0], 0.02, 0.5);
     change(&mut p.tool.arm_zero[0], -7.0, 7.0);
-    change(&mut p.tool.centre_offset[0], -2.0, 2.0);
+    change(&mut p.tool.center_offset[0], -2.0, 2.0);
     change(&mut p.tool.nose_radius[0], 0.0, 0.02);
     change(&mut p.surface.base_curvature, -50.0, 50.0);
     change(&mut p.surface.cross_curvature, -50.0, 50.0);
@@ -36,7 +36,6 @@ fn parameters(random: &mut Pcg64Mcg) -> Parameters {
     change(&mut p.path.grid, 1e-4, 5e-3);
     change(&mut p.servo.bandwidth, 62.8, 3142.0);
     change(&mut p.servo.lead, 1.5, 10.0);
-    change(&mut p.servo.lag, 3.0, 1e3);
     change(&mut p.servo.roll_off, 1e3, 31_400.0);
     change(&mut p.servo.inertia, 1e-7, 10.0);
     change(&mut p.servo.viscous_friction, 0.0, 10.0);
@@ -48,11 +47,10 @@ fn parameters(random: &mut Pcg64Mcg) -> Parameters {
     change(&mut p.tip.damping, 0.0, 0.5);
     change(&mut p.afc.tau, 0.01, 100.0);
     change(&mut p.afc.frequency_max, 62.8, 31_400.0);
-    change(&mut p.pll_bandwidth, 1.0, 1e3);
     change(&mut p.approach_time, 0.01, 60.0);
     change(&mut p.hold_speed, 1e-4, 100.0);
     change(&mut p.limits.following_error, 1e-6, 0.1);
-    change(&mut p.limits.torque_share, 0.1, 1.0);
+    change(&mut p.limits.torque_ratio, 0.1, 1.0);
     if random.random_range(0..4) == 0 {
         p.surface.kind = SurfaceKind::Wave;
     }
@@ -82,7 +80,7 @@ fn survives(random: &mut Pcg64Mcg) -> bool {
         let input = Input {
             arm_angle: output.reference.angle,
             spindle_angle: speed * p.sample_period * f64::from(k),
-            slide_position: p.tool.centre_offset[0] - p.tool.arm_length[0] - radius,
+            slide_position: p.tool.center_offset[0] - p.tool.arm_length[0] - radius,
             enable: true,
             mode: if k < 100 { Mode::Hold } else { Mode::Track },
             commission: k % 2 == 1,

@@ -3,7 +3,7 @@
 use control_blocks::{InForce, ticks};
 use serde::{Deserialize, Serialize};
 
-use crate::check::{least_time_constant, least_tip_frequency};
+use crate::check::{least_time_constant, min_tip_frequency};
 use crate::commission::arm::{FoundArm, find};
 use crate::commission::plan::{self, Plan};
 use crate::commission::values::{Values, acceptable};
@@ -23,7 +23,7 @@ const STANDS: f64 = 1.2;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Commissioner {
+pub struct CommissioningRun {
     /// The tones of the present or last commission.
     pub experiment: Identification,
     /// What was measured.
@@ -43,7 +43,7 @@ pub struct Commissioner {
     still: u32,
 }
 
-impl Commissioner {
+impl CommissioningRun {
     /// Nothing measured so far.
     pub fn new(p: &Parameters) -> Self {
         let (plan, told) = (Plan::new(p), Values::of(p));
@@ -133,7 +133,7 @@ impl Commissioner {
         let model = LoopModel::new(self.candidate.nominal, compensator);
         let margins = LoopMargins::of(&self.candidate.nominal, &model, late);
         let Nominal { servo, tip, .. } = &mut self.candidate.nominal;
-        let soft = tip.frequency > 0.0 && tip.frequency < least_tip_frequency(servo.bandwidth);
+        let soft = tip.frequency > 0.0 && tip.frequency < min_tip_frequency(servo.bandwidth);
         if soft || !margins.enough() || margins.sensitivity > p.commission.sensitivity_max {
             servo.bandwidth *= NARROWER;
             self.rejected = servo.bandwidth < BANDWIDTH_MIN * self.values.told().nominal.servo.bandwidth
@@ -151,18 +151,18 @@ fn measured(arm: &FoundArm) -> Measured {
     Measured {
         valid: false,
         inertia: inertia[0],
-        inertia_deviation: inertia[1],
+        inertia_std: inertia[1],
         viscous_friction: viscous_friction[0],
-        viscous_friction_deviation: viscous_friction[1],
+        viscous_friction_std: viscous_friction[1],
         dry_friction: dry_friction[0],
-        dry_friction_deviation: dry_friction[1],
+        dry_friction_std: dry_friction[1],
         io_delay: delay[0],
-        io_delay_deviation: delay[1],
+        io_delay_std: delay[1],
         tip_frequency: frequency[0],
-        tip_frequency_deviation: frequency[1],
+        tip_frequency_std: frequency[1],
         tip_inertia: share[0],
-        tip_inertia_deviation: share[1],
+        tip_inertia_std: share[1],
         tip_damping: damping[0],
-        tip_damping_deviation: damping[1],
+        tip_damping_std: damping[1],
     }
 }
