@@ -2,13 +2,14 @@
 
 use control_blocks::{Parameter, ParameterError, check_all, check_commission_time, ticks};
 
+use crate::calibration::series::RATIO;
 use crate::commission::plan;
 use crate::detection::detector::Detector;
+use crate::detection::touch;
 use crate::force::observer::forgetting;
 use crate::interface::{DetectorKind, Parameters};
 use crate::motion::stability::spectral_radius;
 use crate::motion::travel::arming_travel;
-use crate::teaching::lesson::RATIO;
 
 /// Learning needs this many independent windows.
 const LEARN_WINDOWS: usize = 5;
@@ -22,7 +23,8 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
     check_derived(p)
 }
 
-/// All but those that a commission cannot change: it knows the longest delay at which the loop is stable.
+/// All checks except those whose parameters a commissioning run cannot change: it knows the longest delay at which the loop
+/// is stable.
 ///
 /// # Errors
 /// When a parameter does not fit the others.
@@ -39,7 +41,7 @@ pub fn check_derived(p: &Parameters) -> Result<(), ParameterError> {
             starting,
             learn_limit,
             second_touch,
-            teaching_speeds,
+            calibration_speeds,
             commission_travel,
             commission_force,
             commission_time,
@@ -48,21 +50,21 @@ pub fn check_derived(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn direction(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "use `1` if the encoder counts up towards the workpiece, `-1` if it counts down";
+    let hint = "Set `1` if `position` increases towards the workpiece, `-1` if it decreases.";
     let direction = Parameter::new("approach.direction", p.approach.direction, "", hint);
     direction.must_be(p.approach.direction.abs() == 1, || "`1` or `-1`".into())
 }
 
 fn velocity_bandwidth(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "lower `servo.bandwidth`, or the late velocity makes the servo oscillate";
-    Parameter::new("observer.velocity_bandwidth", p.observer.velocity_bandwidth, "rad/s", hint)
+    let hint = "Reduce `servo.bandwidth`: the delayed velocity makes the servo oscillate.";
+    Parameter::new("expert.observer.velocity_bandwidth", p.observer.velocity_bandwidth, "rad/s", hint)
         .at_least(4.0 * p.servo.bandwidth, "four times `servo.bandwidth`")
 }
 
 fn settle_time(p: &Parameters) -> Result<(), ParameterError> {
     let (value, samples) = (p.learn.settle_time, Detector::settling(p));
     let least = samples as f64 * p.sample_period;
-    let hint = "shorten `deviation.window` or `slope.window`, or settle longer";
+    let hint = "Reduce `expert.deviation.window` or `expert.slope.window`, or increase `learn.settle_time`.";
     let time = Parameter::new("learn.settle_time", value, "s", hint);
     time.must_be(ticks(value, p.sample_period) as usize >= samples, || {
         format!("at least `{least} s`, the `{samples}` samples that `detector` needs at constant speed")
@@ -70,64 +72,68 @@ fn settle_time(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn starting(p: &Parameters) -> Result<(), ParameterError> {
-    let hint =
-        "settle longer, or raise `observer.bandwidth`; else the guard and the drive are judged by the acceleration";
+    let hint = "Increase `learn.settle_time` or `observer.bandwidth`: the acceleration disturbs the guard and the drive monitor.";
     Parameter::new("learn.settle_time", p.learn.settle_time, "s", hint)
-        .at_least(2.0 * forgetting(p), "twice the `6 / observer.bandwidth` that the observer needs to forget it")
+        .at_least(2.0 * forgetting(p), "twice the `6 / observer.bandwidth` until it has no effect on the observer")
 }
 
 fn learn_limit(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "or every learning ends in `LearnTimeout`";
+    let hint = "Increase it: every approach would raise `LearnTimeout`.";
     let (limit, least) = (p.limits.learn_time, p.learn.time);
-    Parameter::new("limits.learn_time", limit, "s", hint)
+    Parameter::new("expert.limits.learn_time", limit, "s", hint)
         .must_be(limit == 0.0 || limit >= least, || format!("`0`, or at least `learn.time`, `{least} s`"))
 }
 
 fn second_touch(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "use `detector` = `Glr`, the one that tells how likely a contact is";
+    let hint = "Set `detector` = `Glr`, the only one with a likelihood ratio.";
     Parameter::new("touch.confirm", p.touch.confirm, "", hint)
         .must_be(!p.touch.confirm || p.detector == DetectorKind::Glr, || {
             "`false` with any other detector than `Glr`".into()
         })?;
-    let hint = "raise it, or lower `touch.suspicion`";
-    Parameter::new("touch.evidence", p.touch.evidence, "", hint)
-        .at_least(2.0 * p.touch.suspicion, "twice `touch.suspicion`")
+    let hint = "Reduce it: two suspicions together must not be a contact yet.";
+    let most = 0.5 * touch::EVIDENCE;
+    Parameter::new("expert.touch.suspicion", p.touch.suspicion, "", hint)
+        .must_be(p.touch.suspicion <= most, || format!("at most `{most}`, half of the ratio of a confirmed contact"))
 }
 
-fn teaching_speeds(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "spread the speeds, or the parts of the bias cannot be told apart";
-    Parameter::new("teach.velocity_max", p.teach.velocity_max, "m/s", hint)
-        .at_least(RATIO * p.teach.velocity_min, "three times `teach.velocity_min`")
+fn calibration_speeds(p: &Parameters) -> Result<(), ParameterError> {
+    let hint = "Increase the range of speeds: the parts of the bias cannot be distinguished otherwise.";
+    Parameter::new("calibration.velocity_max", p.calibration.velocity_max, "m/s", hint)
+        .at_least(RATIO * p.calibration.velocity_min, "three times `calibration.velocity_min`")
 }
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
     let samples = LEARN_WINDOWS * Detector::window(p);
     let least = samples as f64 * p.sample_period;
-    let time =
-        Parameter::new("learn.time", p.learn.time, "s", "learn longer, or shorten `slope.window` or `glr.onsets`");
+    let time = Parameter::new(
+        "learn.time",
+        p.learn.time,
+        "s",
+        "Increase `learn.time`, or reduce `expert.slope.window` or `expert.glr.onsets`.",
+    );
     time.must_be(ticks(p.learn.time, p.sample_period) as usize >= samples, || {
         format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest window")
     })
 }
 
 fn travel(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "allow more travel, approach slower, or learn for less time";
+    let hint = "Increase `approach.travel_max`, or reduce `approach.velocity` or `learn.time`.";
     Parameter::new("approach.travel_max", p.approach.travel_max, "m", hint)
-        .more_than(arming_travel(p, &p.approach), "the way until the detector is armed")
+        .more_than(arming_travel(p, &p.approach), "the travel until the detector is armed")
 }
 
 fn retract(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "retract farther, or set `0`; else the next approach touches before its detector is armed";
+    let hint = "Increase it, or set `0`: the next approach would touch before its detector is armed.";
     let least = arming_travel(p, &p.approach);
     let distance = Parameter::new("retract.distance", p.retract.distance, "m", hint);
     distance.must_be(p.retract.distance == 0.0 || p.retract.distance >= least, || {
-        format!("`0`, or at least `{least} m`, the way until the detector is armed")
+        format!("`0`, or at least `{least} m`, the travel until the detector is armed")
     })
 }
 
 fn readings(p: &Parameters) -> Result<(), ParameterError> {
     let step = p.stage.encoder_resolution;
-    let hint = "raise it, or the steps of the encoder look like a fault";
+    let hint = "Increase it: the steps of the encoder would look like a fault.";
     Parameter::new("limits.jump", p.limits.jump, "m", hint)
         .at_least(4.0 * step, "four times `stage.encoder_resolution`")?;
     Parameter::new("limits.frozen", p.limits.frozen, "m", hint)
@@ -135,13 +141,13 @@ fn readings(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn stability(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "lower `servo.bandwidth`, `observer.bandwidth`, `io_delay` or `sample_period`, or raise \
-                `observer.velocity_bandwidth`";
+    let hint = "Reduce `servo.bandwidth`, `observer.bandwidth`, `io_delay` or `sample_period`, or increase \
+                `expert.observer.velocity_bandwidth`.";
     let radius = spectral_radius(p);
     let servo = Parameter::new("servo.bandwidth", p.servo.bandwidth, "rad/s", hint);
     servo.must_be(radius < 1.0, || {
         format!(
-            "so low that the loop is stable with a drive 30 % stronger than told and one more sample of delay: with \
+            "so low that the loop is stable with a drive 30 % stronger and one more sample of delay than configured: with \
              `observer.bandwidth` = `{} rad/s` its largest eigenvalue is `{radius}`, the limit `1`",
             p.observer.bandwidth
         )
@@ -149,16 +155,16 @@ fn stability(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "allow more travel, or learn the noise for less time";
+    let hint = "Increase `commission.travel`, or reduce `learn.time`.";
     let (value, least) = (p.commission.travel, plan::stroke(p));
     Parameter::new("commission.travel", value, "m", hint).must_be(value == 0.0 || value >= least, || {
-        format!("`0`, or at least `{least} m`, the way in which the noise of the approach is learned")
+        format!("`0`, or at least `{least} m`, the travel in which the noise of the approach is learned")
     })
 }
 
 fn commission_force(p: &Parameters) -> Result<(), ParameterError> {
     let (most, least) = (p.stage.force_constant * p.stage.current_max, p.guard_force);
-    let hint = "with more the current is at its limit, with less what disturbs the stage moves it";
+    let hint = "A larger force saturates the current, a smaller one does not hold the stage against disturbances.";
     let force = Parameter::new("commission.force", plan::force(p), "N", hint);
     force.must_be((least..most).contains(&plan::force(p)), || {
         format!("`0`, or from `{least} N`, `guard.force`, to below `{most} N`, the largest force of the drive")
@@ -171,7 +177,12 @@ fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
 
 fn guard(p: &Parameters) -> Result<(), ParameterError> {
     let most = p.stage.force_constant * p.stage.current_max;
-    let force = Parameter::new("guard.force", p.guard_force, "N", "the guard must trip before the current saturates");
+    let force = Parameter::new(
+        "guard.force",
+        p.guard_force,
+        "N",
+        "Reduce it: the guard must trip before the current saturates.",
+    );
     force.less_than(most, "the largest force of the drive")
 }
 
@@ -183,9 +194,9 @@ mod tests {
 
     const REFUSALS: &[Refusal<Parameters>] = &[
         (|p| p.approach.direction = 0, "approach.direction", "`0`", "`-1`"),
-        (|p| p.servo.bandwidth = 1000.0, "observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
+        (|p| p.servo.bandwidth = 1000.0, "expert.observer.velocity_bandwidth", "`3142 rad/s`", "`4000 rad/s`"),
         (|p| p.deviation_window = 0.5, "learn.settle_time", "`0.25 s`", "`0.53 s`"),
-        (|p| p.teach.velocity_min = 2e-4, "teach.velocity_max", "`0.0003 m/s`", "`0.0006"),
+        (|p| p.calibration.velocity_min = 2e-4, "calibration.velocity_max", "`0.0003 m/s`", "`0.0006"),
         (|p| p.learn.time = 0.05, "learn.time", "`0.05 s`", "`0.15 s`"),
         (|p| p.approach.travel_max = 5e-5, "approach.travel_max", "`0.00005 m`", "armed"),
         (|p| p.retract.distance = 2e-5, "retract.distance", "`0.00002 m`", "`0.000075"),
@@ -200,12 +211,12 @@ mod tests {
             "stable",
         ),
         (|p| p.observer.bandwidth = 40.0, "learn.settle_time", "`0.25 s`", "`0.3 s`"),
-        (|p| p.limits.learn_time = 0.4, "limits.learn_time", "`0.4 s`", "`0.5 s`"),
+        (|p| p.limits.learn_time = 0.4, "expert.limits.learn_time", "`0.4 s`", "`0.5 s`"),
         (|p| p.commission.travel = 7e-5, "commission.travel", "`0.00007 m`", "`0.0000752"),
         (|p| p.commission.force = 100.0, "commission.force", "`100 N`", "`100 N`"),
         (|p| p.commission.force = 0.3, "commission.force", "`0.3 N`", "`guard.force`"),
-        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`10.8"),
-        (|p| p.touch.evidence = 13.0, "touch.evidence", "`13`", "twice `touch.suspicion`"),
+        (|p| p.commission.time = 5.0, "expert.commission.time", "`5 s`", "`10.8"),
+        (|p| p.touch.suspicion = 13.0, "expert.touch.suspicion", "`13`", "at most `12`"),
         (|p| p.guard_force = 100.0, "guard.force", "`100 N`", "`100 N`"),
     ];
 

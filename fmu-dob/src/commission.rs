@@ -1,7 +1,7 @@
-//! The machine measured by its own controller: a bounded motion, what it tells, and what is made of it.
+//! The commissioning run: a bounded motion, the identification from it, and the parameters derived from that.
 
-pub mod commissioner;
 pub mod experiment;
+pub mod identification;
 pub mod noise;
 pub mod plan;
 pub mod response;

@@ -3,16 +3,17 @@
 mod judging;
 mod transitions;
 
-use control_blocks::{ParameterError, RunningLine, SafeEnd, WaitingRequest, export_commission, export_values, ticks};
+use control_blocks::{ParameterError, Reaction, RunningLine, WaitingRequest, export_commission, export_values, ticks};
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::run::CalibrationRun;
 use crate::check::check;
-use crate::commission::commissioner::Commissioner;
+use crate::commission::identification::Identification;
 use crate::commission::plan;
 use crate::detection::contact::DetectedContact;
 use crate::detection::detector::{Detector, Sample, samples};
 use crate::detection::guard::ForceGuard;
-use crate::detection::touch::TwoStageTouch;
+use crate::detection::touch::{self, TwoStageTouch};
 use crate::force::deviation::MovingDeviation;
 use crate::force::notch::NotchCascade;
 use crate::force::observer::DisturbanceObserver;
@@ -25,7 +26,6 @@ use crate::motion::reference::Motion;
 use crate::motion::servo::{self, Amplifier, Integrator};
 use crate::reading::{Reader, Reading};
 use crate::spans::Spans;
-use crate::teaching::teacher::Teacher;
 
 /// The controller between two samples. Everything inside is in the frame where the workpiece is in
 /// the positive direction; only [`Reader`] and the outputs know `approach.direction`.
@@ -48,25 +48,25 @@ pub struct Controller {
     guard: ForceGuard,
     touch: TwoStageTouch,
     monitors: Monitors,
-    commissioner: Commissioner,
-    teacher: Teacher,
+    identification: Identification,
+    calibration: CalibrationRun,
     state: State,
     /// samples of the present state at constant speed
     ticks: u32,
     fault: Fault,
     /// an edge of `enable` waits for a stage at rest
-    asked: WaitingRequest,
+    enable_pending: WaitingRequest,
     /// an edge of `commission` does
-    commission_asked: WaitingRequest,
-    /// an edge of `teach` does
-    teach_asked: WaitingRequest,
+    commission_pending: WaitingRequest,
+    /// an edge of `calibrate` does
+    calibrate_pending: WaitingRequest,
     aborted: bool,
     /// the approach has not begun to move: the force at rest is taken first
     waiting: bool,
     contact: Option<DetectedContact>,
     motion: Motion,
     /// tracking error as the drive went off, m
-    strayed: f64,
+    error_at_power_off: f64,
     numbers: Numbers,
     integrator: Integrator,
     amplifier: Amplifier,
@@ -94,19 +94,19 @@ impl Controller {
             guard: ForceGuard::default(),
             touch: TwoStageTouch::default(),
             monitors: Monitors::new(p),
-            commissioner: Commissioner::new(p),
-            teacher: Teacher::new(p),
+            identification: Identification::new(p),
+            calibration: CalibrationRun::new(p),
             state: State::Idle,
             ticks: 0,
             fault: Fault::None,
-            asked: WaitingRequest::default(),
-            commission_asked: WaitingRequest::default(),
-            teach_asked: WaitingRequest::default(),
+            enable_pending: WaitingRequest::default(),
+            commission_pending: WaitingRequest::default(),
+            calibrate_pending: WaitingRequest::default(),
             aborted: false,
             waiting: false,
             contact: None,
             motion: Motion::new(p),
-            strayed: 0.0,
+            error_at_power_off: 0.0,
             numbers: Numbers::START,
             integrator: Integrator::default(),
             amplifier: Amplifier::new(p),
@@ -120,7 +120,7 @@ impl Controller {
 
     /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
     pub fn bring_into_force(&mut self, p: &mut Parameters) {
-        self.commissioner.put(p);
+        self.identification.put(p);
     }
 
     /// Writes what the last good commission derives into the file `commission.export`.
@@ -128,21 +128,21 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        export_commission(&p.commission.export, &self.commissioner.derived())
+        export_commission(&p.commission.export, &self.identification.derived())
     }
 
-    /// Writes what the last good teaching has learned into the file `teach.export`.
+    /// Writes what the last good calibration has learned into the file `calibration.export`.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn export_bias(&self, p: &Parameters) -> Result<(), ParameterError> {
-        export_values("teach.export", &p.teach.export, &self.teacher.derived())
+        export_values("calibration.export", &p.calibration.export, &self.calibration.derived())
     }
 
     /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`], but for the tunable
     /// ones, which count at the moment when an approach begins and of a contact.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
-        if self.commissioner.take_renewed() {
+        if self.identification.take_renewed() {
             self.renew(p);
         }
         let expected = self.expect(p);
@@ -153,7 +153,7 @@ impl Controller {
         self.follow(p, &reading);
         let current = self.act(p, &reading);
         if self.state == State::Commission {
-            self.commissioner.observe(p, reading.position, current, &self.force, &self.motion.reference);
+            self.identification.observe(p, reading.position, current, &self.force, &self.motion.reference);
         }
         self.report(p, &reading, current, output);
         self.samples += 1;
@@ -165,14 +165,14 @@ impl Controller {
         let ratio = p.stage.force_constant / self.observer.force_constant();
         self.observer = self.observer.renewed(p);
         self.integrator.scale(ratio);
-        self.commissioner.rescale(ratio);
+        self.identification.rescale(ratio);
         self.monitors.drive = DriveResponse::new(p);
         self.detector.renew(p);
     }
 
     /// Whether the drive is off, by a fault.
     fn off(&self) -> bool {
-        self.state == State::Fault && self.fault.safe_end() == SafeEnd::DriveOff
+        self.state == State::Fault && self.fault.reaction() == Reaction::DriveOff
     }
 
     /// Whether the position has been there for long enough to know the velocity.
@@ -188,7 +188,7 @@ impl Controller {
     /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by the nominal stage.
     fn estimate(&mut self, p: &Parameters, reading: &Reading) {
         let acted = self.amplifier.acted(p);
-        self.teacher.feel(p, &self.commissioner.measured, reading.position, acted, self.contact.is_some());
+        self.calibration.feel(p, &self.identification.measured, reading.position, acted, self.contact.is_some());
         if let Some(position) = reading.position {
             self.known = self.known.saturating_add(1);
             if reading.found {
@@ -207,9 +207,9 @@ impl Controller {
             self.observer.coast(acted);
         }
         self.monitors.drive.update(p.stage.force_constant * acted, self.observer.force(), reading.whole > 0);
-        let ForceOutput { notched, deviation, slope, .. } = self.force;
+        let ForceOutput { slope, .. } = self.force;
         let Reading { position, spindle_speed, .. } = *reading;
-        self.detector.update(p, &Sample { position, acted, spindle_speed, notched, deviation, slope });
+        self.detector.update(&Sample { position, acted, spindle_speed, slope });
     }
 
     /// State machine.
@@ -217,20 +217,20 @@ impl Controller {
         let elapsed = self.count(p, reading);
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
         let waits = self.state.waits();
-        if (!reading.teach || reading.begin) && self.teacher.break_off() && !self.state.approaching() {
+        if (!reading.calibrate || reading.begin) && self.calibration.break_off() && !self.state.approaching() {
             self.depart_farther(p);
         }
         let contact = reading.position.and_then(|_| self.find_contact(p, reading));
         let (suspected, dismissed) = self.doubt(p, reading);
         let events = Events {
-            begin: self.asked.update(waits, reading.begin, reading.enabled),
-            commission: self.commission_asked.update(waits, reading.begin_commission, reading.commission),
-            teach: self.teach_asked.update(waits, reading.begin_teaching, reading.teach),
-            teaching: self.teacher.active,
-            taught: self.teacher.over(),
+            begin: self.enable_pending.update(waits, reading.begin, reading.enabled),
+            commission: self.commission_pending.update(waits, reading.begin_commission, reading.commission),
+            calibrate: self.calibrate_pending.update(waits, reading.begin_calibration, reading.calibrate),
+            calibration: self.calibration.active,
+            calibrated: self.calibration.over(),
             break_off: !reading.commission || reading.begin,
-            commissioned: self.commissioner.finished,
-            enabled: if self.teacher.active { !self.teacher.broken() } else { reading.enabled },
+            commissioned: self.identification.finished,
+            enabled: if self.calibration.active { !self.calibration.broken() } else { reading.enabled },
             reset: reading.reset,
             restful: reading.position.is_some() && self.tracked() && self.motion.at_rest() && self.has_come_to_rest(),
             fault: self.find_fault(p, elapsed, settled, reading),
@@ -241,7 +241,7 @@ impl Controller {
             turned: self.motion.reference.velocity <= 0.0,
             retreated: match self.state {
                 State::Retract => settled,
-                State::Teach => self.motion.retreated(p) && self.teacher.rested(),
+                State::Calibrate => self.motion.retreated(p) && self.calibration.rested(),
                 _ => self.motion.retreated(p),
             },
         };
@@ -249,10 +249,10 @@ impl Controller {
         if state != self.state {
             self.enter(p, state, &events, reading);
             (self.state, self.ticks) = (state, 0);
-        } else if let (State::Fault, Some(graver)) = (state, events.fault)
-            && graver.safe_end() > self.fault.safe_end()
+        } else if let (State::Fault, Some(higher)) = (state, events.fault)
+            && higher.reaction() > self.fault.reaction()
         {
-            self.stop(p, graver, reading);
+            self.stop(p, higher, reading);
         }
     }
 
@@ -284,7 +284,7 @@ impl Controller {
                 enough
             }
             State::Confirm => {
-                if self.ticks == ticks(p.touch.settle_time, p.sample_period) {
+                if self.ticks == ticks(touch::SETTLE_TIME, p.sample_period) {
                     self.detector.clear();
                 }
                 false
@@ -299,7 +299,7 @@ impl Controller {
         match reading.position {
             Some(position) if self.off() => self.motion.lie(position),
             _ if self.state == State::Commission => {
-                let next = self.commissioner.experiment.reference(&self.motion.reference, p.sample_period);
+                let next = self.identification.experiment.reference(&self.motion.reference, p.sample_period);
                 self.motion.follow(next);
             }
             position => self.motion.step(p, self.state, position.is_some(), self.waiting),
@@ -317,8 +317,8 @@ impl Controller {
             return self.amplifier.send(0.0);
         }
         let reference = self.motion.reference;
-        let exciting = self.state == State::Commission && self.commissioner.experiment.exciting();
-        let servo = if exciting { &self.commissioner.experiment.plan.servo } else { &p.servo };
+        let exciting = self.state == State::Commission && self.identification.experiment.exciting();
+        let servo = if exciting { &self.identification.experiment.plan.servo } else { &p.servo };
         let mut acceleration = reference.acceleration;
         if let Some(position) = reading.position {
             acceleration = servo::acceleration(servo, &reference, position, self.observer.velocity());
@@ -327,7 +327,7 @@ impl Controller {
         if exciting {
             // no model but the force that holds the stage
             let most = plan::force(p);
-            force = self.commissioner.held() + force.clamp(-most, most);
+            force = self.identification.held() + force.clamp(-most, most);
         } else if p.servo.disturbance_compensation {
             force += self.observer.force();
         } else {
@@ -342,7 +342,7 @@ impl Controller {
         let direction = p.direction();
         let reference = self.motion.reference;
         let error = reading.position.map_or(0.0, |z| reference.position - z);
-        let error = if self.off() { self.strayed } else { error };
+        let error = if self.off() { self.error_at_power_off } else { error };
         let contact = self.contact.as_ref();
         *output = Output {
             current: direction * current,
@@ -354,7 +354,7 @@ impl Controller {
             contact_source: contact.map_or(ContactSource::None, |c| c.source),
             contact_position: contact.map_or(0.0, |c| direction * c.position),
             contact_position_estimate: contact.map_or(0.0, |c| direction * c.estimate()),
-            contact_position_deviation: contact.map_or(0.0, |c| c.deviation),
+            contact_position_std: contact.map_or(0.0, |c| c.deviation),
             contact_time: contact.map_or(0.0, |c| c.time),
             force: self.force,
             threshold: self.detector.learned(),
@@ -363,9 +363,9 @@ impl Controller {
                 velocity: direction * reference.velocity,
             },
             tracking_error: direction * error,
-            measured: self.commissioner.measured,
-            taught: self.teacher.taught,
-            drive_share: self.monitors.drive.share().unwrap_or(1.0),
+            measured: self.identification.measured,
+            calibrated: self.calibration.calibrated,
+            drive_gain_ratio: self.monitors.drive.share().unwrap_or(1.0),
             numbers: self.numbers,
         };
     }

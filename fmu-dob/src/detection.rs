@@ -1,8 +1,7 @@
-//! From the force to a contact: detectors, their thresholds, and the guard beside them.
+//! From the force to a contact: detectors, their thresholds, and the force guard.
 
 pub mod ages;
 pub mod contact;
-pub mod cusum;
 pub mod detector;
 pub mod glr;
 pub mod guard;

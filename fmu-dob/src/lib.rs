@@ -24,12 +24,8 @@ use interface::Vars;
 
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
-    const INFO: Info = Info {
-        name: "DisturbanceObserverContactDetection",
-        state_version: 17,
-        longest_step: 1.0,
-        ..package!()
-    };
+    const INFO: Info =
+        Info { name: "DisturbanceObserverContactDetection", state_version: 17, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

@@ -26,12 +26,12 @@ pub struct Events {
     pub begin: bool,
     /// A commission is asked for, see [`control_blocks::WaitingRequest`].
     pub commission: bool,
-    /// A teaching is asked for, see [`control_blocks::WaitingRequest`].
-    pub teach: bool,
-    /// A touch of a teaching has just ended.
-    pub teaching: bool,
-    /// The teaching has come to its end, or is broken off.
-    pub taught: bool,
+    /// A calibration is asked for, see [`control_blocks::WaitingRequest`].
+    pub calibrate: bool,
+    /// A touch of a calibration has just ended.
+    pub calibration: bool,
+    /// The calibration has come to its end, or is broken off.
+    pub calibrated: bool,
     /// The commission is to be broken off.
     pub break_off: bool,
     /// The commission has come to its end.
@@ -60,7 +60,7 @@ pub struct Events {
 
 /// The state after `state` and `events`; a fault comes first, then contact, then `enable`.
 pub fn next(state: State, events: &Events) -> State {
-    use State::{Approach, Commission, Confirm, Contact, Detect, Done, Fault, Idle, Learn, Retract, Teach};
+    use State::{Approach, Calibrate, Commission, Confirm, Contact, Detect, Done, Fault, Idle, Learn, Retract};
     let touched = events.contact.is_some();
     match state {
         Fault if events.reset && events.restful && events.retreated && events.fault.is_none() => Idle,
@@ -68,9 +68,9 @@ pub fn next(state: State, events: &Events) -> State {
         _ if events.fault.is_some() => Fault,
         Idle | Done if events.begin && events.restful => Approach,
         Idle | Done if events.commission && events.restful => Commission,
-        Idle | Done if events.teach && events.restful => Teach,
-        Teach if events.taught && events.retreated => Idle,
-        Teach if events.restful && events.retreated => Approach,
+        Idle | Done if events.calibrate && events.restful => Calibrate,
+        Calibrate if events.calibrated && events.retreated => Idle,
+        Calibrate if events.restful && events.retreated => Approach,
         Commission if events.break_off || events.commissioned => Idle,
         Approach | Learn | Detect | Confirm if touched => Contact,
         Approach | Learn | Detect | Confirm if !events.enabled => Retract,
@@ -79,7 +79,7 @@ pub fn next(state: State, events: &Events) -> State {
         Detect if events.suspected => Confirm,
         Confirm if events.dismissed => Detect,
         Contact if events.turned => Retract,
-        Retract if events.retreated && events.teaching => Teach,
+        Retract if events.retreated && events.calibration => Calibrate,
         Retract if events.retreated => Done,
         unchanged => unchanged,
     }
@@ -93,9 +93,9 @@ mod tests {
     const QUIET: Events = Events {
         begin: false,
         commission: false,
-        teach: false,
-        teaching: false,
-        taught: false,
+        calibrate: false,
+        calibration: false,
+        calibrated: false,
         break_off: false,
         commissioned: false,
         enabled: true,
@@ -148,7 +148,7 @@ mod tests {
             let expected = match state {
                 State::Idle | State::Done => State::Commission,
                 // the next touch, and the end of a job
-                State::Teach => State::Approach,
+                State::Calibrate => State::Approach,
                 State::Retract => State::Done,
                 unchanged => unchanged,
             };
@@ -164,20 +164,23 @@ mod tests {
 
     #[test]
     fn a_teaching_goes_from_touch_to_touch_and_ends_in_idle() {
-        let teach = Events { teach: true, restful: true, retreated: true, ..QUIET };
+        let calibrate = Events { calibrate: true, restful: true, retreated: true, ..QUIET };
         for state in [State::Idle, State::Done] {
-            assert_eq!(next(state, &teach), State::Teach);
-            assert_eq!(next(state, &Events { restful: false, ..teach }), state);
+            assert_eq!(next(state, &calibrate), State::Calibrate);
+            assert_eq!(next(state, &Events { restful: false, ..calibrate }), state);
             // a commission comes first, and an approach before it
-            assert_eq!(next(state, &Events { commission: true, ..teach }), State::Commission);
+            assert_eq!(next(state, &Events { commission: true, ..calibrate }), State::Commission);
         }
         let restful = Events { restful: true, retreated: true, ..QUIET };
-        assert_eq!([next(State::Teach, &restful), next(State::Teach, &QUIET)], [State::Approach, State::Teach]);
-        let retreated = Events { teaching: true, ..restful };
-        assert_eq!(next(State::Retract, &retreated), State::Teach);
-        assert_eq!(next(State::Teach, &Events { taught: true, ..restful }), State::Idle);
+        assert_eq!(
+            [next(State::Calibrate, &restful), next(State::Calibrate, &QUIET)],
+            [State::Approach, State::Calibrate]
+        );
+        let retreated = Events { calibration: true, ..restful };
+        assert_eq!(next(State::Retract, &retreated), State::Calibrate);
+        assert_eq!(next(State::Calibrate, &Events { calibrated: true, ..restful }), State::Idle);
         // broken off, and on its way back
-        assert_eq!(next(State::Teach, &Events { taught: true, retreated: false, ..restful }), State::Teach);
+        assert_eq!(next(State::Calibrate, &Events { calibrated: true, retreated: false, ..restful }), State::Calibrate);
     }
 
     #[test]
@@ -211,15 +214,15 @@ mod tests {
         let events = Events {
             begin: true,
             commission: true,
-            teach: true,
-            teaching: true,
-            taught: true,
+            calibrate: true,
+            calibration: true,
+            calibrated: true,
             break_off: true,
             commissioned: true,
             enabled: false,
             reset: true,
             restful: true,
-            fault: Some(Fault::LostReading),
+            fault: Some(Fault::PositionLost),
             contact: Some(ContactSource::Slope),
             suspected: true,
             dismissed: true,

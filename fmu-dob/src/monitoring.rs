@@ -1,10 +1,10 @@
-//! What is watched beside the law: the drive's answer, a reading at rest, the force at rest.
+//! Monitors next to the control law: response of the drive, position at rest, force at rest, oscillation.
 
 pub mod drive;
-pub mod heard;
 pub mod life;
 pub mod monitors;
 pub mod numbers;
+pub mod recent;
 pub mod rest;
 pub mod rest_force;
 pub mod swing;

@@ -6,7 +6,7 @@ use control_blocks::{Consecutive, Edge, Frozen, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
-use crate::monitoring::heard::Heard;
+use crate::monitoring::recent::RecentReadings;
 
 /// No machine has a longer axis, m.
 const POSITION_MAX: f64 = 1e3;
@@ -30,9 +30,9 @@ const SPEED_SPREAD: (f64, f64) = (0.02, 1.0);
 pub enum Loss {
     /// The encoder says so, or the number is none.
     #[default]
-    Told,
+    Invalid,
     /// It stands although the stage must have moved.
-    Stands,
+    Frozen,
     /// The stage cannot be there.
     Jumps,
 }
@@ -53,7 +53,7 @@ pub struct Expected {
     /// By how much the stage may be behind the reference, m.
     pub behind: f64,
     /// How far besides it may be from it, m.
-    pub astray: f64,
+    pub diverged: f64,
     /// A stage that was ahead of its reference may stand until that has come by.
     pub may_wait: bool,
     /// The spindle must be steady.
@@ -75,10 +75,10 @@ pub struct Reading {
     pub commission: bool,
     /// Rising edge of `commission`.
     pub begin_commission: bool,
-    /// `teach` is set.
-    pub teach: bool,
-    /// Rising edge of `teach`.
-    pub begin_teaching: bool,
+    /// `calibrate` is set.
+    pub calibrate: bool,
+    /// Rising edge of `calibrate`.
+    pub begin_calibration: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
     /// The position is there for the first time, or again after too long.
@@ -111,13 +111,13 @@ pub struct Reader {
     whole: Consecutive,
     standing: Frozen,
     /// The last readings as they came.
-    pub heard: Heard,
+    pub recent: RecentReadings,
     position: JumpGuard,
     spindle_speed: JumpGuard,
     started: bool,
     enable: Edge,
     commission: Edge,
-    teach: Edge,
+    calibrate: Edge,
     reset_fault: Edge,
 }
 
@@ -136,13 +136,13 @@ impl Reader {
         let given = (input.position_valid && position_good).then_some(p.direction() * input.position);
         let lost_too_long = self.lost.count() > p.limits.lost_samples.unsigned_abs();
         let position = self.believe(p, given, expected, lost_too_long);
-        self.heard.update(given.unwrap_or(f64::NAN), self.position.doubted());
+        self.recent.update(given.unwrap_or(f64::NAN), self.position.doubted());
         let found = position.is_some() && (!self.known || lost_too_long);
         self.known |= position.is_some();
         let spindle_speed = self.spindle(p, if speed_good { input.spindle_speed } else { f64::NAN }, expected);
         let begin = self.enable.rises(input.enable) && self.started;
         let begin_commission = self.commission.rises(input.commission) && self.started;
-        let begin_teaching = self.teach.rises(input.teach) && self.started;
+        let begin_calibration = self.calibrate.rises(input.calibrate) && self.started;
         self.started = true;
         Reading {
             position,
@@ -151,14 +151,14 @@ impl Reader {
             begin,
             commission: input.commission,
             begin_commission,
-            teach: input.teach,
-            begin_teaching,
+            calibrate: input.calibrate,
+            begin_calibration,
             reset: self.reset_fault.rises(input.reset_fault),
             found,
             invalid: self.invalid.update(!speed_good),
             lost: self.lost.update(position.is_none()),
             loss: self.loss,
-            late: self.heard.late(self.position.doubted()),
+            late: self.recent.late(self.position.doubted()),
             alive: self.standing.unanswered() <= ALIVE * p.limits.frozen,
             whole: self.whole.count(),
             spindle_lost: self.spindle_speed.doubted(),
@@ -188,10 +188,10 @@ impl Reader {
             self.standing.update(position, e.asked, STANDS * p.stage.encoder_resolution);
         }
         let unanswered = self.standing.unanswered();
-        let near = e.behind + e.astray + WITH_IT * p.limits.frozen;
+        let near = e.behind + e.diverged + WITH_IT * p.limits.frozen;
         let stands = given.filter(|_| !jumped).is_some_and(|z| {
             let error = e.reference - z;
-            // a stage that was astray may truly stand, as one that was ahead in a stroke does until its reference has come by;
+            // a stage that was diverged may truly stand, as one that was ahead in a stroke does until its reference has come by;
             // and what has jumped may come by where it was
             let ahead = (self.standing.missed() - error) * self.standing.missed().signum();
             let with_it = near + e.asked.abs() * (1.0 + f64::from(p.io_delay));
@@ -216,8 +216,8 @@ impl Reader {
             self.standing = standing_before;
         }
         self.loss = match given {
-            None => Loss::Told,
-            Some(_) if stands => Loss::Stands,
+            None => Loss::Invalid,
+            Some(_) if stands => Loss::Frozen,
             Some(_) => Loss::Jumps,
         };
         None

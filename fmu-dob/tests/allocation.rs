@@ -58,7 +58,7 @@ fn a_disabled_job_with_integral_action() {
 
 #[test]
 fn a_commission_that_is_applied() {
-    for detector in [DetectorKind::MultiSlope, DetectorKind::Glr] {
+    for detector in [DetectorKind::Slope, DetectorKind::Glr] {
         let mut p = Parameters { detector, ..Parameters::START };
         p.commission.apply = true;
         let mut run = Loop::new(&p, 54, NO_WORKPIECE);
@@ -77,16 +77,16 @@ fn a_commission_that_is_applied() {
 #[test]
 fn a_teaching_that_is_applied() {
     let mut p = Parameters::START;
-    (p.teach.place, p.teach.apply, p.teach.touches) = (9e-5, true, 2);
-    (p.teach.velocity_min, p.limits.touch_scatter, p.teach.deviation_max) = (9e-5, 1e-6, 1e-6);
+    (p.calibration.position, p.calibration.apply, p.calibration.touches) = (9e-5, true, 2);
+    (p.calibration.velocity_min, p.limits.touch_scatter, p.calibration.std_max) = (9e-5, 1e-6, 1e-6);
     let mut run = Loop::new(&p, 55, 9e-5);
     assert_no_alloc(|| {
         (0..200).for_each(|_| run.step_with(|input| input.enable = false));
-        while !run.output.taught.valid && run.output.fault == Fault::None {
-            run.step_with(|input| (input.enable, input.teach) = (false, true));
+        while !run.output.calibrated.valid && run.output.fault == Fault::None {
+            run.step_with(|input| (input.enable, input.calibrate) = (false, true));
         }
     });
-    assert!(run.output.taught.valid, "{:?}", run.output);
+    assert!(run.output.calibrated.valid, "{:?}", run.output);
 }
 
 #[test]
@@ -98,11 +98,11 @@ fn every_fault_and_its_reset() {
     (weak.stage.current_max, weak.limits.saturated_time) = (0.05, 5e-4);
     let cases: [(Fault, &Parameters, Cause); 7] = [
         (Fault::TravelLimit, &short, |_| ()),
-        (Fault::LostReading, &p, |input| input.position_valid = false),
+        (Fault::PositionLost, &p, |input| input.position_valid = false),
         (Fault::Saturation, &weak, |_| ()),
         (Fault::LearnRejected, &strict, |_| ()),
-        (Fault::FrozenReading, &p, |input| input.position = input.position.min(4e-5)),
-        (Fault::LostSpindle, &p, |input| input.spindle_speed = f64::NAN),
+        (Fault::PositionFrozen, &p, |input| input.position = input.position.min(4e-5)),
+        (Fault::SpindleLost, &p, |input| input.spindle_speed = f64::NAN),
         (Fault::LateContact, &p, |_| ()),
     ];
     for (fault, p, cause) in cases {

@@ -75,7 +75,7 @@ impl Plan {
     }
 
     /// How far (m) the stage may be from the reference of the excitation, for it may move up to twice as far.
-    pub fn astray(&self) -> f64 {
+    pub fn diverged(&self) -> f64 {
         RATIO_MAX * self.excitation.sines.reach()
     }
 
@@ -201,7 +201,7 @@ mod tests {
                     * plan.excitation.sines.amplitude
                     * sum(&|omega, root| gain(omega) / g * omega * omega / root);
                 assert!(push <= super::force(&p), "{g}: {push}");
-                assert!(way - plan.excitation.sines.reach() <= plan.astray());
+                assert!(way - plan.excitation.sines.reach() <= plan.diverged());
             }
         }
     }

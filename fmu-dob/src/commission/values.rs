@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 /// `guard.force` over the standard deviation of the force, as the defaults have it, and over the cogging of the longest approach.
 const GUARD: (f64, f64) = (20.0, 2.0);
-/// `limits.force_left` over `guard.force`, as the defaults have it.
-const FORCE_LEFT: f64 = 0.5;
+/// `limits.residual_force` over `guard.force`, as the defaults have it.
+const RESIDUAL_FORCE: f64 = 0.5;
 /// `limits.slope_sigma_max` over the noise of the slope, as the default has it.
 const SLOPE_SIGMA: f64 = 5.0;
 /// `limits.jump` over the noise of the position, as the defaults have it: half of it, which counts, is eight sigma.
@@ -23,7 +23,7 @@ pub struct Values {
     pub force_constant: f64,
     io_delay: i32,
     guard_force: f64,
-    force_left: f64,
+    residual_force: f64,
     slope_sigma_max: f64,
     jump: f64,
     disturbance_walk: f64,
@@ -38,7 +38,7 @@ impl Values {
             force_constant: p.stage.force_constant,
             io_delay: p.io_delay,
             guard_force: p.guard_force,
-            force_left: p.limits.force_left,
+            residual_force: p.limits.residual_force,
             slope_sigma_max: p.limits.slope_sigma_max,
             jump: p.limits.jump,
             disturbance_walk: p.kalman.disturbance_walk,
@@ -52,7 +52,7 @@ impl Values {
         p.stage.force_constant = self.force_constant;
         p.io_delay = self.io_delay;
         p.guard_force = self.guard_force;
-        p.limits.force_left = self.force_left;
+        p.limits.residual_force = self.residual_force;
         p.limits.slope_sigma_max = self.slope_sigma_max;
         p.limits.jump = self.jump;
         p.kalman.disturbance_walk = self.disturbance_walk;
@@ -66,12 +66,12 @@ impl Values {
             ("stage.force_constant", self.force_constant),
             ("io_delay", f64::from(self.io_delay)),
             ("guard.force", self.guard_force),
-            ("limits.force_left", self.force_left),
+            ("limits.residual_force", self.residual_force),
             ("limits.slope_sigma_max", self.slope_sigma_max),
             ("limits.jump", self.jump),
-            ("kalman.disturbance_walk", self.disturbance_walk),
-            ("kalman.force_noise", self.force_noise),
-            ("kalman.position_noise", self.position_noise),
+            ("expert.kalman.disturbance_walk", self.disturbance_walk),
+            ("expert.kalman.force_noise", self.force_noise),
+            ("expert.kalman.position_noise", self.position_noise),
         ]
     }
 
@@ -91,12 +91,12 @@ impl Values {
         let guard_force = guard(p, m).max(self.guard_force);
         Self {
             guard_force,
-            force_left: self.force_left.max(FORCE_LEFT * guard_force),
+            residual_force: self.residual_force.max(RESIDUAL_FORCE * guard_force),
             slope_sigma_max: self.slope_sigma_max.min(SLOPE_SIGMA * m.slope_sigma),
-            jump: self.jump.max(JUMP * significant_or(m.position_noise, m.position_noise_deviation, 0.0)),
-            disturbance_walk: significant_or(m.disturbance_walk, m.disturbance_walk_deviation, self.disturbance_walk),
-            force_noise: significant_or(m.force_noise, m.force_noise_deviation, self.force_noise),
-            position_noise: significant_or(m.position_noise, m.position_noise_deviation, self.position_noise),
+            jump: self.jump.max(JUMP * significant_or(m.position_noise, m.position_noise_std, 0.0)),
+            disturbance_walk: significant_or(m.disturbance_walk, m.disturbance_walk_std, self.disturbance_walk),
+            force_noise: significant_or(m.force_noise, m.force_noise_std, self.force_noise),
+            position_noise: significant_or(m.position_noise, m.position_noise_std, self.position_noise),
             ..self
         }
     }
@@ -110,7 +110,7 @@ impl Values {
 
 /// Force (N) of the guard that this noise, and what is sure of this cogging, never reach.
 pub fn guard(p: &Parameters, m: &Measured) -> f64 {
-    let stiffness = (m.stiffness.abs() - SIGNIFICANT * m.stiffness_deviation).max(0.0);
+    let stiffness = (m.stiffness.abs() - SIGNIFICANT * m.stiffness_std).max(0.0);
     f64::max(GUARD.0 * m.force_sigma, GUARD.1 * stiffness * p.approach.travel_max)
 }
 
@@ -118,15 +118,15 @@ pub fn guard(p: &Parameters, m: &Measured) -> f64 {
 /// `longest` the longest delay at which its loop is stable. The lag of the current loop is in the whole either way, so what it
 /// leaves to the delay beside the noise refuses nothing.
 pub fn acceptable(p: &Parameters, told: f64, longest: i32, m: &Measured) -> bool {
-    sure(m.force_constant, m.force_constant_deviation, p.commission.deviation_max)
-        && m.io_delay_deviation <= p.commission.delay_deviation_max.hypot(loop_spread(p))
+    sure(m.force_constant, m.force_constant_std, p.commission.std_max)
+        && m.io_delay_std <= p.commission.delay_std_max.hypot(loop_spread(p))
         && within_factor(m.force_constant, told, RATIO_MAX)
         && (0..=longest).contains(&delay(m))
 }
 
 /// The delay in whole samples. No machine answers before it is asked: what is below none by no more than it may be wrong is none.
 fn delay(m: &Measured) -> i32 {
-    let none = m.io_delay < 0.0 && -m.io_delay <= SIGNIFICANT * m.io_delay_deviation;
+    let none = m.io_delay < 0.0 && -m.io_delay <= SIGNIFICANT * m.io_delay_std;
     if none { 0 } else { whole_delay(m.io_delay) }
 }
 
@@ -138,17 +138,17 @@ mod tests {
     const GOOD: Measured = Measured {
         valid: true,
         force_constant: 24.0,
-        force_constant_deviation: 0.01,
+        force_constant_std: 0.01,
         io_delay: 1.7,
-        io_delay_deviation: 0.03,
+        io_delay_std: 0.03,
         stiffness: 50.0,
-        stiffness_deviation: 30.0,
+        stiffness_std: 30.0,
         position_noise: 9e-10,
-        position_noise_deviation: 1e-11,
+        position_noise_std: 1e-11,
         force_noise: 2e-3,
-        force_noise_deviation: 1e-3,
+        force_noise_std: 1e-3,
         disturbance_walk: 4e-4,
-        disturbance_walk_deviation: 5e-5,
+        disturbance_walk_std: 5e-5,
         force_sigma: 0.03,
         slope_sigma: 0.8,
         ..Measured::START
@@ -164,13 +164,13 @@ mod tests {
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.stage.force_constant, p.io_delay, p.stage.mass), (24.0, 2, 10.0));
         // 20 and 5 sigma, half of the guard
-        assert_eq!((p.guard_force, p.limits.force_left, p.limits.slope_sigma_max), (0.6, 0.3, 4.0));
+        assert_eq!((p.guard_force, p.limits.residual_force, p.limits.slope_sigma_max), (0.6, 0.3, 4.0));
         // the white force is not significant
         assert_eq!((p.kalman.force_noise, p.kalman.disturbance_walk, p.kalman.position_noise), (5e-3, 4e-4, 9e-10));
         // 17 sigma of 0.9 nm
         assert!((p.limits.jump - 1.53e-8).abs() < 1e-20, "{}", p.limits.jump);
         let names = values.entries().map(|(name, _)| name);
-        assert!(names.contains(&"guard.force") && names.contains(&"limits.force_left"));
+        assert!(names.contains(&"guard.force") && names.contains(&"limits.residual_force"));
     }
 
     #[test]
@@ -179,11 +179,11 @@ mod tests {
         let guard = |m: &Measured| {
             let mut found = p.clone();
             Values::of(&p).with_noise(&p, m).put(&mut found);
-            (found.guard_force, found.limits.force_left)
+            (found.guard_force, found.limits.residual_force)
         };
         assert_eq!(guard(&Measured { force_sigma: 0.001, ..GOOD }), (0.4, 0.2));
         // 200 N/m less three deviations of 20 for 5 mm, and as much again
-        let stiff = Measured { stiffness: -200.0, stiffness_deviation: 20.0, force_sigma: 0.001, ..GOOD };
+        let stiff = Measured { stiffness: -200.0, stiffness_std: 20.0, force_sigma: 0.001, ..GOOD };
         let (force, left) = guard(&stiff);
         assert!((force - 1.4).abs() < 1e-12 && (left - 0.7).abs() < 1e-12, "{force} {left}");
     }
@@ -208,7 +208,7 @@ mod tests {
         let with = |slope_sigma, force_sigma| told.quiet(&found, &Measured { slope_sigma, force_sigma, ..GOOD });
         // 5 N/s, and a guard of three times 0.4 N
         assert_eq!([with(5.0, 0.06), with(5.1, 0.06), with(5.0, 0.0601)], [true, false, false]);
-        let stiff = |stiffness| told.quiet(&found, &Measured { stiffness, stiffness_deviation: 10.0, ..GOOD });
+        let stiff = |stiffness| told.quiet(&found, &Measured { stiffness, stiffness_std: 10.0, ..GOOD });
         // 150 N/m less three deviations of 10 for 5 mm, and as much again
         assert_eq!([stiff(-149.0), stiff(-151.0)], [true, false]);
     }
@@ -224,8 +224,8 @@ mod tests {
             accepted(m)
         };
         let limits: [(Set, f64, f64); 6] = [
-            (|m, x| m.force_constant_deviation = x, 0.48, 0.481),
-            (|m, x| m.io_delay_deviation = x.hypot(0.17 / 0.628_318_53), 0.2499, 0.2501),
+            (|m, x| m.force_constant_std = x, 0.48, 0.481),
+            (|m, x| m.io_delay_std = x.hypot(0.17 / 0.628_318_53), 0.2499, 0.2501),
             (|m, x| m.force_constant = x, 40.0, 40.1),
             (|m, x| m.force_constant = x, 10.0, 9.9),
             (|m, x| m.io_delay = x, 4.49, 4.5),
@@ -236,7 +236,7 @@ mod tests {
         }
         assert!(!accepted(Measured::START));
         // less than none, by no more than three deviations
-        let early = |io_delay| Measured { io_delay, io_delay_deviation: 0.27, ..GOOD };
+        let early = |io_delay| Measured { io_delay, io_delay_std: 0.27, ..GOOD };
         assert_eq!([-0.8, -0.82].map(|delay| accepted(early(delay))), [true, false]);
         assert_eq!(Values::of(&p).with_response(&early(-0.8)).io_delay, 0);
     }

@@ -4,12 +4,13 @@ use control_blocks::ticks;
 
 use crate::commission::plan;
 use crate::controller::Controller;
+use crate::detection::touch;
 use crate::faults::{self, Symptoms};
 use crate::interface::{ContactSource, Fault, Parameters, State};
 use crate::limits::{bend_limit, disturbance_limit, following_limit};
 use crate::monitoring::numbers::Unseen;
 use crate::monitoring::rest_force::RestForce;
-use crate::motion::travel::{lasted, learn_limit, teaching_travel};
+use crate::motion::travel::{calibration_travel, lasted, learn_limit};
 use crate::reading::{Expected, Reading};
 
 /// Something holds the stage above this share of `guard.force`.
@@ -44,7 +45,7 @@ impl Controller {
             reference: self.motion.reference.position,
             asked: self.motion.asked,
             behind: if steady { self.held(p) } else { self.motion.late(p) + self.unanswered() },
-            astray: self.astray(),
+            diverged: self.diverged(),
             may_wait: self.state == State::Commission && self.motion.reference.acceleration == 0.0,
             steady_spindle: self.steady_spindle(),
         }
@@ -61,13 +62,13 @@ impl Controller {
     /// Motion (m) that a commission lets a stage that is not what was told leave unanswered at its turns.
     fn unanswered(&self) -> f64 {
         let acceleration = self.motion.reference.acceleration;
-        if self.state == State::Commission { self.commissioner.experiment.unanswered(acceleration) } else { 0.0 }
+        if self.state == State::Commission { self.identification.experiment.unanswered(acceleration) } else { 0.0 }
     }
 
     /// How far (m) its excitation lets that stage be from the reference.
-    fn astray(&self) -> f64 {
-        let experiment = &self.commissioner.experiment;
-        if self.state == State::Commission && experiment.exciting() { experiment.plan.astray() } else { 0.0 }
+    fn diverged(&self) -> f64 {
+        let experiment = &self.identification.experiment;
+        if self.state == State::Commission && experiment.exciting() { experiment.plan.diverged() } else { 0.0 }
     }
 
     /// Whether the spindle must be steady now.
@@ -79,7 +80,7 @@ impl Controller {
     /// one that holds the stage.
     fn overloaded(&self, p: &Parameters) -> bool {
         let disturbance = self.force.disturbance;
-        let excess = (disturbance - self.commissioner.held()).abs();
+        let excess = (disturbance - self.identification.held()).abs();
         disturbance.abs() > disturbance_limit(p)
             || self.state == State::Commission && excess > plan::force(p) + p.guard_force
     }
@@ -87,7 +88,7 @@ impl Controller {
     /// Monitors of the drive, of a stage at rest and of the job; what a lost position would say is no news.
     pub(super) fn watch(&mut self, p: &Parameters, reading: &Reading) {
         let watching = !self.off();
-        let following = following_limit(p) + self.motion.late(p) + self.astray();
+        let following = following_limit(p) + self.motion.late(p) + self.diverged();
         let overloaded = self.overloaded(p);
         let at_rest = watching && self.motion.at_rest();
         let monitors = &mut self.monitors;
@@ -95,7 +96,7 @@ impl Controller {
         monitors.life.update(p, reading.position.filter(|_| quiet));
         if let Some(position) = reading.position {
             let error = self.motion.reference.position - position;
-            monitors.astray.update(watching && error.abs() > following);
+            monitors.diverged.update(watching && error.abs() > following);
             monitors.overloaded.update(watching && overloaded);
             if at_rest {
                 monitors.standing = monitors.rest.update(p, position, monitors.life.anywhere);
@@ -134,18 +135,18 @@ impl Controller {
             limited: self.amplifier.limited(),
             reversals: self.amplifier.reversals(),
             swings: monitors.swing.count(),
-            astray: monitors.astray.count(),
+            diverged: monitors.diverged.count(),
             overloaded: monitors.overloaded.count(),
-            bent: !self.tracked() && self.reader.heard.bend() > bend_limit(p),
-            share: monitors.drive.share(),
-            judged: retracted || self.has_started(p),
+            bent: !self.tracked() && self.reader.recent.bend() > bend_limit(p),
+            gain_ratio: monitors.drive.share(),
+            evaluated: retracted || self.has_started(p),
             travelled: state.approaching() && self.motion.beyond_travel(p),
             learned: (learning && elapsed).then(|| self.detector.learned()),
             learning: learning && self.ticks > ticks(learn_limit(p), p.sample_period),
-            force_left: (retracted && self.contact.is_some()).then(|| self.force_left()),
+            residual_force: (retracted && self.contact.is_some()).then(|| self.residual_force()),
             guarded: retracted && self.contact.is_some_and(|contact| contact.source == ContactSource::ForceGuard),
-            rejected: state == State::Commission && self.commissioner.rejected,
-            mistaught: state == State::Teach && (self.teacher.rejected || self.too_short(p)),
+            rejected: state == State::Commission && self.identification.rejected,
+            calibration_rejected: state == State::Calibrate && (self.calibration.rejected || self.too_short(p)),
             late: (state.at_work() || state == State::Commission) && self.lasted(p) > self.time_limit(p),
         };
         faults::find(p, &symptoms)
@@ -158,16 +159,16 @@ impl Controller {
 
     /// How long it may, s.
     pub(super) fn time_limit(&self, p: &Parameters) -> f64 {
-        if self.state == State::Commission { plan::time(p) } else { self.motion.job_limit }
+        if self.state == State::Commission { plan::time(p) } else { self.motion.cycle_limit }
     }
 
-    /// Whether a teaching that goes on would end at the longest travel, short of the work.
+    /// Whether a calibration that goes on would end at the longest travel, short of the work.
     fn too_short(&self, p: &Parameters) -> bool {
-        !self.teacher.over() && p.approach.travel_max < teaching_travel(p)
+        !self.calibration.over() && p.approach.travel_max < calibration_travel(p)
     }
 
     /// Change of the force from before the contact to behind the retract, N.
-    pub(super) fn force_left(&self) -> f64 {
+    pub(super) fn residual_force(&self) -> f64 {
         self.monitors.relief.mean() - self.guard.before()
     }
 
@@ -203,7 +204,7 @@ impl Controller {
         // a contact pushes, it does not jump: what has counted only in part may not look like one
         if !self.trusted(reading) {
             self.detector.clear();
-        } else if self.armed(p) && (self.detector.test(p) || self.touched_twice(p, reading)) {
+        } else if self.armed(p) && (self.detector.test() || self.touched_twice(p, reading)) {
             return Some(self.detector.source());
         }
         guarded.then_some(ContactSource::ForceGuard)
@@ -212,7 +213,7 @@ impl Controller {
     /// Whether the detector decides.
     fn armed(&self, p: &Parameters) -> bool {
         match self.state {
-            State::Confirm => self.ticks > ticks(p.touch.settle_time, p.sample_period),
+            State::Confirm => self.ticks > ticks(touch::SETTLE_TIME, p.sample_period),
             state => state == State::Detect,
         }
     }
@@ -232,7 +233,7 @@ impl Controller {
         let Some(position) = reading.position.filter(|_| p.touch.confirm) else { return (false, false) };
         match self.state {
             State::Detect => (self.detector.ratio().is_some_and(|ratio| self.touch.suspect(p, position, ratio)), false),
-            State::Confirm => (false, self.armed(p) && self.touch.passed(p, self.motion.approach.velocity, position)),
+            State::Confirm => (false, self.armed(p) && self.touch.passed(self.motion.approach.velocity, position)),
             _ => (false, false),
         }
     }

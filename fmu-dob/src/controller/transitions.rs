@@ -1,6 +1,6 @@
 //! What happens once, when a state begins.
 
-use control_blocks::{Progress, SafeEnd};
+use control_blocks::{Progress, Reaction};
 
 use crate::controller::Controller;
 use crate::detection::contact::DetectedContact;
@@ -18,38 +18,38 @@ use crate::reading::Reading;
 impl Controller {
     /// What happens once, when `state` begins.
     pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
-        if self.state == State::Commission && !self.commissioner.finished {
-            self.commissioner.break_off();
+        if self.state == State::Commission && !self.identification.finished {
+            self.identification.break_off();
         }
         match (state, reading.position) {
             (State::Commission, _) => {
-                self.commissioner.begin(p, self.motion.reference.position, self.observer.force());
+                self.identification.begin(p, self.motion.reference.position, self.observer.force());
                 self.monitors.job = Progress::default();
                 self.monitors.drive.begin();
             }
             (State::Approach, Some(position)) => self.restart(p, position),
-            (State::Teach, _) if self.state == State::Retract => {
-                if let Some(contact) = self.contact.filter(|_| !self.teacher.broken()) {
-                    self.teacher.take(p, &self.commissioner.measured, contact.position, reading.spindle_speed);
+            (State::Calibrate, _) if self.state == State::Retract => {
+                if let Some(contact) = self.contact.filter(|_| !self.calibration.broken()) {
+                    self.calibration.take(p, &self.identification.measured, contact.position, reading.spindle_speed);
                     self.depart_farther(p);
                 }
             }
-            (State::Teach, _) => {
+            (State::Calibrate, _) => {
                 // nothing was touched yet from which to go back
                 self.motion.hold();
-                self.teacher.begin(p);
+                self.calibration.begin(p);
             }
             (State::Learn, _) => self.guard.learn(),
             (State::Detect, _) => self.touch = TwoStageTouch::default(),
             (State::Confirm, _) => {
                 let reference = self.motion.reference.position;
-                self.motion.go_back(self.touch.way_back(p, &self.motion.approach, reference));
+                self.motion.go_back(self.touch.retract_distance(&self.motion.approach, reference));
             }
             (State::Contact, Some(position)) => {
                 self.depart(p);
                 let time = self.samples as f64 * p.sample_period;
-                let bias = self.teacher.bias(p).at(self.motion.approach.velocity);
-                let deviation = self.teacher.deviation(self.motion.approach.velocity);
+                let bias = self.calibration.bias(p).at(self.motion.approach.velocity);
+                let deviation = self.calibration.deviation(self.motion.approach.velocity);
                 self.contact = events.contact.map(|source| DetectedContact { source, position, bias, deviation, time });
                 self.numbers.late =
                     events.contact.filter(|source| *source == ContactSource::ForceGuard).map(|_| LateContact {
@@ -59,7 +59,7 @@ impl Controller {
                     });
             }
             (State::Fault, _) => {
-                let broken = self.teacher.break_off();
+                let broken = self.calibration.break_off();
                 if self.state.approaching() {
                     self.depart(p);
                 } else if broken {
@@ -71,36 +71,36 @@ impl Controller {
                 if let Some(fault) = events.fault {
                     self.stop(p, fault, reading);
                 }
-                self.teacher.end();
+                self.calibration.end();
             }
             (State::Retract, _) if self.state.approaching() => {
                 self.depart(p);
                 self.aborted = true;
             }
             (State::Idle, _) if self.state == State::Fault => self.recover(reading),
-            (State::Idle, _) if self.state == State::Teach => self.teacher.end(),
+            (State::Idle, _) if self.state == State::Calibrate => self.calibration.end(),
             _ => {}
         }
     }
 
     /// Marks where the retreat begins, as far back as the next approach needs to arm its detector.
     pub(super) fn depart(&mut self, p: &Parameters) {
-        if self.teacher.active {
-            self.motion.go_back(retract_between(p, &self.teacher.approach_after(p)));
+        if self.calibration.active {
+            self.motion.go_back(retract_between(p, &self.calibration.approach_after(p)));
         } else {
             self.motion.depart(p);
         }
     }
 
-    /// What a touch has taught may change what comes next, or end the teaching, which may be broken off in a retreat, too: that may need farther back to arm
+    /// What a touch has calibrated may change what comes next, or end the calibration, which may be broken off in a retreat, too: that may need farther back to arm
     /// than what was next.
     pub(super) fn depart_farther(&mut self, p: &Parameters) {
-        self.motion.go_farther_back(retract_between(p, &self.teacher.approach(p)));
+        self.motion.go_farther_back(retract_between(p, &self.calibration.approach(p)));
     }
 
     /// Forgets the last approach and begins a new one at rest at `position` m.
     fn restart(&mut self, p: &Parameters, position: f64) {
-        self.motion.start(p, position, &self.teacher.approach(p));
+        self.motion.start(p, position, &self.calibration.approach(p));
         self.deviation.clear();
         self.detector.reset(position);
         self.guard = ForceGuard::default();
@@ -111,18 +111,18 @@ impl Controller {
     /// Names the fault and ends what must not go on.
     pub(super) fn stop(&mut self, p: &Parameters, fault: Fault, reading: &Reading) {
         self.fault = fault;
-        self.numbers.force_left = self.force_left();
+        self.numbers.residual_force = self.residual_force();
         self.numbers.force_constant = p.stage.force_constant;
         self.numbers.swings = self.monitors.swing.count();
         self.numbers.late_by = reading.late.unwrap_or(0);
-        self.numbers.bend = if reading.lost > 0 { 0.0 } else { self.reader.heard.bend() };
-        self.numbers.biases = self.teacher.extremes();
-        self.numbers.bearable = self.teacher.bearable;
+        self.numbers.bend = if reading.lost > 0 { 0.0 } else { self.reader.recent.bend() };
+        self.numbers.biases = self.calibration.extremes();
+        self.numbers.bearable = self.calibration.bearable;
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         self.numbers.lasted = self.lasted(p);
         self.numbers.time_limit = self.time_limit(p);
-        if fault.safe_end() == SafeEnd::DriveOff {
-            self.strayed = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
+        if fault.reaction() == Reaction::DriveOff {
+            self.error_at_power_off = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
             self.integrator = Integrator::default();
             self.reader.forgive();
             self.motion.lie(reading.position.unwrap_or(self.motion.reference.position));
@@ -131,7 +131,7 @@ impl Controller {
 
     /// After a reset: a stage that nothing held is brought to rest, and the drive's answer of the run before tells nothing.
     fn recover(&mut self, reading: &Reading) {
-        if let (SafeEnd::DriveOff, Some(position)) = (self.fault.safe_end(), reading.position) {
+        if let (Reaction::DriveOff, Some(position)) = (self.fault.reaction(), reading.position) {
             self.motion.reseat(position, self.observer.velocity());
             self.motion.hold();
         }
@@ -145,7 +145,7 @@ impl Controller {
 mod tests {
     use super::*;
     use crate::interface::{Approach, Input};
-    use crate::motion::travel::job_limit;
+    use crate::motion::travel::cycle_limit;
 
     #[test]
     fn the_limit_that_is_told_is_the_one_that_was_judged() {
@@ -153,12 +153,12 @@ mod tests {
         let mut controller = Controller::new(&p).unwrap();
         let expected = controller.expect(&p);
         let reading = controller.reader.read(&p, &Input::START, &expected);
-        controller.teacher.begin(&p);
-        controller.motion.start(&p, 0.0, &controller.teacher.approach(&p));
+        controller.calibration.begin(&p);
+        controller.motion.start(&p, 0.0, &controller.calibration.approach(&p));
         controller.state = State::Detect;
         // 500 s there at 10 um/s, ten times as long as in a job at 100 um/s
-        let slowest = Approach { velocity: p.teach.velocity_min, ..p.approach };
-        let limit = job_limit(&p, &slowest);
+        let slowest = Approach { velocity: p.calibration.velocity_min, ..p.approach };
+        let limit = cycle_limit(&p, &slowest);
         let samples = (limit / p.sample_period) as u64;
         (0..samples).for_each(|_| controller.monitors.job.count());
         assert_eq!(controller.find_fault(&p, false, false, &reading), None);

@@ -1,12 +1,13 @@
-//! Hard force guard: catches the contact that comes before the detector is armed, or that it misses.
+//! Force guard: detects a contact before the detector is armed, or one that the detector misses.
 
 use control_blocks::{Consecutive, Welford};
 use serde::{Deserialize, Serialize};
 
+use crate::detection::monitor::ROW;
 use crate::interface::Parameters;
 use crate::monitoring::rest_force::RestForce;
 
-/// Share by which the force of inertia may be wrong: 30 % of mass or thrust.
+/// Relative error of the inertial force: 30 % of mass or thrust.
 const INERTIA_ERROR: f64 = 0.3;
 
 /// Compares the force with that at rest before the approach, and from learning on with its mean just before.
@@ -31,7 +32,7 @@ impl ForceGuard {
         self.settled.push(notched);
     }
 
-    /// From now on the mean at constant speed counts.
+    /// From now on the reference is the mean at constant speed.
     pub fn learn(&mut self) {
         self.before = self.settled.mean();
     }
@@ -41,11 +42,11 @@ impl ForceGuard {
         self.before
     }
 
-    /// Whether the notched force (N) is too far above that before for `threshold.row` samples in a row; the force of
+    /// Whether the notched force (N) exceeds its level before by too much in [`ROW`] consecutive samples; the force of
     /// the `acceleration` (m/s2) may be a part of it.
     pub fn exceeded(&mut self, p: &Parameters, acceleration: f64, notched: f64) -> bool {
         let limit = p.guard_force + INERTIA_ERROR * p.stage.mass * acceleration;
-        self.row.update(notched - self.before > limit) >= p.threshold.row.unsigned_abs()
+        self.row.update(notched - self.before > limit) >= ROW
     }
 }
 
@@ -61,31 +62,31 @@ mod tests {
     }
 
     /// Samples until `force` is a contact.
-    fn told(guard: &mut ForceGuard, acceleration: f64, force: f64) -> Option<usize> {
+    fn samples(guard: &mut ForceGuard, acceleration: f64, force: f64) -> Option<usize> {
         (1..100).find(|_| guard.exceeded(&Parameters::START, acceleration, force))
     }
 
     #[test]
     fn looks_only_at_the_change_and_only_at_a_push_of_three_samples() {
-        assert_eq!(told(&mut settled(), 0.0, 3.39), None);
-        assert_eq!(told(&mut settled(), 0.0, 3.41), Some(3));
-        assert_eq!(told(&mut settled(), 0.0, -9.0), None);
+        assert_eq!(samples(&mut settled(), 0.0, 3.39), None);
+        assert_eq!(samples(&mut settled(), 0.0, 3.41), Some(3));
+        assert_eq!(samples(&mut settled(), 0.0, -9.0), None);
     }
 
     #[test]
-    fn one_sample_below_begins_again() {
+    fn one_sample_below_restarts_the_count() {
         let mut guard = settled();
         let hits = [9.0, 9.0, 3.0, 9.0, 9.0, 9.0].map(|force| guard.exceeded(&Parameters::START, 0.0, force));
         assert_eq!(hits, [false, false, false, false, false, true]);
     }
 
     #[test]
-    fn before_learning_the_force_at_rest_counts_and_inertia_is_allowed_for() {
+    fn before_learning_the_force_at_rest_is_the_reference_and_inertia_is_allowed_for() {
         let mut guard = ForceGuard::default();
         while !guard.tare(&Parameters::START, 1.0) {}
         assert_eq!(guard.before(), 1.0);
         // 0.4 N, and 0.3 of 10 kg 0.05 m/s2
-        assert_eq!(told(&mut guard, 0.05, 1.54), None);
-        assert_eq!(told(&mut guard, 0.05, 1.56), Some(3));
+        assert_eq!(samples(&mut guard, 0.05, 1.54), None);
+        assert_eq!(samples(&mut guard, 0.05, 1.56), Some(3));
     }
 }

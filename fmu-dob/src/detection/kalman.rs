@@ -15,7 +15,9 @@ pub const ITERATIONS: u32 = 2000;
 const RETUNE: f64 = 1e-3;
 /// Relative speed change that makes a new gain; the harmonics follow a smaller one with the gain they have.
 const REGAIN: f64 = 0.05;
-/// Harmonics above this share of the Nyquist frequency are not modelled.
+/// Random walk of each spindle harmonic in one sample, standard deviation, N: noise of such stages.
+const HARMONIC_WALK: f64 = 1e-4;
+/// Harmonics above this fraction of the Nyquist frequency are not modeled.
 const NYQUIST_SHARE: f64 = 0.9;
 /// Standard deviations at the start: velocity (m/s), disturbance (N), harmonic (N).
 const START_SIGMA: [f64; 3] = [1e-3, 1.0, 0.1];
@@ -72,7 +74,7 @@ impl KalmanFilter {
             noise: NoiseModel {
                 force: p.kalman.force_noise.powi(2),
                 disturbance: p.kalman.disturbance_walk.powi(2),
-                harmonic: p.kalman.harmonic_walk.powi(2),
+                harmonic: HARMONIC_WALK.powi(2),
                 position: p.kalman.position_noise.powi(2),
             },
             force_input,

@@ -1,4 +1,4 @@
-//! One signal against the threshold that its noise before contact has set.
+//! Compares one signal with the threshold that was learned from its noise before contact.
 
 use control_blocks::Consecutive;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::detection::threshold::Statistics;
 use crate::interface::{Parameters, ThresholdOutput};
 
-/// A signal, its statistics before contact, its threshold and how often in a row it was above.
+/// Consecutive samples above the threshold that are a contact, as in the paper: with more the depth grows by 10 nm each.
+pub const ROW: u32 = 3;
+
+/// A signal, its statistics before contact, its threshold and the number of consecutive samples above it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Monitor {
     signal: f64,
@@ -31,18 +34,18 @@ impl Monitor {
         self.statistics.push(self.signal);
     }
 
-    /// Sets the threshold from what was learned, one of `tests` signals side by side.
-    pub fn arm(&mut self, p: &Parameters, tests: usize) {
-        self.threshold = self.statistics.threshold(p, tests);
+    /// Sets the threshold from what was learned.
+    pub fn arm(&mut self, p: &Parameters) {
+        self.threshold = self.statistics.threshold(p);
     }
 
-    /// Whether the signal has been above its threshold for `threshold.row` samples in a row.
-    pub fn test(&mut self, p: &Parameters) -> bool {
+    /// Whether the signal has been above its threshold for [`ROW`] consecutive samples.
+    pub fn test(&mut self) -> bool {
         let above = self.signal > self.threshold.value;
-        self.row.update(above) >= p.threshold.row.unsigned_abs()
+        self.row.update(above) >= ROW
     }
 
-    /// Forgets what was learned.
+    /// Discards what was learned.
     pub fn forget(&mut self) {
         (self.statistics, self.threshold) = (Statistics::default(), ThresholdOutput::START);
     }
@@ -52,7 +55,7 @@ impl Monitor {
         self.signal = signal;
     }
 
-    /// Forgets how often in a row it was above.
+    /// Restarts the count of consecutive samples above the threshold.
     pub fn clear(&mut self) {
         self.row = Consecutive::NONE;
     }
@@ -69,14 +72,13 @@ mod tests {
 
     #[test]
     fn row_starts_again_below_the_threshold() {
-        let p = Parameters::PAPER;
         let mut monitor = Monitor::new();
         monitor.threshold.value = 1.0;
         let hits: Vec<bool> = [2.0, 2.0, 0.0, 2.0, 2.0, 2.0]
             .iter()
             .map(|x| {
                 monitor.signal = *x;
-                monitor.test(&p)
+                monitor.test()
             })
             .collect();
         assert_eq!(hits, [false, false, false, false, false, true]);

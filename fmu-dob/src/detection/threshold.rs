@@ -33,28 +33,28 @@ impl Statistics {
         if sigma > 0.0 { self.steps.sigma() / (TAU * sample_period * sigma) } else { 0.0 }
     }
 
-    /// Threshold of this signal, when `tests` signals are watched side by side.
-    pub fn threshold(&self, p: &Parameters, tests: usize) -> ThresholdOutput {
+    /// Threshold of this signal.
+    pub fn threshold(&self, p: &Parameters) -> ThresholdOutput {
         let (mean, sigma) = (self.values.mean(), self.values.sigma());
         let crossing_rate = self.crossing_rate(p.sample_period);
-        let alpha = alpha(&p.threshold, crossing_rate, tests);
+        let alpha = alpha(&p.threshold, crossing_rate);
         ThresholdOutput { mean, sigma, value: mean + alpha * sigma, alpha_used: alpha, crossing_rate }
     }
 }
 
-/// Fixed alpha, or sqrt(2 ln(nu_0 T n)) for one false alarm of `tests` = n signals in the interval T (Rice).
-fn alpha(p: &Threshold, crossing_rate: f64, tests: usize) -> f64 {
+/// Fixed alpha, or sqrt(2 ln(nu_0 T)) for one false alarm in the interval T (Rice).
+fn alpha(p: &Threshold, crossing_rate: f64) -> f64 {
     match p.mode {
         ThresholdMode::Fixed => p.alpha,
         ThresholdMode::Automatic => {
-            let crossings = crossing_rate * p.false_alarm_interval * tests as f64;
+            let crossings = crossing_rate * p.false_alarm_interval;
             (2.0 * crossings.max(1.0).ln()).sqrt().max(ALPHA_MIN)
         }
     }
 }
 
 impl ThresholdOutput {
-    /// Whether the statistics can be noise: not silent, not above `sigma_max`, and around zero.
+    /// Whether the statistics can be noise: not zero, not above `sigma_max`, and around zero.
     pub fn plausible(&self, sigma_max: f64) -> bool {
         self.sigma > 0.0 && self.sigma <= sigma_max && self.mean.abs() <= 0.5 * self.sigma
     }
@@ -79,16 +79,15 @@ mod tests {
         let mut statistics = Statistics::default();
         (0..100).for_each(|_| statistics.push(3.0));
         assert_eq!(statistics.crossing_rate(1e-4), 0.0);
-        assert_eq!(statistics.threshold(&Parameters::START, 4).value, 3.0);
+        assert_eq!(statistics.threshold(&Parameters::START).value, 3.0);
     }
 
     #[test]
     fn automatic_alpha_follows_rice() {
         let p = Parameters::START.threshold;
-        let one = alpha(&p, 600.0, 1);
+        let one = alpha(&p, 600.0);
         assert!((one - (2.0 * (600.0f64 * 36_000.0).ln()).sqrt()).abs() < 1e-12);
-        assert!(alpha(&p, 600.0, 4) > one);
-        assert_eq!(alpha(&p, 0.0, 1), ALPHA_MIN);
+        assert_eq!(alpha(&p, 0.0), ALPHA_MIN);
     }
 
     #[test]
@@ -109,7 +108,7 @@ mod tests {
         for k in 0..100 {
             statistics.push(f64::from(k % 2));
         }
-        let threshold = statistics.threshold(&Parameters::PAPER, 1);
+        let threshold = statistics.threshold(&Parameters::PAPER);
         assert_eq!(threshold.alpha_used, 4.0);
         assert_eq!(threshold.value, threshold.mean + 4.0 * threshold.sigma);
     }

@@ -1,15 +1,24 @@
-//! Two-stage touch: what looks like a contact but is not sure of it is touched again.
+//! Two-stage touch: an uncertain contact is touched a second time.
 //!
-//! Work that yields at some mN tells no more than its step of the force, however deep the tool goes: soon the disturbance has wandered
-//! as far. A second touch of the same place tells it once more, with noise of its own, so both log-likelihood ratios add up.
-//! A lower level for the first touch costs time alone, as noise hardly looks like a contact twice at one place.
+//! A workpiece that yields at a few mN shows no more than that step of the force, however deep the tool cuts: the disturbance soon drifts
+//! as far. A second touch at the same position shows the step once more, with independent noise, so both log-likelihood ratios add up.
+//! A lower level for the first touch only costs time, because noise rarely looks like a contact twice at one position.
 
 use control_blocks::ticks;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Approach, Parameters};
 
-/// What the first touch has shown.
+/// Log-likelihood ratio of both touches together that is a contact: a false alarm in hours.
+pub const EVIDENCE: f64 = 24.0;
+/// Time for which the first touch continues to become certain, s: the memory of the filter.
+pub const DWELL: f64 = 0.01;
+/// Time at constant speed before the second touch is evaluated, s: five times that memory.
+pub const SETTLE_TIME: f64 = 0.05;
+/// Distance between both touches of one contact in addition to the travel of their times, m: run-out and mark.
+const SCATTER: f64 = 5e-7;
+
+/// First touch so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Suspicion {
     /// where it began, m
@@ -20,7 +29,7 @@ struct Suspicion {
     ratio: f64,
 }
 
-/// What is known of a contact so far; by default nothing.
+/// Both touches so far; by default none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TwoStageTouch {
     suspicion: Option<Suspicion>,
@@ -29,7 +38,7 @@ pub struct TwoStageTouch {
 }
 
 impl TwoStageTouch {
-    /// Takes a log-likelihood ratio of the first touch at a position (m); whether the place is to be touched again.
+    /// Takes a log-likelihood ratio of the first touch at a position (m); returns whether to touch a second time.
     pub fn suspect(&mut self, p: &Parameters, position: f64, ratio: f64) -> bool {
         match &mut self.suspicion {
             None if ratio > p.touch.suspicion => self.suspicion = Some(Suspicion { position, age: 0, ratio }),
@@ -39,37 +48,38 @@ impl TwoStageTouch {
                 suspicion.ratio = suspicion.ratio.max(ratio);
             }
         }
-        self.suspicion.is_some_and(|suspicion| suspicion.age >= ticks(p.touch.dwell, p.sample_period))
+        self.suspicion.is_some_and(|suspicion| suspicion.age >= ticks(DWELL, p.sample_period))
     }
 
-    /// Takes a log-likelihood ratio of the second touch at a position (m); whether both together are a contact.
+    /// Takes a log-likelihood ratio of the second touch at a position (m); returns whether both together are a contact.
     pub fn confirm(&mut self, p: &Parameters, velocity: f64, position: f64, ratio: f64) -> bool {
         self.suspicion.is_some_and(|first| {
-            let near = (position - first.position).abs() <= reach(p, velocity);
+            let near = (position - first.position).abs() <= reach(velocity);
             if near {
                 self.second = self.second.max(ratio);
             }
-            near && self.second > p.touch.suspicion && first.ratio + self.second > p.touch.evidence
+            near && self.second > p.touch.suspicion && first.ratio + self.second > EVIDENCE
         })
     }
 
     /// Whether the position (m) is beyond where the second touch must show a contact.
-    pub fn passed(&self, p: &Parameters, velocity: f64, position: f64) -> bool {
-        self.suspicion.is_some_and(|first| position - first.position > reach(p, velocity))
+    pub fn passed(&self, velocity: f64, position: f64) -> bool {
+        self.suspicion.is_some_and(|first| position - first.position > reach(velocity))
     }
 
-    /// Way back from here (m) before the second touch: to speed, until the filter has forgotten that, and up to the place.
-    pub fn way_back(&self, p: &Parameters, approach: &Approach, position: f64) -> f64 {
+    /// Distance to retract from here (m) before the second touch: acceleration, settling of the filter, travel to the contact.
+    pub fn retract_distance(&self, approach: &Approach, position: f64) -> f64 {
         let Approach { velocity, acceleration, .. } = *approach;
         let deeper = self.suspicion.map_or(0.0, |first| position - first.position);
-        let arming = 0.5 * velocity * velocity / acceleration + velocity * p.touch.settle_time;
-        deeper + arming + reach(p, velocity)
+        let arming = 0.5 * velocity * velocity / acceleration + velocity * SETTLE_TIME;
+        deeper + arming + reach(velocity)
     }
 }
 
-/// How far apart (m) both touches of one contact may be: the first goes on for a while and leaves a mark, the second takes as long to be seen.
-fn reach(p: &Parameters, velocity: f64) -> f64 {
-    p.touch.scatter + 2.0 * velocity * p.touch.dwell
+/// Maximum distance (m) between both touches of one contact: the first continues for a while and leaves a mark, and the second
+/// takes as long to be detected.
+fn reach(velocity: f64) -> f64 {
+    SCATTER + 2.0 * velocity * DWELL
 }
 
 #[cfg(test)]
@@ -85,26 +95,26 @@ mod tests {
         p
     }
 
-    /// Begins a suspicion at 5 um with the ratios that are told; whether it is to be touched again, sample by sample.
+    /// Starts a suspicion at 5 um with the given ratios; returns whether to touch a second time, sample by sample.
     fn suspected(p: &Parameters, ratios: &[f64]) -> (TwoStageTouch, Vec<bool>) {
         let mut touch = TwoStageTouch::default();
-        let told =
+        let again =
             ratios.iter().zip(0..).map(|(ratio, k)| touch.suspect(p, 5e-6 + 1e-8 * f64::from(k), *ratio)).collect();
-        (touch, told)
+        (touch, again)
     }
 
     #[test]
     fn a_suspicion_waits_for_its_dwell_and_keeps_the_largest_ratio() {
         let p = confirming();
-        let (touch, told) = suspected(&p, &[&[6.9, 7.1, 12.0], &[3.0; 110][..]].concat());
-        assert_eq!(told.iter().position(|again| *again), Some(101));
+        let (touch, again) = suspected(&p, &[&[6.9, 7.1, 12.0], &[3.0; 110][..]].concat());
+        assert_eq!(again.iter().position(|again| *again), Some(101));
         let first = touch.suspicion.unwrap();
         assert!(first.ratio == 12.0 && (first.position - 5.01e-6).abs() < 1e-15, "{first:?}");
         assert!(suspected(&p, &[6.9; 300]).1.iter().all(|again| !again));
     }
 
     #[test]
-    fn both_touches_together_are_a_contact_near_one_place() {
+    fn both_touches_together_are_a_contact_near_one_position() {
         let p = confirming();
         let (first, _) = suspected(&p, &[12.0]);
         let second = |position: f64, ratio: f64| first.clone().confirm(&p, V, position, ratio);
@@ -117,20 +127,20 @@ mod tests {
     }
 
     #[test]
-    fn the_place_is_passed_where_no_contact_can_be_any_more() {
+    fn the_position_is_passed_where_no_contact_is_possible_any_more() {
         let p = confirming();
         let (first, _) = suspected(&p, &[12.0]);
-        assert!(first.passed(&p, V, 7.51e-6) && !first.passed(&p, V, 7.49e-6));
+        assert!(first.passed(V, 7.51e-6) && !first.passed(V, 7.49e-6));
         // 10 times as fast, 20 um more
-        assert!(!first.passed(&p, 10.0 * V, 25e-6) && first.passed(&p, 10.0 * V, 26e-6));
+        assert!(!first.passed(10.0 * V, 25e-6) && first.passed(10.0 * V, 26e-6));
     }
 
     #[test]
-    fn the_way_back_leaves_room_to_arm_before_the_place() {
+    fn the_retract_leaves_room_to_arm_before_the_position() {
         let p = confirming();
         let (first, _) = suspected(&p, &[12.0]);
         // 1 um deeper by now; 0.1 um to speed, 50 ms, 2.5 um
-        let way = first.way_back(&p, &p.approach, 6e-6);
+        let way = first.retract_distance(&p.approach, 6e-6);
         assert!((way - (1.0 + 0.1 + 5.0 + 2.5) * 1e-6).abs() < 1e-12, "{way}");
     }
 }

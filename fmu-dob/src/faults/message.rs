@@ -1,7 +1,8 @@
-//! The numbers that are told with a fault.
+//! Details of a fault for the log.
 
 use control_blocks::{SIGNIFICANT, bearable_delays};
 
+use crate::calibration::series::RATIO;
 use crate::check::check_derived;
 use crate::commission::response::loop_spread;
 use crate::commission::values::{self, Values, acceptable};
@@ -11,54 +12,60 @@ use crate::limits::{bend_limit, disturbance_limit};
 use crate::monitoring::numbers::{LateContact, Unseen};
 use crate::monitoring::rest::ROW;
 use crate::motion::stability::longest_delay;
-use crate::motion::travel::{learn_limit, teaching_travel};
-use crate::teaching::lesson::RATIO;
+use crate::motion::travel::{calibration_travel, learn_limit};
 
-/// The numbers behind the fault, for the log.
+/// Details of the fault for the log.
 pub fn numbers(vars: &Vars) -> String {
     let (p, output) = (&vars.in_force, &vars.output);
     let row = format!("for more than `limits.lost_samples` = `{}`", p.limits.lost_samples);
     let error = format!(
-        "tracking error `{} m`, disturbance `{} N`, share of the commanded force `{}`",
-        output.tracking_error, output.force.disturbance, output.drive_share
+        "tracking error `{} m`, disturbance `{} N`, drive gain ratio `{}`",
+        output.tracking_error, output.force.disturbance, output.drive_gain_ratio
     );
     match output.fault {
         Fault::None => String::new(),
         Fault::TravelLimit => format!(": `{} m`", p.approach.travel_max),
-        Fault::LostReading => format!(": `{} m` {row}", vars.input.position),
-        Fault::FrozenReading => format!(
-            ": `{} m`, more than `limits.frozen` = `{} m` unanswered {row}, or equal for `limits.rest_time` = `{} s` and `{ROW}` samples",
+        Fault::PositionLost => format!(": `{} m` {row}", vars.input.position),
+        Fault::PositionFrozen => format!(
+            ": `{} m` did not change over more than `limits.frozen` = `{} m` of motion {row}, or for `expert.limits.rest_time` = `{} s` and \
+             `{ROW}` samples at rest",
             vars.input.position, p.limits.frozen, p.limits.rest_time
         ),
-        Fault::LateReading => {
-            format!(": `{} m` was read `{}` samples before, {row}", vars.input.position, output.numbers.late_by)
+        Fault::PositionDelayed => {
+            format!(
+                ": `{} m` repeats the value of `{}` samples before, {row}",
+                vars.input.position, output.numbers.late_by
+            )
         }
-        Fault::ReadingJump if output.numbers.bend > 0.0 => format!(
-            ": second differences of `{:.3e} m`, limit `{:.3e} m`, what `{} N` and the drive make of a sample; {error}",
+        Fault::PositionJump if output.numbers.bend > 0.0 => format!(
+            ": second differences of `{:.3e} m`, limit `{:.3e} m`, the motion by `{} N` and the drive in a sample; {error}",
             output.numbers.bend,
             bend_limit(p),
             disturbance_limit(p)
         ),
-        Fault::ReadingJump => {
+        Fault::PositionJump => {
             format!(": `{} m` is beyond `limits.jump` = `{} m` {row}", vars.input.position, p.limits.jump)
         }
         Fault::SpindleJump => format!(
-            ": `{} rad/s`, faster than `limits.spindle_acceleration` = `{} rad/s2` {row}",
+            ": `{} rad/s`, faster than `expert.limits.spindle_acceleration` = `{} rad/s2` {row}",
             vars.input.spindle_speed, p.limits.spindle_acceleration
         ),
         Fault::FollowingError => format!(": {error}, limit of the distance `{} m`", output.numbers.following_limit),
         Fault::Saturation => {
-            format!(": longer than `limits.saturated_time` = `{} s`; {error}", p.limits.saturated_time)
+            format!(": longer than `expert.limits.saturated_time` = `{} s`; {error}", p.limits.saturated_time)
         }
         Fault::Overload => format!(": {error}, limit of the disturbance `{} N`", disturbance_limit(p)),
         Fault::DriveSign => format!(": {error}"),
-        Fault::WeakDrive => format!(": {error}, least `limits.drive_share` = `{}`", p.limits.drive_share),
+        Fault::WeakDrive => format!(": {error}, minimum `limits.drive_gain_ratio` = `{}`", p.limits.drive_gain_ratio),
         Fault::Oscillation if output.numbers.swings >= REVERSALS => format!(
-            ": `{REVERSALS}` swings beyond `guard.force` = `{} N` while the reference does not accelerate; {error}",
+            ": `{REVERSALS}` reversals beyond `guard.force` = `{} N` while the reference does not accelerate; {error}",
             p.guard_force
         ),
         Fault::Oscillation => {
-            format!(": `{REVERSALS}` changes from limit to limit of `stage.current_max` = `{} A`", p.stage.current_max)
+            format!(
+                ": `{REVERSALS}` reversals from limit to limit of `stage.current_max` = `{} A`",
+                p.stage.current_max
+            )
         }
         Fault::LearnRejected => format!(
             ": mean `{} N/s`, sigma `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s`",
@@ -67,8 +74,8 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::LearnTimeout => format!(": `{} s`", learn_limit(p)),
         Fault::ContactRejected => {
             format!(
-                ": `{} N` are left, limit `limits.force_left` = `{} N`",
-                output.numbers.force_left, p.limits.force_left
+                ": `{} N` remain, limit `limits.residual_force` = `{} N`",
+                output.numbers.residual_force, p.limits.residual_force
             )
         }
         Fault::LateContact => late_contact(p, output.numbers.late),
@@ -76,9 +83,9 @@ pub fn numbers(vars: &Vars) -> String {
             format!(": `{:.4} s`, limit `{:.4} s`", output.numbers.lasted, output.numbers.time_limit)
         }
         Fault::CommissionRejected => rejected(p, output),
-        Fault::TeachingRejected => mistaught(p, output),
+        Fault::CalibrationRejected => calibration_rejected(p, output),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
-        Fault::LostSpindle => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
+        Fault::SpindleLost => format!(": `{} rad/s` {row}", vars.input.spindle_speed),
     }
 }
 
@@ -87,58 +94,58 @@ fn late_contact(p: &Parameters, contact: Option<LateContact>) -> String {
     let (limit, detector) = (p.guard_force, p.detector);
     let why = match unseen {
         Unseen::Unarmed => format!("before the detector `{detector:?}` was armed"),
-        Unseen::Doubted => format!("after readings that the detector `{detector:?}` could not count in full"),
-        Unseen::Missed => format!("which the armed detector `{detector:?}` had missed"),
+        Unseen::Doubted => format!("after jumps of `position` that the detector `{detector:?}` ignored"),
+        Unseen::Missed => format!("missed by the armed detector `{detector:?}`"),
     };
     format!(": at `{position:.7} m`, `{force:.3} N` of `guard.force` = `{limit} N`, {why}")
 }
 
-/// What cannot be used of a teaching.
-fn mistaught(p: &Parameters, output: &Output) -> String {
-    let (taught, [least, most], travel) = (&output.taught, output.numbers.biases, teaching_travel(p));
+/// Why a calibration cycle is rejected.
+fn calibration_rejected(p: &Parameters, output: &Output) -> String {
+    let (calibrated, [least, most], travel) = (&output.calibrated, output.numbers.biases, calibration_travel(p));
     if p.approach.travel_max < travel {
         return format!(
-            ": `approach.travel_max` = `{} m`, less than the `{travel:.3e} m` from behind a touch to the next at \
-             `teach.velocity_max` = `{} m/s`",
-            p.approach.travel_max, p.teach.velocity_max
+            ": `approach.travel_max` = `{} m`, less than the `{travel:.3e} m` from one touch to the next at \
+             `calibration.velocity_max` = `{} m/s`",
+            p.approach.travel_max, p.calibration.velocity_max
         );
     }
     if let Some(fastest) = output.numbers.bearable {
         return format!(
-            ": `teach.force_max` = `{} N` bears no more than `{fastest:.3e} m/s` by the touches so far, limit three times \
-             `teach.velocity_min`, `{:.3e} m/s`",
-            p.teach.force_max,
-            RATIO * p.teach.velocity_min
+            ": `calibration.force_max` = `{} N` allows at most `{fastest:.3e} m/s` by the touches so far, minimum three times \
+             `calibration.velocity_min`, `{:.3e} m/s`",
+            p.calibration.force_max,
+            RATIO * p.calibration.velocity_min
         );
     }
     format!(
-        ": scatter of the touches `{:.2e} m`, limit `limits.touch_scatter` = `{} m`; bias from `{least:.2e} m`, limit `{:.2e} m`, \
-         three deviations, to `{most:.2e} m`, limit `limits.bias` = `{} m`, behind `teach.place` = `{} m`; its deviation `{:.2e} m`, limit \
-         `teach.deviation_max` = `{} m`",
-        taught.scatter,
+        ": scatter of the touches `{:.2e} m`, limit `expert.limits.touch_scatter` = `{} m`; bias from `{least:.2e} m`, limit `{:.2e} m`, \
+         three standard deviations, to `{most:.2e} m`, limit `expert.limits.bias` = `{} m`, from `calibration.position` = `{} m`; standard \
+         deviation `{:.2e} m`, limit `expert.calibration.std_max` = `{} m`",
+        calibrated.scatter,
         p.limits.touch_scatter,
-        -SIGNIFICANT * taught.deviation,
+        -SIGNIFICANT * calibrated.std,
         p.limits.bias,
-        p.teach.place,
-        taught.deviation,
-        p.teach.deviation_max
+        p.calibration.position,
+        calibrated.std,
+        p.calibration.std_max
     )
 }
 
-/// What cannot be used of a commission, after which what was told is in force.
+/// Why a commissioning run is rejected; the configured values are active after it.
 fn rejected(p: &Parameters, output: &Output) -> String {
-    let (told, m) = (Values::of(p), &output.measured);
+    let (configured, m) = (Values::of(p), &output.measured);
     let longest = longest_delay(p, *bearable_delays(p.io_delay).end() as usize);
     let constants = [output.numbers.force_constant, p.stage.force_constant];
     let noise = m.slope_sigma > 0.0;
     let good = if noise {
-        told.quiet(p, m)
+        configured.quiet(p, m)
     } else {
         constants.into_iter().all(|constant| acceptable(p, constant, longest, m))
     };
     if good {
         let mut found = p.clone();
-        let derived = if noise { told.derived(p, m) } else { told.with_response(m) };
+        let derived = if noise { configured.derived(p, m) } else { configured.with_response(m) };
         derived.put(&mut found);
         if let Err(error) = check_derived(&found) {
             return format!(": {}", error.of_derived());
@@ -146,8 +153,8 @@ fn rejected(p: &Parameters, output: &Output) -> String {
     }
     if noise {
         return format!(
-            ": noise of the slope `{} N/s`, limit `limits.slope_sigma_max` = `{} N/s` as told; force that noise and cogging ask of \
-             the guard `{} N`, limit three times `guard.force` = `{} N` as told",
+            ": noise of the slope `{} N/s`, limit the configured `limits.slope_sigma_max` = `{} N/s`; force of the guard for this noise and \
+             cogging `{} N`, limit three times the configured `guard.force` = `{} N`",
             m.slope_sigma,
             p.limits.slope_sigma_max,
             values::guard(p, m),
@@ -155,17 +162,17 @@ fn rejected(p: &Parameters, output: &Output) -> String {
         );
     }
     format!(
-        ": thrust constant `{} N/A`, deviation `{} N/A`, limits half and twice `stage.force_constant`, `{} N/A` as told and `{} N/A` in \
-         force, and `commission.deviation_max` = `{}` of it; delay `{}` samples, deviation `{}`, limits `0` to `{longest}`, with which \
-         the loop is stable, and `commission.delay_deviation_max` = `{}` beside `{}` of the current loop",
+        ": thrust constant `{} N/A`, standard deviation `{} N/A`, limits half and twice `stage.force_constant`, `{} N/A` configured and \
+         `{} N/A` active, and `expert.commission.std_max` = `{}` of it; delay `{}` samples, standard deviation `{}`, limits `0` to \
+         `{longest}`, with which the loop is stable, and `expert.commission.delay_std_max` = `{}` in addition to `{}` of the current loop",
         m.force_constant,
-        m.force_constant_deviation,
+        m.force_constant_std,
         p.stage.force_constant,
         output.numbers.force_constant,
-        p.commission.deviation_max,
+        p.commission.std_max,
         m.io_delay,
-        m.io_delay_deviation,
-        p.commission.delay_deviation_max,
+        m.io_delay_std,
+        p.commission.delay_std_max,
         loop_spread(p)
     )
 }
@@ -175,7 +182,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_fault_tells_its_numbers() {
+    fn every_fault_has_details() {
         for &fault in Fault::ALL {
             let mut vars = <Vars as fmi2_export::Interface>::START;
             vars.output.fault = fault;
@@ -185,29 +192,29 @@ mod tests {
     }
 
     #[test]
-    fn a_late_contact_tells_place_force_and_why_the_detector_was_silent() {
+    fn a_late_contact_has_position_force_and_why_the_detector_missed_it() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.fault = Fault::LateContact;
         for (unseen, why) in [
             (Unseen::Unarmed, "before the detector `SlopePaper` was armed"),
-            (Unseen::Doubted, "after readings that the detector `SlopePaper` could not count in full"),
-            (Unseen::Missed, "which the armed detector `SlopePaper` had missed"),
+            (Unseen::Doubted, "after jumps of `position` that the detector `SlopePaper` ignored"),
+            (Unseen::Missed, "missed by the armed detector `SlopePaper`"),
         ] {
             vars.output.numbers.late = Some(LateContact { position: 5.12e-5, force: 0.4321, unseen });
             let expected = format!(": at `0.0000512 m`, `0.432 N` of `guard.force` = `0.4 N`, {why}");
             let detector = format!("{:?}", vars.in_force.detector);
             assert_eq!(numbers(&vars), expected.replace("SlopePaper", &detector));
         }
-        (vars.output.fault, vars.output.numbers.force_left) = (Fault::ContactRejected, 0.31);
-        assert!(numbers(&vars).starts_with(": `0.31 N` are left"), "{}", numbers(&vars));
+        (vars.output.fault, vars.output.numbers.residual_force) = (Fault::ContactRejected, 0.31);
+        assert!(numbers(&vars).starts_with(": `0.31 N` remain"), "{}", numbers(&vars));
     }
 
     #[test]
-    fn readings_that_jump_tell_how_late_they_are_or_how_far_they_bend() {
+    fn jumps_have_their_delay_or_second_difference() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
-        (vars.output.fault, vars.output.numbers.late_by) = (Fault::LateReading, 10);
-        assert!(numbers(&vars).contains("was read `10` samples before"), "{}", numbers(&vars));
-        vars.output.fault = Fault::ReadingJump;
+        (vars.output.fault, vars.output.numbers.late_by) = (Fault::PositionDelayed, 10);
+        assert!(numbers(&vars).contains("repeats the value of `10` samples before"), "{}", numbers(&vars));
+        vars.output.fault = Fault::PositionJump;
         assert!(numbers(&vars).contains("`limits.jump`"), "{}", numbers(&vars));
         vars.output.numbers.bend = 2e-6;
         assert!(
@@ -218,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_job_that_is_late_tells_its_time_and_the_limit_that_was_judged() {
+    fn a_late_cycle_has_its_time_and_its_limit() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.fault = Fault::NoProgress;
         (vars.output.numbers.lasted, vars.output.numbers.time_limit) = (634.5674, 634.5673);
@@ -226,29 +233,29 @@ mod tests {
     }
 
     #[test]
-    fn a_rejected_teaching_tells_the_limits_that_were_judged() {
+    fn a_rejected_calibration_has_its_limits() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
-        vars.output.fault = Fault::TeachingRejected;
-        (vars.output.taught.deviation, vars.output.numbers.biases) = (2e-8, [-6.1e-8, 3e-7]);
-        let told = numbers(&vars);
+        vars.output.fault = Fault::CalibrationRejected;
+        (vars.output.calibrated.std, vars.output.numbers.biases) = (2e-8, [-6.1e-8, 3e-7]);
+        let text = numbers(&vars);
         assert!(
-            told.contains("bias from `-6.10e-8 m`, limit `-6.00e-8 m`, three deviations, to `3.00e-7 m`"),
-            "{told}"
+            text.contains("bias from `-6.10e-8 m`, limit `-6.00e-8 m`, three standard deviations, to `3.00e-7 m`"),
+            "{text}"
         );
-        assert!(!told.contains("travel"), "{told}");
+        assert!(!text.contains("travel"), "{text}");
         vars.in_force.approach.travel_max = 2.7e-4;
-        let told = numbers(&vars);
-        assert!(told.starts_with(": `approach.travel_max` = `0.00027 m`, less than the `2.721e-4 m`"), "{told}");
-        assert!(told.contains("`teach.velocity_max` = `0.0003 m/s`"), "{told}");
+        let text = numbers(&vars);
+        assert!(text.starts_with(": `approach.travel_max` = `0.00027 m`, less than the `2.721e-4 m`"), "{text}");
+        assert!(text.contains("`calibration.velocity_max` = `0.0003 m/s`"), "{text}");
         vars.in_force.approach.travel_max = 5e-3;
-        (vars.in_force.teach.force_max, vars.output.numbers.bearable) = (0.1, Some(2.5e-5));
-        let told = numbers(&vars);
-        assert!(told.starts_with(": `teach.force_max` = `0.1 N` bears no more than `2.500e-5 m/s`"), "{told}");
-        assert!(told.ends_with("`teach.velocity_min`, `3.000e-5 m/s`"), "{told}");
+        (vars.in_force.calibration.force_max, vars.output.numbers.bearable) = (0.1, Some(2.5e-5));
+        let text = numbers(&vars);
+        assert!(text.starts_with(": `calibration.force_max` = `0.1 N` allows at most `2.500e-5 m/s`"), "{text}");
+        assert!(text.ends_with("`calibration.velocity_min`, `3.000e-5 m/s`"), "{text}");
     }
 
     #[test]
-    fn a_rejected_commission_tells_the_noise_once_that_was_measured_and_the_response_before() {
+    fn a_rejected_run_has_the_noise_once_it_was_measured_and_the_response_before() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.fault = Fault::CommissionRejected;
         assert!(numbers(&vars).starts_with(": thrust constant `0 N/A`"), "{}", numbers(&vars));
@@ -257,21 +264,21 @@ mod tests {
     }
 
     #[test]
-    fn a_rejected_commission_tells_what_was_told_and_what_the_parameters_do_not_bear() {
+    fn a_rejected_run_has_the_configured_values_and_the_parameters_that_do_not_fit() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.fault = Fault::CommissionRejected;
         vars.output.numbers.force_constant = 25.0;
-        let told = numbers(&vars);
+        let text = numbers(&vars);
         assert!(
-            told.contains("`20 N/A` as told and `25 N/A` in force") && told.contains("limits `0` to `3`"),
-            "{told}"
+            text.contains("`20 N/A` configured and `25 N/A` active") && text.contains("limits `0` to `3`"),
+            "{text}"
         );
         let m = &mut vars.output.measured;
         (m.force_constant, m.io_delay) = (16.0, 1.0);
         vars.in_force.commission.force = 0.9 * 20.0 * vars.in_force.stage.current_max;
-        let told = numbers(&vars);
-        assert!(told.contains("do not fit: parameter `commission.force` would be"), "{told}");
+        let text = numbers(&vars);
+        assert!(text.contains("do not fit: parameter `commission.force` would be"), "{text}");
         vars.output.measured.slope_sigma = 9.0;
-        assert!(numbers(&vars).contains("`limits.slope_sigma_max` = `5 N/s` as told"), "{}", numbers(&vars));
+        assert!(numbers(&vars).contains("configured `limits.slope_sigma_max` = `5 N/s`"), "{}", numbers(&vars));
     }
 }

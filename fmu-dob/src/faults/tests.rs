@@ -1,4 +1,5 @@
 use super::*;
+use control_blocks::Reaction;
 
 const GOOD: Reading = Reading {
     position: Some(0.0),
@@ -7,13 +8,13 @@ const GOOD: Reading = Reading {
     begin: false,
     commission: false,
     begin_commission: false,
-    teach: false,
-    begin_teaching: false,
+    calibrate: false,
+    begin_calibration: false,
     reset: false,
     found: false,
     invalid: 0,
     lost: 0,
-    loss: Loss::Told,
+    loss: Loss::Invalid,
     late: None,
     alive: true,
     whole: 0,
@@ -31,18 +32,18 @@ fn symptoms(reading: &Reading) -> Symptoms<'_> {
         limited: 0,
         reversals: 0,
         swings: 0,
-        astray: 0,
+        diverged: 0,
         overloaded: 0,
         bent: false,
-        share: Some(1.0),
-        judged: true,
+        gain_ratio: Some(1.0),
+        evaluated: true,
         travelled: false,
         learned: Some(NOISE),
         learning: false,
-        force_left: Some(0.0),
+        residual_force: Some(0.0),
         guarded: false,
         rejected: false,
-        mistaught: false,
+        calibration_rejected: false,
         late: false,
     }
 }
@@ -51,7 +52,7 @@ fn symptoms(reading: &Reading) -> Symptoms<'_> {
 fn each_limit_is_the_last_value_without_a_fault() {
     let mut p = Parameters::START;
     (p.limits.lost_samples, p.limits.saturated_time, p.limits.slope_sigma_max) = (7, 9e-4, 1.0);
-    (p.limits.drive_share, p.limits.force_left) = (0.4, 0.3);
+    (p.limits.drive_gain_ratio, p.limits.residual_force) = (0.4, 0.3);
     type Set = fn(&mut Reading, &mut Symptoms, f64);
     let found = |set: Set, value: f64| {
         let (mut reading, mut all) = (GOOD, symptoms(&GOOD));
@@ -59,23 +60,23 @@ fn each_limit_is_the_last_value_without_a_fault() {
         find(&p, &Symptoms { reading: &reading, ..all })
     };
     let limits: [(Set, f64, f64, Fault); 18] = [
-        (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::LostReading),
-        (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::ReadingJump),
-        (|r, _, x| (r.lost, r.loss, r.late) = (x as u32, Loss::Jumps, Some(4)), 7.0, 8.0, Fault::LateReading),
-        (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Stands), 7.0, 8.0, Fault::FrozenReading),
+        (|r, _, x| r.lost = x as u32, 7.0, 8.0, Fault::PositionLost),
+        (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Jumps), 7.0, 8.0, Fault::PositionJump),
+        (|r, _, x| (r.lost, r.loss, r.late) = (x as u32, Loss::Jumps, Some(4)), 7.0, 8.0, Fault::PositionDelayed),
+        (|r, _, x| (r.lost, r.loss) = (x as u32, Loss::Frozen), 7.0, 8.0, Fault::PositionFrozen),
         (|r, _, x| r.spindle_lost = x as u32, 7.0, 8.0, Fault::SpindleJump),
-        (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::LostSpindle),
+        (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::SpindleLost),
         (|_, s, x| s.limited = x as u32, 9.0, 10.0, Fault::Saturation),
         (|_, s, x| s.reversals = x as u32, 5.0, 6.0, Fault::Oscillation),
         (|_, s, x| s.swings = x as u32, 5.0, 6.0, Fault::Oscillation),
-        (|_, s, x| s.astray = x as u32, 2.0, 3.0, Fault::FollowingError),
+        (|_, s, x| s.diverged = x as u32, 2.0, 3.0, Fault::FollowingError),
         (|_, s, x| s.overloaded = x as u32, 2.0, 3.0, Fault::Overload),
-        (|_, s, x| s.share = Some(x), 0.4, 0.39, Fault::WeakDrive),
-        (|_, s, x| s.share = Some(x), 0.4, -0.21, Fault::DriveSign),
-        (|_, s, x| s.force_left = Some(x), -0.3, -0.31, Fault::ContactRejected),
+        (|_, s, x| s.gain_ratio = Some(x), 0.4, 0.39, Fault::WeakDrive),
+        (|_, s, x| s.gain_ratio = Some(x), 0.4, -0.21, Fault::DriveSign),
+        (|_, s, x| s.residual_force = Some(x), -0.3, -0.31, Fault::ContactRejected),
         (|_, s, x| s.guarded = x > 0.5, 0.0, 1.0, Fault::LateContact),
         (|_, s, x| s.rejected = x > 0.5, 0.0, 1.0, Fault::CommissionRejected),
-        (|_, s, x| s.mistaught = x > 0.5, 0.0, 1.0, Fault::TeachingRejected),
+        (|_, s, x| s.calibration_rejected = x > 0.5, 0.0, 1.0, Fault::CalibrationRejected),
         (|_, s, x| s.learned = Some(ThresholdOutput { sigma: x, ..NOISE }), 1.0, 1.1, Fault::LearnRejected),
     ];
     for (set, last, first, fault) in limits {
@@ -87,7 +88,7 @@ fn each_limit_is_the_last_value_without_a_fault() {
 fn the_share_of_the_commanded_force_names_the_cause() {
     let p = Parameters::START;
     let named = |share, judged| {
-        let all = Symptoms { share, judged, astray: 3, ..symptoms(&GOOD) };
+        let all = Symptoms { gain_ratio: share, evaluated: judged, diverged: 3, ..symptoms(&GOOD) };
         find(&p, &all)
     };
     assert_eq!(named(Some(1.0), false), Some(Fault::FollowingError));
@@ -97,45 +98,47 @@ fn the_share_of_the_commanded_force_names_the_cause() {
     assert_eq!(named(Some(-0.2), false), Some(Fault::WeakDrive));
     assert_eq!(named(Some(-0.9), false), Some(Fault::DriveSign));
     // a share alone is no fault until it is to be judged
-    let share = |judged| find(&p, &Symptoms { share: Some(0.1), judged, ..symptoms(&GOOD) });
+    let share = |judged| find(&p, &Symptoms { gain_ratio: Some(0.1), evaluated: judged, ..symptoms(&GOOD) });
     assert_eq!((share(false), share(true)), (None, Some(Fault::WeakDrive)));
     // where the drive takes it the wrong way, the position cannot be believed either
     let jumps = Reading { position: None, lost: 9, loss: Loss::Jumps, ..GOOD };
-    let jump = |share| find(&p, &Symptoms { share: Some(share), judged: false, ..symptoms(&jumps) });
-    assert_eq!((jump(0.1), jump(-0.3)), (Some(Fault::ReadingJump), Some(Fault::DriveSign)));
+    let jump = |share| find(&p, &Symptoms { gain_ratio: Some(share), evaluated: false, ..symptoms(&jumps) });
+    assert_eq!((jump(0.1), jump(-0.3)), (Some(Fault::PositionJump), Some(Fault::DriveSign)));
     // readings that no force explains are no force, whatever the drive seems to do
-    let overload = |bent, share| find(&p, &Symptoms { bent, share: Some(share), overloaded: 3, ..symptoms(&GOOD) });
-    assert_eq!([false, true].map(|bent| overload(bent, 1.0)), [Some(Fault::Overload), Some(Fault::ReadingJump)]);
-    assert_eq!([false, true].map(|bent| overload(bent, 0.1)), [Some(Fault::WeakDrive), Some(Fault::ReadingJump)]);
+    let overload =
+        |bent, share| find(&p, &Symptoms { bent, gain_ratio: Some(share), overloaded: 3, ..symptoms(&GOOD) });
+    assert_eq!([false, true].map(|bent| overload(bent, 1.0)), [Some(Fault::Overload), Some(Fault::PositionJump)]);
+    assert_eq!([false, true].map(|bent| overload(bent, 0.1)), [Some(Fault::WeakDrive), Some(Fault::PositionJump)]);
     // a loop that swings has a drive that answers
-    let swings = |share| find(&p, &Symptoms { share: Some(share), judged: false, reversals: 9, ..symptoms(&GOOD) });
+    let swings =
+        |share| find(&p, &Symptoms { gain_ratio: Some(share), evaluated: false, reversals: 9, ..symptoms(&GOOD) });
     assert_eq!((swings(0.3), swings(-0.3)), (Some(Fault::Oscillation), Some(Fault::DriveSign)));
 }
 
 #[test]
 fn the_gravest_fault_is_named() {
     let p = Parameters::START;
-    let reading = Reading { loss: Loss::Stands, spindle_lost: 100, ..LOST };
+    let reading = Reading { loss: Loss::Frozen, spindle_lost: 100, ..LOST };
     let all = Symptoms {
         standing: false,
         limited: 100,
         reversals: 9,
-        astray: 9,
+        diverged: 9,
         overloaded: 9,
         travelled: true,
         learned: Some(ThresholdOutput::START),
         learning: true,
-        force_left: Some(9.0),
+        residual_force: Some(9.0),
         guarded: true,
         late: true,
         ..symptoms(&reading)
     };
     assert_eq!(find(&p, &Symptoms { long_step: true, ..all }), Some(Fault::LongStep));
-    assert_eq!(find(&p, &all), Some(Fault::FrozenReading));
+    assert_eq!(find(&p, &all), Some(Fault::PositionFrozen));
     assert_eq!(find(&p, &Symptoms { reading: &GOOD, ..all }), Some(Fault::Oscillation));
     let nonsense = Reading { invalid: 4, spindle_lost: 4, ..GOOD };
-    assert_eq!(find(&p, &symptoms(&nonsense)), Some(Fault::LostSpindle));
-    assert_eq!(find(&p, &symptoms(&Reading { invalid: 4, ..LOST })), Some(Fault::LostReading));
+    assert_eq!(find(&p, &symptoms(&nonsense)), Some(Fault::SpindleLost));
+    assert_eq!(find(&p, &symptoms(&Reading { invalid: 4, ..LOST })), Some(Fault::PositionLost));
     assert_eq!(
         find(&p, &Symptoms { reading: &GOOD, late: true, travelled: true, ..symptoms(&GOOD) }),
         Some(Fault::TravelLimit)
@@ -144,8 +147,8 @@ fn the_gravest_fault_is_named() {
 
 #[test]
 fn the_drive_goes_off_where_the_position_or_the_drive_cannot_be_trusted() {
-    let ends = |end: SafeEnd| Fault::ALL.iter().filter(move |fault| fault.safe_end() == end).count();
-    assert_eq!([SafeEnd::Retract, SafeEnd::Stop, SafeEnd::DriveOff].map(ends), [7, 4, 11]);
-    assert_eq!(Fault::FrozenReading.safe_end(), SafeEnd::DriveOff);
-    assert_eq!(Fault::TravelLimit.safe_end(), SafeEnd::Retract);
+    let ends = |end: Reaction| Fault::ALL.iter().filter(move |fault| fault.reaction() == end).count();
+    assert_eq!([Reaction::Retract, Reaction::Stop, Reaction::DriveOff].map(ends), [7, 4, 11]);
+    assert_eq!(Fault::PositionFrozen.reaction(), Reaction::DriveOff);
+    assert_eq!(Fault::TravelLimit.reaction(), Reaction::Retract);
 }

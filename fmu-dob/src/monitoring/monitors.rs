@@ -26,7 +26,7 @@ pub struct Monitors {
     /// What is left of a motion.
     pub swing: Swing,
     /// Samples in a row too far from the reference.
-    pub astray: Consecutive,
+    pub diverged: Consecutive,
     /// Samples in a row with too large a disturbance.
     pub overloaded: Consecutive,
     /// The whole job.
@@ -43,7 +43,7 @@ impl Monitors {
             standing: false,
             relief: RestForce::default(),
             swing: Swing::new(p),
-            astray: Consecutive::NONE,
+            diverged: Consecutive::NONE,
             overloaded: Consecutive::NONE,
             job: Progress::default(),
         }

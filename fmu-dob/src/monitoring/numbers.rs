@@ -8,7 +8,7 @@ pub struct Numbers {
     /// The contact that the force guard has found.
     pub late: Option<LateContact>,
     /// Change of the force from before the contact to behind the retract, N.
-    pub force_left: f64,
+    pub residual_force: f64,
     /// Largest distance from the reference when the drive went off, m.
     pub following_limit: f64,
     /// Thrust constant in force when the fault was found, N/A.
@@ -19,9 +19,9 @@ pub struct Numbers {
     pub late_by: u32,
     /// Second difference of the last readings, m; 0 where they jumped.
     pub bend: f64,
-    /// Least and largest mean bias of a speed in a teaching, m.
+    /// Least and largest mean bias of a speed in a calibration, m.
     pub biases: [f64; 2],
-    /// Fastest speed that `teach.force_max` bears, where that is too slow to teach, m/s.
+    /// Fastest speed that `calibration.force_max` bears, where that is too slow to calibrate, m/s.
     pub bearable: Option<f64>,
     /// How long the job or the commission took, s.
     pub lasted: f64,
@@ -33,7 +33,7 @@ impl Numbers {
     /// Before the first approach.
     pub const START: Self = Self {
         late: None,
-        force_left: 0.0,
+        residual_force: 0.0,
         following_limit: 0.0,
         force_constant: 0.0,
         swings: 0,

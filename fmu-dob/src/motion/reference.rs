@@ -4,7 +4,7 @@ use control_blocks::{Trajectory, stopping_distance};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Approach, Parameters, State};
-use crate::motion::travel::{job_limit, retract_distance};
+use crate::motion::travel::{cycle_limit, retract_distance};
 
 /// Reference of the servo in the frame where the workpiece is in the positive direction.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -14,7 +14,7 @@ pub struct Motion {
     /// The tunable parameters of this approach.
     pub approach: Approach,
     /// Longest job with it, s.
-    pub job_limit: f64,
+    pub cycle_limit: f64,
     /// Motion of the reference in the last sample, m.
     pub asked: f64,
     started_at: f64,
@@ -28,7 +28,7 @@ impl Motion {
         Self {
             reference: Trajectory::default(),
             approach: p.approach,
-            job_limit: job_limit(p, &p.approach),
+            cycle_limit: cycle_limit(p, &p.approach),
             asked: 0.0,
             started_at: 0.0,
             retreat_from: 0.0,
@@ -38,7 +38,7 @@ impl Motion {
 
     /// Begins an approach at the measured position (m), with the tunable parameters of this moment.
     pub fn start(&mut self, p: &Parameters, position: f64, approach: &Approach) {
-        (self.approach, self.job_limit) = (*approach, job_limit(p, approach));
+        (self.approach, self.cycle_limit) = (*approach, cycle_limit(p, approach));
         self.reference = Trajectory { position, ..Trajectory::default() };
         (self.started_at, self.retreat_from, self.retreat_to) = (position, position, position);
     }
@@ -85,7 +85,7 @@ impl Motion {
             State::Confirm if self.way_left(p) => (-self.approach.velocity, p.retract.deceleration),
             State::Confirm => (self.approach.velocity, self.approach.acceleration),
             State::Contact => (-p.retract.velocity, p.retract.deceleration),
-            State::Retract | State::Teach | State::Fault if valid && self.way_left(p) => {
+            State::Retract | State::Calibrate | State::Fault if valid && self.way_left(p) => {
                 (-p.retract.velocity, p.retract.deceleration)
             }
             _ => (0.0, p.retract.deceleration),

@@ -3,6 +3,7 @@
 use control_blocks::stopping_distance;
 
 use crate::detection::detector::Detector;
+use crate::detection::touch;
 use crate::interface::{Approach, Parameters};
 
 /// The retract is longer than the way to arm by this share, for what the surface and the stop may differ.
@@ -24,7 +25,7 @@ pub fn retract_distance(p: &Parameters, approach: &Approach) -> f64 {
     if p.retract.distance > 0.0 { p.retract.distance } else { RETRACT_SPARE * arming_travel(p, approach) }
 }
 
-/// Distance of the retract (m) from a touch of a teaching: `next` is armed there, however short `retract.distance` is.
+/// Distance of the retract (m) from a touch of a calibration: `next` is armed there, however short `retract.distance` is.
 pub fn retract_between(p: &Parameters, next: &Approach) -> f64 {
     retract_distance(p, next).max(RETRACT_SPARE * arming_travel(p, next))
 }
@@ -37,10 +38,10 @@ pub fn learn_limit(p: &Parameters) -> f64 {
     2.0 * p.learn.time + Detector::settling(p) as f64 * p.sample_period
 }
 
-/// Longest job (s): `limits.job_time`, or what its ways and times need and some more.
-pub fn job_limit(p: &Parameters, approach: &Approach) -> f64 {
-    if p.limits.job_time > 0.0 {
-        return p.limits.job_time;
+/// Longest job (s): `limits.cycle_time`, or what its ways and times need and some more.
+pub fn cycle_limit(p: &Parameters, approach: &Approach) -> f64 {
+    if p.limits.cycle_time > 0.0 {
+        return p.limits.cycle_time;
     }
     let Approach { velocity, acceleration, travel_max, .. } = *approach;
     let again = if p.touch.confirm { TOUCHED_AGAIN } else { 1.0 };
@@ -49,16 +50,16 @@ pub fn job_limit(p: &Parameters, approach: &Approach) -> f64 {
     JOB_SPARE.0 * (there + back) + JOB_SPARE.1
 }
 
-/// How long (s) so many samples take; `limits.job_time` may be longer than a 32-bit count.
+/// How long (s) so many samples take; `limits.cycle_time` may be longer than a 32-bit count.
 pub fn lasted(p: &Parameters, samples: u64) -> f64 {
     samples as f64 * p.sample_period
 }
 
-/// Travel (m) that each touch of a teaching needs: from behind one to the next at the fastest speed, found as late as it may be,
+/// Travel (m) that each touch of a calibration needs: from behind one to the next at the fastest speed, found as late as it may be,
 /// and to a stop.
-pub fn teaching_travel(p: &Parameters) -> f64 {
-    let fastest = Approach { velocity: p.teach.velocity_max, ..p.approach };
-    let dwell = if p.touch.confirm { p.touch.dwell } else { 0.0 };
+pub fn calibration_travel(p: &Parameters) -> f64 {
+    let fastest = Approach { velocity: p.calibration.velocity_max, ..p.approach };
+    let dwell = if p.touch.confirm { touch::DWELL } else { 0.0 };
     let stop = fastest.velocity * dwell + stopping_distance(fastest.velocity, p.retract.deceleration);
     retract_between(p, &fastest) + p.limits.bias + stop
 }
@@ -77,16 +78,16 @@ mod tests {
         // twice 0.5 s, 0.2 s for the gain of the filter, 0.03 s for its template
         near(learn_limit(&p), 1.23);
         // 50 s there, 5.09 s back
-        near(job_limit(&p, &p.approach), 1.25 * (50.0 + 0.002 + 0.25 + 1.23 + 5.09012) + 1.0);
+        near(cycle_limit(&p, &p.approach), 1.25 * (50.0 + 0.002 + 0.25 + 1.23 + 5.09012) + 1.0);
         p.touch.confirm = true;
-        near(job_limit(&p, &p.approach), 1.25 * (100.0 + 0.002 + 0.25 + 1.23 + 5.09012) + 1.0);
-        (p.retract.distance, p.limits.learn_time, p.limits.job_time) = (1e-3, 3.0, 7.0);
+        near(cycle_limit(&p, &p.approach), 1.25 * (100.0 + 0.002 + 0.25 + 1.23 + 5.09012) + 1.0);
+        (p.retract.distance, p.limits.learn_time, p.limits.cycle_time) = (1e-3, 3.0, 7.0);
         near(retract_distance(&p, &p.approach), 1e-3);
         near(retract_between(&p, &p.approach), 1e-3);
         p.retract.distance = 8e-5;
         near(retract_between(&p, &Approach { velocity: 3e-4, ..p.approach }), 1.2 * (225e-6 + 0.9e-6));
         near(learn_limit(&p), 3.0);
-        near(job_limit(&p, &p.approach), 7.0);
+        near(cycle_limit(&p, &p.approach), 7.0);
     }
 
     #[test]
@@ -94,18 +95,18 @@ mod tests {
         let mut p = Parameters::START;
         let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-9, "{value} {expected}");
         // 300 um/s for 0.75 s and 0.9 um to get there, a fifth more; 1 um late; 22.5 nm to stop at 2 m/s2
-        near(teaching_travel(&p), 1.2 * (225e-6 + 0.9e-6) + 1e-6 + 22.5e-9);
+        near(calibration_travel(&p), 1.2 * (225e-6 + 0.9e-6) + 1e-6 + 22.5e-9);
         p.touch.confirm = true;
-        near(teaching_travel(&p), 1.2 * (225e-6 + 0.9e-6) + 1e-6 + 22.5e-9 + 3e-6);
+        near(calibration_travel(&p), 1.2 * (225e-6 + 0.9e-6) + 1e-6 + 22.5e-9 + 3e-6);
         (p.retract.distance, p.limits.bias) = (1e-3, 2e-6);
-        near(teaching_travel(&p), 1e-3 + 2e-6 + 22.5e-9 + 3e-6);
+        near(calibration_travel(&p), 1e-3 + 2e-6 + 22.5e-9 + 3e-6);
     }
 
     #[test]
     fn a_job_may_last_for_more_samples_than_a_counter_of_32_bit_holds() {
         let mut p = Parameters::START;
-        p.limits.job_time = 1e9;
-        assert!(lasted(&p, 2 * u64::from(u32::MAX)) < job_limit(&p, &p.approach));
-        assert!(lasted(&p, 10_000_000_000_001) > job_limit(&p, &p.approach));
+        p.limits.cycle_time = 1e9;
+        assert!(lasted(&p, 2 * u64::from(u32::MAX)) < cycle_limit(&p, &p.approach));
+        assert!(lasted(&p, 10_000_000_000_001) > cycle_limit(&p, &p.approach));
     }
 }

@@ -10,7 +10,7 @@ const RESTING: Expected = Expected {
     reference: 0.0,
     asked: 0.0,
     behind: 0.0,
-    astray: 0.0,
+    diverged: 0.0,
     may_wait: true,
     steady_spindle: true,
 };
@@ -87,7 +87,7 @@ fn a_position_that_stands_while_it_should_move_is_lost_even_with_a_last_bit_that
             reader.read(&Parameters::START, &input, &CRUISING)
         });
         let seen: Vec<_> = stuck.map(|reading| (reading.position, reading.lost, reading.loss)).collect();
-        assert_eq!(seen, [1, 2, 3, 4].map(|lost| (None, lost, Loss::Stands)));
+        assert_eq!(seen, [1, 2, 3, 4].map(|lost| (None, lost, Loss::Frozen)));
     }
 }
 
@@ -95,9 +95,9 @@ fn a_position_that_stands_while_it_should_move_is_lost_even_with_a_last_bit_that
 fn a_stage_that_is_astray_may_stand() {
     let mut reader = cruising();
     // 100 nm behind its reference, and braked to a stop
-    let astray = Expected { motion: 0.0, reference: 1.1e-6, ..CRUISING };
+    let diverged = Expected { motion: 0.0, reference: 1.1e-6, ..CRUISING };
     for _ in 0..4 {
-        assert!(reader.read(&Parameters::START, &at(99e-8), &astray).position.is_some());
+        assert!(reader.read(&Parameters::START, &at(99e-8), &diverged).position.is_some());
     }
 }
 
@@ -140,7 +140,7 @@ fn nonsense_is_lost_or_invalid_and_never_used() {
         read(&mut reader, &at(0.1));
         for k in 1..=3 {
             let reading = read(&mut reader, &at(nonsense));
-            assert_eq!((reading.position, reading.lost, reading.loss, reading.invalid), (None, k, Loss::Told, 0));
+            assert_eq!((reading.position, reading.lost, reading.loss, reading.invalid), (None, k, Loss::Invalid, 0));
         }
     }
     for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1.1e5] {
@@ -192,7 +192,7 @@ fn a_stage_that_was_hardly_astray_may_not_stand() {
     // 20 nm behind its reference, within the 10 nm that are unanswered and four times the 7.5 nm
     let near = Expected { motion: 0.0, reference: 1.01e-6, ..CRUISING };
     let stuck = reader.read(&Parameters::START, &at(99e-8), &near);
-    assert_eq!((stuck.position, stuck.loss), (None, Loss::Stands));
+    assert_eq!((stuck.position, stuck.loss), (None, Loss::Frozen));
 }
 
 #[test]
@@ -200,11 +200,11 @@ fn a_reading_stands_beyond_its_limit_unless_the_stage_is_farther_astray_than_tha
     let mut p = Parameters::START;
     let unit = 2f64.powi(-28);
     p.limits.frozen = unit;
-    let stands = |samples: u32, astray: f64| {
+    let stands = |samples: u32, diverged: f64| {
         let mut reader = Reader::default();
-        let expected = Expected { asked: unit, behind: 2.0 * unit, reference: astray * unit, ..RESTING };
+        let expected = Expected { asked: unit, behind: 2.0 * unit, reference: diverged * unit, ..RESTING };
         let last = (0..=samples).map(|_| reader.read(&p, &at(0.0), &expected)).last().unwrap();
-        last.position.is_none() && last.loss == Loss::Stands
+        last.position.is_none() && last.loss == Loss::Frozen
     };
     // one of `limits.frozen` and two that the stage may be behind
     assert_eq!([stands(3, 0.0), stands(4, 0.0)], [false, true]);
@@ -225,7 +225,7 @@ fn a_stage_that_was_ahead_stands_until_its_reference_has_come_by() {
             reader.read(&p, &at(0.0), &expected)
         });
         let last = last.last().unwrap();
-        last.position.is_none() && last.loss == Loss::Stands
+        last.position.is_none() && last.loss == Loss::Frozen
     };
     let stands = |samples: u32, ahead: f64| frozen(samples, ahead, true);
     // two that it may be behind, two samples and four times `limits.frozen` are with the reference

@@ -44,10 +44,10 @@ fn the_tracking_error_stays_what_it_was_when_the_drive_went_off() {
     run.slide.strength = 0.0;
     run.slide.push = -1.0;
     assert!(run.run_to(State::Fault, run.time() + 1.0));
-    let strayed = run.output.tracking_error;
-    assert!((5e-6..60e-6).contains(&strayed.abs()), "{:?} {strayed} m", run.output.fault);
+    let error_at_power_off = run.output.tracking_error;
+    assert!((5e-6..60e-6).contains(&error_at_power_off.abs()), "{:?} {error_at_power_off} m", run.output.fault);
     (0..100).for_each(|_| run.step());
-    assert_eq!(run.output.tracking_error, strayed);
+    assert_eq!(run.output.tracking_error, error_at_power_off);
 }
 
 #[test]

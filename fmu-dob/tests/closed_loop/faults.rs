@@ -67,7 +67,7 @@ fn lost_reading_of_ten_samples() {
         lose_position(&mut run);
         assert_eq!(run.output.state == State::Fault, k >= 3, "sample {k}");
     }
-    switches_off(run, Fault::LostReading);
+    switches_off(run, Fault::PositionLost);
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn lost_reading_in_every_approaching_state() {
     for state in [State::Approach, State::Learn, State::Detect] {
         let mut run = running(&Parameters::START, 3, state);
         (0..4).for_each(|_| lose_position(&mut run));
-        switches_off(run, Fault::LostReading);
+        switches_off(run, Fault::PositionLost);
     }
 }
 
@@ -124,10 +124,10 @@ fn nonsense_is_bridged_for_three_samples_and_then_told() {
             assert_eq!((run.output.state, run.output.contact), (State::Detect, false), "{:?}", run.output);
         }
         (0..4).for_each(|_| run.step_with(|input| input.position = nonsense));
-        switches_off(run, Fault::LostReading);
+        switches_off(run, Fault::PositionLost);
         let mut run = running(&Parameters::START, 7, State::Learn);
         (0..4).for_each(|_| run.step_with(|input| input.spindle_speed = nonsense));
-        retreats(run, Fault::LostSpindle);
+        retreats(run, Fault::SpindleLost);
     }
 }
 
@@ -162,7 +162,7 @@ fn a_fault_at_rest_moves_nothing() {
     lose_spindle(&mut run);
     for _ in 0..2000 {
         run.step_with(|input| input.enable = false);
-        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostSpindle));
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::SpindleLost));
         assert_eq!(run.output.reference.position, held);
     }
 }
@@ -177,7 +177,7 @@ fn no_position_from_the_beginning() {
         });
         assert_eq!(run.output.current, 0.0);
     }
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostReading));
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::PositionLost));
     // it comes back: hold where it is, and begin when asked
     (0..2000).for_each(|_| run.step_with(|input| input.enable = false));
     assert_eq!(run.output.reference.velocity, 0.0);
@@ -217,13 +217,13 @@ fn a_long_communication_step_switches_the_drive_off_until_it_is_short() {
 fn a_graver_fault_takes_over_and_no_other() {
     let mut run = running(&Parameters::START, 33, State::Detect);
     lose_spindle(&mut run);
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostSpindle, true));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::SpindleLost, true));
     (0..4).for_each(|_| lose_position(&mut run));
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionLost, false));
     // one as grave, and one that is not
     run.controller.begin_long_step();
     lose_spindle(&mut run);
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionLost, false));
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn three_lost_readings_are_bridged_anywhere_in_a_job_and_four_are_told() {
             for lost in 1..=4 {
                 let mut run = place.clone();
                 lose(&mut run, lost);
-                let expected = if lost < 4 { Fault::None } else { Fault::LostReading };
+                let expected = if lost < 4 { Fault::None } else { Fault::PositionLost };
                 let what = format!("{strength} {:?} {} s, {lost}", place.output.state, place.time());
                 assert_eq!(told(&mut run, 0.25), expected, "{what}: {:?}", run.output);
             }
@@ -75,18 +75,18 @@ fn more_may_be_lost_where_the_limit_says_so() {
 fn behind_a_gap(detector: DetectorKind, lost: u32, samples: u32, mut lie: impl FnMut(&mut Input, &[f64])) -> Loop {
     let mut run = Loop::new(&Parameters { detector, ..Parameters::START }, 71, NO_WORKPIECE);
     assert!(run.run_to(State::Detect, 3.0));
-    let mut heard = Vec::new();
-    (0..50).for_each(|_| run.step_with(|input| heard.push(input.position)));
+    let mut recent = Vec::new();
+    (0..50).for_each(|_| run.step_with(|input| recent.push(input.position)));
     for _ in 0..lost {
         run.step_with(|input| {
-            heard.push(input.position);
+            recent.push(input.position);
             input.position_valid = false;
         });
     }
     for _ in 0..samples {
         run.step_with(|input| {
-            heard.push(input.position);
-            lie(input, &heard);
+            recent.push(input.position);
+            lie(input, &recent);
         });
         if run.output.contact || run.output.state == State::Fault {
             break;
@@ -105,13 +105,13 @@ fn what_lies_behind_a_gap_is_told() {
                 run.output.fault
             };
             for jump in [-1e-3, -1e-6, -25e-9, 25e-9, 1e-6, 1e-3] {
-                assert_eq!(told(&mut |input, _| input.position += jump), Fault::ReadingJump, "{lost} {jump}");
+                assert_eq!(told(&mut |input, _| input.position += jump), Fault::PositionJump, "{lost} {jump}");
             }
             let mut held = None;
-            let frozen = told(&mut |input, heard| {
-                input.position = *held.get_or_insert(heard[heard.len() - 2 - lost as usize]);
+            let frozen = told(&mut |input, recent| {
+                input.position = *held.get_or_insert(recent[recent.len() - 2 - lost as usize]);
             });
-            assert_eq!(frozen, Fault::FrozenReading, "{lost}");
+            assert_eq!(frozen, Fault::PositionFrozen, "{lost}");
         }
     }
 }

@@ -59,7 +59,7 @@ fn a_reset_needs_a_rising_edge_at_rest_and_moves_nothing() {
     lose_spindle(&mut run);
     // the edge comes before the retreat is over: it does not count, and is no edge later
     (0..2000).for_each(|_| run.step_with(|input| input.reset_fault = true));
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::LostSpindle));
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::SpindleLost));
     // a new approach needs the reset first
     run.step_with(|input| input.enable = false);
     run.step();
@@ -131,13 +131,13 @@ fn a_reset_forgets_the_answer_of_the_drive() {
     let mut run = running(&Parameters::START, 28, State::Detect);
     (0..100).for_each(|_| run.step_with(|input| input.enable = false));
     (0..10).for_each(|_| run.step_with(|input| (input.enable, input.position_valid) = (false, false)));
-    assert_eq!(run.output.fault, Fault::LostReading);
+    assert_eq!(run.output.fault, Fault::PositionLost);
     (0..100).for_each(|_| run.step_with(|input| input.enable = false));
     // a stage that nothing drove looks like a weak drive
-    let share = run.output.drive_share;
+    let share = run.output.drive_gain_ratio;
     assert!(share < 0.5, "{share}");
     reset(&mut run);
-    assert_eq!(run.output.drive_share, 1.0);
+    assert_eq!(run.output.drive_gain_ratio, 1.0);
 }
 
 #[test]

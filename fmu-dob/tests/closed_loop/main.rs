@@ -1,5 +1,6 @@
 //! The controller in closed loop with a slide: tracking, detection, noise, faults, the paper's law, state bytes.
 
+mod calibration;
 mod commission;
 mod detection;
 mod drive;
@@ -15,4 +16,3 @@ mod readings;
 mod run;
 mod slide;
 mod state;
-mod teaching;

@@ -96,7 +96,7 @@ fn a_fast_retract_may_be_late_besides_its_following_error() {
     let mut p = Parameters::START;
     // 10 mm/s for two samples are 2 um
     (p.retract.distance, p.retract.velocity, p.retract.deceleration) = (5e-3, 1e-2, 0.05);
-    (p.limits.following_error, p.limits.force_left) = (1e-6, 10.0);
+    (p.limits.following_error, p.limits.residual_force) = (1e-6, 10.0);
     let mut run = Loop::new(&p, 38, 90e-6);
     assert!(run.run_to(State::Done, 4.0), "{:?}", run.output);
 }

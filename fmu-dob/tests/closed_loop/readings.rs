@@ -44,7 +44,7 @@ fn a_frozen_encoder_is_told_before_it_looks_like_a_contact() {
                         input.position = *held.get_or_insert(input.position) + flicker * f64::from(k % 2);
                     });
                     let told = (run.output.fault, run.output.contact, run.output.drive_enable);
-                    assert_eq!(told, (Fault::FrozenReading, false, false), "{detector:?} {speed} {flicker} {seed}");
+                    assert_eq!(told, (Fault::PositionFrozen, false, false), "{detector:?} {speed} {flicker} {seed}");
                     // what it moves in the samples until then, and what it has been turned away
                     assert!(way < 10.0 * speed * 1e-4 + 20e-9, "{detector:?} {speed} {flicker}: {way} m");
                 }
@@ -80,7 +80,7 @@ fn a_frozen_encoder_is_told_while_learning_and_on_the_way_back() {
         for _ in 0..100 {
             run.step_with(|input| input.position = *held.get_or_insert(input.position));
         }
-        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::FrozenReading), "{state:?}");
+        assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::PositionFrozen), "{state:?}");
     }
 }
 
@@ -97,12 +97,12 @@ fn a_link_that_falls_behind_is_told_as_late_and_another_jump_back_is_not() {
                     said.push(input.position);
                     input.position = said[said.len() - 1 - late];
                 });
-                assert_eq!(run.output.fault, Fault::LateReading, "{state:?} {late}");
+                assert_eq!(run.output.fault, Fault::PositionDelayed, "{state:?} {late}");
                 assert_eq!((run.output.numbers.late_by, run.output.drive_enable), (late as u32, false));
                 let mut run = armed.clone();
                 // half a step beside any that was read
                 until_told(&mut run, 10, |input| input.position -= 1e-8 * late as f64 + 0.5e-9);
-                assert_eq!(run.output.fault, Fault::ReadingJump, "{state:?} {late}");
+                assert_eq!(run.output.fault, Fault::PositionJump, "{state:?} {late}");
             }
         }
     }
@@ -114,7 +114,7 @@ fn an_encoder_in_another_unit_is_no_force() {
         for seed in 73..76 {
             let mut run = Loop::new(&Parameters::START, seed, NO_WORKPIECE);
             let way = until_told(&mut run, 100, |input| input.position *= scale);
-            assert_eq!(run.output.fault, Fault::ReadingJump, "{scale} {seed}");
+            assert_eq!(run.output.fault, Fault::PositionJump, "{scale} {seed}");
             assert!(way < 1e-6, "{scale} {seed}: {way} m");
         }
     }
@@ -156,7 +156,7 @@ fn an_encoder_that_freezes_at_rest_is_told_before_or_as_the_approach_begins() {
         }
         let way = (run.slide.place() - from.unwrap()).abs();
         println!("frozen at {at}, enabled at {enable}: moved {way} m");
-        assert_eq!(run.output.fault, Fault::FrozenReading, "{at} {enable}");
+        assert_eq!(run.output.fault, Fault::PositionFrozen, "{at} {enable}");
     }
 }
 
@@ -179,12 +179,12 @@ fn an_encoder_that_freezes_as_the_stage_comes_to_rest_behind_a_retract_is_told()
         (0..wait).for_each(|_| run.step());
         let (mut held, from, mut after) = (None, run.slide.place(), 0);
         // a contact that is doubted first is outdone by it
-        while run.output.fault != Fault::FrozenReading && after < 400 {
+        while run.output.fault != Fault::PositionFrozen && after < 400 {
             run.step_with(|input| input.position = *held.get_or_insert(input.position));
             after += 1;
         }
         let way = (run.slide.place() - from).abs();
-        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::FrozenReading, false), "{wait}: {way}");
+        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionFrozen, false), "{wait}: {way}");
         assert!(after <= 302 && way < 40e-6, "{wait}: {after} {way}");
     }
 }
@@ -240,7 +240,7 @@ fn a_position_that_jumps_for_good_is_told_or_no_contact() {
                     let what = format!("{detector:?} {} nm, {seed}", sign * offset * 1e9);
                     assert!(!run.output.contact, "{what}: {:?}", run.output);
                     if run.output.state == State::Fault {
-                        assert_eq!(run.output.fault, Fault::ReadingJump, "{what}");
+                        assert_eq!(run.output.fault, Fault::PositionJump, "{what}");
                         assert!(way < 5e-8, "{what}: {way} m");
                     } else {
                         // followed, by no more than that
@@ -257,7 +257,7 @@ fn a_jump_while_settling_is_told() {
     let mut run = running(&Parameters::START, 70, State::Approach);
     (0..1000).for_each(|_| run.step());
     until_told(&mut run, 100, |input| input.position += 50e-9);
-    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::ReadingJump), "{:?}", run.output);
+    assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::PositionJump), "{:?}", run.output);
 }
 
 #[test]

@@ -19,7 +19,7 @@ const SPIKE: usize = 3;
 
 /// The last readings, the newest first, with those that repeat.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Heard {
+pub struct RecentReadings {
     readings: [f64; KEPT],
     /// where in the ring the next one goes
     next: usize,
@@ -27,13 +27,13 @@ pub struct Heard {
     delays: u32,
 }
 
-impl Default for Heard {
+impl Default for RecentReadings {
     fn default() -> Self {
         Self { readings: [f64::NAN; KEPT], next: 0, delays: 0 }
     }
 }
 
-impl Heard {
+impl RecentReadings {
     /// Takes a reading (m; NaN where there is none), the `doubted`th in a row where the stage cannot be; 0: where it can.
     pub fn update(&mut self, reading: f64, doubted: u32) {
         if doubted == 0 {
@@ -83,11 +83,11 @@ mod tests {
 
     /// Delay that is told at each of eight samples that are `late`, after the first 40 that were not.
     fn told(late: u32, offset: f64) -> Vec<Option<u32>> {
-        let mut heard = Heard::default();
-        (0..40).for_each(|k| heard.update(place(k), 0));
+        let mut recent = RecentReadings::default();
+        (0..40).for_each(|k| recent.update(place(k), 0));
         let samples = (1..=8).map(|doubted| {
-            heard.update(place(39 + doubted - late) + offset, doubted);
-            heard.late(doubted)
+            recent.update(place(39 + doubted - late) + offset, doubted);
+            recent.late(doubted)
         });
         samples.collect()
     }
@@ -112,35 +112,35 @@ mod tests {
     #[test]
     fn the_first_and_the_last_sample_of_a_row_must_have_been_read_too() {
         for other in [[5e-10, 0.0, 0.0], [0.0, 0.0, 5e-10]] {
-            let mut heard = Heard::default();
-            (0..40).for_each(|k| heard.update(place(k), 0));
-            (0..3).for_each(|k| heard.update(place(37 + k) + other[k as usize], k + 1));
-            assert_eq!(heard.late(3), None, "{other:?}");
+            let mut recent = RecentReadings::default();
+            (0..40).for_each(|k| recent.update(place(k), 0));
+            (0..3).for_each(|k| recent.update(place(37 + k) + other[k as usize], k + 1));
+            assert_eq!(recent.late(3), None, "{other:?}");
         }
     }
 
     #[test]
     fn of_all_delays_that_explain_the_readings_the_shortest_is_told() {
-        let mut heard = Heard::default();
-        (0..40).for_each(|_| heard.update(0.0, 0));
-        (1..=5).for_each(|doubted| heard.update(0.0, doubted));
-        assert_eq!(heard.late(5), Some(3));
+        let mut recent = RecentReadings::default();
+        (0..40).for_each(|_| recent.update(0.0, 0));
+        (1..=5).for_each(|doubted| recent.update(0.0, doubted));
+        assert_eq!(recent.late(5), Some(3));
     }
 
     #[test]
     fn a_lost_reading_is_none_that_was_read_before() {
-        let mut heard = Heard::default();
-        (1..=8).for_each(|doubted| heard.update(f64::NAN, doubted));
-        assert_eq!((heard.late(8), heard.bend()), (None, 0.0));
+        let mut recent = RecentReadings::default();
+        (1..=8).for_each(|doubted| recent.update(f64::NAN, doubted));
+        assert_eq!((recent.late(8), recent.bend()), (None, 0.0));
     }
 
     #[test]
     fn the_fourth_largest_bend_is_kept_as_long_as_its_readings() {
-        let mut heard = Heard::default();
+        let mut recent = RecentReadings::default();
         let unit = 2f64.powi(-30);
         let bends = (0..50u32).map(|k| {
-            heard.update(unit * f64::from(3 * k + u32::from([9, 19].contains(&k))), 0);
-            heard.bend() / unit
+            recent.update(unit * f64::from(3 * k + u32::from([9, 19].contains(&k))), 0);
+            recent.bend() / unit
         });
         let bends: Vec<f64> = bends.collect();
         // each is bent by once, twice and once: one alone is a bad sample, the fourth largest of both together is once
@@ -152,10 +152,10 @@ mod tests {
 
     #[test]
     fn one_bad_sample_bends_nothing_and_noise_in_another_unit_does() {
-        let mut heard = Heard::default();
-        (0..32).for_each(|k| heard.update(place(k) + if k == 20 { 1e-3 } else { 0.0 }, 0));
-        assert!(heard.bend() < 1e-8, "{} m", heard.bend());
-        let mut millimetres = Heard::default();
+        let mut recent = RecentReadings::default();
+        (0..32).for_each(|k| recent.update(place(k) + if k == 20 { 1e-3 } else { 0.0 }, 0));
+        assert!(recent.bend() < 1e-8, "{} m", recent.bend());
+        let mut millimetres = RecentReadings::default();
         for k in 0..16 {
             millimetres.update(1e3 * place(k), 0);
             assert!(k < 2 || millimetres.bend() > 0.9e-6, "{k}: {} m", millimetres.bend());

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Contact, Parameters};
 
-/// Speeds of a teaching, in equal ratios: two more than the bias has parts.
+/// Speeds of a calibration, in equal ratios: two more than the bias has parts.
 pub const SPEEDS: usize = 5;
 
 /// v_1, the speed at which the fast part is told, m/s.

@@ -1,4 +1,4 @@
-//! The bias taught by touches: what it makes of the contact position, what it keeps to, and how it ends.
+//! The bias calibrated by touches: what it makes of the contact position, what it keeps to, and how it ends.
 
 use fmu_dob::interface::{ContactSource, Fault, Input, Parameters, State};
 
@@ -8,9 +8,9 @@ use crate::slide::SPINDLE_SPEED;
 /// Where the work is, m.
 const PLACE: f64 = 3e-5;
 
-/// Asks for a teaching and for nothing else.
+/// Asks for a calibration and for nothing else.
 fn ask(input: &mut Input) {
-    (input.enable, input.teach) = (false, true);
+    (input.enable, input.calibrate) = (false, true);
 }
 
 /// Asks for nothing.
@@ -20,22 +20,22 @@ fn rest(input: &mut Input) {
 
 fn parameters() -> Parameters {
     let mut p = Parameters::START;
-    (p.teach.place, p.teach.apply) = (PLACE, true);
+    (p.calibration.position, p.calibration.apply) = (PLACE, true);
     p
 }
 
-/// Steps until the teaching has begun.
+/// Steps until the calibration has begun.
 fn begin(run: &mut Loop) {
     (0..200).for_each(|_| run.step_with(rest));
     let limit = run.time() + 1.0;
-    while run.output.state != State::Teach {
+    while run.output.state != State::Calibrate {
         run.step_with(ask);
         assert!(run.time() < limit, "{:?}", run.output);
     }
 }
 
-/// Runs until the teaching is over.
-fn teach(run: &mut Loop) {
+/// Runs until the calibration is over.
+fn calibrate(run: &mut Loop) {
     begin(run);
     while !matches!(run.output.state, State::Idle | State::Fault) {
         run.step_with(ask);
@@ -61,20 +61,24 @@ fn a_taught_bias_tells_the_first_touch_at_speeds_that_were_and_were_not_taught()
         let mut run = Loop::new(&p, seed, PLACE);
         run.slide.mass = [7.5, 12.5, 10.0][seed as usize % 3];
         run.slide.stiffness = [2e5, 6e5, 1.5e5][seed as usize % 3];
-        teach(&mut run);
-        let taught = run.output.taught;
-        assert_eq!((run.output.state, run.output.fault, taught.valid), (State::Idle, Fault::None, true), "{taught:?}");
-        assert_eq!(taught.touches, 20);
+        calibrate(&mut run);
+        let calibrated = run.output.calibrated;
+        assert_eq!(
+            (run.output.state, run.output.fault, calibrated.valid),
+            (State::Idle, Fault::None, true),
+            "{calibrated:?}"
+        );
+        assert_eq!(calibrated.touches, 20);
         // as far back as a job at 100 um/s arms
         assert!(run.slide.place() < PLACE - 8.9e-5, "{} m", run.slide.place());
-        assert!(taught.deviation < 3e-8 && taught.scatter < 6e-8, "{taught:?}");
+        assert!(calibrated.std < 3e-8 && calibrated.scatter < 6e-8, "{calibrated:?}");
         // as far as one arms at 300 um/s
         run.parameters.retract.distance = 3e-4;
         for speed in [10.0, 35.0, 170.0, 300.0] {
             let [found, told] = touch(&mut run, speed);
             println!("{seed}: {speed} um/s, {:.1} nm behind, {:.1} nm with the bias", 1e9 * found, 1e9 * told);
             assert!(found > 1e-7, "{found} m");
-            errors.push(told / run.output.contact_position_deviation);
+            errors.push(told / run.output.contact_position_std);
         }
     }
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
@@ -90,7 +94,7 @@ fn a_commission_after_a_teaching_leaves_the_bias_in_force_and_the_places_as_sure
     for (seed, mass, strength) in [(144, 7.5, 1.2), (145, 12.5, 0.8), (146, 10.0, 1.0)] {
         let mut run = Loop::new(&p, seed, PLACE);
         (run.slide.mass, run.slide.strength) = (mass, strength);
-        teach(&mut run);
+        calibrate(&mut run);
         (0..200).for_each(|_| run.step_with(rest));
         while !run.output.measured.valid {
             run.step_with(|input| (input.enable, input.commission) = (false, true));
@@ -102,7 +106,7 @@ fn a_commission_after_a_teaching_leaves_the_bias_in_force_and_the_places_as_sure
         for speed in [15.0, 40.0, 100.0, 250.0] {
             let [late, told] = touch(&mut run, speed);
             assert!(late - told > 1e-7, "{told}");
-            errors.push(told / run.output.contact_position_deviation);
+            errors.push(told / run.output.contact_position_std);
         }
     }
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
@@ -114,20 +118,21 @@ fn a_commission_after_a_teaching_leaves_the_bias_in_force_and_the_places_as_sure
 fn what_was_taught_is_used_on_request_only_and_written_in_any_case() {
     let files = [false, true].map(|apply| {
         let mut p = parameters();
-        (p.teach.touches, p.teach.apply, p.contact.bias) = (2, apply, 5e-7);
-        (p.teach.velocity_min, p.limits.touch_scatter, p.teach.deviation_max) = (6e-5, 1e-6, 1e-6);
+        (p.calibration.touches, p.calibration.apply, p.contact.bias) = (2, apply, 5e-7);
+        (p.calibration.velocity_min, p.limits.touch_scatter, p.calibration.std_max) = (6e-5, 1e-6, 1e-6);
         let folder = tempfile::tempdir().unwrap();
-        p.teach.export = folder.path().join("bias.json").to_str().unwrap().into();
+        p.calibration.export = folder.path().join("bias.json").to_str().unwrap().into();
         let mut run = Loop::new(&p, 134, 8e-5);
-        run.parameters.teach.place = 8e-5;
-        teach(&mut run);
-        assert!(run.output.taught.valid, "{:?}", run.output.taught);
+        run.parameters.calibration.position = 8e-5;
+        calibrate(&mut run);
+        assert!(run.output.calibrated.valid, "{:?}", run.output.calibrated);
         run.controller.export_bias(&p).unwrap();
         let [found, told] = touch(&mut run, 100.0);
-        let taught = run.output.taught.bias + run.output.taught.bias_fast + 1e4 * run.output.taught.bias_slow;
-        let expected = if apply { taught } else { 5e-7 };
+        let calibrated =
+            run.output.calibrated.bias + run.output.calibrated.bias_fast + 1e4 * run.output.calibrated.bias_slow;
+        let expected = if apply { calibrated } else { 5e-7 };
         assert!((found - told - expected).abs() < 1e-12, "{apply}: {} {expected}", found - told);
-        std::fs::read_to_string(&p.teach.export).unwrap()
+        std::fs::read_to_string(&p.calibration.export).unwrap()
     });
     assert!(files[0] == files[1] && files[0].contains("\"contact.bias_fast\""), "{files:?}");
 }
@@ -141,12 +146,12 @@ fn it_never_begins_by_itself_and_every_touch_keeps_to_the_travel_of_an_approach(
         assert_eq!(run.output.state, State::Idle);
     }
     let mut p = parameters();
-    (p.teach.velocity_min, p.approach.travel_max) = (9e-5, 2.8e-4);
+    (p.calibration.velocity_min, p.approach.travel_max) = (9e-5, 2.8e-4);
     // the work is not where it was told to be
     let mut run = Loop::new(&p, 136, 3e-4);
-    teach(&mut run);
-    assert_eq!((run.output.fault, run.output.taught.touches), (Fault::TravelLimit, 0), "{:?}", run.output);
-    assert!(!run.output.taught.valid);
+    calibrate(&mut run);
+    assert_eq!((run.output.fault, run.output.calibrated.touches), (Fault::TravelLimit, 0), "{:?}", run.output);
+    assert!(!run.output.calibrated.valid);
 }
 
 #[test]
@@ -154,22 +159,27 @@ fn a_travel_too_short_for_the_fastest_touch_is_refused_before_the_stage_moves() 
     // 271.1 um back, 1 um that a contact may be late, 22.5 nm to stop
     for (travel_max, reached) in [(2.720e-4, false), (2.722e-4, true)] {
         let mut p = parameters();
-        (p.approach.travel_max, p.teach.velocity_min) = (travel_max, 3e-5);
+        (p.approach.travel_max, p.calibration.velocity_min) = (travel_max, 3e-5);
         let mut run = Loop::new(&p, 141, PLACE);
         begin(&mut run);
         let position = run.output.reference.position;
-        while run.output.taught.touches < 5 && run.output.state != State::Fault {
+        while run.output.calibrated.touches < 5 && run.output.state != State::Fault {
             run.step_with(ask);
         }
         let output = &run.output;
         if reached {
-            assert_eq!((output.fault, output.taught.touches), (Fault::None, 5), "{output:?}");
+            assert_eq!((output.fault, output.calibrated.touches), (Fault::None, 5), "{output:?}");
             // what is tuned counts from the next touch on
             run.parameters.approach.travel_max = 2.720e-4;
             run.step_with(ask);
-            assert_eq!((run.output.fault, run.output.taught.touches), (Fault::TeachingRejected, 5), "{:?}", run.output);
+            assert_eq!(
+                (run.output.fault, run.output.calibrated.touches),
+                (Fault::CalibrationRejected, 5),
+                "{:?}",
+                run.output
+            );
         } else {
-            assert_eq!((output.fault, output.taught.touches), (Fault::TeachingRejected, 0), "{output:?}");
+            assert_eq!((output.fault, output.calibrated.touches), (Fault::CalibrationRejected, 0), "{output:?}");
             (0..2000).for_each(|_| run.step_with(ask));
             assert_eq!(run.output.reference.position, position);
         }
@@ -179,27 +189,27 @@ fn a_travel_too_short_for_the_fastest_touch_is_refused_before_the_stage_moves() 
 #[test]
 fn broken_off_it_goes_back_from_the_touch_and_not_from_where_it_stands() {
     let mut p = parameters();
-    p.teach.velocity_min = 6e-5;
+    p.calibration.velocity_min = 6e-5;
     // a job at 100 um/s needs 90 um, touches at 90 and 300 um/s 81 and 271 um
     let cases = [
         (0, State::Retract, 90.12e-6),
-        (1, State::Teach, 90.12e-6),
+        (1, State::Calibrate, 90.12e-6),
         (3, State::Retract, 271.08e-6),
-        (4, State::Teach, 271.08e-6),
+        (4, State::Calibrate, 271.08e-6),
     ];
     let mut run = Loop::new(&p, 142, 6e-5);
-    run.parameters.teach.place = 6e-5;
+    run.parameters.calibration.position = 6e-5;
     begin(&mut run);
     let not_yet = run.output.reference.position;
     let end = |run: &mut Loop, failed: bool| {
-        let standing = run.output.state == State::Teach;
+        let standing = run.output.state == State::Calibrate;
         if failed && standing {
             // too short for what comes
             run.parameters.approach.travel_max = 1e-4;
         }
         for _ in 0..6000 {
             run.step_with(|input| {
-                (input.enable, input.teach) = (false, failed);
+                (input.enable, input.calibrate) = (false, failed);
                 if failed && !standing {
                     input.spindle_speed = f64::NAN;
                 }
@@ -207,8 +217,8 @@ fn broken_off_it_goes_back_from_the_touch_and_not_from_where_it_stands() {
         }
         let fault = match (failed, standing) {
             (false, _) => Fault::None,
-            (true, false) => Fault::LostSpindle,
-            (true, true) => Fault::TeachingRejected,
+            (true, false) => Fault::SpindleLost,
+            (true, true) => Fault::CalibrationRejected,
         };
         assert_eq!(run.output.fault, fault);
         run.output.reference.position
@@ -216,7 +226,7 @@ fn broken_off_it_goes_back_from_the_touch_and_not_from_where_it_stands() {
     let mut none = run.reloaded();
     assert_eq!(end(&mut none, false), not_yet);
     for (touches, state, expected) in cases {
-        while (run.output.taught.touches, run.output.state) != (touches, state) {
+        while (run.output.calibrated.touches, run.output.state) != (touches, state) {
             run.step_with(ask);
         }
         let touch = run.output.contact_position;
@@ -237,17 +247,21 @@ fn it_is_broken_off_by_teach_and_by_enable_and_then_a_job_is_armed_before_it_tou
     {
         let mut run = Loop::new(&parameters(), 137, PLACE);
         begin(&mut run);
-        while run.output.state != state || run.output.taught.touches < 1 {
+        while run.output.state != state || run.output.calibrated.touches < 1 {
             run.step_with(ask);
         }
-        run.step_with(|input| (input.enable, input.teach) = (enable, enable));
+        run.step_with(|input| (input.enable, input.calibrate) = (enable, enable));
         let until = run.time() + 0.5;
         while run.time() < until {
             // nothing begins again without a new edge
-            run.step_with(|input| (input.enable, input.teach) = (enable, enable));
+            run.step_with(|input| (input.enable, input.calibrate) = (enable, enable));
         }
         let output = &run.output;
-        assert_eq!((output.state, output.fault, output.taught.valid), (State::Idle, Fault::None, false), "{output:?}");
+        assert_eq!(
+            (output.state, output.fault, output.calibrated.valid),
+            (State::Idle, Fault::None, false),
+            "{output:?}"
+        );
         assert_eq!(output.aborted, state == State::Detect);
         // 100 um/s, with what was told: no bias
         let [found, told] = touch(&mut run, 100.0);
@@ -259,20 +273,23 @@ fn it_is_broken_off_by_teach_and_by_enable_and_then_a_job_is_armed_before_it_tou
 fn a_wrong_place_soft_work_and_touches_that_scatter_are_rejected_with_their_numbers() {
     type Change = fn(&mut Parameters, &mut Loop);
     let cases: [(Change, &str); 3] = [
-        (|p, _| p.teach.place = PLACE + 1e-6, "not below zero"),
+        (|p, _| p.calibration.position = PLACE + 1e-6, "not below zero"),
         (|p, run| (p.limits.bias, run.slide.stiffness) = (4e-7, 7e4), "`limits.bias` = `0.0000004 m`"),
         (|p, _| p.limits.touch_scatter = 2e-9, "`limits.touch_scatter` = `0.000000002 m`"),
     ];
     for (change, told) in cases {
         let mut p = parameters();
-        (p.teach.touches, p.teach.touches_max) = (2, 2);
+        (p.calibration.touches, p.calibration.touches_max) = (2, 2);
         let mut run = Loop::new(&p, 138, PLACE);
         change(&mut p, &mut run);
         run.parameters = p;
-        teach(&mut run);
+        calibrate(&mut run);
         let output = &run.output;
-        assert_eq!((output.state, output.fault), (State::Fault, Fault::TeachingRejected), "{told}: {output:?}");
-        assert!(!output.taught.valid && output.taught.touches == 10 && output.drive_enable, "{told}: {output:?}");
+        assert_eq!((output.state, output.fault), (State::Fault, Fault::CalibrationRejected), "{told}: {output:?}");
+        assert!(
+            !output.calibrated.valid && output.calibrated.touches == 10 && output.drive_enable,
+            "{told}: {output:?}"
+        );
         // it goes back as far as a job needs to arm
         (0..2000).for_each(|_| run.step_with(rest));
         run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
@@ -298,7 +315,7 @@ fn what_fails_in_a_touch_ends_the_teaching_and_the_next_job_is_armed_before_it_t
     assert_eq!(run.output.fault, Fault::SpindleJump);
     (0..3000).for_each(|_| run.step_with(ask));
     run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
-    assert_eq!((run.output.state, run.output.taught.valid), (State::Idle, false));
+    assert_eq!((run.output.state, run.output.calibrated.valid), (State::Idle, false));
     touch(&mut run, 100.0);
 }
 
@@ -319,7 +336,7 @@ fn hard_work_is_touched_slower_in_the_teaching_and_in_the_job_behind_it() {
     // the first presses with more than 0.8 N at 300 um/s
     for (force_max, stiffness, slower) in [(0.0, 1.9e6, false), (0.8, 1.9e6, true), (0.8, 2e5, false)] {
         let mut p = parameters();
-        (p.teach.force_max, p.approach.velocity, p.commission.apply) = (force_max, 3e-4, true);
+        (p.calibration.force_max, p.approach.velocity, p.commission.apply) = (force_max, 3e-4, true);
         let mut run = Loop::new(&p, 143, PLACE);
         run.slide.stiffness = stiffness;
         commission(&mut run);
@@ -329,8 +346,8 @@ fn hard_work_is_touched_slower_in_the_teaching_and_in_the_job_behind_it() {
             run.step_with(ask);
             force = force.max(run.slide.contact_force);
         }
-        let taught = run.output.taught;
-        assert!(taught.valid && run.output.fault == Fault::None, "{:?}", run.output);
+        let calibrated = run.output.calibrated;
+        assert!(calibrated.valid && run.output.fault == Fault::None, "{:?}", run.output);
         (0..200).for_each(|_| run.step_with(rest));
         let (limit, mut fastest) = (run.time() + 20.0, 0.0f64);
         run.step();
@@ -341,26 +358,26 @@ fn hard_work_is_touched_slower_in_the_teaching_and_in_the_job_behind_it() {
             assert!(run.time() < limit, "{:?}", run.output);
         }
         println!("{stiffness:.1e} N/m: {force:.2} N at up to {:.0} um/s", 1e6 * fastest);
-        assert_eq!((fastest, taught.velocity_max < 2.9e-4), (taught.velocity_max, slower));
+        assert_eq!((fastest, calibrated.velocity_max < 2.9e-4), (calibrated.velocity_max, slower));
         assert_eq!(force > 0.8, stiffness > 1e6 && !slower, "{force} N");
         // not so slow as that nothing were left of what is wanted
         assert!(!slower || force > 0.3, "{force} N");
         // as sure as it tells, at the speed that was gone
         let error = run.output.contact_position_estimate - PLACE;
-        assert!(error.abs() < 4.0 * run.output.contact_position_deviation, "{error} m");
+        assert!(error.abs() < 4.0 * run.output.contact_position_std, "{error} m");
     }
 }
 
 #[test]
 fn work_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_touch_or_two() {
     let mut p = parameters();
-    (p.teach.force_max, p.teach.apply) = (0.05, true);
+    (p.calibration.force_max, p.calibration.apply) = (0.05, true);
     let mut run = Loop::new(&p, 144, PLACE);
     run.slide.stiffness = 1.9e6;
-    teach(&mut run);
+    calibrate(&mut run);
     let output = &run.output;
-    assert_eq!((output.state, output.fault), (State::Fault, Fault::TeachingRejected), "{output:?}");
-    assert!(!output.taught.valid && output.taught.touches <= 2 && output.drive_enable, "{output:?}");
+    assert_eq!((output.state, output.fault), (State::Fault, Fault::CalibrationRejected), "{output:?}");
+    assert!(!output.calibrated.valid && output.calibrated.touches <= 2 && output.drive_enable, "{output:?}");
     assert!(output.numbers.bearable.is_some_and(|speed| speed < 3e-5), "{:?}", output.numbers);
     // a job touches at the speed that was told, and is armed before
     (0..2000).for_each(|_| run.step_with(rest));
@@ -372,12 +389,12 @@ fn work_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_tou
 #[test]
 fn state_bytes_continue_a_teaching_bit_for_bit() {
     let mut p = parameters();
-    (p.teach.touches, p.teach.velocity_min) = (2, 9e-5);
-    (p.limits.touch_scatter, p.teach.deviation_max, p.teach.force_max) = (1e-6, 1e-6, 10.0);
+    (p.calibration.touches, p.calibration.velocity_min) = (2, 9e-5);
+    (p.limits.touch_scatter, p.calibration.std_max, p.calibration.force_max) = (1e-6, 1e-6, 10.0);
     let mut run = Loop::new(&p, 140, 9e-5);
-    run.parameters.teach.place = 9e-5;
+    run.parameters.calibration.position = 9e-5;
     begin(&mut run);
-    while run.output.taught.touches < 3 {
+    while run.output.calibrated.touches < 3 {
         run.step_with(ask);
     }
     let mut copy = run.reloaded();
@@ -386,5 +403,5 @@ fn state_bytes_continue_a_teaching_bit_for_bit() {
         copy.step_with(ask);
         assert_eq!(copy.output, run.output);
     }
-    assert!(run.output.taught.valid);
+    assert!(run.output.calibrated.valid);
 }

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::teaching::bias::SPEEDS;
+use crate::calibration::bias::SPEEDS;
 
-/// What a teaching says of it.
+/// What a calibration says of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// Speeds that were taught, the slowest first, m/s.
+    /// Speeds that were calibrated, the slowest first, m/s.
     pub speeds: [f64; SPEEDS],
     /// Scatter of a touch at each of them, m.
     pub touch: [f64; SPEEDS],
@@ -16,13 +16,13 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// The fastest speed that was taught, m/s.
+    /// The fastest speed that was calibrated, m/s.
     pub fn fastest(&self) -> f64 {
         self.speeds[SPEEDS - 1]
     }
 
     /// Standard deviation (m) of the place that a touch at `velocity` m/s tells: its variance goes evenly with the
-    /// logarithm of the speed from one that was taught to the next, and stays beyond them.
+    /// logarithm of the speed from one that was calibrated to the next, and stays beyond them.
     pub fn at(&self, velocity: f64) -> f64 {
         let faster = self.speeds.iter().position(|speed| *speed >= velocity).unwrap_or(SPEEDS - 1).max(1);
         let [from, to] = [faster - 1, faster];

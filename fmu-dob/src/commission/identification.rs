@@ -12,7 +12,7 @@ use crate::motion::stability::longest_delay;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Commissioner {
+pub struct Identification {
     /// The present or last experiment.
     pub experiment: Experiment,
     /// What was measured.
@@ -27,7 +27,7 @@ pub struct Commissioner {
     held: f64,
 }
 
-impl Commissioner {
+impl Identification {
     /// Nothing measured so far.
     pub fn new(p: &Parameters) -> Self {
         Self {
@@ -114,13 +114,13 @@ impl Commissioner {
             let (value, mass) = (found.value, p.stage.mass);
             self.measured = Measured {
                 force_constant: mass * value[0],
-                force_constant_deviation: f64::hypot(mass * found.sigma(0), ripple(mass * value[0])),
+                force_constant_std: f64::hypot(mass * found.sigma(0), ripple(mass * value[0])),
                 io_delay: value[1],
-                io_delay_deviation: found.sigma(1).hypot(loop_spread(p)),
+                io_delay_std: found.sigma(1).hypot(loop_spread(p)),
                 damping: mass * value[2],
-                damping_deviation: mass * found.sigma(2),
+                damping_std: mass * found.sigma(2),
                 stiffness: mass * value[3],
-                stiffness_deviation: mass * found.sigma(3),
+                stiffness_std: mass * found.sigma(3),
                 ..Measured::START
             };
         }
@@ -139,15 +139,15 @@ impl Commissioner {
             [noise.position(), noise.white_force(), noise.walk(), noise.force(), noise.slope()];
         self.measured = Measured {
             position_noise: position.value,
-            position_noise_deviation: position.deviation,
+            position_noise_std: position.deviation,
             force_noise: white.value,
-            force_noise_deviation: white.deviation,
+            force_noise_std: white.deviation,
             disturbance_walk: walk.value,
-            disturbance_walk_deviation: walk.deviation,
+            disturbance_walk_std: walk.deviation,
             force_sigma: force.value,
-            force_sigma_deviation: force.deviation,
+            force_sigma_std: force.deviation,
             slope_sigma: slope.value,
-            slope_sigma_deviation: slope.deviation,
+            slope_sigma_std: slope.deviation,
             ..self.measured
         };
         let told = self.values.told();

@@ -1,7 +1,7 @@
-//! The touches of a teaching: at which speed each is, and what all of them say about the bias.
+//! The touches of a calibration: at which speed each is, and what all of them say about the bias.
 //!
 //! It goes through all speeds and then again, so that work which a touch dents shows as scatter. On hard work the first round lowers the speeds
-//! that are still to come to what `teach.force_max` bears.
+//! that are still to come to what `calibration.force_max` bears.
 
 use std::array;
 use std::f64::consts::TAU;
@@ -10,10 +10,10 @@ use control_blocks::{NoEstimate, Observation, Welford, least_squares};
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
-use crate::interface::{Parameters, Taught};
-use crate::teaching::bias::{Bias, SPEEDS};
-use crate::teaching::press::Hardness;
-use crate::teaching::spread::Spread;
+use crate::calibration::bias::{Bias, SPEEDS};
+use crate::calibration::press::Hardness;
+use crate::calibration::spread::Spread;
+use crate::interface::{Calibrated, Parameters};
 
 /// Least ratio of the fastest speed to the slowest.
 pub const RATIO: f64 = 3.0;
@@ -47,30 +47,30 @@ pub const SLOWER_MAX: usize = SPEEDS - 4;
 
 /// Touches at each speed at most.
 fn most(p: &Parameters) -> u32 {
-    p.teach.touches.max(p.teach.touches_max).unsigned_abs()
+    p.calibration.touches.max(p.calibration.touches_max).unsigned_abs()
 }
 
 /// Touches so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Lesson {
+pub struct TouchSeries {
     /// the slowest first, m/s
     speeds: [f64; SPEEDS],
     /// those that count
     touches: u32,
     /// those at speeds that were given up
     given_up: u32,
-    /// rounds beyond `teach.touches`
+    /// rounds beyond `expert.calibration.touches`
     more: u32,
     late: [Welford; SPEEDS],
     hardness: Hardness,
 }
 
-impl Lesson {
+impl TouchSeries {
     /// None so far, and the speeds of the parameters.
     pub fn new(p: &Parameters) -> Self {
-        let slowest = p.teach.velocity_min;
+        let slowest = p.calibration.velocity_min;
         Self {
-            speeds: array::from_fn(|i| between(slowest, p.teach.velocity_max, i, SPEEDS - 1)),
+            speeds: array::from_fn(|i| between(slowest, p.calibration.velocity_max, i, SPEEDS - 1)),
             touches: 0,
             given_up: 0,
             more: 0,
@@ -89,21 +89,21 @@ impl Lesson {
         self.speeds[self.next()]
     }
 
-    /// Lowers the speeds of the first round that are still to come, where the next touch would press harder than `teach.force_max`, and the fastest
+    /// Lowers the speeds of the first round that are still to come, where the next touch would press harder than `calibration.force_max`, and the fastest
     /// where that has come near it; the force grows as the speed. Those that were touched and are slower than what is bearable stay. What is no faster than any
-    /// teaching needs is touched in any case.
+    /// calibration needs is touched in any case.
     ///
     /// # Errors
     /// When that leaves too little of the range: the fastest speed that is bearable, m/s.
     pub fn lower(&mut self, p: &Parameters) -> Result<(), f64> {
-        let (next, least) = (self.touches as usize, RATIO * p.teach.velocity_min);
+        let (next, least) = (self.touches as usize, RATIO * p.calibration.velocity_min);
         let speed = self.speeds[next.min(SPEEDS - 1)];
-        if p.teach.force_max == 0.0 || next > SPEEDS || speed < least {
+        if p.calibration.force_max == 0.0 || next > SPEEDS || speed < least {
             return Ok(());
         }
         let new = speed > self.hardness.fastest();
         let slope = if new { FASTER * self.hardness.steepest() } else { self.hardness.slope() };
-        let fastest = p.teach.force_max / (HEAVIER * SCATTER * slope);
+        let fastest = p.calibration.force_max / (HEAVIER * SCATTER * slope);
         if speed <= fastest {
             return Ok(());
         }
@@ -136,7 +136,7 @@ impl Lesson {
 
     /// Whether all speeds were touched as often as they are to be.
     pub fn over(&self, p: &Parameters) -> bool {
-        self.touches >= SPEEDS as u32 * (p.teach.touches.unsigned_abs() + self.more)
+        self.touches >= SPEEDS as u32 * (p.calibration.touches.unsigned_abs() + self.more)
     }
 
     /// Touches at all speeds once more, if that may be; whether it may.
@@ -148,7 +148,7 @@ impl Lesson {
 
     /// Takes how far (m) behind the first touch a contact was found at [`Self::velocity`], and how hard (N) it pressed.
     pub fn take(&mut self, p: &Parameters, late: f64, force: f64) {
-        self.hardness.push(self.velocity(), force, self.velocity() >= RATIO * p.teach.velocity_min);
+        self.hardness.push(self.velocity(), force, self.velocity() >= RATIO * p.calibration.velocity_min);
         self.late[self.next()].push(late);
         self.touches += 1;
     }
@@ -168,7 +168,7 @@ impl Lesson {
     ///
     /// # Errors
     /// When they do not tell the three parts apart.
-    pub fn conclude(&self, p: &Parameters, slowest: usize) -> Result<(Taught, Spread), NoEstimate> {
+    pub fn conclude(&self, p: &Parameters, slowest: usize) -> Result<(Calibrated, Spread), NoEstimate> {
         let touches = f64::from(self.touches / SPEEDS as u32);
         let step = p.stage.encoder_resolution / 12f64.sqrt();
         let own = self.late.map(|late| late.sigma().powi(2) + step * step);
@@ -189,27 +189,27 @@ impl Lesson {
             Observation { residual: (parts(i).dot(value) - self.late[i].mean()) / sigma, gradient: parts(i) / sigma }
         })?;
         let variance = |i: usize| parts(i).dot(&(found.covariance * parts(i)));
-        let unsure = p.teach.place_deviation;
+        let unsure = p.calibration.position_std;
         let deviations: [f64; SPEEDS] = array::from_fn(|i| variance(i).sqrt().hypot(LEFT_OUT).hypot(unsure));
         let deviation = deviations[slowest..].iter().copied().fold(0.0, f64::max);
-        let taught = Taught {
+        let calibrated = Calibrated {
             valid: false,
             touches: self.touches() as i32,
             velocity_min: self.speeds[slowest],
             velocity_max: self.speeds[SPEEDS - 1],
             bias: found.value[0] / units[0],
-            bias_deviation: (found.sigma(0) / units[0]).hypot(unsure),
+            bias_std: (found.sigma(0) / units[0]).hypot(unsure),
             bias_fast: found.value[1] / units[1],
-            bias_fast_deviation: found.sigma(1) / units[1],
+            bias_fast_std: found.sigma(1) / units[1],
             bias_slow: found.value[2] / units[2],
-            bias_slow_deviation: found.sigma(2) / units[2],
-            deviation,
+            bias_slow_std: found.sigma(2) / units[2],
+            std: deviation,
             scatter: pooled.sqrt(),
-            scatter_deviation: (pooled / (2.0 * judged * freedom)).sqrt(),
+            scatter_std: (pooled / (2.0 * judged * freedom)).sqrt(),
         };
         let off = |i: usize| parts(i).dot(&found.value) - self.late[i].mean();
         let bias = array::from_fn(|i| if i < slowest { deviations[i].hypot(off(i)) } else { deviation });
-        Ok((taught, Spread { speeds: self.speeds, touch, bias }))
+        Ok((calibrated, Spread { speeds: self.speeds, touch, bias }))
     }
 
     fn next(&self) -> usize {
@@ -222,8 +222,8 @@ fn between(from: f64, to: f64, i: usize, n: usize) -> f64 {
     from * (to / from).powf(i as f64 / n as f64)
 }
 
-impl Taught {
-    /// The bias that was taught.
+impl Calibrated {
+    /// The bias that was calibrated.
     pub fn parts(&self) -> Bias {
         Bias { constant: self.bias, fast: self.bias_fast, slow: self.bias_slow }
     }

@@ -1,47 +1,47 @@
-//! A teaching as the controller sees it: which touch is next, what was learned, and which bias is in force.
+//! A calibration as the controller sees it: which touch is next, what was learned, and which bias is in force.
 
 use control_blocks::{InForce, SIGNIFICANT, ticks};
 use serde::{Deserialize, Serialize};
 
-use crate::interface::{Approach, Measured, Parameters, Taught};
+use crate::calibration::bias::Bias;
+use crate::calibration::press::{Drive, Press};
+use crate::calibration::series::{SLOWER_MAX, TouchSeries};
+use crate::calibration::spread::Spread;
+use crate::interface::{Approach, Calibrated, Measured, Parameters};
 use crate::monitoring::rest::SETTLING;
-use crate::teaching::bias::Bias;
-use crate::teaching::lesson::{Lesson, SLOWER_MAX};
-use crate::teaching::press::{Drive, Press};
-use crate::teaching::spread::Spread;
 
-/// One teaching after the other.
+/// One calibration after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Teacher {
+pub struct CalibrationRun {
     /// What was learned.
-    pub taught: Taught,
+    pub calibrated: Calibrated,
     /// Touches are made to learn from them.
     pub active: bool,
     /// All touches are made, and what they say cannot be used.
     pub rejected: bool,
-    /// The fastest speed that `teach.force_max` bears (m/s), where that is too slow to teach.
+    /// The fastest speed that `calibration.force_max` bears (m/s), where that is too slow to calibrate.
     pub bearable: Option<f64>,
     broken: bool,
     /// samples for which the stage still stands before the next touch
     pause: u32,
-    lesson: Lesson,
+    series: TouchSeries,
     press: Press,
     bias: InForce<Bias>,
-    /// how sure the bias in force is, where it was taught
+    /// how sure the bias in force is, where it was calibrated
     spread: Option<Spread>,
 }
 
-impl Teacher {
+impl CalibrationRun {
     /// Nothing learned so far.
     pub fn new(p: &Parameters) -> Self {
         Self {
-            taught: Taught::START,
+            calibrated: Calibrated::START,
             active: false,
             rejected: false,
             bearable: None,
             broken: false,
             pause: 0,
-            lesson: Lesson::new(p),
+            series: TouchSeries::new(p),
             press: Press::default(),
             bias: InForce::new(Bias::of(p)),
             spread: None,
@@ -50,14 +50,14 @@ impl Teacher {
 
     /// Begins.
     pub fn begin(&mut self, p: &Parameters) {
-        (self.taught, self.lesson) = (Taught::START, Lesson::new(p));
+        (self.calibrated, self.series) = (Calibrated::START, TouchSeries::new(p));
         (self.active, self.rejected, self.bearable) = (true, false, None);
         (self.broken, self.pause) = (false, 0);
     }
 
     /// Is to end before its end; whether that is news.
     pub fn break_off(&mut self) -> bool {
-        let news = self.active && !self.broken && !self.rejected && !self.taught.valid;
+        let news = self.active && !self.broken && !self.rejected && !self.calibrated.valid;
         self.broken |= news;
         news
     }
@@ -69,7 +69,7 @@ impl Teacher {
 
     /// Whether there is no touch to be made any more.
     pub fn over(&self) -> bool {
-        self.broken || self.taught.valid
+        self.broken || self.calibrated.valid
     }
 
     /// Whether it has come to its end, good or not.
@@ -79,29 +79,29 @@ impl Teacher {
 
     /// Ends; one that has not come to a good end leaves what was told.
     pub fn end(&mut self) {
-        if self.active && !self.taught.valid {
+        if self.active && !self.calibrated.valid {
             self.bias.restore();
             self.spread = None;
         }
         self.active = false;
     }
 
-    /// The next approach: that of the parameters, no faster than was taught with `teach.force_max`, and in a teaching at the speed that is next.
+    /// The next approach: that of the parameters, no faster than was calibrated with `calibration.force_max`, and in a calibration at the speed that is next.
     pub fn approach(&self, p: &Parameters) -> Approach {
         let touch = self.active && !self.ended();
-        let velocity = if touch { self.lesson.velocity() } else { self.job_velocity(p) };
+        let velocity = if touch { self.series.velocity() } else { self.job_velocity(p) };
         Approach { velocity, ..p.approach }
     }
 
-    /// The approach after the touch that is being made: the next one of the teaching, or that of a job behind it.
+    /// The approach after the touch that is being made: the next one of the calibration, or that of a job behind it.
     pub fn approach_after(&self, p: &Parameters) -> Approach {
-        let after = self.lesson.after(p).filter(|_| !self.ended());
+        let after = self.series.after(p).filter(|_| !self.ended());
         Approach { velocity: after.unwrap_or_else(|| self.job_velocity(p)), ..p.approach }
     }
 
-    /// Speed of a job, m/s; behind a teaching that may still fail the one that is told.
+    /// Speed of a job, m/s; behind a calibration that may still fail the one that is told.
     fn job_velocity(&self, p: &Parameters) -> f64 {
-        let limited = p.teach.force_max > 0.0 && (self.taught.valid || !self.active);
+        let limited = p.calibration.force_max > 0.0 && (self.calibrated.valid || !self.active);
         let limit = self.spread.filter(|_| limited).map(|spread| spread.fastest());
         limit.map_or(p.approach.velocity, |fastest| p.approach.velocity.min(fastest))
     }
@@ -109,9 +109,9 @@ impl Teacher {
     /// One sample at `position` m, towards the work, or while that is lost, with the current that acted (A), on a machine of which a commission may have
     /// measured something: how hard the touch presses, where that is asked for.
     pub fn feel(&mut self, p: &Parameters, measured: &Measured, position: Option<f64>, acted: f64, found: bool) {
-        if self.active && p.teach.force_max > 0.0 {
-            let depth = position.map(|position| position - p.direction() * p.teach.place);
-            self.press.update(p, &Drive::of(p, measured), depth, acted, self.lesson.velocity(), found);
+        if self.active && p.calibration.force_max > 0.0 {
+            let depth = position.map(|position| position - p.direction() * p.calibration.position);
+            self.press.update(p, &Drive::of(p, measured), depth, acted, self.series.velocity(), found);
         }
     }
 
@@ -124,61 +124,61 @@ impl Teacher {
 
     /// Takes a contact (m, towards the work) of the approach that has just ended, with a spindle at `spindle_speed` rad/s.
     pub fn take(&mut self, p: &Parameters, measured: &Measured, contact: f64, spindle_speed: f64) {
-        let late = contact - p.direction() * p.teach.place;
-        self.lesson.take(p, late, self.press.force(&Drive::of(p, measured)));
-        self.taught.touches = self.lesson.touches() as i32;
-        let next = self.lesson.velocity();
-        self.bearable = self.lesson.lower(p).err();
+        let late = contact - p.direction() * p.calibration.position;
+        self.series.take(p, late, self.press.force(&Drive::of(p, measured)));
+        self.calibrated.touches = self.series.touches() as i32;
+        let next = self.series.velocity();
+        self.bearable = self.series.lower(p).err();
         self.rejected = self.bearable.is_some();
         // what needs a longer way than was gone back leaves a motion
-        let settle = if self.lesson.velocity() > next { SETTLING / p.servo.bandwidth } else { 0.0 };
-        self.pause = ticks(self.lesson.pause(spindle_speed).max(settle), p.sample_period);
-        if self.lesson.over(p) {
+        let settle = if self.series.velocity() > next { SETTLING / p.servo.bandwidth } else { 0.0 };
+        self.pause = ticks(self.series.pause(spindle_speed).max(settle), p.sample_period);
+        if self.series.over(p) {
             self.conclude(p);
         }
     }
 
     /// Least and largest mean bias of a speed, m.
     pub fn extremes(&self) -> [f64; 2] {
-        self.lesson.extremes(0)
+        self.series.extremes(0)
     }
 
-    /// The bias in force: what was taught where `teach.apply` says so, else what the parameters tell now, as they are tunable.
+    /// The bias in force: what was calibrated where `calibration.apply` says so, else what the parameters tell now, as they are tunable.
     pub fn bias(&self, p: &Parameters) -> Bias {
         if self.bias.as_told() { Bias::of(p) } else { self.bias.now() }
     }
 
-    /// Standard deviation (m) of the place that a touch at `velocity` m/s tells with the bias in force; 0 where that was not taught.
+    /// Standard deviation (m) of the place that a touch at `velocity` m/s tells with the bias in force; 0 where that was not calibrated.
     pub fn deviation(&self, velocity: f64) -> f64 {
         self.spread.map_or(0.0, |spread| spread.at(velocity))
     }
 
-    /// Names and values of what a good teaching has learned.
+    /// Names and values of what a good calibration has learned.
     pub fn derived(&self) -> [(&'static str, f64); 4] {
         let [constant, fast, slow] = self.bias.derived().entries();
-        [constant, fast, slow, ("teach.velocity_max", self.taught.velocity_max)]
+        [constant, fast, slow, ("calibration.velocity_max", self.calibrated.velocity_max)]
     }
 
     /// Judges what all touches say. Where they are not sure and no more are to be made, the slowest speed is left out: on soft work a slow
     /// touch is found when noise lets it, and the bias at the others may be sure without it.
     fn conclude(&mut self, p: &Parameters) {
-        let lesson = &self.lesson;
+        let series = &self.series;
         let can_be = |slowest| {
-            let found = lesson.conclude(p, slowest).ok();
-            found.filter(|(taught, _)| possible(p, taught, lesson.extremes(slowest)))
+            let found = series.conclude(p, slowest).ok();
+            found.filter(|(calibrated, _)| possible(p, calibrated, series.extremes(slowest)))
         };
-        let good = |slowest| can_be(slowest).filter(|(taught, _)| sure(p, taught));
+        let good = |slowest| can_be(slowest).filter(|(calibrated, _)| sure(p, calibrated));
         let (whole, faster) = (good(0), (1..=SLOWER_MAX).find_map(good));
         let unsure = whole.is_none() && (0..=SLOWER_MAX).any(|slowest| can_be(slowest).is_some());
-        self.taught = lesson.conclude(p, 0).map_or(self.taught, |(taught, _)| taught);
-        if unsure && self.lesson.once_more(p) {
+        self.calibrated = series.conclude(p, 0).map_or(self.calibrated, |(calibrated, _)| calibrated);
+        if unsure && self.series.once_more(p) {
             return;
         }
         match whole.or(faster) {
-            Some((taught, spread)) => {
-                self.taught = Taught { valid: true, ..taught };
-                self.bias.conclude(taught.parts(), p.teach.apply);
-                self.spread = p.teach.apply.then_some(spread);
+            Some((calibrated, spread)) => {
+                self.calibrated = Calibrated { valid: true, ..calibrated };
+                self.bias.conclude(calibrated.parts(), p.calibration.apply);
+                self.spread = p.calibration.apply.then_some(spread);
             }
             None => self.rejected = true,
         }
@@ -186,14 +186,14 @@ impl Teacher {
 }
 
 /// Whether the touches are alike and the bias sure.
-fn sure(p: &Parameters, taught: &Taught) -> bool {
-    taught.scatter <= p.limits.touch_scatter && taught.deviation <= p.teach.deviation_max
+fn sure(p: &Parameters, calibrated: &Calibrated) -> bool {
+    calibrated.scatter <= p.limits.touch_scatter && calibrated.std <= p.calibration.std_max
 }
 
 /// Whether the bias is one that can be: none is found before the touch, beyond what place and scatter explain, nor so late that the
 /// work is too soft.
-fn possible(p: &Parameters, taught: &Taught, [least, most]: [f64; 2]) -> bool {
-    least >= -SIGNIFICANT * taught.deviation && most <= p.limits.bias
+fn possible(p: &Parameters, calibrated: &Calibrated, [least, most]: [f64; 2]) -> bool {
+    least >= -SIGNIFICANT * calibrated.std && most <= p.limits.bias
 }
 
 #[cfg(test)]

@@ -1,6 +1,0 @@
-//! The README holds the tables of the interface.
-
-#[test]
-fn the_tables_are_those_of_the_interface() {
-    fmi2_export::assert_readme::<fmu_dob::controller::Controller>(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md"));
-}
