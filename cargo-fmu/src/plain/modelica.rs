@@ -23,6 +23,11 @@ const OWN: [&str; 5] = ["controller_", "reals_", "integers_", "resources", "step
 
 const PARAMETERS: &[Part] = &[Part::Fixed, Part::Tunable];
 const INPUTS: &[Part] = &[Part::Input];
+const OUTPUTS: &[Part] = &[Part::Output];
+const LOCALS: &[Part] = &[Part::Local];
+
+/// Prefix of the names of parameters for specialists, which get a tab of their own in the dialog.
+const EXPERT: &str = "expert.";
 
 /// Width of the icon's half, and the room of a port, in the units of the diagram.
 const HALF: usize = 100;
@@ -138,28 +143,25 @@ fn parameter(variable: &Quantity, starts: &[(&str, &str)]) -> String {
         Type::Text => literal(told.unwrap_or(&variable.start)),
         _ => told.unwrap_or(&variable.start).to_owned(),
     };
-    let group = variable.name.rsplit_once('.').map_or("General", |(group, _)| group);
+    let (tab, rest) = variable.name.strip_prefix(EXPERT).map_or(("", &*variable.name), |rest| ("tab = \"Expert\", ", rest));
+    let group = rest.rsplit_once('.').map_or("General", |(group, _)| group);
     format!(
-        "  parameter {kind} {}{} = {start} {} annotation (Dialog(group = \"{group}\"));\n",
+        "  parameter {kind} {}{} = {start} {} annotation (Dialog({tab}group = \"{group}\"));\n",
         name(variable),
         unit(variable),
         literal(&variable.description)
     )
 }
 
-/// The connectors; returns half of the block's height.
+/// The connectors, and the local variables; returns half of the block's height.
 fn ports(text: &mut String, interface: &Interface, package: &str) -> usize {
-    let sides = [(INPUTS, "Input", HALF as isize + ROOM as isize, -1), (COMPUTED, "Output", HALF as isize + 10, 1)];
+    let sides = [(INPUTS, "Input", HALF as isize + ROOM as isize, -1), (OUTPUTS, "Output", HALF as isize + 10, 1)];
     let rows = |parts| interface.of(parts).filter(|variable| variable.kind != Type::Text).count();
-    let height = (ROOM * rows(INPUTS).max(rows(COMPUTED))).max(2 * HALF) / 2;
+    let height = (ROOM * rows(INPUTS).max(rows(OUTPUTS))).max(2 * HALF) / 2;
     for (parts, direction, x, side) in sides {
         let variables = interface.of(parts).filter(|variable| variable.kind != Type::Text);
         for (variable, y) in variables.zip((0..).map(|row| height as isize - ROOM as isize / 2 - row * ROOM as isize)) {
-            let kind = match &variable.kind {
-                Type::Real => "Real",
-                Type::Boolean => "Boolean",
-                _ => "Integer",
-            };
+            let kind = value_type(variable);
             let (near, far) = (x * side - 10, x * side + 10);
             _ = writeln!(
                 text,
@@ -172,7 +174,20 @@ fn ports(text: &mut String, interface: &Interface, package: &str) -> usize {
             );
         }
     }
+    for variable in interface.of(LOCALS).filter(|variable| variable.kind != Type::Text) {
+        let (kind, name, unit) = (value_type(variable), name(variable), unit(variable));
+        _ = writeln!(text, "  {kind} {name}{unit} {};", literal(&variable.description));
+    }
     height
+}
+
+/// The type of a variable whose items are numbers.
+fn value_type(variable: &Quantity) -> &'static str {
+    match &variable.kind {
+        Type::Real => "Real",
+        Type::Boolean => "Boolean",
+        _ => "Integer",
+    }
 }
 
 /// The controller as an external object, and its sample as a function.
@@ -327,6 +342,16 @@ mod tests {
         assert!(!text.contains("parameter String resources") && text.contains("    \"\");\n"), "{text}");
         let text = block(&interface([of("path.file", Type::Text)].into_iter()), "P", &[]).unwrap();
         assert!(text.contains("parameter String resources = \"\"") && text.contains("    resources);\n"), "{text}");
+    }
+
+    #[test]
+    fn a_local_variable_is_no_connector_and_an_expert_parameter_has_another_tab() {
+        let of = |role, name| Quantity { role, ..real(name) };
+        let variables = [of(Part::Output, "u"), of(Part::Local, "error.rms"), of(Part::Fixed, "expert.limits.jump")];
+        let text = block(&interface(variables.into_iter()), "P", &[]).unwrap();
+        assert!(text.contains("P.Interfaces.RealOutput u(") && text.contains("\n  Real error_rms("), "{text}");
+        assert!(text.contains("  error_rms = reals_[2];\n"), "{text}");
+        assert!(text.contains(" annotation (Dialog(tab = \"Expert\", group = \"limits\"));"), "{text}");
     }
 
     #[test]
