@@ -1,1 +1,1 @@
-"""Comparison of what was computed with what was computed before: traces, results and sweeps."""
+"""Comparison of traces, results and sweeps with earlier ones."""

@@ -1,4 +1,4 @@
-"""The baseline of a scenario: the trace of a run that was found good, in a file beside the scenario."""
+"""The baseline of a scenario: the trace of an accepted run, in a file next to the scenario."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def stored(scenario: Scenario) -> StoredTrace:
     Raises
     ------
     CosimError
-        There is none, or it cannot be read.
+        There is no baseline, or it cannot be read.
     """
     file = file_of(scenario)
     if not file.exists():
         name = scenario.name if scenario.file.stem != scenario.name else paths.shown(scenario.file)
-        hint = f"`cosim compare {name} --update` runs the scenario and writes it"
+        hint = f"Write it with `cosim compare {name} --update`."
         raise CosimError(f"there is no baseline `{paths.shown(file)}`", hint)
     return read(file)
 
@@ -48,7 +48,7 @@ def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: P
     Raises
     ------
     CosimError
-        There is no baseline, the run could not be done, or a pattern fits no column.
+        There is no baseline, the run failed, or a pattern matches no column.
     """
     before = stored(scenario)
     result = run(scenario, progress=progress, engine=engine, isolated=isolates())
@@ -63,7 +63,7 @@ def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Res
     Raises
     ------
     CosimError
-        The run could not be done, or does not hold a criterion: the baseline of before stays.
+        The run or a criterion failed; the previous baseline stays.
     """
     file = file_of(scenario)
     if file.is_dir():
@@ -71,6 +71,8 @@ def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Res
     result = run(scenario, progress=progress, engine=engine, isolated=isolates())
     if result.passed is False:
         failed = ", ".join(f"`{held.criterion.id}`" for held in result.criteria if not held.passed)
-        raise CosimError(f"a run that does not hold {failed} is no baseline", "`cosim run` shows more")
+        raise CosimError(
+            f"a run that fails {failed} cannot be the baseline", "Show the measured values with `cosim run`."
+        )
     result.save_trace(file)
     return result

@@ -1,4 +1,4 @@
-"""What is compared with what, by the names that are given."""
+"""Comparison of two files or folders given by name."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def compare(reference: str, other: str, allowed: Tolerances) -> Comparison:
     Parameters
     ----------
     reference
-        What is right, within its tolerances.
+        The reference.
     other
-        What is held against it.
+        The file or folder to compare with it.
     allowed
         The tolerances.
 
@@ -33,9 +33,11 @@ def compare(reference: str, other: str, allowed: Tolerances) -> Comparison:
     """
     kinds = kind_of(reference), kind_of(other)
     if kinds[0] != kinds[1]:
-        raise CosimError(f"`{reference}` is a {kinds[0]} and `{other}` a {kinds[1]}", "give two of a kind")
+        raise CosimError(
+            f"`{reference}` is a {kinds[0]} and `{other}` a {kinds[1]}", "Give two files of the same kind."
+        )
     if allowed.dt and kinds[0] != "trace":
-        raise CosimError(f"`--dt` does not go with a {kinds[0]}", "only traces have times")
+        raise CosimError(f"`--dt` cannot be used with a {kinds[0]}", "Use `--dt` with traces only.")
     first, second, names = Path(reference), Path(other), (reference, other)
     match kinds[0]:
         case "trace":
@@ -52,7 +54,7 @@ def kind_of(name: str) -> str:
         return "sweep"
     if path.suffix in (*endings.READ, RESULT):
         if not path.is_file():
-            problem = "is no regular file" if path.exists() else "does not exist"
+            problem = "is not a regular file" if path.exists() else "does not exist"
             raise CosimError(f"the file `{name}` {problem}", KINDS)
         return "result" if path.suffix == RESULT else "trace"
     raise CosimError(f"`{name}` cannot be compared" if path.exists() else f"`{name}` does not exist", KINDS)

@@ -1,4 +1,4 @@
-"""What a comparison finds."""
+"""Results of a comparison."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from cosim.formatting.strict import plain
 
 @dataclass(frozen=True)
 class Deviation:
-    """How one quantity differs, where it differs most for its tolerance.
+    """Deviation of one quantity, at its largest ratio to the tolerance.
 
     Parameters
     ----------
     name, unit
         The quantity.
     reference, value
-        Nearest value of the reference within the time shift, and value of the other.
+        Nearest reference value within the time shift, and the compared value.
     deviation, tolerance
-        Their distance, and how large it may be; infinite where one side is NaN.
+        Their distance and its limit; infinite if one side is NaN.
     at
-        Time in s, or number of the run; None for a single number.
+        Time in s or run number; None for a single number.
     outside, compared
-        Number of values beyond their tolerance, of how many.
+        Number of values beyond their tolerance, and of all values.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Deviation:
 
 @dataclass(frozen=True)
 class ComparedColumn:
-    """A column of a trace, its tube, and its items if it is an enumeration; for table and plot."""
+    """A column of a trace with its tube and enumeration items, for table and plot."""
 
     times: NDArray[np.float64]
     values: NDArray[np.float64]
@@ -75,13 +75,13 @@ class Comparison:
     kind
         `traces`, `results` or `sweeps`.
     reference, other
-        What was compared, as the user named it.
+        Names of the compared files, as the user gave them.
     deviations
-        Every quantity that both have.
+        Quantities that both have.
     differences
-        What else differs, each in one sentence.
+        Other differences, one sentence each.
     notes
-        What is no difference but should be known.
+        Remarks that are not differences.
     courses
         The columns of traces by name.
     """
@@ -121,7 +121,7 @@ class Comparison:
 def worst(
     name: str, unit: str, tube: Tube, values: NDArray[np.float64], at: NDArray[np.float64] | None
 ) -> Deviation:
-    """Deviation of values from a tube: the first of those that take the largest share of their tolerance."""
+    """Deviation of values from a tube: the first with the largest ratio to its tolerance."""
     deviation, tolerance = tube.deviation(values), tube.tolerance(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(deviation == 0.0, 0.0, deviation / tolerance)
@@ -142,19 +142,19 @@ def worst(
 
 
 def scalars(reference: NDArray[np.float64], atol: float, rtol: float) -> Tube:
-    """Tube around numbers that have no time."""
+    """Tube around numbers without time."""
     return Tube(reference, reference, np.isnan(reference), atol, rtol)
 
 
 def same_units(name: str, before: str, now: str) -> str:
-    """Sentence about a unit that changed, empty if it is the same or not known."""
+    """Sentence about a changed unit; empty if it is equal or unknown."""
     if not before or not now or before == now:
         return ""
     return f"`{name}` is in `{now}`, the reference in `{before}`"
 
 
 def number_of(value: Any) -> float:
-    """Read a number of a JSON file, which may be a text such as `NaN`; what is no number is NaN."""
+    """Read a number of a JSON file, also a text such as `NaN`; NaN if it is not a number."""
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):

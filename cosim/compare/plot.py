@@ -1,4 +1,4 @@
-"""A comparison of traces as a plot: the tube, the course of the other, and where it leaves."""
+"""Plot of compared traces: the tube, the compared curve, and the rows outside the tube."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ def check(kind: str, path: Path) -> None:
     Raises
     ------
     CosimError
-        Not of traces, unknown ending, no such folder, or matplotlib is not installed.
+        Not a comparison of traces, unknown ending, missing folder, or matplotlib is not installed.
     """
     if kind != "trace":
-        raise CosimError(f"`--plot` does not go with a {kind}", "only traces have courses to draw")
+        raise CosimError(f"`--plot` cannot be used with a {kind}", "Use `--plot` with traces only.")
     figures.check(path)
 
 
 def save(found: Comparison, path: Path) -> None:
-    """Draw the columns that deviate most for their tolerance, at most six, one above the other.
+    """Plot up to six columns with the largest deviations relative to their tolerance.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def save(found: Comparison, path: Path) -> None:
 
 
 def draw(axes: Any, found: Comparison, deviation: Deviation) -> None:
-    """Draw one column."""
+    """Plot one column."""
     course = found.courses[deviation.name]
     low, high = course.tube.walls
     axes.fill_between(course.times, low, high, color="tab:green", alpha=0.3, label="tolerance")

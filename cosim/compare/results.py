@@ -13,7 +13,7 @@ from cosim.compare.comparison import Comparison, number_of, same_units, scalars,
 from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 
-HINT = "a result is what `cosim run --json` writes"
+HINT = "Use a file of `cosim run --json`."
 
 
 def read(path: Path) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def read(path: Path) -> dict[str, Any]:
     Raises
     ------
     CosimError
-        The file is missing or no result.
+        The file is missing or is not a result.
     """
     shown = paths.shown(path)
     try:
@@ -30,16 +30,16 @@ def read(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
     except (ValueError, RecursionError) as error:
-        raise CosimError(f"`{shown}` is no result: {error}", HINT) from None
+        raise CosimError(f"`{shown}` is not a result: {error}", HINT) from None
     table: dict[str, Any] = found if isinstance(found, dict) else {}
     metrics, criteria = table.get("metrics"), table.get("criteria")
     if not isinstance(metrics, dict) or not isinstance(criteria, list):
-        raise CosimError(f"`{shown}` is no result: it has no `metrics` and `criteria`", HINT)
+        raise CosimError(f"`{shown}` is not a result: it has no `metrics` and `criteria`", HINT)
     entries = [*metrics.values(), *criteria]
     if not all(isinstance(entry, dict) for entry in entries) or not all(
         isinstance(entry.get("id"), str) for entry in criteria
     ):
-        raise CosimError(f"`{shown}` is no result: its metrics and criteria are no tables", HINT)
+        raise CosimError(f"`{shown}` is not a result: its metrics and criteria are not tables", HINT)
     return table
 
 
@@ -53,17 +53,17 @@ def compare(
     reference, other
         The results, as `read` gives them.
     allowed, names
-        Tolerances of the metrics, and what the two are called.
+        Tolerances of the metrics, and names of the two results.
 
     Raises
     ------
     CosimError
-        There are no metrics, or a pattern fits none.
+        There are no metrics, or a pattern matches none.
     """
     found = Comparison("results", *names)
     before, now = reference["metrics"], other["metrics"]
     if not before:
-        raise CosimError(f"`{names[0]}` has no metrics, there is nothing to compare")
+        raise CosimError(f"`{names[0]}` has no metrics to compare")
     for name in allowed.chosen(before):
         if name not in now:
             found.differences.append(f"the metric `{name}` is missing")
@@ -83,7 +83,7 @@ def compare(
 
 
 def compare_verdicts(found: Comparison, reference: list[Any], other: list[Any]) -> None:
-    """Tell criteria that are missing, or whose verdict changed."""
+    """Report missing criteria and changed verdicts."""
     now = {entry["id"]: bool(entry.get("passed")) for entry in other}
     for entry in reference:
         name, held = entry["id"], bool(entry.get("passed"))
@@ -91,8 +91,6 @@ def compare_verdicts(found: Comparison, reference: list[Any], other: list[Any]) 
             found.differences.append(f"the criterion `{name}` is missing")
         elif held != now[name]:
             text = (
-                "holds, in the reference it does not"
-                if now[name]
-                else "does not hold, in the reference it does"
+                "passed, but failed in the reference" if now[name] else "failed, but passed in the reference"
             )
             found.differences.append(f"the criterion `{name}` {text}")

@@ -31,7 +31,7 @@ def read(folder: Path) -> list[Row]:
     try:
         lines = file.read_bytes().splitlines()
     except OSError as error:
-        hint = f"the folder of a sweep holds `{FILE}`"
+        hint = f"Use the folder of a sweep, which holds `{FILE}`."
         raise CosimError(f"cannot read `{paths.shown(file)}`: {error.strerror or error}", hint) from None
     found: dict[str, Row] = {}
     for number, line in enumerate(lines, start=1):
@@ -40,7 +40,7 @@ def read(folder: Path) -> list[Row]:
             row["run"], row["hash"], row["status"] = int(row["run"]), str(row["hash"]), str(row["status"])
             row["metrics"], row["units"] = dict(row.get("metrics", {})), dict(row.get("units", {}))
         except (ValueError, KeyError, TypeError, RecursionError):
-            log.warning("line %d of `%s` is no row, it is left out", number, paths.shown(file))
+            log.warning("line %d of `%s` is not a row and is skipped", number, paths.shown(file))
             continue
         # the last row of a run counts: those of a program before it stay in the file
         found.pop(case_of(row), None)
@@ -55,25 +55,25 @@ def compare(
 ) -> Comparison:
     """Compare the runs of a sweep with those of a reference.
 
-    Two runs belong together if they have the same hash; else, as after a change of the program, if the same
-    keys were set to the same values with the same seed.
+    Two runs are a pair if they have the same hash. Otherwise, for example after a change of the program,
+    they are a pair if they have the same settings and the same seed.
 
     Parameters
     ----------
     reference, other
         Rows, as `read` gives them.
     allowed, names
-        Tolerances of the metrics, and what the two are called.
+        Tolerances of the metrics, and names of the two sweeps.
 
     Raises
     ------
     CosimError
-        No run is in both, or a pattern fits no metric.
+        No run is in both, or a pattern matches no metric.
     """
     found = Comparison("sweeps", *names)
     pairs, missing, extra = matched(reference, other)
     if not pairs:
-        hint = "runs belong together by hash, or by what was set and the seed"
+        hint = "Compare sweeps with equal hashes, or with equal settings and seeds."
         raise CosimError(f"no run of `{names[0]}` is in `{names[1]}`", hint)
     if missing:
         found.differences.append(
@@ -84,14 +84,14 @@ def compare(
     compare_statuses(found, pairs)
     known = list(dict.fromkeys(name for old, _ in pairs for name in old["metrics"]))
     if not known and not found.differences:
-        raise CosimError(f"the runs of `{names[0]}` have no metrics, there is nothing to compare")
+        raise CosimError(f"the runs of `{names[0]}` have no metrics to compare")
     for name in allowed.chosen(known):
         compare_metric(found, name, pairs, allowed)
     return found
 
 
 def matched(reference: list[Row], other: list[Row]) -> tuple[list[tuple[Row, Row]], list[Row], list[Row]]:
-    """Pairs of runs that belong together, and those that only the one and only the other has."""
+    """Pairs of equal runs, and the runs that are only in one of the sweeps."""
     by_hash = {row["hash"]: row for row in other}
     by_case = {case_of(row): row for row in other}
     pairs, missing = [], []
@@ -106,12 +106,12 @@ def matched(reference: list[Row], other: list[Row]) -> tuple[list[tuple[Row, Row
 
 
 def case_of(row: Row) -> str:
-    """Tell what was set, and the seed."""
+    """Settings and seed of a run."""
     return json.dumps([row.get("set"), row.get("seed")], sort_keys=True)
 
 
 def compare_statuses(found: Comparison, pairs: list[tuple[Row, Row]]) -> None:
-    """Tell which statuses changed."""
+    """Report changed statuses."""
     changed: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for old, new in pairs:
         if old["status"] != new["status"]:

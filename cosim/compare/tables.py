@@ -1,4 +1,4 @@
-"""A comparison for a terminal."""
+"""Tables of a comparison for a terminal."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NAMES = {"traces": "column", "results": "metric", "sweeps": "metric"}
 
 
 def comparison(found: Comparison) -> RenderableType:
-    """Quantities that deviate, those beyond their tolerance first; what else differs; the verdict."""
+    """Deviating quantities, those beyond their tolerance first; other differences; the verdict."""
     parts: list[RenderableType] = []
     shown = sorted((d for d in found.deviations if d.deviation), key=lambda d: not d.outside)
     if shown:
@@ -52,7 +52,7 @@ def distance(found: Deviation) -> str:
 
 
 def verdict(found: Comparison) -> Text:
-    """One line: how many quantities are within their tolerance."""
+    """One line: number of quantities within their tolerance."""
     noun = NAMES[found.kind] + ("" if len(found.deviations) == 1 else "s")
     count, outside = len(found.deviations), len(found.outside)
     equal = sum(not d.deviation for d in found.deviations)

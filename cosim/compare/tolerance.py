@@ -1,4 +1,4 @@
-"""What may differ by how much: `VALUE` for everything, `PATTERN=VALUE` for what a pattern names."""
+"""Tolerances: `VALUE` for all names, `PATTERN=VALUE` for the names that match a pattern."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ EVERYTHING = "*"
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Tolerances by name; of several that fit a name the last one counts.
+    """Tolerances by name; the last match is used.
 
     Parameters
     ----------
     atol
-        Absolute tolerances, in the unit of what they are for.
+        Absolute tolerances, in the unit of the quantity.
     rtol
         Tolerances relative to the reference.
     dt
-        Times by which a signal may come early or late, s.
+        Permitted time shifts of a signal, s.
     only
-        Patterns of the names that are compared; empty is all.
+        Patterns of the compared names; empty for all.
     """
 
     atol: tuple[Limit, ...] = ()
@@ -43,7 +43,7 @@ class Tolerances:
         Raises
         ------
         CosimError
-            A pattern fits none of the names.
+            A pattern matches none of the names.
         """
         known = list(names)
         limits = {"--atol": self.atol, "--rtol": self.rtol, "--dt": self.dt}
@@ -52,14 +52,14 @@ class Tolerances:
         for option, pattern in given:
             if pattern != EVERYTHING and not any(fits(name, pattern) for name in known):
                 raise CosimError(
-                    f"`{option} {pattern}` fits nothing that is compared", closest(pattern, known)
+                    f"`{option} {pattern}` matches none of the compared names", closest(pattern, known)
                 )
         return [name for name in known if not self.only or any(fits(name, p) for p in self.only)]
 
 
 @dataclass(frozen=True)
 class Limit:
-    """A number for the names that a pattern fits."""
+    """A number for the names that match a pattern."""
 
     pattern: str
     value: float
@@ -73,7 +73,7 @@ def tolerances(
     Raises
     ------
     CosimError
-        A text is no number, or the number is out of its range.
+        A text is not a number, or the number is out of range.
     """
     return Tolerances(
         tuple(limit("--atol", text, math.inf) for text in atol),
@@ -89,7 +89,7 @@ def limit(option: str, text: str, below: float) -> Limit:
     try:
         value = float(number)
     except ValueError:
-        hint = f"for example `{option} 1e-6` or `{option} 'plant.*=1e-6'`"
+        hint = f"Use, for example, `{option} 1e-6` or `{option} 'plant.*=1e-6'`."
         raise CosimError(f"`{option} {text}` does not end in a number", hint) from None
     if not 0.0 <= value < below:
         bound = "finite" if math.isinf(below) else f"below {below:g}"
@@ -98,10 +98,10 @@ def limit(option: str, text: str, below: float) -> Limit:
 
 
 def value_for(limits: Sequence[Limit], name: str) -> float:
-    """Value of the last limit that fits a name, 0 for none."""
+    """Value of the last limit that matches a name, 0 for none."""
     return next((limit.value for limit in reversed(limits) if fits(name, limit.pattern)), 0.0)
 
 
 def fits(name: str, pattern: str) -> bool:
-    """Whether a pattern fits: `*` is any text, `?` one character; brackets are those of names."""
+    """Whether a name matches a pattern: `*` is any text, `?` one character; brackets are literal."""
     return fnmatchcase(name, pattern.replace("[", "[[]"))

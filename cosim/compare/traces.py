@@ -1,4 +1,4 @@
-"""Two traces, column by column, at the times of the second."""
+"""Comparison of two traces, column by column, at the times of the second."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cosim.trace.columns import stepped
 from cosim.trace.stored import StoredTrace
 
 SAME = 1e-3
-"""Part of a step by which steps and times may differ that are meant to be the same."""
+"""Tolerance of equal steps and times, as a fraction of a step."""
 
 
 def compare(
@@ -28,12 +28,12 @@ def compare(
     allowed
         Tolerances of the columns.
     names
-        What the two are called.
+        Names of the two traces.
 
     Raises
     ------
     CosimError
-        No column to compare, or a pattern that fits none.
+        No column to compare, or a pattern that matches none.
     """
     found = Comparison("traces", *names)
     chosen = allowed.chosen(reference.columns)
@@ -58,7 +58,7 @@ def compare(
 
 
 def meanings(name: str, reference: StoredTrace, other: StoredTrace) -> list[str]:
-    """Sentences about a column whose numbers mean something else."""
+    """Sentences about a column with a changed unit or changed items."""
     sentence = same_units(name, reference.units.get(name, ""), other.units.get(name, ""))
     before, now = reference.items.get(name), other.items.get(name)
     if not sentence and before and now and before != now:
@@ -69,9 +69,9 @@ def meanings(name: str, reference: StoredTrace, other: StoredTrace) -> list[str]
 def compare_times(
     found: Comparison, before: NDArray[np.float64], now: NDArray[np.float64], shift: float
 ) -> None:
-    """Tell where the two do not cover the same time, and that their rows do not match.
+    """Report different time spans and different row times.
 
-    A trace may begin and end as much earlier or later as every column may, by `shift`.
+    The start and end may differ by `shift`, the smallest time shift of the columns.
     """
     coarse, fine = sorted((typical_step(before), typical_step(now)), reverse=True)
     same_step = coarse - fine <= SAME * coarse
@@ -85,11 +85,11 @@ def compare_times(
             found.notes.append(sentence)
     common = min(len(before), len(now))
     if not same_step or np.any(np.abs(before[:common] - now[:common]) > SAME * coarse):
-        found.notes.append("other times: the reference is interpolated, whole numbers are held")
+        found.notes.append("different times: the reference is interpolated; whole numbers are held")
 
 
 def typical_step(times: NDArray[np.float64]) -> float:
-    """Median of the times between two rows, s: a gap does not make a trace coarse."""
+    """Median time between two rows, s; the median is insensitive to gaps."""
     return float(np.median(np.diff(times))) if len(times) > 1 else 0.0
 
 

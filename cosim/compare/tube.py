@@ -7,7 +7,7 @@ A value `v` at time `t` is the value `r(s)` of the reference at some time `s` wi
 
 Between its samples the reference is a straight line, which has its extremes at its ends: minimum and maximum
 are those of the samples in the window and of the values at both ends of the window. A signal that is held has
-the value at the beginning of the window and those of the samples in it.
+the value at the start of the window and those of the samples in it.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
-"""Part of a step by which times may differ that are meant to be the same."""
+"""Tolerance of equal times, as a fraction of a step."""
 
 
 @dataclass(frozen=True)
 class Tube:
-    """Values of the reference within `dt` of each time, and how far one may be from them.
+    """Values of the reference within `dt` of each time, and the permitted distance from them.
 
     Parameters
     ----------
     low, high
-        Least and largest value of the reference, NaN where it has only NaN.
+        Minimum and maximum of the reference; NaN where it has only NaN.
     nan
         Whether the reference has a NaN there.
     atol, rtol
@@ -46,7 +46,7 @@ class Tube:
     rtol: float
 
     def deviation(self, values: Array) -> Array:
-        """Distance of values from `low` .. `high`; infinite where only one side is NaN."""
+        """Distance of values from `low` .. `high`; infinite if only one side is NaN."""
         with np.errstate(invalid="ignore"):
             # equal infinities are no distance
             below = np.where(values == self.low, 0.0, self.low - values)
@@ -57,12 +57,12 @@ class Tube:
         return np.where(absent & self.nan, 0.0, outside)
 
     def tolerance(self, values: Array) -> Array:
-        """Largest deviation allowed: that at the end of `low` .. `high` which a value is beyond."""
+        """Permitted deviation at the end of `low` .. `high` that a value exceeds."""
         return self.width(np.where(values > self.high, self.high, self.low))
 
     @property
     def walls(self) -> tuple[Array, Array]:
-        """Least and largest value allowed."""
+        """Minimum and maximum permitted value."""
         return self.low - self.width(self.low), self.high + self.width(self.high)
 
     def width(self, values: Array) -> Array:
@@ -79,20 +79,20 @@ def tube(
     dt: float = 0.0,
     stepped: bool = False,
 ) -> Tube:
-    """Tube around a reference at some times; before its first and after its last row it keeps its value.
+    """Tube around a reference at some times; constant before its first and after its last row.
 
     Parameters
     ----------
     times, reference
         Samples of the reference, shapes (n,), times in s and ascending.
     at
-        Times at which the tube is wanted, s.
+        Times of the tube, s.
     atol, rtol
         Absolute tolerance in the unit of the signal, and relative to the reference.
     dt
-        Time by which the signal may come early or late, s.
+        Permitted time shift of the signal, s.
     stepped
-        Whether the reference is held between its samples instead of interpolated.
+        Whether the reference is held between its samples, not interpolated.
     """
     slack = rounding(times)
     last = np.searchsorted(times, at + dt + slack, side="right")
@@ -113,12 +113,12 @@ def tube(
 
 
 def rounding(times: Array) -> float:
-    """Time below which two times are the same, s."""
+    """Difference below which two times are equal, s."""
     return ROUNDING * float(np.median(np.diff(times))) if len(times) > 1 else 0.0
 
 
 def interpolated(times: Array, values: Array, at: Array) -> Array:
-    """Values on straight lines between samples; its own at the time of a sample, forgiving rounding."""
+    """Linear interpolation; exact at the time of a sample within rounding."""
     after = np.clip(np.searchsorted(times, at), 0, len(times) - 1)
     before = np.maximum(after - 1, 0)
     nearest = np.where(at - times[before] < times[after] - at, times[before], times[after])
@@ -127,10 +127,10 @@ def interpolated(times: Array, values: Array, at: Array) -> Array:
 
 
 def extreme(function: Callable[..., Array], values: Array, first: Any, last: Any) -> Array:
-    """Least or largest of `values[first:last]` for each pair of bounds, NaN for none.
+    """Minimum or maximum of `values[first:last]` for each pair of bounds, NaN if empty.
 
-    A stretch of any length is covered by two, that may overlap, whose length is a power of two; extremes of
-    all stretches of such a length come from those of half the length.
+    Two overlapping intervals whose length is a power of two cover an interval of any length. Their extremes
+    follow from those of half the length (sparse table).
     """
     found = np.full(len(first), np.nan)
     length = last - first

@@ -1,4 +1,4 @@
-"""FMU files: checked, described and extracted."""
+"""FMU files: checks, model description and extraction."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from cosim.fmu.cache import extracted
 log = logging.getLogger("cosim")
 
 MAX_PROBLEMS = 20
-"""Problems of a model description that are told; one mistake in a tool repeats for every variable."""
+"""Maximum number of reported problems; a fault of the tool repeats for every variable."""
 
 
 @dataclass(frozen=True)
 class DisplayUnit:
-    """Unit that people read: `factor` times the value in the unit of the variable, plus `offset`.
+    """Display unit: `factor` times the value in the unit of the variable, plus `offset`.
 
     A variable that is a difference (`relativeQuantity` of its declared type) has no offset.
     """
@@ -49,11 +49,11 @@ class Variable:
     kind
         FMI type: Real, Integer, Boolean, String or Enumeration.
     start, minimum, maximum, unit
-        As in the model description; empty where not given.
+        As in the model description; empty if not given.
     items
         Names and numbers of an enumeration, empty otherwise.
     display
-        Its display unit, where the description gives one.
+        Its display unit, if the description gives one.
     """
 
     name: str
@@ -72,9 +72,9 @@ class Variable:
 
 @dataclass(frozen=True)
 class FmuFile:
-    """An FMU that was found to be an FMI 2.0 co-simulation FMU for this platform.
+    """A checked FMI 2.0 co-simulation FMU for this platform.
 
-    `once` tells that a process can instantiate it only once.
+    `once` states that a process can instantiate it only once.
     """
 
     path: Path
@@ -113,7 +113,7 @@ def open_fmu(path: Path) -> FmuFile:
 
 @functools.lru_cache(16)
 def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
-    """Open an FMU; the same file is opened once in a process."""
+    """Open an FMU; each file is opened once in a process."""
     shown = paths.shown(path)
     try:
         sizes = members.sizes(path)
@@ -132,16 +132,16 @@ def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
 def unreadable(path: Path, error: OSError) -> FmuError:
     """Error of a file that cannot be read."""
     problem = f"cannot read the FMU `{paths.shown(path)}`: {error.strerror or error}"
-    return FmuError(problem, "check the file and its permissions")
+    return FmuError(problem, "Check the file and its permissions.")
 
 
 @contextlib.contextmanager
 def damaged(shown: str, name: str) -> Iterator[None]:
-    """Tell which part of an FMU does not unpack."""
+    """Report the part of an FMU that cannot be unpacked."""
     try:
         yield
     except (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, NotImplementedError) as error:
-        raise FmuError(f"`{shown}` is damaged: {name} does not unpack: {error}", members.AGAIN) from None
+        raise FmuError(f"`{shown}` is damaged: {name} cannot be unpacked: {error}", members.AGAIN) from None
 
 
 def read(path: Path, shown: str, name: str) -> bytes:
@@ -167,25 +167,28 @@ def parsed(shown: str, content: bytes) -> Any:
 
 
 def check_interface(shown: str, root: Any) -> None:
-    """Check that an FMU is one for co-simulation by FMI 2.0."""
+    """Check that an FMU supports co-simulation by FMI 2.0."""
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription" or version is None:
         what = f"its root is `{root.tag}`" + ("" if version else " without `fmiVersion`")
-        raise FmuError(f"`{shown}` is not an FMU: its `{members.DESCRIPTION}` is none, {what}", members.AGAIN)
+        raise FmuError(
+            f"`{shown}` is not an FMU: its `{members.DESCRIPTION}` is not a model description, {what}",
+            members.AGAIN,
+        )
     if version != "2.0":
         raise FmuError(
-            f"`{shown}` is an FMI {version} FMU, only FMI 2.0 is supported", "export it as FMI 2.0"
+            f"`{shown}` is an FMI {version} FMU, only FMI 2.0 is supported", "Export it as FMI 2.0."
         )
     kinds = [kind for kind in ("CoSimulation", "ModelExchange") if root.find(kind) is not None]
     if "CoSimulation" not in kinds:
         raise FmuError(
             f"`{shown}` offers only {' and '.join(kinds) or 'nothing'}, not co-simulation",
-            "export it as a co-simulation FMU",
+            "Export it as a co-simulation FMU.",
         )
 
 
 def described(shown: str, path: Path) -> Any:
-    """FMPy's model description; a wrong structure, which the loop does not need, is a warning."""
+    """FMPy's model description; an error in the model structure, which is not used, is a warning."""
     try:
         with path.open("rb") as file:
             description = fmpy.read_model_description(file)
@@ -200,16 +203,16 @@ def described(shown: str, path: Path) -> Any:
 
 
 def invalid(shown: str, error: Exception) -> FmuError:
-    """Error of a model description, with everything that the parser or FMPy says about it."""
+    """Error of a model description, with all messages of the parser or of FMPy."""
     found = "".join(f"\n  {problem}" for problem in problems(error))
     return FmuError(
         f"the model description of `{shown}` is not valid:{found}",
-        f"`fmpy validate {shown}` lists all problems",
+        f"List all problems with `fmpy validate {shown}`.",
     )
 
 
 def check_identifier(shown: str, identifier: str) -> None:
-    """Check that the name of the library is a name and leads nowhere else."""
+    """Check that the name of the library is a plain name without a path."""
     if not re.fullmatch(r"[^\\/:\x00-\x1f]+", identifier) or identifier.startswith("."):
         raise FmuError(
             f"`{shown}`: its `modelIdentifier` is `{paths.brief(identifier)}`, "
@@ -224,12 +227,12 @@ def check_platform(shown: str, platforms: list[str]) -> None:
         has = ", ".join(f"`{name}`" for name in platforms) or "none at all"
         raise FmuError(
             f"`{shown}` has no binary for this platform, `{fmpy.platform}`; it has {has}",
-            "build it on this machine, or ask for an FMU with this platform",
+            "Build it on this machine, or request an FMU for this platform.",
         )
 
 
 def describe(path: Path, folder: Path, description: Any) -> FmuFile:
-    """Keep what the harness needs from FMPy's model description."""
+    """Extract the required data of FMPy's model description."""
     displays = {
         (unit.name, display.name): DisplayUnit(display.name, float(display.factor), float(display.offset))
         for unit in description.unitDefinitions
@@ -249,7 +252,7 @@ def describe(path: Path, folder: Path, description: Any) -> FmuFile:
 
 
 def scalar(variable: Any, displays: dict[tuple[str, str], DisplayUnit]) -> Variable:
-    """Variable from FMPy's, whose type may come from its declared type."""
+    """Variable from that of FMPy; its type can be a declared type."""
     declared = variable.declaredType
 
     def attribute(name: str) -> str:
@@ -276,7 +279,7 @@ def scalar(variable: Any, displays: dict[tuple[str, str], DisplayUnit]) -> Varia
 
 
 def items_of(name: str, declared: Any) -> tuple[tuple[str, int], ...]:
-    """Names and numbers of an enumeration, each of which stands for one thing."""
+    """Names and numbers of an enumeration, without duplicates."""
     items = tuple((item.name, int(item.value)) for item in (declared.items if declared else ()))
     for column in zip(*items, strict=True):
         twice = [entry for entry in column if column.count(entry) > 1]
@@ -287,7 +290,7 @@ def items_of(name: str, declared: Any) -> tuple[tuple[str, int], ...]:
 
 
 def problems(error: Exception) -> list[str]:
-    """List what FMPy or the parser found in a model description, one line each."""
+    """Problems in a model description found by FMPy or the parser, one line each."""
     found = getattr(error, "problems", None) or str(error).splitlines()
     if not found or (type(error).__module__ == "builtins" and type(error) is not Exception):
         # what Python itself says is no sentence without the name of the error

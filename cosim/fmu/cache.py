@@ -1,4 +1,4 @@
-"""The cache of extracted FMUs: a folder for each file, named by its content and whole before it is used."""
+"""The cache of extracted FMUs: a folder for each file, named by its hash and complete before use."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from cosim.errors import FmuError
 log = logging.getLogger("cosim")
 
 UNUSED_DAYS = 7
-"""An extracted FMU that was not used for so long is removed."""
+"""Days without use after which an extracted FMU is removed."""
 PARTIAL = ".partial-"
 OWN = re.compile(rf"[0-9a-f]{{32}}|{re.escape(PARTIAL)}\w+")
-"""Names of the folders that the cache makes; whatever has another name is somebody else's."""
+"""Names of the folders of the cache; other folders are never removed."""
 LOCK = ".lock"
 PATIENCE = 300.0
-"""Time that another process is given to extract an FMU, s."""
+"""Maximum wait for the extraction by another process, s."""
 FOREIGN = stat.S_IWGRP | stat.S_IWOTH
 
 
 def extracted(path: Path, sizes: dict[str, int], unpack: Callable[[Path], None]) -> Path:
-    """Folder that holds the content of an FMU; extracted now unless it is there and whole.
+    """Folder with the content of an FMU; extracted unless it exists and is complete.
 
-    The folder is named by the SHA-256 of the file, so a rebuilt FMU is never mixed up with an older one. What
-    is missing in it or was cut off is extracted again.
+    The folder is named by the SHA-256 of the file, so a rebuilt FMU has a new folder.
+    Missing or truncated files are extracted again.
 
     Parameters
     ----------
@@ -67,12 +67,12 @@ def extracted(path: Path, sizes: dict[str, int], unpack: Callable[[Path], None])
 
 
 def make(folder: Path, sizes: dict[str, int], unpack: Callable[[Path], None]) -> None:
-    """Extract beside `folder` and rename, so that nobody sees half of it."""
+    """Extract next to `folder` and rename, so that no process sees a partial folder."""
     free, needed = shutil.disk_usage(folder.parent).free, sum(sizes.values())
     if needed > free:
         raise FmuError(
-            f"the FMU unpacks to {needed / 1e6:.0f} MB, in `{folder.parent}` are {free / 1e6:.0f} MB free",
-            f"set {paths.CACHE_ENV} to a folder on a larger disk",
+            f"the FMU unpacks to {needed / 1e6:.0f} MB, but `{folder.parent}` has {free / 1e6:.0f} MB free",
+            f"Set {paths.CACHE_ENV} to a folder on a larger disk.",
         )
     partial = Path(tempfile.mkdtemp(prefix=PARTIAL, dir=folder.parent))
     try:
@@ -86,7 +86,7 @@ def make(folder: Path, sizes: dict[str, int], unpack: Callable[[Path], None]) ->
 
 
 def is_whole(folder: Path, sizes: dict[str, int]) -> bool:
-    """Whether every file of an FMU is in its folder and none was cut off; an FMU may add to its own."""
+    """Whether every file of an FMU is complete in its folder; an FMU may add files."""
     try:
         return owned(folder.lstat()) and all(
             (folder / name).stat().st_size >= size for name, size in sizes.items()
@@ -96,7 +96,7 @@ def is_whole(folder: Path, sizes: dict[str, int]) -> bool:
 
 
 def remove_unused(cache: Path) -> None:
-    """Remove what the cache made but nobody used for `UNUSED_DAYS` days, and nothing else."""
+    """Remove folders of the cache that were not used for `UNUSED_DAYS` days."""
     oldest = time.time() - UNUSED_DAYS * 86400.0
     for folder in cache.iterdir():
         with contextlib.suppress(OSError):
@@ -106,7 +106,7 @@ def remove_unused(cache: Path) -> None:
 
 
 def discard(folder: Path) -> None:
-    """Remove a folder; from one moment to the next for those who look for its name."""
+    """Remove a folder; it is renamed first, so that its name disappears atomically."""
     aside = folder.with_name(f"{PARTIAL}{os.getpid()}_{time.monotonic_ns()}")
     folder.rename(aside)
     if aside.is_dir():
@@ -117,17 +117,17 @@ def discard(folder: Path) -> None:
 
 @contextlib.contextmanager
 def writing(cache: Path) -> Iterator[None]:
-    """Tell where it happened when the disk is full or gone."""
+    """Add the folder to errors of a full or missing disk."""
     try:
         yield
     except OSError as error:
         problem = f"cannot extract the FMU into `{cache}`: {error.strerror or error}"
-        raise FmuError(problem, f"{paths.CACHE_ENV} names another folder") from None
+        raise FmuError(problem, f"Set {paths.CACHE_ENV} to another folder.") from None
 
 
 @contextlib.contextmanager
 def locked(cache: Path) -> Iterator[None]:
-    """Let one process at a time write into the cache; the lock ends with the process."""
+    """Lock the cache for writing by one process; the lock ends with the process."""
     import filelock
 
     try:
@@ -135,13 +135,13 @@ def locked(cache: Path) -> Iterator[None]:
             yield
     except filelock.Timeout:
         problem = f"another process has been writing to `{cache}` for {PATIENCE:g} s"
-        raise FmuError(problem, f"end it, or remove `{cache / LOCK}`") from None
+        raise FmuError(problem, f"End it, or remove `{cache / LOCK}`.") from None
 
 
 def usable(wanted: Path) -> Path:
-    """Wanted folder if it is this user's and nobody else's, or one in the system's temporary folder.
+    """Requested folder if only this user owns and can write it; otherwise a temporary folder.
 
-    Whoever may write into the cache has their code run by the next session.
+    The next session runs code from the cache, so another user must not be able to write it.
     """
     problem = refusal(wanted)
     if not problem:
@@ -164,19 +164,19 @@ def of_this_process() -> Path:
 
 @functools.cache
 def warn(wanted: Path, problem: str, fallback: Path) -> None:
-    """Log once in a process which cache is not used, and why."""
+    """Log once in a process why a cache is not used."""
     log.warning("the cache `%s` %s: FMUs are extracted to `%s`", wanted, problem, fallback)
 
 
 def refusal(cache: Path) -> str:
-    """Why a folder cannot be the cache, empty if it can; makes it where it is not there."""
+    """Reason why a folder cannot be the cache, empty if it can; makes a missing folder."""
     try:
         cache.parent.mkdir(parents=True, exist_ok=True)
         with contextlib.suppress(FileExistsError):
             cache.mkdir(mode=0o700)
         found = cache.lstat()
         if not stat.S_ISDIR(found.st_mode):
-            return "is no folder"
+            return "is not a folder"
         if not os.access(cache, os.W_OK | os.X_OK):
             return "cannot be written"
         if not owned(found):

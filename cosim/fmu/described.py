@@ -1,4 +1,4 @@
-"""JSON schema of scenario files with what may be set of certain FMUs and of a certain plant."""
+"""JSON schema of scenario files with the settings of given FMUs and a given plant."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def filled_schema(
     Parameters
     ----------
     variables
-        What may be set of each FMU, by the names of the FMUs.
+        Settable variables of each FMU, by the names of the FMUs.
     plant
         Dataclass of the plant's parameters.
     """
@@ -43,7 +43,7 @@ def filled_schema(
 
 
 def settable_variables(variables: Iterable[Variable]) -> dict[str, dict[str, Any]]:
-    """Describe what may stand among the parameters, by name; an array as a whole and by its elements."""
+    """Describe the permitted parameters by name; an array as a whole and by its elements."""
     found: dict[str, dict[str, Any]] = {}
     for variable in filter(is_settable, variables):
         found[variable.name] = entry = described(variable)
@@ -54,7 +54,7 @@ def settable_variables(variables: Iterable[Variable]) -> dict[str, dict[str, Any
 
 
 def described(variable: Variable) -> dict[str, Any]:
-    """Describe one variable: type, range, start value, and what it is."""
+    """Describe one variable: type, range, start value and description."""
     told = schema.explained(variable.description, variable.unit)
     if variable.kind == "Enumeration":
         names = {str(number): name for name, number in variable.items}
@@ -74,12 +74,12 @@ def described(variable: Variable) -> dict[str, Any]:
 
 
 def default(value: str | bool | None) -> dict[str, Any]:
-    """Describe a start value, where there is one."""
+    """Describe a start value, if there is one."""
     return {} if value is None else {"default": value}
 
 
 def finite(text: str) -> float:
-    """Read a number that JSON can say."""
+    """Read a number that JSON can represent."""
     number = float(text)
     if not math.isfinite(number):
         raise ValueError(text)

@@ -31,17 +31,17 @@ BASE = {
     "Boolean": "Boolean",
     "String": "String",
 }
-"""FMI function that moves each type: enumerations travel as integers."""
+"""FMI function of each type; enumerations are integers."""
 CTYPE: dict[str, Any] = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
 STATUS = {0: "fmi2OK", 1: "fmi2Warning", 2: "fmi2Discard", 3: "fmi2Error", 4: "fmi2Fatal", 5: "fmi2Pending"}
 
 log = logging.getLogger("cosim")
 _loading = threading.Lock()
-"""Held while FMPy is in another working directory, which the threads of a process share."""
+"""Locked while FMPy changes the working directory, which the threads of a process share."""
 
 
 class Bank:
-    """Variables of one base type that move in one FMI call, through an array shared with numpy.
+    """Variables of one base type that one FMI call transfers through an array shared with numpy.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Bank:
 
 
 def banks(variables: list[Variable]) -> list[Bank]:
-    """Group variables by base type; Strings take no part in a loop."""
+    """Group variables by base type; Strings are not used in a closed loop."""
     groups = {base: [v for v in variables if BASE[v.kind] == base] for base in CTYPE}
     return [Bank(base, group) for base, group in groups.items() if group]
 
@@ -78,7 +78,7 @@ class Instance(Closing):
     inputs, outputs
         Variables that `set` and `get` move in every step; local variables may be among the outputs.
     log_events
-        Whether the FMU shall log events beside warnings and errors.
+        Whether the FMU logs events in addition to warnings and errors.
     owner
         Its entry in the scenario, for messages.
     """
@@ -121,30 +121,34 @@ class Instance(Closing):
         return lambda: int(function(*arguments))
 
     def initialise(self, parameters: dict[str, Any]) -> None:
-        """Give the start values and pass the initialisation mode; a used instance is reset before.
+        """Set the start values and pass the initialization mode; a used instance is reset first.
 
-        One that refuses the reset is replaced, with a warning: a run does not depend on the one before.
+        An instance that rejects the reset is replaced, with a warning: runs are independent of each other.
 
         Raises
         ------
         FmuError
-            Unknown variable, a value of the wrong type, the FMU refused it (with the FMU's own words), or the
-            instance is closed.
+            Unknown variable, a value of the wrong type, the FMU rejected it (with the message of the FMU), or
+            the instance is closed.
         """
         if self.closed:
-            raise FmuError(f"`{self.called}` is closed, a new run needs a new session")
+            raise FmuError(f"`{self.called}` is closed; a new run needs a new session")
         if self.dead:
-            raise FmuError(f"`{self.called}` has failed for good (fmi2Fatal), a new run needs a new instance")
+            raise FmuError(
+                f"`{self.called}` has failed permanently (fmi2Fatal); a new run needs a new instance"
+            )
         if self.used:
             self._reset()
         self.used, self.running = True, False
         with self.errors("set up the experiment" + ("" if self.owner.alone else f" of `{self.name}`")):
             self.slave.setupExperiment(startTime=0.0)
         for variable, value in expand(self.file.variables, parameters, self.owner):
-            refused = f"the FMU refused `{self.name}.{variable.name}` = `{value}`"
+            refused = f"the FMU rejected `{self.name}.{variable.name}` = `{value}`"
             with concerning(f"{self.name}.parameters.{variable.name}"), self.errors(refused):
                 getattr(self.slave, f"set{BASE[variable.kind]}")([variable.reference], [value])
-        refused = f"{self.owner.who} refused its parameters" if parameters else f"initialise {self.owner.who}"
+        refused = (
+            f"{self.owner.who} rejected its parameters" if parameters else f"initialize {self.owner.who}"
+        )
         with self.errors(refused):
             self.slave.enterInitializationMode()
             self.slave.exitInitializationMode()
@@ -160,7 +164,9 @@ class Instance(Closing):
                 self.slave.reset()
         except FmuError as error:
             reason = error.message.partition(": ")[2]
-            warn_once(f"{self.owner.who}: every run gets a new instance, for it cannot be reset: {reason}")
+            warn_once(
+                f"{self.owner.who}: every run gets a new instance, because it cannot be reset: {reason}"
+            )
             self._free()
             self._instantiate()
 
@@ -185,7 +191,7 @@ class Instance(Closing):
 
     @contextlib.contextmanager
     def errors(self, action: str) -> Iterator[None]:
-        """Turn a failed FMI call into an error that tells the action and the FMU's own words."""
+        """Convert a failed FMI call into an error with the action and the message of the FMU."""
         try:
             yield
         except FmuError:
@@ -198,14 +204,14 @@ class Instance(Closing):
         self.messages.take()
 
     def failure(self, action: str, error: FMICallException) -> FmuError:
-        """Error that tells of a failed FMI call; after fmi2Fatal the instance is not touched again."""
+        """Error of a failed FMI call; after fmi2Fatal the instance is not called again."""
         self.running, self.dead = False, error.status >= 4
         words = self.messages.take() or "the FMU logged no reason"
         status = STATUS.get(error.status, str(error.status))
         return FmuError(f"{refusal(action)}: {words} ({error.function} returned {status})")
 
     def close(self) -> None:
-        """Terminate and free the instance; an error on this way out costs no result, it is logged."""
+        """Terminate and free the instance; errors are logged and do not affect the result."""
         if self.running:
             self.terminate()
         if not self.closed:
@@ -218,7 +224,7 @@ class Instance(Closing):
             self.slave.freeInstance()
 
     def terminate(self) -> None:
-        """End the run; an FMU that fails in it is told of."""
+        """End the run; a failing FMU is logged."""
         try:
             self.slave.terminate()
         except FMICallException as error:
@@ -226,7 +232,7 @@ class Instance(Closing):
 
 
 def refusal(action: str) -> str:
-    """Begin the message of what could not be done, or of what the FMU did."""
+    """Start of the message: the failed action, or the rejection by the FMU."""
     return action if action.startswith("the FMU") else f"cannot {action}"
 
 
@@ -245,22 +251,23 @@ def load_library(file: FmuFile, name: str) -> Any:
         raise
     except AttributeError as error:
         raise FmuError(
-            f"the library of `{file.name}` lacks an FMI function: {error}", "`fmpy validate` checks the FMU"
+            f"the library of `{file.name}` lacks an FMI function: {error}",
+            "Check the FMU with `fmpy validate`.",
         ) from None
     except Exception as error:  # FMPy raises bare exceptions here
         raise FmuError(
             f"cannot load the library of `{file.name}`: {error}",
-            "a library of another platform or one it depends on is missing",
+            "Check the platform of the library and its dependencies.",
         ) from None
 
 
 @contextlib.contextmanager
 def working_directory_kept() -> Iterator[None]:
-    """Put the working directory back, which FMPy leaves where a library cannot be loaded."""
+    """Restore the working directory, which FMPy does not if a library cannot be loaded."""
     try:
         folder = os.getcwd()  # noqa: PTH109
     except FileNotFoundError:
-        raise FmuError("the working directory does not exist any more", "change into another") from None
+        raise FmuError("the working directory no longer exists", "Change to another directory.") from None
     try:
         yield
     finally:

@@ -1,4 +1,4 @@
-"""The library of an FMU as a file: what would end the process on loading it is found before."""
+"""Checks of an FMU's library file: finds defects that would end the process on loading."""
 
 from __future__ import annotations
 
@@ -14,39 +14,39 @@ from cosim.errors import FmuError
 from cosim.fmu.messages import readable
 
 ANSWERS = {"fmi2GetVersion": b"2.0", "fmi2GetTypesPlatform": b"default"}
-"""What a library of FMI 2.0 tells of the headers that it was compiled with."""
+"""Identification of the FMI 2.0 headers with which a library was compiled."""
 HEADER = struct.Struct("<4sBB10xHHIQQQIHHHHHH")
 """Header of a 64-bit ELF file."""
 SEGMENT = struct.Struct("<IIQQQQQQ")
 """Entry of its table of segments."""
 LITTLE_64 = (2, 1)
-"""Class and byte order of the files that are looked into."""
+"""Class and byte order of the examined files."""
 
 log = logging.getLogger("cosim")
 
 
 def check_library(folder: Path, identifier: str, shown: str) -> None:
-    """Check that the library of an extracted FMU is whole; loading one that was cut off is a bus error.
+    """Check that the library of an extracted FMU is complete; loading a truncated one is a bus error.
 
     Raises
     ------
     FmuError
-        No library of this name, no library at all, or one that was cut off.
+        No library of this name, no library at all, or a truncated library.
     """
     place = f"binaries/{fmpy.platform}"
     library = folder / place / f"{identifier}{fmpy.sharedLibraryExtension}"
     if not library.is_file():
         there = ", ".join(f"`{path.name}`" for path in sorted((folder / place).glob("*")))
         raise FmuError(
-            f"`{shown}` has no library `{place}/{library.name}`, which its `modelIdentifier` asks for",
-            f"`{place}` holds {there or 'nothing'}",
+            f"`{shown}` has no library `{place}/{library.name}`, which its `modelIdentifier` requires",
+            f"`{place}` holds {there or 'nothing'}.",
         )
     if fmpy.platform.startswith("linux") and (problem := elf_problem(library)):
-        raise FmuError(f"`{shown}`: the library `{place}/{library.name}` in it {problem}", "build it again")
+        raise FmuError(f"`{shown}`: the library `{place}/{library.name}` in it {problem}", "Build it again.")
 
 
 def check_headers(slave: Any, shown: str) -> None:
-    """Warn of a library that was compiled with other headers than those of FMI 2.0."""
+    """Warn of a library that was not compiled with the headers of FMI 2.0."""
     for function, wanted in ANSWERS.items():
         told: bytes | None = getattr(slave, function)()
         if told != wanted:
@@ -56,19 +56,19 @@ def check_headers(slave: Any, shown: str) -> None:
 
 @functools.cache
 def warn(text: str) -> None:
-    """Log a warning once in a process: every instance would say it again."""
+    """Log a warning once in a process, not for every instance."""
     log.warning("%s", text)
 
 
 def elf_problem(library: Path) -> str:
-    """Tell what is wrong with an ELF file, empty if nothing was found."""
+    """Defect of an ELF file; empty if none was found."""
     size = library.stat().st_size
     with library.open("rb") as file:
         start = file.read(HEADER.size)
         if not start.startswith(b"\x7fELF"):
-            return "is no library of Linux" if start else "is empty"
+            return "is not a Linux library" if start else "is empty"
         if len(start) < HEADER.size:
-            return f"was cut off after {size} bytes"
+            return f"is truncated after {size} bytes"
         header = HEADER.unpack(start)
         table, entry, count = header[7], header[11], header[12]
         if header[1:3] != LITTLE_64 or entry != SEGMENT.size:
@@ -80,5 +80,5 @@ def elf_problem(library: Path) -> str:
         (begin + length for _, _, begin, _, _, length, _, _ in SEGMENT.iter_unpack(whole)), default=0
     )
     if len(segments) < count * entry or needed > size:
-        return f"was cut off: it has {size} bytes, its header speaks of {max(needed, table + count * entry)}"
+        return f"is truncated: it has {size} bytes, its header requires {max(needed, table + count * entry)}"
     return ""

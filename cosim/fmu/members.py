@@ -1,4 +1,4 @@
-"""The files in an FMU, checked before they are unpacked: it is a zip file that anybody may have made."""
+"""The files in an FMU, checked before extraction because the zip file may be malicious."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ METHODS = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.
 ENCRYPTED = 0x1
 MAX_FILES = 100_000
 SMALL = 200_000_000
-"""An FMU that unpacks to less, in bytes, may be compressed as well as it likes."""
+"""Unpacked size in bytes up to which any compression ratio is allowed."""
 MAX_RATIO = 100.0
-"""Ratio of unpacked to packed size above which a large FMU is no honest one; libraries reach 5, tables 30."""
-AGAIN = "build or copy it again"
+"""Maximum ratio of unpacked to packed size of a large FMU; libraries reach 5, tables 30."""
+AGAIN = "Build or copy it again."
 
 
 def sizes(path: Path) -> dict[str, int]:
@@ -26,7 +26,7 @@ def sizes(path: Path) -> dict[str, int]:
     Raises
     ------
     FmuError
-        No zip file, or one that FMI does not allow, that leads out of its folder or that would fill the disk.
+        Not a zip file, or a file that FMI does not allow, leaves its folder or would fill the disk.
     """
     shown = paths.shown(path)
     with zipped(path, shown) as archive:
@@ -39,7 +39,7 @@ def sizes(path: Path) -> dict[str, int]:
     files = {info.filename: info.file_size for info in infos if not info.is_dir()}
     if DESCRIPTION not in files:
         names = ", ".join(f"`{paths.brief(name)}`" for name in sorted(files)[:5])
-        holds = f"it holds {names}" if files else "it is empty"
+        holds = f"It holds {names}." if files else "it is empty"
         raise FmuError(f"`{shown}` is not an FMU: it holds no `{DESCRIPTION}`", f"{holds}; {AGAIN}")
     check_size(shown, sum(info.file_size for info in infos), path.stat().st_size)
     check_folders(shown, files)
@@ -56,21 +56,21 @@ def zipped(path: Path, shown: str) -> zipfile.ZipFile:
         if not start:
             problem = "it is empty"
         elif start == b"PK\x03\x04":
-            problem = f"it is a zip file that was cut off or damaged ({error})"
+            problem = f"it is a truncated or damaged zip file ({error})"
         else:
             problem = "it is not a zip file"
         raise FmuError(f"`{shown}` is not an FMU: {problem}", AGAIN) from None
 
 
 def problem_of(info: zipfile.ZipInfo) -> str:
-    """Tell what is wrong with one file of an FMU, empty if nothing is."""
+    """Problem of one file in an FMU; empty if there is none."""
     name = info.orig_filename
     if "\\" in name:
-        return "has a backslash in its name, FMI demands forward slashes"
+        return "has a backslash in its name; FMI requires forward slashes"
     if name.startswith("/") or ":" in name:
         return "has an absolute path"
     if ".." in PurePosixPath(name).parts:
-        return "leads out of the FMU"
+        return "leaves the folder of the FMU"
     if not all(character.isprintable() for character in name):
         return "has a control character in its name"
     if stat.S_ISLNK(info.external_attr >> 16):
@@ -78,7 +78,7 @@ def problem_of(info: zipfile.ZipInfo) -> str:
     if info.flag_bits & ENCRYPTED:
         return "is encrypted"
     if info.compress_type not in METHODS:
-        return f"is compressed by method {info.compress_type}, FMI demands 8 (deflate)"
+        return f"is compressed by method {info.compress_type}; FMI requires 8 (deflate)"
     return ""
 
 
@@ -87,14 +87,14 @@ def check_size(shown: str, unpacked: int, packed: int) -> None:
     if unpacked > SMALL and unpacked > MAX_RATIO * packed:
         raise FmuError(
             f"`{shown}` of {packed / 1e6:.3g} MB unpacks to {unpacked / 1e6:.0f} MB, "
-            f"{unpacked / packed:.0f} times as much; more than {MAX_RATIO:g} times is taken for an attack",
-            "pack it without compression if it is meant so",
+            f"{unpacked / packed:.0f} times as much; the limit is {MAX_RATIO:g} times",
+            "Pack it without compression if the size is intended.",
         )
 
 
 def check_folders(shown: str, files: dict[str, int]) -> None:
-    """Check that no file stands where another one needs a folder."""
+    """Check that no name is both a file and a folder."""
     for name in files:
         for above in PurePosixPath(name).parents:
             if str(above) in files:
-                raise FmuError(f"`{shown}`: `{above}` in it is a file and a folder at once", AGAIN)
+                raise FmuError(f"`{shown}`: `{above}` in it is both a file and a folder", AGAIN)

@@ -1,4 +1,4 @@
-"""Log messages of FMUs: routed to Python logging and kept for the texts of errors."""
+"""Log messages of FMUs: passed to Python logging and kept for error texts."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ log = logging.getLogger("cosim.fmu")
 
 LEVELS = {0: logging.INFO, 1: logging.WARNING, 2: logging.WARNING, 3: logging.ERROR, 4: logging.ERROR}
 KEPT = 20
-"""Messages kept per instance; an FMU that warns in every step must not fill the memory."""
+"""Maximum number of messages per instance, because an FMU may warn in every step."""
 
 LONGEST = 2000
-"""Characters of a message that are shown."""
+"""Maximum length of a shown message."""
 
 
 class Messages:
     """Log of one FMU instance.
 
-    What an FMU says about a failed call becomes part of the error that is raised; it is logged as debug.
+    The message about a failed call becomes part of the raised error and is logged as debug.
     """
 
     def __init__(self, instance: str) -> None:
@@ -40,11 +40,11 @@ class Messages:
         _listeners[self.handle] = self
 
     def close(self) -> None:
-        """Listen no longer."""
+        """Stop receiving messages."""
         _listeners.pop(self.handle, None)
 
     def add(self, status: int, category: str, text: str) -> None:
-        """Take one message."""
+        """Receive one message."""
         self.kept = [*self.kept[1 - KEPT :], (status, text)]
         level = LEVELS.get(status, logging.ERROR)
         log.log(
@@ -52,7 +52,7 @@ class Messages:
         )
 
     def take(self) -> str:
-        """Texts of the warnings and errors since the last call, worst status only, and forget them."""
+        """Return and discard the messages since the last call, of the worst status only."""
         worst = max((status for status, _ in self.kept), default=0)
         texts = dict.fromkeys(text for status, text in self.kept if status == worst and status > 0)
         self.kept = []
@@ -60,7 +60,7 @@ class Messages:
 
 
 def _receive(environment: int | None, instance: bytes, status: int, category: bytes, text: bytes) -> None:
-    """Hand a message to the instance that the environment pointer stands for."""
+    """Pass a message to the instance of the environment pointer."""
     message = readable(text)
     listener = _listeners.get(environment or 0)
     if listener is not None:
@@ -70,7 +70,7 @@ def _receive(environment: int | None, instance: bytes, status: int, category: by
 
 
 def readable(text: bytes | None) -> str:
-    """Text of an FMU as it may be shown: no control codes of terminals, and not without end."""
+    """Text of an FMU for display: no terminal control codes, limited length."""
     clean = errors.readable((text or b"")[: LONGEST + 1].decode("utf-8", "replace").strip())
     return clean if len(clean) <= LONGEST else f"{clean[:LONGEST]}..."
 

@@ -1,4 +1,4 @@
-"""Variables that a model description names but the FMU itself does not know."""
+"""Variables in a model description that the FMU itself does not know."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _read: set[tuple[str, str]] = set()
 
 
 def report(fmu: Instance) -> None:
-    """Read every number of an FMU whose run is over, once in a process, and log the first that it refuses.
+    """Read every number of an FMU after its run, once in a process; log the first rejected variable.
 
-    A refused call ends the life of an instance, so the variables behind the first one are not asked for.
+    A rejected call ends an instance, so the variables after the first are not read.
     """
     known = (fmu.file.guid, str(fmu.file.folder))
     if known in _read:

@@ -1,4 +1,4 @@
-"""FMUs of a checkout that are older than the sources they were built from."""
+"""FMUs of a checkout that are older than their sources."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cosim.scenario.model import Scenario
 log = logging.getLogger("cosim")
 
 PARTS = ("Cargo.toml", "build.rs", "src", "resources")
-"""What a library is built from, in the folder of its crate."""
+"""Sources of a library in the folder of its crate."""
 
 
 def warn_of(scenario: Scenario) -> None:
@@ -26,9 +26,9 @@ def warn_of(scenario: Scenario) -> None:
 
 @functools.cache
 def warn(name: str, file: Path) -> None:
-    """Log once in a process that an FMU found by its name was built before the last edit of its sources.
+    """Log once in a process that an FMU found by name is older than its sources.
 
-    Nothing is said of an FMU given by path, of one from elsewhere, and where there are no sources.
+    FMUs given by path, from other folders or without sources are not checked.
     """
     folder = paths.OWN_FMUS
     if file.name != f"{name}.fmu" or file.parent != folder.resolve():
@@ -37,17 +37,17 @@ def warn(name: str, file: Path) -> None:
     times = ((source, source.stat().st_mtime) for source in sources(checkout, name))
     if changed := changed_after(file.stat().st_mtime, times):
         shown, command = paths.shown(changed), f"cargo xtask fmu {name.removeprefix('fmu-')}"
-        log.warning("`%s` is older than `%s`: `%s` builds it again", paths.shown(file), shown, command)
+        log.warning("`%s` is older than `%s`: build it again with `%s`", paths.shown(file), shown, command)
 
 
 def changed_after(built: float, times: Iterable[tuple[Path, float]]) -> Path | None:
-    """File of the last change after `built`, None if there is none."""
+    """File of the last change after `built`, None if there is no change."""
     changed = [(time, path) for path, time in times if time > built]
     return max(changed)[1] if changed else None
 
 
 def sources(checkout: Path, name: str) -> list[Path]:
-    """Files that the library of a crate is built from: its own and those of the crates beside it."""
+    """Source files of the library of a crate, including its path dependencies."""
     found: list[Path] = []
     for folder in crates(checkout, name):
         for part in PARTS:
@@ -56,7 +56,7 @@ def sources(checkout: Path, name: str) -> list[Path]:
 
 
 def crates(checkout: Path, name: str) -> list[Path]:
-    """Folders of a crate of a cargo workspace and of those it uses; none for a crate that is not there."""
+    """Folders of a crate of a cargo workspace and of its dependencies; none for a missing crate."""
     if not (checkout / name / "Cargo.toml").is_file() or not (checkout / "Cargo.toml").is_file():
         return []
     shared = manifest(checkout).get("workspace", {}).get("dependencies", {})
@@ -74,7 +74,7 @@ def crates(checkout: Path, name: str) -> list[Path]:
 
 
 def manifest(folder: Path) -> dict[str, Any]:
-    """`Cargo.toml` of a folder; empty if it is broken, of which cargo tells more."""
+    """`Cargo.toml` of a folder; empty if it is invalid, which cargo reports."""
     try:
         return tomllib.loads((folder / "Cargo.toml").read_text(encoding="utf-8"))
     except (OSError, tomllib.TOMLDecodeError):

@@ -1,4 +1,4 @@
-"""Values of FMI variables: from TOML to what the FMI call takes, and back to names."""
+"""Values of FMI variables: conversion from TOML to FMI types, and back to names."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def encode(variable: Variable, value: Any, owner: FmuChoice = ALONE) -> Value:
         "Real": "a number",
         "Integer": "an integer of 32 bits",
         "Boolean": "true or false",
-        "String": "a text without NUL, at which it would end",
+        "String": "a text without NUL characters",
     }
     raise FmuError(f"`{owner.name}.{variable.name}` is {show(value)}, it must be {kinds[variable.kind]}")
 
@@ -69,14 +69,14 @@ def expand(
     Raises
     ------
     FmuError
-        Unknown variable, wrong type, wrong length of an array, a variable that nobody may set.
+        Unknown variable, wrong type, wrong array length, or a variable that cannot be set.
     """
     flat: list[tuple[str, Any]] = []
     for name, value in parameters.items():
         if isinstance(value, list) and name not in variables:
             length = sum(known.startswith(f"{name}[") for known in variables)
             if 0 < length != len(value):
-                raise FmuError(f"`{owner.name}.{name}` has {len(value)} values, it takes {length}")
+                raise FmuError(f"`{owner.name}.{name}` has {len(value)} values instead of {length}")
             flat += [(f"{name}[{index}]", item) for index, item in enumerate(value, start=1)]
         else:
             flat.append((name, value))
@@ -88,19 +88,19 @@ def expand(
 
 
 def settable(variables: dict[str, Variable], name: str, owner: FmuChoice) -> Variable:
-    """Variable that may be given a start value."""
+    """Variable that accepts a start value."""
     variable = lookup(variables, name, owner)
     if not is_settable(variable):
         what = "constant" if variable.variability == "constant" else variable.causality
         raise FmuError(
-            f"`{owner.name}.{name}` is of causality `{what}`, it cannot be set",
-            "parameters and start values of inputs can",
+            f"`{owner.name}.{name}` has causality `{what}` and cannot be set",
+            "Set parameters or start values of inputs.",
         )
     return variable
 
 
 def is_settable(variable: Variable) -> bool:
-    """Whether a variable may be given a start value."""
+    """Whether a variable accepts a start value."""
     derived = variable.causality in ("output", "calculatedParameter", "independent")
     return variable.variability != "constant" and not derived
 
@@ -113,7 +113,7 @@ def lookup(variables: dict[str, Variable], name: str, owner: FmuChoice = ALONE) 
 
 
 def is_number(value: Any) -> bool:
-    """Whether the value is a number and no Boolean."""
+    """Whether the value is a number and not a Boolean."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 

@@ -1,1 +1,1 @@
-"""The closed loop of an FMU and a plant: wired, run by one of the engines, recorded."""
+"""The closed loop of an FMU and a plant: connections, engines and recording."""

@@ -1,6 +1,6 @@
 """Conditions over the current row of a trace, and their programs for native code.
 
-An expression that is applied to symbols tells what it computes.
+An expression that is applied to symbols gives its program.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ Program = list[tuple[str, float]]
 EXACT = {
     "add", "subtract", "multiply", "divide", "negative", "positive", "absolute", "sqrt", "minimum", "maximum",
 }  # fmt: skip
-"""Functions of numbers whose result every library rounds alike."""
+"""Functions with the same rounding in every library."""
 LOGICAL = {
     "equal", "not_equal", "less", "less_equal", "greater", "greater_equal",
     "logical_and", "logical_or", "logical_not", "isfinite",
 }  # fmt: skip
-"""Functions that tell true or false."""
+"""Functions that return true or false."""
 
 
 class Symbol(np.lib.mixins.NDArrayOperatorsMixin):
-    """A value that is not known yet, with the program that computes it."""
+    """A symbolic value with the program that computes it."""
 
     def __init__(self, program: Program, logical: bool = False) -> None:
         self.program = program
         self.logical = logical
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
-        """Note a function instead of computing it."""
+        """Record a function without computing it."""
         sides = [value if isinstance(value, Symbol) else number(value) for value in inputs]
         # numpy computes otherwise with truth values alone
         countable = ufunc.__name__ in EXACT and not all(side.logical for side in sides)
@@ -45,21 +45,21 @@ class Symbol(np.lib.mixins.NDArrayOperatorsMixin):
         return Symbol([*program, (ufunc.__name__, 0.0)], ufunc.__name__ in LOGICAL)
 
     def __array_function__(self, *arguments: Any) -> Any:
-        """Refuse functions that are no ufunc."""
+        """Reject functions that are not ufuncs."""
         return NotImplemented
 
     def __bool__(self) -> bool:
-        """Refuse branches."""
+        """Reject branches."""
         raise TypeError("a symbol has no truth value")
 
 
 def number(value: Any) -> Symbol:
-    """Symbol of a known number."""
+    """Symbol of a constant."""
     return Symbol([("number", float(value))], isinstance(value, bool | np.bool_))
 
 
 def program(expression: Expression, columns: int) -> Program | None:
-    """Program of a condition over rows of so many columns, None where its bits would not be numpy's."""
+    """Program of a condition over rows of a number of columns; None if it would not be bit-identical to numpy."""
     symbols = [Symbol([("column", float(index))]) for index in range(columns)]
     try:
         found = expression(symbols)
@@ -69,21 +69,21 @@ def program(expression: Expression, columns: int) -> Program | None:
 
 
 def compiled(text: str, key: str, found: Mapping[str, Variable | None]) -> Expression | None:
-    """Condition over the current row of the trace, None where there is none.
+    """Condition over the current row of the trace; None for an empty text.
 
     Parameters
     ----------
     text
-        The expression; empty for none.
+        The expression; may be empty.
     key
         Key of the scenario that holds it.
     found
-        Columns of the trace, with the FMU's variable where there is one.
+        Columns of the trace, with the FMU's variable if there is one.
 
     Raises
     ------
     ExpressionError
-        It is no expression, or it tells a number: one that is not 0 would hold at once.
+        It is not an expression, or it gives a number: any number except 0 would be true immediately.
     """
     if not text:
         return None
@@ -92,8 +92,8 @@ def compiled(text: str, key: str, found: Mapping[str, Variable | None]) -> Expre
         column = found.get(text.strip())
         truth = np.asarray(made(np.zeros(len(found)))).dtype == np.bool_
         if not truth and (column is None or column.kind != "Boolean"):
-            hint = f"compare it with a number: `{text} > 0`"
-            raise ExpressionError(f"`{key}` = `{text}` is no condition", hint)
+            hint = f"Compare it with a number: `{text} > 0`."
+            raise ExpressionError(f"`{key}` = `{text}` is not a condition", hint)
     return made
 
 

@@ -1,4 +1,4 @@
-"""Metrics and criteria of a scenario on a trace that was stored: judged again, not run again."""
+"""Evaluation of the metrics and criteria of a scenario on a stored trace, without a run."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from cosim.trace.stored import StoredTrace
 
 log = logging.getLogger("cosim")
 ENGINE = "stored"
-"""What stands in a result instead of the engine: nothing was run."""
+"""Name of the engine in the result of a stored trace."""
 
 
 def evaluate(scenario: Scenario, found: StoredTrace) -> Result:
-    """Compute the metrics of a scenario on a stored trace and hold its criteria against them.
+    """Compute the metrics of a scenario on a stored trace and check its criteria.
 
-    The numbers are those of the run that wrote the trace; only metrics and criteria of the scenario count.
+    The numbers are those of the run that wrote the trace; only metrics and criteria of the scenario are used.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def evaluate(scenario: Scenario, found: StoredTrace) -> Result:
     ran = str(found.about.get("scenario", scenario.name))
     seed, simulated = found.about.get("seed"), found.about.get("simulated_s")
     if ran.partition("/")[0] != scenario.name.partition("/")[0]:
-        log.warning("`%s` is a trace of `%s`, it is judged as one of `%s`", shown, ran, scenario.name)
+        log.warning("`%s` is a trace of `%s`; it is evaluated as a trace of `%s`", shown, ran, scenario.name)
     with located(scenario):
         found = described(found, scenario)
         compiled = compile_metrics(scenario, found, shown)
@@ -78,12 +78,12 @@ def compile_metrics(scenario: Scenario, found: StoredTrace, shown: str) -> list[
 
 
 def check_units(scenario: Scenario, compiled: list[Expression], found: StoredTrace, shown: str) -> None:
-    """Check that no limit is held against a number whose unit would come from a column that tells none.
+    """Check that no limit applies to a metric whose unit would come from a column without unit.
 
     Raises
     ------
     ExpressionError
-        Names criterion and metric: the number may be meant in another unit.
+        Names criterion and metric: its number may be in another unit.
     """
     without_unit = [name for name in found.columns if name not in found.units]
     if not without_unit:
@@ -95,14 +95,14 @@ def check_units(scenario: Scenario, compiled: list[Expression], found: StoredTra
     for criterion in scenario.criterion:
         if criterion.unit and criterion.metric in doubtful:
             with concerning(f"criterion.{criterion.id}.unit"):
-                problem = f"`criterion.{criterion.id}.unit` is `{criterion.unit}`, `{shown}` tells no units"
+                problem = f"`criterion.{criterion.id}.unit` is `{criterion.unit}`, `{shown}` has no units"
                 metric = f"`metric.{criterion.metric}`"
-                hint = f"give {metric} the `unit` of its number, or take a trace in `.npz` or `.parquet`"
-                raise ExpressionError(f"{problem}: that of {metric} is not known", hint)
+                hint = f"Give {metric} a `unit`, or use a trace in `.npz` or `.parquet`."
+                raise ExpressionError(f"{problem}: the unit of {metric} is unknown", hint)
 
 
 def described(found: StoredTrace, scenario: Scenario) -> StoredTrace:
-    """Trace with units and items; those of the FMUs' variables where its file tells none, as a CSV file."""
+    """Trace with units and items; those of the FMUs' variables for files without them, such as CSV."""
     if found.units:
         return found
     files = fmus.open_files(scenario)

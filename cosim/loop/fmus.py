@@ -1,4 +1,4 @@
-"""The FMUs of a session: opened, taken over from the one before, initialised and closed together."""
+"""The FMUs of a session: opened, reused from the previous session, initialized and closed together."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def open_files(scenario: Scenario) -> dict[str, FmuFile]:
     Raises
     ------
     FmuError
-        A file cannot be opened, or would be instantiated more often than it allows.
+        A file cannot be opened, or it allows fewer instances.
     """
     files: dict[str, FmuFile] = {}
     for choice in scenario.fmus:
@@ -30,9 +30,7 @@ def open_files(scenario: Scenario) -> dict[str, FmuFile]:
             if file.once and twins:
                 both = f"`{twins[0]}` and `{choice.name}` are both `{file.path.name}`"
                 problem = f"{both}, which a process can instantiate only once"
-                raise FmuError(
-                    problem, "so its model description says: `canBeInstantiatedOnlyOncePerProcess`"
-                )
+                raise FmuError(problem, "Use each such FMU once (`canBeInstantiatedOnlyOncePerProcess`).")
             files[choice.name] = file
     return files
 
@@ -44,12 +42,12 @@ def open_instances(
     before: Sequence[Instance],
     place: Place,
 ) -> tuple[Instance, ...]:
-    """Instances of the FMUs; of those before, what fits is taken over and the rest closed.
+    """Instances of the FMUs; suitable previous instances are reused, the others closed.
 
     Raises
     ------
     CosimError
-        An FMU cannot be instantiated, or something is driven that cannot be.
+        An FMU cannot be instantiated, or a variable is driven that is not an input.
     """
     wanted = [
         (choice, files[choice.name], driven(scenario, choice, files[choice.name])) for choice in scenario.fmus
@@ -78,23 +76,23 @@ def open_instances(
 
 
 def called(choice: FmuChoice) -> tuple[str, str, bool]:
-    """How an FMU is told of: its name, its file as the scenario gives it, whether it is the only one."""
+    """Description of an FMU in messages: name, file as in the scenario, whether it is the only one."""
     return choice.name, choice.fmu, choice.alone
 
 
 def fits(fmu: Instance, file: FmuFile, inputs: list[Variable], log_events: bool) -> bool:
-    """Whether an instance that is open moves these variables of a file."""
+    """Whether an open instance transfers these variables of a file."""
     same = fmu.file is file and fmu.driven == inputs
     return same and fmu.log_events == log_events and not fmu.dead
 
 
 def initialise(scenario: Scenario, fmus: Sequence[Instance], place: Place) -> None:
-    """Give all FMUs their start values, in their order; used ones are reset before.
+    """Set the start values of all FMUs in their order; used instances are reset first.
 
     Raises
     ------
     FmuError
-        As `Instance.initialise`.
+        See `Instance.initialise`.
     """
     for choice, fmu in zip(scenario.fmus, fmus, strict=True):
         place.at(Stage.INITIALISE, choice.shown)
@@ -102,7 +100,7 @@ def initialise(scenario: Scenario, fmus: Sequence[Instance], place: Place) -> No
 
 
 def close(fmus: Sequence[Instance], place: Place) -> None:
-    """Free instances; those that are closed stay so."""
+    """Free all open instances."""
     for fmu in fmus:
         place.at(Stage.CLOSE, fmu.owner.shown)
         fmu.close()

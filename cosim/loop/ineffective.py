@@ -1,4 +1,4 @@
-"""What a scenario demands or injects to no effect: no error, but a test that tests nothing."""
+"""Ineffective settings: criteria and injections without effect. They make a test meaningless."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from cosim.scenario.injection import Injection
 from cosim.scenario.model import Criterion, Loop, Scenario
 
 NEUTRAL = {"offset": 0.0, "scale": 1.0, "ramp": 0.0, "noise": 0.0, "drop": 0.0}
-"""Numbers that make no fault, by the kind of an injection."""
+"""Numbers without effect, by the kind of an injection."""
 
 
 def ineffective_settings(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """Keys and sentences about injections that never happen and limits that hold for any number."""
+    """Keys and sentences about injections that never start and limits that any number meets."""
     for injection in scenario.inject:
         if not happens(injection, scenario.loop):
             end = f"no step of the run, which ends at {scenario.loop.duration:g} s"
             until = "" if injection.to_time is None else f" to {injection.to_time:g} s"
             span = f"from {injection.from_time:g} s{until}"
-            yield f"inject.{injection.to}", f"`inject.{injection.to}` {span} reaches {end}: it never happens"
+            yield f"inject.{injection.to}", f"`inject.{injection.to}` {span} reaches {end}: it never starts"
         kind = injection.kind
         if getattr(injection, kind) == NEUTRAL.get(kind):
             key = f"inject.{injection.to}.{kind}"
@@ -29,7 +29,7 @@ def ineffective_settings(scenario: Scenario) -> Iterator[tuple[str, str]]:
     for criterion in scenario.criterion:
         if name := without_bound(criterion):
             key = f"criterion.{criterion.id}"
-            yield key, f"`{key}.{name}` is `{getattr(criterion, name)}`, which any number holds"
+            yield key, f"`{key}.{name}` is `{getattr(criterion, name)}`, which any number meets"
 
 
 def happens(injection: Injection, loop: Loop) -> bool:
@@ -41,6 +41,6 @@ def happens(injection: Injection, loop: Loop) -> bool:
 
 
 def without_bound(criterion: Criterion) -> str:
-    """Name of a limit of a criterion that limits nothing; empty if there is none."""
+    """Name of an infinite limit of a criterion; empty if there is none."""
     ends = {"minimum": -math.inf, "maximum": math.inf}
     return next((name for name, end in ends.items() if getattr(criterion, name) == end), "")

@@ -1,4 +1,4 @@
-"""What is no error in a scenario but seldom meant: undriven inputs, units that differ, idle faults."""
+"""Warnings about a scenario: undriven inputs, different units and ineffective settings."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from cosim.scenario.model import Wire
 
 
 def check(session: Session) -> list[str]:
-    """Connect everything as a run does, without a step; returns warnings.
+    """Connect everything as in a run, without a step; return the warnings.
 
     Raises
     ------
     CosimError
-        What a run would refuse before its first step.
+        An error that a run would raise before its first step.
     """
     scenario = session.scenario
     with located(scenario):
@@ -31,7 +31,7 @@ def check(session: Session) -> list[str]:
 
 
 def warnings(session: Session) -> list[str]:
-    """Sentences about what is undriven, of unlike units, without effect, or not demanded."""
+    """Sentences about undriven inputs, different units, ineffective settings and missing criteria."""
     found = []
     known = undriven.ends(session.fmus, session.plant)
     if unknown := undriven.unknown(session.scenario, known):
@@ -41,23 +41,23 @@ def warnings(session: Session) -> list[str]:
     found += [told for wire in session.scenario.wire if (told := unlike(wire, session))]
     found += [told for _, told in ineffective_settings(session.scenario)]
     if not session.scenario.criterion:
-        found.append("no criterion demands anything of a run")
+        found.append("the scenario has no criteria")
     return found
 
 
 def unlike(wire: Wire, session: Session) -> str:
-    """Warning of a wire that carries a value into another unit as it is; empty if it does not."""
+    """Warning of a wire between different units without conversion; empty if there is none."""
     before, after = (unit_of(end, session) for end in (wire.source, wire.to))
     unknown = {"", "1"} & {before, after}
     if unknown or before == after or (wire.scale, wire.offset) != (1.0, 0.0):
         return ""
-    told = f"`wire.{wire.to}` carries {before} from `{wire.source}` into {after} as it is"
+    told = f"`wire.{wire.to}` connects {before} of `{wire.source}` to {after} without conversion"
     factor = ratio(before, after)
     return told if factor is None else f"{told}; set `scale = {factor:.12g}`"
 
 
 def unit_of(end: str, session: Session) -> str:
-    """Tell the unit at one end of a wire; empty where none is known."""
+    """Unit at one end of a wire; empty if unknown."""
     side, _, name = end.partition(".")
     if fmu := next((fmu for fmu in session.fmus if fmu.name == side), None):
         return fmu.file.variables[name].unit
@@ -66,6 +66,6 @@ def unit_of(end: str, session: Session) -> str:
 
 
 def ratio(before: str, after: str) -> float | None:
-    """Factor from one unit to another of the same kind, None where it is not known."""
+    """Factor from one unit to another of the same kind; None if unknown."""
     (base, scale), (other, size) = SCALES.get(before, ("", 1.0)), SCALES.get(after, ("", 1.0))
     return scale / size if base and base == other else None

@@ -1,4 +1,4 @@
-"""The native engine: the steps of the reference loop in native code, with the same bits and errors."""
+"""The native engine: the steps of the reference engine in compiled code, bit-identical and with the same errors."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ DO_STEP = "fmi2DoStep"
 
 @dataclass(frozen=True)
 class Call:
-    """One FMI call that moves the values of a bank: address of the function and arrays of its arguments."""
+    """One FMI call that transfers the values of a bank: function address and argument arrays."""
 
     name: str
     function: int
@@ -60,20 +60,22 @@ class NativeFmu:
 
 
 def choose(engine: Engine, scenario: Scenario, plant: Plant) -> Engine:
-    """Engine for a scenario and its plant: the one asked for, or with one warning the reference loop."""
+    """Engine for a scenario and its plant: the requested one, or with a warning the reference engine."""
     if engine == "reference":
         return engine
     if scenario.fmu:
-        warn_once(f"`{scenario.name}` runs in the reference loop: the native engine takes a `[controller]`")
+        warn_once(
+            f"`{scenario.name}` runs in the reference engine: the native engine requires a `[controller]`"
+        )
         return "reference"
     if reason := obstacle(plant):
-        warn_once(f"the plant `{scenario.plant.name}` runs in the reference loop: {reason}")
+        warn_once(f"the plant `{scenario.plant.name}` runs in the reference engine: {reason}")
         return "reference"
     return engine
 
 
 def obstacle(plant: Any) -> str:
-    """Why a plant cannot be stepped by native code, empty if it can."""
+    """Reason why native code cannot step a plant; empty if it can."""
     if not hasattr(plant, "machine"):
         return "it is written in Python"
     from plants.base.machine import NotNativeError
@@ -86,7 +88,7 @@ def obstacle(plant: Any) -> str:
 
 
 def controller(fmu: Instance) -> NativeFmu:
-    """Addresses of an FMU's functions, from FMPy's handle of its library."""
+    """Function addresses of an FMU, from FMPy's handle of its library."""
 
     def function(name: str) -> int:
         return ctypes.cast(getattr(fmu.slave.dll, name), ctypes.c_void_p).value or 0
@@ -110,12 +112,12 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     Parameters
     ----------
     chunk
-        Steps between two looks at `progress` and Ctrl-C; it changes no result.
+        Steps between two checks of `progress` and Ctrl-C; it does not affect results.
 
     Raises
     ------
     CosimError
-        As the reference loop, with the same text.
+        As the reference engine, with the same text.
     """
     from machining_native import Stepper
 
@@ -164,7 +166,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
 
 
 def explain(stop: tuple[str, int, float] | None, links: Links, calls: NativeFmu, plant: Plant) -> bool:
-    """Whether the condition stopped the native code; else raise what the reference loop would have raised."""
+    """Whether the condition stopped the native code; otherwise raise the error of the reference engine."""
     match stop:
         case ("reading", wire, value):
             raise links.readings[wire].shape.refusal(value)
@@ -177,5 +179,5 @@ def explain(stop: tuple[str, int, float] | None, links: Links, calls: NativeFmu,
         case ("call", number, status):
             raise FMICallException(calls.name(number), int(status))
     if stop is not None and stop[0] != "stop":
-        raise RuntimeError(f"the native engine stopped for no reason that Python sees: {stop}")
+        raise RuntimeError(f"the native engine stopped for an unknown reason: {stop}")
     return stop is not None

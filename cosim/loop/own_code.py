@@ -1,4 +1,4 @@
-"""Code of a user that a scenario names as `module:name`: it lies beside the scenario or is installed."""
+"""User code that a scenario names as `module:name`: next to the scenario or installed."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 _importing = threading.Lock()
-"""Held while a module is imported that other threads must not see half done."""
+"""Locked during the import of a module, so that other threads do not see a partial import."""
 
 
 def module(name: str, folder: Path) -> Any:
-    """Import a module for a scenario in `folder`; one beside it comes before any other of that name.
+    """Import a module for a scenario in `folder`; a module in that folder has priority.
 
     Raises
     ------
@@ -41,16 +41,16 @@ def module(name: str, folder: Path) -> Any:
 
 
 def where(folder: Path) -> str:
-    """Tell where a module must lie."""
-    return f"the module must lie in `{folder}`, in the working directory or be installed"
+    """Hint where a module must be."""
+    return f"Put the module into `{folder}` or the working directory, or install it."
 
 
 def is_imported(name: str, folder: Path) -> bool:
-    """Whether a module was imported before, so that nothing of it runs again."""
+    """Whether a module was imported before."""
     known, file = sys.modules.get(name), beside(name, folder)
     return known is not None and (not file.is_file() or getattr(known, "__file__", None) == str(file))
 
 
 def beside(name: str, folder: Path) -> Path:
-    """File that a module has if it lies beside the scenario."""
+    """File of a module next to the scenario."""
     return folder.joinpath(*name.split(".")).with_suffix(".py").resolve()

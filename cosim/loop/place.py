@@ -1,4 +1,4 @@
-"""Where a run is: kept in memory that another process can look at, even after a crash."""
+"""Position of a run, in memory that another process can read even after a crash."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from cosim.process import Arithmetic
 from cosim.warned import warn_once
 
 NAME = 400
-"""Bytes kept of a name."""
+"""Maximum bytes of a name."""
 
 
 class Stage(enum.IntEnum):
-    """Whose code runs, and for what."""
+    """The running code and its task."""
 
     NONE = 0
     LOAD = 1
@@ -33,7 +33,7 @@ class Stage(enum.IntEnum):
 
 FMU = {
     Stage.LOAD: "while it was loaded and instantiated",
-    Stage.INITIALISE: "while it was initialised",
+    Stage.INITIALISE: "while it was initialized",
     Stage.STEP: "",
     Stage.READ: "while its variables were read after the run",
     Stage.CLOSE: "while it was terminated and freed",
@@ -47,7 +47,7 @@ PLANT = {
 
 
 class Page(ctypes.Structure):
-    """What the memory holds. In the native engine `step` is the first of a chunk of steps."""
+    """Layout of the shared memory. In the native engine `step` is the first of a chunk of steps."""
 
     _fields_ = (
         ("stage", ctypes.c_int64),
@@ -60,15 +60,15 @@ class Page(ctypes.Structure):
 
 
 class Place:
-    """Where a run is; a field of `page` is written before each call of foreign code.
+    """Position of a run; a field of `page` is written before each call of foreign code.
 
-    After each stage the processor calculates as before: what an FMU changes of that would change the numbers
-    of others, and its own from one run to the next.
+    The floating-point environment is restored after each stage, because a change by one FMU would change the
+    results of other FMUs and of later runs.
 
     Parameters
     ----------
     file
-        Descriptor of a file that another process maps as well; None is for this process alone.
+        Descriptor of a file that another process maps as well; None for this process only.
     """
 
     def __init__(self, file: int | None = None) -> None:
@@ -77,13 +77,13 @@ class Place:
         self.arithmetic = Arithmetic()
 
     def begin(self, fmu: str, plant: str, steps: int, period: float) -> None:
-        """Forget the run before; `period` is the communication step in s."""
+        """Start a new run; `period` is the communication step in s."""
         self.at(Stage.NONE)
         self.arithmetic = Arithmetic()
         self._write(fmu, plant, steps, period)
 
     def clear(self) -> None:
-        """Forget what another process noted."""
+        """Clear the record of another process."""
         self._write("", "", 0, 0.0)
 
     def _write(self, fmu: str, plant: str, steps: int, period: float) -> None:
@@ -92,22 +92,22 @@ class Place:
         page.stage, page.step, page.steps, page.period = Stage.NONE, 0, steps, period
 
     def at(self, stage: Stage, fmu: str = "") -> None:
-        """Note whose code runs now; of several FMUs, of which."""
+        """Record the running stage and the name of the FMU."""
         # the steps of a run are one stage, which `end_steps` ends
         if stage != Stage.STEP and self.arithmetic.put_back():
-            text = f"{self.who()} changed how the processor calculates (rounding, denormals or traps)"
-            warn_once(f"{text} {self.when()}".rstrip() + "; it was put back")
+            text = f"{self.who()} changed the floating-point environment (rounding, denormals or traps)"
+            warn_once(f"{text} {self.when()}".rstrip() + "; it was restored")
         self.page.fmu = fmu.encode()[: NAME - 1] or self.page.fmu
         self.page.stage = stage
 
     def end_steps(self, fmus: Sequence[str]) -> None:
-        """Note that the steps of these FMUs are done."""
+        """Record that the steps of these FMUs are done."""
         self.page.step = 0
         self.page.fmu, self.page.stage = "`, `".join(fmus).encode()[: NAME - 1], Stage.STEP_BOTH
         self.at(Stage.NONE)
 
     def who(self) -> str:
-        """Whose code runs, empty if that of neither FMU nor plant."""
+        """The FMU or plant whose code runs; empty if neither."""
         stage = self.page.stage
         fmu, plant = self.names()
         return (
@@ -121,16 +121,16 @@ class Place:
         )
 
     def ran(self) -> str:
-        """Whose code this run is about, empty if there is none."""
+        """The FMU or plant of this run; empty if there is none."""
         return " or ".join(name for name in self.names() if name)
 
     def names(self) -> tuple[str, str]:
-        """FMU and plant, empty where there is none."""
+        """FMU and plant; empty if there is none."""
         fmu, plant = (name.decode(errors="ignore") for name in (self.page.fmu, self.page.plant))
         return f"the FMU `{fmu}`" if fmu else "", f"the plant `{plant}`" if plant else ""
 
     def when(self) -> str:
-        """Moment of the run, with time and step where there is one; empty if that is not known."""
+        """Time and step of the run; empty if unknown."""
         stage, k = self.page.stage, self.page.step
         time = f"t = {k * self.page.period:.9g} s (step {k})"
         if stage == Stage.STEP_BOTH:

@@ -1,4 +1,4 @@
-"""What the harness asks of a plant, and how plants are found."""
+"""The interface of a plant, and the search for plants."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from cosim.loop import own_code
 from cosim.scenario.tables import parse, parse_value, readers, show
 
 MJCF = ".xml"
-"""Ending of the names of plants that are MJCF files."""
+"""File name extension of MJCF plants."""
 METHODS = ("reset", "sense", "command", "advance", "truth")
 log = logging.getLogger("cosim")
-SHAPE = "`cosim.loop.plant.Plant` is the shape of a plant, `Channel` that of its channels"
+SHAPE = "Follow the protocols `Plant` and `Channel` in `cosim.loop.plant`."
 
 
 class Channel(Protocol):
-    """A reading, command or truth of a plant.
+    """A measurement, command or ground-truth signal of a plant.
 
     The harness applies `noise` (standard deviation), `quantum` (resolution, 0 is continuous), `minimum` and
-    `maximum` to readings and commands. A command may have a `start` (0 without one): what the plant gets
-    where nothing drives it.
+    `maximum` to readings and commands. A command may have a `start` (default 0): its value
+    while nothing drives it.
     """
 
     @property
@@ -50,43 +50,43 @@ class Channel(Protocol):
 
 
 class Plant(Protocol):
-    """A plant as the reference loop drives it; any class of this shape will do.
+    """The interface of a plant; any class with these members is a plant.
 
-    One that also has a method `close()` is told with it that it is not wanted any more.
+    An optional method `close()` is called after the last run.
     """
 
     Parameters: ClassVar[type]
 
     @property
     def readings(self) -> tuple[Channel, ...]:
-        """What the controller may measure."""
+        """Measurements for the controller."""
 
     @property
     def commands(self) -> tuple[Channel, ...]:
-        """What the controller may command."""
+        """Commands from the controller."""
 
     @property
     def truths(self) -> tuple[Channel, ...]:
-        """What is recorded besides, and known to nobody in the loop."""
+        """Recorded ground-truth signals, unknown to the controller."""
 
     @property
     def timestep(self) -> float:
         """One plant step, s."""
 
     def reset(self, seed: np.random.SeedSequence, duration: float) -> None:
-        """Start anew; all random numbers of a run of `duration` seconds come from `seed`."""
+        """Reset; all random numbers of a run of `duration` seconds come from `seed`."""
 
     def sense(self) -> NDArray[np.float64]:
-        """Ideal readings at the present time, in the order of `readings`."""
+        """Ideal measurements at the present time, in the order of `readings`."""
 
     def command(self, values: NDArray[np.float64]) -> None:
-        """Take the commands, in the order of `commands`; they hold until the next."""
+        """Set the commands, in the order of `commands`; they are held until the next call."""
 
     def advance(self, substeps: int) -> None:
-        """Move on by `substeps * timestep` seconds."""
+        """Advance by `substeps * timestep` seconds."""
 
     def truth(self) -> NDArray[np.float64]:
-        """Truths at the present time, in the order of `truths`."""
+        """Ground truth at the present time, in the order of `truths`."""
 
 
 def plant_class(name: str, folder: Path) -> Any:
@@ -97,7 +97,7 @@ def plant_class(name: str, folder: Path) -> Any:
     name
         Name of the plant; empty is a plant without channels, for an FMU that runs alone.
     folder
-        Folder of the scenario file, in which MJCF files and modules are looked for, too.
+        Folder of the scenario file, which is searched for MJCF files and modules.
 
     Raises
     ------
@@ -127,9 +127,9 @@ def plant_class(name: str, folder: Path) -> Any:
 
 
 def exited(name: str, error: SystemExit) -> PlantError:
-    """Error of a plant that would end the process."""
+    """Error of a plant that calls `sys.exit`."""
     problem = f"the plant `{name}` ended the process: `sys.exit({error.code!r})`"
-    return PlantError(problem, "a plant raises an exception for what it cannot do")
+    return PlantError(problem, "Raise an exception in the plant instead.")
 
 
 def bare(file: Path) -> Any:
@@ -137,18 +137,22 @@ def bare(file: Path) -> Any:
     try:
         return importlib.import_module("plants.bare").load(file)
     except ImportError as error:
-        raise PlantError(f"cannot import the package `plants`: {error}", "run `cargo xtask setup`") from error
+        raise PlantError(
+            f"cannot import the package `plants`: {error}", "Run `cargo xtask setup`."
+        ) from error
     except RuntimeError as error:
         problem, _, hint = str(error).partition("\nhint: ")
         raise PlantError(problem, hint) from None
 
 
 def packaged(name: str) -> Any:
-    """Class of one of the plants that come with the project."""
+    """Class of one of the project's plants."""
     try:
         plants: Any = importlib.import_module("plants")
     except ImportError as error:
-        raise PlantError(f"cannot import the package `plants`: {error}", "run `cargo xtask setup`") from error
+        raise PlantError(
+            f"cannot import the package `plants`: {error}", "Run `cargo xtask setup`."
+        ) from error
     names = list(plants.names())
     if name in names:
         try:
@@ -156,12 +160,12 @@ def packaged(name: str) -> Any:
         except Exception as error:  # whatever the module of a new plant does wrong
             problem, _, hint = str(error).partition("\nhint: ")
             if isinstance(error, ImportError):
-                hint = f"`plants/{name}.py` must be there; `cargo xtask setup` builds and installs the rest"
+                hint = f"Check `plants/{name}.py`, and run `cargo xtask setup`."
             text = f"cannot import the plant `{name}`: {type(error).__name__}: {problem}"
-            raise PlantError(text, hint or "`-v` shows where") from error
+            raise PlantError(text, hint or "Show the origin with `-v`.") from error
     raise PlantError(
         f"there is no plant `{name}`",
-        closest(name, names) + f"; your own is named `module:Class`, an MJCF file `name{MJCF}`",
+        closest(name, names) + f" Name your own plant `module:Class`, an MJCF file `name{MJCF}`.",
     )
 
 
@@ -171,7 +175,7 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
     Raises
     ------
     PlantError
-        Unknown plant or parameter, wrong type, value out of its range, or the plant refused its parameters.
+        Unknown plant or parameter, wrong type, value out of range, or the plant rejected its parameters.
     """
     with concerning("plant.name"):
         kind = plant_class(name, folder)
@@ -183,14 +187,14 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
     except BaseException as error:
         problem, _, hint = str(error).partition("\nhint: ")
         if isinstance(error, ValueError):
-            raise PlantError(f"the plant `{name}` refused its parameters: {problem}", hint) from error
+            raise PlantError(f"the plant `{name}` rejected its parameters: {problem}", hint) from error
         raise PlantError(f"the plant `{name}` cannot be built: {problem}", hint) from error
     check_shape(plant, name)
     return plant
 
 
 def close(plant: Plant, name: str) -> None:
-    """Close a plant that can be closed; what goes wrong costs no result, it is logged."""
+    """Close a plant that has `close`; errors are logged and do not affect the result."""
     try:
         getattr(plant, "close", lambda: None)()
     except (Exception, SystemExit) as error:
@@ -198,15 +202,15 @@ def close(plant: Plant, name: str) -> None:
 
 
 def record_qpos(plant: Any, name: str) -> None:
-    """Make MuJoCo's `qpos` a part of what is recorded of a plant.
+    """Add MuJoCo's `qpos` to the recorded signals of a plant.
 
     Raises
     ------
     PlantError
-        The plant has none, or cannot add it.
+        The plant has no `qpos`, or cannot add it.
     """
     if not hasattr(plant, "record_qpos"):
-        raise PlantError(f"the plant `{name}` has no `qpos`", "only plants of `plants` and MJCF files have")
+        raise PlantError(f"the plant `{name}` has no `qpos`", "Use a plant of `plants` or an MJCF file.")
     try:
         plant.record_qpos()
     except RuntimeError as error:
@@ -220,7 +224,7 @@ def check_parameters(kind: Any, parameters: dict[str, Any]) -> Any:
 
 
 def check_parameter(kind: Any, name: str, value: Any) -> Any:
-    """Value of one parameter of a plant's class that `check_parameters` has seen."""
+    """Value of one parameter of a plant's class after `check_parameters`."""
     return parse_value(kind.Parameters, name, value, "plant", refuse)
 
 
@@ -232,18 +236,18 @@ def refuse(key: str, problem: str, hint: str) -> NoReturn:
 
 
 def check_class(kind: Any) -> None:
-    """Check that something is the class of a plant: its methods, and its parameters as a dataclass.
+    """Check that an object is the class of a plant: methods, and parameters as a dataclass.
 
     Raises
     ------
     PlantError
-        Names what is missing.
+        Names the missing member.
     """
     name = f"{getattr(kind, '__module__', 'module')}:{getattr(kind, '__name__', kind)}"
     parameters: Any = getattr(kind, "Parameters", None)
     problem = ""
     if not isinstance(kind, type):
-        problem = "is no class"
+        problem = "is not a class"
     elif missing := [method for method in METHODS if not callable(getattr(kind, method, None))]:
         problem = f"has no method `{missing[0]}`"
     elif not dataclasses.is_dataclass(parameters):
@@ -252,19 +256,19 @@ def check_class(kind: Any) -> None:
         try:
             readers(cast("Hashable", parameters))
         except Exception as error:  # whatever its annotations say
-            problem = f"has `Parameters` whose types cannot be told: {type(error).__name__}: {error}"
+            problem = f"has `Parameters` with unknown types: {type(error).__name__}: {error}"
     if problem:
         with concerning("plant.name"):
-            raise PlantError(f"`{name}` {problem}, so it is no plant", SHAPE)
+            raise PlantError(f"`{name}` {problem}, so it is not a plant", SHAPE)
 
 
 def check_shape(plant: Plant, name: str) -> None:
-    """Check channels and time step of a plant that was built.
+    """Check channels and time step of a plant instance.
 
     Raises
     ------
     PlantError
-        Names the first that is wrong.
+        Names the first error.
     """
     try:
         step: Any = plant.timestep
@@ -275,36 +279,38 @@ def check_shape(plant: Plant, name: str) -> None:
     except Exception as error:
         problem = error.message if isinstance(error, PlantError) else f"{type(error).__name__}: {error}"
         with concerning("plant.name"):
-            raise PlantError(f"the plant `{name}` has not the shape of one: {problem}", SHAPE) from error
+            raise PlantError(
+                f"the plant `{name}` does not have the interface of a plant: {problem}", SHAPE
+            ) from error
 
 
 def starts(channels: Sequence[Channel]) -> NDArray[np.float64]:
-    """Values that commands have until something drives them."""
+    """Values of commands until something drives them."""
     return np.array([start(channel) for channel in channels], dtype=float)
 
 
 def start(channel: Channel) -> float:
-    """Value that a command has until something drives it, 0 where its channel says none."""
+    """Value of a command until something drives it; 0 by default."""
     value: float = getattr(channel, "start", 0.0)
     return value
 
 
 def one_each(values: Any, channels: Sequence[Channel], method: str) -> Any:
-    """Return the values that a method of a plant gave, if there is one for each of its channels.
+    """Return the values of a method of a plant after a check of their number.
 
     Raises
     ------
     PlantError
-        There are more or fewer; a single number would stand for all of them.
+        There are more or fewer values than channels.
     """
     if np.shape(values) != (len(channels),):
         found = f"values of shape `{np.shape(values)}`" if np.ndim(values) else f"the single value `{values}`"
-        raise PlantError(f"`{method}` of the plant gave {found}, {len(channels)} channels need one each")
+        raise PlantError(f"`{method}` of the plant gave {found} for {len(channels)} channels")
     return values
 
 
 def check_channels(group: str, channels: Any) -> None:
-    """Check the channels of one group: each with its own name, text and numbers."""
+    """Check names, texts and numbers of the channels of one group."""
     if not isinstance(channels, list | tuple):
         raise PlantError(f"`{group}` is {show(channels)}, it must be a tuple of channels")
     names = [channel.name for channel in channels]
@@ -314,7 +320,7 @@ def check_channels(group: str, channels: Any) -> None:
             if not isinstance(getattr(channel, key), str):
                 raise PlantError(f"{where} has the {key} {show(getattr(channel, key))}, it must be a text")
         if names.count(channel.name) > 1:
-            raise PlantError(f"{where} is there twice")
+            raise PlantError(f"{where} is defined twice")
         for key in ("noise", "quantum"):
             if not 0.0 <= getattr(channel, key) < math.inf:
                 raise PlantError(f"{where} has the {key} {show(getattr(channel, key))}, it must be 0 or more")

@@ -1,4 +1,4 @@
-"""What is recorded in every step of a run."""
+"""Recording of the steps of a run."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ LOCALS_MAX = 256
 
 
 class Sink(Protocol):
-    """Takes the rows of a run, so many at once, that would not fit into memory."""
+    """Receives the rows of a run in blocks, so that they need not fit into memory."""
 
     rows: int
 
     def write(self, columns: Sequence[NDArray[np.float64]]) -> None:
-        """Take rows, given by their columns."""
+        """Receive rows, given by their columns."""
 
 
 class Recorder:
@@ -36,7 +36,7 @@ class Recorder:
     Parameters
     ----------
     fmus
-        Initialised instances: inputs that nothing drives are recorded with their start value.
+        Initialised instances: undriven inputs are recorded with their start value.
     plant
         The plant.
     steps
@@ -44,7 +44,7 @@ class Recorder:
     every
         Steps between two rows.
     sink
-        Takes the rows whenever the table, which is as long as it says, is full; None is a table for all rows.
+        Receives the rows of a full table, whose length it defines; None keeps all rows in one table.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Recorder:
         self.truths = slice(first, None)
 
     def record(self, k: int, time: float) -> NDArray[np.float64] | None:
-        """Fill and return the row of step `k`, if it has one."""
+        """Fill and return the row of step `k`, if it is recorded."""
         row = self.row(k)
         if row is None:
             return None
@@ -90,7 +90,7 @@ class Recorder:
         return row
 
     def row(self, k: int) -> NDArray[np.float64] | None:
-        """Return the row of step `k`, if it has one."""
+        """Return the row of step `k`, if it is recorded."""
         row: NDArray[np.float64] | None = None if k % self.every else self.table[k // self.every - self.taken]
         return row
 
@@ -106,7 +106,7 @@ class Recorder:
         return (self.taken + len(self.table)) * self.every
 
     def recorded(self, steps: int) -> NDArray[np.float64]:
-        """Return the rows of the first steps that no sink took."""
+        """Return the rows that no sink received."""
         rows = -(-steps // self.every) - self.taken
         if self.sink is None:
             return self.table[:rows]
@@ -114,12 +114,12 @@ class Recorder:
         return self.table[:0]
 
     def hand_over(self, rows: int) -> None:
-        """Give the first rows of the table to the sink.
+        """Pass the first rows of the table to the sink.
 
         Raises
         ------
         CosimError
-            It cannot take them.
+            The sink failed.
         """
         if self.sink is not None and rows:
             try:
@@ -137,7 +137,7 @@ def idle(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]:
 
 
 def columns(fmus: Sequence[Instance], plant: Plant) -> dict[str, Variable | None]:
-    """Names of the columns of a trace in order; with the FMU's variable where there is one."""
+    """Names of the columns of a trace in order, with the FMU's variable if there is one."""
     moved = [(fmu, v) for fmu in fmus for bank in [*fmu.inputs, *fmu.outputs] for v in bank.variables]
     return {
         "time": None,
@@ -147,7 +147,7 @@ def columns(fmus: Sequence[Instance], plant: Plant) -> dict[str, Variable | None
 
 
 def report_unlisted(fmus: Sequence[Instance], columns: Columns) -> None:
-    """Log which outputs had a value that is none of the items of their enumeration."""
+    """Log outputs with a value that is not an item of their enumeration."""
     for fmu in fmus:
         for variable in (v for bank in fmu.outputs for v in bank.variables if v.items):
             name = f"{fmu.name}.{variable.name}"
@@ -156,11 +156,13 @@ def report_unlisted(fmus: Sequence[Instance], columns: Columns) -> None:
             if odd.size:
                 items = ", ".join(f"`{number}` {item}" for item, number in variable.items)
                 when = f"t = {columns['time'][odd[0]]:.9g} s"
-                warn_once(f"`{name}` is `{values[odd[0]]:g}` at {when}, which is none of its items: {items}")
+                warn_once(
+                    f"`{name}` is `{values[odd[0]]:g}` at {when}, which is not one of its items: {items}"
+                )
 
 
 def units(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:
-    """Units of the columns of a trace, empty where none is known."""
+    """Units of the columns of a trace; empty if unknown."""
     return {
         "time": "s",
         **{f"{fmu.name}.{v.name}": v.unit for fmu in fmus for v in fmu.file.variables.values()},
@@ -169,7 +171,7 @@ def units(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:
 
 
 def descriptions(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:
-    """Descriptions of the columns of a trace, empty where there is none."""
+    """Descriptions of the columns of a trace; empty if there is none."""
     variables = [(fmu.name, variable) for fmu in fmus for variable in fmu.file.variables.values()]
     return {
         "time": "",

@@ -1,4 +1,4 @@
-"""The reference loop: plain, and the specification of what one step of a closed loop is."""
+"""The reference engine: plain code that specifies one step of a closed loop."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
 Progress = Callable[[int, int], None]
-"""Told the steps done and the steps in all, now and then."""
+"""Called periodically with the completed and the total number of steps."""
 PROGRESS_EVERY = 500
 
 
 class Recording(NamedTuple):
-    """What a run leaves: the table of its trace, the steps done, and the first step of each injection."""
+    """Outcome of a run: the table of its trace, the completed steps, and the first step of each injection."""
 
     table: NDArray[np.float64]
     steps: int
     begins: NDArray[np.float64]
 
     def injected(self, step: float) -> tuple[float | None, ...]:
-        """Time at which each injection began, None for one that did not."""
+        """Start time of each injection; None if it did not start."""
         return tuple(k * step if k < self.steps else None for k in self.begins.tolist())
 
 
 @dataclass(frozen=True)
 class Parts:
-    """What a run needs: initialised FMUs in the order of the scenario and a plant that was reset.
+    """Inputs of a run: initialized FMUs in the order of the scenario, and a plant after `reset`.
 
-    The run ends early in the first row that `stop_when` holds for; `when` are the conditions that injections
-    begin with, None for those that have none. `interrupt` is called after every step and may raise; `place`
-    is told whose code runs. `sink` takes the rows of the trace, else they are kept.
+    The run ends in the first row for which `stop_when` is true. `when` holds the start conditions of the
+    injections, or None. `interrupt` is called after every step and may raise. `place` records whose code
+    runs. `sink` receives the rows of the trace; without it they are kept.
     """
 
     scenario: Scenario
@@ -62,8 +62,8 @@ class Parts:
 def run(parts: Parts) -> Recording:
     """Run FMUs and plant in closed loop.
 
-    The row of step `k` holds the time `k * step`, the inputs that the FMUs got then, the outputs they
-    computed from them and the truths of the plant at that time.
+    The row of step `k` holds the time `k * step`, the inputs of the FMUs at that time, the outputs computed
+    from them, and the ground truth of the plant at that time.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def run(parts: Parts) -> Recording:
 
 
 def triggers_of(parts: Parts, begins: NDArray[np.float64]) -> list[Trigger]:
-    """Triggers of the injections that begin with a condition."""
+    """Triggers of the injections that start with a condition."""
     entries = enumerate(zip(parts.scenario.inject, parts.when, strict=False))
     return [
         Trigger(condition, delay_of(entry, parts.scenario.loop), begins, index)
@@ -151,7 +151,7 @@ def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) 
 
 
 def arrive(connection: Connection, k: int) -> None:
-    """Carry values through their wires, then signals, then injections, to where they are meant for."""
+    """Apply wires, then signals, then injections to their targets."""
     for link in connection.wires:
         carry(link, k)
     for drive in connection.drives:
@@ -160,13 +160,13 @@ def arrive(connection: Connection, k: int) -> None:
 
 
 def carry(link: Link, k: int) -> None:
-    """Carry one value through its wire."""
+    """Pass one value through its wire."""
     value = link.shape(float(link.source.array[link.source.index]), k)
     link.target.array[link.target.index] = link.target.convert(link.delay(value, k))
 
 
 def inject(faults: list[Fault], k: int) -> None:
-    """Change values that arrive by the injections that are active; the others only see them."""
+    """Apply the active injections to the arriving values; the inactive ones only observe them."""
     for fault in faults:
         since = k - fault.begin.array.item(fault.begin.index)
         value = fault.change(float(fault.target.array[fault.target.index]), k, since)
@@ -175,7 +175,7 @@ def inject(faults: list[Fault], k: int) -> None:
 
 
 def located(error: BaseException, fmu: Instance, scenario: Scenario, k: int) -> CosimError:
-    """Error of a run with step and time, and with the FMU's own words if it was the FMU."""
+    """Error of a run with step and time, and with the message of the FMU if it failed."""
     when = f"at t = {k * scenario.loop.step:.9g} s (step {k})"
     if isinstance(error, FMICallException):
         return fmu.failure(f"{fmu.owner.who} failed {when}", error)
@@ -185,6 +185,6 @@ def located(error: BaseException, fmu: Instance, scenario: Scenario, k: int) -> 
 
 
 def failed_plant(action: str, error: BaseException) -> PlantError:
-    """Error of a plant's own code; a hint in its text becomes ours."""
+    """Error of a plant's code; a hint in its text becomes the hint of the error."""
     problem, _, hint = str(error).partition("\nhint: ")
     return PlantError(f"{action}: {type(error).__name__}: {problem}", hint or "`-v` shows where")

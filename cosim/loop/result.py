@@ -33,15 +33,15 @@ class Result:
         Name of the scenario, for example `dob/paper`.
     trace
         Structured array, one row per communication step; fields `time`, `controller.<name>`, `plant.<truth>`.
-        None where it was not kept (`run_many`) or went into a file.
+        None if it was not kept (`run_many`) or was written to a file.
     file
-        Parquet file that took the trace while the run went.
+        Parquet file to which the run wrote the trace.
     units
         Unit of every column of the trace.
     items
         Names and numbers of the columns that are enumerations.
     descriptions
-        What the columns are, empty where nobody says.
+        Descriptions of the columns; empty if there is none.
     displays
         Display units of the columns that have one; the trace is in `units`.
     metrics
@@ -53,7 +53,7 @@ class Result:
     fmus
         GUIDs of the FMUs by their names.
     injected
-        Time at which each injection of the scenario began, s; None where it never happened.
+        Start time of each injection of the scenario, s; None if it did not start.
     """
 
     scenario: str
@@ -80,7 +80,7 @@ class Result:
 
     @property
     def passed(self) -> bool | None:
-        """Whether all criteria hold; None where there are none: what was not demanded did not pass."""
+        """Whether all criteria passed; None if there are no criteria."""
         if not self.criteria:
             return None
         return all(verdict.passed for verdict in self.criteria)
@@ -108,7 +108,7 @@ class Result:
 
     @property
     def columns(self) -> Columns:
-        """Columns of the trace by name; those that went into a file are read when they are asked for.
+        """Columns of the trace by name; columns in a file are read on access.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class Result:
             return Held(self.trace)
         if self.file is not None:
             return files.opened(self.file).data
-        raise CosimError("this result holds no trace", "`run` keeps it, `run_many` does on demand")
+        raise CosimError("this result holds no trace", "Use `run`, or `run_many` with `keep_trace=True`.")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result without the trace, in the order and names of the JSON file."""
@@ -148,7 +148,7 @@ class Result:
         files.save(self.columns, Path(path), self.about())
 
     def about(self) -> dict[str, Any]:
-        """Return what a saved trace tells beside its numbers; the same run gives the same bytes."""
+        """Return the metadata of a saved trace; equal runs give identical bytes."""
         run = ("scenario", "title", "seed", "engine", "fmus", "simulated_s")
         told = {name: getattr(self, name) for name in (*run, *LABELS)}
         return {"cosim": version(PROJECT), **told}

@@ -30,7 +30,7 @@ from cosim.trace.measure import measured
 
 TIMESTEP_TOLERANCE = 1e-9
 MAX_SUBSTEPS = 10**6
-"""Substeps that a hint proposes at most; more is a mistake in the time step."""
+"""Maximum substeps that a hint proposes; more means a wrong time step."""
 
 
 class Session(Closing):
@@ -41,14 +41,14 @@ class Session(Closing):
     scenario
         The scenario, see `cosim.load`.
     log_events
-        Whether the FMUs shall log events beside warnings and errors.
+        Whether the FMUs log events in addition to warnings and errors.
     engine
-        `reference` is FMPy's loop, `native` does the same in native code, bit for bit; several FMUs and a
-        plant written in Python run in the reference loop in any case.
+        `reference` uses FMPy, `native` compiled code with bit-identical results. Several FMUs and plants
+        written in Python always run in the reference engine.
     previous
-        A session that is not used any more: what it has open is taken over where it fits, else closed.
+        A session that is no longer used: suitable FMUs and plants are reused, the others closed.
     place
-        Told whose code runs; None is of no interest.
+        Records whose code runs; may be None.
 
     Raises
     ------
@@ -107,7 +107,7 @@ class Session(Closing):
         return self.fmu.file
 
     def begin(self) -> None:
-        """Tell the place that another run begins."""
+        """Record the start of another run."""
         scenario = self.scenario
         first = scenario.fmus[0].shown
         self.place.begin(first, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
@@ -126,7 +126,7 @@ class Session(Closing):
         ]
 
     def check_drawn(self) -> None:
-        """Check before a run that all that the scenario wants drawn can be drawn.
+        """Check before a run that all plots and charts of the scenario can be made.
 
         Raises
         ------
@@ -146,16 +146,16 @@ class Session(Closing):
         seed
             Seed of all noise; None is the scenario's.
         progress
-            Told the steps done and in all.
+            Called with the completed and the total number of steps.
         stream
-            Parquet file that takes the trace while the run goes; None keeps it in memory.
+            Parquet file for the trace, written during the run; None keeps it in memory.
 
         Raises
         ------
         CosimError
-            The run could not be done, and leaves no file, or the session is closed.
+            The run failed and leaves no file, or the session is closed.
         KeyboardInterrupt
-            After the step in which Ctrl-C came.
+            After the step in which Ctrl-C was pressed.
         """
         scenario, place = self.scenario, self.place
         seed = scenario.loop.seed if seed is None else checked_seed(seed)
@@ -189,7 +189,7 @@ class Session(Closing):
         return replace(result, metrics=metrics, criteria=criteria.evaluate(scenario.criterion, metrics))
 
     def _loop(self, parts: Parts, known: Result, file: Path | None) -> Recording:
-        """Run the loop; the trace goes into a file if there is one."""
+        """Run the closed loop; the trace goes to a file if one is given."""
         run = native.run if self.engine == "native" else reference.run
         if file is None:
             return run(parts)
@@ -201,7 +201,7 @@ class Session(Closing):
         return done
 
     def _result(self, seed: int) -> Result:
-        """Return what is known of a result before the run."""
+        """Return the parts of a result that are known before the run."""
         units = recorder.units(self.fmus, self.plant)
         descriptions = recorder.descriptions(self.fmus, self.plant)
         return Result(
@@ -221,9 +221,9 @@ class Session(Closing):
         )
 
     def close(self) -> None:
-        """Free the FMUs and close the plant; the session cannot run any more.
+        """Free the FMUs and close the plant; the session cannot run afterwards.
 
-        What an FMU refuses to read is asked for here: it cannot cost the result of the run any more.
+        All FMU variables are read here, because an error can no longer affect the result of the run.
         """
         for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True):
             if self.complete and fmu.running:
@@ -233,7 +233,7 @@ class Session(Closing):
         self.close_plant()
 
     def close_plant(self) -> None:
-        """Close the plant, if it was not closed or taken over before."""
+        """Close the plant, unless it is closed or reused."""
         if self.has_plant:
             self.has_plant = False
             self.place.at(Stage.CLOSE_PLANT)
@@ -242,24 +242,24 @@ class Session(Closing):
 
 
 def checked_seed(seed: Any) -> int:
-    """Seed that the noise can be drawn from.
+    """Valid seed of the noise.
 
     Raises
     ------
     CosimError
-        It is no whole number, or negative.
+        It is not a whole number, or negative.
     """
     try:
         whole = operator.index(seed)
     except TypeError:
         whole = -1
     if whole < 0:
-        raise CosimError(f"`seed` is `{seed!r}`, it must be a whole number that is not negative")
+        raise CosimError(f"`seed` is `{seed!r}`, it must be a non-negative integer")
     return whole
 
 
 def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
-    """Plant of a scenario, that of the previous session if it is the same; else that one is closed."""
+    """Plant of a scenario; an equal plant of the previous session is reused, another one closed."""
     if previous is not None:
         wanted, before = (
             (chosen(one), one.folder, one.loop.record_qpos) for one in (scenario, previous.scenario)
@@ -276,7 +276,7 @@ def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
 
 
 def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:
-    """Name and parameters of the plant; where there is none, the steps of nothing fill those of the loop."""
+    """Name and parameters of the plant; without a plant, its time step follows from the loop."""
     if not scenario.plant.name:
         return "", {"timestep": scenario.loop.step / scenario.loop.substeps}
     return scenario.plant.name, scenario.plant.parameters
@@ -289,9 +289,7 @@ def check_timestep(scenario: Scenario, timestep: float) -> None:
         fitting = round(step / timestep)
         fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MAX_SUBSTEPS
         hint = (
-            f"set `loop.substeps = {fitting}`"
-            if fits
-            else f"`loop.step` must be a multiple of {timestep:g} s"
+            f"Set `loop.substeps = {fitting}`." if fits else f"Make `loop.step` a multiple of {timestep:g} s."
         )
         steps = f"`loop.substeps` = `{substeps}` plant steps of {timestep:g} s"
         with concerning("loop.substeps"):
@@ -300,18 +298,18 @@ def check_timestep(scenario: Scenario, timestep: float) -> None:
 
 @contextlib.contextmanager
 def located(scenario: Scenario) -> Iterator[None]:
-    """Put the file or override in front of errors that concern a key of the scenario, and a hint behind."""
+    """Add the file or override, and a hint, to errors that concern a key of the scenario."""
     try:
         yield
     except CosimError as error:
         if error.key:
             error.message = f"{scenario.origin(error.key)}: {error.message}"
             if isinstance(error, FmuError | PlantError) or error.key.startswith(("wire.", "inject.")):
-                error.hint = error.hint or "`cosim show` lists types, units and ranges"
+                error.hint = error.hint or "List types, units and ranges with `cosim show`."
             error.key = ""
         raise
     except SystemExit as error:
         raise plant.exited(scenario.plant.name, error) from error
     except MemoryError as error:
         problem = f"a run of `loop.duration` = `{scenario.loop.duration:g}` s does not fit into memory"
-        raise CosimError(problem, "several shorter runs with other seeds need less") from error
+        raise CosimError(problem, "Use several shorter runs with different seeds.") from error

@@ -1,4 +1,4 @@
-"""Courses of signals over time: read from CSV and Parquet files, put on the grid of the steps."""
+"""Time series of signals: read from CSV and Parquet files and sampled at the steps."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cosim.scenario.model import Scenario
 from cosim.trace.endings import PARQUET
 
 TIME = "time"
-"""Column of the time, s; a file without it has it first."""
+"""Column of the time, s; otherwise the first column is the time."""
 LOGICAL = {"true": 1.0, "false": 0.0}
 Interpolation = Literal["hold", "linear"]
 
@@ -32,7 +32,7 @@ class TimeSeries:
     Parameters
     ----------
     times, values
-        Rising times in s, and the value from each on.
+        Increasing times in s, and the value from each time on.
     places
         Line, or row of a Parquet file, of each value; for messages.
     file
@@ -45,7 +45,7 @@ class TimeSeries:
     file: Path
 
     def place(self, index: int) -> str:
-        """Name where a value stands."""
+        """Location of a value in its file."""
         what = "row" if self.file.suffix in PARQUET else "line"
         return f"`{paths.shown(self.file)}`, {what} {self.places[index]}"
 
@@ -57,18 +57,18 @@ def sample(
     steps: int,
     interpolation: Interpolation = "hold",
 ) -> NDArray[np.float64]:
-    """Value of a course in every step, shape (steps,); the last value holds to the end.
+    """Value of a time series in every step, shape (steps,); the last value is held to the end.
 
     Parameters
     ----------
     times
-        Rising times, s; the first is not after 0.
+        Increasing times, s; the first is not after 0.
     values
         Value at each.
     step, steps
         Grid `k * step` of the run.
     interpolation
-        `hold` keeps a value until the next, `linear` moves evenly to it.
+        `hold` keeps a value until the next, `linear` interpolates.
     """
     grid, known = np.arange(steps), np.asarray(values, np.float64)
     if interpolation == "linear":
@@ -92,27 +92,27 @@ def find(name: str, folder: Path) -> Path:
     for file in places:
         if paths.is_file(file):
             return file
-    problem = "is no file" if any(map(paths.is_there, places)) else "does not exist"
+    problem = "is not a file" if any(map(paths.is_there, places)) else "does not exist"
     raise ScenarioError(f"the file `{paths.brief(name)}` {problem}", paths.looked_in(folder))
 
 
 def files(scenario: Scenario) -> dict[str, Path]:
-    """Files of the signals by their targets: a run depends on what is in them."""
+    """Files of the signals by their targets."""
     return {signal.to: find(signal.file, scenario.folder) for signal in scenario.signal if signal.file}
 
 
 def check_apart(scenario: Scenario, option: str, file: Path) -> None:
-    """Check that what a run writes is no file that a signal is read from.
+    """Check that a run does not overwrite the file of a signal.
 
     Raises
     ------
     CosimError
-        It is.
+        It would.
     """
     for target, read_from in files(scenario).items():
         if paths.resolved(read_from) == paths.resolved(file):
-            problem = f"`{option}` `{file}` would be written over the file of `signal.{target}`"
-            raise CosimError(problem, "choose another name")
+            problem = f"`{option}` `{file}` would overwrite the file of `signal.{target}`"
+            raise CosimError(problem, "Choose another name.")
 
 
 def read(file: Path, column: str) -> TimeSeries:
@@ -121,7 +121,7 @@ def read(file: Path, column: str) -> TimeSeries:
     Raises
     ------
     ScenarioError
-        A broken file; names the line and what stands there.
+        An invalid file; names the line and its content.
     """
     try:
         stat = file.stat()
@@ -132,7 +132,7 @@ def read(file: Path, column: str) -> TimeSeries:
 
 @functools.lru_cache(8)
 def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
-    """Read and check one column; the same file is read once in a process."""
+    """Read and check one column; each file is read once in a process."""
     course = read_parquet(file, column) if file.suffix in PARQUET else read_csv(file, column)
     if not course.times.size:
         raise ScenarioError(f"`{paths.shown(file)}` has no values, only a header")
@@ -140,30 +140,34 @@ def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
     if wrong.size:
         raise ScenarioError(f"{course.place(int(wrong[0]))}: time and value must be finite numbers")
     if course.times[0] > 0.0:
-        raise ScenarioError(f"{course.place(0)}: the time begins with `{course.times[0]:g}` s, after 0")
+        raise ScenarioError(f"{course.place(0)}: the time starts at `{course.times[0]:g}` s, after 0")
     falls = np.flatnonzero(np.diff(course.times) <= 0.0) + 1
     if falls.size:
         index = int(falls[0])
         before, now = course.times[index - 1 : index + 1]
-        told = f"the time `{now:g}` s does not rise, before it was `{before:g}` s"
+        told = f"the time `{now:g}` s does not increase, the time before is `{before:g}` s"
         raise ScenarioError(f"{course.place(index)}: {told}")
     return course
 
 
 def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]:
-    """Places of the time and of the column that is asked for; with two columns it is the other one."""
+    """Indices of the time and of the requested column; of two columns the one that is not the time."""
     if twice := next((name for name in names if name and names.count(name) > 1), ""):
-        raise ScenarioError(f"`{paths.shown(file)}` has two columns `{twice}`", "each needs its own name")
+        raise ScenarioError(
+            f"`{paths.shown(file)}` has two columns `{twice}`", "Give each column its own name."
+        )
     time = names.index(TIME) if TIME in names else 0
     others = [name for index, name in enumerate(names) if index != time]
     if not column and len(others) == 1:
         column = others[0]
     if column not in others:
         shown = paths.shown(file)
-        several = f"`column` is missing, `{shown}` has {len(others)} beside the time"
+        several = f"`column` is missing; `{shown}` has {len(others)} columns in addition to the time"
         told = f"`{shown}` has no column `{column}`" if column else several
         hint = closest(column, others)
-        raise ScenarioError(told, hint or "values are separated by commas; the first line names the columns")
+        raise ScenarioError(
+            told, hint or "Separate values by commas; put the names of the columns into the first line."
+        )
     return time, names.index(column)
 
 
@@ -179,7 +183,9 @@ def read_csv(file: Path, column: str) -> TimeSeries:
                 if any(cell.strip() for cell in cells):
                     at = f"`{paths.shown(file)}`, line {lines.line_num}"
                     if len(cells) != len(names):
-                        raise ScenarioError(f"{at} has {len(cells)} cells, the first line {len(names)}")
+                        raise ScenarioError(
+                            f"{at} has {len(cells)} cells, but the first line has {len(names)}"
+                        )
                     time, value = (number(cells[place], at) for place in places)
                     numbers.append((time, value, lines.line_num))
         except (UnicodeDecodeError, csv.Error) as error:
@@ -195,7 +201,7 @@ def number(cell: str, at: str) -> float:
     try:
         return LOGICAL[text.lower()] if text.lower() in LOGICAL else float(text)
     except ValueError:
-        raise ScenarioError(f"{at}: `{text[:40]}` is no number") from None
+        raise ScenarioError(f"{at}: `{text[:40]}` is not a number") from None
 
 
 def read_parquet(file: Path, column: str) -> TimeSeries:

@@ -1,4 +1,4 @@
-"""What nothing drives: an input or command that a scenario forgot keeps its start value for the whole run."""
+"""Undriven inputs and commands: they keep their start value for the whole run."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from cosim.scenario.model import Scenario
 from cosim.warned import warn_once
 
 MAX_NAMES = 8
-"""Names in one warning."""
+"""Maximum number of names in one warning."""
 
 
 def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
-    """Log what nothing drives and `idle` does not list, and what the scenario says to no effect."""
+    """Log undriven inputs that `idle` does not list, and ineffective settings."""
     known = ends(fmus, plant)
     if text := unknown(scenario, known):
         warn_once(f"{scenario.origin('idle')}: {text}")
@@ -28,20 +28,20 @@ def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
 
 
 def report_unmet(scenario: Scenario, injected: Sequence[float | None]) -> None:
-    """Log which injections waited in vain for their condition."""
+    """Log injections whose condition was never true."""
     for entry, begin in zip(scenario.inject, injected, strict=True):
         if entry.when and begin is None:
             key = f"inject.{entry.to}.when"
-            text = f"`{key}` = `{entry.when}` held too late or in no row of the run: it never happened"
+            text = f"`{key}` = `{entry.when}` was true too late or in no row of the run: it never started"
             warn_once(f"{scenario.origin(key)}: {text}")
 
 
 def unknown(scenario: Scenario, known: list[str]) -> str:
-    """Sentence about the names in `idle` that nothing has; empty if there are none."""
+    """Sentence about unknown names in `idle`; empty if there are none."""
     names = [name for name in scenario.idle if name not in known]
     if not names:
         return ""
-    return f"`idle` lists {quoted(names)}, which is no input and no command; {closest(names[0], known)}"
+    return f"`idle` lists {quoted(names)}, which is not an input or command. {closest(names[0], known)}"
 
 
 def ends(fmus: Sequence[Instance], plant: Plant) -> list[str]:
@@ -51,10 +51,10 @@ def ends(fmus: Sequence[Instance], plant: Plant) -> list[str]:
 
 
 def told(forgotten: list[str], plant: Plant) -> str:
-    """Sentence about what nothing drives; a command that does not start at 0 tells what it stays at."""
+    """Sentence about undriven inputs; shows the start value of commands that do not start at 0."""
     held = {f"plant.{channel.name}": start(channel) for channel in plant.commands if start(channel)}
     names = [f"`{name}`" + (f" (stays at {held[name]:g})" if name in held else "") for name in forgotten]
-    return f"nothing drives {several(names)}: wire what is missing, list the rest in `idle`"
+    return f"nothing drives {several(names)}: add the missing wires and list the others in `idle`"
 
 
 def several(names: list[str]) -> str:

@@ -1,4 +1,4 @@
-"""Metrics and criteria: what is measured on a trace, and whether it is good enough."""
+"""Metrics and criteria: quantities computed from a trace, and their limits."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cosim.scenario.model import Criterion, Metric
 
 
 class Trace(Columns, Protocol):
-    """Columns of a trace that know what was already measured on it."""
+    """Columns of a trace with a cache of computed metrics."""
 
     def kept(self, name: str, expression: Expression) -> Any:
         """Value of a metric by its full name, which is computed once."""
@@ -37,7 +37,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A criterion, the value it was held against, and the outcome."""
+    """A criterion with the value and the outcome."""
 
     criterion: Criterion
     value: float
@@ -45,7 +45,7 @@ class Verdict:
 
     @property
     def passed(self) -> bool:
-        """Whether the value keeps every limit; NaN and inf, such as the time of no event, keep none."""
+        """Whether the value meets every limit; NaN and inf, such as the time of no event, do not."""
         criterion, value = self.criterion, self.value
         if not math.isfinite(value):
             return False
@@ -57,7 +57,7 @@ class Verdict:
 
     @property
     def logical(self) -> bool:
-        """Whether the value is a yes or no that was asked for as such."""
+        """Whether the criterion is a claim that is true or false."""
         return isinstance(self.criterion.equals, bool) and self.value in (0.0, 1.0)
 
     @property
@@ -73,7 +73,7 @@ def relations(criterion: Criterion) -> list[tuple[str, float]]:
 
 
 def drawn(criterion: Criterion, unit: str) -> list[float]:
-    """Limits of a criterion in the unit of its metric, in the order of `relations`; none for a yes or no.
+    """Limits of a criterion in the unit of its metric, in the order of `relations`; none for a Boolean.
 
     Raises
     ------
@@ -88,12 +88,12 @@ def drawn(criterion: Criterion, unit: str) -> list[float]:
 def compile_metrics(
     metrics: tuple[Metric, ...], columns: Mapping[str, Items | None], units: Mapping[str, str] | None = None
 ) -> list[Expression]:
-    """Compile the expressions of metrics, so that a mistake is found before the run.
+    """Compile the expressions of metrics, so that errors are found before the run.
 
     Raises
     ------
     ExpressionError
-        One of them is wrong, or metrics are made of each other in a circle.
+        An expression is wrong, or metrics depend on each other in a circle.
     """
     named = {f"metric.{metric.name}": metric for metric in metrics}
     made_of = {
@@ -106,7 +106,7 @@ def compile_metrics(
         order = list(TopologicalSorter(made_of).static_order())
     except CycleError as error:
         circle = " <- ".join(f"`{name}`" for name in error.args[1])
-        raise ExpressionError(f"metrics are made of each other: {circle}") from None
+        raise ExpressionError(f"metrics depend on each other in a circle: {circle}") from None
     for name in order:
         metric = named[name]
         with concerning(f"{name}.value"):
@@ -118,9 +118,9 @@ def compile_metrics(
 
 
 def check_unit(metric: Metric, made: Expression) -> None:
-    """Check that the unit of a metric does not only rename the one that its expression is in.
+    """Check that the unit of a metric does not contradict the unit of its expression.
 
-    A number that is multiplied or divided may be meant to convert, then nothing is known.
+    After a multiplication or division by a number the unit is unknown, because it may be a conversion.
 
     Raises
     ------
@@ -132,17 +132,17 @@ def check_unit(metric: Metric, made: Expression) -> None:
     key = f"metric.{metric.name}"
     with concerning(f"{key}.unit"):
         problem = f"`{key}.unit` is `{metric.unit}`, `{key}.value` = `{metric.value}` is in `{made.unit}`"
-        hint = f'a criterion may have `unit = "{metric.unit}"` and is converted; leave that of the metric out'
+        hint = f'Set `unit = "{metric.unit}"` in the criterion, which is converted; omit it in the metric.'
         raise ExpressionError(problem, hint)
 
 
 def reference(name: str, expression: Expression, columns: Trace) -> Any:
-    """Value of a metric in another one."""
+    """Value of a metric for use in another one."""
     return columns.kept(name, expression)
 
 
 def mentions(text: str, name: str) -> bool:
-    """Whether an expression names something, as a whole dotted name."""
+    """Whether an expression contains a whole dotted name."""
     return re.search(rf"(?<![\w.]){re.escape(name)}(?!\w)", text) is not None
 
 
@@ -152,13 +152,13 @@ def measure(metric: Metric, expression: Expression, columns: Trace) -> Measured:
     Raises
     ------
     ExpressionError
-        The expression gives a column instead of one number.
+        The expression gives a column, not one number.
     """
     value: Any = np.asarray(reference(f"metric.{metric.name}", expression, columns), dtype=np.float64)
     if value.ndim:
         raise ExpressionError(
             f"`metric.{metric.name}.value` = `{metric.value}` gives {value.size} values, not one",
-            "reduce them, for example with `max(...)`, `last(...)` or `rms(...)`",
+            "Reduce them, for example with `max(...)`, `last(...)` or `rms(...)`.",
         )
     return Measured(metric.name, float(value), unit_of(metric, expression), metric.description)
 
@@ -183,15 +183,15 @@ def check_units(
 
 
 def unit_of(metric: Metric, expression: Expression) -> str:
-    """Tell the unit of a metric: its own, else that of its expression; empty where none is known."""
+    """Unit of a metric: its own, or that of its expression; empty if unknown."""
     return metric.unit or expression.unit or PLAIN
 
 
 def factor(criterion: Criterion, unit: str) -> float:
-    """Find the number by which a metric in `unit` is multiplied to be held against the limits of a criterion.
+    """Factor from `unit` of a metric to the unit of a criterion.
 
-    The number of a metric of which no unit is known is taken as it is, in the unit of the criterion. In
-    percent that would be a guess: such a number may be a part of one as well.
+    A metric with unknown unit is used in the unit of the criterion, except for percent: such a number may be
+    a fraction as well.
 
     Raises
     ------
@@ -204,18 +204,18 @@ def factor(criterion: Criterion, unit: str) -> float:
     if not unit:
         if found in (None, 1.0):
             return 1.0
-        hint = f'give the metric `unit = "{ONE}"` if it is a part of one, else `unit = "{wanted}"`'
-        raise ExpressionError(f"{problem} has no unit, its number may be meant in another", hint)
+        hint = f'Set `unit = "{ONE}"` in the metric if it is a fraction, otherwise `unit = "{wanted}"`.'
+        raise ExpressionError(f"{problem} has no unit; it is ambiguous", hint)
     if found is None:
         raise ExpressionError(
             f"{problem} is in `{unit}`, which does not convert to it",
-            f"give limits in `{unit}` and leave out `unit`, or compute the metric in `{wanted}`",
+            f"Give the limits in `{unit}` without `unit`, or compute the metric in `{wanted}`.",
         )
     return found
 
 
 def evaluate(criteria: tuple[Criterion, ...], measured: Mapping[str, Measured]) -> list[Verdict]:
-    """Hold every criterion against its metric, in the unit of the criterion where it names one."""
+    """Evaluate every criterion with its metric, in the unit of the criterion if it has one."""
     verdicts = []
     for criterion in criteria:
         metric = measured[criterion.metric]

@@ -1,4 +1,4 @@
-"""Whether all that a scenario wants drawn can be made of the columns of its trace."""
+"""Checks that the plots and charts of a scenario can be made from the columns of its trace."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NEEDED = {
     "bode": ("x", "y"),
     "field": ("function", "y"),
 }
-"""What a chart of a kind cannot do without; the others need `y`."""
+"""Required keys of a kind of chart; the others need `y`."""
 TAKEN = {
     "path": ("x", "parts", "names", "error", "split", "split_name", "log", "x_log"),
     "polar": ("x", "parts", "names", "split", "split_name", "log"),
@@ -31,24 +31,24 @@ TAKEN = {
     "bode": ("x", "closed"),
     "field": ("parts", "function"),
 }
-"""What a chart of a kind takes of the keys that not all of them take."""
+"""Special keys accepted by each kind of chart."""
 SOME = sorted({key for keys in TAKEN.values() for key in keys})
 
 
 def check(scenario: Scenario, columns: Mapping[str, Items | None]) -> None:
-    """Check that panels, limits, zoom and charts of a scenario can be made of the columns of its trace.
+    """Check that panels, limits, zoom and charts of a scenario can be made from the columns of its trace.
 
     Raises
     ------
     CosimError
-        Unknown column, wrong expression, a panel without columns, or a chart without what its kind needs or
-        with what it does not take.
+        Unknown column, wrong expression, a panel without columns, or a chart with missing or
+        unexpected keys.
     """
     with concerning("plot.panels"):
         for number, panel in enumerate(scenario.plot.panels):
             where = f"`plot.panels[{number}].columns`"
             if not panel.columns:
-                raise ScenarioError(f"{where} is empty", "name the columns that the panel shows")
+                raise ScenarioError(f"{where} is empty", "Name the columns of the panel.")
             check_columns(panel.columns, where, columns)
     for criterion in scenario.criterion:
         with concerning(f"criterion.{criterion.id}.columns"):
@@ -62,12 +62,12 @@ def check_columns(named: Iterable[str], where: str, columns: Mapping[str, Items 
     """Check that columns are those of the trace."""
     for column in named:
         if column not in columns:
-            problem = f"{where} names `{column}`, which is no column of the trace"
+            problem = f"{where} names `{column}`, which is not a column of the trace"
             raise ScenarioError(problem, closest(column, columns))
 
 
 def check_charts(charts: Sequence[Chart], key: str, columns: Mapping[str, Items | None]) -> None:
-    """Check that charts of a key can be made of columns.
+    """Check that charts of a key can be made from columns.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def check_charts(charts: Sequence[Chart], key: str, columns: Mapping[str, Items 
 
 
 def zoom(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression | None:
-    """Compile the time of the zoom; None where the scenario wants none.
+    """Compile the time of the zoom; None if the scenario has none.
 
     Raises
     ------
@@ -94,29 +94,31 @@ def zoom(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression 
 
 
 def check_keys(chart: Chart, where: str) -> None:
-    """Check that a chart has what its kind needs, and nothing that it does not take."""
+    """Check the required and the accepted keys of a chart."""
     kind = f"of the kind `{chart.kind}`"
     needed = NEEDED.get(chart.kind, ("y",))
     if missing := [name for name in needed if not getattr(chart, name)]:
         problem = f"`{where}` {kind} has no `{missing[0]}`"
-        raise ScenarioError(problem, "it needs " + " and ".join(f"`{name}`" for name in needed))
+        raise ScenarioError(problem, "It needs " + " and ".join(f"`{name}`" for name in needed))
     plain = Chart("path", ())
     for key in SOME:
         if key not in TAKEN[chart.kind] and getattr(chart, key) != getattr(plain, key):
             kinds = ", ".join(f"`{name}`" for name, keys in TAKEN.items() if key in keys)
-            raise ScenarioError(f"`{where}` {kind} takes no `{key}`", f"it is for {kinds}")
+            raise ScenarioError(f"`{where}` {kind} does not accept `{key}`", f"Use it for {kinds}.")
     if chart.error and (chart.split or not chart.equal):
         problem = f"`{where}` has an `error` and {'a `split`' if chart.split else 'no `equal`'}"
-        raise ScenarioError(problem, "an error is drawn across a whole way, both axes with the same scale")
+        raise ScenarioError(problem, "Set `equal`, and no `split`: an error is drawn normal to a path.")
     if chart.kind == "map" and len(chart.y) != 1:
-        raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and takes 1", "make a map of each")
+        raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and needs 1", "Make one map for each.")
     if chart.kind == "bode" and len(chart.y) != 2:
-        raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and needs 2", "gain, and phase in rad")
+        raise ScenarioError(
+            f"`{where}` {kind} has {len(chart.y)} `y` and needs 2", "Give gain, and phase in rad."
+        )
     if chart.kind == "field" and not all(chart.function.partition(":")):
-        raise ScenarioError(f"`{where}.function` is `{chart.function}`", "a function is named `module:name`")
+        raise ScenarioError(f"`{where}.function` is `{chart.function}`", "Name the function `module:name`.")
     if chart.kind == "roc" and len(chart.parts) != 2:
         problem = f"`{where}` {kind} has {len(chart.parts)} `parts` and needs 2"
-        raise ScenarioError(problem, "first the rows without what is sought, then those with it")
+        raise ScenarioError(problem, "Give the rows without the event, then the rows with it.")
     # a threshold parts both
     count = len(chart.y) * (1 if chart.kind == "roc" else max(1, len(chart.parts)))
     if chart.names and len(chart.names) != count:
@@ -124,11 +126,11 @@ def check_keys(chart: Chart, where: str) -> None:
 
 
 def check_names(chart: Chart, where: str, columns: Mapping[str, Items | None]) -> None:
-    """Check the columns that a chart is made of."""
+    """Check the columns of a chart."""
     if chart.kind in ("array", "bode"):
         for name in (chart.x, *chart.y):
             if not numbered(name, columns):
-                problem = f"`{where}` names `{name}[1]`, which is no column"
+                problem = f"`{where}` names `{name}[1]`, which is not a column"
                 raise ScenarioError(problem, closest(name, columns))
         return
     for text in filter(None, (chart.x, *chart.y, *chart.parts, chart.error, chart.split, chart.weight)):

@@ -2,7 +2,7 @@
 
 Columns are dotted names (`plant.depth`, `controller.bias[1]`, or `column("any name")`), conditions pick rows
 (`plant.depth[controller.contact]`), and `and`, `or`, `not` (`&`, `|`, `~`) work row by row. Items of an
-enumeration are texts: `controller.state == "Detect"`. A metric knows the others: `metric.depth`. Numbers are
+enumeration are texts: `controller.state == "Detect"`. A metric can use others: `metric.depth`. Numbers are
 64-bit floats throughout; `5 * um` is 5e-6.
 """
 
@@ -35,7 +35,7 @@ class Columns(Protocol):
 class Node:
     """A compiled part: a function of the columns, with items where its values are those of an enumeration.
 
-    Its unit is None where it cannot be told.
+    Its unit is None if it is unknown.
     """
 
     evaluate: Callable[[Columns], Any]
@@ -53,13 +53,13 @@ class Expression:
     columns
         Names of the columns in order (the first is the time), with the items of those that are enumerations.
     where
-        What the expression is, for messages: "`metric.depth.value`".
+        Location of the expression, for messages: "`metric.depth.value`".
     rowwise
-        Whether it sees single rows only (`stop_when`).
+        Whether it is applied to single rows (`stop_when`).
     units
         Units of the columns that have one.
     known
-        Other expressions that are already compiled, by name; None where there can be none.
+        Other compiled expressions by name; None if they are not allowed.
 
     Raises
     ------
@@ -86,7 +86,7 @@ class Expression:
             tree = ast.parse(text.strip(), mode="eval")
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             reason = error.msg if isinstance(error, SyntaxError) else str(error)
-            hint = '`column("name")` takes a name that is no Python name'
+            hint = 'Use `column("name")` for a name that is not a Python name.'
             raise self.error(f"is not an expression: {reason}", hint) from None
         self.converts = any(isinstance(part, ast.Mult | ast.Div | ast.Pow) for part in ast.walk(tree))
         try:
@@ -96,7 +96,7 @@ class Expression:
 
     @property
     def unit(self) -> str | None:
-        """Unit of the value, None where it cannot be told."""
+        """Unit of the value; None if unknown."""
         return self.root.unit
 
     def __call__(self, columns: Columns) -> Any:
@@ -112,7 +112,7 @@ class Expression:
                 return self.root.evaluate(columns)
             except (ValueError, IndexError, TypeError) as error:
                 lengths = isinstance(error, IndexError) or "shape" in str(error)
-                hint = "a condition in `[...]` keeps only the rows where it holds" if lengths else ""
+                hint = "Apply the same condition `[...]` to all columns." if lengths else ""
                 raise self.error(f"cannot be computed: {error}", hint) from None
 
     def error(self, problem: str, hint: str = "") -> ExpressionError:
@@ -121,7 +121,7 @@ class Expression:
         return ExpressionError(f"{self.where} = `{shown}` {problem}", hint)
 
     def build(self, tree: ast.expr) -> Node:
-        """Compile one node of the syntax tree; whatever is not listed here does not exist."""
+        """Compile one node of the syntax tree; all other nodes are rejected."""
         match tree:
             case ast.Constant(value=bool() | int() | float() as value):
                 return self.constant(value)
@@ -141,14 +141,12 @@ class Expression:
             case ast.Compare():
                 return self.compare(tree)
             case ast.Constant(value=str() as text):
-                raise self.error(
-                    f"holds the text `{text}`", "a text can only be compared with an enumeration"
-                )
+                raise self.error(f"holds the text `{text}`", "Compare a text only with an enumeration.")
             case _:
-                raise self.error(f"holds `{ast.unparse(tree)}`, which this language does not have")
+                raise self.error(f"holds `{ast.unparse(tree)}`, which is not supported")
 
     def constant(self, value: float, unit: str = PLAIN) -> Node:
-        """Compile a number; it is a float, so that no power or factorial can grow without limit."""
+        """Compile a number as a float, so that powers and factorials are bounded."""
         try:
             number = np.float64(value)
         except OverflowError:
@@ -171,28 +169,28 @@ class Expression:
         measured = any(column.startswith("metric.") for column in self.names)
         if name.startswith("metric.") and self.known is None and not measured:
             raise self.error(
-                f"names `{name}`, but metrics are measured after the run, for other metrics only"
+                f"names `{name}`, but metrics are available only in other metrics, after the run"
             )
         missing = "other metric" if name.startswith("metric.") else "column of the trace"
         missing = "column of the results" if measured else missing
         raise self.error(
-            f"names `{name or ast.unparse(tree)}`, which is no {missing}",
+            f"names `{name or ast.unparse(tree)}`, which is not a known {missing}",
             closest(name, [*self.names, *known]),
         )
 
     def found(self, name: str) -> Node:
-        """Compile a column that is there."""
+        """Compile an existing column."""
         index, items = self.names[name], self.items[name]
         unit = self.units.get(name) or (PLAIN if items else None)
         return Node(lambda columns: columns[index], items, unit)
 
     def subscript(self, tree: ast.Subscript) -> Node:
-        """Column of a structured name (`bias[1]`), or the rows of a value where a condition holds."""
+        """Column of a structured name (`bias[1]`), or the rows of a value that meet a condition."""
         name = dotted(tree)
         if name in self.names or isinstance(tree.slice, ast.Constant):
             return self.name(tree)
         if self.rowwise:
-            raise self.error("picks rows with `[...]`, but it sees one row at a time")
+            raise self.error("selects rows with `[...]`, but it is applied to one row at a time")
         value, condition = self.build(tree.value), self.build(tree.slice)
 
         def pick(columns: Columns) -> Any:
@@ -205,21 +203,21 @@ class Expression:
         function = tree.func.id if isinstance(tree.func, ast.Name) else ast.unparse(tree.func)
         known = [*ROWWISE, *WHOLE, *TIMES, "column"]
         if function not in known:
-            raise self.error(f"calls `{function}`, which is no function here", closest(function, known))
+            raise self.error(f"calls `{function}`, which is not a known function", closest(function, known))
         if tree.keywords or any(isinstance(argument, ast.Starred) for argument in tree.args):
             raise self.error(f"calls `{function}` with more than plain arguments")
         if function == "column":
             return self.column(tree)
         if self.rowwise and function not in ROWWISE:
             raise self.error(
-                f"calls `{function}`, which needs the whole trace, but it sees one row at a time"
+                f"calls `{function}`, which needs the whole trace, but it is applied to one row at a time"
             )
         arguments = [self.build(argument) for argument in tree.args]
         if function in ("min", "max") and len(arguments) == 2:
             function += "imum"
         count, compute = (ROWWISE | WHOLE | TIMES)[function]
         if len(arguments) != count:
-            raise self.error(f"calls `{function}` with {len(arguments)} arguments, it takes {count}")
+            raise self.error(f"calls `{function}` with {len(arguments)} arguments instead of {count}")
         clock = [Node(lambda columns: columns[0])] if function in TIMES else []
         items = arguments[0].items if function in KEEP_ITEMS else None
         unit = unit_of(function, [argument.unit for argument in arguments])
@@ -235,7 +233,7 @@ class Expression:
                     f"names the column `{name}`, which is not in the trace", closest(name, self.names)
                 )
             case _:
-                raise self.error("calls `column` with something else than one name in quotes")
+                raise self.error("calls `column` without exactly one name in quotes")
 
     def operate(self, operator: ast.AST, function: Callable[..., Any], *sides: ast.expr) -> Node:
         """Apply an operator."""
@@ -268,7 +266,7 @@ class Expression:
         parts = []
         for left, compared, right in zip(sides, tree.ops, sides[1:], strict=False):
             if type(compared) not in COMPARE:
-                raise self.error(f"holds `{ast.unparse(tree)}`, which this language does not have")
+                raise self.error(f"holds `{ast.unparse(tree)}`, which is not supported")
             parts.append(self.apply(COMPARE[type(compared)], self.side(left, right), self.side(right, left)))
         return self.fold(np.logical_and, parts)
 
@@ -278,10 +276,12 @@ class Expression:
             case ast.Constant(value=str() as item):
                 items = self.build(other).items
                 if items is None:
-                    raise self.error(f"compares `{ast.unparse(other)}` with a text, but it is no enumeration")
+                    raise self.error(
+                        f"compares `{ast.unparse(other)}` with a text, but it is not an enumeration"
+                    )
                 if item not in items:
                     raise self.error(
-                        f"compares `{ast.unparse(other)}` with `{item}`, which is none of its items",
+                        f"compares `{ast.unparse(other)}` with `{item}`, which is not one of its items",
                         closest(item, items),
                     )
                 return self.constant(items[item])
@@ -289,7 +289,7 @@ class Expression:
 
 
 def dotted(tree: ast.expr) -> str:
-    """Dotted name of a chain of names and constant indices, empty if it is something else."""
+    """Dotted name of a chain of names and constant indices; empty for other expressions."""
     match tree:
         case ast.Name(id=name):
             return name

@@ -66,7 +66,7 @@ ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
     "maximum": (2, np.maximum),
     "hypot": (2, np.hypot),
 }
-"""Functions that work on each row by itself, with their number of arguments."""
+"""Functions of single rows, with their number of arguments."""
 WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
     "min": (1, reduction(np.min)),
     "max": (1, reduction(np.max)),
@@ -103,21 +103,21 @@ TIMES: dict[str, tuple[int, Callable[..., Any]]] = {
 }
 """Functions of time.
 
-Times of a condition: of its first row (`inf` if it never holds), its last (`-inf`), its longest run.
-Of a column: derivative and integral by time, value at a moment.
+Times of a condition: of its first row (`inf` if there is none), its last (`-inf`), its longest interval.
+Of a column: derivative and integral over time, value at a time.
 """
 KEEP_ITEMS = {"first", "last", "min", "max", "cummax", "cummin", "hold", "at"}
 CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "true": 1.0, "false": 0.0}
 
 
 def time_at(time: Any, condition: Any, index: int, never: float) -> Any:
-    """Time of the first (0) or last (-1) row where the condition holds."""
+    """Time of the first (0) or last (-1) row that meets the condition."""
     times = time[np.broadcast_to(np.not_equal(condition, 0), np.shape(time))]
     return times[index] if times.size else np.float64(never)
 
 
 def value_at(time: Any, values: Any, moment: Any) -> Any:
-    """Value in the last row at or before a moment, forgiving rounding; NaN before the first, at no time."""
+    """Value in the last row at or before a time, within rounding; NaN before the first row."""
     row = np.searchsorted(time, moment + 1e-9, side="right") - 1
     return (
         np.broadcast_to(values, np.shape(time))[row]
@@ -127,7 +127,7 @@ def value_at(time: Any, values: Any, moment: Any) -> Any:
 
 
 def longest(time: Any, condition: Any) -> Any:
-    """Longest time for which the condition holds without a break: up to the next row, or the end."""
+    """Longest uninterrupted time of a condition: up to the next row, or the end."""
     holds = np.broadcast_to(np.not_equal(condition, 0), np.shape(time))
     edges = np.diff(np.concatenate(([False], holds, [False])).astype(np.int8))
     begins, ends = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
@@ -135,7 +135,7 @@ def longest(time: Any, condition: Any) -> Any:
 
 
 def held(values: Any, condition: Any) -> Any:
-    """Value in the last row, up to each row, where the condition holds; NaN before the first."""
+    """Value in the last row, up to each row, that meets the condition; NaN before the first."""
     values, holds = np.broadcast_arrays(values, np.not_equal(condition, 0))
     latest = np.maximum.accumulate(np.where(holds, np.arange(len(holds)), -1))
     return np.where(latest >= 0, values[latest], math.nan)

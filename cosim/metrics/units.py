@@ -1,4 +1,4 @@
-"""Units in expressions: constants to write numbers with, and the unit of a result where it can be told."""
+"""Units in expressions: constants for numbers, and the unit of a result if it is known."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ SCALES = {
 }  # fmt: skip
 """SI unit and number of each unit: `5 * um` is 5e-6, `depth / um` is the depth in micrometres."""
 PLAIN = ""
-"""Unit of a number of which none is known: it may be meant in any, also as a part of one or in percent."""
+"""Unit of a number without known unit, which may also be a fraction or percent."""
 ONE = "1"
 OTHERS = {ONE: (ONE, 1.0), "%": (ONE, 0.01)}
-"""Units that are no names and so stand in no expression."""
+"""Units that are not names and cannot be used in expressions."""
 FACTOR = re.compile(r"([^\d./*^-]+)\^?(-?\d?)")
 """Unit and exponent of one factor: `m`, `s2`, `s^-1`."""
 SAME = {
@@ -28,17 +28,17 @@ SAME = {
     "mean", "median", "std", "rms", "sum", "ptp", "first", "last", "percentile", "cummax", "cummin", "cumsum",
     "diff", "hold", "at", "where", "unwrap",
 }  # fmt: skip
-"""Operators and functions whose result has the unit of what they join."""
+"""Operators and functions whose result has the unit of their arguments."""
 TIMES = {"first_time", "last_time", "longest_time"}
 ANGLES = {"arcsin", "arccos", "arctan", "arctan2", "radians"}
 ALONE = {"percentile": (0,), "hold": (0,), "at": (0,), "where": (1, 2), "Mod": (0,)}
-"""Which arguments carry the unit, where not all do."""
+"""Arguments with the unit, if not all have it."""
 
 
 def unit_of(what: str, units: Sequence[str | None]) -> str | None:
-    """Tell the unit of a result, None where that is not possible.
+    """Unit of a result; None if unknown.
 
-    Plain numbers fit every sum: in `depth - 1e-6` the number is meant in the unit of the depth.
+    Plain numbers can be added to every quantity: in `depth - 1e-6` the number is in the unit of the depth.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def unit_of(what: str, units: Sequence[str | None]) -> str | None:
 
 
 def common(units: Sequence[str | None]) -> str | None:
-    """Return the one unit of a sum, None where its parts have different ones or one that is not known."""
+    """Unit of a sum; None if its terms have different or unknown units."""
     found = set(units) - {PLAIN, ONE}
     if not found:
         return ONE if ONE in units else PLAIN
@@ -74,21 +74,21 @@ def common(units: Sequence[str | None]) -> str | None:
 
 
 def product(left: str | None, right: str | None) -> str | None:
-    """Tell the unit of a product of which one side is a plain number; `100 * share` may be in percent."""
+    """Unit of a product with a plain number; `100 * ratio` may be in percent."""
     if left in (PLAIN, ONE):
         return PLAIN if right == ONE else right
     return left if right in (PLAIN, ONE) else None
 
 
 def quotient(left: str | None, right: str | None) -> str | None:
-    """Tell the unit of a quotient by a plain number; that of equal units is a plain number: `depth / um`."""
+    """Unit of a quotient by a plain number; a quotient of equal units is a plain number: `depth / um`."""
     if left is not None and left == right:
         return PLAIN
     return product(left, right) if right in (PLAIN, ONE) else None
 
 
 def conversion(source: str, target: str) -> float | None:
-    """Find the number by which a value in `source` is multiplied to be in `target`; None if they do not fit.
+    """Factor from a value in `source` to `target`; None if they are not convertible.
 
     Units are those of `SCALES`, their products (`N.m`), powers (`m/s2`) and quotients (`mm/s`).
     """

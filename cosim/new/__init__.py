@@ -1,1 +1,1 @@
-"""A scenario to start from: an FMU and a plant wired by name and unit, the rest left as comments."""
+"""A first scenario: an FMU and a plant wired by name and unit, the other ports as comments."""

@@ -1,4 +1,4 @@
-"""An FMU and a plant become a draft: opened, matched, with steps that fit both."""
+"""Draft of a scenario: opens FMU and plant, matches ports, chooses the steps."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from cosim.new.match import match
 from cosim.new.write import Draft
 
 DEFAULT_STEP, LONGEST = 0.01, 1.0
-"""Communication step where the FMU names none, and length of the first run, s."""
+"""Default communication step, and duration of the first run, s."""
 
 
 def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
-    """Draft of a scenario that will lie in a folder; `place` is told whose code runs.
+    """Draft of a scenario in a folder; `place` records whose code runs.
 
     Raises
     ------
@@ -29,8 +29,8 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
         The FMU or the plant cannot be opened.
     """
     if fmu.endswith(plant.MJCF):
-        hint = f"the FMU comes first: `cosim new {plant_name or 'FMU'} {fmu}`"
-        raise FmuError(f"`{paths.brief(fmu)}` is no FMU", hint)
+        hint = f"Give the FMU first: `cosim new {plant_name or 'FMU'} {fmu}`."
+        raise FmuError(f"`{paths.brief(fmu)}` is not an FMU", hint)
     file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
     place.begin(file.name, plant_name, 0, 0.0)
     place.at(Stage.BUILD_PLANT)
@@ -72,7 +72,7 @@ def wanted_step(file: FmuFile) -> float:
 
 
 def steps(wanted: float, timestep: float) -> tuple[float, int]:
-    """Communication step nearest to the one that is wanted, and the plant steps that fill it."""
+    """Communication step nearest to the requested one, and the number of plant steps in it."""
     if timestep <= 0.0:
         return wanted, 1
     substeps = max(1, round(wanted / timestep))
@@ -80,7 +80,7 @@ def steps(wanted: float, timestep: float) -> tuple[float, int]:
 
 
 def told(name: str, file: Path, folder: Path) -> str:
-    """Name as it stands in the scenario: a path is relative to its folder."""
+    """Name in the scenario: a path is relative to its folder."""
     if name.endswith((".fmu", plant.MJCF)) or os.sep in name:
         return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
     return name

@@ -1,4 +1,4 @@
-"""What there is to wire, with type, unit, range and description for comments."""
+"""Ports to wire, with type, unit, range and description for comments."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cosim.new.match import End
 
 @dataclass(frozen=True)
 class Described:
-    """An end with what a comment tells of it, and a start value as TOML."""
+    """A port with its comment and a start value as TOML."""
 
     end: End
     note: str
@@ -21,7 +21,7 @@ class Described:
 
 
 def variables(file: FmuFile, causality: str) -> list[Described]:
-    """List inputs or outputs of an FMU that carry numbers."""
+    """List numeric inputs or outputs of an FMU."""
     return [variable(found) for found in file.named(causality) if found.kind != "String"]
 
 
@@ -43,18 +43,18 @@ def start(found: Variable) -> str:
 
 
 def channels(found: tuple[Channel, ...]) -> list[Described]:
-    """List readings or commands of a plant."""
+    """List measurements or commands of a plant."""
     return [Described(End(one.name, one.unit), channel_note(one), repr(plant.start(one))) for one in found]
 
 
 def channel_note(found: Channel) -> str:
-    """Tell unit, range and description of a channel."""
+    """Unit, range and description of a channel."""
     limits = limits_text(found.minimum, found.maximum)
     return one_line(", ".join(part for part in (found.unit, limits, found.description) if part))
 
 
 def limits_text(minimum: float | str, maximum: float | str) -> str:
-    """Range, of which any end may be missing."""
+    """Range with optional ends."""
     low, high = (
         f"{float(end):g}" if end not in ("", None) and math.isfinite(float(end)) else ""
         for end in (minimum, maximum)

@@ -1,4 +1,4 @@
-"""Which end of a wire fits which: by their names, and by units that do not contradict each other."""
+"""Matching of ports by names and by compatible units."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from dataclasses import dataclass
 from cosim.loop.lint import ratio
 
 ENOUGH = 0.65
-"""Likeness of two names from which on they are taken for one thing."""
+"""Similarity of two names above which they match."""
 OTHER_THING = 0.3
-"""What is taken off for names that tell the same of different things."""
+"""Penalty for names with the same words about different parts."""
 SAME_UNIT = 0.1
-"""What an equal unit adds to the likeness."""
+"""Bonus for equal units."""
 
 
 @dataclass(frozen=True)
 class End:
-    """One end of a wire: an input, output, reading or command; the unit is empty where none is known."""
+    """One end of a wire: an input, output, measurement or command; the unit is empty if unknown."""
 
     name: str
     unit: str = ""
@@ -27,7 +27,7 @@ class End:
 
 @dataclass(frozen=True)
 class Match:
-    """Two ends that fit; `scale` converts the unit, `sure` tells whether the names say so."""
+    """Two matching ports; `scale` converts the unit, `sure` is true if the names match."""
 
     source: End
     target: End
@@ -36,9 +36,9 @@ class Match:
 
 
 def match(sources: Sequence[End], targets: Sequence[End]) -> list[Match]:
-    """Pair sources with targets, the most alike first; each is used once.
+    """Pair sources with targets, the most similar first; each is used once.
 
-    Where one source and one target are left whose units do not contradict each other, they are a pair, too.
+    One remaining source and one remaining target with compatible units also are a pair.
     """
     found: dict[str, Match] = {}
     used: set[str] = set()
@@ -63,7 +63,7 @@ def likeness(source: End, target: End) -> float:
 
 
 def same_words(one: str, other: str) -> float:
-    """Likeness of two names, 1 for the same words; a name within the other is nearly the same."""
+    """Similarity of two names, 1 for the same words; slightly less if one contains the other."""
     mine, others = words(one), words(other)
     if not mine or not others:
         return float(one == other)
@@ -81,7 +81,7 @@ def words(name: str) -> list[str]:
 
 
 def factor(before: str, after: str) -> float | None:
-    """Factor from one unit to another; 1 where one is not known, None where they do not fit."""
+    """Factor from one unit to another; 1 if one is unknown, None if they are incompatible."""
     if before == after or {before, after} & {"", "1"}:
         return 1.0
     return ratio(before, after)

@@ -12,23 +12,23 @@ from cosim.new.match import Match
 from cosim.scenario.injection import INJECTED
 
 PLAIN = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*|\[\d+\])*")
-"""Names that an expression takes as they are."""
+"""Names that need no quotes in an expression."""
 
 
 @dataclass(frozen=True)
 class Draft:
-    """What a new scenario holds.
+    """Content of a new scenario.
 
     Parameters
     ----------
     title, fmu, plant
-        Title, and names or paths as they shall stand in the file; no plant is empty.
+        Title, and names or paths for the file; empty without a plant.
     step, substeps, steps
         Communication step in s, plant steps in it, length of the run in steps.
     readings, commands
         Wires to the FMU and to the plant.
     inputs, outputs, sensed, commanded
-        All inputs and outputs of the FMU, readings and commands of the plant.
+        All inputs and outputs of the FMU, measurements and commands of the plant.
     """
 
     title: str
@@ -46,7 +46,7 @@ class Draft:
 
 
 def text(draft: Draft) -> str:
-    """Write a scenario that can run; what could not be wired stands in it as comments."""
+    """Write a scenario that can run; unconnected ports are comments."""
     return "\n".join([*head(draft), *wires(draft), *left(draft), *faults(draft), *demands(draft)]) + "\n"
 
 
@@ -56,13 +56,13 @@ def head(draft: Draft) -> Iterator[str]:
     names = [f"controller.{end.end.name}" for end in undriven(draft.inputs, draft.readings)]
     names += [f"plant.{end.end.name}" for end in undriven(draft.commanded, draft.commands)]
     if names:
-        yield "# what nothing drives; take away the `# ` and leave in the list what keeps its start value"
+        yield "# undriven inputs; remove the `# ` and keep those in the list that shall keep their start value"
         yield f"# idle = [{', '.join(map(quoted, names))}]"
     yield ""
     yield "[loop]"
-    yield f"step = {draft.step!r}".ljust(26) + "# s, the FMU is called so often"
+    yield f"step = {draft.step!r}".ljust(26) + "# s, communication step of the FMU"
     if draft.plant:
-        yield f"substeps = {draft.substeps}".ljust(26) + "# steps of the plant in between"
+        yield f"substeps = {draft.substeps}".ljust(26) + "# plant steps in each communication step"
     yield f"duration = {float(f'{draft.steps * draft.step:.12g}')!r}".ljust(26) + "# s"
     yield ""
     yield "[controller]"
@@ -89,7 +89,7 @@ def wires(draft: Draft) -> Iterator[str]:
 def wire(match: Match, source: str, target: str) -> Iterator[str]:
     """One wire."""
     if not match.sure:
-        yield "# the only ones that were left: is this meant?"
+        yield "# the only remaining pair: check it"
     yield "[[wire]]"
     yield f"from = {quoted(f'{source}.{match.source.name}')}"
     yield f"to = {quoted(f'{target}.{match.target.name}')}"
@@ -99,10 +99,10 @@ def wire(match: Match, source: str, target: str) -> Iterator[str]:
 
 
 def left(draft: Draft) -> Iterator[str]:
-    """Tell what nothing drives and what nobody reads, as comments."""
+    """List undriven and unused ports as comments."""
     inputs, commands = undriven(draft.inputs, draft.readings), undriven(draft.commanded, draft.commands)
-    yield from signals("controller", inputs, "inputs of the FMU that nothing drives")
-    yield from signals("plant", commands, "commands that nothing drives")
+    yield from signals("controller", inputs, "undriven inputs of the FMU")
+    yield from signals("plant", commands, "undriven commands")
     yield from unread("controller", draft.outputs, draft.commands)
     yield from unread("plant", draft.sensed, draft.readings)
 
@@ -116,10 +116,10 @@ def undriven(ends: Sequence[Described], matches: list[Match]) -> list[Described]
 def signals(side: str, rest: list[Described], title: str) -> Iterator[str]:
     """Signals for ends without a wire, as comments."""
     if rest:
-        yield f"# {title}: take away the `# ` of a signal, or make it a wire with `from`"
+        yield f"# {title}: remove the `# ` of a signal, or make it a wire with `from`"
         yield ""
     for end in rest:
-        yield f"# {end.note}" if end.note else "# (nothing is known of it)"
+        yield f"# {end.note}" if end.note else "# (no description)"
         yield "# [[signal]]"
         yield f"# to = {quoted(f'{side}.{end.end.name}')}"
         yield "# times = [0.0]"
@@ -128,7 +128,7 @@ def signals(side: str, rest: list[Described], title: str) -> Iterator[str]:
 
 
 def unread(side: str, ends: Sequence[Described], matches: list[Match]) -> Iterator[str]:
-    """Tell sources without a wire, as comments."""
+    """List sources without a wire as comments."""
     used = {match.source.name for match in matches}
     rest = [end for end in ends if end.end.name not in used]
     if rest:
@@ -138,9 +138,9 @@ def unread(side: str, ends: Sequence[Described], matches: list[Match]) -> Iterat
 
 
 def faults(draft: Draft) -> Iterator[str]:
-    """Fault of the first reading, as a comment."""
+    """Fault of the first measurement, as a comment."""
     for match in draft.readings[:1]:
-        yield "# a fault on the way: take away the `# `, and see what the FMU makes of it"
+        yield "# a fault on the wire: remove the `# ` and check the reaction of the FMU"
         yield "# [[inject]]"
         yield f"# to = {quoted(f'controller.{match.target.name}')}"
         yield f"# from_time = {float(f'{0.5 * draft.steps * draft.step:.12g}')!r}"
@@ -157,7 +157,7 @@ def demands(draft: Draft) -> Iterator[str]:
     yield 'name = "peak"'
     yield f"value = {quoted(f'max(abs({column(first.name)}))')}"
     yield ""
-    yield "# give it the limit that you demand, and take away the `# `"
+    yield "# set your limit and remove the `# `"
     yield "# [[criterion]]"
     yield '# id = "peak"'
     yield f"# claim = {quoted(f'{first.name} stays small')}"

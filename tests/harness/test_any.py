@@ -1,4 +1,4 @@
-"""Any MJCF with any FMU: the example of the guide, FMUs of another tool and in C, both engines."""
+"""Any MJCF with any FMU: the example of the tutorials, FMUs of another tool and in C, both engines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ import cosim
 from cosim.errors import CosimError
 
 ROOT = Path(__file__).resolve().parents[2]
-GUIDE = (ROOT / "docs/getting-started.md").read_text("utf-8")
+TUTORIALS = [
+    (ROOT / f"docs/tutorials/{name}.md").read_text("utf-8") for name in ("run", "evaluate", "plot", "vary")
+]
 PROGRAMS = Path(sys.executable).parent
 PROBED = """
 title = "The crane with the probe"
@@ -42,14 +44,19 @@ unit = "J"
 Write = Callable[..., Path]
 
 
-def files() -> dict[str, str]:
-    """Files of the guide's example by name: the block after the first text that names a file."""
-    return dict(re.findall(r"`([\w-]+\.\w+)`[^`]*?:\n\n```\w+\n(.*?)```", GUIDE, re.DOTALL))
+def files(pages: int = len(TUTORIALS)) -> dict[str, str]:
+    """Files after some pages of the tutorials: the block after a file name, appended to the blocks before."""
+    found: dict[str, str] = {}
+    for name, block in re.findall(
+        r"`([\w-]+\.\w+)`[^`]*?:\n\n```\w+\n(.*?)```", "\n".join(TUTORIALS[:pages]), re.DOTALL
+    ):
+        found[name] = f"{found[name]}\n{block}" if name in found else block
+    return found
 
 
 @pytest.fixture(scope="module")
 def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with the files of the guide, and the FMU that PythonFMU makes of them."""
+    """Folder with the files of the tutorials, and the FMU that PythonFMU builds."""
     folder = tmp_path_factory.mktemp("crane")
     for name, text in files().items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -68,7 +75,7 @@ def crane(folder: Path, example: Path) -> Path:
 
 
 def run(folder: Path, line: str, status: int = 0) -> str:
-    """Output of a command line of the guide."""
+    """Output of a command line of a tutorial."""
     program, *arguments = shlex.split(line)
     command = [str(PROGRAMS / program), *arguments]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -76,34 +83,38 @@ def run(folder: Path, line: str, status: int = 0) -> str:
     return done.stdout
 
 
-def test_the_guide_holds_step_by_step(example: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_tutorials_run_step_by_step(example: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COSIM_CACHE", str(example / "cache"))
     assert sorted(files()) == ["crane-study.toml", "crane.toml", "crane.xml", "pd.py"]
     assert len(files()["crane.xml"].splitlines()) <= 30
-    lines = re.findall(r"^cosim .*", GUIDE, re.MULTILINE)
-    # a film needs what draws; its own tests tell whether that is there
-    lines = [line for line in lines if not line.startswith("cosim video")]
-    # the second run and some of the sweep do not hold their criteria, which is what their exit codes say
-    expected = {"--set controller.kp": 1, "sweep": 1, "report": 1}
-    told = {}
-    for line in lines:
-        told[line] = run(example, line, next((code for part, code in expected.items() if part in line), 0))
-    _, shown, _, once, _, sweep, _ = told.values()
+    assert len(files(1)["crane.toml"].splitlines()) <= 25
+    # the weaker controller and some runs of the study fail, and their exit codes show it
+    expected = {"--set controller.kp": 1, "sweep": 1, "--study": 1}
+    printed = {}
+    for number, page in enumerate(TUTORIALS, 1):
+        for name, text in files(number).items():
+            (example / name).write_text(text, encoding="utf-8")
+        for line in re.findall(r"^cosim .*", page, re.MULTILINE):
+            # a video needs what draws; its own tests check whether that is there
+            if not line.startswith("cosim video"):
+                code = next((code for part, code in expected.items() if part in line), 0)
+                printed[line] = run(example, line, code)
     for name in ("joint.slide.damping", "drive", "position", "slide.velocity"):
-        assert name in shown
-    (printed,) = re.findall(r"prints\n\n```text\n(.*?)```", GUIDE, re.DOTALL)
-    assert [line.split() for line in printed.splitlines()] == [
+        assert name in printed["cosim show crane.toml"]
+    (table,) = re.findall(r"prints\n\n```text\n(.*?)```", TUTORIALS[1], re.DOTALL)
+    assert [line.split() for line in table.splitlines()] == [
         line.replace("│", "").replace("┃", "").split()
-        for line in once.splitlines()[2:]
+        for line in printed["cosim run crane.toml"].splitlines()[2:]
         if re.search(r"pass$|yes $", line)
     ]
     assert "plant.drive" in (example / "draft.toml").read_text()
+    assert (example / "crane.npz").stat().st_size > 1000
     assert (example / "crane.svg").stat().st_size > 1000
-    assert "12 of 12 runs" in sweep
+    assert "12 of 12 runs" in printed["cosim sweep crane-study.toml"]
     assert "12 of 12 runs" in (example / "crane.html").read_text()
 
 
-def test_the_plant_in_python_runs_with_the_controller_of_the_guide(crane: Path) -> None:
+def test_the_plant_in_python_runs_with_the_controller_of_the_tutorial(crane: Path) -> None:
     text = (ROOT / "docs/new-plant.md").read_text("utf-8")
     for language, name in (("python", "tank.py"), ("toml", "tank.toml")):
         (block,) = re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)

@@ -207,7 +207,7 @@ def test_verbose_shows_where_a_plant_failed(write: Write) -> None:
     done = cosim("run", "lag.toml", "--set", "plant.fail_at=3", "-v")
     assert done.returncode == 2
     assert "probe_plants.py" in done.stderr
-    assert "RuntimeError: told to fail" in done.stderr
+    assert "RuntimeError: failed on request" in done.stderr
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")

@@ -178,14 +178,14 @@ def test_numbers_never_become_huge() -> None:
 
 
 WRONG = {
-    "plant.y": "names `plant.y`, which is no column of the trace\nhint: did you mean `plant.x`",
-    "__import__('os')": "calls `__import__`, which is no function",
-    "plant.x.__class__": "names `plant.x.__class__`, which is no column",
+    "plant.y": "names `plant.y`, which is not a knownt a column of the trace\nhint: did you mean `plant.x`",
+    "__import__('os')": "calls `__import__`, which is not a known function",
+    "plant.x.__class__": "names `plant.x.__class__`, which is not a known column",
     "(1).__class__": "which is no column",
     "max.__globals__": "which is no column",
     "max(plant.x).real": "which is no column",
-    "eval('1')": "calls `eval`, which is no function",
-    "plant.x.sum()": "calls `plant.x.sum`, which is no function",
+    "eval('1')": "calls `eval`, which is not a known function",
+    "plant.x.sum()": "calls `plant.x.sum`, which is not a known function",
     "lambda: 1": "which this language does not have",
     "[x for x in plant.x]": "which this language does not have",
     "{1: 2}": "which this language does not have",
@@ -196,11 +196,11 @@ WRONG = {
     "time is time": "which this language does not have",
     "time @ time": "which this language does not have",
     "'text'": "holds the text `text`",
-    "time == 'Idle'": "compares `time` with a text, but it is no enumeration",
+    "time == 'Idle'": "compares `time` with a text, but it is not an enumeration",
     "controller.state == 'Detct'": "none of its items\nhint: did you mean `Detect`",
     "max(plant.x, key=1)": "more than plain arguments",
     "max(*plant.x)": "more than plain arguments",
-    "sqrt(1, 2)": "calls `sqrt` with 2 arguments, it takes 1",
+    "sqrt(1, 2)": "calls `sqrt` with 2 arguments instead of 1",
     "maxx(plant.x)": "no function here\nhint: did you mean `max`",
     "column(1)": "something else than one name",
     "column('plant.z')": "which is not in the trace",
@@ -248,7 +248,7 @@ def test_a_metric_knows_the_others_with_their_units() -> None:
     good, twice, far = (one(table) for one in compile_metrics(metrics, NAMES))
     assert (far, bool(good), twice) == (3.0, True, 6.0)
     assert compile_metrics(metrics, NAMES)[1].unit == "m"
-    with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is no other metric"):
+    with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is not a known other metric"):
         compile_metrics(metrics[:2], NAMES)
 
 
@@ -280,7 +280,7 @@ def test_metrics_that_are_made_of_each_other_are_refused() -> None:
     metrics = (Metric("far", "metric.near + 1"), Metric("near", "metric.far - 1"))
     with pytest.raises(ExpressionError, match=r"each other: `metric\.(far|near)` <- `metric\."):
         compile_metrics(metrics, NAMES)
-    with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is no other metric"):
+    with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is not a known other metric"):
         compile_metrics((Metric("far", "metric.far + 1"),), NAMES)
 
 

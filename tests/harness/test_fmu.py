@@ -120,7 +120,7 @@ def test_a_mistake_that_repeats_fills_no_screen(folder: Path) -> None:
 def test_a_library_that_cannot_be_loaded_is_refused_and_the_folder_put_back(folder: Path) -> None:
     pack(folder / "bad.fmu", description(), {LIBRARY: b"not a library"})
     file = open_fmu(folder / "bad.fmu")
-    with pytest.raises(FmuError, match=r"`bad.fmu`: the library `.*` in it is no library of Linux\nhint: "):
+    with pytest.raises(FmuError, match=r"`bad.fmu`: the library `.*` in it is not a Linux library\nhint: "):
         Instance(file, [], [])
     assert Path.cwd() == folder
 

@@ -267,13 +267,13 @@ def test_the_first_error_of_many_seeds_ends_them(write: Write, monkeypatch: pyte
 
 def test_an_error_in_a_worker_process_keeps_its_message(write: Write) -> None:
     scenario = cosim.load(write(), set=["controller.fail_at=5"])
-    with pytest.raises(FmuError, match=r"told to fail at 0.005 s"):
+    with pytest.raises(FmuError, match=r"failed on request at 0.005 s"):
         cosim.run_many(scenario, [1, 2], workers=2)
 
 
 def test_an_error_of_the_fmu_names_step_time_and_its_words(write: Write) -> None:
     with pytest.raises(
-        FmuError, match=r"failed at t = 0.02 s \(step 20\): told to fail at 0.02 s \(fmi2DoStep"
+        FmuError, match=r"failed at t = 0.02 s \(step 20\): failed on request at 0.02 s \(fmi2DoStep"
     ):
         run(write(), "controller.fail_at=20")
 
@@ -317,7 +317,7 @@ def test_an_exception_of_the_plant_names_plant_and_step(write: Write) -> None:
 def test_messages_of_the_fmu_reach_the_log(write: Write, caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.DEBUG, "cosim"), pytest.raises(FmuError):
         run(write(), "controller.fail_at=20")
-    assert "Probe [logStatusError] told to fail at 0.02 s" in caplog.text
+    assert "Probe [logStatusError] failed on request at 0.02 s" in caplog.text
 
 
 def test_progress_is_told(write: Write) -> None:

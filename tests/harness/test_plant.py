@@ -23,7 +23,7 @@ REFUSED = {
     "plant.name=none": r"there is no plant `none`\nhint: .*`module:Class`",
     "plant.name=none:Lag": r"cannot import the plant `none:Lag`: ModuleNotFoundError.*\nhint: ",
     "plant.name=probe_plants:Lg": r"the module `probe_plants` has no class `Lg`\nhint: did you mean `Lag`",
-    "plant.name=probe_plants:Refusing": r"`probe_plants:Refusing` refused its parameters: pole and label",
+    "plant.name=probe_plants:Refusing": r"`probe_plants:Refusing` rejected its parameters: pole and label",
     "plant.ploe=1": r"`--set plant.ploe`: `plant.ploe` is not a parameter .*\nhint: did you mean `pole`",
     "plant.pole=2": r"`--set plant.pole`: `plant.pole` is `2.0`, it must lie in 0 .. 1\nhint: `cosim show`",
     "plant.pole=nan": r"`plant.pole` is `nan`, it must lie in 0 .. 1",
@@ -123,17 +123,17 @@ def test_a_plant_that_names_what_is_not_there_is_explained(
 
 
 SHAPELESS = {
-    "class P: ...": r":P` has no method `reset`, so it is no plant\nhint: `cosim.loop.plant.Plant`",
-    "P = len": ":len` is no class, so it is no plant",
+    "class P: ...": r":P` has no method `reset`, so it is not a plant\nhint: `cosim.loop.plant.Plant`",
+    "P = len": ":len` is no class, so it is not a plant",
     "class P(Lag):\n    Parameters = None": ":P` has no dataclass `Parameters`",
     "class P(Lag):\n    Parameters = dict": ":P` has no dataclass `Parameters`",
     "@dataclasses.dataclass\nclass Q:\n    a: 'Undefined' = 1\nclass P(Lag):\n    Parameters = Q": (
-        r":P` has `Parameters` whose types cannot be told: NameError: name 'Undefined'"
+        r":P` has `Parameters` with unknown types: NameError: name 'Undefined'"
     ),
     "class P(Lag):\n    readings = 'x'": "`readings` is `'x'`, it must be a tuple of channels",
     "class P(Lag):\n    readings = ('x',)": "AttributeError: 'str' object has no attribute 'name'",
     "class P(Lag):\n    commands = None": "`commands` is `None`, it must be a tuple of channels",
-    "class P(Lag):\n    truths = 2 * Lag.truths": "`x` of `truths` is there twice",
+    "class P(Lag):\n    truths = 2 * Lag.truths": "`x` of `truths` is defined twice",
     "class P(Lag):\n    truths = (Channel(1),)": "`1` of `truths` has the name `1`, it must be a text",
     "class P(Lag):\n    commands = (Channel('u', noise=-1.0),)": "`u` of `commands` has the noise `-1.0`",
     "class P(Lag):\n    commands = (Channel('u', minimum=2.0, maximum=1.0),)": "limited to `2.0` .. `1.0`",

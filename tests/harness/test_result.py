@@ -313,7 +313,10 @@ def test_a_difference_has_no_offset_in_its_display_unit(folder: Path) -> None:
 
 @pytest.mark.parametrize(
     ("columns", "problem"),
-    [('"plant.xx"', r"`plant\.xx`, which is no column"), ("", r"`plot\.panels\[0\]\.columns` is empty")],
+    [
+        ('"plant.xx"', r"`plant\.xx`, which is not a known column"),
+        ("", r"`plot\.panels\[0\]\.columns` is empty"),
+    ],
 )
 def test_a_wrong_column_of_a_plot_is_found_before_the_run(
     write: Write, folder: Path, columns: str, problem: str

@@ -68,7 +68,8 @@ def test_a_variant_drops_what_it_inherits(write: Write) -> None:
     assert [criterion.id for criterion in scenario.criterion] == ["small"]
     assert [metric.name for metric in scenario.metric] == ["end"]
     with pytest.raises(
-        ScenarioError, match=r"`drop` holds `criterion.strat`, which is not inherited\n.*criterion.start"
+        ScenarioError,
+        match=r"`drop` holds `criterion.strat`, which is not a knownt inherited\n.*criterion.start",
     ):
         cosim.load(write(name="wrong.toml", text='extends = "lag.toml"\ndrop = ["criterion.strat"]\n'))
 
@@ -136,7 +137,7 @@ WRONG = {
     "missing key": ("[[metric]]\nname = 'm'", r"`lag.toml`: `metric.m.value` is missing"),
     "target twice": (
         "[[signal]]\nto = 'controller.in'\ntimes = [0.0]\nvalues = [1.0]",
-        r"`signal.controller.in` is there twice, as `wire`",
+        r"`signal.controller.in` is defined twice, as `wire`",
     ),
     "signal starts late": (
         "[[signal]]\nto = 'controller.count'\ntimes = [1.0]\nvalues = [1]",

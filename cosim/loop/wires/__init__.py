@@ -1,1 +1,1 @@
-"""Wires, signals and injections: from names to places, and what happens to a value on its way."""
+"""Wires, signals and injections: resolution of names, and processing of values."""

@@ -1,4 +1,4 @@
-"""Names become places: wires, signals and injections are tied to the arrays of FMUs and plant."""
+"""Connection of wires, signals and injections to the arrays of FMUs and plant."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cosim.fmu.values import encode, lookup
 from cosim.loop.plant import Channel, Plant
 from cosim.loop.time_series import find, read, sample
 from cosim.loop.wires import order
-from cosim.loop.wires.fault import NEVER, change, steps_of
+from cosim.loop.wires.fault import NEVER, effect, steps_of
 from cosim.loop.wires.links import Connection, Drive, Fault, Link, Links, Slot
 from cosim.loop.wires.wiring import Delay, Ideal, first_step, noise, shaper
 from cosim.scenario.injection import INJECTED, Injection
@@ -29,12 +29,12 @@ KINDS = {"Integer": "an integer or an enumeration", "Boolean": "a Boolean"}
 
 
 def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variable]:
-    """List the inputs and tunable parameters of an FMU that something drives, in its order.
+    """List the driven inputs and tunable parameters of an FMU, in its order.
 
     Raises
     ------
     CosimError
-        A target that does not exist or takes no values during a run.
+        A target that does not exist or does not accept values during a run.
     """
     names = set()
     for section, item in targets(scenario):
@@ -46,7 +46,7 @@ def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variabl
             tunable = variable.causality == "parameter" and variable.variability == "tunable"
             if (variable.causality != "input" and not tunable) or variable.kind == "String":
                 raise ScenarioError(
-                    f"`{item}` is no input and no tunable parameter of the FMU",
+                    f"`{item}` is not an input or tunable parameter of the FMU",
                     closest(name, [v.name for v in file.named("input")]),
                 )
             names.add(name)
@@ -54,7 +54,7 @@ def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variabl
 
 
 def targets(scenario: Scenario) -> list[tuple[str, str]]:
-    """Section and target of everything that writes a value."""
+    """Section and target of every wire, signal and injection."""
     return [
         *(("wire", wire.to) for wire in scenario.wire),
         *(("signal", signal.to) for signal in scenario.signal),
@@ -63,12 +63,12 @@ def targets(scenario: Scenario) -> list[tuple[str, str]]:
 
 
 def side_of(end: str) -> str:
-    """Name of what a wire, signal or injection begins or ends at."""
+    """Name of the FMU or plant at an end of a wire, signal or injection."""
     return end.partition(".")[0]
 
 
 class Connector:
-    """Ties the names of a scenario to FMU instances, a plant and its array of commands."""
+    """Connects the names of a scenario to FMU instances, a plant and its array of commands."""
 
     def __init__(
         self,
@@ -85,7 +85,7 @@ class Connector:
         self.channels = {channel.name: (i, channel) for i, channel in enumerate(plant.commands)}
 
     def links(self) -> Links:
-        """Build all connections; the FMUs must have been initialised, their outputs prime the delays."""
+        """Build all connections; the FMUs must be initialized, because their outputs initialize the delays."""
         connections = {name: Connection() for name in (*self.fmus, PLANT)}
         for wire in self.scenario.wire:
             with concerning(f"wire.{wire.to}"):
@@ -103,21 +103,21 @@ class Connector:
         return Links(self.sensed, self.commands, fmus, connections[PLANT], begins)
 
     def link(self, wire: Wire) -> Link:
-        """Wire by what is at its ends."""
+        """Create a wire according to its ends."""
         target, source = self.target(wire.to), side_of(wire.source)
         if source in self.fmus:
             return self.output(wire, target)
         if side_of(wire.to) == PLANT:
             outputs = " or ".join(f"`{name}.`" for name in self.fmus)
-            raise ScenarioError(f"`from` = `{wire.source}`: a command of the plant takes a {outputs} output")
+            raise ScenarioError(f"`from` = `{wire.source}`: a command of the plant needs a {outputs} output")
         if source != PLANT:
             outputs = "".join(f" or a `{name}.` output" for name in self.fmus if len(self.fmus) > 1)
-            taken = f"an input of the {side_of(wire.to)} takes a `plant.` reading{outputs}"
+            taken = f"an input of the {side_of(wire.to)} needs a `plant.` measurement{outputs}"
             raise ScenarioError(f"`from` = `{wire.source}`: {taken}")
         return self.reading(wire, target)
 
     def reading(self, wire: Wire, target: Slot) -> Link:
-        """Wire from a reading of the plant to an input of an FMU."""
+        """Wire from a measurement of the plant to an input of an FMU."""
         index, channel = self.channel(self.readings, wire.source.partition(".")[2], "reading")
         shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
         return Link(Slot(self.sensed, index), target, shape, Delay(wire.delay))
@@ -145,7 +145,7 @@ class Connector:
         place = self.find(fmu.outputs, lookup(fmu.file.variables, name, fmu.owner))
         if place is None:
             raise ScenarioError(
-                f"`from` = `{end}` is no numeric output of {fmu.owner.who}",
+                f"`from` = `{end}` is not a numeric output of {fmu.owner.who}",
                 closest(name, [v.name for v in fmu.file.named("output")]),
             )
         return place
@@ -155,13 +155,13 @@ class Connector:
         with concerning(f"signal.{signal.to}"):
             loop, target = self.scenario.loop, self.target(signal.to)
             if signal.interpolation == "linear" and target.kind != "Real":
-                problem = f"`{signal.to}` takes no values in between, it is {KINDS[target.kind]}"
-                raise ScenarioError(problem, 'set `interpolation = "hold"`')
+                problem = f"`{signal.to}` cannot be interpolated, it is {KINDS[target.kind]}"
+                raise ScenarioError(problem, 'Set `interpolation = "hold"`.')
             times, values = self.course(signal)
             return Drive(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
 
     def course(self, signal: Signal) -> tuple[Any, Any]:
-        """Tell times and values of a signal, each value checked against what its target takes."""
+        """Times and values of a signal; each value is checked against the type of its target."""
         if not signal.file:
             return signal.times, [self.number(signal.to, value) for value in signal.values]
         found = read(find(signal.file, self.scenario.folder), signal.column)
@@ -174,7 +174,7 @@ class Connector:
         return found.times, found.values
 
     def holds(self) -> dict[str, Drive]:
-        """Hold the start values of targets that only injections write, so that they come back afterwards."""
+        """Hold the start values of targets that only injections write, to restore them afterwards."""
         written = {to for section, to in targets(self.scenario) if section != "inject"}
         only = dict.fromkeys(entry.to for entry in self.scenario.inject if entry.to not in written)
         places = {to: self.target(to) for to in only}
@@ -182,7 +182,7 @@ class Connector:
         return {to: Drive(np.full(steps, float(at.array[at.index])), at) for to, at in places.items()}
 
     def fault(self, injection: Injection, begin: Slot) -> Fault:
-        """Injection at an input of the FMU or a command of the plant; its first step stands in `begin`."""
+        """Injection at an input of the FMU or a command of the plant; its first step is stored in `begin`."""
         with concerning(f"inject.{injection.to}"):
             loop, target = self.scenario.loop, self.target(injection.to)
             self.check_kind(injection, target)
@@ -190,11 +190,11 @@ class Connector:
                 begin.array[begin.index] = first_step(injection.from_time, loop.step)
             earlier = [other for other in self.scenario.inject[: begin.index] if other.to == injection.to]
             name = f"inject.{injection.to}" + (f".{len(earlier)}" if earlier else "")
-            made = change(injection, name, self.seed, loop, target.kind == "Boolean")
+            made = effect(injection, name, self.seed, loop, target.kind == "Boolean")
             return Fault(begin, steps_of(injection, loop), made, target)
 
     def check_kind(self, injection: Injection, target: Slot) -> None:
-        """Check that a target takes what an injection makes of its value."""
+        """Check that a target accepts the value of an injection."""
         to, kind = injection.to, injection.kind
         if kind == "value":
             target.convert(self.number(to, injection.value))
@@ -205,7 +205,7 @@ class Connector:
         if target.kind == "Boolean" or (fmu and fmu.file.variables[name].items):
             what = "a Boolean" if target.kind == "Boolean" else "an enumeration"
             taken = ", ".join(f"`{one}`" for one in INJECTED if one not in ARITHMETIC)
-            raise ScenarioError(f"`inject.{to}.{kind}`: `{to}` is {what}", f"it takes {taken}")
+            raise ScenarioError(f"`inject.{to}.{kind}`: `{to}` is {what}", f"Use {taken}.")
 
     def number(self, to: str, value: Any) -> float:
         """Value of a stimulus as a number; enumeration items may be given by name."""
@@ -242,9 +242,12 @@ class Connector:
         """Index and channel by name."""
         if not self.scenario.plant.name:
             raise ScenarioError(
-                f"`plant.{name}`: the scenario has no plant", "name one: `[plant]` with `name = ...`"
+                f"`plant.{name}`: the scenario has no plant", "Add `[plant]` with `name = ...`."
             )
         if name not in channels:
-            hint = closest(name, channels) or f"it has no {kind}s at all; of an MJCF they are what has a name"
+            hint = (
+                closest(name, channels)
+                or f"It has no {kind}s. In an MJCF file only named elements have channels."
+            )
             raise ScenarioError(f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`", hint)
         return channels[name]

@@ -1,4 +1,4 @@
-"""The mathematics of injections: what a fault does to a value that arrives, and when it begins."""
+"""Mathematics of injections: the effect of a fault on a value, and its start."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from cosim.scenario.injection import Injection
 from cosim.scenario.model import Loop
 
 NEVER = math.inf
-"""First step of an injection that has not begun."""
+"""First step of an injection that has not started."""
 
 
 @dataclass
 class FaultEffect:
-    """What an injection does to the value that arrives.
+    """Effect of an injection on an arriving value.
 
     Parameters
     ----------
     kind
-        Key of `Injection` that says it; `lose` is `drop` of a truth value.
+        Key of `Injection`; `lose` is `drop` of a Boolean.
     number
-        Number of the kind; of a ramp for one step.
+        Number of the kind; for a ramp its change per step.
     series
         Noise of every step, or 1 in the steps whose sample is lost.
     delay
-        What makes the value late.
+        Delay of the value.
     """
 
     kind: str
@@ -40,9 +40,9 @@ class FaultEffect:
     held: float = 0.0
 
     def __call__(self, value: float, k: int, since: float) -> float:
-        """Value that arrives instead in step `k`, so many steps after the first.
+        """Changed value in step `k`, which is `since` steps after the first.
 
-        Before it, `since` is negative and the value is only seen: what is given back means nothing.
+        Before the first step `since` is negative: the value is only observed, the return value unused.
         """
         match self.kind:
             case "frozen" | "drop":
@@ -65,7 +65,7 @@ class FaultEffect:
         return self.number
 
     def loses(self, k: int, since: float) -> bool:
-        """Whether the sample of this step is lost; one that freezes keeps its first."""
+        """Whether the sample of this step is lost; the first sample is kept."""
         if self.kind == "frozen":
             return since > 0.0
         return since >= 0.0 and self.sample(k) != 0.0
@@ -76,8 +76,8 @@ class FaultEffect:
         return self.series.item(k)
 
 
-def change(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> FaultEffect:
-    """Change that an injection says.
+def effect(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> FaultEffect:
+    """Effect of an injection.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def change(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> F
     loop
         Step and length of the run.
     truth
-        Whether its target is a truth value.
+        Whether its target is a Boolean.
     """
     kind = entry.kind
     number = float(getattr(entry, kind))
@@ -109,7 +109,7 @@ def change(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> F
 
 
 def steps_of(entry: Injection, loop: Loop) -> int:
-    """Count the steps of an injection; it lasts to the end of the run where nothing ends it."""
+    """Number of steps of an injection; without an end it lasts to the end of the run."""
     if entry.duration is not None:
         return max(1, first_step(entry.duration, loop.step))
     if entry.to_time is None or entry.from_time is None:
@@ -118,13 +118,13 @@ def steps_of(entry: Injection, loop: Loop) -> int:
 
 
 def delay_of(entry: Injection, loop: Loop) -> int:
-    """Count the steps from the row that `when` holds for to the first step; that of the row is over."""
+    """Number of steps from the row for which `when` is true to the first step; at least 1."""
     return max(1, first_step(entry.after, loop.step))
 
 
 @dataclass(frozen=True)
 class Trigger:
-    """What begins an injection `delay` steps after the first row that a condition holds for.
+    """Starts an injection `delay` steps after the first row for which a condition is true.
 
     `begins[index]` is the step.
     """
@@ -135,6 +135,6 @@ class Trigger:
     index: int
 
     def __call__(self, row: NDArray[np.float64], k: int) -> None:
-        """Look at the row of step `k`."""
+        """Evaluate the row of step `k`."""
         if self.begins[self.index] == NEVER and self.condition(row):
             self.begins[self.index] = k + self.delay

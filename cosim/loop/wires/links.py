@@ -1,4 +1,4 @@
-"""All connections of a run, ready to carry values from array to array."""
+"""All connections of a run, between arrays."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cosim.loop.wires.wiring import Delay, Shape
 
 
 def truth(value: float) -> int:
-    """Boolean of a number: everything but 0 is true."""
+    """Boolean of a number: true unless 0."""
     return int(value != 0.0)
 
 
@@ -24,17 +24,17 @@ def whole(value: float) -> int:
     """Integer of a number, rounded half to even."""
     number = round(value) if math.isfinite(value) else 2**31
     if not abs(number) < 2**31:
-        raise CosimError(f"an integer input got `{value}`, it takes 32 bits")
+        raise CosimError(f"an integer input got `{value}`, it has 32 bits")
     return number
 
 
 CONVERT: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": whole, "Boolean": truth}
-"""What a number becomes on writing."""
+"""Conversion of a number on writing."""
 
 
 @dataclass(frozen=True)
 class Slot:
-    """Where a value is read or written: `array[index]`, a `Real`, `Integer` or `Boolean`."""
+    """Location of a value: `array[index]`, a `Real`, `Integer` or `Boolean`."""
 
     array: NDArray[Any]
     index: int
@@ -47,7 +47,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Link:
-    """One wire, ready to carry values."""
+    """One connected wire."""
 
     source: Slot
     target: Slot
@@ -65,7 +65,7 @@ class Drive:
 
 @dataclass(frozen=True)
 class Fault:
-    """One injection: `change` is applied in `length` steps from the one on that stands in `begin`."""
+    """One injection: `change` is applied in `length` steps, starting with the step stored in `begin`."""
 
     begin: Slot
     length: int
@@ -75,7 +75,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Connection:
-    """What arrives at the inputs of an FMU, or at the commands of the plant, before it moves."""
+    """Connections to the inputs of an FMU, or to the commands of the plant, before its step."""
 
     wires: list[Link] = field(default_factory=list)
     drives: list[Drive] = field(default_factory=list)
@@ -89,13 +89,13 @@ class Links:
     Parameters
     ----------
     sensed, commands
-        Ideal readings and commands of a step.
+        Ideal measurements and commands of a step.
     fmus
-        What arrives at each FMU, in the order in which they step.
+        Connections to each FMU, in the order of their steps.
     plant
-        What arrives at the plant.
+        Connections to the plant.
     begins
-        First step of every injection, infinite before it is known.
+        First step of every injection; infinite while unknown.
     """
 
     sensed: NDArray[np.float64]
@@ -106,7 +106,7 @@ class Links:
 
     @property
     def drives(self) -> list[Drive]:
-        """All signals, as native code takes them."""
+        """All signals, for native code."""
         return [drive for connection in (*self.fmus, self.plant) for drive in connection.drives]
 
     @property

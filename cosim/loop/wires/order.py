@@ -1,4 +1,4 @@
-"""The order of FMUs in a step, and which wires need a delay in it."""
+"""The order of FMUs in a step, and the wires that need a delay."""
 
 from __future__ import annotations
 
@@ -7,39 +7,39 @@ from cosim.scenario.model import Scenario, Wire
 
 
 def goes_back(wire: Wire, names: list[str]) -> bool:
-    """Whether a wire between FMUs ends at one that steps before its source, or at its source itself."""
+    """Whether a wire between FMUs ends at its source or at an FMU that steps before it."""
     source, target = sides(wire)
     return names.index(source) >= names.index(target)
 
 
 def check(wire: Wire, scenario: Scenario) -> None:
-    """Check that a wire between FMUs that goes back against the order of their steps has a delay.
+    """Check that a wire against the order of the steps has a delay.
 
     Raises
     ------
     ScenarioError
-        It has none: in this step the value is not known yet.
+        It has no delay: the value is not yet known in this step.
     """
     names = [choice.name for choice in scenario.fmus]
     if wire.delay > 0 or not goes_back(wire, names):
         return
     source, target = sides(wire)
-    hint = "`delay = 1` takes the value of the step before"
+    hint = "Set `delay = 1` to use the value of the previous step"
     if scenario.fmus[0].alone:
-        problem = f"`from` = `{wire.source}`: an input of the controller takes a `plant.` reading"
-        raise ScenarioError(problem, f"or its own output with a delay: {hint}")
+        problem = f"`from` = `{wire.source}`: an input of the controller needs a `plant.` measurement"
+        raise ScenarioError(problem, f"Or use its own output with a delay. {hint}.")
     if source in reached(target, scenario):
         problem = (
-            "closes an algebraic loop: from its target back to its source every wire acts in the same step"
+            "closes an algebraic loop: all wires from its target back to its source act in the same step"
         )
     else:
-        problem = f"goes back in the order of the steps {ordered(names)}"
+        problem = f"is against the order of the steps {ordered(names)}"
         hint += f", or list `{source}` before `{target}`"
     raise ScenarioError(f"the wire from `{wire.source}` to `{wire.to}` without `delay` {problem}", hint)
 
 
 def reached(start: str, scenario: Scenario) -> set[str]:
-    """FMUs that depend in the same step on one, which is among them itself."""
+    """FMUs that depend on a given one in the same step, including itself."""
     names = {choice.name for choice in scenario.fmus}
     steps = [sides(wire) for wire in scenario.wire if not wire.delay]
     found, waiting = set[str](), [start]
@@ -52,7 +52,7 @@ def reached(start: str, scenario: Scenario) -> set[str]:
 
 
 def sides(wire: Wire) -> tuple[str, str]:
-    """Names of what a wire leads from and to."""
+    """Names of the FMUs or plant at the ends of a wire."""
     return wire.source.partition(".")[0], wire.to.partition(".")[0]
 
 

@@ -1,4 +1,4 @@
-"""The mathematics of wires and signals: what happens to a value on its way between FMUs and plant."""
+"""Mathematics of wires and signals: processing of values between FMUs and plant."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from cosim.scenario.model import Wire
 
 @dataclass(frozen=True)
 class Shape:
-    """Scale, offset, noise, quantum and limits of one wire: value that leaves it, from the one that enters.
+    """Scale, offset, noise, quantum and limits of one wire: output value from input value.
 
     Noise, quantum and limits act on the plant's side, in the unit of its channel: before the conversion of a
-    reading, after that of a command. Between FMUs they act after it.
+    measurement, after that of a command. Between FMUs they act after it.
 
     Parameters
     ----------
     source
         Where the value comes from, for messages.
     from_plant
-        Whether the wire carries a reading (else a command, or the output of an FMU to another).
+        Whether the wire carries a measurement; otherwise a command, or an output to another FMU.
     noise
         Noise of every step, or None.
     """
@@ -42,13 +42,13 @@ class Shape:
     maximum: float
 
     def __call__(self, value: float, k: int) -> float:
-        """Value that leaves the wire in step `k`."""
+        """Output value of the wire in step `k`."""
         if self.from_plant:
             return self.scale * self.disturb(value, k) + self.offset
         return self.disturb(self.scale * value + self.offset, k)
 
     def disturb(self, value: float, k: int) -> float:
-        """Add noise, quantise and limit."""
+        """Add noise, quantize and limit."""
         if self.noise is not None:
             value += self.noise.item(k)
         # before the clamp, which would hide a value that is not finite
@@ -70,7 +70,8 @@ class Shape:
 def child(seed: int, name: str) -> np.random.SeedSequence:
     """Independent seed of one consumer of random numbers.
 
-    It depends on the seed of the run and the consumer's name only: a new wire changes no other wire's noise.
+    It depends only on the seed of the run and the name of the consumer, so a new wire does not change the
+    noise of other wires.
     """
     return np.random.SeedSequence(seed, spawn_key=(zlib.crc32(name.encode()),))
 
@@ -84,14 +85,14 @@ def noise(wire: Wire, channel: Channel, seed: int, steps: int) -> NDArray[np.flo
 
 
 def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.float64] | None) -> Shape:
-    """Shape of a wire; what the wire leaves open is the channel's own.
+    """Shape of a wire; the defaults are those of the channel.
 
     Parameters
     ----------
     wire, channel
         The wire, and the plant's channel it starts or ends at, or an ideal one.
     from_plant
-        Whether the wire carries a reading (else a command, or the output of an FMU to another).
+        Whether the wire carries a measurement; otherwise a command, or an output to another FMU.
     samples
         Noise of every step, or None.
     """
@@ -108,7 +109,7 @@ def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.f
 
 
 class Ideal:
-    """Channel at the end of a wire between FMUs: nothing disturbs and limits a value there."""
+    """Ideal channel of a wire between FMUs: no noise, quantum or limits."""
 
     name = unit = description = ""
     noise = quantum = 0.0
@@ -116,14 +117,14 @@ class Ideal:
 
 
 class Delay:
-    """Ring that gives back the value of `steps` steps ago; before there is one, the first value."""
+    """Ring buffer that returns the value of `steps` steps before; at first the initial value."""
 
     def __init__(self, steps: int) -> None:
         self.steps = steps
         self.ring: list[float] = []
 
     def prime(self, value: float) -> None:
-        """Fill the ring with the value that holds before the first step."""
+        """Fill the ring with the value before the first step."""
         self.ring = [value] * self.steps
 
     def __call__(self, value: float, k: int) -> float:
@@ -138,5 +139,5 @@ class Delay:
 
 
 def first_step(time: float, step: float) -> int:
-    """First step `k` with `k * step >= time`, forgiving the rounding of `k * step`."""
+    """First step `k` with `k * step >= time`, within the rounding of `k * step`."""
     return math.ceil(min(max(time / step - 1e-6, 0.0), MAX_STEPS))

@@ -124,7 +124,7 @@ def test_what_could_not_run_is_told_and_stops_no_other(tested: Acceptance) -> No
     assert errors[0].startswith("error: `lag/broken`: ")
     assert "`loop.durration` is not a known key" in errors[0]
     assert errors[1].startswith("error: `failing/plant`: ")
-    assert "told to fail" in errors[1]
+    assert "failed on request" in errors[1]
 
 
 def test_results_and_plots_are_those_of_this_run(tested: Acceptance) -> None:

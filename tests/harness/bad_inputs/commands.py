@@ -49,18 +49,18 @@ LINES: dict[str, Case] = {
     "trace is a folder": Case((*RUN, "--trace", "folder.csv"), ("cannot write `folder.csv`",)),
     "JSON is a folder": Case((*RUN, "--json", "cache"), ("cannot write `cache`",)),
     "plot of another kind": Case((*RUN, "--plot", "a.gif"), ("`a.gif`", "`.svg`")),
-    "JSON over the scenario": Case((*RUN, "--json", "lag.toml"), ("`--json` `lag.toml`", "is no JSON")),
-    "JSON over the FMU": Case((*RUN, "--json", "probe.fmu"), ("`--json` `probe.fmu`", "is no JSON")),
+    "JSON over the scenario": Case((*RUN, "--json", "lag.toml"), ("`--json` `lag.toml`", "is not JSON")),
+    "JSON over the FMU": Case((*RUN, "--json", "probe.fmu"), ("`--json` `probe.fmu`", "is not JSON")),
     "two outputs in one file": Case(
         (*RUN, "--json", "x.svg", "--plot", "./x.svg"), ("`--json` and `--plot`", "`x.svg`")
     ),
-    "seeds over the scenario": Case((*RUN, "--seeds", "1..2", "--json", "lag.toml"), ("is no JSON",)),
+    "seeds over the scenario": Case((*RUN, "--seeds", "1..2", "--json", "lag.toml"), ("is not JSON",)),
     "JUnit over a model": Case(given("test", "lag.toml", "--junit", "model.xml"), ("is no JUnit XML",)),
     "trace over a signal": Case(
         given("run", "driven.toml", "--trace", "in.csv"), ("`--trace` `in.csv`", "`signal.controller.flag`")
     ),
     "judged over the trace": Case(
-        given("judge", "in.csv", "lag.toml", "--json", "in.csv"), ("`--json` `in.csv`", "is no JSON")
+        given("judge", "in.csv", "lag.toml", "--json", "in.csv"), ("`--json` `in.csv`", "is not JSON")
     ),
     "memory beyond all": Case((*RUN, "--memory", "1e300"), ("`--memory` = `1e+300`", "1e+12")),
     "timeout beyond all": Case((*RUN, "--timeout", "inf"), ("`--timeout` = `inf`",)),

@@ -180,7 +180,7 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "bad sum": (patched(flipped), ("is damaged", "`modelDescription.xml` does not unpack")),
     "encrypted": (flagged(1), ("`modelDescription.xml`", "is encrypted")),
     "other method": (flagged(0, 99), ("`modelDescription.xml`", "method 99")),
-    "path upwards": (holding({"../../x": "x"}), ("`../../x`", "leads out of the FMU")),
+    "path upwards": (holding({"../../x": "x"}), ("`../../x`", "leaves the folder of the FMU")),
     "absolute path": (holding({"/tmp_x": "x"}), ("`/tmp_x`", "absolute path")),
     "drive": (holding({"C:x": "x"}), ("`C:x`", "absolute path")),
     "backslash": (holding({"a\\b": "x"}), ("backslash", "forward slashes")),
@@ -205,14 +205,14 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "other root": (described("<fmiBuildDescription fmiVersion='2.0'/>"), ("`fmiBuildDescription`",)),
     "no version": (edited((' fmiVersion="2.0"', "")), ("without `fmiVersion`",)),
     "FMI 1": (edited(('fmiVersion="2.0"', 'fmiVersion="1.0"')), ("FMI 1.0 FMU", "only FMI 2.0")),
-    "FMI 3": (edited(('fmiVersion="2.0"', 'fmiVersion="3.0"')), ("FMI 3.0 FMU", "export it as FMI 2.0")),
+    "FMI 3": (edited(('fmiVersion="2.0"', 'fmiVersion="3.0"')), ("FMI 3.0 FMU", "Export it as FMI 2.0.")),
     "model exchange": (
         edited(("<CoSimulation", "<ModelExchange"), ('canHandleVariableCommunicationStepSize="true"', "")),
         ("offers only ModelExchange",),
     ),
     "duplicate item": (edited(('name="Slow" value="2"', 'name="Off" value="2"')), ("not valid", "Off")),
     "no such type": (edited(('declaredType="Mode" start', 'declaredType="No" start')), ("not valid", '"No"')),
-    "start is no number": (edited((GAIN, '<Real start="abc"/>')), ("not valid", "'abc'")),
+    "start is not a number": (edited((GAIN, '<Real start="abc"/>')), ("not valid", "'abc'")),
     "reference too big": (
         edited(('"clock.time" valueReference="6"', '"clock.time" valueReference="99999999999"')),
         ("not valid", "99999999999"),
@@ -263,7 +263,9 @@ WARNED: dict[str, tuple[Build, tuple[str, ...]]] = {
     "terminate fatal": (defect("terminate_fatal"), ("cannot terminate `Probe`", "returned fmi2Fatal")),
     "no item of its enumeration": (
         defect("item"),
-        ("`controller.mode_out` is `77` at t = 0.003 s, which is none of its items: `1` Off, `2` Slow",),
+        (
+            "`controller.mode_out` is `77` at t = 0.003 s, which is not a knownt one of its items: `1` Off, `2` Slow",
+        ),
     ),
     "another version": (defect("version_3"), ("`broken.fmu`: `fmi2GetVersion` returns `3.0`, not `2.0`",)),
     "no version told": (defect("version_null"), ("`fmi2GetVersion` returns nothing",)),

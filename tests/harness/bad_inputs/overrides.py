@@ -23,9 +23,9 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "FMU is a table": ("controller.fmu={a = 1}", ("`controller.fmu`", "a text")),
     "FMU is a device": ("controller.fmu=/dev/zero", ("`/dev/zero` is not a regular file",)),
     "plant is a module": ("plant.name=os", ("no plant `os`",)),
-    "plant fails": ("plant.fail_at=3", ("step 3", "told to fail", "`-v` shows where")),
+    "plant fails": ("plant.fail_at=3", ("step 3", "failed on request", "Show the origin with `-v`.")),
     "plant gives NaN": ("plant.nan_at=3", ("`plant.x` is `nan`", "step 3")),
-    "FMU fails": ("controller.fail_at=3", ("step 3", "told to fail at 0.003 s", "fmi2DoStep")),
+    "FMU fails": ("controller.fail_at=3", ("step 3", "failed on request at 0.003 s", "fmi2DoStep")),
     "deep value": ("controller.gain=" + "[" * 2000 + "]" * 2000, ("controller.gain",)),
     "integer above 1e308": (f"controller.gain={DIGITS[:400]}", ("`controller.gain`",)),
     "integer of 5000 digits": (f"controller.gain={DIGITS}", ("controller.gain",)),
@@ -56,7 +56,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "substeps": ("loop.substeps=2", ("do not fill `loop.step` = `0.001` s", "set `loop.substeps = 1`")),
     # wires
     "wire from": ("wire.controller.in.from=plant.y", ("no reading `y`",)),
-    "wire from the wrong side": ("wire.controller.in.from=controller.out", ("takes a `plant.` reading",)),
+    "wire from the wrong side": ("wire.controller.in.from=controller.out", ("needs a `plant.` measurement",)),
     "command from the plant": ("wire.plant.u.from=plant.x", ("takes a `controller.` output",)),
     "wire to": ("wire.controller.in.to=controller.inn", ("no variable `inn`", "did you mean `in`")),
     "wire to an output": (
@@ -69,7 +69,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
         "wire.plant.u.to=nowhere",
         ("`to` = `nowhere`, it must be `controller.<input>` or",),
     ),
-    "stop_when": ("loop.stop_when=plant.y > 1", ("`plant.y`, which is no column",)),
+    "stop_when": ("loop.stop_when=plant.y > 1", ("`plant.y`, which is not a known column",)),
     # parameters of the FMU
     "above its limit": (
         "controller.gain=20",
@@ -77,7 +77,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "sum above its limit": (
         "controller.bias=[90, 20]",
-        ("the FMU refused its parameters: the sum of `bias` is 110, its limit is 100",),
+        ("the FMU rejected its parameters: the sum of `bias` is 110, its limit is 100",),
     ),
     "text for a Real": ("controller.gain=big", ("`controller.gain` is `'big'`, it must be a number",)),
     "Boolean for a Real": ("controller.gain=true", ("`controller.gain` is `true`, it must be a number",)),
@@ -95,7 +95,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
         ("`controller.mode` is `'Fst'`, it must be one of `Off`, `Slow`, `Fast`", "did you mean `Fast`"),
     ),
     "item number": ("controller.mode=3", ("`controller.mode` is `3`, it must be one of",)),
-    "short array": ("controller.bias=[1]", ("`controller.bias` has 1 values, it takes 2",)),
-    "output": ("controller.out=1", ("`controller.out` is of causality `output`, it cannot be set",)),
+    "short array": ("controller.bias=[1]", ("`controller.bias` has 1 values instead of 2",)),
+    "output": ("controller.out=1", ("`controller.out` has causality `output`and cannot be set",)),
 }
 """One override, and what the message must say."""

@@ -212,13 +212,13 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "metric is too long": (metric("1+" * 1500 + "1"), ("longer than 2000 characters",)),
     "metric is nested": (metric("(" * 900 + "1" + ")" * 900), ("`metric.end.value`",)),
     "metric is a text": (metric('"a"'), ("`metric.end.value`", "text")),
-    "stop is no condition": (
+    "stop is not a condition": (
         edited("[loop]", '[loop]\nstop_when = "plant.x"'),
-        ("`loop.stop_when` = `plant.x` is no condition", "`plant.x > 0`"),
+        ("`loop.stop_when` = `plant.x` is not a condition", "`plant.x > 0`"),
     ),
     "stop is a constant": (
         edited("[loop]", '[loop]\nstop_when = "where(plant.x > 1, 2, 3)"'),
-        ("`loop.stop_when`", "is no condition"),
+        ("`loop.stop_when`", "is not a condition"),
     ),
     "stop is a mistake": (
         edited("[loop]", '[loop]\nstop_when = "plant.y > 1"'),

@@ -28,7 +28,7 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     "FMUs are texts": (f'fmu = ["a"]\n{LOOP}', ("`fmu[0]`", "a table")),
     "no name": (edited('name = "a"\n', "", TWO), ("`fmu[0].name` is missing",)),
     "no FMU of a name": (edited('fmu = "probe"\n', "", TWO), ("`fmu.a.fmu` is missing",)),
-    "name twice": (edited('name = "b"', 'name = "a"', TWO), ("`fmu.a` is there twice",)),
+    "name twice": (edited('name = "b"', 'name = "a"', TWO), ("`fmu.a` is defined twice",)),
     "name of the plant": (renamed("plant"), ("`fmu.plant.name` is `plant`", "something else")),
     "name of a table": (renamed("wire"), ("`fmu.wire.name` is `wire`", "something else")),
     "name of a column": (renamed("time"), ("`fmu.time.name` is `time`",)),
@@ -67,7 +67,7 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     "signal to an unknown FMU": (edited('to = "a.count"', 'to = "c.count"', TWO), ("`to` = `c.count`",)),
     "wire from nothing": (edited("a.out", "a.otu", TWO), ("the FMU `a` has no variable `otu`", "`out`")),
     "wire to nothing": (edited("b.in", "b.inn", TWO), ("the FMU `b` has no variable `inn`", "`in`")),
-    "wire from an input": (edited("a.out", "a.in", TWO), ("`a.in` is no numeric output of the FMU `a`",)),
+    "wire from an input": (edited("a.out", "a.in", TWO), ("`a.in` is not a numeric output of the FMU `a`",)),
     "wire to an output": (edited("b.in", "b.sum", TWO), ("`b.sum` is no input",)),
     "wire to the plant": (TWO + wire("b.out", "plant.u"), ("the scenario has no plant",)),
     "wire back without delay": (
@@ -95,7 +95,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "file": ("b.fmu=none", ("`--set b.fmu`", "`none.fmu` does not exist")),
     "step": ("b.step=0.0015", ("`--set b.step`", "`loop.step`")),
     "delay": ("wire.a.in.delay=0", ("algebraic loop",)),
-    "failure": ("b.fail_at=3", ("the FMU `b` failed at t = 0.003 s (step 3)", "told to fail")),
+    "failure": ("b.fail_at=3", ("the FMU `b` failed at t = 0.003 s (step 3)", "failed on request")),
     "not a number": ("b.nan_at=3", ("`b.out` is `nan`", "finite")),
 }
 """One override of a good scenario, and what the message must say."""

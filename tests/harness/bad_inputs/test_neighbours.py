@@ -18,10 +18,10 @@ from ..native.conftest import CART, SCENARIO
 from ..sweep import studies
 from . import fmus
 
-CHANGED = "changed how the processor calculates (rounding, denormals or traps)"
+CHANGED = "changed the floating-point environment (rounding, denormals or traps)"
 ARITHMETIC = {
-    "rounding": f"the FMU `rounding.fmu` {CHANGED} while it was loaded and instantiated; it was put back",
-    "traps": f"the FMU `traps.fmu` {CHANGED} while it was loaded and instantiated; it was put back",
+    "rounding": f"the FMU `rounding.fmu` {CHANGED} while it was loaded and instantiated; it was restored",
+    "traps": f"the FMU `traps.fmu` {CHANGED} while it was loaded and instantiated; it was restored",
     "rounding_in_step": f"`rounding_in_step.fmu` or the plant `counting:Counting` {CHANGED} at or after",
 }
 BELONGINGS = {
@@ -105,7 +105,7 @@ def test_an_fmu_that_refuses_a_reset_runs_as_in_a_fresh_process(
     (lag / "study.toml").write_text(studies.case_list(cases))
     done = studies.sweep("study.toml", "--workers", "1")
     assert "warning: run 1, seed " in done.stderr
-    assert ": every run gets a new instance, for it cannot be reset: " in done.stderr
+    assert ": every run gets a new instance, because it cannot be reset: " in done.stderr
     for row in studies.rows(lag / "study.sweep"):
         changes = [f"{key}={value}" for key, value in row["set"].items()]
         single = cosim.run(cosim.load("lag.toml", changes), row["seed"])

@@ -124,8 +124,8 @@ def test_undriven_ends_and_missing_demands_are_warnings(write: Write) -> None:
         "`controller.in`, `controller.count`, `controller.mode`, `controller.flag`, `plant.u`, `plant.extra`"
     )
     assert found.warnings == [
-        f"nothing drives {ends}: wire what is missing, list the rest in `idle`",
-        "no criterion demands anything of a run",
+        f"nothing drives {ends}: add the missing wires and list the others in `idle`",
+        "the scenario has no criteria",
     ]
 
 
@@ -133,7 +133,7 @@ def test_an_unknown_name_in_idle_is_a_warning(write: Write) -> None:
     text = SCENARIO.replace('"plant.extra"]', '"plant.extra", "plant.extras"]')
     (told,) = check(str(write(COMPLETE, text=text))).warnings
     assert told.startswith(
-        "`idle` lists `plant.extras`, which is no input and no command; did you mean `plant."
+        "`idle` lists `plant.extras`, which is not a known input and no command; did you mean `plant."
     )
 
 

@@ -79,9 +79,9 @@ def test_runs_without_a_result_are_exit_code_2_and_are_told(write: Write) -> Non
     write(NOISY.format(100))
     done = cosim("run", "lag.toml", "--seeds", "4..6", "--set", "plant.fail_at=3", "--json", "runs.json")
     assert done.returncode == 2
-    assert re.search(r"error +3 +4 +the plant .* told to fail", done.stdout)
+    assert re.search(r"error +3 +4 +the plant .* failed on request", done.stdout)
     assert "error: 3 of 3 runs gave no result; the first: the plant `probe_plants:Lag` failed" in done.stderr
-    assert all("told to fail" in run["error"] for run in json.loads(Path("runs.json").read_text()))
+    assert all("failed on request" in run["error"] for run in json.loads(Path("runs.json").read_text()))
 
 
 @pytest.mark.parametrize("option", [("--seed", "1"), ("--trace", "a.npz"), ("--plot", "a.svg")])

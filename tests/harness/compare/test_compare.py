@@ -1,4 +1,4 @@
-"""`cosim compare`: traces, results and baselines as a user meets them."""
+"""`Write it with `cosim compare`: traces, results and baselines as a user meets them."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def test_results_differ_in_metrics_and_verdicts(command: Run, write: Write) -> N
     assert code == 1
     (end,) = answer["quantities"]
     assert end["deviation"] == abs(before.metrics["end"].value - after.metrics["end"].value)
-    assert answer["differences"] == ["the criterion `end` does not hold, in the reference it does"]
+    assert answer["differences"] == ["the criterion `end` failed, but passed in the reference"]
     # only the metrics, and they may differ
     assert found(command, "a.json", "b.json", "--only", "end", "--atol", "1")[0] == 0
 
@@ -193,7 +193,7 @@ def test_a_scenario_is_compared_with_its_baseline(command: Run, write: Write, fo
     code, _, err = command("compare", "sub/lag.toml")
     assert code == 2
     assert "sub/lag.baseline.npz" in err
-    assert "hint: `cosim compare sub/lag.toml --update`" in err
+    assert "hint: `Write it with `cosim compare sub/lag.toml --update`" in err
     assert command("compare", "sub/lag.toml", "--update")[0] == 0
     assert (folder / "sub" / "lag.baseline.npz").is_file()
     code, out, err = command("compare", "sub/lag.toml")
@@ -217,7 +217,7 @@ def test_a_run_that_fails_is_no_baseline_and_leaves_the_one_before(
     write(END + CRITERION)
     code, out, err = command("compare", "lag.toml", "--update", "--json")
     assert (code, out) == (2, "")
-    assert "a run that does not hold `end` is no baseline" in err
+    assert "a run that fails `end` cannot be the baseline" in err
     assert (folder / "lag.baseline.npz").read_bytes() == before
 
 
@@ -321,10 +321,13 @@ WRONG = {
     "only nothing": (["a.npz", "b.npz", "--only", "plant.*"], "`--only plant.*` fits nothing"),
     "only one file": (["a.npz"], "nothing to compare `a.npz` with"),
     "update of files": (["a.npz", "b.npz", "--update"], "`OTHER` cannot be combined with `--update`"),
-    "limit of an update": (["lag", "--update", "--rtol", "1e-6"], "`--rtol` cannot be combined with `--update`"),
+    "limit of an update": (
+        ["lag", "--update", "--rtol", "1e-6"],
+        "`--rtol` cannot be combined with `--update`",
+    ),
     "set of files": (["a.npz", "b.npz", "--set", "a=1"], "`--set` cannot be combined with two files"),
-    "dt of results": (["r.json", "r.json", "--dt", "1"], "`--dt` does not go with a result"),
-    "plot of results": (["r.json", "r.json", "--plot", "p.svg"], "`--plot` does not go with a result"),
+    "dt of results": (["r.json", "r.json", "--dt", "1"], "`--dt` cannot be used with a result"),
+    "plot of results": (["r.json", "r.json", "--plot", "p.svg"], "`--plot` cannot be used with a result"),
     "plot ending": (["a.npz", "b.npz", "--plot", "p.doc"], "cannot plot to `p.doc`"),
     "plot nowhere": (["a.npz", "b.npz", "--plot", "no/p.svg"], "cannot write `no/p.svg`"),
     "torn": (["torn.npz", "a.npz"], "`torn.npz` holds no trace"),
@@ -342,9 +345,9 @@ BROKEN = {
     "empty.csv": ("", "`empty.csv`"),
     "timeless.csv": ("t,x\n0,1\n", "no column `time`"),
     "back.csv": ("time,x\n0,1\n0,1\n", "do not ascend"),
-    "id.json": ('{"metrics": {}, "criteria": [{"id": [1]}]}', "`id.json` is no result"),
-    "text.json": ("{", "`text.json` is no result"),
-    "list.json": ("[1]", "`list.json` is no result"),
+    "id.json": ('{"metrics": {}, "criteria": [{"id": [1]}]}', "`id.json` is not a result"),
+    "text.json": ("{", "`text.json` is not a result"),
+    "list.json": ("[1]", "`list.json` is not a result"),
 }
 """Files with their text, and what is wrong with them."""
 WRONG |= {name: ([name, name], problem) for name, (_, problem) in BROKEN.items()}

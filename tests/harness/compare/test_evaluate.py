@@ -56,7 +56,7 @@ def test_a_csv_file_takes_items_and_units_from_the_fmu(stored: Path) -> None:
     again = cosim.evaluate(scenario, cosim.read_trace(stored.with_suffix(".csv")))
     values = {name: metric.value for name, metric in result.metrics.items()}
     assert {name: metric.value for name, metric in again.metrics.items()} == values
-    # what the plant's columns are in is not known
+    # what the plant's columns are in is unknown
     assert [again.metrics[name].unit for name in ("last", "top")] == ["m", ""]
     assert again.simulated_s == pytest.approx(result.simulated_s)
 
@@ -69,7 +69,7 @@ def test_a_limit_in_a_unit_needs_one_of_the_number(stored: Path) -> None:
     result.save_trace(stored.with_suffix(".csv"))
     found = cosim.read_trace(stored.with_suffix(".csv"))
     with pytest.raises(
-        CosimError, match=r"`criterion.end.unit` is `mm`, `lag.csv` tells no units.*`metric.top`"
+        CosimError, match=r"`criterion.end.unit` is `mm`, `lag.csv` has no units.*`metric.top`"
     ):
         cosim.evaluate(scenario, found)
     told = cosim.load("lag.toml", [*demand, "metric.top.unit=m"])
@@ -103,7 +103,9 @@ def test_the_command_judges_without_a_run(stored: Path, folder: Path) -> None:
 
 def test_a_column_that_the_trace_does_not_have_is_named(stored: Path) -> None:
     scenario = cosim.load("lag.toml", ["metric.end.value='last(plant.why)'"])
-    with pytest.raises(CosimError, match=r"names `plant.why`, which is no column of the trace `lag.npz`"):
+    with pytest.raises(
+        CosimError, match=r"names `plant.why`, which is not a knownt a column of the trace `lag.npz`"
+    ):
         cosim.evaluate(scenario, cosim.read_trace(stored))
 
 

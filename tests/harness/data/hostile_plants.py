@@ -104,7 +104,7 @@ class EndInFilm(probe_plants.Lag):
 
 
 class Panic(BaseException):
-    """As that of Rust, which is no `Exception`."""
+    """As that of Rust, which is not a known `Exception`."""
 
 
 class PanicsInInit(probe_plants.Lag):

@@ -149,7 +149,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     Probe *p = c;
     int k = p->integer[CALLS]++;
     if (k == p->integer[FAIL_AT]) {
-        tell(p, fmi2Error, "logStatusError", "told to fail at %g s", time);
+        tell(p, fmi2Error, "logStatusError", "failed on request at %g s", time);
         return fmi2Error;
     }
     if (k == p->integer[FATAL_AT]) return fmi2Fatal;

@@ -56,7 +56,7 @@ class Lag:
 
     def sense(self) -> Any:
         if self.n == self.parameters.fail_at:
-            raise RuntimeError("told to fail")
+            raise RuntimeError("failed on request")
         stalled = pathlib.Path(__file__).with_name("stalled")
         if self.n == self.parameters.stall_at and not stalled.exists():
             stalled.write_text(f"{os.getpid()} {os.getppid()}\n")

@@ -23,17 +23,19 @@ from cosim.loop import lint
 from handbook.pages import ROOT
 
 from ..cli.commands import called
+from ..test_any import files as crane
 from . import words
 
 PROGRAMS = Path(sys.executable).parent
 ELSEWHERE = {
     r"--cluster|sweep my\.toml": "tests/harness/sweep runs a cluster",
+    r"first-sweep\.toml": "tests/harness/test_guides.py loads the study",
     r"sweep studies/": "hours: the acceptance tests run some cases of each study",
     r"report -o|--study studies/": "minutes: `cargo xtask demo` runs every scenario and a study of each loop",
     r"cosim video|cosim view": "needs what draws: tests/harness/replay",
     r"notes\.md": "tests/harness/report has a document on its page",
     r"cosim run trial": "tests/house makes the trial",
-    r"crane": "tests/harness/test_any.py goes through the guide step by step",
+    r"crane": "tests/harness/test_any.py goes through the tutorials step by step",
     r"dob --update|compare dob$": "would write beside the scenario: tests/harness/compare",
 }
 """Commands that are run elsewhere, and where."""
@@ -45,8 +47,7 @@ OTHERS = {
     r"^cargo fmu inspect ": "tests/conformance/test_example.py",
     r"^cargo fmu --binary ": "tests/conformance/test_platforms.py",
     r"^cargo fmu --plain-c$": "tests/conformance/plain/test_plain_c.py",
-    r"^fmpy validate ": "tests/conformance/test_description.py",
-    r"^fmpy simulate ": "tests/harness/documents/test_commands.py",
+    r"^fmpy (info|simulate|validate) ": "tests/conformance/test_documents.py",
     r"^BLESS=1 cargo test -p fmu-trial$": "tests/house/test_new.py",
     r"^cargo test -p control-blocks$": "xtask/src/test.rs",
     r"^python -m plants\.tools\.cl_path ": "tests/plants/test_cl_path.py",
@@ -90,9 +91,7 @@ def test_a_command_is_understood(line: str) -> None:
 def user(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a user who has an FMU, an MJCF, a scenario, a study and a search of his own."""
     folder = tmp_path_factory.mktemp("user")
-    guide = words.text("docs/getting-started.md")
-    named = re.findall(r"`([\w-]+\.\w+)`[^`]*?:\n\n```\w+\n(.*?)```", guide, re.DOTALL)
-    files = dict(named)
+    files = crane()
     (folder / "pd.py").write_text(files["pd.py"])
     subprocess.run([PROGRAMS / "pythonfmu", "build", "-f", "pd.py"], cwd=folder, check=True)
     shutil.copy(folder / "Pd.fmu", folder / "my.fmu")
@@ -140,7 +139,7 @@ def pages() -> list[Any]:
     """Pages with commands; those of one controller each tell runs of the same kind."""
     found = [page for page in words.PAGES if any(map(here, words.lines(page, "cosim")))]
     full = pytest.mark.full
-    return [pytest.param(page, marks=full) if page.startswith("docs/set-up/") else page for page in found]
+    return [pytest.param(page, marks=full) if page.startswith("fmu-") else page for page in found]
 
 
 @pytest.mark.parametrize("page", pages())
@@ -214,20 +213,10 @@ def test_commands_of_sentences_are_understood() -> None:
     assert [name for name in names if re.fullmatch(r"[a-z]+", name) and name not in group.commands] == []
 
 
-@pytest.mark.full
-def test_fmpy_simulates_an_fmu_by_model_exchange(tmp_path: Path) -> None:
-    (line,) = [line for line in words.listed("fmpy") if "simulate" in line]
-    command = [str(PROGRAMS / "fmpy"), *shlex.split(line)[1:], "--output-file", str(tmp_path / "out.csv")]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert (tmp_path / "out.csv").read_text().count("\n") > 1
-
-
-def test_the_table_of_the_readme_is_what_is_measured() -> None:
+def test_the_table_of_the_tutorial_is_measured() -> None:
     result = cosim.run(cosim.load("dob"), engine="native")
-    (block,) = re.findall(r"^scenario +claim.*?\n```", words.text("README.md"), re.DOTALL | re.MULTILINE)
-    shown = [
-        re.split(r"\s{2,}", line.strip().removeprefix("dob ").strip()) for line in block.splitlines()[1:-2]
-    ]
+    page = words.text("docs/tutorials/first-sweep.md")
+    (block,) = re.findall(r"^claim +paper.*?\n```", page, re.DOTALL | re.MULTILINE)
+    shown = [re.split(r"\s{2,}", line.strip()) for line in block.splitlines()[1:-2]]
     assert shown == [[cell for cell in row(verdict, 3) if cell] for verdict in result.criteria[: len(shown)]]
     assert shown

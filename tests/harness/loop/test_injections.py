@@ -134,11 +134,11 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "no condition": (
         {"when": "controller.out", "offset": 1.0},
-        r"`lag.toml`: `inject.controller.in.when` = `controller.out` is no condition\nhint: compare it",
+        r"`lag.toml`: `inject.controller.in.when` = `controller.out` is not a condition\nhint: compare it",
     ),
     "unknown column": (
         {"when": "controller.ot > 1", "offset": 1.0},
-        r"in.when` = .* names `controller.ot`, which is no column.*\nhint: did you mean `controller.out`",
+        r"in.when` = .* names `controller.ot`, which is not a known column.*\nhint: did you mean `controller.out`",
     ),
 }
 

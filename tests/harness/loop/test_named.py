@@ -85,7 +85,9 @@ def test_what_nothing_drives_is_warned_of(write: Write, caplog: pytest.LogCaptur
 def test_an_error_tells_which_failed(write: Write) -> None:
     scenario = cosim.load(write(text=CHAIN), set=["b.fail_at=4"])
     with cosim.Session(scenario) as session:
-        with pytest.raises(FmuError, match=r"^the FMU `b` failed at t = 0.004 s \(step 4\): told to fail"):
+        with pytest.raises(
+            FmuError, match=r"^the FMU `b` failed at t = 0.004 s \(step 4\): failed on request"
+        ):
             session.run()
         # what a process that watches would tell of a crash there
         assert (session.place.who(), session.place.when()) == ("the FMU `b`", "at t = 0.004 s (step 4)")

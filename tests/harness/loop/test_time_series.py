@@ -128,24 +128,27 @@ def test_without_pyarrow_the_message_says_what_to_install(
 
 
 BROKEN: dict[str, tuple[str | bytes, str]] = {
-    "word": ("time,a\n0,1\n0.1,one\n", r"`deep/x.csv`, line 3: `one` is no number"),
-    "cells": ("time,a\n0,1\n\n0.1,1,2\n", r"`deep/x.csv`, line 4 has 3 cells, the first line 2"),
+    "word": ("time,a\n0,1\n0.1,one\n", r"`deep/x.csv`, line 3: `one` is not a number"),
+    "cells": ("time,a\n0,1\n\n0.1,1,2\n", r"`deep/x.csv`, line 4 has 3 cells, but the first line has 2"),
     "nan": ("time,a\n0,nan\n", r"`deep/x.csv`, line 2: time and value must be finite"),
-    "late": ("time,a\n0.5,1\n", r"line 2: the time begins with `0.5` s, after 0"),
-    "falls": ("time,a\n0,1\n2,1\n1,1\n", r"line 4: the time `1` s does not rise, before it was `2` s"),
+    "late": ("time,a\n0.5,1\n", r"line 2: the time starts at `0.5` s, after 0"),
+    "falls": (
+        "time,a\n0,1\n2,1\n1,1\n",
+        r"line 4: the time `1` s does not increase, the time before is `2` s",
+    ),
     "twice": ("time,a\n0,1\n0,2\n", r"line 3: the time `0` s does not rise"),
     "header": ("time,a\n", r"has no values, only a header"),
     "empty": (
         "",
-        r"`column` is missing, `.*x.csv` has 0 beside the time\nhint: values are separated by commas",
+        r"`column` is missing; `.*x.csv` has 0 columns in addition to the time\nhint: values are separated by commas",
     ),
     "semicolons": (
         "time;a\n0;1\n",
-        r"`column` is missing, `.*x.csv` has 0 beside the time\nhint: values are separated by commas",
+        r"`column` is missing; `.*x.csv` has 0 columns in addition to the time\nhint: values are separated by commas",
     ),
     "choice": (
         "time,a,b\n0,1,2\n",
-        r"`column` is missing, `.*x.csv` has 2 beside the time\nhint: Known names: `a`, `b`",
+        r"`column` is missing; `.*x.csv` has 2 columns in addition to the time\nhint: Known names: `a`, `b`",
     ),
     "bytes": (b"time,a\n0,\xff\n", r"not a CSV file in UTF-8"),
 }
@@ -203,8 +206,8 @@ def test_a_signal_of_the_home_is_found_and_what_is_no_file_is_told(
     for name, told in {
         "~nobody-at-all/x.csv": "does not exist",
         "x" * 300: "does not exist",
-        "..": "is no file",
-        "/dev/zero": "is no file",
+        "..": "is not a file",
+        "/dev/zero": "is not a file",
     }.items():
         with pytest.raises(CosimError, match=f"the file `{name[:100]}.*` {told}"):
             driven(write, 'column = "a"\n', file=name)

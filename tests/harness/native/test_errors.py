@@ -17,7 +17,11 @@ from .loops import CHUNKS, both, chunked, outcome
 
 PULSE = '[[inject]]\nto = "{}"\nfrom_time = 0.02\nto_time = 0.03\nvalue = {}\n'
 FAILURES: dict[str, tuple[str, Sequence[str], str]] = {
-    "FMU error": ("", ["controller.fail_at=20"], r"told to fail at 0.02 s \(fmi2DoStep returned fmi2Error\)"),
+    "FMU error": (
+        "",
+        ["controller.fail_at=20"],
+        r"failed on request at 0.02 s \(fmi2DoStep returned fmi2Error\)",
+    ),
     "fatal error": ("", ["controller.fatal_at=20"], r"step 20.*fmi2Fatal"),
     "input refused": (
         '[[signal]]\nto = "controller.gain"\ntimes = [0.0, 0.02]\nvalues = [1.0, 11.0]\n',

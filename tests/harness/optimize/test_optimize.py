@@ -249,7 +249,7 @@ def test_a_run_without_result_costs_its_trial_only(command: Run) -> None:
     best = found(command)
     assert best["best"]["set"]["plant.fail_at"] == -1
     reasons = [row[-1] for row in history()[1:]]
-    assert any("told to fail" in reason for reason in reasons)
+    assert any("failed on request" in reason for reason in reasons)
     assert "without a number" in command()[1]
 
 
@@ -304,7 +304,7 @@ WRONG = {
     "no range": ('metric = "end"', GAIN.replace("maximum = 1.0", ""), "needs `minimum` and `maximum`"),
     "points": ('metric = "end"', GAIN + "points = 3\n", "points"),
     "normal": ('metric = "end"', GAIN + 'distribution = "normal"\nmean = 1\ndeviation = 1\n', "`normal`"),
-    "twice": ('metric = "end"', GAIN + GAIN, "is there twice"),
+    "twice": ('metric = "end"', GAIN + GAIN, "is defined twice"),
     "nothing varies": ('metric = "end"', "vary = []\n", "vary"),
     "list of lists": ('metric = "end"', '[[vary]]\nkey = "plant.label"\nvalues = [[1]]\n', "values"),
     "nan": ('metric = "end"', '[[vary]]\nkey = "plant.pole"\nvalues = [0.5, nan]\n', "which is not finite"),
@@ -313,14 +313,22 @@ WRONG = {
     "the seed": ('metric = "end"', GAIN + '[[vary]]\nkey = "loop.seed"\nvalues = [1, 2]\n', "`loop.seed`"),
     "no measured trace": ('trace = "gone.csv"', GAIN, "gone.csv"),
     "unknown column": ('trace = "m.csv"\ncolumns = ["plant.y"]', GAIN, "`plant.y`"),
-    "column of no run": ('trace = "m.csv"', GAIN, "the column `speed`, which is not in the trace of a run"),
+    "column of no run": (
+        'trace = "m.csv"',
+        GAIN,
+        "the column `speed`, which is not a knownt in the trace of a run",
+    ),
     "nothing measured": ('trace = "none.csv"', GAIN, "`plant.x` in `none.csv` holds no finite number"),
     "measured beyond all": ('trace = "vast.csv"', GAIN, "`vast.csv` goes from -1e+308 to 1e+308"),
     "empty trace": ('trace = "empty.csv"', GAIN, "its first line must hold the names of the columns"),
     "too long": ('trace = "long.csv"', GAIN, "`long.csv` ends at 1 s, the scenario at"),
     "columns of a metric": ('metric = "end"\ncolumns = ["plant.x"]', GAIN, "belongs to `objective.trace`"),
     "a study": ('metric = "end"', '[design]\nkind = "grid"\n' + GAIN, "`design` is of a study"),
-    "all fail": ('metric = "end"', GAIN + '[[vary]]\nkey = "plant.fail_at"\nvalues = [1]\n', "told to fail"),
+    "all fail": (
+        'metric = "end"',
+        GAIN + '[[vary]]\nkey = "plant.fail_at"\nvalues = [1]\n',
+        "failed on request",
+    ),
 }
 
 

@@ -16,7 +16,7 @@ from . import command
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals of Linux")
 BUILT = "the plant `hostile_plants:AbortInInit` crashed while it was built: killed by SIGABRT"
-EXITS = "the FMU `probe` crashed while it was initialised: it ended the process with exit code 0"
+EXITS = "the FMU `probe` crashed while it was initialized: it ended the process with exit code 0"
 
 
 @pytest.fixture(autouse=True)

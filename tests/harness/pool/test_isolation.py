@@ -53,7 +53,7 @@ DEATHS = {
     ),
     "exit in initialisation": (
         ["controller.exit_at=-2"],
-        "the FMU `probe` crashed while it was initialised: it ended the process with exit code 0",
+        "the FMU `probe` crashed while it was initialized: it ended the process with exit code 0",
     ),
     "sys.exit on import": (
         ["plant.name=exiting:Any"],
@@ -177,7 +177,7 @@ def test_a_limit_must_be_positive_and_needs_a_process(option: str) -> None:
 @pytest.mark.usefixtures("lag")
 def test_what_the_fmu_logs_and_prints_reaches_stderr() -> None:
     done = command.finished("--set", "controller.fail_at=3", "-v")
-    assert "debug: Probe [logStatusError] told to fail at 0.003 s" in done.stderr
+    assert "debug: Probe [logStatusError] failed on request at 0.003 s" in done.stderr
     printed = command.finished("--set", "controller.crash_at=3")
     assert "about to write to nowhere" in printed.stderr
 

@@ -186,8 +186,8 @@ def test_a_map_sums_up_in_cells() -> None:
         (Chart("peaks", ("plant.x",)), "has no `split`"),
         (Chart("roc", ("plant.x",), parts=("time < 1",)), "of the kind `roc` has 1 `parts` and needs 2"),
         (Chart("roc", ("plant.x",), parts=("time < 1", "time > 1"), names=("a", "b")), "2 names for 1 lines"),
-        (Chart("path", ("plant.y",), x="plant.x"), "`plant.y`, which is no column"),
-        (Chart("array", ("plant.x",), x="plant.x"), "`plant.x[1]`, which is no column"),
+        (Chart("path", ("plant.y",), x="plant.x"), "`plant.y`, which is not a known column"),
+        (Chart("array", ("plant.x",), x="plant.x"), "`plant.x[1]`, which is not a knownt a column"),
         (Chart("share", ("plant.x",), names=("a", "b")), "2 names for 1 lines"),
         (Chart("share", ("plant.x",), split="time"), "of the kind `share` takes no `split`"),
         (Chart("map", ("plant.x",), x="time", names=("a",)), "of the kind `map` takes no `names`"),
@@ -196,7 +196,10 @@ def test_a_map_sums_up_in_cells() -> None:
         (Chart("spectrum", ("plant.x",), weight="time"), "of the kind `spectrum` takes no `weight`"),
         (Chart("polar", ("plant.x",)), "of the kind `polar` has no `x`"),
         (Chart("path", ("plant.x",), x="time", error="time"), "has an `error` and no `equal`"),
-        (Chart("path", ("plant.x",), x="time", error="plant.z", equal=True), "`plant.z`, which is no column"),
+        (
+            Chart("path", ("plant.x",), x="time", error="plant.z", equal=True),
+            "`plant.z`, which is not a known column",
+        ),
         (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "of the kind `array` takes no `parts`"),
     ],
 )

@@ -66,7 +66,7 @@ def test_a_function_beside_the_scenario_makes_the_maps(named: str, tmp_path: Pat
     assert isinstance(cells, dict)
     assert cells["x"] == pytest.approx([0.0, 1 / 3, 2 / 3, 1.0])
     assert cells["y"] == pytest.approx([0.0, 1e-3, 2e-3])
-    # rows 1 to 3 are in both parts: sums 6 and 12, 3 rows; what is no number is nothing
+    # rows 1 to 3 are in both parts: sums 6 and 12, 3 rows; what is not a number is nothing
     assert unpacked(cells) == pytest.approx([0.5, 1.0, 0.25, 0.0, 0.0, 0.0], abs=1e-4)
     other = flat["cells"]
     assert isinstance(other, dict)

@@ -240,7 +240,10 @@ def test_what_cannot_be_drawn_is_told_before_the_run(made: Path, monkeypatch: py
     for words in (("check",), ("report", "-o", "typo.html")):
         done = called(words[0], "typo.toml", *words[1:], "-q", COSIM_CACHE=str(made / "cache"))
         assert done.returncode == 2
-        assert "`typo.toml`: `plot.panels[0].columns` names `plant.xx`, which is no column" in done.stderr
+        assert (
+            "`typo.toml`: `plot.panels[0].columns` names `plant.xx`, which is not a known column"
+            in done.stderr
+        )
 
 
 def test_a_failed_drawing_costs_no_verdict(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:

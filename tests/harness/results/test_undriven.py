@@ -23,7 +23,9 @@ def test_what_nothing_drives_is_warned_of_once(write: Write, caplog: pytest.LogC
     for _ in range(2):
         cosim.run(cosim.load(file))
     unknown, forgotten = (record.getMessage() for record in caplog.records)
-    assert unknown.startswith("`lag.toml`: `idle` lists `plant.etra`, which is no input and no command; ")
+    assert unknown.startswith(
+        "`lag.toml`: `idle` lists `plant.etra`, which is not a known input and no command; "
+    )
     assert unknown.endswith("did you mean `plant.extra`?")
     assert forgotten.startswith("`lag.toml`: nothing drives `controller.flag`, `plant.extra`: wire what is ")
 
@@ -67,10 +69,10 @@ LIMIT = END + entry("criterion", id="end", claim="It ends", metric="end")
     ("content", "told"),
     [
         (FAULT.format(0.05, 0.06), "`inject.controller.in` from 0.05 s to 0.06 s reaches no step of the run"),
-        (FAULT.format(0.0012, 0.0018), "reaches no step of the run, which ends at 0.05 s: it never happens"),
+        (FAULT.format(0.0012, 0.0018), "reaches no step of the run, which ends at 0.05 s: it never starts"),
         (FAULT.format(0.049, 9.0), ""),
-        (LIMIT + "maximum = inf\n", "`criterion.end.maximum` is `inf`, which any number holds"),
-        (LIMIT + "minimum = -inf\n", "`criterion.end.minimum` is `-inf`, which any number holds"),
+        (LIMIT + "maximum = inf\n", "`criterion.end.maximum` is `inf`, which any number meets"),
+        (LIMIT + "minimum = -inf\n", "`criterion.end.minimum` is `-inf`, which any number meets"),
         (LIMIT + "minimum = -1.0\n", ""),
     ],
 )

@@ -53,7 +53,7 @@ UNITS = {
 }
 
 BEYOND = [("nm^-99", "m^-99"), ("nm99", "m99"), (".".join(["nm9"] * 5), ".".join(["m9"] * 5))]
-"""Units whose scale is no number of 64 bits."""
+"""Units whose scale is not a number of 64 bits."""
 
 
 @pytest.mark.parametrize(("units", "factor"), UNITS.items())
@@ -99,7 +99,7 @@ SHARE = CRITERION.replace('unit = "m"\n', "{}").replace("last(plant.x)", "last(p
 
 def test_percent_of_a_metric_without_unit_is_no_guess(write: Write) -> None:
     file = write(SHARE.format(""))
-    expected = r"`criterion.end.unit` is `%`, `metric.end` has no unit, its number may be meant in another"
+    expected = r"`criterion.end.unit` is `%`, `metric.end` has no unit; it is ambiguous"
     with pytest.raises(ExpressionError, match=expected) as caught:
         cosim.Session(cosim.load(file, set="criterion.end.unit=%"))
     assert caught.value.hint == 'give the metric `unit = "1"` if it is a part of one, else `unit = "%"`'

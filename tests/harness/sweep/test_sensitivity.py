@@ -172,7 +172,7 @@ def test_indices_are_told_of_the_samples_that_are_whole(write: Write, folder: Pa
     file = folder / "s.sweep" / "results.jsonl"
     lines = file.read_text().splitlines(keepends=True)
     rows = [json.loads(line) for line in lines]
-    # without this one the variance is not known
+    # without this one the variance is unknown
     (place,) = [place for place, row in enumerate(rows) if row["case"] == 5]
     crashed = rows[place]
     lines[place] = json.dumps({**crashed, "status": "crashed", "reason": "test", "metrics": {}}) + "\n"

@@ -64,7 +64,7 @@ def test_a_row_that_is_none_is_done_again(write: Write, folder: Path) -> None:
 
 
 ROW = json.dumps(
-    {"run": 0, "case": 0, "seed": 1, "set": {}, "hash": "a", "status": "error", "reason": "told to fail"}
+    {"run": 0, "case": 0, "seed": 1, "set": {}, "hash": "a", "status": "error", "reason": "failed on request"}
 )
 TAILS = {"half a row": ROW[:40], "what is no row": "a note of mine", "a row": ROW.replace('"a"', '"b"')}
 """Last lines without end."""

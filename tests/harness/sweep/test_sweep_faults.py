@@ -29,11 +29,11 @@ FAULTS = {
     "controller.crash_at = 3": ("crashed", "killed by SIGSEGV; its last words: about to write to nowhere"),
     "controller.gain = 0.2": ("passed", ""),
     "controller.hang_at = 3": ("timeout", "no result within `limits.timeout` = `4` s"),
-    "controller.fail_at = 3": ("error", "told to fail at 0.003 s (fmi2DoStep returned fmi2Error)"),
+    "controller.fail_at = 3": ("error", "failed on request at 0.003 s (fmi2DoStep returned fmi2Error)"),
     "controller.fatal_at = 3": ("error", "(fmi2DoStep returned fmi2Fatal)"),
     "controller.eat_at = 3": ("memory", "are more than `limits.memory` = `500` MB"),
     "controller.gain = 0.3": ("passed", ""),
-    "plant.fail_at = 3": ("error", "RuntimeError: told to fail"),
+    "plant.fail_at = 3": ("error", "RuntimeError: failed on request"),
     "controller.nan_at = 3": ("error", "must be finite at t = 0.003 s (step 3)"),
     "controller.gain = 0.4": ("passed", ""),
 }
