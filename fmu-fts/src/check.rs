@@ -126,6 +126,7 @@ fn commission_torque(p: &Parameters) -> Result<(), ParameterError> {
 
 fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
     check_commission_time(p.commission.time, || plan::least_time(p))
+        .map_err(|error| ParameterError { name: "expert.commission.time", ..error })
 }
 
 #[cfg(test)]
