@@ -44,19 +44,19 @@ pub fn inspect(file: &Path) -> Result<Report> {
         match Facts::read(&library) {
             Ok(facts) => {
                 let _ = writeln!(report.text, "    {facts}");
-                report.tell(&inspect::faults(&library, &facts, &Rules::for_anyone()));
+                report.add(&inspect::faults(&library, &facts, &Rules::for_anyone()));
                 if let Some(platform) = name.split('/').nth(1).and_then(Platform::find) {
-                    report.tell(&inspect::misplaced(&facts, platform, &interface.guid));
+                    report.add(&inspect::misplaced(&facts, platform, &interface.guid));
                 }
             }
-            Err(error) => report.tell(&[format!("{error:#}")]),
+            Err(error) => report.add(&[format!("{error:#}")]),
         }
     }
     Ok(report)
 }
 
 impl Report {
-    fn tell(&mut self, faults: &[String]) {
+    fn add(&mut self, faults: &[String]) {
         self.faults += faults.len();
         for fault in faults {
             let _ = writeln!(self.text, "    warning: {fault}");
@@ -66,9 +66,9 @@ impl Report {
 
 /// Name, kind and variables by the description.
 fn head(interface: &Interface) -> String {
-    let told = |fact: &str| if fact.is_empty() { "?".to_owned() } else { fact.to_owned() };
+    let known = |fact: &str| if fact.is_empty() { "?".to_owned() } else { fact.to_owned() };
     let Interface { name, version, guid, tool, .. } = interface;
-    let mut text = format!("{}, FMI {}, GUID {guid}\nby {}\n", told(name), told(version), told(tool));
+    let mut text = format!("{}, FMI {}, GUID {guid}\nby {}\n", known(name), known(version), known(tool));
     let counts =
         [("input", &[Part::Input][..]), ("output", &[Part::Output]), ("parameter", &[Part::Fixed, Part::Tunable])];
     let counts = counts.map(|(name, parts)| format!("{} {name}", interface.of(parts).count()));

@@ -28,7 +28,7 @@ pub struct Built {
 }
 
 impl Built {
-    /// A library that was built elsewhere: nobody knows of which packages.
+    /// A library that was built elsewhere, of unknown packages.
     pub fn elsewhere(platform: &'static Platform, library: PathBuf) -> Self {
         Self { platform, library, packages: BTreeSet::new() }
     }
@@ -51,8 +51,8 @@ pub fn library(project: &Project, package: &Package, platform: &'static Platform
 
 /// Compiles the library of a package, for this machine's platform also as a static one: both in one go.
 ///
-/// The types of the crate are named because Cargo optimises across crates (`lto`) only what has no Rust library beside it,
-/// as tests of a package need it.
+/// The types of the crate are named because Cargo optimizes across crates (`lto`) only where no Rust library is built in
+/// addition, as tests of a package need it.
 fn compiled(project: &Project, package: &Package, platform: &'static Platform, title: &str) -> Result<Vec<Artifact>> {
     let types = if platform == Platform::host()? { "cdylib,staticlib" } else { "cdylib" };
     let mut command = release(project, platform)?;
@@ -199,11 +199,11 @@ mod tests {
     #[test]
     fn a_platform_whose_names_cannot_be_hidden_is_refused_by_name() {
         assert!([LINUX64, AARCH64_LINUX].iter().all(|platform| binds_names(platform).is_ok()));
-        for (platform, told) in
+        for (platform, message) in
             [(WIN64, "`win64` has Pe files"), (Platform::named("darwin64").unwrap(), "has MachO files")]
         {
             let error = binds_names(platform).unwrap_err().to_string();
-            assert!(error.contains(told) && error.contains("hint: build it on Linux"), "{error}");
+            assert!(error.contains(message) && error.contains("hint: build it on Linux"), "{error}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a library tells of itself to the loader, read from its bytes without running it.
+//! What the loader knows of a library, read from its bytes without running it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -33,7 +33,7 @@ pub struct Facts {
     pub imports: BTreeSet<String>,
     /// Files of the libraries that must be there.
     pub libraries: BTreeSet<String>,
-    /// GUID of the model description; None when the library does not tell it.
+    /// GUID of the model description; None when the library does not export it.
     pub guid: Option<String>,
     /// ELF: version of the GNU C library that each symbol of it needs.
     pub glibc: BTreeMap<String, (u32, u32)>,
@@ -127,7 +127,7 @@ fn exports(file: &object::File) -> Result<BTreeSet<String>> {
     Ok(names)
 }
 
-/// The letters behind the symbol.
+/// The characters at the symbol.
 fn guid(file: &object::File) -> Result<Option<String>> {
     for export in file.exports()? {
         let export = export?;
@@ -141,7 +141,7 @@ fn guid(file: &object::File) -> Result<Option<String>> {
     Ok(None)
 }
 
-/// Names and, where the format tells them there, libraries.
+/// Names and, where the format lists them there, libraries.
 fn imports(file: &object::File) -> Result<(BTreeSet<String>, BTreeSet<String>)> {
     let (mut names, mut libraries) = (BTreeSet::new(), BTreeSet::new());
     for import in file.imports()? {

@@ -34,11 +34,11 @@ pub struct Packed {
     pub faults: Vec<String>,
 }
 
-/// Packs a built library with its own texts, the folder `resources` beside its manifest, and the licences; and `more`
+/// Packs a built library with its own texts, the folder `resources` next to its manifest, and the licenses; and `more`
 /// libraries of the same model, for other platforms.
 ///
 /// # Errors
-/// When a library is no FMI library, is of another model or for another platform than told, when that of this machine
+/// When a library is not an FMI library, is of another model or for another platform than stated, when that of this machine
 /// cannot be loaded, or when a file cannot be read.
 pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built], rules: &Rules) -> Result<Packed> {
     let all: Vec<_> = std::iter::once(built).chain(more).collect();
@@ -105,7 +105,7 @@ fn belongs(built: &Built, facts: &Facts, guid: &str) -> Result<()> {
     let shown = built.library.display();
     ensure!(
         facts.guid.is_some(),
-        "`{shown}` does not tell of which model it is: it exports no `{}`\nhint: build it with `fmi2-export`",
+        "`{shown}` is of an unknown model: it does not export `{}`\nhint: Build it with `fmi2-export`.",
         functions::GUID
     );
     let misplaced = inspect::misplaced(facts, built.platform, guid);

@@ -48,8 +48,8 @@ pub const FMI2_FUNCTIONS: [&str; 44] = [
     "fmi2Terminate",
 ];
 
-/// How the names begin of what `fmi2-export` adds: the files of the FMU, and the seam between C functions and model.
+/// Prefix of the functions that `fmi2-export` adds: the files of the FMU, and the seam between C functions and model.
 pub const OWN_PREFIX: &str = "fmi2_export_";
 
-/// Name of the 36 letters by which a library tells its GUID without being run.
+/// Name of the 36 characters that hold the GUID of a library.
 pub const GUID: &str = "fmi2_export_guid";

@@ -1,11 +1,11 @@
-//! Variables of a model, as its description tells them.
+//! Variables of a model, read from its description.
 
 use anyhow::{Context, Result, ensure};
 use roxmltree::{Document, Node};
 
 use crate::pack::DESCRIPTION;
 
-/// What a model description tells of its model; what it does not tell is empty.
+/// A model as its description states it; missing attributes are empty.
 pub struct Interface {
     /// Version of FMI.
     pub version: String,
@@ -55,7 +55,7 @@ pub enum Part {
     Output,
     Fixed,
     Tunable,
-    /// What the model computes beside its outputs.
+    /// A value that the model computes in addition to its outputs.
     Local,
 }
 
@@ -103,7 +103,7 @@ impl Interface {
     /// Reads the model description of a library that is made for co-simulation.
     ///
     /// # Errors
-    /// As [`Interface::read`], and when it tells no identifier or no communication step.
+    /// As [`Interface::read`], and when it has no identifier or no communication step.
     pub fn of_library(description: &str) -> Result<Self> {
         let interface = Self::read(description)?;
         for (value, name) in [(&interface.identifier, "modelIdentifier"), (&interface.step, "stepSize")] {
@@ -137,13 +137,13 @@ impl Choice {
 impl Quantity {
     fn read(node: Node, choices: &[Choice]) -> Result<Self> {
         let name = text(node, "name");
-        let told = node.children().find(Node::is_element).with_context(|| format!("`{name}` has no type"))?;
-        let kind = match told.tag_name().name() {
+        let element = node.children().find(Node::is_element).with_context(|| format!("`{name}` has no type"))?;
+        let kind = match element.tag_name().name() {
             "Real" => Type::Real,
             "Integer" => Type::Integer,
             "Boolean" => Type::Boolean,
             "String" => Type::Text,
-            _ => Type::Choice(text(told, "declaredType")),
+            _ => Type::Choice(text(element, "declaredType")),
         };
         let role = match (node.attribute("causality"), node.attribute("variability")) {
             (Some("input"), _) => Part::Input,
@@ -152,7 +152,7 @@ impl Quantity {
             (Some("output"), _) => Part::Output,
             _ => Part::Local,
         };
-        let start = text(told, "start");
+        let start = text(element, "start");
         let choice = choices.iter().find(|choice| kind == Type::Choice(choice.name.clone()));
         let place = start.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
         let item = choice.zip(place).and_then(|(choice, place)| choice.items.get(place));
@@ -162,8 +162,8 @@ impl Quantity {
             description: text(node, "description"),
             role,
             kind,
-            unit: text(told, "unit"),
-            display: text(told, "displayUnit"),
+            unit: text(element, "unit"),
+            display: text(element, "displayUnit"),
             item: item.map(|(item, _)| item.clone()).unwrap_or_default(),
             start,
             name,

@@ -1,4 +1,4 @@
-//! Packs a crate that uses `fmi2-export` as an FMU: the library behind `cargo fmu`.
+//! Packs a crate that uses `fmi2-export` as an FMU: the library of `cargo fmu`.
 //!
 //! [`build`] makes the C library, [`inspect`] says what keeps it from loading everywhere, [`binary`] asks it for the files it
 //! describes itself with, [`contents`] makes of them and of the README what people and tools are shown, and [`fmu`] packs it all.

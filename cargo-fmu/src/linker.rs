@@ -17,7 +17,7 @@ pub enum Linker {
 }
 
 impl Linker {
-    /// `Zig` on Linux where `cargo-zigbuild` and its compiler are on `PATH`, else `System`.
+    /// `Zig` on Linux where `cargo-zigbuild` and its compiler are on `PATH`, otherwise `System`.
     pub fn find() -> Self {
         let runs = |program: &str, words: &[&str]| {
             process::output(Command::new(program).args(words)).is_ok_and(|output| output.status.success())

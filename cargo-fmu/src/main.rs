@@ -76,7 +76,7 @@ struct Pack {
     /// Leave the feature `default` off
     #[arg(long)]
     no_default_features: bool,
-    /// Refuse to change `Cargo.lock`
+    /// Fail instead of changing `Cargo.lock`
     #[arg(long)]
     locked: bool,
     /// Do not use the network
@@ -135,7 +135,7 @@ impl Pack {
             fs::create_dir_all(folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
         }
         fmu::write(&file, &packed.bytes)?;
-        tell(&project, package, &packed)?;
+        summarize(&project, package, &packed)?;
         println!("{}", file.display());
         Ok(())
     }
@@ -175,22 +175,22 @@ impl Pack {
     }
 
     fn target(&self, project: &Project) -> PathBuf {
-        let told = self.target_dir.as_ref().and_then(|folder| std::path::absolute(folder).ok());
-        told.unwrap_or_else(|| project.metadata.target_directory.clone().into())
+        let chosen = self.target_dir.as_ref().and_then(|folder| std::path::absolute(folder).ok());
+        chosen.unwrap_or_else(|| project.metadata.target_directory.clone().into())
     }
 }
 
-/// What the one who hands the FMU on should know.
-fn tell(project: &Project, package: &Package, packed: &Packed) -> Result<()> {
+/// Prints the platforms, and what limits where the FMU runs.
+fn summarize(project: &Project, package: &Package, packed: &Packed) -> Result<()> {
     for (platform, facts) in &packed.facts {
         eprintln!("    {}: {facts}", platform.folder);
     }
     for fault in &packed.faults {
         eprintln!("warning: {fault}");
     }
-    if licences::is_untold(project, package)? {
-        eprintln!("warning: nobody may use the FMU of `{}`: its licence is not told", package.name);
-        eprintln!("hint: `license = \"MIT\"` or the like in `{}`, with the text in `LICENSE`", package.manifest_path);
+    if licences::is_missing(project, package)? {
+        eprintln!("warning: the FMU of `{}` has no license: others may not use it", package.name);
+        eprintln!("hint: Add `license = \"MIT\"`, for example, to `{}`, and the text to `LICENSE`.", package.manifest_path);
     }
     let needed = packed.facts.first().and_then(|(_, facts)| facts.needed_glibc());
     let newer = needed.is_some_and(|needed| needed > GLIBC);

@@ -77,7 +77,7 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// Level of deflate; above 9 each is a turn of Zopfli.
+    /// Level of deflate; each level above 9 is an iteration of Zopfli.
     fn level(self) -> i64 {
         match self {
             Self::Quick => 9,

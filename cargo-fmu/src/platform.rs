@@ -15,7 +15,7 @@ pub struct Platform {
     pub extension: &'static str,
     /// Format of its libraries.
     pub format: Format,
-    /// Processor, as [`Facts`] tells it.
+    /// Processor, as in [`Facts`].
     pub processor: &'static str,
 }
 
@@ -85,8 +85,8 @@ impl Platform {
         let (format, processor) = (facts.format, &facts.processor);
         let fits = format == self.format && processor == self.processor;
         (!fits).then(|| {
-            let Self { folder, format: wanted, processor: own, .. } = self;
-            format!("it is for {format:?} {processor}, and `{folder}` loads {wanted:?} {own}")
+            let Self { folder, format: expected, processor: own, .. } = self;
+            format!("it is for {format:?} {processor}, and `{folder}` loads {expected:?} {own}")
         })
     }
 }

@@ -24,7 +24,7 @@ pub struct Project {
 }
 
 impl Project {
-    /// Reads the workspace that `command` finds; it is built with the system's linker until told otherwise.
+    /// Reads the workspace that `command` finds; it is built with the system's linker by default.
     ///
     /// # Errors
     /// When `cargo metadata` fails, for example because a `Cargo.toml` is missing or broken.
@@ -53,7 +53,7 @@ impl Project {
         command
     }
 
-    /// True for packages of this workspace; all others are the work of somebody else.
+    /// True for packages of this workspace; all others are dependencies.
     pub fn owns(&self, package: &Package) -> bool {
         self.metadata.workspace_members.contains(&package.id)
     }

@@ -30,7 +30,7 @@ fn cargo_fmu(folder: &Path, words: &[&str]) -> Output {
     command.output().unwrap()
 }
 
-/// What is said on the way to a refusal.
+/// The error message of a rejected project.
 fn refusal(folder: &TempDir, words: &[&str]) -> String {
     let output = cargo_fmu(folder.path(), words);
     assert_eq!(output.status.code(), Some(2), "{output:?}");

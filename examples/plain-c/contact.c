@@ -33,7 +33,7 @@ static double noise(void) {
     return NOISE * sum;
 }
 
-static void tell(void *user, int level, const char *text) {
+static void on_message(void *user, int level, const char *text) {
     (void)user;
     printf("%s %s\n", level == 0 ? "news:   " : "warning:", text);
 }
@@ -42,7 +42,7 @@ int main(void) {
     fmu_dob_parameters parameters;
     fmu_dob_start_parameters(&parameters);
     parameters.approach.velocity = 1e-4;
-    fmu_dob *controller = fmu_dob_new(&parameters, NULL, tell, NULL);
+    fmu_dob *controller = fmu_dob_new(&parameters, NULL, on_message, NULL);
     if (controller == NULL) return 1;
 
     const double period = fmu_dob_period(controller);

@@ -84,7 +84,7 @@ mod variables {
     #[parameters]
     pub struct Parameters {
         /// Sample period
-        #[var(unit = SECOND, range = 1e-6..=1.0, start = 1e-3, source = "our choice")]
+        #[var(unit = SECOND, range = 1e-6..=1.0, start = 1e-3, source = "default; a usual control rate")]
         pub sample_period: f64,
         /// Gain
         #[var(unit = NEWTON_PER_METRE, range = 0.0..=1e6, start = 2.0, paper = 3.0, tunable)]

@@ -1,7 +1,7 @@
 //! FMI 2.0 export, for co-simulation and model exchange.
 //!
-//! One declaration of the variables, a module of plain structs with the attribute [`interface`](macro@interface), gives
-//! get and set, start values, range checks, `modelDescription.xml`, `documentation/index.html` and the tables of a README.
+//! One declaration of the variables, a module of plain structs with the attribute [`interface`](macro@interface), generates
+//! get and set, start values, range checks, `modelDescription.xml`, `documentation/index.html` and tables of Markdown pages.
 //! A wrong declaration does not compile. A controller implements [`Model`] and calls [`export!`]; the shared library then
 //! exports the whole C API of FMI 2.0.5, for co-simulation and for model exchange.
 //!

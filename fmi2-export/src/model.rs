@@ -25,14 +25,14 @@ pub struct Info {
     /// Licence.
     pub license: &'static str,
     /// Raise it whenever the variables or the model change their layout or meaning: the GUID changes and
-    /// state bytes of the older version are refused.
+    /// state bytes of the older version are rejected.
     pub state_version: u32,
     /// Suggested stop time, s; 0 for 1000 sample periods, the longest experiment in which FMPy's default step is one of them.
     pub stop_time: f64,
-    /// Sample period where no parameter `sample_period` tells it, s.
+    /// Sample period of a model without a parameter `sample_period`, s.
     pub sample_period: f64,
-    /// Longest communication step, in sample periods, at which a closed loop with this model was seen to work: the first
-    /// longer one is told as a warning. Infinity where nobody knows.
+    /// Longest communication step, in sample periods, at which a closed loop with this model works: the first longer one
+    /// returns a warning. Infinity where it is unknown.
     pub longest_step: f64,
 }
 
@@ -53,7 +53,7 @@ impl Info {
     };
 }
 
-/// Facts about a model that the `Cargo.toml` of its package tells: identifier (the name of the library), description,
+/// Facts about a model from the `Cargo.toml` of its package: identifier (the name of the library), description,
 /// version, authors, licence.
 ///
 /// ```
@@ -86,12 +86,12 @@ pub trait Interface: Sized + 'static {
     /// not know, by its value reference.
     fn bring_into_force(&mut self, _is_set: impl Fn(usize) -> bool) {}
 
-    /// Sample period, s, where a parameter `sample_period` tells it.
+    /// Sample period, s, of a model with a parameter `sample_period`.
     fn sample_period(&self) -> Option<f64> {
         None
     }
 
-    /// What the importer is told of: the items of the outputs `state` and `fault`, where the model has them.
+    /// What is reported to the importer: the items of the outputs `state` and `fault`, where the model has them.
     fn status(&self) -> Report {
         Report::default()
     }
@@ -106,9 +106,9 @@ pub struct Report {
     pub fault: Option<&'static Item>,
 }
 
-/// A sampled controller: a value of this type is what it remembers between samples beside its variables.
+/// A sampled controller: a value of this type is its state between samples, in addition to its variables.
 ///
-/// Its sample period is the parameter `sample_period`, where it has one, else that of [`Info`].
+/// Its sample period is the parameter `sample_period`, where it has one, otherwise that of [`Info`].
 pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Facts for the model description.
     const INFO: Info;
@@ -118,22 +118,22 @@ pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Computes the calculated parameters from the others.
     fn calculate(_vars: &mut Self::Vars) {}
 
-    /// The numbers behind a new state or fault, told after its meaning, such as `: 3 mm, limit 2 mm`.
+    /// The numbers of a new state or fault, reported after its meaning, such as `: 3 mm, limit 2 mm`.
     fn numbers(_vars: &Self::Vars) -> String {
         String::new()
     }
 
     /// Checks parameters against each other and makes the controller of time zero.
     ///
-    /// A `hidden` field that is read from other parameters belongs into [`Model::calculate`]: each set of a parameter makes
-    /// `in_force` anew.
+    /// Compute a `hidden` field that depends on other parameters in [`Model::calculate`]: each set of a parameter makes
+    /// `in_force` again.
     ///
     /// # Errors
     /// The parameter's name, value and limit.
     fn initialise(vars: &mut Self::Vars, env: &mut Env) -> Result<Self, Error>;
 
-    /// Before samples that run at once and are more than [`Info::longest_step`]: those of a communication step that is longer,
-    /// or of the time events that an importer of model exchange has passed.
+    /// Called before more than [`Info::longest_step`] samples run together: those of a long communication step, or of the time
+    /// events that an importer of model exchange has passed.
     fn begin_long_step(&mut self) {}
 
     /// One sample: reads inputs and parameters, writes outputs.
@@ -143,21 +143,21 @@ pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     fn sample(&mut self, vars: &mut Self::Vars, env: &mut Env) -> Result<(), Error>;
 }
 
-/// What a model sees of the world beside its variables.
+/// What a model has access to in addition to its variables.
 pub struct Env<'a> {
     pub(crate) time: f64,
     pub(crate) experiment: Experiment,
     pub(crate) host: &'a Host,
 }
 
-/// What the importer has told an instance when it was made.
+/// What the importer passed at instantiation.
 pub(crate) struct Host {
     pub name: String,
     pub resources: Option<PathBuf>,
     pub logger: Logger,
 }
 
-/// What fmi2SetupExperiment told.
+/// The arguments of fmi2SetupExperiment.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Experiment {
     pub start: f64,
@@ -187,17 +187,17 @@ impl Env<'_> {
         &self.host.name
     }
 
-    /// The folder `resources` of the FMU, if the importer told it.
+    /// The folder `resources` of the FMU, if the importer passed its location.
     pub fn resources(&self) -> Option<&Path> {
         self.host.resources.as_deref()
     }
 
-    /// Tells a change of state; shown when the importer switches events on.
+    /// Reports a change of state; shown when the importer switches events on.
     pub fn event(&self, text: impl Display) {
         self.host.logger.send(Category::Events, format_args!("t = {} s: {text}", shown(self.time)));
     }
 
-    /// Tells a new fault, else a new state, with meaning and hint as the enumerations describe them.
+    /// Reports a new fault, otherwise a new state, with meaning and hint as the enumerations describe them.
     pub(crate) fn report(&self, before: Report, now: Report, numbers: impl FnOnce() -> String) {
         let line = |kind: &str, Item { name, description, hint, .. }: &Item| {
             let hint = if hint.is_empty() { String::new() } else { format!("\nhint: {hint}") };
@@ -210,13 +210,13 @@ impl Env<'_> {
         }
     }
 
-    /// Tells something that deserves a look; the call of the importer ends with fmi2Warning.
+    /// Reports a warning; the call of the importer returns fmi2Warning.
     pub fn warn(&self, text: impl Display) {
         self.host.logger.send(Category::Warning, format_args!("t = {} s: {text}", shown(self.time)));
     }
 }
 
-/// A time (s) to the nanosecond: what is behind it comes from counting samples in binary fractions.
+/// A time (s) to the nanosecond: later digits come from counting samples in binary fractions.
 fn shown(time: f64) -> f64 {
     (time * 1e9).round() / 1e9
 }

@@ -13,7 +13,7 @@ fn started(fmu: &Fmu, period: f64, start: f64) -> Instance<'_> {
     instance
 }
 
-/// Samples after `steps` steps of `h`, with the communication point computed in three ways.
+/// Samples after `steps` steps of `h`, with the communication point computed by three methods.
 fn ticks(period: f64, h: f64, steps: u32) -> i32 {
     let fmu = Fmu::probe();
     let instances = [(); 3].map(|()| started(&fmu, period, 0.0));

@@ -1,4 +1,4 @@
-//! Loading and unloading leaves nothing behind. Alone in its process, so that nothing else allocates.
+//! Loading and unloading leaks no memory. Alone in its process, so that nothing else allocates.
 #![cfg(target_os = "linux")]
 
 mod common;

@@ -118,7 +118,7 @@ fn bytes_keep_their_size_over_a_run() {
     assert_eq!(instance.bytes().len(), size);
 }
 
-/// Name of the variable that tells this test program to be the second process.
+/// Name of the variable that makes this test program the second process.
 const SECOND: &str = "FMI2_EXPORT_SECOND_PROCESS";
 
 #[test]

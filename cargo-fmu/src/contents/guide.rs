@@ -96,7 +96,7 @@ fn by_hand(markdown: &str) -> String {
     kept
 }
 
-/// Links to sections of these names, in whichever file they stood, as links inside the page.
+/// Links to sections of these names, in any file, as links inside the page.
 fn led_inside(markdown: &str, slugs: &[String]) -> String {
     let mut parts = markdown.split("](");
     let mut led = parts.next().unwrap_or_default().to_owned();

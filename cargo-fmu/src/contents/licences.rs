@@ -14,7 +14,7 @@ const FOLDER: &str = "documentation/licenses";
 
 /// Licence files of an FMU: path inside it and text. `built` are the packages that were compiled for it.
 ///
-/// The model's own texts are the files `LICENSE*` beside its manifest, or else those at the root of the workspace.
+/// The model's own texts are the files `LICENSE*` next to its manifest, otherwise those at the root of the workspace.
 ///
 /// # Errors
 /// When a file cannot be read.
@@ -30,8 +30,8 @@ pub fn files(project: &Project, package: &Package, built: &BTreeSet<PackageId>) 
     Ok(files.into_iter().map(|(name, text)| (format!("{FOLDER}/{name}"), text)).collect())
 }
 
-/// True when neither the manifest nor a file tells the licence of the model.
-pub fn is_untold(project: &Project, package: &Package) -> Result<bool> {
+/// True when neither the manifest nor a file states the license of the model.
+pub fn is_missing(project: &Project, package: &Package) -> Result<bool> {
     let told = package.license.is_some()
         || !licence_files(folder_of(package)?)?.is_empty()
         || !licence_files(&project.root)?.is_empty();
@@ -48,8 +48,8 @@ fn summary(licence: Option<&str>, names: &[String]) -> String {
     let mut text = match licence {
         Some(licence) if licence.contains(" OR ") => format!("This FMU is licensed under {licence}, at your option"),
         Some(licence) => format!("This FMU is licensed under {licence}"),
-        None if names.is_empty() => "The author of this FMU tells no licence".into(),
-        None => "The author of this FMU tells its licence".into(),
+        None if names.is_empty() => "The author of this FMU states no license".into(),
+        None => "The author of this FMU states the license".into(),
     };
     if !names.is_empty() {
         // `LICENSE-MIT` stands where the expression names MIT
@@ -90,7 +90,7 @@ fn third_party(project: &Project, package: &Package, built: &BTreeSet<PackageId>
     Ok(list)
 }
 
-/// The crates of others that this package links, by name. Crates that only run in the build do not count.
+/// The crates of others that this package links, by name. Crates that only run in the build are ignored.
 fn compiled_in<'a>(project: &'a Project, package: &Package) -> Vec<&'a Package> {
     let metadata = &project.metadata;
     let nodes: BTreeMap<&PackageId, _> =
@@ -162,6 +162,6 @@ mod tests {
         assert_eq!(both.lines().next(), Some(first));
         let one = summary(Some("BSD-2-Clause"), &names(&["LICENSE.txt"]));
         assert!(one.starts_with("This FMU is licensed under BSD-2-Clause: see LICENSE.txt.\n"), "{one}");
-        assert!(summary(None, &[]).starts_with("The author of this FMU tells no licence.\n"));
+        assert!(summary(None, &[]).starts_with("The author of this FMU states no license.\n"));
     }
 }

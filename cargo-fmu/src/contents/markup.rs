@@ -1,6 +1,6 @@
 //! Texts inside XML and HTML.
 
-/// A text as it stands between tags and in an attribute between double quotes.
+/// A text, escaped for the content of an element and for an attribute between double quotes.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

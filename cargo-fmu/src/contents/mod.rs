@@ -1,4 +1,4 @@
-//! What an FMU holds beside its library and description: what people and tools are shown of it.
+//! The content of an FMU in addition to its library and description: what people and tools see of it.
 
 pub mod chapters;
 pub mod guide;

@@ -34,7 +34,7 @@ pub fn write(ports: &Ports) -> Result<Vec<u8>> {
     let palette: Vec<_> = BTreeSet::from_iter(pixels.iter().copied()).into_iter().collect();
     let indices = pixels.iter().map(|pixel| palette.binary_search(pixel).unwrap_or_default());
     let indices =
-        indices.map(u8::try_from).collect::<Result<Vec<_>, _>>().context("the picture has too many colours")?;
+        indices.map(u8::try_from).collect::<Result<Vec<_>, _>>().context("the picture has too many colors")?;
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, SIZE as u32, SIZE as u32);
     encoder.set_color(png::ColorType::Indexed);
@@ -48,7 +48,7 @@ pub fn write(ports: &Ports) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The mean colour of the points in a pixel, and their share as opacity.
+/// The mean color of the points in a pixel, and their fraction as opacity.
 fn pixel(x: usize, y: usize, inputs: usize, outputs: usize) -> [u8; 4] {
     let at = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / FINE as f64 - SIZE as f64 / 2.0;
     let points = (0..FINE * FINE).filter_map(|k| colour(at(x, k % FINE), at(y, k / FINE), inputs, outputs));

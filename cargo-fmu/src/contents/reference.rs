@@ -259,7 +259,7 @@ impl Instance {
                 }
             }
         };
-        ensure!(status <= WARNING, "`{}` = {value} was refused", port.name);
+        ensure!(status <= WARNING, "`{}` = {value} was rejected", port.name);
         Ok(())
     }
 
@@ -344,9 +344,9 @@ mod tests {
     fn every_role_is_one_of_the_standard_and_every_file_has_one() {
         let document = Document::parse(MANIFEST).unwrap();
         let related: Vec<_> = document.descendants().filter(|node| node.has_tag_name("Related")).collect();
-        let told = |name| related.iter().map(|node| node.attribute(name).unwrap()).collect::<Vec<_>>();
-        assert_eq!(told("source"), ["short-run.exp", "inputs.csv", "outputs.csv"]);
-        assert_eq!(told("role"), ["experiment/smoke-test", "other", "result"]);
+        let values = |name| related.iter().map(|node| node.attribute(name).unwrap()).collect::<Vec<_>>();
+        assert_eq!(values("source"), ["short-run.exp", "inputs.csv", "outputs.csv"]);
+        assert_eq!(values("role"), ["experiment/smoke-test", "other", "result"]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! A README without what it tells of source files and of commands that need them, which are not inside an FMU.
+//! A README without its mentions of source files and of commands that need them, which are not inside an FMU.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ const COMMANDS: [&str; 2] = ["cargo", "pytest"];
 pub struct Outside {
     /// Folders: what lies at a path with a `/` in one of them is a source.
     pub folders: Vec<PathBuf>,
-    /// Commands of the project, beside `cargo` and `pytest`.
+    /// Commands of the project, in addition to `cargo` and `pytest`.
     pub commands: Vec<String>,
 }
 
@@ -148,7 +148,7 @@ fn closing(inside: &str) -> Option<usize> {
     })
 }
 
-/// Whether a text, or what follows its colon, is nothing but links out of the guide.
+/// Whether a text, or the part after its colon, consists of links out of the guide only.
 fn is_signpost(text: &str) -> bool {
     let end = text.rsplit_once(':').map(|(_, end)| end).filter(|end| end.trim_start().starts_with('['));
     let (mut rest, mut left, mut links) = (end.unwrap_or(text), String::new(), 0);
@@ -198,7 +198,7 @@ fn items(text: &str) -> Vec<&str> {
     starts.iter().zip(ends).map(|(start, end)| &text[*start..end]).collect()
 }
 
-/// The sentences of a text with what separates them: a stop that code does not hold. Behind that of an abbreviation a digit
+/// The sentences of a text with what separates them: a stop that is not in code. After that of an abbreviation, a digit
 /// or a small letter follows.
 fn sentences(text: &str) -> Vec<&str> {
     let (mut sentences, mut start, mut in_code) = (Vec::new(), 0, false);
@@ -226,9 +226,9 @@ mod tests {
 
     #[test]
     fn sentences_parentheses_and_rows_about_sources_go() {
-        let text = "The law (`src/law.rs`) is short. Each idea has a file: `src/a.rs`. It ends at 0.5 s (eq. 3).\n\n\
+        let text = "The model (`src/law.rs`) is short. Each idea has a file: `src/a.rs`. It ends at 0.5 s (eq. 3).\n\n\
             | file | what |\n|---|---|\n| `src/a.rs` | a |\n\n## Kept\n\n| a |\n|---|\n| b |";
-        let wanted = "The law is short. It ends at 0.5 s (eq. 3).\n\n## Kept\n\n| a |\n|---|\n| b |";
+        let wanted = "The model is short. It ends at 0.5 s (eq. 3).\n\n## Kept\n\n| a |\n|---|\n| b |";
         assert_eq!(Outside::default().left_out(text), wanted);
     }
 
@@ -270,9 +270,9 @@ mod tests {
 
     #[test]
     fn what_only_leads_to_other_files_goes() {
-        let text = "[How](a.md) and [why](../b.md#c).\n\nAs [told](a.md) it holds ([measured](a.md)). All of it:\n[a](a.md), [`b`](b.md). \
+        let text = "[How](a.md) and [why](../b.md#c).\n\nAs [shown](a.md) it works ([measured](a.md)). All of it:\n[a](a.md), [`b`](b.md). \
             See: [here](#guide-x). The net: [FMI](https://fmi-standard.org).";
-        let wanted = "As [told](a.md) it holds. See: [here](#guide-x). The net: [FMI](https://fmi-standard.org).";
+        let wanted = "As [shown](a.md) it works. See: [here](#guide-x). The net: [FMI](https://fmi-standard.org).";
         assert_eq!(Outside::default().left_out(text), wanted);
     }
 

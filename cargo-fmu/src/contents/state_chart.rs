@@ -1,21 +1,21 @@
-//! A chart of states as SVG: the states below each other, ways forward on the right and back on the left, each with the number
-//! of its row in the table of transitions.
+//! A chart of states as SVG: the states below each other, paths forward on the right and back on the left, each with the
+//! number of its row in the table of transitions.
 
 use std::fmt::Write as _;
 
 use super::markup::escaped;
 
-/// Height of a state, distance of two, width of a letter and of one of the small ones, and of a lane for ways at least.
+/// Height of a state, distance of two, width of a letter and of a small one, and minimum width of a lane for paths.
 const HEIGHT: usize = 28;
 const ROW: usize = 56;
 const LETTER: usize = 9;
 const SMALL: usize = 7;
 const LANE: usize = 34;
 
-/// Distance of the numbers of a way from its line, and from what comes next.
+/// Distance of the numbers of a path from its line, and from the next element.
 const GAP: usize = 4;
 
-/// A way from state to state, by their places, with the numbers of its transitions.
+/// A path from state to state, by their indices, with the numbers of its transitions.
 struct Way {
     from: usize,
     to: usize,
@@ -39,7 +39,7 @@ impl Way {
 }
 
 /// The picture of transitions in the order of their numbers, from 1; the state with the name `begin` is where it begins.
-/// A state leads to its place in the page, if it has one there.
+/// A state links to its row in the page, if it has one.
 pub fn write(transitions: &[(String, String)], begin: &str, page: &str) -> String {
     let mut states: Vec<&str> = Vec::new();
     for name in transitions.iter().flat_map(|(from, to)| [from, to]) {

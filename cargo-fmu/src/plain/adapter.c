@@ -1,4 +1,4 @@
-/* @id@.h by the functions of FMI that the library holds. */
+/* @id@.h implemented with the FMI functions of the library. */
 #include "@id@.h"
 #include <stdint.h>
 #include <stdlib.h>
@@ -39,19 +39,19 @@ enum { OK, WARNING, CO_SIMULATION = 1, LAST_SUCCESSFUL_TIME = 2 };
 
 struct @id@ {
     void *instance;
-    @id@_tell tell;
+    @id@_on_message on_message;
     void *user;
-    /* whether `tell` runs, in which nothing can be freed */
+    /* whether `on_message` runs, in which nothing can be freed */
     bool telling;
     double period;
-    /* time at the beginning or of the restored state, and the samples done since then */
+    /* start time or time of the restored state, and the number of samples since then */
     double begin;
     uint64_t samples;
     /* the FMI functions keep a pointer to it */
     callbacks functions;
 };
 
-/* the library has doubled what FMI would read as the beginning of an argument or of a reference */
+/* the library doubles characters that FMI reads as the start of an argument or of a reference */
 static void forward(void *environment, const char *name, int status, const char *category, const char *message, ...) {
     @id@ *self = (@id@ *)environment;
     char text[4096];
@@ -63,13 +63,13 @@ static void forward(void *environment, const char *name, int status, const char 
     }
     text[length] = 0;
     self->telling = true;
-    self->tell(self->user, status, text);
+    self->on_message(self->user, status, text);
     self->telling = false;
 }
 
 #define DONE(call) ((call) <= WARNING)
 
-/* sets what differs from the value it has: to set it is to ask for it */
+/* sets only what differs: a parameter that is set is no longer replaced by the value of the paper */
 static bool set_real(void *c, unsigned reference, double value) {
     double now;
     return DONE(fmi2GetReal(c, &reference, 1, &now)) && (now == value || DONE(fmi2SetReal(c, &reference, 1, &value)));
@@ -124,12 +124,12 @@ void @id@_start_inputs(@id@_inputs *in) {
     memset(in, 0, sizeof *in);
 @start_inputs@}
 
-@id@ *@id@_new(const @id@_parameters *parameters, const char *resources, @id@_tell tell, void *user) {
+@id@ *@id@_new(const @id@_parameters *parameters, const char *resources, @id@_on_message on_message, void *user) {
     @id@ *self = (@id@ *)calloc(1, sizeof *self);
     if (self == NULL) return NULL;
-    self->tell = tell;
+    self->on_message = on_message;
     self->user = user;
-    self->functions.log = tell == NULL ? NULL : forward;
+    self->functions.log = on_message == NULL ? NULL : forward;
     self->functions.environment = self;
     self->instance = fmi2Instantiate("@id@", CO_SIMULATION, "@guid@", resources, &self->functions, 0, 1);
     if (self->instance != NULL && DONE(fmi2SetupExperiment(self->instance, 0, 0.0, 0.0, 0, 0.0)) &&
@@ -184,7 +184,7 @@ bool @id@_restore(@id@ *self, const void *bytes, size_t size) {
     if (!DONE(fmi2GetFMUstate(self->instance, &before))) return false;
     const bool good = DONE(fmi2DeSerializeFMUstate(self->instance, (const char *)bytes, size, &state)) &&
                       DONE(fmi2SetFMUstate(self->instance, state)) && look_at_time(self);
-    /* what was refused is an error of the instance, which the state before has not */
+    /* a rejected call is an error of the instance; the previous state has none */
     if (!good) fmi2SetFMUstate(self->instance, before);
     fmi2FreeFMUstate(self->instance, &state);
     fmi2FreeFMUstate(self->instance, &before);

@@ -10,7 +10,7 @@ use crate::interface::{COMPUTED, Choice, Interface, Part, Type};
 
 const TEMPLATE: &str = include_str!("header.h");
 
-/// What else the identifier stands in front of, beside the functions for texts and the enumerations.
+/// Other names with the identifier as their prefix, in addition to the functions for texts and the enumerations.
 const TAKEN: [&str; 14] = [
     "new",
     "free",
@@ -25,7 +25,7 @@ const TAKEN: [&str; 14] = [
     "inputs",
     "outputs",
     "parameters",
-    "tell",
+    "on_message",
 ];
 
 /// The header.
@@ -85,7 +85,7 @@ fn texts(interface: &Interface) -> Result<String> {
     Ok(declared)
 }
 
-/// The name of the function for a text, behind the identifier.
+/// The name of the function for a text, after the identifier.
 pub fn function(name: &str) -> String {
     name.replace('.', "_")
 }
@@ -107,7 +107,7 @@ mod tests {
         let text = |name: &&str| Quantity { kind: Type::Text, role: Part::Output, ..real(name) };
         let header = |names: &[&str]| write(&interface(names.iter().map(text)));
         assert!(header(&["bank.message"]).unwrap().contains("const char *m_bank_message(m *self);"));
-        for names in [&["step"][..], &["tell"], &["words[1]"], &["a.b", "a_b"]] {
+        for names in [&["step"][..], &["on_message"], &["words[1]"], &["a.b", "a_b"]] {
             let error = header(names).unwrap_err().to_string();
             assert!(error.starts_with(&format!("`{}` cannot be a function", names[names.len() - 1])), "{error}");
         }

@@ -1,4 +1,4 @@
-//! From the compiled model to a static library that can stand beside others of its kind.
+//! From the compiled model to a static library that can be linked together with others of its kind.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -117,7 +117,7 @@ fn compiler() -> Command {
     command(&std::env::var("CC").unwrap_or_default())
 }
 
-/// A program with the words that stand behind its name, as `CC` may hold them.
+/// A program with the arguments after its name, as in `CC`.
 fn command(words: &str) -> Command {
     let whole = Path::new(words.trim());
     let mut words = if whole.is_file() { vec![words.trim()] } else { words.split_whitespace().collect() }.into_iter();
@@ -126,7 +126,7 @@ fn command(words: &str) -> Command {
     command
 }
 
-/// The functions that a header declares: a name with the identifier as its beginning and an open parenthesis behind it.
+/// The functions that a header declares: a name with the identifier as its prefix and an open parenthesis after it.
 fn functions(header: &str, identifier: &str) -> Vec<String> {
     let code = header.lines().filter(|line| !line.trim_start().starts_with(['*', '/']) && line.contains('('));
     let name = |line: &str| {
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn the_functions_of_a_header_are_its_declarations() {
         let header =
-            "/** m_not(a) */\ntypedef void (*m_tell)(void *);\n * m_nor(b)\nm *m_new(int a);\nbool m_step(m *self);\n";
+            "/** m_not(a) */\ntypedef void (*m_on_message)(void *);\n * m_nor(b)\nm *m_new(int a);\nbool m_step(m *self);\n";
         assert_eq!(functions(header, "m"), ["m_new", "m_step"]);
     }
 }

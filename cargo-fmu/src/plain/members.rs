@@ -26,7 +26,7 @@ enum Member<'a> {
 /// The members of a struct that holds these variables, one a line.
 ///
 /// # Errors
-/// When one is at once a value and a group, which C cannot tell apart.
+/// When one name is both a value and a group, which C cannot distinguish.
 pub fn declare<'a>(identifier: &str, variables: impl Iterator<Item = &'a Quantity>) -> Result<String> {
     let mut members = Vec::new();
     for variable in variables {

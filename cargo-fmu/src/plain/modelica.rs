@@ -18,7 +18,7 @@ const TAKEN: &str = "algorithm and annotation block break class connect connecto
     pure record redeclare replaceable return stream then true type when while within \
     fill sample step time Boolean Controller ExternalObject Integer Real String";
 
-/// What a block holds beside its variables and enumerations.
+/// Names in a block in addition to its variables and enumerations.
 const OWN: [&str; 5] = ["controller_", "reals_", "integers_", "resources", "step"];
 
 const PARAMETERS: &[Part] = &[Part::Fixed, Part::Tunable];
@@ -29,7 +29,7 @@ const LOCALS: &[Part] = &[Part::Local];
 /// Prefix of the names of parameters for specialists, which get a tab of their own in the dialog.
 const EXPERT: &str = "expert.";
 
-/// Width of the icon's half, and the room of a port, in the units of the diagram.
+/// Width of the icon's half, and the height of a port, in the units of the diagram.
 const HALF: usize = 100;
 const ROOM: usize = 20;
 
@@ -63,7 +63,7 @@ pub fn adapter(interface: &Interface) -> String {
     )
 }
 
-/// The block, a class of `package`; `starts` are values that parameters of these names begin with there.
+/// The block, a class of `package`; `starts` are start values of the named parameters.
 ///
 /// # Errors
 /// When two variables would have one name, one has that of something else, or an input is a String.
@@ -97,7 +97,7 @@ pub fn block(interface: &Interface, package: &str, starts: &[(&str, &str)]) -> R
     Ok(text)
 }
 
-/// A block of these variables can be read, and has a place for each of them.
+/// A block of these variables can be read, and each of them has a unique name.
 fn check(interface: &Interface, package: &str) -> Result<()> {
     let own = OWN.iter().map(|own| ((*own).to_owned(), "the block's own"));
     let mut names: HashMap<_, _> = own.chain([(package.to_owned(), "the package")]).collect();
@@ -137,11 +137,11 @@ fn parameter(variable: &Quantity, starts: &[(&str, &str)]) -> String {
         Type::Text => "String".to_owned(),
         kind => format!("{kind:?}"),
     };
-    let told = starts.iter().find(|(name, _)| *name == variable.name).map(|(_, start)| *start);
+    let given = starts.iter().find(|(name, _)| *name == variable.name).map(|(_, start)| *start);
     let start = match &variable.kind {
-        Type::Choice(name) => format!("{name}.{}", word(told.unwrap_or(&variable.item))),
-        Type::Text => literal(told.unwrap_or(&variable.start)),
-        _ => told.unwrap_or(&variable.start).to_owned(),
+        Type::Choice(name) => format!("{name}.{}", word(given.unwrap_or(&variable.item))),
+        Type::Text => literal(given.unwrap_or(&variable.start)),
+        _ => given.unwrap_or(&variable.start).to_owned(),
     };
     let (tab, rest) = variable.name.strip_prefix(EXPERT).map_or(("", &*variable.name), |rest| ("tab = \"Expert\", ", rest));
     let group = rest.rsplit_once('.').map_or("General", |(group, _)| group);
@@ -202,7 +202,7 @@ fn object(interface: &Interface, package: &str) -> String {
          LibraryDirectory = \"modelica://{package}/Resources/Library\")"
     );
     format!(
-        "  class Controller \"What the controller remembers\"\n    extends ExternalObject;\n    \
+        "  class Controller \"State of the controller\"\n    extends ExternalObject;\n    \
          function constructor\n      input Real reals[{reals}];\n      input Integer integers[{integers}];\n      input String texts[{texts}];\n      input String resources;\n      \
          output Controller controller;\n      external \"C\" controller = {identifier}_modelica_new(reals, integers, texts, resources) {annotation};\n    end constructor;\n    \
          function destructor\n      input Controller controller;\n      external \"C\" {identifier}_modelica_free(controller) {annotation};\n    end destructor;\n  end Controller;\n  \
@@ -234,13 +234,13 @@ fn equations(interface: &Interface) -> String {
         _ = writeln!(text, "  {} = reals_[{i}];", name(variable));
     }
     for (i, variable) in (1..).zip(&numbers) {
-        let truth = if variable.kind == Type::Boolean { " <> 0" } else { "" };
-        _ = writeln!(text, "  {} = integers_[{i}]{truth};", name(variable));
+        let as_boolean = if variable.kind == Type::Boolean { " <> 0" } else { "" };
+        _ = writeln!(text, "  {} = integers_[{i}]{as_boolean};", name(variable));
     }
     text
 }
 
-/// Values as an array, truths and items as Integers.
+/// Values as an array, Booleans and items as Integers.
 fn list(variables: Vec<&Quantity>) -> String {
     let kind = |variable: &&Quantity| match &variable.kind {
         Type::Boolean => format!("if {} then 1 else 0", name(variable)),
@@ -293,8 +293,8 @@ fn literal(text: &str) -> String {
 fn unit(variable: &Quantity) -> String {
     let [unit, display] = [("unit", &variable.unit), ("displayUnit", &variable.display)]
         .map(|(key, value)| (!value.is_empty()).then(|| format!("{key} = {}", literal(value))));
-    let told = [unit, display].into_iter().flatten().collect::<Vec<_>>().join(", ");
-    if told.is_empty() || variable.kind != Type::Real { String::new() } else { format!("({told})") }
+    let units = [unit, display].into_iter().flatten().collect::<Vec<_>>().join(", ");
+    if units.is_empty() || variable.kind != Type::Real { String::new() } else { format!("({units})") }
 }
 
 #[cfg(test)]
@@ -306,8 +306,8 @@ mod tests {
     fn two_variables_with_one_name_are_refused_with_both() {
         let error = |names: &[&str]| block(&interface(names.iter().map(|name| real(name))), "P", &[]).err();
         assert!(error(&["a.x", "a_y"]).is_none());
-        let told = error(&["a.x", "b", "a_x"]).unwrap().to_string();
-        assert_eq!(told, "`a.x` and `a_x` have one name in Modelica, `a_x`");
+        let found = error(&["a.x", "b", "a_x"]).unwrap().to_string();
+        assert_eq!(found, "`a.x` and `a_x` have one name in Modelica, `a_x`");
         for own in ["controller_", "reals_", "resources", "P"] {
             assert!(
                 error(&[own])
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parameter_begins_with_the_value_that_is_told_and_files_have_a_folder() {
+    fn a_parameter_has_the_given_start_value_and_files_have_a_folder() {
         let of = |name, kind| Quantity { role: Part::Fixed, kind, ..real(name) };
         let model = interface([of("delay", Type::Real), of("gain", Type::Real)].into_iter());
         let text = block(&model, "P", &[("delay", "0.5"), ("other", "1")]).unwrap();

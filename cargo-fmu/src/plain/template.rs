@@ -2,7 +2,7 @@
 
 use crate::interface::Interface;
 
-/// A template with the places of every file filled, and these.
+/// A template with the placeholders of every file filled, and these.
 pub fn fill(template: &str, interface: &Interface, places: &[(&str, &str)]) -> String {
     let identifier = interface.identifier.as_str();
     let capitals = identifier.to_ascii_uppercase();

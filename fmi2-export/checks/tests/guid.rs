@@ -6,7 +6,7 @@ mod common;
 use common::{Fmu, example};
 use object::{Object, ObjectSection, ObjectSymbol};
 
-/// The 36 bytes behind the symbol, from the file alone.
+/// The 36 bytes at the symbol, from the file alone.
 fn in_file(name: &str) -> String {
     let bytes = std::fs::read(example(name)).unwrap();
     let file = object::File::parse(&*bytes).unwrap();

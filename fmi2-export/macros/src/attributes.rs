@@ -1,4 +1,4 @@
-//! What stands in `#[var(...)]`.
+//! The content of `#[var(...)]`.
 
 use proc_macro2::{Span, TokenStream};
 use quote::quote;
@@ -20,7 +20,7 @@ pub struct Attributes {
     pub nominal: Option<Expr>,
     pub source: Option<LitStr>,
     pub fields: Option<Fields>,
-    /// Flags by name, with their places.
+    /// Flags by name, with their positions in the source.
     pub flags: Vec<Ident>,
 }
 
@@ -57,7 +57,7 @@ impl Attributes {
         Ok(found.unwrap_or_default())
     }
 
-    /// The place of a flag, if it is set.
+    /// A flag with its position in the source, if it is set.
     pub fn flag(&self, name: &str) -> Option<&Ident> {
         self.flags.iter().find(|flag| *flag == name)
     }
@@ -70,7 +70,7 @@ impl Parse for Attributes {
         while !input.is_empty() {
             let key: Ident = input.parse()?;
             if seen.contains(&key) {
-                return Err(syn::Error::new(key.span(), format!("`{key}` stands twice")));
+                return Err(syn::Error::new(key.span(), format!("`{key}` is given twice")));
             }
             attributes.read(&key, input)?;
             seen.push(key);

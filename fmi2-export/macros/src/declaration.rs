@@ -32,7 +32,7 @@ pub struct Group {
     pub fields: Vec<Field>,
 }
 
-/// The three structs that the law sees.
+/// The three structs that the model sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Root {
     Inputs,
@@ -85,7 +85,7 @@ pub struct Choice {
     pub reactions: Option<Reactions>,
 }
 
-/// An item of an enumeration; its number is its place, from 1.
+/// An item of an enumeration; the items are numbered from 1.
 pub struct ChoiceItem {
     pub attributes: Vec<Attribute>,
     pub name: Ident,
@@ -159,7 +159,7 @@ impl Declaration {
     /// Reads the module.
     ///
     /// # Errors
-    /// All that is no declaration, each at its place.
+    /// Everything that is not a declaration, each at its position in the source.
     pub fn read(module: ItemMod) -> syn::Result<Self> {
         let Some((_, items)) = module.content else {
             return Err(syn::Error::new_spanned(
@@ -373,7 +373,7 @@ fn docs(attributes: &[Attribute]) -> String {
     text.strip_suffix('.').unwrap_or(&text).trim().to_owned()
 }
 
-/// Gathers errors, so that all are told at once.
+/// Collects errors, so that one build reports all of them.
 #[derive(Default)]
 pub struct Errors(Option<syn::Error>);
 

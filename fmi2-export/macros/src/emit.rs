@@ -266,7 +266,7 @@ fn variables(declaration: &Declaration, papers: &[Ident]) -> TokenStream {
     }
     if let (Some(group), false) = (declaration.root(Root::Parameters), papers.is_empty()) {
         let ty = &group.name;
-        members.push(quote!(#[doc = "Parameters in force, of which the law knows."] pub in_force: #ty));
+        members.push(quote!(#[doc = "Parameters in force: those that the model uses."] pub in_force: #ty));
         starts.push(quote!(in_force: #ty::START));
     }
     quote! {

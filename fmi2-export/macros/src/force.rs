@@ -1,4 +1,4 @@
-//! Which parameters the law is to use: those that were set, and those of the paper.
+//! The parameters that the model uses: those that were set, and those of the published variant.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -17,7 +17,7 @@ pub fn bring_into_force(declaration: &Declaration, rows: &[Row]) -> Option<Token
     let differs = |(_, row): &(usize, &Row)| row.field.var.paper.is_some() && row.name != "law";
     let takes = rows.iter().enumerate().filter(differs).map(|(i, row)| take_paper(&group.name, i, row));
     Some(quote! {
-        #[allow(unused_variables, reason = "the paper may differ in its law alone")]
+        #[allow(unused_variables, reason = "the variants may differ in `law` only")]
         fn bring_into_force(&mut self, is_set: impl ::core::ops::Fn(usize) -> bool) {
             self.in_force = self.parameters.clone();
             if self.parameters.law == #law::Paper {

@@ -1,4 +1,4 @@
-//! The declaration, flattened: one row for each variable, with its FMI name and the way to its field.
+//! The declaration, flattened: one row for each variable, with its FMI name and the path to its field.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -14,7 +14,7 @@ pub struct Row<'a> {
     pub root: Root,
     /// FMI name: the path of the field, or what `name = ...` says.
     pub name: String,
-    /// The way from the struct of the root to the field, such as `axis[2].position`.
+    /// The path from the struct of the root to the field, such as `axis[2].position`.
     pub way: TokenStream,
     pub field: &'a Field,
     pub kind: &'a Kind,
@@ -42,7 +42,7 @@ pub fn collect(declaration: &Declaration) -> Vec<Row<'_>> {
     rows
 }
 
-/// The way through the groups of a root.
+/// A walk through the groups of a root.
 struct Walk<'a, 'b> {
     declaration: &'a Declaration,
     root: Root,
@@ -124,7 +124,7 @@ impl Row<'_> {
         std::iter::once(&self.field).chain(&self.around).any(|field| field.var.flag(name).is_some())
     }
 
-    /// The way from the variables to the value.
+    /// The path from the variables to the value.
     pub fn access(&self) -> TokenStream {
         let (root, way) = (self.root.field(), &self.way);
         let component = self.component.map(|component| quote!(.#component));

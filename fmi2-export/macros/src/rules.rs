@@ -1,4 +1,4 @@
-//! What a declaration must keep; each breach is told at its place, by the name of the field and the rule.
+//! The rules of a declaration; each error is reported at its position, with the name of the field and the rule.
 //!
 //! Rules about values (ranges, start values, units) are kept by `fmi2-export` when it makes the table.
 
@@ -78,7 +78,7 @@ fn check_field(field: &Field, errors: &mut Errors) {
     let at = Some(field.name.span());
     let start = var.start.as_ref().map(syn::spanned::Spanned::span);
     must(!field.docs.is_empty(), at, "needs a description: a doc comment");
-    must(!matches!(field.visibility, syn::Visibility::Inherited), at, "must be `pub`: the law reads it");
+    must(!matches!(field.visibility, syn::Visibility::Inherited), at, "must be `pub`: the model reads it");
     must(real, var.unit.as_ref().map(|unit| unit.span), "only a Real (f64) has a unit");
     must(real, var.nominal.as_ref().map(syn::spanned::Spanned::span), "only a Real (f64) has a nominal value");
     must(real, var.flag("accepts_nan").map(Ident::span), "only a Real (f64) can be NaN");

@@ -8,7 +8,7 @@ use crate::declaration::{Declaration, Kind, Root};
 use crate::force;
 use crate::rows::Row;
 
-/// The table, and a check of each row at the place of its field.
+/// The table, and a check of each row at the position of its field.
 pub fn emit(declaration: &Declaration, rows: &[Row]) -> TokenStream {
     let parameters = declaration.root(Root::Parameters).map(|group| &group.name);
     let paper = rows.iter().any(|row| row.field.var.paper.is_some());

@@ -17,7 +17,7 @@ pub(super) const LONGEST_ARRAY: usize = isize::MAX as usize / size_of::<fmi2Real
 
 /// What a `fmi2Component` points to; its address is the owner of the states it has made.
 pub(super) struct Component {
-    /// Set while a call runs, so that a logger that calls back finds a closed door. Not atomic:
+    /// Set while a call runs, so that a call from within the logger is rejected. Not atomic:
     /// the standard forbids overlapping calls, and an atomic swap would cost more than the call.
     pub(super) busy: Cell<bool>,
     pub(super) slave: UnsafeCell<Box<dyn Slave>>,
@@ -56,7 +56,7 @@ fn panicked(slave: &mut dyn Slave, function: Function, panic: Box<dyn Any + Send
     if ended.is_ok() { fmi2Error } else { fmi2Fatal }
 }
 
-/// The instance behind a pointer when no call runs on it. Only for calls in which no callback can run: they leave `busy`
+/// The instance at a pointer when no call runs on it. Only for calls in which no callback can run: they leave `busy`
 /// as it is.
 ///
 /// # Safety
@@ -107,8 +107,8 @@ pub(super) fn texts<'a>(pointer: *const fmi2String, count: usize) -> Option<Vec<
 }
 
 pub(super) const NULL_ARRAY: &str = "an array argument is NULL or impossibly long";
-pub(super) const UNKNOWN_STATE: &str = "`FMUstate` is no state of this FMU, or it was freed, by itself or with its instance; \
-                             hint: a place for a new one starts with NULL";
+pub(super) const UNKNOWN_STATE: &str = "`FMUstate` is not a state of this FMU, or it was freed; \
+                             hint: Initialize the variable of a new state with NULL.";
 pub(super) const BAD_STRING: &str = "a string argument is NULL or not UTF-8";
 
 /// A call with an array of value references and one of values.

@@ -57,7 +57,7 @@ pub unsafe fn instantiate<M: Exported>(
     catch_unwind(AssertUnwindSafe(instantiate)).unwrap_or(std::ptr::null_mut())
 }
 
-/// The resource folder behind a location, which may be NULL.
+/// The resource folder of a location, which may be NULL.
 fn folder(location: fmi2String) -> Result<Option<PathBuf>, String> {
     if location.is_null() {
         return Ok(None);

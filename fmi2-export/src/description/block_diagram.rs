@@ -20,8 +20,8 @@ const LEGEND: &str = "<p>A filled arrow is a Real, an open one is not, and a thi
 /// A line with an arrow.
 struct Port {
     name: String,
-    /// Behind the name: the unit, or the number of variables.
-    behind: String,
+    /// Text after the name: the unit, or the number of variables.
+    suffix: String,
     /// Where the row of the variable is, or of the first one of the group.
     row: &'static str,
     /// Styles of the line and of its arrow.
@@ -52,7 +52,7 @@ pub fn write<V>(name: &str, table: &[Variable<V>]) -> String {
     svg + "</svg>\n</div>\n" + LEGEND
 }
 
-/// The ports of one side, in the order of the table; a large group stands where its first variable does.
+/// The ports of one side, in the order of the table; a large group has the position of its first variable.
 fn ports<V>(table: &[Variable<V>], role: Role, what: &str) -> Vec<Port> {
     let rows: Vec<_> = table.iter().filter(|row| row.role() == role).collect();
     let group = |row: &Variable<V>| row.name.split_once('.').map(|(group, _)| group);
@@ -65,7 +65,7 @@ fn ports<V>(table: &[Variable<V>], role: Role, what: &str) -> Vec<Port> {
                     drawn.push(group);
                     ports.push(Port {
                         name: format!("{group}.*"),
-                        behind: format!("{members} {what}"),
+                        suffix: format!("{members} {what}"),
                         row: row.name,
                         line: " style=\"stroke-width:4\"",
                         head: "",
@@ -86,18 +86,18 @@ impl Port {
             _ => (false, ""),
         };
         let head = if real { "" } else { " style=\"fill:var(--paper);stroke:var(--soft)\"" };
-        Self { name: Cells::of(row).name, behind: unit.to_owned(), row: row.name, line: "", head }
+        Self { name: Cells::of(row).name, suffix: unit.to_owned(), row: row.name, line: "", head }
     }
 
     fn draw(&self, svg: &mut String, y: usize, [from, head, tip]: [usize; 3], x: usize, class: &str) {
-        let behind = match &*self.behind {
+        let suffix = match &*self.suffix {
             "" => String::new(),
-            behind => format!(" <tspan class=\"u\">{}</tspan>", escape(behind)),
+            suffix => format!(" <tspan class=\"u\">{}</tspan>", escape(suffix)),
         };
         writeln!(
             svg,
             "<line x1=\"{from}\" y1=\"{y}\" x2=\"{head}\" y2=\"{y}\"{}/><path d=\"M{head} {}L{tip} {y}L{head} {}z\"{}/>\
-             <a href=\"#{}\"><text{class} x=\"{x}\" y=\"{}\">{}{behind}</text></a>",
+             <a href=\"#{}\"><text{class} x=\"{x}\" y=\"{}\">{}{suffix}</text></a>",
             self.line,
             y - 5,
             y + 5,
@@ -109,8 +109,8 @@ impl Port {
         .expect("writing to a String");
     }
 
-    /// Letters of a port: its name, a blank and what stands behind it.
+    /// Letters of a port: its name, a blank and the suffix.
     fn letters(&self) -> usize {
-        self.name.chars().count() + 1 + self.behind.chars().count()
+        self.name.chars().count() + 1 + self.suffix.chars().count()
     }
 }

@@ -3,7 +3,7 @@
 use crate::table::units::DisplayUnit;
 use crate::table::variable::{Kind, Role, Variable};
 
-/// The cells of a row beside its texts; empty where there is nothing to show.
+/// The cells of a row, without its texts; empty where there is nothing to show.
 #[derive(Default)]
 pub struct Cells {
     pub name: String,
@@ -33,8 +33,8 @@ impl Cells {
                 let display = real.display.map_or(String::new(), |display| format!(" ({display})"));
                 cells.unit = real.unit.map_or(String::new(), |unit| format!("{}{display}", unit.name));
                 cells.start = alike(start, |x| number(*x));
-                let told = |display: &&DisplayUnit| real.display == Some(display.name);
-                let display = real.unit.and_then(|unit| unit.display.iter().find(told));
+                let chosen = |display: &&DisplayUnit| real.display == Some(display.name);
+                let display = real.unit.and_then(|unit| unit.display.iter().find(chosen));
                 if let (Some(display), Ok(value)) = (display, cells.start.parse::<f64>())
                     && value != 0.0
                 {

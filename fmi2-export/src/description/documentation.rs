@@ -293,7 +293,7 @@ impl Page {
         self.put(format_args!("<tr id=\"{id}\"><td>{}</td></tr>\n", cells.join("</td><td>")));
     }
 
-    /// A text of the declaration: what stands between backticks is code, and leads to the variable of that name.
+    /// A text of the declaration: text between backticks is code, and links to the variable of that name.
     #[inline(never)]
     fn inline(&self, text: &str) -> String {
         let parts = text.split('`').enumerate().map(|(i, part)| match self.names.contains(&part) {

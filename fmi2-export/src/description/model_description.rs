@@ -285,17 +285,17 @@ mod tests {
     }
 
     #[test]
-    fn facts_that_nobody_told_are_left_out() {
+    fn empty_facts_are_left_out() {
         let head_of = |info: &Info| {
             let mut xml = Writer::new("");
             head(&mut xml, info, "guid");
             xml.finish()
         };
-        let told = Info { name: "Name", description: "x", ..Info::DEFAULT };
-        assert!(!head_of(&told).contains("=\"\""));
+        let known = Info { name: "Name", description: "x", ..Info::DEFAULT };
+        assert!(!head_of(&known).contains("=\"\""));
         for missing in [" author=", " version=", " copyright=", " license="] {
-            assert!(!head_of(&told).contains(missing), "{missing}");
+            assert!(!head_of(&known).contains(missing), "{missing}");
         }
-        assert!(head_of(&Info { author: "Someone", ..told }).contains(" author=\"Someone\""));
+        assert!(head_of(&Info { author: "Someone", ..known }).contains(" author=\"Someone\""));
     }
 }

@@ -52,7 +52,7 @@ impl Writer {
     }
 }
 
-/// A text as it stands between tags and in an attribute.
+/// A text, escaped for the content of an element and for an attribute.
 #[inline(never)]
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

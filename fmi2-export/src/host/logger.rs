@@ -7,11 +7,11 @@ use std::fmt::Display;
 /// A log category of the model description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
-    /// Changes of state worth telling.
+    /// Changes of state.
     Events,
     /// Done, but look at it.
     Warning,
-    /// A refused value or request.
+    /// A rejected value or request.
     Discard,
     /// An error.
     Error,
@@ -24,7 +24,7 @@ impl Category {
     pub const ALL: [Category; 5] =
         [Category::Events, Category::Warning, Category::Discard, Category::Error, Category::Fatal];
 
-    /// Those that are sent whatever the master asks for: it could not tell why a call failed.
+    /// Those that are always sent: otherwise the reason of a failed call would be unknown.
     const ALWAYS: Mask = Mask(Category::Error.bit() | Category::Fatal.bit());
 
     /// Name as FMI 2.0 suggests it.
@@ -42,8 +42,8 @@ impl Category {
     pub const fn description(self) -> &'static str {
         match self {
             Category::Events => "Changes of state of the controller; off at first, unless logging is switched on",
-            Category::Warning => "Something was done that deserves a look; on at first",
-            Category::Discard => "A value or request was refused and nothing changed; on at first",
+            Category::Warning => "The call succeeded with a warning; on by default",
+            Category::Discard => "A value or request was rejected and nothing changed; on by default",
             Category::Error => "A call failed; always sent",
             Category::Fatal => "The instance is lost; always sent",
         }
@@ -90,7 +90,7 @@ pub struct Logger {
     callback: Option<Callback>,
     initial: Mask,
     wanted: Mask,
-    /// Whether a warning was told since [`take_warned`](Self::take_warned), sent or not.
+    /// Whether there was a warning since [`take_warned`](Self::take_warned), sent or not.
     warned: Cell<bool>,
 }
 
@@ -103,7 +103,7 @@ impl Logger {
     }
 
     /// Switches categories as fmi2SetDebugLogging asks: on means these and no others, off means without these; no
-    /// category means all of them. Errors are always sent. A name that is no category is told and left out.
+    /// category means all of them. Errors are always sent. An unknown name is reported and ignored.
     pub fn configure(&mut self, on: bool, categories: &[&str]) {
         let (named, unknown) = Mask::of(categories);
         if let Some(unknown) = unknown {
@@ -126,7 +126,7 @@ impl Logger {
         self.warned.get() && self.warned.replace(false)
     }
 
-    /// Sends one message; nothing is formatted when nobody wants it.
+    /// Sends one message; it is formatted only when its category is on.
     pub fn send(&self, category: Category, text: impl Display) {
         if category == Category::Warning {
             self.warned.set(true);
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_category_is_told_and_the_rest_counts() {
+    fn an_unknown_category_is_reported_and_the_others_are_set() {
         let (mut logger, heard) = listening(true);
         logger.configure(true, &["nonsense", "logStatusDiscard"]);
         assert!(logger.take_warned());

@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 pub enum Status {
     /// All well.
     Ok,
-    /// Done, with something to tell.
+    /// Done, with a warning.
     Warning,
-    /// Refused, and the instance is as it was.
+    /// Rejected, and the instance is as it was.
     Discard,
-    /// Refused, and the instance takes no further steps until it is reset.
+    /// Rejected, and the instance takes no further steps until it is reset.
     Error,
     /// Nothing of this instance can be used any more.
     Fatal,
@@ -38,7 +38,7 @@ impl FmuType {
     }
 }
 
-/// Phase of an instance. Steps are synchronous, so none is ever in progress or cancelled, and a
+/// Phase of an instance. Steps are synchronous, so none is ever in progress or canceled, and a
 /// step is done or is an error, so none is left as failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {

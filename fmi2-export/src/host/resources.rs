@@ -1,4 +1,4 @@
-//! The resource location of an instance: importers write it in many ways.
+//! The resource location of an instance: importers write it in many forms.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ enum Platform {
 
 const HERE: Platform = if cfg!(windows) { Platform::Windows } else { Platform::Unix };
 
-/// Folder behind a `fmuResourceLocation`; `None` for an empty one.
+/// Folder of a `fmuResourceLocation`; `None` for an empty one.
 ///
 /// Takes `file:/x`, `file:///x`, `file:////x`, `file://localhost/x`, `file:///C:/x`, `file://server/share/x`, a trailing
 /// slash, percent-encoded bytes and plain paths.
@@ -38,7 +38,7 @@ fn to_path(path: Vec<u8>) -> PathBuf {
     String::from_utf8_lossy(&path).into_owned().into()
 }
 
-/// The bytes of the path behind a location, without a slash at its end.
+/// The bytes of the path of a location, without a slash at its end.
 fn path(location: &[u8], platform: Platform) -> Result<Vec<u8>, &'static str> {
     let path = match uri(location)? {
         None => location.to_vec(),
@@ -105,7 +105,7 @@ fn without_end(mut path: Vec<u8>, platform: Platform) -> Vec<u8> {
     path
 }
 
-/// `%` without two hexadecimal digits behind it is itself.
+/// `%` without two hexadecimal digits after it is kept.
 fn percent_decode(text: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text;
@@ -194,9 +194,9 @@ mod tests {
         }
         assert_eq!(path(b"file://server/share/x", Unix), Err("names another computer"));
         assert_eq!(path(b"file:///x%00y", Unix), Err("holds a NUL"));
-        let told = folder(b"http://x").unwrap_err();
+        let error = folder(b"http://x").unwrap_err();
         assert_eq!(
-            told,
+            error,
             "the resource location `http://x` is of another scheme than `file:`; the instance has no resources"
         );
     }

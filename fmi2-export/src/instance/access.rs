@@ -5,7 +5,7 @@ use crate::table::index::Entry;
 use crate::table::variable::{Kind, Real, Variable};
 use std::fmt::{Debug, Display};
 
-/// Why a call was refused, and how badly. Boxed, so that the answer of a good call fits a register.
+/// Reason and status of a rejected call. Boxed, so that the result of a good call fits a register.
 #[derive(Debug)]
 pub struct Refusal(Box<(Status, String)>);
 

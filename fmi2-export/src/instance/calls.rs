@@ -1,4 +1,4 @@
-//! Every call of the C API on an instance that is not answered at once.
+//! Every call of the C API on an instance that has no fast path.
 
 use crate::exported::Exported;
 use crate::host::logger::Category;
@@ -78,7 +78,7 @@ impl<M: Exported> Slave for Instance<M> {
         self.call(Function::Reset, |this| {
             this.now = fresh::<M>(this.now.fmu_type);
             this.host.logger.reset();
-            this.told_long_step = false;
+            this.reported_long_step = false;
             Ok(())
         })
     }

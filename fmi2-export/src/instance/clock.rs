@@ -85,17 +85,17 @@ impl Clock {
         first..self.next_tick()
     }
 
-    /// Moves behind the ticks that lie at or before `time` and returns them; `start` is the time of the first.
+    /// Advances past the ticks at or before `time` and returns them; `start` is the time of the first.
     ///
-    /// For importers that come at the time of a tick, as [`next_time`](Self::next_time) tells it, or less than [`SNAP`]
+    /// For importers that stop at the time of a tick, which [`next_time`](Self::next_time) returns, or less than [`SNAP`]
     /// earlier.
     pub fn come_to(&mut self, start: f64, time: f64) -> Range<u64> {
         let first = self.next_tick();
         let passed = (time - start) / self.period + SNAP;
         let passed = if passed < 0.0 { 0 } else { (passed as u64).saturating_add(1) };
-        // far from the start the quotient is too coarse: the very time that was told has come
-        let told = first + u64::from(time >= self.next_time(start));
-        let end = passed.max(told);
+        // far from the start the quotient is too coarse: compare with the time that was returned
+        let returned = first + u64::from(time >= self.next_time(start));
+        let end = passed.max(returned);
         (self.whole, self.fraction) = (end, 0.0);
         first..end
     }
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn an_importer_that_comes_at_the_time_told_finds_one_tick_and_no_second_one() {
+    fn an_importer_that_stops_at_the_returned_time_gets_one_tick_only() {
         for (start, period) in [(0.0, 1e-4), (0.1, 1e-4), (-3.0, 0.7e-3), (1e5, 1e-4), (1e9, 1e-7)] {
             let mut clock = Clock::new(period);
             for k in 0..10_000 {

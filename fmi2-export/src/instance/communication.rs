@@ -22,7 +22,7 @@ pub fn check_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) 
     }
 }
 
-/// What is wrong with a step that [`check_step`] refuses.
+/// What is wrong with a step that [`check_step`] rejects.
 #[cold]
 fn wrong_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Refusal {
     let expected = experiment.start + clock.position();
@@ -44,7 +44,7 @@ pub fn is_too_long(clock: &Clock, step: f64, longest: f64) -> bool {
     step > (longest + SNAP) * clock.period
 }
 
-/// What a user is told of a step that [`is_too_long`].
+/// The warning about a step that [`is_too_long`].
 pub fn too_long(clock: &Clock, step: f64, longest: f64) -> String {
     let (period, samples) = (clock.period, (step / clock.period * 1e6).round() / 1e6);
     format!(

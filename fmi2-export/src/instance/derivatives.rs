@@ -73,8 +73,8 @@ impl<M: Exported> Instance<M> {
 #[cold]
 fn endless<V>(entry: &Entry<V>, slope: &Slope<V>, value: f64, time: f64) -> Refusal {
     let (row, element) = entry.position();
-    let (name, told) = (row.element_name(element), slope.told());
+    let (name, source) = (row.element_name(element), slope.to_text());
     Refusal::error(format!(
-        "`{name}` = {value} at t = {time} s: extrapolated from {told}\nhint: give smaller derivatives, or take a shorter step"
+        "`{name}` = {value} at t = {time} s: extrapolated from {source}\nhint: Set smaller derivatives, or use a shorter step."
     ))
 }

@@ -22,7 +22,7 @@ impl<M: Exported> Instance<M> {
         Ok(())
     }
 
-    /// Runs the sample that is due, if the importer came at the time it was told, and returns the time of the next.
+    /// Runs the sample that is due, if the importer stopped at its time, and returns the time of the next.
     pub(super) fn update(&mut self) -> Result<f64, Refusal> {
         let (Some(running), Some(experiment)) = (&mut self.now.running, self.now.experiment) else {
             return Err(not_initialized());
@@ -37,14 +37,14 @@ impl<M: Exported> Instance<M> {
         }
         let ticks = running.clock.come_to(experiment.start, time);
         let next = running.clock.next_time(experiment.start);
-        if ticks.end - ticks.start > 1 && !self.told_long_step {
+        if ticks.end - ticks.start > 1 && !self.reported_long_step {
             let env = Env { time, experiment, host: &self.host };
             env.warn(format_args!(
-                "the importer passed the time event at `{due} s`: {} samples run at once, with the inputs of now\n\
-                 hint: stop the integration at each `nextEventTime`",
+                "the importer passed the time event at `{due} s`: {} samples run together, with the present inputs\n\
+                 hint: Stop the integration at each `nextEventTime`.",
                 ticks.end - ticks.start
             ));
-            self.told_long_step = true;
+            self.reported_long_step = true;
         }
         if (ticks.end - ticks.start) as f64 > M::INFO.longest_step {
             running.model.begin_long_step();

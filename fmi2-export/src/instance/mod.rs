@@ -35,13 +35,13 @@ pub struct Instance<M: Exported> {
     now: SnapshotOf<M>,
     /// Texts handed out by the last fmi2GetString.
     strings: Vec<CString>,
-    /// Whether a step that is too long was told; not of the state, so that no master that goes back hears it twice.
-    told_long_step: bool,
+    /// Whether a step that is too long was reported; not part of the state, so that a master that rolls back gets it once.
+    reported_long_step: bool,
 }
 
 impl<M: Exported> Instance<M> {
     pub fn new(host: Host, fmu_type: FmuType) -> Self {
-        Self { host, now: fresh::<M>(fmu_type), strings: Vec::new(), told_long_step: false }
+        Self { host, now: fresh::<M>(fmu_type), strings: Vec::new(), reported_long_step: false }
     }
 
     /// The only way through every call: phase check, message, error phase.
@@ -99,10 +99,10 @@ impl<M: Exported> Instance<M> {
         };
         check_step(&running.clock, &experiment, time, step)?;
         if is_too_long(&running.clock, step, M::INFO.longest_step) {
-            if !self.told_long_step {
+            if !self.reported_long_step {
                 let env = Env { time, experiment, host: &self.host };
                 env.warn(too_long(&running.clock, step, M::INFO.longest_step));
-                self.told_long_step = true;
+                self.reported_long_step = true;
             }
             if let Some(running) = &mut self.now.running {
                 running.model.begin_long_step();

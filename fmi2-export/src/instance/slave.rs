@@ -4,7 +4,7 @@ use crate::host::phase::{Function, Phase, Status};
 use crate::instance::states::TakenState;
 use std::ffi::CStr;
 
-/// An instance as the C API sees it. Every method answers with a status and tells a reason.
+/// An instance as the C API sees it. Every method returns a status and reports the reason.
 pub trait Slave: Send {
     /// fmi2SetDebugLogging
     fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status;
@@ -54,7 +54,7 @@ pub trait Slave: Send {
     fn deserialize(&mut self, bytes: &[u8], slot: &mut Option<TakenState>) -> Status;
     /// Any function: whether it may be called now.
     fn permit(&mut self, function: Function) -> Status;
-    /// A call that is refused for a reason the C API has found.
+    /// A call that is rejected for a reason the C API has found.
     fn refuse(&mut self, function: Function, status: Status, text: &str) -> Status;
     /// After a panic: only reset, restoring a state and freeing are left.
     fn poison(&mut self, function: Function, text: &str);

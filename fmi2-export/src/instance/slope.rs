@@ -65,7 +65,7 @@ impl<V> Slope<V> {
     }
 
     /// What the importer has set, for a message.
-    pub fn told(&self) -> String {
+    pub fn to_text(&self) -> String {
         let derivative = |Derivative { order, value, .. }: &Derivative| format!("{value} (order {order})");
         let derivatives = self.derivatives.iter().map(derivative).collect::<Vec<_>>().join(", ");
         format!("{} with the derivatives {derivatives}", self.base)

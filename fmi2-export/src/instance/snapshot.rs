@@ -7,7 +7,7 @@ use crate::model::Experiment;
 use crate::table::hash::{self, GUID};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-/// Everything that changes in an instance: taken, put back and serialised as one.
+/// Everything that changes in an instance: saved, restored and serialized as one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot<V, M> {
     pub fmu_type: FmuType,
@@ -17,7 +17,7 @@ pub struct Snapshot<V, M> {
     pub is_set: Vec<bool>,
     /// Made at the end of initialization.
     pub running: Option<Running<M>>,
-    /// Start and stop time, once fmi2SetupExperiment has told them.
+    /// Start and stop time, once fmi2SetupExperiment has set them.
     pub experiment: Option<Experiment>,
     /// Derivatives of Real inputs for the next step.
     pub derivatives: Vec<Derivative>,

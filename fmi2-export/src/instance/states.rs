@@ -36,13 +36,13 @@ pub fn hold(owner: usize, state: TakenState) -> Handle {
     *last
 }
 
-/// The state behind a handle.
+/// The state of a handle.
 pub fn get(handle: Handle) -> Option<TakenState> {
     let (_, held) = &*states();
     Some(held[position(held, handle)?].state.clone())
 }
 
-/// Puts another state behind a handle; `false` when there is none.
+/// Gives a handle another state; `false` when it has none.
 pub fn replace(handle: Handle, state: TakenState) -> bool {
     let (_, held) = &mut *states();
     let place = position(held, handle);
@@ -64,7 +64,7 @@ pub fn free_all_of(owner: usize) {
     give_back(held);
 }
 
-/// An unloaded library leaves nothing behind.
+/// An unloaded library leaves no memory allocated.
 fn give_back(held: &mut Vec<Held>) {
     if held.is_empty() {
         *held = Vec::new();

@@ -1,4 +1,4 @@
-//! Getting and setting values: at once where nothing is wrong, else with the reason.
+//! Getting and setting values: directly where nothing is wrong, otherwise with the reason.
 
 use crate::exported::Exported;
 use crate::host::phase::{Function, Phase};

@@ -6,7 +6,7 @@ use crate::table::text::{is_line, is_structured_name, is_text, same};
 use crate::table::units::Unit;
 use crate::table::variable::{Kind, Real, Role, Variable};
 
-/// Refuses a wrong variable table.
+/// Rejects a wrong variable table.
 pub const fn table<V>(table: &[Variable<V>]) {
     assert!(!table.is_empty(), "an FMU needs variables");
     let mut i = 0;
@@ -22,7 +22,7 @@ pub const fn table<V>(table: &[Variable<V>]) {
     }
 }
 
-/// Refuses a row that breaks a rule by itself.
+/// Rejects a row that breaks a rule by itself.
 pub const fn variable<V>(row: &Variable<V>) {
     require(is_structured_name(row.name), row.name, "a name is made of identifiers joined by dots");
     require(!row.description.is_empty(), row.name, "every variable needs a description");
@@ -51,7 +51,7 @@ const fn check_pair<V>(row: &Variable<V>, other: &Variable<V>, is_before: bool) 
     }
 }
 
-/// Refuses wrong facts about a model.
+/// Rejects wrong facts about a model.
 pub const fn info(info: &Info) {
     assert!(is_structured_name(info.identifier), "the model identifier must be a C identifier");
     let mut i = 0;

@@ -5,7 +5,7 @@
 pub struct EnumType {
     /// Type name.
     pub name: &'static str,
-    /// What the enumeration tells.
+    /// What the enumeration is about.
     pub description: &'static str,
     /// Items in the order of their numbers, the first is 1.
     pub items: &'static [Item],
@@ -41,7 +41,7 @@ pub struct Reaction {
 
 impl PartialEq for Item {
     fn eq(&self, other: &Self) -> bool {
-        // of a type that tells its state in each sample it is mostly the same item, whose texts need no look
+        // most comparisons are of one item with itself, whose texts need no look
         std::ptr::eq(self, other)
             || (self.name, self.description, self.hint) == (other.name, other.description, other.hint)
     }

@@ -122,7 +122,7 @@ pub const fn runs<V, const N: usize>(reals: &[Entry<V>; N]) -> ([Run<V>; N], usi
     (runs, count)
 }
 
-/// The first place of a Real at or behind `least` bytes.
+/// The first position of a Real at or after `least` bytes.
 const fn nearest<V>(reals: &[Entry<V>], least: usize) -> Option<Place<V, f64>> {
     let (mut nearest, mut i): (Option<Place<V, f64>>, _) = (None, 0);
     while i < reals.len() {

@@ -1,4 +1,4 @@
-//! Fields of the variables by their place: read and written without a call of an accessor.
+//! Fields of the variables by their offset: read and written without a call of an accessor.
 //!
 //! # Safety
 //! A [`Place`] is made in one way only: from the start values of `V` and a field of them. What lies there in the start
@@ -25,7 +25,7 @@ impl<V, T> Clone for Place<V, T> {
 impl<V, T> Copy for Place<V, T> {}
 
 impl<V, T: Copy> Place<V, T> {
-    /// The place of `part`, a field of `base`; what lies outside of it does not compile.
+    /// The position of `part`, a field of `base`; a part outside of it does not compile.
     ///
     /// # Safety
     /// `part` is reached from `base` through fields and elements of arrays only, never through an enumeration: so it lies
@@ -39,7 +39,7 @@ impl<V, T: Copy> Place<V, T> {
         Self { offset: offset as u32, types: PhantomData }
     }
 
-    /// The place of an element of an array.
+    /// The position of an element of an array.
     pub const fn element(self, element: usize) -> Self {
         let offset = self.offset as usize + element * size_of::<T>();
         assert!(offset + size_of::<T>() <= size_of::<V>(), "an array and its start values differ in length");
@@ -90,7 +90,7 @@ impl<V> Run<V> {
         Self { first, count: 1 }
     }
 
-    /// The place behind it, in bytes.
+    /// The offset after it, in bytes.
     pub const fn end(self) -> usize {
         self.first.offset as usize + self.count as usize * size_of::<f64>()
     }

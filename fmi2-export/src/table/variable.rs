@@ -99,7 +99,7 @@ impl<V> Kind<V> {
 /// It is reached through fields and elements of arrays only, and the call is part of a constant, as
 /// [`interface`](macro@crate::interface) makes it.
 #[doc(hidden)]
-#[allow(unsafe_code, clippy::missing_safety_doc, reason = "told above for all of them")]
+#[allow(unsafe_code, clippy::missing_safety_doc, reason = "stated above for all of them")]
 impl<V> Variable<V> {
     const fn new(name: &'static str, size: Option<usize>, kind: Kind<V>) -> Self {
         Self {
@@ -242,7 +242,7 @@ impl<V> Variable<V> {
         self
     }
 
-    /// Allowed values of a Real parameter, limits included; others are refused. For other variables it is information
+    /// Allowed values of a Real parameter, limits included; others are rejected. For other variables it is information
     /// for the environment, which scales plots and checks wirings by it.
     pub const fn range(mut self, min: f64, max: f64) -> Self {
         let real = self.real("`range` is for a Real; an Integer has `range_int`");

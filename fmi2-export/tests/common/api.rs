@@ -176,7 +176,7 @@ pub fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     tail.split_once(end).unwrap().0
 }
 
-/// The C library that cargo built from an example, beside this test.
+/// The C library that cargo built from an example, next to this test.
 pub fn example(name: &str) -> PathBuf {
     let test = std::env::current_exe().unwrap();
     let profile = test.ancestors().nth(2).unwrap();

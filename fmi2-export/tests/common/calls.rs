@@ -1,5 +1,5 @@
 //! Short forms of the calls, with variables by their names.
-#![allow(clippy::undocumented_unsafe_blocks, reason = "always: the component lives and the arrays are as long as told")]
+#![allow(clippy::undocumented_unsafe_blocks, reason = "always: the component exists and the arrays have the given length")]
 
 use super::{ERROR, EventInfo, Instance, OK, State, Status, Text};
 use std::ffi::{CStr, c_char};

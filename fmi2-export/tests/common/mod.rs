@@ -139,7 +139,7 @@ impl<'f> Instance<'f> {
         std::mem::take(&mut self.log.lock().unwrap())
     }
 
-    /// The phase as a call that is never allowed tells it; this leads to the error phase.
+    /// The phase, from the message of a call that is never allowed; the call leads to the error phase.
     pub fn end_phase(&self) -> Phase {
         self.messages();
         // SAFETY: the component lives.
@@ -158,12 +158,12 @@ impl<'f> Instance<'f> {
         }
     }
 
-    /// Checks the answer to a refused call: status, one message in the fitting declared category,
+    /// Checks the result of a rejected call: status, one message in the fitting declared category,
     /// and that its text holds every word.
     pub fn refused(&self, status: Status, wanted: Status, words: &[&str]) {
         let messages = self.messages();
         assert_eq!(status, wanted, "{messages:?}");
-        let [message] = &messages[..] else { panic!("one message wanted for {words:?}: {messages:?}") };
+        let [message] = &messages[..] else { panic!("one message expected for {words:?}: {messages:?}") };
         let category = match wanted {
             WARNING => "logStatusWarning",
             DISCARD => "logStatusDiscard",

@@ -6,7 +6,7 @@ mod variables {
     pub struct Parameters {
         /// Time of the approach
         pub time: Duration,
-        /// What the law makes of it
+        /// Result of the model
         #[var(hidden)]
         pub made: Duration,
     }

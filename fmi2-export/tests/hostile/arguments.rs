@@ -45,7 +45,7 @@ fn null_components_are_an_error_everywhere() {
     assert_eq!(statuses, [ERROR; 30]);
 }
 
-/// One call on a fresh instance between steps, which must be refused with an error.
+/// One call on a fresh instance between steps, which must be rejected with an error.
 fn is_refused(fmu: &Fmu, words: &[&str], call: impl FnOnce(&Fmu, Component) -> Status) {
     let instance = Instance::started(fmu);
     instance.refused(call(fmu, instance.component), ERROR, words);

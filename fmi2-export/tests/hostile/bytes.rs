@@ -10,7 +10,7 @@ fn running_bytes(fmu: &Fmu) -> Vec<u8> {
     instance.bytes()
 }
 
-/// The bytes must be refused with these words, and no state must come out.
+/// The bytes must be rejected with these words, and no state must result.
 fn are_refused(instance: &Instance, bytes: &[u8], words: &[&str]) {
     let (status, state) = instance.deserialize(bytes);
     instance.refused(status, ERROR, &[&["fmi2DeSerializeFMUstate"][..], words].concat());

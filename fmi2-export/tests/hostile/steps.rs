@@ -58,7 +58,7 @@ fn a_master_whose_time_runs_away_from_the_clock_is_told() {
         let instance = Instance::started(&fmu);
         let refused = (0..limit).find(|k| instance.step(f64::from(*k) * 1e-3 * rate, 1e-3) != OK);
         let refused = refused.unwrap_or_else(|| panic!("{limit} steps at the rate {rate} were taken"));
-        let [message] = &instance.messages()[..] else { panic!("one message wanted") };
+        let [message] = &instance.messages()[..] else { panic!("one message expected") };
         assert!(message.text.contains("is not the end of the last step"), "{}", message.text);
         assert_eq!(instance.integer("ticks"), refused);
     }
