@@ -96,7 +96,7 @@ def borne(
 
 
 OUT = ("plant.feed=5e-4", "controller.surface.inner_radius=0.0275")
-DEPTH = "controller.probe.depth"
+DEPTH = "controller.probe_depth"
 LENS = (
     f'max(maximum(abs({PLACED}), controller.form.corrected)[(time > 9.45) & (controller.state == "Track")])'
 )
@@ -128,10 +128,10 @@ TURNS = "abs(sin(2 * plant.spindle_angle))"
 LATE, LATER = ((f"wire.controller.arm_angle.delay={samples}",) for samples in (1, 2))
 
 
-def untold(name: str, most: float, why: str, *inject: Injection, changes: tuple[str, ...] = ()) -> Row:
+def undetectable(name: str, most: float, why: str, *inject: Injection, changes: tuple[str, ...] = ()) -> Row:
     """Fault that no reading tells, and what it costs."""
     reason = "every reading is as that of a good machine at another place or time"
-    return Row(name, (), OFF, most, why, inject, changes=changes, unit="m", untold=reason)
+    return Row(name, (), OFF, most, why, inject, changes=changes, unit="m", undetectable=reason)
 
 
 MATRIX = Matrix(
@@ -146,10 +146,10 @@ MATRIX = Matrix(
         " | (abs(last(plant.tip_depth) - at(plant.tip_depth, last(time) - 0.02)) < 20e-6)"
     ),
     rows=(
-        braked("arm encoder frozen in motion", "FrozenReading", *at_once(ARM, frozen=True)),
+        braked("arm encoder frozen in motion", "PositionFrozen", *at_once(ARM, frozen=True)),
         Row(
             "arm encoder frozen, its last bit flickers",
-            ("FrozenReading",),
+            ("PositionFrozen",),
             AFTER,
             0.4e-3,
             "where the arm turns it stands until 52 um are unanswered: coasts from 27.6 m/s2 in 3.4 ms",
@@ -159,29 +159,29 @@ MATRIX = Matrix(
         ),
         lost(
             "arm encoder frozen on a nearly flat lens",
-            ("FrozenReading", "WeakDrive"),
+            ("PositionFrozen", "WeakDrive"),
             *at_once(ARM, frozen=True),
             changes=("controller.surface.cross_curvature=0.94", "plant.slide_start=0.05"),
         ),
-        braked("arm encoder 0.01 rad off", "ReadingJump", *at_once(ARM, offset=0.01)),
-        braked("arm encoder gives no number", "LostReading", *at_once(ARM, value=math.nan)),
-        braked("arm encoder with noise of 1 mrad", "ReadingJump", *at_once(ARM, noise=1e-3)),
+        braked("arm encoder 0.01 rad off", "PositionJump", *at_once(ARM, offset=0.01)),
+        braked("arm encoder gives no number", "PositionLost", *at_once(ARM, value=math.nan)),
+        braked("arm encoder with noise of 1 mrad", "PositionJump", *at_once(ARM, noise=1e-3)),
         Row(
             "arm encoder ends in the path",
-            ("FrozenReading", "ReadingJump"),
+            ("PositionFrozen", "PositionJump"),
             EARLY,
             80e-3,
             "a circle of the arm: in air nothing stops it",
             changes=("wire.controller.arm_angle.maximum=-0.055",),
             unit="m",
         ),
-        braked("every second sample of the arm lost", "FrozenReading", *at_once(ARM, drop=0.5)),
+        braked("every second sample of the arm lost", "PositionFrozen", *at_once(ARM, drop=0.5)),
         braked(
             "arm encoder 3 samples late where the arm moves",
-            "ReadingJump",
+            "PositionJump",
             Injection(ARM, when=f"(time > {BEGIN}) & ({TURNS} > 0.9)", late=3),
         ),
-        untold(
+        undetectable(
             "arm encoder 3 samples late where the arm turns",
             100e-6,
             "v of 0.22 m/s for three samples: 66 um",
@@ -193,7 +193,7 @@ MATRIX = Matrix(
             Injection(SPINDLE, from_time=0.0, duration=STEP, offset=-1.0),
             Injection(SLIDE, from_time=0.0, duration=STEP, offset=0.02),
         ),
-        untold(
+        undetectable(
             "spindle read 1 sample late, its first sample twice",
             40e-6,
             "v of 0.22 m/s for a sample: 22 um",
@@ -206,38 +206,38 @@ MATRIX = Matrix(
         ),
         borne("arm encoder with noise of 5 urad, x20", *at_once(ARM, noise=5e-6)),
         borne("one of fifty samples of the arm lost", *at_once(ARM, drop=0.02)),
-        left("spindle encoder frozen", "FrozenSpindle", *at_once(SPINDLE, frozen=True)),
+        left("spindle encoder frozen", "SpindleFrozen", *at_once(SPINDLE, frozen=True)),
         left("spindle encoder 1 rad off", "SpindleJump", *at_once(SPINDLE, offset=1.0)),
-        left("spindle encoder gives no number", "LostSpindle", *at_once(SPINDLE, value=math.nan)),
+        left("spindle encoder gives no number", "SpindleLost", *at_once(SPINDLE, value=math.nan)),
         borne("one spike of the spindle encoder, 1 rad", *spike(SPINDLE, 1.0)),
         left("slide encoder 20 mm off", "SlideJump", *at_once(SLIDE, offset=0.02)),
-        left("slide encoder gives no number", "LostSlide", *at_once(SLIDE, value=math.nan)),
+        left("slide encoder gives no number", "SlideLost", *at_once(SLIDE, value=math.nan)),
         left(
             "slide encoder frozen, `limits.feed` told",
-            "FrozenSlide",
+            "SlideFrozen",
             *at_once(SLIDE, frozen=True),
             changes=("controller.limits.feed=1e-5",),
         ),
         left(
             "slide encoder drifts by a feed a turn, `limits.feed` told",
-            "FrozenSlide",
+            "SlideFrozen",
             *at_once(SLIDE, ramp=1e-4),
             changes=("controller.limits.feed=1e-5",),
         ),
         borne("one spike of the slide encoder, 20 mm", *spike(SLIDE, 0.02)),
-        untold(
+        undetectable(
             "slide encoder drifts by 0.1 mm/s",
             70e-6,
             "dz/dx = x / R = 0.23 of the 0.15 mm until the end, twice",
             *at_once(SLIDE, ramp=1e-4),
         ),
-        untold(
+        undetectable(
             "arm encoder drifts by 0.1 rad/s",
             13e-3,
             "l times 0.147 rad until the end; without a stiffness no torque tells where the arm is",
             *at_once(ARM, ramp=0.1),
         ),
-        untold(
+        undetectable(
             "spindle encoder drifts by 0.1 rad/s",
             0.7e-3,
             "twice the angle of 0.15 rad until the end, of 1.75 mm",
@@ -245,8 +245,8 @@ MATRIX = Matrix(
         ),
         borne("arm read 1 sample late, told", changes=(*LATE, "controller.arm_delay=1")),
         borne("arm read 2 samples late, told", changes=(*LATER, "controller.arm_delay=2")),
-        untold("arm read 1 sample late, not told", 40e-6, "v of 0.22 m/s for a sample: 22 um", changes=LATE),
-        untold("arm read 2 samples late, not told", 70e-6, "the same for two samples: 44 um", changes=LATER),
+        undetectable("arm read 1 sample late, not told", 40e-6, "v of 0.22 m/s for a sample: 22 um", changes=LATE),
+        undetectable("arm read 2 samples late, not told", 70e-6, "the same for two samples: 44 um", changes=LATER),
         left("hold angle is no number", "InvalidInput", *at_once("controller.hold_angle", value=math.nan)),
         lost("torque with the wrong sign", "DriveSign", *at_once(TORQUE, scale=-1.0)),
         lost(
@@ -320,7 +320,7 @@ MATRIX = Matrix(
         lost("amplifier trips", "WeakDrive", *at_once("plant.enable", value=0.0)),
         lost(
             "flexure without damping, at 840 Hz",
-            ("Oscillation", "ReadingJump"),
+            ("Oscillation", "PositionJump"),
             changes=("plant.flexure_damping=0.0005", "plant.flexure_frequency=840.0"),
             truth=AFTER,
         ),
@@ -351,7 +351,7 @@ MATRIX = Matrix(
         ),
         lost(
             "inertia told 5.5 times too large",
-            "ReadingJump",
+            "PositionJump",
             changes=("controller.servo.inertia=4.4e-3",),
             truth=AFTER,
         ),
@@ -362,12 +362,12 @@ MATRIX = Matrix(
             truth=EARLY,
         ),
         Row(
-            "noise of the cut above what `limits.tracking_error` asks for",
+            "noise of the cut above what `expert.limits.tracking_error` asks for",
             ("NoProgress",),
             EARLY,
             90e-6,
             CONTROLLED,
-            changes=("controller.limits.tracking_error=1e-7", "loop.duration=4.0"),
+            changes=("controller.expert.limits.tracking_error=1e-7", "loop.duration=4.0"),
             unit="m",
         ),
         Row(
@@ -379,7 +379,7 @@ MATRIX = Matrix(
             changes=("controller.law='Paper'", "plant.spindle_speed=125.66", "loop.duration=5.0"),
             unit="m",
         ),
-        lost("thrust of 70 N in the cut", "ReadingJump", changes=("plant.cutting_force=70.0",)),
+        lost("thrust of 70 N in the cut", "PositionJump", changes=("plant.cutting_force=70.0",)),
         lost(
             "thrust of 60 N, 5 N.m of it allowed",
             "FollowingError",
@@ -427,7 +427,7 @@ MATRIX = Matrix(
         ),
         Row(
             "spindle encoder frozen, then the arm encoder, too",
-            ("FrozenSpindle", "FrozenReading"),
+            ("SpindleFrozen", "PositionFrozen"),
             INTO,
             2e-3,
             COASTS,
@@ -464,7 +464,7 @@ MATRIX = Matrix(
         ),
         probed("probe gives no number while a lens is read", at_the_lens(DEPTH, value=math.nan)),
         probed("probe of a lens 0.2 mm off from the middle on", at_the_lens(DEPTH, 5.5, offset=2e-4)),
-        probed("angle of a lens frozen under the probe", at_the_lens("controller.probe.angle", frozen=True)),
+        probed("angle of a lens frozen under the probe", at_the_lens("controller.probe_angle", frozen=True)),
         *commission.ROWS,
     ),
 )

@@ -38,7 +38,7 @@ def test_a_measured_response_can_be_given_back_as_a_file(
     # the frequencies of the lens are enough here
     first = run(
         "fts/identify",
-        "controller.identify.frequencies='20, 40, 60, 120, 240'",
+        "controller.expert.identify.frequencies='20, 40, 60, 120, 240'",
         "signal.plant.speed_change.times=[0.0, 1.0]",
         "signal.controller.mode.times=[0.0, 3.2]",
         "signal.plant.cutting.times=[0.0, 3.7]",
@@ -81,7 +81,7 @@ def test_without_the_thrust_twice_a_turn_nothing_is_left_at_n_2() -> None:
 def test_the_measurement_takes_as_long_as_was_told() -> None:
     with cosim.Session(cosim.load("fts/identify", set=["loop.duration=6.0"]), engine="native") as session:
         rows = trace(session.run())
-        told = session.fmu.read(session.file.variables["identify.duration"])
+        told = session.fmu.read(session.file.variables["expert.identify.duration"])
     progress = rows["controller.identify.progress"]
     began, ended = rows["time"][progress > 0.0][0], rows["time"][progress >= 1.0][0]
     assert ended - began == pytest.approx(told, abs=2e-4)
@@ -220,7 +220,7 @@ def calibrate(seed: int, flats: str = "fts/calibrate-flats") -> Calibrated:
         flats,
         *machine.changes(),
         f"controller.tool.arm_length=[{told['arm_length']!r}, 0.08]",
-        f"controller.tool.arm_length_sigma=[{told['arm_length_sigma']!r}, 1e-6]",
+        f"controller.expert.tool.arm_length_std=[{told['arm_length_sigma']!r}, 1e-6]",
         seed=seed,
     )
     assert value(result, "solved")
@@ -232,7 +232,7 @@ def calibrate(seed: int, flats: str = "fts/calibrate-flats") -> Calibrated:
         told["centre_offset"] - machine.centre_offset,
         told["centre_offset_sigma"],
         zero - machine.arm_zero,
-        float(rows["controller.calibration.arm_zero_sigma"][-1]),
+        float(rows["controller.calibration.arm_zero_std"][-1]),
     )
 
 

@@ -57,7 +57,7 @@ def machine(seed: int) -> tuple[str, ...]:
     late = int(random.uniform() < 0.5 and scale == 1.0)
     return (
         "controller.tool.arm_length=[0.08, 0.08]",
-        "controller.tool.centre_offset=[0.15, 0.15]",
+        "controller.tool.center_offset=[0.15, 0.15]",
         "controller.limits.disturbance=0.4",
         f"wire.controller.arm_angle.delay={late}",
         *(f"plant.{name}={number!r}" for name, number in plant.items()),

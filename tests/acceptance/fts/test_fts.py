@@ -32,7 +32,7 @@ Changes = tuple[str, ...]
 FIVE: Changes = (
     "controller.afc.harmonics='2, 4, 6, 8, 10'",
     "controller.afc.tau=0.2",
-    "controller.tip.compensation=false",
+    "controller.expert.tip.compensation=false",
 )
 """The paper's five harmonics."""
 FEEDFORWARD: Changes = ("signal.controller.afc.enable.values=[false]",)
@@ -144,7 +144,7 @@ def test_feedforward_with_the_identified_response() -> None:
     # few frequencies, to be short; the lens is twice 10 Hz
     result = run(
         "fts/feedforward",
-        "controller.identify.frequencies='20, 40, 60, 120'",
+        "controller.expert.identify.frequencies='20, 40, 60, 120'",
         "signal.controller.mode.times=[0.0, 2.5]",
         "signal.controller.mode.values=['Identify', 'Track']",
         "signal.plant.cutting.times=[0.0, 2.9]",
@@ -198,7 +198,7 @@ def test_without_cutting_noise_a_tenth_of_a_micrometre_is_left() -> None:
 @pytest.mark.full
 def test_harmonics_that_are_chosen_do_not_amplify_what_does_not_repeat() -> None:
     # watching what repeats takes about a second
-    settled, automatic = "loop.duration=3.0", "controller.afc.automatic=true"
+    settled, automatic = "loop.duration=3.0", "controller.expert.afc.automatic=true"
     chosen, five = run("fts/hum", automatic, settled), run("fts/hum", *FIVE, settled)
     every = run("fts/hum", settled)
     rms = [1e6 * value(result, "rms") for result in (chosen, five, every)]

@@ -48,7 +48,7 @@ def test_the_whole_study(name: str) -> None:
 
 
 def test_without_learning_the_response_the_drive_is_learned_ten_times_as_late() -> None:
-    amplitudes = run("fts/weak-drive", "controller.feedforward.adaptive=false", "loop.duration=2.0")
+    amplitudes = run("fts/weak-drive", "controller.expert.feedforward.adaptive=false", "loop.duration=2.0")
     assert value(amplitudes, "early") > 1.5e-6
 
 

@@ -15,7 +15,7 @@ MEASURING = 'controller.state == "Commission"'
 SWING = "its travel of 1.75 mm, and `limits.retract` = 1 mm of the way out"
 LEFT = "its travel of 1.75 mm, the following error of 1 mm, and 0.5 mm in the samples until it is told"
 WEAK = (
-    "WeakDrive", "FollowingError", "FrozenReading", "CommissionRejected",
+    "WeakDrive", "FollowingError", "PositionFrozen", "CommissionRejected",
 )  # fmt: skip
 SLOW, MIDDLE, QUICK = 1.1, 4.0, 7.0
 """In the slow swings of more than a millimetre, in those below the flexure, in those about it, s."""
@@ -39,7 +39,7 @@ TOLD = 2.9
 ROWS = (
     commission(
         "commission: arm encoder frozen in a slow swing",
-        ("FrozenReading",),
+        ("PositionFrozen",),
         3.25e-3,
         LEFT,
         SLOW,
@@ -48,7 +48,7 @@ ROWS = (
     ),
     commission(
         "commission: arm encoder frozen about the flexure",
-        ("FrozenReading", "CommissionRejected"),
+        ("PositionFrozen", "CommissionRejected"),
         3.25e-3,
         LEFT,
         QUICK,
@@ -56,9 +56,9 @@ ROWS = (
         frozen=True,
     ),
     commission(
-        "commission: arm encoder NaN", ("LostReading",), 3.25e-3, LEFT, MIDDLE, ARM, value=float("nan")
+        "commission: arm encoder NaN", ("PositionLost",), 3.25e-3, LEFT, MIDDLE, ARM, value=float("nan")
     ),
-    commission("commission: arm encoder 5 mrad off", ("ReadingJump",), 3.25e-3, LEFT, SLOW, ARM, offset=5e-3),
+    commission("commission: arm encoder 5 mrad off", ("PositionJump",), 3.25e-3, LEFT, SLOW, ARM, offset=5e-3),
     commission("commission: torque lost in a slow swing", WEAK, 3.25e-3, LEFT, SLOW, TORQUE, value=0.0),
     commission("commission: torque lost about the flexure", WEAK, 3.25e-3, LEFT, QUICK, TORQUE, value=0.0),
     commission(
