@@ -1,16 +1,16 @@
-//! Checks of parameters against each other; single ranges are in the variable table of the FMU.
+//! Checks of parameters against each other. The ranges of single parameters are declared in the interface.
 
-use control_blocks::{Parameter, ParameterError, check_all, check_commission_time};
+use control_blocks::{Parameter, ParameterError, check_all};
 
 use crate::commission::plan;
 use crate::force::impedance::{Coefficients, damping};
 use crate::force::margin::{self, LEAST};
-use crate::interface::{Force, Parameters, Sweep};
+use crate::interface::{Force, Mode, Parameters};
 use crate::motion::{sliding, stick_slip, sweep_limits};
 
-/// Least travel of a commission, in steps of the encoders.
+/// Minimum travel of a commissioning run, in steps of the encoders.
 const TRAVEL_STEPS: f64 = 50.0;
-/// Samples per time constant of the loop, at least.
+/// Minimum number of samples per time constant of the force control.
 const SAMPLES_PER_LOOP: f64 = 10.0;
 
 /// Checks all combinations; the first that fails is the error.
@@ -39,18 +39,17 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
             stick_slip_longest,
             commission_travel,
             commission_force,
-            commission_time,
         ],
     )
 }
 
 fn force_limit(p: &Parameters) -> Result<(), ParameterError> {
-    let limit = Parameter::new("limits.force", p.limits.force, "N", "raise it, or press less");
+    let limit = Parameter::new("limits.force", p.limits.force, "N", "Increase it, or reduce `force.target`.");
     limit.at_least(1.5 * p.force.target, "1.5 times `force.target`")
 }
 
 fn force_range(p: &Parameters) -> Result<(), ParameterError> {
-    let range = Parameter::new("sensor.range", p.sensor_range, "N", "the sensor must show the force that is a fault");
+    let range = Parameter::new("sensor.range", p.sensor_range, "N", "Reduce `limits.force`, or use a larger sensor.");
     let limit = p.limits.force;
     range.must_be(p.sensor_range > limit, || format!("more than `limits.force` = `{limit} N`"))
 }
@@ -64,81 +63,84 @@ fn sensor_direction_z(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn sensor_direction(name: &'static str, value: i32) -> Result<(), ParameterError> {
-    Parameter::new(name, value, "", "an axis counts one way or the other").must_be(value != 0, || "`1` or `-1`".into())
+    Parameter::new(name, value, "", "Set -1 for an inverted axis, otherwise 1.")
+        .must_be(value != 0, || "`1` or `-1`".into())
 }
 
 fn lost_force(p: &Parameters) -> Result<(), ParameterError> {
-    let force = Parameter::new("limits.lost_force", p.limits.lost_force, "N", "lower it, or press more");
+    let force =
+        Parameter::new("expert.limits.lost_force", p.limits.lost_force, "N", "Reduce it, or increase `force.target`.");
     force.at_most(0.5 * p.force.target, "half of `force.target`")
 }
 
 fn contact_force(p: &Parameters) -> Result<(), ParameterError> {
     let (value, target) = (p.approach.contact_force, p.force.target);
-    let force = Parameter::new("approach.contact_force", value, "N", "lower it, or press more");
+    let force = Parameter::new("expert.approach.contact_force", value, "N", "Reduce it, or increase `force.target`.");
     force.must_be(value < target, || format!("less than `force.target` = `{target} N`"))
 }
 
 fn position_gain(p: &Parameters) -> Result<(), ParameterError> {
     let gains = [
-        ("position.gain.x", p.position.gain.x),
-        ("position.gain.y", p.position.gain.y),
-        ("position.gain.z", p.position.gain.z),
+        ("expert.position.gain.x", p.position.gain.x),
+        ("expert.position.gain.y", p.position.gain.y),
+        ("expert.position.gain.z", p.position.gain.z),
     ];
     let most = p.drive.position_gain;
     let (name, value) = gains.into_iter().fold(gains[0], |a, b| if b.1 > a.1 { b } else { a });
-    let gain = Parameter::new(name, value, "1/s", "the drives cannot follow a faster feedback");
+    let gain = Parameter::new(name, value, "1/s", "Reduce it: the drives cannot follow a faster feedback.");
     gain.must_be(value <= most, || format!("at most `drive.position_gain` = `{most} 1/s`"))
 }
 
 fn loop_gain(p: &Parameters) -> Result<(), ParameterError> {
     let stiffness = p.impedance.gain * p.stiffness_nominal;
     let most = 1.0 / (SAMPLES_PER_LOOP * p.sample_period);
-    let hint = "more damping, or the force oscillates";
+    let hint = "Increase it: with less damping the force oscillates.";
     let damping = Parameter::new("impedance.damping", p.impedance.damping, "N.s/m", hint);
     damping.must_be(stiffness / p.impedance.damping <= most, || {
         format!("at least `{} N.s/m` at `stiffness.nominal`", stiffness / most)
     })
 }
 
-/// Settling and following: each law with its own damping, at the nominal stiffness.
+/// Settling and following have their own damping each; both are checked at the nominal stiffness.
 fn phase_margin(p: &Parameters) -> Result<(), ParameterError> {
     let least = margin::least(p);
     if least >= LEAST {
         return Ok(());
     }
-    let (hint, damped) = ("the force would swing", damping(p, p.stiffness_nominal));
+    let (hint, damped) = ("Change it: with less phase margin the force oscillates.", damping(p, p.stiffness_nominal));
     let settling = Coefficients { integral: 0.0, ..Coefficients::new(p, p.impedance.damping) };
     let following = Coefficients::new(p, damped);
     let proportional = Coefficients { integral: 0.0, ..following };
     let bare = Parameters { force: Force { filter_bandwidth: 0.0, ..p.force }, ..p.clone() };
     let margin = |p: &Parameters, law: &Coefficients| margin::phase_margin(p, law, p.stiffness_nominal);
     let parameter = if margin(p, &settling).min(margin(p, &proportional)) >= LEAST {
-        Parameter::new("force.integral_time", p.force.integral_time, "s", hint)
+        Parameter::new("expert.force.integral_time", p.force.integral_time, "s", hint)
     } else if margin(&bare, &settling).min(margin(&bare, &proportional)) >= LEAST {
-        Parameter::new("force.filter_bandwidth", p.force.filter_bandwidth, "rad/s", hint)
+        Parameter::new("expert.force.filter_bandwidth", p.force.filter_bandwidth, "rad/s", hint)
     } else {
-        Parameter::new("impedance.mass", p.impedance.mass, "kg", "less mass, more damping or a slower loop")
+        Parameter::new("expert.impedance.mass", p.impedance.mass, "kg", "Reduce it, or increase `impedance.damping`.")
     };
     parameter.must_be(false, || {
         let [least, limit] = [least, LEAST].map(f64::to_degrees);
-        format!("what leaves `{limit:.0} deg` of phase to the force loop, here `{least:.0} deg`")
+        format!("such that `{limit:.0} deg` of phase margin remain for the force control, not `{least:.0} deg`")
     })
 }
 
 fn pulse_rate(p: &Parameters) -> Result<(), ParameterError> {
-    let velocity = Parameter::new("velocity_max", p.velocity_max, "m/s", "lower it, or take larger pulses");
-    velocity.less_than(f64::from(i32::MAX) * p.pulses_size / p.sample_period, "the most pulses of a sample")
+    let velocity = Parameter::new("velocity_max", p.velocity_max, "m/s", "Reduce it, or increase `pulses.size`.");
+    velocity
+        .less_than(f64::from(i32::MAX) * p.pulses_size / p.sample_period, "the maximum number of pulses of a sample")
 }
 
 fn pulse_counts(p: &Parameters) -> Result<(), ParameterError> {
     let stroke = p.stroke.vector().max();
-    let size = Parameter::new("pulses.size", p.pulses_size, "m", "larger pulses, or a shorter `stroke`");
+    let size = Parameter::new("pulses.size", p.pulses_size, "m", "Increase it, or reduce `stroke`.");
     size.must_be(p.pulses_size * f64::from(i32::MAX) > stroke, || format!("`stroke` = `{stroke} m` in 31 bits"))
 }
 
 fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
     let (most, times, feed) = (p.velocity_max, stick_slip::fastest(&p.stick_slip), p.feed.velocity);
-    let (setting, velocity) = swept(p, "lower it, or raise `velocity_max` if the drives allow it");
+    let (setting, velocity) = swept(p, "Reduce it, or increase `velocity_max` if the drives allow it.");
     setting.must_be(times * velocity < most, || {
         let ratio = match p.stick_slip.ratio {
             0.0 => String::new(),
@@ -150,20 +152,20 @@ fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
-/// The force of the drives is enough for the sweep.
+/// The force of the drives suffices for the sweep.
 fn stick_slip_acceleration(p: &Parameters) -> Result<(), ParameterError> {
     let (most, limit) = (sweep_limits::accelerated(p), p.drive.acceleration_max);
-    let (setting, velocity) = swept(p, "lower it, or raise `stick_slip.half_period`");
+    let (setting, velocity) = swept(p, "Reduce it, or increase `stick_slip.half_period`.");
     setting.must_be(velocity <= most, || {
         let most = match p.stick_slip.ratio {
             0.0 => format!("{most:.6} m/s"),
             _ => format!("{:.6}", most / p.feed.velocity),
         };
-        format!("at most `{most}`, which takes `drive.acceleration_max` = `{limit} m/s2` in the sweep")
+        format!("at most `{most}`, at which the sweep needs `expert.drive.acceleration_max` = `{limit} m/s2`")
     })
 }
 
-/// What sets K_v, and the K_v (m/s) of the told feed.
+/// The parameter that sets K_v, and K_v (m/s) at the configured feed.
 fn swept(p: &Parameters, hint: &'static str) -> (Parameter<f64>, f64) {
     let law = &p.stick_slip;
     let setting = match law.ratio {
@@ -173,61 +175,58 @@ fn swept(p: &Parameters, hint: &'static str) -> (Parameter<f64>, f64) {
     (setting, stick_slip::velocity(law, p.feed.velocity))
 }
 
-/// There is room to raise K_v.
+/// K_v can be increased.
 fn stick_slip_sliding(p: &Parameters) -> Result<(), ParameterError> {
     let (sliding, most) = (sliding::wanted(p), p.stick_slip.velocity_max);
-    let speed = Parameter::new("stick_slip.sliding", sliding, "m/s", "lower it, or 0 for a K_v that stays");
+    let speed = Parameter::new("stick_slip.sliding", sliding, "m/s", "Reduce it, or set 0 for a constant velocity.");
     speed.must_be(sliding == 0.0 || sliding < most, || format!("less than `stick_slip.velocity_max` = `{most} m/s`"))
 }
 
-/// Half of the sweep to and fro is a position error that is wanted.
+/// Half of the linear sweep is a desired position error.
 fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
     let velocity = stick_slip::velocity(&p.stick_slip, p.feed.velocity);
     let half = 0.5 * velocity * f64::from(p.stick_slip.half_period) * p.sample_period;
     let (value, limit) = (f64::from(p.stick_slip.half_period), p.limits.position_error);
-    let period = Parameter::new("stick_slip.half_period", value, "samples", "a shorter one, or a slower `stick_slip`");
+    let period =
+        Parameter::new("stick_slip.half_period", value, "samples", "Reduce it, or reduce `stick_slip.velocity`.");
     period.must_be(half < limit, || {
         format!("a sweep of less than `limits.position_error` = `{limit} m` to each side, not `{half} m`")
     })
 }
 
-/// So is half of the longest sweep, at the K_v to which it is raised; a circle begins beside its place by as much as the told one is wide.
+/// So is half of the longest sweep, at the K_v to which it is increased. A longer circle starts half the width of the configured one off the path.
 fn stick_slip_longest(p: &Parameters) -> Result<(), ParameterError> {
-    let (told, longest) = (p.stick_slip.half_period, p.stick_slip.half_period_max);
-    let beside = if p.stick_slip.sweep == Sweep::Circular { told } else { 0 };
+    let (configured, longest) = (p.stick_slip.half_period, p.stick_slip.half_period_max);
+    let beside = if p.stick_slip.mode == Mode::Circular { configured } else { 0 };
     let velocity = sweep_limits::highest(p).max(p.stick_slip.velocity);
     let half = 0.5 * velocity * f64::from(longest + beside) * p.sample_period;
     let most = sweep_limits::SWEEP * p.limits.position_error;
-    let hint = "one between both, or a smaller `stick_slip.velocity_max`";
+    let hint = "Choose a value between both limits, or reduce `stick_slip.velocity_max`.";
     let period = Parameter::new("stick_slip.half_period_max", longest, "samples", hint);
-    period.must_be(longest == 0 || longest > told && half <= most, || {
+    period.must_be(longest == 0 || longest > configured && half <= most, || {
         format!(
-            "`0`, or more than `stick_slip.half_period` = `{told}` with a sweep of at most `{most:.6} m` to each side, {} of \
+            "`0`, or more than `stick_slip.half_period` = `{configured}` with a sweep of at most `{most:.6} m` to each side, {} of \
              `limits.position_error`, not `{half:.6} m`",
             sweep_limits::SWEEP
         )
     })
 }
 
-/// The rubbing must be longer than an encoder can tell.
+/// The rubbing motion must be long against the resolution of the encoders.
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
     let (travel, least) = (plan::travel(p), TRAVEL_STEPS * p.encoder_resolution);
-    let hint = "with less the encoders tell nothing";
+    let hint = "Increase it: shorter motions are not observable with these encoders.";
     Parameter::new("commission.travel", travel, "m", hint)
         .must_be(travel >= least, || format!("`0`, or at least `{least} m`, `{TRAVEL_STEPS}` steps of the encoders"))
 }
 
 fn commission_force(p: &Parameters) -> Result<(), ParameterError> {
     let (least, most) = (p.approach.contact_force, p.limits.force / 1.5);
-    let hint = "between the presses a part of it is left, which must not be a lost contact";
-    let force = Parameter::new("commission.force", plan::force(p), "N", hint);
+    let hint = "A fraction of this force must keep the contact between two ramps.";
+    let force = Parameter::new("expert.commission.force", plan::force(p), "N", hint);
     force.must_be((least..=most).contains(&plan::force(p)), || {
-        format!("`0`, or from `{least} N`, `approach.contact_force`, to `{most} N`, `limits.force` / 1.5")
+        format!("`0`, or from `{least} N`, `expert.approach.contact_force`, to `{most} N`, `limits.force` / 1.5")
     })
-}
-
-fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
-    check_commission_time(p.commission.time, || plan::least_time(p))
 }
 
 #[cfg(test)]
@@ -237,16 +236,16 @@ mod tests {
 
     const REFUSALS: &[Refusal<Parameters>] = &[
         (|p| p.limits.force = 6.0, "limits.force", "`6 N`", "`7.5 N`"),
-        (|p| p.position.gain.y = 100.0, "position.gain.y", "`100 1/s`", "`80 1/s`"),
-        (|p| p.limits.lost_force = 3.0, "limits.lost_force", "`3 N`", "`2.5 N`"),
-        (|p| p.force.target = 0.5, "limits.lost_force", "`0.4 N`", "`0.25 N`"),
-        (|p| p.approach.contact_force = 5.0, "approach.contact_force", "`5 N`", "`5 N`"),
+        (|p| p.position.gain.y = 100.0, "expert.position.gain.y", "`100 1/s`", "`80 1/s`"),
+        (|p| p.limits.lost_force = 3.0, "expert.limits.lost_force", "`3 N`", "`2.5 N`"),
+        (|p| p.force.target = 0.5, "expert.limits.lost_force", "`0.4 N`", "`0.25 N`"),
+        (|p| p.approach.contact_force = 5.0, "expert.approach.contact_force", "`5 N`", "`5 N`"),
         (|p| p.impedance.damping = 1000.0, "impedance.damping", "`1000 N.s/m`", "`1780 N.s/m`"),
         (|p| p.pulses_size = 1e-15, "velocity_max", "`0.05 m/s`", "pulses of a sample"),
         (|p| p.limits.force = 100.0, "sensor.range", "`100 N`", "`limits.force` = `100 N`"),
-        (|p| p.force.integral_time = 1e-3, "force.integral_time", "`0.001 s`", "`-51 deg`"),
-        (|p| p.force.filter_bandwidth = 10.0, "force.filter_bandwidth", "`10 rad/s`", "`25 deg`"),
-        (|p| p.impedance.mass = 1e3, "impedance.mass", "`1000 kg`", "`1 deg`"),
+        (|p| p.force.integral_time = 1e-3, "expert.force.integral_time", "`0.001 s`", "`-51 deg`"),
+        (|p| p.force.filter_bandwidth = 10.0, "expert.force.filter_bandwidth", "`10 rad/s`", "`25 deg`"),
+        (|p| p.impedance.mass = 1e3, "expert.impedance.mass", "`1000 kg`", "`1 deg`"),
         (|p| (p.pulses_size, p.velocity_max) = (1e-10, 1e-3), "pulses.size", "`0.0000000001 m`", "`stroke`"),
         (|p| p.stick_slip.half_period = 100, "stick_slip.half_period", "`100 samples`", "`0.0005 m`"),
         (
@@ -264,7 +263,7 @@ mod tests {
         (|p| p.stick_slip.half_period_max = 46, "stick_slip.half_period_max", "`46 samples`", "not `0.000460 m`"),
         (|p| p.stick_slip.half_period_max = 10, "stick_slip.half_period_max", "`10 samples`", "more than"),
         (
-            |p| (p.stick_slip.half_period_max, p.stick_slip.sweep) = (36, Sweep::Circular),
+            |p| (p.stick_slip.half_period_max, p.stick_slip.mode) = (36, Mode::Circular),
             "stick_slip.half_period_max",
             "`36 samples`",
             "not `0.000460 m`",
@@ -273,31 +272,30 @@ mod tests {
         (|p| p.sensor_direction_y = 0, "sensor.direction.y", "`0`", "`-1`"),
         (|p| p.sensor_direction_z = 0, "sensor.direction.z", "`0`", "`-1`"),
         (|p| p.commission.travel = 4e-5, "commission.travel", "`0.00004 m`", "`50` steps"),
-        (|p| p.commission.force = 17.0, "commission.force", "`17 N`", "`16.66"),
-        (|p| p.commission.force = 0.5, "commission.force", "`0.5 N`", "`0.6 N`"),
-        (|p| p.commission.time = 5.0, "commission.time", "`5 s`", "`24.2"),
+        (|p| p.commission.force = 17.0, "expert.commission.force", "`17 N`", "`16.66"),
+        (|p| p.commission.force = 0.5, "expert.commission.force", "`0.5 N`", "`0.6 N`"),
         (|p| p.stick_slip.velocity = 0.06, "stick_slip.velocity", "`0.06 m/s`", "`0.05 m/s`"),
         (
-            |p| (p.stick_slip.velocity, p.stick_slip.sweep) = (0.032, Sweep::Circular),
+            |p| (p.stick_slip.velocity, p.stick_slip.mode) = (0.032, Mode::Circular),
             "stick_slip.velocity",
             "`0.032 m/s`",
             "`1.57` times",
         ),
         (
-            |p| (p.drive.acceleration_max, p.stick_slip.sweep) = (4.9, Sweep::Circular),
+            |p| (p.drive.acceleration_max, p.stick_slip.mode) = (4.9, Mode::Circular),
             "stick_slip.velocity",
             "`0.01 m/s`",
             "`0.009929 m/s`",
         ),
         (
-            |p| (p.stick_slip.ratio, p.feed.velocity, p.stick_slip.sweep) = (3.0, 0.02, Sweep::Circular),
+            |p| (p.stick_slip.ratio, p.feed.velocity, p.stick_slip.mode) = (3.0, 0.02, Mode::Circular),
             "stick_slip.ratio",
             "`3`",
             "`velocity_max` = `0.05 m/s`; with `feed.velocity` = `0.02 m/s` K_v is `0.06",
         ),
         (
             |p| {
-                (p.drive.acceleration_max, p.stick_slip.sweep) = (4.9, Sweep::Circular);
+                (p.drive.acceleration_max, p.stick_slip.mode) = (4.9, Mode::Circular);
                 p.stick_slip.ratio = 5.0;
             },
             "stick_slip.ratio",

@@ -3,23 +3,23 @@
 mod commissioning;
 mod reporting;
 
-use control_blocks::{ParameterError, SafeEnd, WaitingRequest, ramp, ticks};
+use control_blocks::{ParameterError, Reaction, WaitingRequest, ramp, ticks};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
-use crate::commission::commissioner::Commissioner;
+use crate::commission::identification::Identification;
 use crate::faults::{self, Evidence};
 use crate::force::contact::{ContactMonitor, Measurement};
 use crate::force::normal_motion::{NormalMeasurement, NormalMotion, PathState};
 use crate::force::orientation::Orientation;
 use crate::force::sensor::ForceSensor;
 use crate::interface::{Fault, Input, Output, Parameters, State};
-use crate::machine::{Events, graver, next};
+use crate::machine::{Events, more_severe, next};
 use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
 use crate::monitoring::job::{JobTime, budget};
-use crate::monitoring::stillness::Stillness;
+use crate::monitoring::rest::RestMonitor;
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
 use crate::motion::sliding::Sliding;
@@ -66,12 +66,12 @@ pub struct Controller {
     /// way along the path in the last sample, m
     way: f64,
     axes: AxisMonitor,
-    stillness: Stillness,
+    rest: RestMonitor,
     force: ForceMonitor,
     time: JobTime,
-    commissioner: Commissioner,
+    identification: Identification,
     /// an edge of `commission` waits for axes at rest
-    commission_asked: WaitingRequest,
+    commission_request: WaitingRequest,
     long_step: bool,
 }
 
@@ -104,11 +104,11 @@ impl Controller {
             remainder: Remainder::new(),
             way: 0.0,
             axes: AxisMonitor::new(p),
-            stillness: Stillness::default(),
+            rest: RestMonitor::default(),
             force: ForceMonitor::default(),
             time: JobTime::default(),
-            commissioner: Commissioner::new(p),
-            commission_asked: WaitingRequest::default(),
+            identification: Identification::new(p),
+            commission_request: WaitingRequest::default(),
             long_step: false,
         })
     }
@@ -176,21 +176,21 @@ impl Controller {
         self.time.update(self.state, self.taring);
         let zero = self.tare(p, reading);
         self.axes.update(p, &reading.position);
-        self.stillness.update(p, &reading.position);
+        self.rest.update(p, &reading.position);
         self.direct(reading, zero);
         let waits = matches!(self.state, State::Idle | State::Done);
-        let asked = self.commission_asked.update(waits, reading.begin_commission, reading.commission);
+        let asked = self.commission_request.update(waits, reading.begin_commission, reading.commission);
         let events = Events {
             fault: self.fault(p, reading, now, zero),
-            commission: asked && reading.fresh && self.at_rest() && self.stillness.at_rest(p),
-            commissioned: self.commissioner.experiment.over(),
+            commission: asked && reading.fresh && self.at_rest() && self.rest.at_rest(p),
+            commissioned: self.identification.experiment.over(),
             enabled: reading.enabled,
             reset: reading.reset,
             ready: zero.is_some(),
-            contact: self.contact.contact(p),
+            contact: self.contact.contact(),
             settled: self.contact.settled(p),
             arrived: self.place.s >= self.path.length(),
-            unloaded: self.contact.unloaded(p),
+            unloaded: self.contact.unloaded(),
             retracted: self.retracted(p),
         };
         self.escalate(&events);
@@ -235,25 +235,25 @@ impl Controller {
                 stiffness_ratio,
                 stable,
                 slides: !self.sliding.too_little,
-                rejected: self.state == State::Commission && self.commissioner.rejected,
+                rejected: self.state == State::Commission && self.identification.rejected,
                 overdue,
                 long_step,
             },
         )
     }
 
-    /// A graver fault on the way out takes over, and ends the motion.
+    /// A more_severe fault on the way out takes over, and ends the motion.
     fn escalate(&mut self, events: &Events) {
         if let (State::Fault, Some(found)) = (self.state, events.fault) {
-            self.fault = graver(self.fault, found);
-            self.halted |= self.fault.safe_end() != SafeEnd::Retract;
+            self.fault = more_severe(self.fault, found);
+            self.halted |= self.fault.reaction() != Reaction::Retract;
         }
     }
 
     /// The tool is out; after a job without a fault only when the force has gone as well.
     fn retracted(&self, p: &Parameters) -> bool {
         let out = self.travelled >= p.retract.distance;
-        self.halted || (out && (self.state != State::Retract || self.contact.free(p)))
+        self.halted || (out && (self.state != State::Retract || self.contact.free()))
     }
 
     /// Takes the zero of the sensor (N) after `enable`; none until there are enough samples.
@@ -293,13 +293,13 @@ impl Controller {
         }
         let moving = self.role().moving();
         if self.state == State::Commission {
-            self.commissioner.end();
+            self.identification.end();
         }
         match state {
             State::Fault => {
                 self.fault = events.fault.unwrap_or(Fault::None);
                 self.taring = false;
-                self.halted = self.fault.safe_end() != SafeEnd::Retract || !moving;
+                self.halted = self.fault.reaction() != Reaction::Retract || !moving;
             }
             State::Idle => (self.fault, self.halted, self.taring) = (Fault::None, false, false),
             State::Approach => self.contact = ContactMonitor::default(),

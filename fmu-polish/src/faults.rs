@@ -4,7 +4,7 @@ mod message;
 
 pub use message::numbers;
 
-use control_blocks::{SafeEnd, ticks};
+use control_blocks::ticks;
 use nalgebra::Vector3;
 
 use crate::force::contact::{ContactMonitor, Measurement};
@@ -92,11 +92,11 @@ fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     first([
         (Fault::EmergencyStop, reading.stopped),
         (Fault::LongStep, seen.moves() && seen.long_step),
-        (Fault::LostReading, seen.moves() && reading.position_doubt.lost > most),
-        (Fault::ReadingJump, seen.moves() && reading.position_doubt.doubted > most),
+        (Fault::PositionLost, seen.moves() && reading.position_doubt.lost > most),
+        (Fault::PositionJump, seen.moves() && reading.position_doubt.doubted > most),
         (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
         // on the way out no force is needed
-        (Fault::LostForce, seen.working() && reading.force_doubt.lost > most),
+        (Fault::ForceLost, seen.working() && reading.force_doubt.lost > most),
         (Fault::ForceJump, seen.working() && reading.force_doubt.doubted > most),
         (Fault::InvalidInput, seen.working() && reading.invalid > most),
     ])
@@ -133,7 +133,7 @@ fn contact(p: &Parameters, seen: &Evidence) -> Option<Fault> {
         (Fault::ApproachTimeout, state == State::Approach && (seen.travelled > p.approach.travel_max || too_deep)),
         (Fault::SettleTimeout, seen.longer_than(p, State::Settle, most)),
         (Fault::UnloadTimeout, seen.longer_than(p, State::Unload, most) || seen.longer_than(p, State::Retract, out)),
-        (Fault::LostContact, contact.lost(p)),
+        (Fault::ContactLost, contact.lost(p)),
     ])
 }
 
@@ -157,26 +157,6 @@ fn away_from_start(p: &Parameters, now: &Measurement) -> bool {
     let height = -now.error.normal;
     let beside = (now.offset - now.frame.normal * now.error.normal).norm();
     beside > p.limits.start_offset || height < -p.limits.start_offset
-}
-
-impl Fault {
-    /// How the job ends: out along the normal while pulses move the axes as they should, which needs no force; else off.
-    pub fn safe_end(self) -> SafeEnd {
-        use Fault::*;
-        match self {
-            None | ForceLimit | SettleTimeout | LostContact | InvalidInput | InvalidPath | ApproachTimeout => {
-                SafeEnd::Retract
-            }
-            LostForce | ForceJump | FrozenForce | PositionError | SurfaceError | Saturation | NoisyForce
-            | Oscillation => SafeEnd::Retract,
-            ForceError | WrongStiffness | UnstableLoop | UnloadTimeout | NoProgress | NoSliding
-            | CommissionRejected => SafeEnd::Retract,
-            Stroke | EmergencyStop | TareRejected | NotAtStart => SafeEnd::Stop,
-            LostReading | ReadingJump | FrozenReading | FollowingError | DriveSign | WeakDrive | LongStep => {
-                SafeEnd::DriveOff
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -292,9 +272,9 @@ mod tests {
         let limits: &[Limit] = &[
             (Fault::EmergencyStop, State::ALL, |s, x| s.reading.stopped = x > 1.0),
             (Fault::LongStep, MOVING, |s, x| s.long_step = x > 1.0),
-            (Fault::LostReading, MOVING, |s, x| s.reading.position_doubt.lost = samples(x, 5.0)),
-            (Fault::ReadingJump, MOVING, |s, x| s.reading.position_doubt.doubted = samples(x, 5.0)),
-            (Fault::LostForce, WORKING, |s, x| s.reading.force_doubt.lost = samples(x, 5.0)),
+            (Fault::PositionLost, MOVING, |s, x| s.reading.position_doubt.lost = samples(x, 5.0)),
+            (Fault::PositionJump, MOVING, |s, x| s.reading.position_doubt.doubted = samples(x, 5.0)),
+            (Fault::ForceLost, WORKING, |s, x| s.reading.force_doubt.lost = samples(x, 5.0)),
             (Fault::ForceJump, WORKING, |s, x| s.reading.force_doubt.doubted = samples(x, 5.0)),
             (Fault::InvalidInput, WORKING, |s, x| s.reading.invalid = samples(x, 5.0)),
             (Fault::Stroke, MOVING, |s, x| s.reading.position.y = -x * 0.5 * P.stroke.y),
@@ -343,6 +323,6 @@ mod tests {
         sample.reading.position_doubt = Doubt { lost: 9, doubted: 9 };
         sample.reading.position.x = 10.0;
         assert_eq!(sample.fault(), None);
-        assert_eq!(Sample { halted: false, ..sample }.fault(), Some(Fault::LostReading));
+        assert_eq!(Sample { halted: false, ..sample }.fault(), Some(Fault::PositionLost));
     }
 }

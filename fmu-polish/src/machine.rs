@@ -1,6 +1,6 @@
 //! State machine: what happened in a sample and the transitions.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 
 use crate::interface::{Fault, State};
 
@@ -43,9 +43,9 @@ pub struct Events {
     pub retracted: bool,
 }
 
-/// The fault to name when `found` is seen after `fault`: the graver one, never back.
-pub fn graver(fault: Fault, found: Fault) -> Fault {
-    let ends: (SafeEnd, SafeEnd) = (fault.safe_end(), found.safe_end());
+/// The fault to name when `found` is seen after `fault`: the more_severe one, never back.
+pub fn more_severe(fault: Fault, found: Fault) -> Fault {
+    let ends: (Reaction, Reaction) = (fault.reaction(), found.reaction());
     if fault == Fault::None || ends.1 > ends.0 { found } else { fault }
 }
 
@@ -135,12 +135,12 @@ mod tests {
     fn a_graver_fault_takes_the_name_and_a_lighter_one_does_not() {
         for first in Fault::ALL.iter().copied() {
             for second in Fault::ALL.iter().copied() {
-                let named = graver(first, second);
+                let named = more_severe(first, second);
                 assert!(named == first || named == second);
-                assert_eq!(named.safe_end(), first.safe_end().max(second.safe_end()), "{first:?} {second:?}");
+                assert_eq!(named.reaction(), first.reaction().max(second.reaction()), "{first:?} {second:?}");
             }
         }
-        assert_eq!(graver(Fault::ForceLimit, Fault::LostContact), Fault::ForceLimit);
+        assert_eq!(more_severe(Fault::ForceLimit, Fault::ContactLost), Fault::ForceLimit);
     }
 
     #[test]

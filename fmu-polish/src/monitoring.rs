@@ -5,5 +5,5 @@ pub mod force;
 pub mod job;
 mod noise;
 pub mod numbers;
-pub mod stillness;
-mod swings;
+mod oscillation;
+pub mod rest;

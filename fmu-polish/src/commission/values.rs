@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::commission::response::GUIDES;
 use crate::force::response::axis;
-use crate::interface::{Drive, Measured, Mode, Parameters, Sweep};
+use crate::interface::{Drive, Measured, Mode, Parameters};
 use crate::motion::sweep_limits::highest;
 
 /// All parameters that a commission derives.
@@ -104,9 +104,9 @@ impl Values {
         let follows = |drive: &Drive| axis(drive, PI / half).norm();
         let bent = 2.0 * m.friction * p.force.target / m.lateral_stiffness;
         let (slides, bends) = (follows(&self.drive) * told, bent / half);
-        let moved = match p.stick_slip.sweep {
-            Sweep::Linear => slides + bends,
-            Sweep::Circular => slides.hypot(bends),
+        let moved = match p.stick_slip.mode {
+            Mode::Circular => slides.hypot(bends),
+            _ => slides + bends,
         };
         (moved / follows(drive)).min(highest(p).max(told))
     }
@@ -115,21 +115,18 @@ impl Values {
 /// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for. What the guides
 /// leave to the drives refuses nothing: they are found with that friction as they are used with it.
 pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
-    let share = p.commission.deviation_max;
-    let contact = [
-        (m.stiffness, m.stiffness_deviation),
-        (m.friction, m.friction_deviation),
-        (m.lateral_stiffness, m.lateral_stiffness_deviation),
-    ];
+    let share = p.commission.std_max;
+    let contact =
+        [(m.stiffness, m.stiffness_std), (m.friction, m.friction_std), (m.lateral_stiffness, m.lateral_stiffness_std)];
     contact.iter().all(|(value, deviation)| *value > 0.0 && sure(*value, *deviation, share))
         && within_factor(m.stiffness, told.stiffness, RATIO_MAX)
-        && sure(m.drive_gain, m.drive_gain_deviation, share.hypot(GUIDES[0]))
+        && sure(m.drive_gain, m.drive_gain_std, share.hypot(GUIDES[0]))
         && within_factor(m.drive_gain, 1.0, RATIO_MAX)
-        && m.feedforward_deviation <= share.hypot(GUIDES[1])
-        && m.io_delay_deviation <= p.commission.delay_deviation_max
+        && m.feedforward_std <= share.hypot(GUIDES[1])
+        && m.io_delay_std <= p.commission.delay_std_max
         && (0..=DELAY_MAX as i32).contains(&whole_delay(m.io_delay))
         && m.sensor_rotation.is_finite()
-        && m.sensor_rotation_deviation <= share
+        && m.sensor_rotation_std <= share
 }
 
 #[cfg(test)]
@@ -139,19 +136,19 @@ mod tests {
     /// A good measurement of a robot that is softer and slower than told.
     const GOOD: Measured = Measured {
         stiffness: 142.4e3,
-        stiffness_deviation: 1e3,
+        stiffness_std: 1e3,
         lateral_stiffness: 100e3,
-        lateral_stiffness_deviation: 2e3,
+        lateral_stiffness_std: 2e3,
         friction: 0.2,
-        friction_deviation: 0.001,
+        friction_std: 0.001,
         drive_gain: 0.8,
-        drive_gain_deviation: 0.004,
+        drive_gain_std: 0.004,
         feedforward: 1.02,
-        feedforward_deviation: 0.002,
+        feedforward_std: 0.002,
         io_delay: 1.7,
-        io_delay_deviation: 0.01,
+        io_delay_std: 0.01,
         sensor_rotation: 0.3,
-        sensor_rotation_deviation: 0.001,
+        sensor_rotation_std: 0.001,
         sensor_direction_y: -1,
         sensor_direction_z: 1,
         ..Measured::START
@@ -207,7 +204,7 @@ mod tests {
         assert_eq!(derived(&p, &Measured { lateral_stiffness: 5e3, ..told }).stick_slip.velocity, 20e-3);
         // on a circle the bend is square to the way: (10 mm/s)^2 + (2 mm/s)^2
         let mut round = p.clone();
-        round.stick_slip.sweep = Sweep::Circular;
+        round.stick_slip.mode = Mode::Circular;
         let velocity = derived(&round, &Measured { lateral_stiffness: 100e3, ..told }).stick_slip.velocity;
         let bends = 2e-3 / axis(&p.drive, 314.159).norm();
         assert!((velocity - 10e-3f64.hypot(bends)).abs() < 1e-8, "{velocity}");
@@ -232,19 +229,19 @@ mod tests {
             acceptable(&p, &Values::of(&p), &m)
         };
         let limits: [(Set, f64, f64); 13] = [
-            (|m, x| m.stiffness_deviation = x, 14.24e3, 14.25e3),
+            (|m, x| m.stiffness_std = x, 14.24e3, 14.25e3),
             (|m, x| m.stiffness = x, 356e3, 357e3),
             (|m, x| m.stiffness = x, 89e3, 88.9e3),
-            (|m, x| m.lateral_stiffness_deviation = x, 10e3, 10.1e3),
-            (|m, x| m.friction_deviation = x, 0.02, 0.0201),
-            (|m, x| m.drive_gain_deviation = x, 0.1312, 0.1313),
+            (|m, x| m.lateral_stiffness_std = x, 10e3, 10.1e3),
+            (|m, x| m.friction_std = x, 0.02, 0.0201),
+            (|m, x| m.drive_gain_std = x, 0.1312, 0.1313),
             (|m, x| m.drive_gain = x, 2.0, 2.01),
             (|m, x| m.drive_gain = x, 0.5, 0.499),
-            (|m, x| m.feedforward_deviation = x, 0.1414, 0.1415),
-            (|m, x| m.io_delay_deviation = x, 0.25, 0.251),
+            (|m, x| m.feedforward_std = x, 0.1414, 0.1415),
+            (|m, x| m.io_delay_std = x, 0.25, 0.251),
             (|m, x| m.io_delay = x, -0.49, -0.5),
             (|m, x| m.io_delay = x, DELAY_MAX as f64 + 0.49, DELAY_MAX as f64 + 0.5),
-            (|m, x| m.sensor_rotation_deviation = x, 0.1, 0.101),
+            (|m, x| m.sensor_rotation_std = x, 0.1, 0.101),
         ];
         for (i, (set, last, first)) in limits.into_iter().enumerate() {
             assert_eq!((with(set, last), with(set, first)), (true, false), "{i}");

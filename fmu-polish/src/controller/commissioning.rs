@@ -17,7 +17,7 @@ impl Controller {
     /// sample.
     pub fn bring_into_force(&mut self, p: &mut Parameters) {
         p.stick_slip.half_period = self.half_period;
-        self.commissioner.put(p);
+        self.identification.put(p);
         p.stick_slip.half_period += self.sliding.lengthened;
     }
 
@@ -26,17 +26,17 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        export_commission(&p.commission.export, &self.commissioner.derived())
+        export_commission(&p.commission.export, &self.identification.derived())
     }
 
     /// The state; of a commission that of a job which is watched alike.
     pub(super) fn role(&self) -> State {
-        if self.state == State::Commission { self.commissioner.experiment.like() } else { self.state }
+        if self.state == State::Commission { self.identification.experiment.like() } else { self.state }
     }
 
     /// Samples and way (m) since this part of the commission, or the state, began.
     pub(super) fn progress(&self) -> (u32, f64) {
-        let experiment = &self.commissioner.experiment;
+        let experiment = &self.identification.experiment;
         if self.state == State::Commission {
             (experiment.ticks, experiment.travelled)
         } else {
@@ -48,7 +48,7 @@ impl Controller {
     pub(super) fn commission(&mut self, p: &Parameters, reading: &Reading) {
         self.restart(p, reading, plan::time(p));
         self.contact = ContactMonitor::default();
-        self.commissioner.begin(p);
+        self.identification.begin(p);
     }
 
     /// Breaks it off where that is asked for, and goes on from the zero of the sensor.
@@ -58,16 +58,16 @@ impl Controller {
         }
         if !reading.commission || reading.start {
             self.taring = false;
-            self.commissioner.break_off();
+            self.identification.break_off();
         } else if zero.is_some() {
-            self.commissioner.experiment.tared();
+            self.identification.experiment.tared();
         }
     }
 
     /// The velocity of the experiment.
     pub(super) fn experiment(&mut self, p: &Parameters, now: &Measurement) -> VelocityParts {
-        let parts = self.commissioner.experiment.act(p, now);
-        self.setpoint = self.commissioner.experiment.setpoint;
+        let parts = self.identification.experiment.act(p, now);
+        self.setpoint = self.identification.experiment.setpoint;
         self.way = parts.tangential.hypot(parts.stick_slip) * p.sample_period;
         parts
     }
@@ -75,7 +75,7 @@ impl Controller {
     /// Takes what this sample has read and sent.
     pub(super) fn learn(&mut self, p: &Parameters, reading: &Reading, now: &Measurement, output: &Output) {
         let pulses = Vector3::new(output.pulses.x, output.pulses.y, output.pulses.z);
-        self.commissioner.observe(
+        self.identification.observe(
             p,
             &Sample {
                 shown: &Orientation::of(p).shown(&now.force.unfiltered),

@@ -1,6 +1,6 @@
-//! What a sample sends and tells.
+//! The outputs of a sample.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 
 use super::touching;
 use crate::controller::Controller;
@@ -10,7 +10,7 @@ use crate::monitoring::numbers::Numbers;
 use crate::motion::velocity::VelocityParts;
 
 impl Controller {
-    /// Sends the pulses, and tells what is known.
+    /// Sends the pulses and sets all outputs.
     pub(super) fn report(&mut self, p: &Parameters, now: &Measurement, parts: &VelocityParts) -> Output {
         let velocity = parts.sum(&now.frame, p.velocity_max);
         let pulses = self.remainder.step(p, &velocity);
@@ -33,7 +33,7 @@ impl Controller {
             progress: (self.place.s / self.path.length()).min(1.0),
             state: self.state,
             fault: self.fault,
-            drive_enable: self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff,
+            drive_enable: self.state != State::Fault || self.fault.reaction() != Reaction::DriveOff,
             in_contact: self.role().pressing() && touching(p, now),
             done: self.state == State::Done && self.place.s >= self.path.length(),
             stiffness_estimate: self.normal.stiffness,
@@ -44,9 +44,9 @@ impl Controller {
                 lengthened: self.sliding.lengthened,
             },
             misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
-            ripple_frozen: self.normal.ripple.frozen() || self.normal.turns.frozen(),
+            ripple_stopped: self.normal.ripple.stopped() || self.normal.repetitive.stopped(),
             path_length: self.path.length(),
-            measured: self.commissioner.measured,
+            measured: self.identification.measured,
             numbers: self.numbers(p, now),
         }
     }
@@ -54,7 +54,7 @@ impl Controller {
     fn numbers(&self, p: &Parameters, now: &Measurement) -> Numbers {
         let (time, time_limit) = self.time.seconds(p);
         Numbers {
-            share: self.axes.share(p),
+            ratio: self.axes.motion_ratio(p),
             time,
             time_limit,
             norm: now.force.norm,

@@ -15,6 +15,12 @@ const FORCE_TIME: f64 = 0.1;
 /// A force has a direction from here on, over the contact force.
 const DIRECTION_RATIO: f64 = 2.0;
 
+/// Consecutive samples that confirm a contact or its end: a single spike is not a contact.
+const CONTACT_SAMPLES: u32 = 3;
+/// Force error of a settled force, as a fraction of the target: the noise of the sensor stays below it.
+const TOLERANCE: f64 = 0.15;
+/// Time for which a settled force stays within the tolerance, s: five time constants of the mean error.
+const HOLD_TIME: f64 = 0.1;
 /// A force is gone below this, over the contact force.
 const UNLOADED_RATIO: f64 = 0.5;
 
@@ -55,7 +61,7 @@ impl ContactMonitor {
         let share = |time: f64| 1.0 - (-p.sample_period / time).exp();
         self.touching.update(state == State::Approach && now.force.norm > p.approach.contact_force);
         self.error += share(ERROR_TIME) * (now.force_error - self.error);
-        let small = self.error.abs() < p.settle.tolerance * p.force.target;
+        let small = self.error.abs() < TOLERANCE * p.force.target;
         self.settled.update(state == State::Settle && steady && small);
         self.lost.update(state == State::Follow && now.force.controlled < p.limits.lost_force);
         let none = now.force.controlled < UNLOADED_RATIO * p.approach.contact_force;
@@ -67,8 +73,8 @@ impl ContactMonitor {
     }
 
     /// The tool touches.
-    pub fn contact(&self, p: &Parameters) -> bool {
-        self.touching.count() >= p.approach.contact_samples.unsigned_abs()
+    pub fn contact(&self) -> bool {
+        self.touching.count() >= CONTACT_SAMPLES
     }
 
     /// The mean force points into the material along the unit normal `normal`.
@@ -78,17 +84,17 @@ impl ContactMonitor {
 
     /// The force is settled.
     pub fn settled(&self, p: &Parameters) -> bool {
-        self.settled.count() >= ticks(p.settle.hold_time, p.sample_period).max(1)
+        self.settled.count() >= ticks(HOLD_TIME, p.sample_period).max(1)
     }
 
     /// The force is gone where the tool still stands on the mold.
-    pub fn unloaded(&self, p: &Parameters) -> bool {
-        self.unloaded.count() >= p.approach.contact_samples.unsigned_abs()
+    pub fn unloaded(&self) -> bool {
+        self.unloaded.count() >= CONTACT_SAMPLES
     }
 
     /// The force is gone and stays away on the way out.
-    pub fn free(&self, p: &Parameters) -> bool {
-        self.free.count() >= p.approach.contact_samples.unsigned_abs()
+    pub fn free(&self) -> bool {
+        self.free.count() >= CONTACT_SAMPLES
     }
 
     /// The contact is lost.

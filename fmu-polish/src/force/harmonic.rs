@@ -4,15 +4,15 @@ use control_blocks::{Canceller, Consecutive};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use crate::interface::Parameters;
-
 /// Highest frequency that is cancelled, part of the sample rate.
 pub const FREQUENCY_SHARE: f64 = 0.2;
 /// Part of the largest amplitude that counts as the limit.
 const LIMITED: f64 = 0.99;
 /// Growth of a ripple from its first amplitude that ends the cancellation.
 const GROWTH: f64 = 1.5;
-/// Windows in a row that have grown too far.
+/// Growth of a ripple in N that stops its cancellation: far more than noise adds to an amplitude.
+const GROWTH_MAX: f64 = 0.3;
+/// Consecutive windows that have grown too far.
 const BAD_WINDOWS: u32 = 2;
 
 /// What cancels the harmonic and judges it; by default nothing is learned.
@@ -52,7 +52,7 @@ impl Harmonic {
 
     /// Judges a window of `samples`, in which what makes the ripple is `raised` times as large as told; true when the harmonic ends
     /// because it makes the ripple worse.
-    pub fn judge(&mut self, p: &Parameters, samples: u32, raised: f64, most: f64) -> bool {
+    pub fn judge(&mut self, samples: u32, raised: f64, most: f64) -> bool {
         let amplitude = 2.0 * self.sum.norm() / f64::from(samples) / raised;
         self.sum = Complex::ZERO;
         if self.ended {
@@ -61,7 +61,7 @@ impl Harmonic {
         let first = *self.first.get_or_insert(amplitude);
         // at its limit it cannot grow any more
         let limited = self.canceller.amplitude() > LIMITED * most;
-        let grown = amplitude > GROWTH * first + if limited { 0.0 } else { p.ripple.growth_max };
+        let grown = amplitude > GROWTH * first + if limited { 0.0 } else { GROWTH_MAX };
         if self.bad.update(grown) < BAD_WINDOWS {
             return false;
         }
@@ -80,7 +80,6 @@ impl Harmonic {
 mod tests {
     use super::*;
 
-    const P: Parameters = Parameters::START;
     /// Samples of a window, and the largest output.
     const WINDOW: u32 = 100;
     const MOST: f64 = 1e-3;
@@ -95,14 +94,14 @@ mod tests {
                 let carrier = Complex::cis(std::f64::consts::TAU * f64::from(k) / 20.0);
                 harmonic.observe(carrier, size * carrier.re);
             }
-            harmonic.judge(&P, WINDOW, raised, MOST)
+            harmonic.judge(WINDOW, raised, MOST)
         };
         sizes.iter().map(&mut window).collect()
     }
 
     #[test]
     fn two_windows_in_a_row_that_have_grown_end_it_once() {
-        let most = GROWTH * 0.2 + P.ripple.growth_max;
+        let most = GROWTH * 0.2 + GROWTH_MAX;
         let (below, above) = (0.99 * most, 1.01 * most);
         for raised in [1.0, 1.7] {
             let ends = |sizes: &[f64]| ends(&sizes.iter().map(|size| raised * size).collect::<Vec<_>>(), raised, 0.0);

@@ -13,6 +13,8 @@ const NOISE: f64 = 1.6e-11;
 /// Variance of each parameter at the begin, m2: 0.1 mm, and 0.1 rad. What a mold can be at most, it is not likely to be:
 /// a wider one makes the first turns of a spiral nonsense, where shift and rotation look alike.
 const START: f64 = 1e-8;
+/// Forgetting factor of the least squares: a memory of 20 s at 1 kHz. Shorter memories are noisy.
+const FORGETTING: f64 = 0.99995;
 /// Largest sum of the variances, m2; forgetting stops there.
 const TRACE_MAX: f64 = 6.0 * START;
 
@@ -30,15 +32,15 @@ impl MisalignmentEstimate {
     }
 
     /// Takes the distance `distance` (m) of the surface from the path along the normal at `frame`.
-    pub fn update(&mut self, p: &Parameters, frame: &Frame, distance: f64) {
+    pub fn update(&mut self, frame: &Frame, distance: f64) {
         let phi = regressor(frame);
         let spread = self.covariance * phi;
         let gain = spread / (NOISE + phi.dot(&spread));
         self.estimate += gain * (distance - phi.dot(&self.estimate));
         let mut covariance = self.covariance - gain * spread.transpose();
         // directions that are not excited would grow for ever
-        if covariance.trace() < TRACE_MAX * p.misalignment.forgetting {
-            covariance /= p.misalignment.forgetting;
+        if covariance.trace() < TRACE_MAX * FORGETTING {
+            covariance /= FORGETTING;
         }
         // stays symmetric whatever the rounding
         self.covariance = (covariance + covariance.transpose()) * 0.5;
@@ -97,7 +99,7 @@ mod tests {
         for k in 0..15_000 {
             let f = frame(k);
             let noise = if k % 2 == 0 { 0.5e-6 } else { -0.5e-6 };
-            misalignment.update(&P, &f, f.normal.dot(&(d + w.cross(&f.contact))) + noise);
+            misalignment.update(&f, f.normal.dot(&(d + w.cross(&f.contact))) + noise);
         }
         assert!((misalignment.shift() - d).amax() < 1e-6, "{}", misalignment.shift());
         assert!((misalignment.rotation() - w).amax() < 1e-3, "{}", misalignment.rotation());
@@ -114,7 +116,7 @@ mod tests {
         let at = |k: u32| frame(5_000 + k % 628);
         for k in 0..20_096 {
             let depth = if k < 10_048 { 50e-6 } else { 0.0 };
-            misalignment.update(&P, &at(k), depth * at(k).normal.z);
+            misalignment.update(&at(k), depth * at(k).normal.z);
         }
         let told: f64 = (0..628).map(|k| regressor(&at(k)).dot(&misalignment.estimate)).sum();
         // what was before weighs e^-0.5 - e^-1 of 1 - e^-1, without forgetting half
@@ -127,7 +129,7 @@ mod tests {
         let mut misalignment = MisalignmentEstimate::new();
         let f = frame(0);
         for k in 0..1_000_000 {
-            misalignment.update(&P, &f, if k % 2 == 0 { 2e-6 } else { 0.0 });
+            misalignment.update(&f, if k % 2 == 0 { 2e-6 } else { 0.0 });
         }
         assert!(misalignment.covariance.trace() <= TRACE_MAX * 1.001);
         assert!(misalignment.estimate.amax() < 2e-6);

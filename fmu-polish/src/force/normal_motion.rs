@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::impedance::{Coefficients, ForceLaw, damping};
 use super::margin::{LEAST, phase_margin};
 use super::misalignment::MisalignmentEstimate;
+use super::repetitive::RepetitiveControl;
 use super::ripple::RippleCancellation;
 use super::stiffness::Slope;
 use super::turning::Turning;
-use super::turns::TurnLearning;
 use crate::interface::Parameters;
 use crate::path::centre_path::{CentrePath, Frame, Place};
 
@@ -30,7 +30,7 @@ pub struct NormalMotion {
     pub ripple: RippleCancellation,
     turning: Turning,
     /// What is learned from turn to turn.
-    pub turns: TurnLearning,
+    pub repetitive: RepetitiveControl,
     /// Estimate of the misalignment.
     pub misalignment: MisalignmentEstimate,
 }
@@ -64,7 +64,7 @@ impl NormalMotion {
             judged: None,
             ripple: RippleCancellation::new(p, &Coefficients::new(p, p.impedance.damping), stiffness),
             turning: Turning::default(),
-            turns: TurnLearning::default(),
+            repetitive: RepetitiveControl::default(),
             misalignment: MisalignmentEstimate::new(),
         }
     }
@@ -111,20 +111,20 @@ impl NormalMotion {
         velocity += self.force_law.integrate(&law, felt);
         let turn = self.turning.step(&at.frame.tangent);
         velocity += self.ripple.step(p, k, at.sweep, turn, contact.error);
-        velocity += self.turns.step(p, &law, self.stiffness, turn, felt);
-        if p.misalignment.enable {
-            self.observe_surface(p, contact, at);
+        velocity += self.repetitive.step(p, &law, self.stiffness, turn, felt);
+        if p.misalignment_enable {
+            self.observe_surface(contact, at);
             velocity += self.feedforward(p, at);
         }
         velocity
     }
 
     /// Takes where the surface is met: not at the place on the path, but where the encoders see the tool, behind it.
-    fn observe_surface(&mut self, p: &Parameters, contact: &NormalMeasurement, at: &PathState) {
+    fn observe_surface(&mut self, contact: &NormalMeasurement, at: &PathState) {
         let behind = (at.frame.centre - contact.position).dot(&at.frame.tangent) / at.frame.ratio;
         let met = at.path.frame(at.path.seek(at.place, at.place.s - behind));
         let offset = (contact.position - met.centre).dot(&met.normal);
-        self.misalignment.update(p, &met, offset + contact.force / self.stiffness);
+        self.misalignment.update(&met, offset + contact.force / self.stiffness);
     }
 
     /// Velocity (m/s) of a misaligned surface at the place on the path: it goes through the drives as the path does, so

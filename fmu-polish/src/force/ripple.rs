@@ -4,7 +4,7 @@
 //! b by s . b, once up and once down while the path turns round. In the phase phi of the sweep and the angle theta of the path this ripple is
 //! Re sum c_n e^(j (phi + n theta)), n = +-1, its amplitudes constant however fast the path turns; at a fixed phase it would have to be learned
 //! anew in every quarter of a turn. All three are learned at once: with the complex amplitude e of the error at phi, those that they take
-//! back are e / x of x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `turns.ripple_gain`, a sum without loss: so a phase of the
+//! back are e / x of x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `repetitive.ripple_gain`, a sum without loss: so a phase of the
 //! response that is less than a quarter of a turn wrong keeps it stable, as it does without.
 
 use nalgebra::Complex;
@@ -12,16 +12,16 @@ use serde::{Deserialize, Serialize};
 
 use super::harmonic::{FREQUENCY_SHARE, Harmonic};
 use super::impedance::Coefficients;
+use super::repetitive::ERROR_SHARE;
 use super::response::closed;
 use super::turning::{Turn, WholeTurn};
-use super::turns::ERROR_SHARE;
-use crate::interface::{Mode, Parameters, Sweep};
+use crate::interface::{Mode, Parameters};
 use crate::motion::stick_slip::{fastest, phase, velocity};
 
-/// What is told when the cancellation has ended itself.
-pub const FROZEN: &str = "a part of the ripple cancellation made it worse and has ended\n\
-                          hint: make `drive` and `io_delay` those of the machine, or set `ripple.gain`, `turns.ripple_gain` or \
-                          `turns.gain` = 0, whichever learned it";
+/// Warning when a part of the cancellation has stopped.
+pub const STOPPED: &str = "a part of the ripple cancellation increased the ripple and was stopped\n\
+                           hint: Compare `drive.*` and `io_delay` with the machine, or set `expert.ripple.gain`, \
+                           `expert.repetitive.ripple_gain` or `expert.repetitive.gain` = 0.";
 
 /// Harmonics of the stick-slip frequency.
 const HARMONICS: usize = 2;
@@ -69,7 +69,7 @@ impl RippleCancellation {
     }
 
     /// Whether a ripple has grown and is not cancelled any more.
-    pub fn frozen(&self) -> bool {
+    pub fn stopped(&self) -> bool {
         self.frozen
     }
 
@@ -77,15 +77,15 @@ impl RippleCancellation {
     /// `error` (N).
     pub fn step(&mut self, p: &Parameters, k: u32, sweep: f64, turn: Turn, error: f64) -> f64 {
         let mut velocity = 0.0;
-        let sweeps = p.turns.ripple_gain > 0.0 && p.stick_slip.mode != Mode::Off;
+        let sweeps = p.repetitive.ripple_gain > 0.0 && p.stick_slip.mode != Mode::Off;
         let turns = sweeps && turn.step != 0.0 && turn.step.abs() < TURN_SHARE * phase(self.half, 1);
-        let (most, learned) = (ERROR_SHARE * p.force.target, p.turns.ripple_gain * turn.step.abs());
+        let (most, learned) = (ERROR_SHARE * p.force.target, p.repetitive.ripple_gain * turn.step.abs());
         for ((m, harmonic), response) in (1..).zip(&mut self.harmonics).zip(self.responses) {
             let Some(response) = response else { continue };
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
-            if p.ripple.gain > 0.0 {
+            if p.ripple_gain > 0.0 {
                 harmonic.observe(carrier, error);
-                harmonic.learn(2.0 * p.ripple.gain * p.sample_period, response, carrier, error, fastest_ripple(p));
+                harmonic.learn(2.0 * p.ripple_gain * p.sample_period, response, carrier, error, fastest_ripple(p));
                 velocity += harmonic.output(carrier);
             }
             let sides = &mut self.turning[m as usize - 1];
@@ -96,7 +96,7 @@ impl RippleCancellation {
                 velocity += side.output(carrier);
             }
         }
-        if p.ripple.gain > 0.0 {
+        if p.ripple_gain > 0.0 {
             self.judge(p, raised(p, sweep));
         }
         if turns {
@@ -109,7 +109,7 @@ impl RippleCancellation {
     fn judge_turn(&mut self, p: &Parameters, raised: f64, step: f64) {
         let Some(samples) = self.turn.ends(step) else { return };
         for side in self.turning.iter_mut().flatten() {
-            self.frozen |= side.judge(p, samples, raised, climb(p));
+            self.frozen |= side.judge(samples, raised, climb(p));
         }
     }
 
@@ -122,7 +122,7 @@ impl RippleCancellation {
         }
         self.samples = 0;
         for harmonic in &mut self.harmonics {
-            self.frozen |= harmonic.judge(p, window, raised, fastest_ripple(p));
+            self.frozen |= harmonic.judge(window, raised, fastest_ripple(p));
         }
     }
 }
@@ -130,9 +130,9 @@ impl RippleCancellation {
 /// How many times as fast as told a circle is, and with it the ripple of a mold askew. To and fro nothing is granted: there it is
 /// how a mold that is not that of the path is told by its force error, before the depth takes it for a sensor that stands.
 fn raised(p: &Parameters, sweep: f64) -> f64 {
-    match p.stick_slip.sweep {
-        Sweep::Linear => 1.0,
-        Sweep::Circular => (sweep / velocity(&p.stick_slip, p.feed.velocity)).max(1.0),
+    match p.stick_slip.mode {
+        Mode::Circular => (sweep / velocity(&p.stick_slip, p.feed.velocity)).max(1.0),
+        _ => 1.0,
     }
 }
 
@@ -153,7 +153,7 @@ mod tests {
 
     use super::super::impedance::damping;
     use super::*;
-    use crate::interface::{StickSlip, Turns, Wave};
+    use crate::interface::{Repetitive, StickSlip};
     use crate::motion::stick_slip::tests::circular;
 
     const P: Parameters = Parameters::START;
@@ -183,7 +183,7 @@ mod tests {
                 worst = worst.max(error.abs());
             }
         }
-        (worst, ripple.frozen())
+        (worst, ripple.stopped())
     }
 
     #[test]
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn the_first_amplitude_is_that_of_the_ripple() {
         let mut p = P;
-        p.ripple.gain = 1e-9;
+        p.ripple_gain = 1e-9;
         let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
         for k in 1..=200 {
             ripple.step(&p, k, KV, STRAIGHT, 0.1 + 0.3 * phase(10, k).cos() + 0.2 * phase(10, 2 * k).sin());
@@ -229,13 +229,13 @@ mod tests {
             let (sweep, size) = if k <= 200 { (KV, first) } else { (sweep, size) };
             ripple.step(p, k, sweep, STRAIGHT, size * phase(10, k).cos());
         }
-        ripple.frozen()
+        ripple.stopped()
     }
 
     #[test]
     fn a_circle_that_is_raised_may_make_as_much_more_of_a_ripple_and_a_line_may_not() {
         let mut p = circular();
-        p.ripple.gain = 1e-9;
+        p.ripple_gain = 1e-9;
         // 1.5 times 0.2 N and 0.3 N are the most at first
         for (sweep, most) in [(KV, 0.6), (1.6 * KV, 0.96), (0.5 * KV, 0.6)] {
             assert_eq!([0.99, 1.01].map(|share| given_up(&p, sweep, 0.2, share * most)), [false, true], "{sweep}");
@@ -248,24 +248,20 @@ mod tests {
     }
 
     #[test]
-    fn a_circle_and_a_sine_are_cancelled_as_fast_as_they_go() {
-        for (wave, sweep, most) in [
-            (Wave::Square, Sweep::Linear, 5e-3),
-            (Wave::Sine, Sweep::Linear, 5e-3 * std::f64::consts::FRAC_PI_2),
-            (Wave::Square, Sweep::Circular, 5e-3 * std::f64::consts::FRAC_PI_2),
-        ] {
-            let p = Parameters { stick_slip: StickSlip { wave, sweep, ..P.stick_slip }, ..P };
+    fn the_ripple_of_a_circle_is_cancelled_as_fast_as_it_moves() {
+        for (mode, most) in [(Mode::Cross, 5e-3), (Mode::Circular, 5e-3 * std::f64::consts::FRAC_PI_2)] {
+            let p = Parameters { stick_slip: StickSlip { mode, ..P.stick_slip }, ..P };
             let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
             // more than can be taken back
             let mut step = |k: u32| ripple.step(&p, k, KV, STRAIGHT, phase(10, k).cos());
             (1..4000).for_each(|k| _ = step(k));
             let amplitude = ((4000..4020).map(|k| step(k).powi(2)).sum::<f64>() / 10.0).sqrt();
-            assert!((amplitude / most - 1.0).abs() < 0.03, "{wave:?} {sweep:?}: {amplitude}");
+            assert!((amplitude / most - 1.0).abs() < 0.03, "{mode:?}: {amplitude}");
         }
     }
 
     fn turning() -> Parameters {
-        Parameters { turns: Turns { ripple_gain: 0.09, ..P.turns }, ..P }
+        Parameters { repetitive: Repetitive { ripple_gain: 0.09, ..P.repetitive }, ..P }
     }
 
     /// Largest error (N) in each of `turns` turns of a path that turns with `rate` rad/s, where a slope makes a ripple of 0.3 N
@@ -295,7 +291,7 @@ mod tests {
             }
             found.push(worst);
         }
-        (found, ripple.frozen())
+        (found, ripple.stopped())
     }
 
     #[test]
@@ -309,7 +305,7 @@ mod tests {
         }
         // alone as well
         let mut alone = turning();
-        alone.ripple.gain = 0.0;
+        alone.ripple_gain = 0.0;
         let (found, frozen) = askew(&alone, 25.0, 0.0, 12);
         assert!(found[11] < 0.1 * found[0] && !frozen, "{found:?}");
         // without what is learned from turn to turn it stays

@@ -91,13 +91,13 @@ impl Axis {
     /// The cause, where something is wrong.
     fn fault(&self, p: &Parameters) -> Option<Fault> {
         let beyond = self.error.abs() > p.limits.following_error;
-        let way = BAND * p.encoder_resolution + p.limits.frozen_way;
+        let way = BAND * p.encoder_resolution + p.limits.frozen;
         // an axis that has come to rest sooner than told stands where the model comes to
         let stands = self.frozen.still() > ticks(TURN, p.sample_period) && self.error.abs() > APART * way;
         if self.frozen.unanswered() > way && (beyond || stands) {
-            return Some(Fault::FrozenReading);
+            return Some(Fault::PositionFrozen);
         }
-        beyond.then(|| match self.share(p) {
+        beyond.then(|| match self.motion_ratio(p) {
             Some(share) if share < SHARES.0 => Fault::DriveSign,
             Some(share) if share < SHARES.1 => Fault::WeakDrive,
             _ => Fault::FollowingError,
@@ -105,7 +105,7 @@ impl Axis {
     }
 
     /// Share of the motion that was told, where there was one to speak of.
-    fn share(&self, p: &Parameters) -> Option<f64> {
+    fn motion_ratio(&self, p: &Parameters) -> Option<f64> {
         let share = self.response.share((3.0 * p.encoder_resolution).powi(2))?;
         (self.compared >= COMPARED).then_some(share)
     }
@@ -152,8 +152,8 @@ impl AxisMonitor {
     }
 
     /// Share of the told motion that the first axis with a fault does, where it was told one to speak of.
-    pub fn share(&self, p: &Parameters) -> Option<f64> {
-        self.axes.iter().find(|axis| axis.fault(p).is_some())?.share(p)
+    pub fn motion_ratio(&self, p: &Parameters) -> Option<f64> {
+        self.axes.iter().find(|axis| axis.fault(p).is_some())?.motion_ratio(p)
     }
 
     /// Distance of each axis from where its pulses bring it, m.
@@ -220,15 +220,15 @@ mod tests {
             (0..=samples).for_each(|k| axis.frozen.update(0.0, if k == 1 { way } else { 0.0 }, 1.0));
             axis.fault(&P)
         };
-        let (way, far) = (BAND * P.encoder_resolution + P.limits.frozen_way, 1.001 * P.limits.following_error);
+        let (way, far) = (BAND * P.encoder_resolution + P.limits.frozen, 1.001 * P.limits.following_error);
         assert_eq!(
             (standing(1.001 * way, 15, -0.501 * way), standing(1.001 * way, 16, -0.501 * way)),
-            (None, Some(Fault::FrozenReading))
+            (None, Some(Fault::PositionFrozen))
         );
         // it has come to rest where the model comes to
         assert_eq!(standing(1.001 * way, 100, 0.5 * way), None);
         assert_eq!((standing(way, 16, -0.501 * way), standing(way, 16, far)), (None, Some(Fault::FollowingError)));
-        assert_eq!(standing(1.001 * way, 1, far), Some(Fault::FrozenReading));
+        assert_eq!(standing(1.001 * way, 1, far), Some(Fault::PositionFrozen));
     }
 
     #[test]
@@ -256,10 +256,10 @@ mod tests {
     #[test]
     fn a_reading_that_stands_is_frozen_and_a_flickering_last_bit_hides_nothing() {
         let at = |fault: Option<(Fault, u32)>| fault.map(|(fault, k)| (fault, k < 40));
-        assert_eq!(at(found(|_, _| 0.0)), Some((Fault::FrozenReading, true)));
-        assert_eq!(at(found(|_, k| f64::from(k % 2) * 1e-6)), Some((Fault::FrozenReading, true)));
+        assert_eq!(at(found(|_, _| 0.0)), Some((Fault::PositionFrozen, true)));
+        assert_eq!(at(found(|_, k| f64::from(k % 2) * 1e-6)), Some((Fault::PositionFrozen, true)));
         let (fault, k) = found(|x, k| if k < 500 { x } else { 0.48e-3 }).unwrap();
-        assert!(fault == Fault::FrozenReading && (500..540).contains(&k), "{fault:?} {k}");
+        assert!(fault == Fault::PositionFrozen && (500..540).contains(&k), "{fault:?} {k}");
     }
 
     #[test]

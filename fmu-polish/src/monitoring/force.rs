@@ -1,7 +1,7 @@
 //! The force reading held against the motion and against itself: does it live, is it noise, does the loop hold it?
 //!
 //! At rest and on the approach nothing moves the force but its noise, so a reading that stands to the bit for
-//! `limits.still_time` is not alive. In contact it must answer the way into the mold: a short mean of the
+//! `limits.frozen_time` is not alive. In contact it must answer the way into the mold: a short mean of the
 //! reading is anchored ([`Frozen`]), and a depth that has changed by more than the surface can have changed since, a way w along the path
 //! times `limits.surface_slope`, without that the force has left a band of one and a half steps, was not felt. What the noise of the
 //! encoders makes of a depth is no way.
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::axis::BAND;
 use super::noise::{Noise, memory};
-use super::swings::Swings;
+use super::oscillation::Swings;
 use crate::force::contact::Measurement;
 use crate::interface::{Fault, Parameters, State};
 use crate::motion::stick_slip::bends;
@@ -94,7 +94,7 @@ impl ForceMonitor {
             still.update(*raw, 0.0, 0.0);
         }
         self.noise.update(p, sample.raw.dot(sample.normal), p.limits.force_noise);
-        self.depth_noise.update(p, sample.now.error.normal, p.limits.frozen_way);
+        self.depth_noise.update(p, sample.now.error.normal, p.limits.frozen);
         self.update_answer(p, sample);
         self.update_error(p, sample);
     }
@@ -142,7 +142,7 @@ impl ForceMonitor {
         let end = p.sensor_range - 0.5 * p.sensor_resolution;
         let faults = [
             (Fault::Saturation, sample.raw.amax() >= end),
-            (Fault::FrozenForce, self.stands(p, sample.normal) || self.unanswered(p, sample)),
+            (Fault::ForceFrozen, self.stands(p, sample.normal) || self.unanswered(p, sample)),
             (Fault::NoisyForce, self.noise() > p.limits.force_noise),
         ];
         faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
@@ -166,7 +166,7 @@ impl ForceMonitor {
     }
 
     fn stands(&self, p: &Parameters, normal: &Vector3<f64>) -> bool {
-        let longest = ticks(p.limits.still_time, p.sample_period);
+        let longest = ticks(p.limits.frozen_time, p.sample_period);
         let carries = |(still, share): (&Frozen, &f64)| share.abs() > CARRIES && still.still() >= longest;
         longest > 0 && self.still.iter().zip(normal.iter()).any(carries)
     }
@@ -174,7 +174,7 @@ impl ForceMonitor {
     fn unanswered(&self, p: &Parameters, sample: &ForceSample) -> bool {
         let noise = NOISES * (self.depth_noise.deviation() - p.encoder_resolution).max(0.0);
         let felt = |answer: &Answer, share: f64| {
-            let depth = p.limits.frozen_way + p.limits.surface_slope * answer.way + noise;
+            let depth = p.limits.frozen + p.limits.surface_slope * answer.way + noise;
             let unanswered = if bends(&p.stick_slip) {
                 answer.frozen.unanswered().min(answer.along.abs())
             } else {
@@ -201,7 +201,7 @@ fn error_limit(p: &Parameters) -> f64 {
 mod tests {
     use super::*;
     use crate::force::sensor::MeasuredForce;
-    use crate::interface::{ErrorOutput, StickSlip, Sweep};
+    use crate::interface::{ErrorOutput, Mode, StickSlip};
     use crate::path::centre_path::Frame;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
@@ -239,8 +239,8 @@ mod tests {
     }
 
     impl Judge {
-        fn new(sweep: Sweep, slope: f64) -> Self {
-            let p = Parameters { stick_slip: StickSlip { sweep, ..P.stick_slip }, ..P };
+        fn new(sweep: Mode, slope: f64) -> Self {
+            let p = Parameters { stick_slip: StickSlip { mode: sweep, ..P.stick_slip }, ..P };
             let normal = Vector3::new(slope, 0.0, 1.0).normalize();
             let (state, monitor) = (State::Follow, ForceMonitor::default());
             Self { p, normal, state, monitor, samples: 0, fault: None }
@@ -273,28 +273,28 @@ mod tests {
 
     #[test]
     fn a_wide_sweep_that_only_bends_the_tip_needs_no_answer_but_the_way_along_it_does() {
-        let judge = |sweep: Sweep, half_period: i32, half_period_max: i32| {
+        let judge = |sweep: Mode, half_period: i32, half_period_max: i32| {
             let mut judge = Judge::new(sweep, 0.13);
             judge.p.stick_slip = StickSlip { half_period, half_period_max, ..judge.p.stick_slip };
             judge
         };
-        for (sweep, half, longest) in [(Sweep::Circular, 10, 0), (Sweep::Circular, 10, 20), (Sweep::Linear, 20, 20)] {
+        for (sweep, half, longest) in [(Mode::Circular, 10, 0), (Mode::Circular, 10, 20), (Mode::Cross, 20, 20)] {
             // 26 um of depth, without a way along z
             assert_eq!(round(judge(sweep, half, longest), 100e-6, 0.0), None);
             for radius in [0.0, 50e-6, 100e-6] {
                 let fault = round(judge(sweep, half, longest), radius, 50e-6);
-                assert_eq!(fault, Some(Fault::FrozenForce), "{sweep:?} {half} {radius}");
+                assert_eq!(fault, Some(Fault::ForceFrozen), "{sweep:?} {half} {radius}");
             }
         }
         for (half, longest) in [(10, 0), (10, 20), (20, 0)] {
-            let fault = round(judge(Sweep::Linear, half, longest), 100e-6, 0.0);
-            assert_eq!(fault, Some(Fault::FrozenForce), "{half} {longest}");
+            let fault = round(judge(Mode::Cross, half, longest), 100e-6, 0.0);
+            assert_eq!(fault, Some(Fault::ForceFrozen), "{half} {longest}");
         }
     }
 
     /// What is wrong where the encoders have 10 um of noise, on the way down and for 4 s in which the force keeps within its band and the
     /// tool sinks by `sunk` m.
-    fn noisy(sweep: Sweep, sunk: f64) -> Option<Fault> {
+    fn noisy(sweep: Mode, sunk: f64) -> Option<Fault> {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(8);
         let mut depth = |depth: f64| -> Vector3<f64> {
             let noise: f64 = StandardNormal.sample(&mut random);
@@ -308,20 +308,20 @@ mod tests {
 
     #[test]
     fn noise_of_the_encoders_is_no_way_and_hides_none() {
-        for sweep in [Sweep::Linear, Sweep::Circular] {
-            assert_eq!([0.0, 150e-6].map(|sunk| noisy(sweep, sunk)), [None, Some(Fault::FrozenForce)], "{sweep:?}");
+        for sweep in [Mode::Cross, Mode::Circular] {
+            assert_eq!([0.0, 150e-6].map(|sunk| noisy(sweep, sunk)), [None, Some(Fault::ForceFrozen)], "{sweep:?}");
         }
     }
 
     #[test]
     fn the_last_bit_of_an_encoder_is_no_noise_that_a_way_may_hide_in() {
         // 21.5 um may be unanswered, and noise of 0.8 steps would allow 6.5 um more
-        let fault = |sweep: Sweep, sunk: f64| {
+        let fault = |sweep: Mode, sunk: f64| {
             let depth = |k: u32| sunk * f64::from(k) / 1e3 + P.encoder_resolution * f64::from(k % 2);
             (0..1000).map(|k| Vector3::z() * depth(k)).fold(Judge::new(sweep, 0.0), Judge::show).fault
         };
-        for sweep in [Sweep::Linear, Sweep::Circular] {
-            assert_eq!([18e-6, 25e-6].map(|sunk| fault(sweep, sunk)), [None, Some(Fault::FrozenForce)], "{sweep:?}");
+        for sweep in [Mode::Cross, Mode::Circular] {
+            assert_eq!([18e-6, 25e-6].map(|sunk| fault(sweep, sunk)), [None, Some(Fault::ForceFrozen)], "{sweep:?}");
         }
     }
 
@@ -337,8 +337,8 @@ mod tests {
     fn a_force_that_stands_is_frozen_only_where_that_is_watched() {
         let mut p = P;
         let standing = |p: &Parameters| told(p, std::iter::repeat_n(1.0, 5000));
-        assert_eq!(standing(&p), Some(Fault::FrozenForce));
-        p.limits.still_time = 0.0;
+        assert_eq!(standing(&p), Some(Fault::ForceFrozen));
+        p.limits.frozen_time = 0.0;
         assert_eq!(standing(&p), None);
     }
 

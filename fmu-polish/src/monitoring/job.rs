@@ -41,10 +41,10 @@ impl JobTime {
     }
 }
 
-/// Longest time of a job, s: `limits.job_time`, or what its parts may take.
+/// Longest time of a job, s: `limits.cycle_time`, or what its parts may take.
 pub fn budget(p: &Parameters, path: &CentrePath) -> f64 {
-    if p.limits.job_time > 0.0 {
-        return p.limits.job_time;
+    if p.limits.cycle_time > 0.0 {
+        return p.limits.cycle_time;
     }
     let down = p.approach.travel_max / p.approach.velocity;
     let out = p.retract.distance / p.retract.velocity;
@@ -75,14 +75,14 @@ mod tests {
         let (mut p, path) = job();
         let parts = 3.0 + 4.0 + 3.0 * 5.0 + 7.0;
         assert!((budget(&p, &path) - parts - 4.0 * path.time(&p)).abs() < 1e-9, "{}", budget(&p, &path));
-        p.limits.job_time = 17.0;
+        p.limits.cycle_time = 17.0;
         assert_eq!(budget(&p, &path), 17.0);
     }
 
     #[test]
     fn only_a_job_takes_time_and_it_may_take_all_of_it() {
         let (mut p, path) = job();
-        p.limits.job_time = 8.0 * p.sample_period;
+        p.limits.cycle_time = 8.0 * p.sample_period;
         let mut time = JobTime::default();
         time.restart(&p, budget(&p, &path));
         let all = State::ALL.iter().copied();

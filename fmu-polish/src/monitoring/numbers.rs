@@ -1,19 +1,19 @@
-//! Numbers that are told with a fault.
+//! Numbers for the log message of a fault.
 
 use serde::{Deserialize, Serialize};
 
-/// What the monitors know of a sample, for the log.
+/// Values of the monitors in one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Numbers {
-    /// Share of the told motion that the axis with a fault does, where there is one.
-    pub share: Option<f64>,
-    /// Time of the job, s.
+    /// Measured over commanded motion of the axis with a fault, where there is one.
+    pub ratio: Option<f64>,
+    /// Time of the cycle, s.
     pub time: f64,
-    /// Longest time of the job, s.
+    /// Maximum time of the cycle, s.
     pub time_limit: f64,
     /// Norm of the force, N.
     pub norm: f64,
-    /// The same of the zero of the sensor, N.
+    /// Norm of the zero of the sensor, N.
     pub zero: f64,
     /// Angle between the mean force and the normal, rad.
     pub angle: f64,
@@ -26,9 +26,9 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Before the first job.
+    /// Before the first cycle.
     pub const START: Self = Self {
-        share: None,
+        ratio: None,
         time: 0.0,
         time_limit: 0.0,
         norm: 0.0,

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
+/// Limit of the integrated position error, m s: 0.1 mm for 2 s. It bounds what a blocked axis winds up.
+const INTEGRAL_MAX: f64 = 0.2e-3;
+
 /// Integral of the position error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PositionFeedback {
@@ -21,7 +24,7 @@ impl PositionFeedback {
     pub fn step(&mut self, p: &Parameters, error: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
         let law = &p.position;
         let free = |v: &Vector3<f64>| if law.projected { v - normal * normal.dot(v) } else { *v };
-        let (select, error, limit) = (law.select, free(error), law.integral_max);
+        let (select, error, limit) = (law.select, free(error), INTEGRAL_MAX);
         let select = Vector3::new(select.x, select.y, select.z).map(|on| f64::from(u8::from(on)));
         self.integral = (self.integral + error * p.sample_period).map(|sum| sum.clamp(-limit, limit));
         // eq. 6; the paper's K_i is this one times the sample period
@@ -65,7 +68,7 @@ mod tests {
     #[test]
     fn the_integral_is_that_of_the_error_over_time() {
         let p = with(|q| {
-            (q.gain, q.integral, q.integral_max) = (Axes::ZERO, Axes { x: 2.0, y: 3.0, z: 0.0 }, 1.0);
+            (q.gain, q.integral) = (Axes::ZERO, Axes { x: 2.0, y: 3.0, z: 0.0 });
             (q.projected, q.select) = (false, Axes::all(true));
         });
         let mut feedback = PositionFeedback::new();
@@ -85,6 +88,6 @@ mod tests {
         for _ in 0..10_000 {
             v = feedback.step(&p, &Vector3::new(1e-3, 0.0, 0.0), &Vector3::z());
         }
-        assert_eq!(v.x, 10.0 * p.position.integral_max);
+        assert_eq!(v.x, 10.0 * INTEGRAL_MAX);
     }
 }

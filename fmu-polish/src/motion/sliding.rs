@@ -13,9 +13,9 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::force::contact::Measurement;
-use crate::interface::{Mode, Parameters, Sweep};
-use crate::motion::feigned::Feigned;
-use crate::motion::felt_motion::FeltMotion;
+use crate::interface::{Mode, Parameters};
+use crate::motion::apparent_sliding::ApparentSliding;
+use crate::motion::sensed_motion::SensedMotion;
 use crate::motion::stick_slip::{self, fastest};
 use crate::motion::sweep_limits::{accelerated, highest};
 
@@ -35,8 +35,8 @@ const FELT: f64 = 2.0;
 /// The measurement and what it adds to K_v; by default nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sliding {
-    motion: FeltMotion,
-    feigned: Feigned,
+    motion: SensedMotion,
+    apparent: ApparentSliding,
     samples: u32,
     /// W, J
     work: f64,
@@ -73,7 +73,7 @@ impl Sliding {
             self.work += work;
             self.weighted += mean.norm() * work;
             self.square += mean.norm_squared();
-            self.feigned.add(&felt);
+            self.apparent.add(&felt);
             self.samples += 1;
         }
         if self.samples >= window(p) {
@@ -86,7 +86,7 @@ impl Sliding {
         let least = (self.square / count).sqrt().max(f64::MIN_POSITIVE);
         self.friction = if self.work > 0.0 { (self.weighted / self.work).max(least) } else { least };
         let time = count * p.sample_period;
-        let (speed, round) = (self.work / self.friction / time, self.feigned.round(time));
+        let (speed, round) = (self.work / self.friction / time, self.apparent.round(time));
         (self.samples, self.work, self.weighted, self.square) = Default::default();
         self.speed = Some(speed);
         if wanted(p) == 0.0 {
@@ -97,19 +97,19 @@ impl Sliding {
             self.begin_verdict();
         } else {
             let most = (highest(p) - p.stick_slip.velocity).max(0.0);
-            let speed = self.feigned.surely(p, speed, round);
+            let speed = self.apparent.certain(p, speed, round);
             let (raised, velocity) = (self.added >= most, p.stick_slip.velocity + self.added);
-            if p.stick_slip.sweep == Sweep::Circular && speed < ENOUGH * wanted(p) {
+            if p.stick_slip.mode == Mode::Circular && speed < ENOUGH * wanted(p) {
                 self.stuck = self.stuck.max(velocity);
             }
             let least = (self.stuck - p.stick_slip.velocity).clamp(0.0, most);
             self.added = (self.added + rise(p, velocity, speed)).clamp(least, most);
-            self.hear(p, speed, raised);
+            self.add_to_verdict(p, speed, raised);
         }
     }
 
     /// Takes the speed (m/s) of a window for the verdict, at the largest K_v or not.
-    fn hear(&mut self, p: &Parameters, speed: f64, at_most: bool) {
+    fn add_to_verdict(&mut self, p: &Parameters, speed: f64, at_most: bool) {
         if !at_most {
             return self.begin_verdict();
         }
@@ -169,13 +169,13 @@ impl Sliding {
 /// falls to where the ball has slid too little before in the job.
 fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
     let (wanted, c) = (wanted(p), fastest(&p.stick_slip));
-    match p.stick_slip.sweep {
-        Sweep::Linear => RISE * (wanted - speed),
-        Sweep::Circular if speed < STICKS * wanted => RISE * (wanted - speed) / c,
-        Sweep::Circular => {
+    match p.stick_slip.mode {
+        Mode::Circular if speed < STICKS * wanted => RISE * (wanted - speed) / c,
+        Mode::Circular => {
             let square = velocity.powi(2) + RISE * (wanted.powi(2) - speed.powi(2)) / (c * c);
             square.max(0.0).sqrt() - velocity
         }
+        _ => RISE * (wanted - speed),
     }
 }
 
@@ -372,11 +372,11 @@ mod tests {
         // (pi / 2) K_v pi / 10 ms
         let accelerated = 7.0 * 2.0 * 10e-3 / std::f64::consts::PI.powi(2);
         // a square wave is rounded as the axes can
-        for (sweep, most) in [(Sweep::Circular, accelerated), (Sweep::Linear, 30e-3)] {
+        for (mode, most) in [(Mode::Circular, accelerated), (Mode::Cross, 30e-3)] {
             for (velocity, ratio) in [(30e-3, 0.0), (0.0, 15.0)] {
-                let tuned = StickSlip { velocity, ratio, sweep, ..P.stick_slip };
+                let tuned = StickSlip { velocity, ratio, mode, ..P.stick_slip };
                 let p = Parameters { stick_slip: tuned, drive: weak, ..P };
-                assert!((Sliding::default().swept(&p, 2e-3) - most).abs() < 1e-12, "{sweep:?} {ratio}");
+                assert!((Sliding::default().swept(&p, 2e-3) - most).abs() < 1e-12, "{mode:?} {ratio}");
             }
         }
     }
@@ -415,7 +415,7 @@ mod tests {
         assert!(good.added == 0.0 && !good.too_little, "{good:?}");
         for (share, expected) in [(0.95, false), (0.85, true)] {
             let mut most = Sliding::default();
-            (0..WINDOWS).for_each(|_| most.hear(&P, share * P.stick_slip.sliding, true));
+            (0..WINDOWS).for_each(|_| most.add_to_verdict(&P, share * P.stick_slip.sliding, true));
             assert_eq!(most.too_little, expected, "{share}");
         }
     }
@@ -425,7 +425,7 @@ mod tests {
         let mut p = P;
         p.stick_slip.half_period_max = 30;
         let slow = |sliding: &mut Sliding, p: &Parameters| {
-            (0..WINDOWS).for_each(|_| sliding.hear(p, 0.85 * p.stick_slip.sliding, true));
+            (0..WINDOWS).for_each(|_| sliding.add_to_verdict(p, 0.85 * p.stick_slip.sliding, true));
         };
         let mut sliding = Sliding { added: 10e-3, stuck: 19e-3, speed: Some(5e-3), ..Sliding::default() };
         assert!(!sliding.begins_anew(&p, 20));

@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
 
-use crate::interface::{Mode, StickSlip, Sweep, Wave};
+use crate::interface::{Mode, StickSlip};
 use crate::path::centre_path::Frame;
 
 /// A vector shorter than this has no direction, m.
@@ -26,7 +26,7 @@ pub fn direction(mode: Mode, frame: &Frame) -> Vector3<f64> {
         Mode::Off => Vector3::zeros(),
         // eqs. 9 to 15: v_v = i n + j x with i = - j (n . x)
         Mode::Paper => x - n * n.dot(x),
-        Mode::Cross => n.cross(&frame.tangent),
+        Mode::Cross | Mode::Circular => n.cross(&frame.tangent),
     };
     let length = vector.norm();
     // a division that stays finite, whichever side of the branch is computed
@@ -36,16 +36,14 @@ pub fn direction(mode: Mode, frame: &Frame) -> Vector3<f64> {
 /// Velocity over K_v in sample `k` = 1, 2, ... and the unit vector along which it counts.
 pub fn motion(law: &StickSlip, k: u32, frame: &Frame) -> (f64, Vector3<f64>) {
     let vector = direction(law.mode, frame);
-    match law.sweep {
-        Sweep::Linear => (sign(law, k), vector),
-        Sweep::Circular => {
-            let half = law.half_period.unsigned_abs().max(1);
-            let [across, along] = [0, 1].map(|axis| circle(half, k)[axis] - circle(half, k - 1)[axis]);
-            let velocity = across * vector + along * vector.cross(&frame.normal);
-            let size = velocity.norm();
-            (size, velocity / size.max(f64::MIN_POSITIVE))
-        }
+    if law.mode != Mode::Circular {
+        return (sign(law, k), vector);
     }
+    let half = law.half_period.unsigned_abs().max(1);
+    let [across, along] = [0, 1].map(|axis| circle(half, k)[axis] - circle(half, k - 1)[axis]);
+    let velocity = across * vector + along * vector.cross(&frame.normal);
+    let size = velocity.norm();
+    (size, velocity / size.max(f64::MIN_POSITIVE))
 }
 
 /// Place on the circle after sample `k`, along the stick-slip vector and square to it, over K_v and the sample period.
@@ -57,15 +55,12 @@ fn circle(half: u32, k: u32) -> [f64; 2] {
 
 /// Whether a soft tip may bend with the whole sweep: on a circle, and where the half period has been raised as far as it may.
 pub fn bends(law: &StickSlip) -> bool {
-    law.sweep == Sweep::Circular || (law.half_period_max > 0 && law.half_period >= law.half_period_max)
+    law.mode == Mode::Circular || (law.half_period_max > 0 && law.half_period >= law.half_period_max)
 }
 
 /// Largest velocity over K_v.
 pub fn fastest(law: &StickSlip) -> f64 {
-    match (law.sweep, law.wave) {
-        (Sweep::Linear, Wave::Square) => 1.0,
-        (Sweep::Linear, Wave::Sine) | (Sweep::Circular, _) => FRAC_PI_2,
-    }
+    if law.mode == Mode::Circular { FRAC_PI_2 } else { 1.0 }
 }
 
 /// Largest acceleration over K_v, 1/s, in samples of `period` s; none of a square wave, which the axes round as they can.
@@ -77,13 +72,8 @@ pub fn sharpest(law: &StickSlip, period: f64) -> Option<f64> {
 /// The sign of sample `k` = 1, 2, ...; the motion is centred: it begins with half of a half period.
 pub fn sign(law: &StickSlip, k: u32) -> f64 {
     let half = law.half_period.unsigned_abs().max(1);
-    match law.wave {
-        // eq. 17 for a half period of 1
-        Wave::Square if ((k - 1 + half / 2) / half).is_multiple_of(2) => 1.0,
-        Wave::Square => -1.0,
-        // a square of height 1 and a sine of height pi / 2 travel equally far
-        Wave::Sine => FRAC_PI_2 * (phase(half, k) - 0.5 * phase(half, 1)).cos(),
-    }
+    // eq. 17 for a half period of 1
+    if ((k - 1 + half / 2) / half).is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Angle (rad) of sample `k` in a period of two half periods.
@@ -95,8 +85,8 @@ pub fn phase(half: u32, k: u32) -> f64 {
 pub fn velocity(law: &StickSlip, feed: f64) -> f64 {
     match law.mode {
         Mode::Off => 0.0,
-        Mode::Paper | Mode::Cross if law.ratio > 0.0 => law.ratio * feed,
-        Mode::Paper | Mode::Cross => law.velocity,
+        _ if law.ratio > 0.0 => law.ratio * feed,
+        _ => law.velocity,
     }
 }
 
@@ -109,7 +99,7 @@ pub(crate) mod tests {
 
     /// Parameters with a circular sweep.
     pub fn circular() -> Parameters {
-        Parameters { stick_slip: StickSlip { sweep: Sweep::Circular, ..LAW }, ..Parameters::START }
+        Parameters { stick_slip: StickSlip { mode: Mode::Circular, ..LAW }, ..Parameters::START }
     }
 
     fn frame(normal: Vector3<f64>, tangent: Vector3<f64>, contact: Vector3<f64>) -> Frame {
@@ -127,17 +117,17 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn every_wave_is_centred_and_travels_equally_far() {
-        for (wave, half, tolerance) in [(Wave::Square, 10, 1e-12), (Wave::Sine, 10, 0.1), (Wave::Square, 7, 1.0)] {
-            let law = StickSlip { half_period: half, wave, ..LAW };
+    fn every_square_wave_is_centered() {
+        for (half, tolerance) in [(10, 1e-12), (7, 1.0)] {
+            let law = StickSlip { half_period: half, ..LAW };
             let way = (1..=4 * half as u32).scan(0.0, |sum, k| {
                 *sum += sign(&law, k);
                 Some(*sum)
             });
             let way: Vec<f64> = way.collect();
             let (most, least) = way.iter().fold((0.0f64, 0.0f64), |(a, b), w| (a.max(*w), b.min(*w)));
-            assert!((most - least - f64::from(half)).abs() <= tolerance, "{wave:?} {half}: {most} {least}");
-            assert!((most + least).abs() <= tolerance, "{wave:?} {half}: {most} {least}");
+            assert!((most - least - f64::from(half)).abs() <= tolerance, "{half}: {most} {least}");
+            assert!((most + least).abs() <= tolerance, "{half}: {most} {least}");
         }
     }
 
@@ -146,7 +136,7 @@ pub(crate) mod tests {
         let u = frame(Vector3::new(0.2, -0.1, 1.0), Vector3::y(), Vector3::zeros());
         let beside = direction(Mode::Cross, &u);
         for half in [5, 10, 14] {
-            let law = StickSlip { sweep: Sweep::Circular, half_period: half, ..LAW };
+            let law = StickSlip { mode: Mode::Circular, half_period: half, ..LAW };
             let (mut place, mut speeds) = (Vector3::zeros(), Vec::new());
             for k in 1..=6 * half as u32 {
                 let (speed, vector) = motion(&law, k, &u);
@@ -168,30 +158,26 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_paper_vector_goes_round_as_well_and_one_sample_is_eq_17() {
+    fn a_circle_of_one_sample_alternates_as_eq_17() {
         let u = frame(Vector3::new(-0.3, 0.1, 1.0), Vector3::y(), Vector3::new(1e-3, 2e-3, 5e-4));
-        let law = StickSlip { mode: Mode::Paper, sweep: Sweep::Circular, half_period: 1, ..LAW };
+        let law = StickSlip { mode: Mode::Circular, half_period: 1, ..LAW };
         for k in 10..20 {
             let (speed, vector) = motion(&law, k, &u);
             let expected = if k % 2 == 0 { 1.0 } else { -1.0 };
-            assert!((speed * vector.dot(&direction(Mode::Paper, &u)) - expected).abs() < 1e-9, "{k}");
+            assert!((speed * vector.dot(&direction(Mode::Circular, &u)) - expected).abs() < 1e-9, "{k}");
         }
-        let off = StickSlip { mode: Mode::Off, ..law };
-        assert_eq!(motion(&off, 7, &u), (0.0, Vector3::zeros()));
     }
 
     #[test]
-    fn speed_and_acceleration_are_those_of_the_motion() {
+    fn speed_and_acceleration_of_a_circle_are_those_of_the_motion() {
         let (u, dt) = (frame(Vector3::z(), Vector3::y(), Vector3::zeros()), 1e-3);
-        for (sweep, wave) in [(Sweep::Linear, Wave::Sine), (Sweep::Circular, Wave::Square)] {
-            let law = StickSlip { sweep, wave, half_period: 50, ..LAW };
-            let velocity = |k: u32| {
-                let (size, vector) = motion(&law, k, &u);
-                size * vector
-            };
-            let change = (400..600).map(|k| (velocity(k + 1) - velocity(k)).norm() / dt).fold(0.0, f64::max);
-            assert!((change / sharpest(&law, dt).unwrap() - 1.0).abs() < 1e-3, "{sweep:?}: {change}");
-        }
+        let law = StickSlip { mode: Mode::Circular, half_period: 50, ..LAW };
+        let velocity = |k: u32| {
+            let (size, vector) = motion(&law, k, &u);
+            size * vector
+        };
+        let change = (400..600).map(|k| (velocity(k + 1) - velocity(k)).norm() / dt).fold(0.0, f64::max);
+        assert!((change / sharpest(&law, dt).unwrap() - 1.0).abs() < 1e-3, "{change}");
         assert_eq!((sharpest(&LAW, dt), fastest(&LAW)), (None, 1.0));
     }
 

@@ -5,22 +5,22 @@ use nalgebra::Vector3;
 use super::cl_data::{ClError, Point};
 use crate::interface::Parameters;
 
-/// Points closer than this are one point, m.
+/// Points closer than this are merged, m.
 pub const SPACING_MIN: f64 = 1e-6;
-/// Largest distance of two points, m.
+/// Maximum distance of two points, m.
 const SPACING_MAX: f64 = 0.2e-3;
-/// Fewest points of a path.
+/// Minimum number of points of a path.
 const POINTS_MIN: usize = 10;
 /// Tolerance of the length of a normal.
 const NORMAL_TOLERANCE: f64 = 1e-3;
-/// Largest angle between the normals of two points, rad.
+/// Maximum angle between the normals of two points, rad.
 const TURN_MAX: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Largest part of a step that may go along the normal.
+/// Maximum fraction of a step along the normal.
 const CLIMB_MAX: f64 = 0.2;
 /// Tolerance of the tool diameter.
 const CUTTER_TOLERANCE: f64 = 0.01;
 
-/// The normal with length 1.
+/// The normal, scaled to length 1.
 ///
 /// # Errors
 /// When its length is not near 1.
@@ -32,14 +32,14 @@ pub fn unit_normal(normal: Vector3<f64>) -> Result<Vector3<f64>, String> {
     Ok(normal / length)
 }
 
-/// The diameter (m) of the tool that the path is for.
+/// Checks the diameter (m) of the tool for which the path was made.
 ///
 /// # Errors
-/// When it is not that of the parameters.
+/// When it is not twice `tool.radius`.
 pub fn cutter(diameter: f64, p: &Parameters) -> Result<(), String> {
-    let ours = 2.0 * p.tool_radius;
-    if (diameter / ours - 1.0).abs() > CUTTER_TOLERANCE {
-        return Err(format!("CUTTER is `{diameter} m`, must be twice `tool.radius`, `{ours} m`, within 1 %"));
+    let expected = 2.0 * p.tool_radius;
+    if (diameter / expected - 1.0).abs() > CUTTER_TOLERANCE {
+        return Err(format!("CUTTER is `{diameter} m`, must be twice `tool.radius`, `{expected} m`, within 1 %"));
     }
     Ok(())
 }
@@ -47,34 +47,39 @@ pub fn cutter(diameter: f64, p: &Parameters) -> Result<(), String> {
 /// Checks a whole path of a file with `lines` lines.
 ///
 /// # Errors
-/// The first point that is wrong, and why.
+/// Names the first invalid point and the reason.
 pub fn path(points: &[Point], lines: usize, p: &Parameters) -> Result<(), ClError> {
     if points.len() < POINTS_MIN {
         let reason = format!("only `{}` different points, must be at least `{POINTS_MIN}`", points.len());
-        return Err(ClError::new(lines, reason, "write the whole path"));
+        return Err(ClError::new(lines, reason, "Write the whole path."));
     }
     points.iter().try_for_each(|point| alone(point, p))?;
     points.windows(2).try_for_each(|pair| neighbours(&pair[0], &pair[1], p))
 }
 
-/// What one point must be.
+/// Checks one point.
 fn alone(point: &Point, p: &Parameters) -> Result<(), ClError> {
     let upright = p.path.slope_max.cos();
     let error = |reason, hint| Err(ClError::new(point.line, reason, hint));
     if point.normal.z < -upright {
         let reason = format!("the normal points down (k = `{:.4}`), into the material", point.normal.z);
-        return error(reason, "write the normals out of the material, k > 0");
+        return error(reason, "Write normals that point out of the material, k > 0.");
     }
     if point.normal.z < upright {
         let slope = point.normal.z.clamp(-1.0, 1.0).acos();
-        let reason =
-            format!("the surface is `{slope:.3} rad` steep, at most `path.slope_max` = `{} rad`", p.path.slope_max);
-        return error(reason, "tilt the mold, or raise `path.slope_max` if the shank stays clear of the wall");
+        let reason = format!(
+            "the surface is `{slope:.3} rad` steep, at most `expert.path.slope_max` = `{} rad`",
+            p.path.slope_max
+        );
+        return error(
+            reason,
+            "Tilt the mold, or increase `expert.path.slope_max` if the shank stays clear of the wall.",
+        );
     }
     if p.feed.uses_file() && point.feed <= 0.0 {
         return error(
             "a point before the first FEDRAT".into(),
-            "write FEDRAT before GOTO, or set `feed.source` = Parameter",
+            "Write FEDRAT before GOTO, or set `expert.feed.source` = Parameter.",
         );
     }
     let centre = point.contact + p.tool_radius * point.normal;
@@ -84,13 +89,13 @@ fn alone(point: &Point, p: &Parameters) -> Result<(), ClError> {
         if reach > 0.5 * stroke {
             let reason =
                 format!("`{axis}` reaches `{reach:.6} m` from the middle of the stroke, at most `{} m`", 0.5 * stroke);
-            return error(reason, "check the unit and the origin of the path, or `stroke`");
+            return error(reason, "Check the unit and the origin of the path, and `stroke`.");
         }
     }
     Ok(())
 }
 
-/// What two points in a row must be.
+/// Checks two consecutive points.
 fn neighbours(a: &Point, b: &Point, p: &Parameters) -> Result<(), ClError> {
     let error = |reason, hint| Err(ClError::new(b.line, reason, hint));
     let step = b.contact - a.contact;
@@ -98,23 +103,26 @@ fn neighbours(a: &Point, b: &Point, p: &Parameters) -> Result<(), ClError> {
     if spacing > SPACING_MAX {
         let reason =
             format!("a gap of `{:.4} mm` to the point before, at most `{} mm`", 1e3 * spacing, 1e3 * SPACING_MAX);
-        return error(reason, "space the points closer, and check the unit");
+        return error(reason, "Reduce the spacing of the points, and check the unit.");
     }
     let turn = a.normal.dot(&b.normal).clamp(-1.0, 1.0).acos();
     if turn > TURN_MAX {
-        let reason = format!("the normal turns by `{turn:.3} rad` from the point before, at most `{TURN_MAX:.3} rad`");
-        return error(reason, "space the points closer where the surface bends, and check the normals");
+        let reason =
+            format!("the normal rotates by `{turn:.3} rad` from the point before, at most `{TURN_MAX:.3} rad`");
+        return error(reason, "Reduce the spacing of the points in curved regions, and check the normals.");
     }
     let climb = step.dot(&(a.normal + b.normal)).abs() / (2.0 * spacing);
     if climb > CLIMB_MAX {
-        let reason = format!("the step goes by `{climb:.3}` of its length along the normal, at most `{CLIMB_MAX}`");
-        return error(reason, "the normals do not belong to the surface");
+        let reason = format!("the step has `{climb:.3}` of its length along the normal, at most `{CLIMB_MAX}`");
+        return error(reason, "Check the normals: they do not fit the surface.");
     }
     let centre_step = step + p.tool_radius * (b.normal - a.normal);
     if centre_step.dot(&step) <= 0.0 {
-        let reason =
-            format!("the path of the ball centre folds: the surface is hollower than the tool, `{} m`", p.tool_radius);
-        return error(reason, "take a smaller tool");
+        let reason = format!(
+            "the path of the ball center folds: the surface has a smaller radius than the tool, `{} m`",
+            p.tool_radius
+        );
+        return error(reason, "Use a smaller tool.");
     }
     Ok(())
 }
@@ -124,11 +132,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_may_be_as_far_apart_as_the_limit_says() {
+    fn points_may_be_as_far_apart_as_the_limit() {
         let at = |x: f64| Point { contact: Vector3::new(x, 0.0, 0.0), normal: Vector3::z(), feed: 1e-3, line: 1 };
         let gap = |x: f64| neighbours(&at(0.0), &at(x), &Parameters::START);
         assert!(gap(SPACING_MAX).is_ok());
-        let told = gap(1.01 * SPACING_MAX).unwrap_err().to_string();
-        assert!(told.contains("`0.2020 mm`") && told.contains("`0.2 mm`"), "{told}");
+        let message = gap(1.01 * SPACING_MAX).unwrap_err().to_string();
+        assert!(message.contains("`0.2020 mm`") && message.contains("`0.2 mm`"), "{message}");
     }
 }

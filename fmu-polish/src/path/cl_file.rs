@@ -21,7 +21,7 @@ const POINTS_MAX: usize = 200_000;
 /// # Errors
 /// Names the file, the line, the value and the limit.
 pub fn read(resources: Option<&Path>, p: &Parameters) -> Result<Vec<Point>, ParameterError> {
-    let hint = "name a file in the folder resources of the FMU, or give its whole path";
+    let hint = "Set a file in the folder resources of the FMU, or an absolute path.";
     let parameter = FileParameter { name: "path.file", file: &p.path.file, hint };
     let bytes = if parameter.file == built_in::NAME {
         built_in::BYTES.to_vec()
@@ -41,7 +41,11 @@ pub fn read(resources: Option<&Path>, p: &Parameters) -> Result<Vec<Point>, Para
 pub fn points(bytes: &[u8], p: &Parameters) -> Result<Vec<Point>, ClError> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
-        ClError::new(line, "this is no text in UTF-8", "write CL data as text, not as the binary file of a CAM system")
+        ClError::new(
+            line,
+            "the file is not UTF-8 text",
+            "Export CL data as text, not as the binary file of a CAM system.",
+        )
     })?;
     let mut reader = Interpreter::default();
     for (i, line) in text.lines().enumerate() {
@@ -68,7 +72,7 @@ impl Interpreter {
     /// Takes one statement of line `line`.
     fn take(&mut self, statement: Statement, line: usize, p: &Parameters) -> Result<(), ClError> {
         if self.finished {
-            return Err(ClError::new(line, "a statement after FINI", "end the file with FINI"));
+            return Err(ClError::new(line, "a statement after FINI", "End the file with FINI."));
         }
         match statement {
             Statement::Remark => Ok(()),
@@ -76,7 +80,7 @@ impl Interpreter {
             Statement::Cutter(diameter) => {
                 let diameter = diameter * self.metre(line)?;
                 checks::cutter(diameter, p).map_err(|reason| {
-                    ClError::new(line, reason, "set `tool.radius` to that of the tool, and make the path for it")
+                    ClError::new(line, reason, "Set `tool.radius` to the radius of the tool, and make the path for it.")
                 })
             }
             Statement::Feed(feed) => {
@@ -93,7 +97,7 @@ impl Interpreter {
 
     fn set_units(&mut self, units: Units, line: usize) -> Result<(), ClError> {
         if self.units.is_some_and(|known| known != units) {
-            return Err(ClError::new(line, "a second UNITS that differs", "write the whole file in one unit"));
+            return Err(ClError::new(line, "a second UNITS that differs", "Write the whole file in one unit."));
         }
         self.units = Some(units);
         Ok(())
@@ -101,7 +105,7 @@ impl Interpreter {
 
     /// Metres in a unit of the file.
     fn metre(&self, line: usize) -> Result<f64, ClError> {
-        let hint = "write `UNITS/MM` or `UNITS/INCH` before the first length";
+        let hint = "Write `UNITS/MM` or `UNITS/INCH` before the first length.";
         self.units.map(Units::metre).ok_or_else(|| ClError::new(line, "a length before UNITS", hint))
     }
 
@@ -109,10 +113,10 @@ impl Interpreter {
         let metre = self.metre(line)?;
         if self.points.len() == POINTS_MAX {
             let reason = format!("more than `{POINTS_MAX}` points");
-            return Err(ClError::new(line, reason, "space the points wider, or polish in several paths"));
+            return Err(ClError::new(line, reason, "Increase the spacing of the points, or divide the path."));
         }
         let normal = checks::unit_normal(Vector3::new(i, j, k)).map_err(|reason| {
-            ClError::new(line, reason, "write the unit normal out of the material as the last three numbers")
+            ClError::new(line, reason, "Write the unit normal out of the material as the last three numbers.")
         })?;
         let contact = metre * Vector3::new(x, y, z);
         let new = self.points.last().is_none_or(|last| (contact - last.contact).norm() >= checks::SPACING_MIN);
@@ -126,7 +130,7 @@ impl Interpreter {
     fn finish(self, p: &Parameters) -> Result<Vec<Point>, ClError> {
         if !self.finished {
             let reason = if self.lines == 0 { "the file is empty" } else { "the file ends without FINI" };
-            return Err(ClError::new(self.lines.max(1), reason, "write the whole path and FINI behind it"));
+            return Err(ClError::new(self.lines.max(1), reason, "Write the whole path, then FINI."));
         }
         checks::path(&self.points, self.lines, p)?;
         Ok(self.points)

@@ -67,8 +67,8 @@ pub fn parse(line: &str) -> Result<Option<Statement>, Wrong> {
         "FINI" => Statement::Fini,
         known if REMARKS.contains(&known) => Statement::Remark,
         _ => {
-            let hint = "known are PARTNO, UNITS, CUTTER, FEDRAT, GOTO, FINI, and comments after `$$`";
-            return Err((format!("`{}` is no statement", shown(text)), hint));
+            let hint = "Use PARTNO, UNITS, CUTTER, FEDRAT, GOTO and FINI, and comments after `$$`.";
+            return Err((format!("`{}` is not a statement", shown(text)), hint));
         }
     };
     Ok(Some(statement))
@@ -80,14 +80,14 @@ fn shown(text: &str) -> String {
 }
 
 fn numbers(rest: &str) -> Result<[f64; 6], Wrong> {
-    let hint = "write `GOTO/x,y,z,i,j,k`: contact point and unit normal";
+    let hint = "Write `GOTO/x,y,z,i,j,k`: contact point and unit normal.";
     let count = rest.split(',').count();
     if count != 6 {
         return Err((format!("GOTO has `{count}` numbers, must have `6`"), hint));
     }
     let mut numbers = [0.0; 6];
     for (place, field) in numbers.iter_mut().zip(rest.split(',')) {
-        *place = number(field).ok_or_else(|| (format!("`{}` is no finite number", shown(field.trim())), hint))?;
+        *place = number(field).ok_or_else(|| (format!("`{}` is not a finite number", shown(field.trim())), hint))?;
     }
     Ok(numbers)
 }
@@ -96,7 +96,7 @@ fn units(rest: &str) -> Result<Units, Wrong> {
     match rest.trim().to_ascii_uppercase().as_str() {
         "MM" => Ok(Units::Millimetre),
         "INCH" | "IN" | "INCHES" => Ok(Units::Inch),
-        other => Err((format!("the unit `{}` is unknown", shown(other)), "write `UNITS/MM` or `UNITS/INCH`")),
+        other => Err((format!("the unit `{}` is unknown", shown(other)), "Write `UNITS/MM` or `UNITS/INCH`.")),
     }
 }
 
@@ -106,7 +106,7 @@ fn feed(rest: &str) -> Result<f64, Wrong> {
     let scale = match unit.trim().to_ascii_uppercase().as_str() {
         "MMPM" => MM_PER_MINUTE,
         "IPM" => INCH / 60.0,
-        other => return Err((format!("the feed unit `{}` is unknown", shown(other)), "write `MMPM` or `IPM`")),
+        other => return Err((format!("the feed unit `{}` is unknown", shown(other)), "Write `MMPM` or `IPM`.")),
     };
     Ok(scale * positive("FEDRAT", value)?)
 }
@@ -114,7 +114,7 @@ fn feed(rest: &str) -> Result<f64, Wrong> {
 fn positive(word: &str, field: &str) -> Result<f64, Wrong> {
     number(field)
         .filter(|value| *value > 0.0)
-        .ok_or_else(|| (format!("{word} is `{}`, must be positive", shown(field.trim())), "write a number above 0"))
+        .ok_or_else(|| (format!("{word} is `{}`, must be positive", shown(field.trim())), "Write a number above 0."))
 }
 
 fn number(field: &str) -> Option<f64> {
@@ -147,15 +147,15 @@ mod tests {
     fn a_wrong_line_says_what_is_wrong() {
         let cases = [
             ("GOTO/1,2,3", "GOTO has `3` numbers, must have `6`"),
-            ("GOTO/1,2,nan,0,0,1", "`nan` is no finite number"),
-            ("GOTO/1,2,x,0,0,1", "`x` is no finite number"),
-            ("GOTO/1,2,1e300,0,0,1", "`1e300` is no finite number"),
+            ("GOTO/1,2,nan,0,0,1", "`nan` is not a finite number"),
+            ("GOTO/1,2,x,0,0,1", "`x` is not a finite number"),
+            ("GOTO/1,2,1e300,0,0,1", "`1e300` is not a finite number"),
             ("UNITS/CM", "the unit `CM` is unknown"),
             ("FEDRAT/0,MMPM", "FEDRAT is `0`, must be positive"),
             ("FEDRAT/1,MPS", "the feed unit `MPS` is unknown"),
             ("CUTTER/-1", "CUTTER is `-1`, must be positive"),
-            ("RAPID", "`RAPID` is no statement"),
-            ("\u{1}\u{2}", "`??` is no statement"),
+            ("RAPID", "`RAPID` is not a statement"),
+            ("\u{1}\u{2}", "`??` is not a statement"),
         ];
         for (line, expected) in cases {
             assert_eq!(parse(line).unwrap_err().0, expected);

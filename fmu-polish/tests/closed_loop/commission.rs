@@ -111,14 +111,14 @@ fn the_deviations_are_those_of_robots_that_nobody_has_measured() {
         commission(&mut run);
         let m = &run.output.measured;
         let found = [
-            (m.stiffness - build.stiffness, m.stiffness_deviation),
-            (m.lateral_stiffness - build.lateral, m.lateral_stiffness_deviation),
-            (m.friction - build.friction, m.friction_deviation),
-            (m.drive_gain - build.drive_gain, m.drive_gain_deviation),
-            (m.feedforward - build.feedforward, m.feedforward_deviation),
+            (m.stiffness - build.stiffness, m.stiffness_std),
+            (m.lateral_stiffness - build.lateral, m.lateral_stiffness_std),
+            (m.friction - build.friction, m.friction_std),
+            (m.drive_gain - build.drive_gain, m.drive_gain_std),
+            (m.feedforward - build.feedforward, m.feedforward_std),
             // the substeps of the robot act a tenth of a sample earlier
-            (m.io_delay + 0.1 - 1.0 - build.late as f64, m.io_delay_deviation),
-            (m.sensor_rotation - build.turned, m.sensor_rotation_deviation),
+            (m.io_delay + 0.1 - 1.0 - build.late as f64, m.io_delay_std),
+            (m.sensor_rotation - build.turned, m.sensor_rotation_std),
         ];
         errors.iter_mut().zip(found).for_each(|(errors, (error, deviation))| errors.push(error / deviation));
     }

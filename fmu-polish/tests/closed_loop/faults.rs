@@ -90,7 +90,7 @@ fn settle_timeout_when_the_force_is_out_of_reach() {
 fn lost_contact_when_the_mold_drops() {
     let mut run = running(&P, Build::NOMINAL, 52, State::Follow);
     run.robot.build.shift.z -= 0.4e-3;
-    retracts(run, Fault::LostContact, 0.2);
+    retracts(run, Fault::ContactLost, 0.2);
 }
 
 #[test]

@@ -167,7 +167,7 @@ fn extreme_parameters_stay_finite() {
         |p| p.force.integral_time = 0.018,
         |p| p.stick_slip.half_period = 99,
         |p| p.stick_slip.ratio = 20.0,
-        |p| p.ripple.gain = 20.0,
+        |p| p.ripple_gain = 20.0,
         |p| (p.impedance.gain, p.impedance.adaptive) = (0.0, true),
         |p| p.feed.turn_rate_max = 1.0,
     ];

@@ -68,7 +68,7 @@ fn a_force_that_stands_is_frozen_and_the_tool_leaves() {
             // it ends the job
             input.enable = state != State::Unload || k == 0;
         });
-        assert_eq!((failure.fault, failure.drive_enable), (Fault::FrozenForce, true), "{state:?} {value}: {failure:?}");
+        assert_eq!((failure.fault, failure.drive_enable), (Fault::ForceFrozen, true), "{state:?} {value}: {failure:?}");
         assert!(failure.most <= limit, "{state:?} {value}: {failure:?}");
     }
 }
@@ -93,7 +93,7 @@ fn a_last_bit_that_flickers_hides_no_frozen_force() {
         let failure = fails(&P, Build::NOMINAL, state, |input, k| {
             input.force.z = value + if k % 7 < 3 { 0.178 } else { 0.0 };
         });
-        assert_eq!(failure.fault, Fault::FrozenForce, "{state:?} {value}: {failure:?}");
+        assert_eq!(failure.fault, Fault::ForceFrozen, "{state:?} {value}: {failure:?}");
         assert!(failure.most <= limit, "{state:?} {value}: {failure:?}");
     }
 }
@@ -102,7 +102,7 @@ fn a_last_bit_that_flickers_hides_no_frozen_force() {
 fn noise_about_a_force_that_stands_hides_nothing() {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(516);
     // what falls away as slowly as the path may is told by its friction: 0.2 of 16 N are 0.68 of what the sensor says
-    for (value, expected) in [(4.0, Fault::FrozenForce), (4.5, Fault::InvalidPath)] {
+    for (value, expected) in [(4.0, Fault::ForceFrozen), (4.5, Fault::InvalidPath)] {
         let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| {
             let noise: f64 = StandardNormal.sample(&mut random);
             input.force.z = value + 0.05 * noise;
@@ -115,7 +115,7 @@ fn noise_about_a_force_that_stands_hides_nothing() {
 #[test]
 fn a_force_that_is_gone_is_a_lost_contact_and_not_a_lean() {
     let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.force.z = 0.0);
-    assert!(failure.fault == Fault::LostContact && failure.most < 14.0, "{failure:?}");
+    assert!(failure.fault == Fault::ContactLost && failure.most < 14.0, "{failure:?}");
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn an_encoder_that_stands_switches_the_drives_off() {
             let fields = [&mut input.position.x, &mut input.position.y, &mut input.position.z];
             *fields[axis] = *held.get_or_insert(*fields[axis]);
         });
-        assert_eq!((failure.fault, failure.drive_enable), (Fault::FrozenReading, false), "{axis}: {failure:?}");
+        assert_eq!((failure.fault, failure.drive_enable), (Fault::PositionFrozen, false), "{axis}: {failure:?}");
         assert!(failure.most < 6.0 && failure.after < 1.0, "{axis}: {failure:?}");
     }
 }
@@ -138,8 +138,8 @@ fn wrong_drives_are_named_by_their_share() {
         (Vector3::new(1.0, -1.0, 1.0), Fault::DriveSign),
         (Vector3::new(1.0, 1.0, 0.3), Fault::WeakDrive),
         (Vector3::new(0.3, 1.0, 1.0), Fault::WeakDrive),
-        (Vector3::new(1.0, 1.0, 0.0), Fault::FrozenReading),
-        (Vector3::new(1.0, 0.0, 1.0), Fault::FrozenReading),
+        (Vector3::new(1.0, 1.0, 0.0), Fault::PositionFrozen),
+        (Vector3::new(1.0, 0.0, 1.0), Fault::PositionFrozen),
     ] {
         let failure = fails(&P, Build { pulses, ..Build::NOMINAL }, State::Idle, |_, _| ());
         assert_eq!((failure.fault, failure.drive_enable), (expected, false), "{pulses:?}: {failure:?}");
@@ -173,10 +173,10 @@ fn one_bad_sample_moves_nothing_and_ends_nothing() {
 fn what_stays_bad_is_lost_or_has_jumped() {
     // with the places known the tool goes out without a force
     let cases: [(Fault, bool, Spoil); 5] = [
-        (Fault::LostForce, true, |input| input.force.y = f64::NAN),
+        (Fault::ForceLost, true, |input| input.force.y = f64::NAN),
         (Fault::ForceJump, true, |input| input.force.y = 90.0),
-        (Fault::LostReading, false, |input| input.position.z = f64::NAN),
-        (Fault::ReadingJump, false, |input| input.position.y += 20e-3),
+        (Fault::PositionLost, false, |input| input.position.z = f64::NAN),
+        (Fault::PositionJump, false, |input| input.position.y += 20e-3),
         (Fault::FollowingError, false, |input| input.position.y += 0.15e-3),
     ];
     for (expected, driven, change) in cases {
@@ -334,13 +334,13 @@ fn a_drive_is_not_judged_by_readings_that_stand_in_for_lost_ones() {
 }
 
 #[test]
-fn the_share_of_a_drive_and_the_time_of_a_job_are_told() {
+fn the_motion_ratio_of_a_drive_and_the_time_of_a_cycle_are_reported() {
     let mut run = Loop::new(&P, Build { pulses: Vector3::new(1.0, 1.0, 0.3), ..Build::NOMINAL }, 510);
     assert!(run.run_to(State::Fault, 5.0));
-    let share = run.output.numbers.share.unwrap();
+    let share = run.output.numbers.ratio.unwrap();
     assert!(run.output.fault == Fault::WeakDrive && (0.2..0.4).contains(&share), "{share}");
     let mut p = P;
-    p.limits.job_time = 1.5;
+    p.limits.cycle_time = 1.5;
     let mut run = Loop::new(&p, Build::NOMINAL, 511);
     assert!(run.run_to(State::Fault, 5.0));
     let numbers = run.output.numbers;

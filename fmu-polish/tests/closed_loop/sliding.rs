@@ -1,6 +1,6 @@
 //! Tips that bend before the ball slides: what is measured of it, and what K_v makes of it.
 
-use fmu_polish::interface::{Fault, Mode, Parameters, State, Sweep};
+use fmu_polish::interface::{Fault, Mode, Parameters, State};
 use nalgebra::Vector3;
 
 use crate::robot::Build;
@@ -125,7 +125,7 @@ fn a_new_job_begins_with_what_is_told() {
 
 fn circular() -> Parameters {
     let mut p = P;
-    p.stick_slip.sweep = Sweep::Circular;
+    p.stick_slip.mode = Mode::Circular;
     p
 }
 
@@ -188,7 +188,7 @@ fn a_circle_lies_about_the_path() {
 fn what_a_sweep_climbs_on_a_mold_beside_its_place_is_learned_as_it_turns() {
     for p in [P, circular()] {
         let mut learning = p.clone();
-        learning.turns.ripple_gain = 0.09;
+        learning.repetitive.ripple_gain = 0.09;
         let build = Build { shift: Vector3::new(1e-4, 0.0, 0.0), ..Build::NOMINAL };
         let [without, with] = [p, learning].map(|p| Loop::new(&p, build, 613).job(20.0).unwrap());
         assert!(with.deviation < 0.75 * without.deviation, "{without:?} {with:?}");
@@ -196,9 +196,9 @@ fn what_a_sweep_climbs_on_a_mold_beside_its_place_is_learned_as_it_turns() {
 }
 
 /// The half period may be raised to `longest` samples; the path takes 8 s.
-fn longest(sweep: Sweep, longest: i32) -> Parameters {
+fn longest(sweep: Mode, longest: i32) -> Parameters {
     let mut p = P;
-    (p.stick_slip.sweep, p.stick_slip.half_period_max, p.feed.velocity) = (sweep, longest, 1e-3);
+    (p.stick_slip.mode, p.stick_slip.half_period_max, p.feed.velocity) = (sweep, longest, 1e-3);
     p
 }
 
@@ -214,8 +214,7 @@ fn lengthened(p: &Parameters, build: Build, seed: u64) -> Loop {
 
 #[test]
 fn what_slides_too_little_at_the_largest_velocity_slides_in_longer_half_periods() {
-    for (sweep, lateral, friction) in
-        [(Sweep::Linear, 20e3, 0.4), (Sweep::Linear, 12e3, 0.25), (Sweep::Circular, 12e3, 0.4)]
+    for (sweep, lateral, friction) in [(Mode::Cross, 20e3, 0.4), (Mode::Cross, 12e3, 0.25), (Mode::Circular, 12e3, 0.4)]
     {
         let mut run = Loop::new(&longest(sweep, 0), tip(lateral, friction), 615);
         assert!(!run.run_to(State::Unload, 20.0) && run.output.fault == Fault::NoSliding, "{lateral}");
@@ -230,7 +229,7 @@ fn what_slides_too_little_at_the_largest_velocity_slides_in_longer_half_periods(
         let last = slid[slid.len() - 1] - slid[slid.len() - 1001];
         let uneven = forces[forces.len() - 1000..].iter().map(|force| (force - 5.0).powi(2)).sum::<f64>() / 1e3;
         // the ripple is learned at the new frequency
-        let most = if sweep == Sweep::Linear { 0.14 } else { 0.21 };
+        let most = if sweep == Mode::Cross { 0.14 } else { 0.21 };
         assert!(uneven.sqrt() < most, "{sweep:?} {lateral}: {} N", uneven.sqrt());
         assert_eq!((run.output.fault, run.output.sliding.lengthened), (Fault::None, 10), "{lateral}: {last}");
         assert!(last > 5e-3, "{sweep:?} {lateral} {friction}: {last} m in the last second, {:?}", run.output.sliding);
@@ -240,7 +239,7 @@ fn what_slides_too_little_at_the_largest_velocity_slides_in_longer_half_periods(
 #[test]
 fn a_longer_sweep_begins_where_the_short_one_ends_with_the_told_velocity() {
     // 25 is neither a multiple of the short one nor a part of the sweep before
-    let mut run = lengthened(&longest(Sweep::Linear, 25), tip(12e3, 0.25), 616);
+    let mut run = lengthened(&longest(Mode::Cross, 25), tip(12e3, 0.25), 616);
     assert_eq!(run.output.sliding.added, 0.0);
     // whole periods, before K_v is raised again
     let (mut mean, mut most) = (0.0, 0.0f64);
@@ -255,7 +254,7 @@ fn a_longer_sweep_begins_where_the_short_one_ends_with_the_told_velocity() {
 
 #[test]
 fn a_longer_circle_begins_half_its_width_beside_the_path_and_comes_back() {
-    let mut run = lengthened(&longest(Sweep::Circular, 20), tip(12e3, 0.4), 619);
+    let mut run = lengthened(&longest(Mode::Circular, 20), tip(12e3, 0.4), 619);
     let mut most: f64 = 0.0;
     let means: Vec<f64> = (0..25)
         .map(|_| {
@@ -275,14 +274,14 @@ fn a_longer_circle_begins_half_its_width_beside_the_path_and_comes_back() {
 
 #[test]
 fn a_ball_that_sticks_in_the_longest_half_period_too_is_named() {
-    let mut run = Loop::new(&longest(Sweep::Linear, 20), tip(5e3, 0.4), 617);
+    let mut run = Loop::new(&longest(Mode::Cross, 20), tip(5e3, 0.4), 617);
     assert!(run.run_to(State::Fault, 20.0));
     assert_eq!((run.output.fault, run.output.sliding.lengthened), (Fault::NoSliding, 10));
 }
 
 #[test]
 fn a_job_after_a_raised_half_period_is_as_any_other() {
-    for sweep in [Sweep::Linear, Sweep::Circular] {
+    for sweep in [Mode::Cross, Mode::Circular] {
         let p = longest(sweep, 25);
         let build = Build { shift: Vector3::new(1e-4, 0.0, 0.0), ..Build::NOMINAL };
         let fresh = Loop::new(&p, build, 620).job(20.0).unwrap().deviation;
@@ -300,7 +299,7 @@ fn a_job_after_a_raised_half_period_is_as_any_other() {
 
 #[test]
 fn what_is_tuned_off_gives_the_half_period_back() {
-    let mut run = lengthened(&longest(Sweep::Linear, 20), tip(12e3, 0.25), 621);
+    let mut run = lengthened(&longest(Mode::Cross, 20), tip(12e3, 0.25), 621);
     run.parameters.stick_slip.sliding = 0.0;
     (0..41).for_each(|_| run.step());
     assert_eq!((run.output.sliding.lengthened, run.parameters.stick_slip.half_period), (0, 10));
@@ -309,14 +308,14 @@ fn what_is_tuned_off_gives_the_half_period_back() {
 #[test]
 fn a_force_that_freezes_in_longer_half_periods_is_frozen() {
     for (value, limit) in [(5.0, 6.0), (4.0, 18.0)] {
-        let mut run = lengthened(&longest(Sweep::Linear, 20), tip(12e3, 0.25), 618);
+        let mut run = lengthened(&longest(Mode::Cross, 20), tip(12e3, 0.25), 618);
         (0..400).for_each(|_| run.step());
         let mut most: f64 = 0.0;
         while run.output.state == State::Follow {
             run.step_with(|input| input.force.z = value);
             most = most.max(run.robot.normal_force);
         }
-        assert_eq!(run.output.fault, Fault::FrozenForce, "{value}: {most}");
+        assert_eq!(run.output.fault, Fault::ForceFrozen, "{value}: {most}");
         assert!(most <= limit, "{value}: {most}");
     }
 }

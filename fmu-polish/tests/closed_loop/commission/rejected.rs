@@ -17,10 +17,7 @@ fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
         let m = run.output.measured;
         assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
         // as sure as guides leave it
-        assert!(
-            !m.valid && (0.5..0.9).contains(&m.drive_gain) && m.drive_gain_deviation < 0.15 * m.drive_gain,
-            "{m:?}"
-        );
+        assert!(!m.valid && (0.5..0.9).contains(&m.drive_gain) && m.drive_gain_std < 0.15 * m.drive_gain, "{m:?}");
         (0..1000).for_each(|_| run.step_with(rest));
         assert_eq!((run.parameters.clone(), run.robot.normal_force), (p, 0.0));
     }
@@ -29,8 +26,8 @@ fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
 #[test]
 fn what_cannot_be_told_is_rejected_with_its_numbers_and_the_tool_leaves() {
     let cases: [fn(&mut Parameters, &mut Build); 4] = [
-        |p, _| p.commission.deviation_max = 1e-4,
-        |p, _| p.commission.delay_deviation_max = 1e-3,
+        |p, _| p.commission.std_max = 1e-4,
+        |p, _| p.commission.delay_std_max = 1e-3,
         // a contact four times as soft as told
         |p, build| (p.limits.stiffness_ratio, build.stiffness) = (4.0, 60e3),
         |_, build| build.friction = 0.0,
@@ -69,12 +66,12 @@ fn drives_and_sensors_that_fail_are_found_while_it_measures() {
     let drive: Break = |run, _| run.robot.build.pulses.z = 0.0;
     let turned: Break = |run, _| run.robot.build.pulses.x = -1.0;
     let cases: [(f64, Break, &[Fault]); 7] = [
-        (3.0, drive, &[Fault::FrozenReading, Fault::WeakDrive, Fault::FollowingError]),
+        (3.0, drive, &[Fault::PositionFrozen, Fault::WeakDrive, Fault::FollowingError]),
         (3.0, turned, &[Fault::DriveSign, Fault::FollowingError]),
-        (3.0, |_, input| input.position.x = f64::NAN, &[Fault::LostReading]),
-        (5.3, |_, input| input.force.z = 0.0, &[Fault::FrozenForce]),
-        (8.0, |_, input| input.force.z = f64::NAN, &[Fault::LostForce]),
-        (8.0, |_, input| input.force.z = 3.0, &[Fault::FrozenForce, Fault::ForceError]),
+        (3.0, |_, input| input.position.x = f64::NAN, &[Fault::PositionLost]),
+        (5.3, |_, input| input.force.z = 0.0, &[Fault::ForceFrozen]),
+        (8.0, |_, input| input.force.z = f64::NAN, &[Fault::ForceLost]),
+        (8.0, |_, input| input.force.z = 3.0, &[Fault::ForceFrozen, Fault::ForceError]),
         (16.0, |_, input| input.estop = true, &[Fault::EmergencyStop]),
     ];
     for (i, (time, change, faults)) in cases.into_iter().enumerate() {

@@ -85,10 +85,10 @@ fn a_graver_fault_on_the_way_out_switches_the_drives_off() {
     assert!(run.run_to(State::Fault, 5.0));
     assert_eq!((run.output.fault, run.output.drive_enable), (Fault::ForceLimit, true));
     (0..6).for_each(|_| run.step_with(|input| input.position.x = f64::NAN));
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionLost, false));
     (0..200).for_each(|_| run.step());
     // it stays off, and named, until the reset; then nothing moves by itself
-    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::LostReading, false));
+    assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionLost, false));
     run.step_with(|input| input.reset_fault = true);
     assert_eq!((run.output.state, run.output.drive_enable), (State::Idle, true));
     (0..300).for_each(|_| run.step());

@@ -4,7 +4,7 @@
 //! On a spiral both go with the angle theta of the tangent, seen along z, whatever the feed. What is learned is a way along the
 //! normal, h(theta) = Re sum c_m e^(j m theta), and moved is its velocity w dh/dtheta, w = dtheta/dt: nothing where the path
 //! is straight. From the way to the force error the response is H = j m w T(j m w), T that of a velocity; per radian the share
-//! `turns.gain` of what is left is taken back, so that a turn leaves exp(-2 pi gain), at every feed. Where the loop
+//! `repetitive.gain` of what is left is taken back, so that a turn leaves exp(-2 pi gain), at every feed. Where the loop
 //! itself takes out more than 1 - LEAST of a way, it is left more.
 
 use nalgebra::Complex;
@@ -29,7 +29,7 @@ const LEAST: f64 = 0.1;
 
 /// What was learned over the turns; by default nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct TurnLearning {
+pub struct RepetitiveControl {
     harmonics: [Harmonic; HARMONICS],
     /// way to force error at a rate (rad/s), N/m
     responses: [Complex<f64>; HARMONICS],
@@ -38,9 +38,9 @@ pub struct TurnLearning {
     frozen: bool,
 }
 
-impl TurnLearning {
+impl RepetitiveControl {
     /// Whether a harmonic has grown and is not learned any more.
-    pub fn frozen(&self) -> bool {
+    pub fn stopped(&self) -> bool {
         self.frozen
     }
 
@@ -50,7 +50,7 @@ impl TurnLearning {
         let Turn { angle: theta, step: turn } = turn;
         let rate = turn / p.sample_period;
         let highest = FREQUENCY_SHARE * std::f64::consts::TAU / p.sample_period;
-        if p.turns.gain == 0.0 || turn == 0.0 || HARMONICS as f64 * rate.abs() > highest {
+        if p.repetitive.gain == 0.0 || turn == 0.0 || HARMONICS as f64 * rate.abs() > highest {
             return 0.0;
         }
         if (rate - self.rate).abs() > RATE_CHANGE * rate.abs() {
@@ -64,19 +64,19 @@ impl TurnLearning {
         for ((m, harmonic), response) in (1..).map(f64::from).zip(&mut self.harmonics).zip(self.responses) {
             let carrier = Complex::cis(m * theta);
             harmonic.observe(carrier, error);
-            harmonic.learn(2.0 * p.turns.gain * turn.abs(), response, carrier, bounded, WAY_MAX);
+            harmonic.learn(2.0 * p.repetitive.gain * turn.abs(), response, carrier, bounded, WAY_MAX);
             velocity += harmonic.output(Complex::new(0.0, m * rate) * carrier);
         }
-        self.judge(p, turn);
+        self.judge(turn);
         velocity
     }
 
     /// Ends what makes the error worse, after each turn.
-    fn judge(&mut self, p: &Parameters, turn: f64) {
+    fn judge(&mut self, turn: f64) {
         let Some(samples) = self.window.ends(turn) else { return };
         for harmonic in &mut self.harmonics {
             // friction and mold stay as they are
-            self.frozen |= harmonic.judge(p, samples, 1.0, WAY_MAX);
+            self.frozen |= harmonic.judge(samples, 1.0, WAY_MAX);
         }
     }
 }
@@ -102,7 +102,7 @@ mod tests {
     /// whether the learning has ended itself.
     fn errors(p: &Parameters, rate: f64, size: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
         let law = Coefficients::new(p, damping(p, K));
-        let (mut learning, mut turning) = (TurnLearning::default(), Turning::default());
+        let (mut learning, mut turning) = (RepetitiveControl::default(), Turning::default());
         let truth: [Complex<f64>; HARMONICS] = std::array::from_fn(|i| {
             let omega = rate * (i as f64 + 1.0);
             Complex::new(0.0, omega) * closed(p, &law, K, omega) * Complex::cis(-late)
@@ -124,12 +124,12 @@ mod tests {
             }
             found.push(square.sqrt());
         }
-        (found, learning.frozen())
+        (found, learning.stopped())
     }
 
     #[test]
     fn a_turn_leaves_its_share_at_every_feed_and_both_ways_round() {
-        let share = (-std::f64::consts::TAU * P.turns.gain).exp();
+        let share = (-std::f64::consts::TAU * P.repetitive.gain).exp();
         for rate in [25.0, -25.0, 8.0] {
             let (found, frozen) = errors(&P, rate, 0.4e-6, 0.0, 8);
             assert!((found[4] / found[3] - share).abs() < 0.12 && !frozen, "{rate}: {found:?}");
@@ -154,13 +154,13 @@ mod tests {
     #[test]
     fn nothing_is_moved_on_a_straight_path_and_beyond_what_the_loop_can_do() {
         let law = Coefficients::new(&P, damping(&P, K));
-        let (mut learning, mut turning) = (TurnLearning::default(), Turning::default());
+        let (mut learning, mut turning) = (RepetitiveControl::default(), Turning::default());
         assert!((0..1000).all(|_| learning.step(&P, &law, K, turning.step(&Vector3::x()), 1.0) == 0.0));
         // a curve so sharp that only the lower harmonics are slow enough: none is learned
         let highest = FREQUENCY_SHARE * std::f64::consts::TAU / P.sample_period;
         for (share, moves) in [(0.99, true), (1.01, false)] {
             let turn = share * highest / HARMONICS as f64 * P.sample_period;
-            let (mut learning, mut turning) = (TurnLearning::default(), Turning::default());
+            let (mut learning, mut turning) = (RepetitiveControl::default(), Turning::default());
             let mut step = |k: u32| {
                 let theta = turn * f64::from(k);
                 learning.step(&P, &law, K, turning.step(&Vector3::new(theta.cos(), theta.sin(), 0.0)), 0.5)

@@ -12,12 +12,12 @@ const REST: f64 = 0.01;
 
 /// The readings, held against a place where they have come to.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Stillness {
+pub struct RestMonitor {
     place: Vector3<f64>,
     samples: u32,
 }
 
-impl Stillness {
+impl RestMonitor {
     /// Takes the readings of a sample, m; the last bit may flicker.
     pub fn update(&mut self, p: &Parameters, position: &Vector3<f64>) {
         self.samples = self.samples.saturating_add(1);
@@ -40,11 +40,11 @@ mod tests {
 
     /// Samples until the axes are at rest that move by `step` encoder steps in each, for at most 1000.
     fn rests(step: impl Fn(u32) -> f64) -> Option<u32> {
-        let (mut stillness, mut place) = (Stillness::default(), Vector3::new(0.1, 0.2, 0.3));
+        let (mut rest, mut place) = (RestMonitor::default(), Vector3::new(0.1, 0.2, 0.3));
         (1..1000).find(|k| {
             place.y += step(*k) * P.encoder_resolution;
-            stillness.update(&P, &place);
-            stillness.at_rest(&P)
+            rest.update(&P, &place);
+            rest.at_rest(&P)
         })
     }
 

@@ -10,21 +10,21 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::interface::{Parameters, Sweep};
+use crate::interface::{Mode, Parameters};
 
 /// How many times as fast as told a sensor may be.
 const FASTER: f64 = 2.0;
 
-/// Speed of the axes, and how much of it may be feigned; by default at the begin of a job.
+/// Speed of the axes, and how much of it may be apparent; by default at the begin of a job.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Feigned {
+pub struct ApparentSliding {
     /// way of the axes since the last window, m
     way: f64,
     /// least share of the speed of the axes at which the ball seemed to slide
     least: Option<f64>,
 }
 
-impl Feigned {
+impl ApparentSliding {
     /// Takes the way (m) that was felt in a sample.
     pub fn add(&mut self, felt: &Vector3<f64>) {
         self.way += felt.norm();
@@ -36,8 +36,8 @@ impl Feigned {
     }
 
     /// The part of a measured speed of sliding (m/s) that no lag feigns, where the axes go round at `round` m/s.
-    pub fn surely(&mut self, p: &Parameters, speed: f64, round: f64) -> f64 {
-        if p.stick_slip.sweep == Sweep::Linear || round == 0.0 {
+    pub fn certain(&mut self, p: &Parameters, speed: f64, round: f64) -> f64 {
+        if p.stick_slip.mode != Mode::Circular || round == 0.0 {
             return speed;
         }
         let share = self.least.unwrap_or_else(|| most(p)).min(speed / round).max(0.0);
@@ -80,21 +80,21 @@ mod tests {
 
     #[test]
     fn it_is_taken_off_up_to_what_has_been_seen_in_the_job() {
-        let (p, mut feigned) = (circular(), Feigned::default());
-        feigned.add(&Vector3::new(3e-3, 4e-3, 0.0));
-        let round = feigned.round(0.2);
-        assert!((round - 25e-3).abs() < 1e-15 && feigned.round(0.2) == 0.0);
+        let (p, mut apparent) = (circular(), ApparentSliding::default());
+        apparent.add(&Vector3::new(3e-3, 4e-3, 0.0));
+        let round = apparent.round(0.2);
+        assert!((round - 25e-3).abs() < 1e-15 && apparent.round(0.2) == 0.0);
         // sure but for what the fastest sensor feigns, then as one sees that it is slower
-        assert!((feigned.surely(&p, 10e-3, round) - (10e-3 - most(&p) * round)).abs() < 1e-15);
-        assert!(feigned.surely(&p, 1e-3, round).abs() < 1e-15);
-        assert!((feigned.surely(&p, 10e-3, round) - 9e-3).abs() < 1e-15);
+        assert!((apparent.certain(&p, 10e-3, round) - (10e-3 - most(&p) * round)).abs() < 1e-15);
+        assert!(apparent.certain(&p, 1e-3, round).abs() < 1e-15);
+        assert!((apparent.certain(&p, 10e-3, round) - 9e-3).abs() < 1e-15);
         // a sensor slower than told feigns nothing, and takes nothing off
-        assert_eq!([-1e-3, 10e-3].map(|speed| feigned.surely(&p, speed, round)), [-1e-3, 10e-3]);
+        assert_eq!([-1e-3, 10e-3].map(|speed| apparent.certain(&p, speed, round)), [-1e-3, 10e-3]);
     }
 
     #[test]
     fn a_sweep_to_and_fro_and_axes_at_rest_are_left_as_measured() {
-        let mut feigned = Feigned::default();
-        assert_eq!([feigned.surely(&P, 5e-3, 15e-3), feigned.surely(&circular(), 5e-3, 0.0)], [5e-3, 5e-3]);
+        let mut apparent = ApparentSliding::default();
+        assert_eq!([apparent.certain(&P, 5e-3, 15e-3), apparent.certain(&circular(), 5e-3, 0.0)], [5e-3, 5e-3]);
     }
 }

@@ -20,7 +20,7 @@ const SAMPLES_MIN: f64 = 4.0;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Commissioner {
+pub struct Identification {
     /// The present or last experiment.
     pub experiment: Experiment,
     /// What was measured.
@@ -34,7 +34,7 @@ pub struct Commissioner {
     before: Values,
 }
 
-impl Commissioner {
+impl Identification {
     /// Nothing measured so far.
     pub fn new(p: &Parameters) -> Self {
         let told = Values::of(p);
@@ -116,13 +116,13 @@ impl Commissioner {
             [found.stiffness, found.friction, found.lateral, found.angle].map(|scatter| measure(&scatter));
         self.measured = Measured {
             stiffness: stiffness[0],
-            stiffness_deviation: left_out(stiffness, LEFT_OUT[0]),
+            stiffness_std: left_out(stiffness, LEFT_OUT[0]),
             lateral_stiffness: lateral[0],
-            lateral_stiffness_deviation: left_out(lateral, LEFT_OUT[2]),
+            lateral_stiffness_std: left_out(lateral, LEFT_OUT[2]),
             friction: friction[0],
-            friction_deviation: left_out(friction, LEFT_OUT[1]),
+            friction_std: left_out(friction, LEFT_OUT[1]),
             sensor_rotation: rotation,
-            sensor_rotation_deviation: angle[1].hypot(LEFT_OUT[3]),
+            sensor_rotation_std: angle[1].hypot(LEFT_OUT[3]),
             sensor_direction_y: direction,
             sensor_direction_z: self.values.now().sensor_direction_z,
             ..Measured::START
@@ -131,11 +131,11 @@ impl Commissioner {
             let (value, gain) = (drive.value, drive.value[0].exp());
             self.measured = Measured {
                 drive_gain: gain,
-                drive_gain_deviation: gain * drive.sigma(0).hypot(GUIDES[0]),
+                drive_gain_std: gain * drive.sigma(0).hypot(GUIDES[0]),
                 feedforward: value[1],
-                feedforward_deviation: drive.sigma(1).hypot(GUIDES[1]),
+                feedforward_std: drive.sigma(1).hypot(GUIDES[1]),
                 io_delay: value[2],
-                io_delay_deviation: drive.sigma(2).hypot(GUIDES[2]),
+                io_delay_std: drive.sigma(2).hypot(GUIDES[2]),
                 ..self.measured
             };
         }

@@ -7,14 +7,14 @@ use crate::interface::Parameters;
 
 /// Between two samples; by default before the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct FeltMotion {
+pub struct SensedMotion {
     /// last force (N) and last place of the axes (m)
     before: Option<(Vector3<f64>, Vector3<f64>)>,
     /// way that the sensor has not felt yet, m
     unfelt: Vector3<f64>,
 }
 
-impl FeltMotion {
+impl SensedMotion {
     /// Takes the force (N) and the place (m) of a sample; the mean force since the last one, and the way that was felt in that time.
     pub fn step(
         &mut self,
@@ -39,7 +39,7 @@ impl FeltMotion {
 
 /// What is left of white noise of the place, over its deviation. With the lag 1 / l in samples, a = exp(-l) and c = (1 - a) / l the
 /// place is felt by 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
-pub fn felt_noise(p: &Parameters) -> f64 {
+pub fn sensed_noise(p: &Parameters) -> f64 {
     let lag = p.sensor_bandwidth * p.sample_period;
     let keep = (-lag).exp();
     let late = (1.0 - keep) / lag;
@@ -55,7 +55,7 @@ mod tests {
         for bandwidth in [300.0, 1256.6, 1e4] {
             let p = Parameters { sensor_bandwidth: bandwidth, ..Parameters::START };
             // the answer to one sample that is off is the way felt since the beginning
-            let (mut motion, mut place, mut squares) = (FeltMotion::default(), 0.0, 0.0);
+            let (mut motion, mut place, mut squares) = (SensedMotion::default(), 0.0, 0.0);
             motion.step(&p, &Vector3::zeros(), &Vector3::zeros());
             for k in 0..200 {
                 let off = if k == 0 { Vector3::x() } else { Vector3::zeros() };
@@ -63,14 +63,14 @@ mod tests {
                 place += way.x;
                 squares += place * place;
             }
-            assert!((squares.sqrt() / felt_noise(&p) - 1.0).abs() < 1e-9, "{bandwidth}: {squares}");
+            assert!((squares.sqrt() / sensed_noise(&p) - 1.0).abs() < 1e-9, "{bandwidth}: {squares}");
         }
     }
 
     #[test]
     fn a_steady_motion_is_felt_a_time_constant_late() {
         let p = Parameters::START;
-        let (mut motion, mut felt) = (FeltMotion::default(), 0.0);
+        let (mut motion, mut felt) = (SensedMotion::default(), 0.0);
         let force = Vector3::y();
         assert_eq!(motion.step(&p, &force, &Vector3::zeros()), None);
         for k in 1..=50 {
