@@ -1,4 +1,4 @@
-"""The laws against the simplest ones that could do it.
+"""The controllers compared with the simplest ones that could do the task.
 
 Part by part for polishing, computed patterns for deburring.
 """
@@ -14,18 +14,18 @@ from .samples.runs import run, value
 pytestmark = [pytest.mark.acceptance, pytest.mark.full]
 
 PARTS = {
-    "integral": ("force.integral_time=0",),
-    "damping": ("impedance.adaptive=false",),
-    "misalignment": ("misalignment.enable=false",),
-    "ripple": ("ripple.gain=0", "stick_slip.sliding=0"),
-    "turns": ("turns.gain=0",),
+    "integral": ("expert.force.integral_time=0",),
+    "damping": ("expert.impedance.adaptive=false",),
+    "misalignment": ("expert.misalignment.enable=false",),
+    "ripple": ("expert.ripple.gain=0", "stick_slip.sliding=0"),
+    "turns": ("expert.repetitive.gain=0",),
 }
-"""What the default law of polishing has more than the plain force loop, and what switches it off."""
+"""Parts of the default polishing controller beyond the plain force loop, and the values that disable them."""
 STILL = ("controller.stick_slip.mode='Off'",)
 
 
 def laws() -> dict[str, tuple[str, ...]]:
-    """Name the changes of the default law that make the plain one of it, and all between them."""
+    """Name the changes from the default controller to the plain one, and all combinations between them."""
     found: dict[str, tuple[str, ...]] = {}
     for count, name in enumerate(("plain", *PARTS)):
         off = [change for part in list(PARTS.values())[count:] for change in part]

@@ -12,7 +12,7 @@ from .matrix import DONE, Matrix, Row
 QUICK = ("controller.feed.velocity=0.006", "loop.duration=2.1")
 WHOLE = ("loop.duration=4.1",)
 """The job to its end."""
-ROUND = ("controller.stick_slip.sweep='Circular'",)
+ROUND = ("controller.stick_slip.mode='Circular'",)
 SINKING = (0.0, *(0.8 + 0.05 * step for step in range(11)))
 """Times of steps of 10 um, s."""
 MIDWAY = {"when": 'controller.state == "Follow"', "after": 0.5}
@@ -20,23 +20,23 @@ FORCE = "max(plant.contact_force)"
 BESIDE = "max(hypot(plant.axis_x - controller.desired.x, plant.axis_y - controller.desired.y))"
 HELD = "5 N and the ripple of the law"
 SEEN = (
-    "0.25 s of `limits.still_time` at what the law then makes of 0.5 N too little: 45 um at 178 N/mm, and 5 N"
+    "0.25 s of `expert.limits.frozen_time` at what the law then makes of 0.5 N too little: 45 um at 178 N/mm, and 5 N"
 )
 DEAD = "`limits.approach_depth` at 178 N/mm, and 2 N until it has turned round"
-TOUCH = "0.25 s of `limits.still_time` at `approach.velocity`, 50 um of them in the air: 75 um at 178 N/mm"
-COAST = "`limits.following_error`, 50 um of stick-slip, 0.59 mm coasting: 31 kg, 10 mm/s, 2 N, 100 N.s/m"
+TOUCH = "0.25 s of `expert.limits.frozen_time` at `approach.velocity`, 50 um of them in the air: 75 um at 178 N/mm"
+COAST = "`expert.limits.following_error`, 50 um of stick-slip, 0.59 mm coasting: 31 kg, 10 mm/s, 2 N, 100 N.s/m"
 
 
 def row(
     name: str, faults: str, *inject: Injection, most: float = 5.6, why: str = HELD, truth: str = FORCE,
-    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (), sequence: bool = False, untold: str = "",
+    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (), sequence: bool = False, undetectable: str = "",
 ) -> Row:  # fmt: skip
     """One row; the largest true force counts if nothing else is said."""
     unit = "m" if truth == BESIDE else "N"
     changed = (*QUICK, *changes)
     return Row(
         name, tuple(faults.split()), truth, most, why, inject, signals, changed, unit=unit,
-        sequence=sequence, untold=untold,
+        sequence=sequence, undetectable=undetectable,
     )  # fmt: skip
 
 
@@ -55,14 +55,14 @@ SENSOR = (
     ),
     row(
         "force stands before the start",
-        "FrozenForce",
+        "ForceFrozen",
         Injection("controller.force.z", 0.0, frozen=True),
         most=0.0,
         why="nothing moves yet",
     ),
     row(
         "force stands on the approach",
-        "FrozenForce",
+        "ForceFrozen",
         Injection("controller.force.z", when='controller.state == "Approach"', after=0.3, frozen=True),
         most=14.0,
         why=TOUCH,
@@ -86,14 +86,14 @@ SENSOR = (
     ),
     row(
         "force stands where it has just touched",
-        "FrozenForce",
+        "ForceFrozen",
         Injection("controller.force.z", when='controller.state == "Settle"', frozen=True),
         most=6.0,
-        why="a way of `limits.frozen_way` without an answer, and a band: 3.9 N at 178 N/mm",
+        why="a way of `expert.limits.frozen` without an answer, and a band: 3.9 N at 178 N/mm",
     ),
     row(
         "force stands on the path",
-        "FrozenForce",
+        "ForceFrozen",
         midway("controller.force.z", frozen=True),
         most=13.0,
         why=SEEN,
@@ -104,7 +104,7 @@ SENSOR = (
         midway("controller.force.z", drop=0.9),
         most=8.3,
         why="5 N, and what the law adds in the 10 ms for which a sample stands",
-        untold="a sensor of such a step stands as long by itself",
+        undetectable="a sensor of such a step stands as long by itself",
         changes=WHOLE,
     ),
     row(
@@ -113,49 +113,49 @@ SENSOR = (
         Injection("controller.force.y", 0.0, scale=-1.0),
         changes=WHOLE,
     ),
-    row("force stands at 4.5 N", "FrozenForce", midway("controller.force.z", value=4.5), most=13.0, why=SEEN),
+    row("force stands at 4.5 N", "ForceFrozen", midway("controller.force.z", value=4.5), most=13.0, why=SEEN),
     row(
         "force stands at 4.5 N and flickers",
-        "FrozenForce InvalidPath",
+        "ForceFrozen InvalidPath",
         midway("controller.force.z", value=4.5),
         midway("controller.force.z", noise=0.05),
         most=24.0,
-        why="0.2 of 15.4 N are `limits.force_angle` of 4.5 N, and 0.1 s of memory",
+        why="0.2 of 15.4 N are `expert.limits.force_angle` of 4.5 N, and 0.1 s of memory",
         changes=("controller.feed.velocity=0.002", "loop.duration=4.0"),
     ),
     row(
         "force stands at 4.5 N and flickers while the feed stands",
-        "FrozenForce",
+        "ForceFrozen",
         Injection("controller.feed_override", 1.2, value=0.0),
         midway("controller.force.z", value=4.5),
         midway("controller.force.z", noise=0.05),
         most=13.0,
-        why="5 N, 3.6 N of `limits.frozen_way` without an answer, and what the law adds until it stands",
+        why="5 N, 3.6 N of `expert.limits.frozen` without an answer, and what the law adds until it stands",
     ),
     row(
         "force is 0",
-        "LostContact",
+        "ContactLost",
         midway("controller.force.z", value=0.0),
         most=14.0,
-        why="`limits.lost_time` at `approach.velocity`: 50 um at 178 N/mm, and 5 N",
+        why="`expert.limits.lost_time` at `approach.velocity`: 50 um at 178 N/mm, and 5 N",
     ),
     row(
         "force is 2 N too large",
-        "FrozenForce UnloadTimeout",
+        "ForceFrozen UnloadTimeout",
         midway("controller.force.z", offset=2.0),
         changes=WHOLE,
     ),
     row(
         "force is 2 N too small",
-        "FrozenForce UnloadTimeout",
+        "ForceFrozen UnloadTimeout",
         midway("controller.force.z", offset=-2.0),
         most=7.6,
         why="5 N and the offset; only the unloaded tool shows it",
-        changes=("loop.duration=5.2", "controller.settle.time_max=1.0"),
+        changes=("loop.duration=5.2", "controller.expert.settle.time_max=1.0"),
     ),
     row(
         "force drifts by 1 N/s",
-        "FrozenForce UnloadTimeout",
+        "ForceFrozen UnloadTimeout",
         midway("controller.force.z", ramp=1.0),
         changes=WHOLE,
     ),
@@ -168,7 +168,7 @@ SENSOR = (
     ),
     row("20 times the noise", "NoisyForce", midway("controller.force.z", noise=1.0)),
     row("half of the forces get lost", DONE, midway("controller.force.z", drop=0.5), changes=WHOLE),
-    row("force is no number", "LostForce", midway("controller.force.x", value=float("nan"))),
+    row("force is no number", "ForceLost", midway("controller.force.x", value=float("nan"))),
     row(
         "force at the end of its range",
         "Saturation ForceJump",
@@ -186,8 +186,8 @@ SENSOR = (
         "",
         midway("controller.force.z", scale=0.5),
         most=11.2,
-        why="5 N over the 0.45 that `limits.stiffness_ratio` allows",
-        untold="a softer tip and a slope of the mold answer alike",
+        why="5 N over the 0.45 that `expert.limits.stiffness_ratio` allows",
+        undetectable="a softer tip and a slope of the mold answer alike",
         changes=WHOLE,
     ),
     row(
@@ -227,7 +227,7 @@ SENSOR = (
         "slow sensor in a fast loop",
         # a force that is 40 ms late swings, and leaves 20 um unanswered within the same 50 ms; which is told
         # first hangs on the noise: of 20 runs with drives of 0.9 to 1.05 the swing in 17, 12.6 N at most
-        "Oscillation FrozenForce",
+        "Oscillation ForceFrozen",
         changes=("plant.force_bandwidth=4.0", "controller.impedance.bandwidth=100.0", *WHOLE),
         most=13.0,
         why="5 N, and a swing that grows threefold in each half period",
@@ -244,14 +244,14 @@ SENSOR = (
 ENCODERS = (
     row(
         "encoder z stands on the approach",
-        "FrozenReading",
+        "PositionFrozen",
         Injection("controller.position.z", when='controller.state == "Approach"', frozen=True),
         most=0.0,
         why="0.2 mm above the mold",
     ),
     row(
         "encoder x stands on the path",
-        "FrozenReading",
+        "PositionFrozen",
         midway("controller.position.x", frozen=True),
         truth=BESIDE,
         most=0.74e-3,
@@ -259,7 +259,7 @@ ENCODERS = (
     ),
     row(
         "encoder y flickers in its last bit",
-        "FrozenReading",
+        "PositionFrozen",
         midway("controller.position.y", frozen=True),
         midway("controller.position.y", noise=0.4e-6),
         truth=BESIDE,
@@ -318,13 +318,13 @@ ENCODERS = (
     ),
     row(
         "encoder x jumps by 10 mm",
-        "ReadingJump",
+        "PositionJump",
         midway("controller.position.x", offset=10e-3),
         truth=BESIDE,
         most=0.74e-3,
         why=COAST,
     ),
-    row("encoder z is no number", "LostReading", midway("controller.position.z", value=float("nan"))),
+    row("encoder z is no number", "PositionLost", midway("controller.position.z", value=float("nan"))),
     row("a fifth of the places get lost", DONE, midway("controller.position.x", drop=0.2), changes=WHOLE),
     row(
         "encoder x 20 ms late",
@@ -369,14 +369,14 @@ DRIVES = (
     ),
     row(
         "pulses z get lost",
-        "FrozenReading",
+        "PositionFrozen",
         Injection("plant.pulses_z", 0.0, value=0.0),
         most=0.0,
         why="it stands",
     ),
     row(
         "pulses x get lost on the path",
-        "FrozenReading FollowingError",
+        "PositionFrozen FollowingError",
         midway("plant.pulses_x", value=0.0),
         truth=BESIDE,
         most=0.74e-3,
@@ -387,7 +387,7 @@ DRIVES = (
         "DriveSign",
         midway("plant.pulses_z", value=-5.0),
         most=32.0,
-        why="`limits.following_error` at 178 N/mm, 5 N, and 8 kg with 5 mm/s: 6 N",
+        why="`expert.limits.following_error` at 178 N/mm, 5 N, and 8 kg with 5 mm/s: 6 N",
     ),
     row(
         "drive x runs away with 20 mm/s",
@@ -395,7 +395,7 @@ DRIVES = (
         midway("plant.pulses_x", value=20.0),
         truth=BESIDE,
         most=2.05e-3,
-        why="`limits.following_error`, 50 um of stick-slip, and 1.9 mm that 31 kg coast from 20 mm/s",
+        why="`expert.limits.following_error`, 50 um of stick-slip, and 1.9 mm that 31 kg coast from 20 mm/s",
     ),
     # on the way out the axis stands for 20 ms, as a weak drive does
     row(
@@ -403,7 +403,7 @@ DRIVES = (
         "Oscillation WeakDrive",
         midway("plant.pulses_z", late=20),
         most=7.5,
-        why="5 N and a swing of twice `limits.force_error`",
+        why="5 N and a swing of twice `expert.limits.force_error`",
         changes=WHOLE,
         sequence=True,
     ),
@@ -427,7 +427,7 @@ REST = (
         "UnstableLoop",
         changes=(
             "controller.stiffness.nominal=90e3",
-            "controller.impedance.adaptive=false",
+            "controller.expert.impedance.adaptive=false",
             "controller.impedance.damping=1e3",
         ),
     ),
@@ -440,7 +440,7 @@ REST = (
     row(
         "settling of more time than it may take",
         "SettleTimeout",
-        changes=("controller.settle.time_max=0.05",),
+        changes=("controller.expert.settle.time_max=0.05",),
     ),
     row(
         "sensor of 25.5 N whose zero is 1.5 N off, and a step of the mold",
@@ -467,7 +467,7 @@ REST = (
     ),
     row(
         "mold 0.3 mm lower at once",
-        "LostContact",
+        "ContactLost",
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, -3e-4)),),
     ),
     row(
@@ -483,7 +483,7 @@ REST = (
         "feed stopped for ever",
         "NoProgress",
         Injection("controller.feed_override", 1.2, value=0.0),
-        changes=("controller.limits.job_time=1.6",),
+        changes=("controller.limits.cycle_time=1.6",),
     ),
     row("override is no number", "InvalidInput", midway("controller.feed_override", value=float("nan"))),
     row(
@@ -553,7 +553,7 @@ REST = (
     ),
     row(
         "encoder stands on the way out",
-        "ForceLimit FrozenReading",
+        "ForceLimit PositionFrozen",
         Injection("controller.position.z", when='controller.state == "Fault"', frozen=True),
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
         most=32.0,
@@ -562,7 +562,7 @@ REST = (
     ),
     row(
         "override lost on the way out",
-        "LostContact",
+        "ContactLost",
         Injection("controller.feed_override", when='controller.state == "Fault"', value=float("nan")),
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, -3e-4)),),
         sequence=True,
@@ -581,7 +581,7 @@ REST = (
     ),
     row(
         "encoder lost on the way out",
-        "ForceLimit LostReading",
+        "ForceLimit PositionLost",
         Injection("controller.position.x", when='controller.state == "Fault"', value=float("nan")),
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
         most=32.0,

@@ -33,7 +33,7 @@ def polished(mold: str, seed: int, planned: bool) -> Surface:
             "polish",
             f"plant.mold='{mold}'",
             f"controller.path.file='{path}'",
-            "controller.feed.source='File'",
+            "controller.expert.feed.source='File'",
             "loop.duration=80.0",
             seed=seed,
         )

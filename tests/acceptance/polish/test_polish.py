@@ -58,7 +58,7 @@ def test_the_normal_velocity_follows_the_impedance_model() -> None:
 @pytest.mark.parametrize("surface", SURFACES)
 def test_the_stick_slip_vector_is_square_to_normal_and_feed(surface: str) -> None:
     # without position feedback three velocities are left
-    unfed = [f"controller.position.select.{axis}=false" for axis in "xyz"]
+    unfed = [f"controller.expert.position.select.{axis}=false" for axis in "xyz"]
     done = run("polish/impedance", *on(surface), *unfed, "loop.duration=2.5")
     here, rows = done.during("Follow"), done.rows
 
