@@ -316,7 +316,7 @@ mod variables {
         #[var(expert, name = "deviation.window", unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "default; the depth is flat from 20 to 500 ms")] pub deviation_window: f64,
         /// Time of the least-squares slope, N samples in eq. 3
         #[var(expert, name = "slope.window", unit = SECOND as "ms", range = 1e-4..=1.0, start = 5e-3, source = "default; 50 samples")] pub slope_window: f64,
-        #[var(start = DetectorKind::Glr, paper = DetectorKind::Slope, source = "measured: fewest false alarms, least depth from 100 um/s on")] pub detector: DetectorKind,
+        #[var(start = DetectorKind::Glr, paper = DetectorKind::Slope, source = "measured: fewest false alarms, smallest depth from 100 um/s on")] pub detector: DetectorKind,
         #[var(expert)] pub threshold: Threshold,
         pub learn: Learn,
         pub limits: Limits,
