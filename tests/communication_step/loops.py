@@ -1,4 +1,4 @@
-"""The five closed loops and the number that tells how good each is."""
+"""The five closed loops with the quality number of each."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class Loop:
     timestep
         The plant's own step, s; a shorter one is taken where it does not fill the communication step.
     number
-        How good it is, the smaller the better, in `unit`; by truths of the plant.
+        Quality, the smaller the better, in `unit`, from the ground truth of the plant.
     is_done
-        Whether the job ended as it should.
+        Whether the cycle ended as it should.
     seeds
         Runs of a cell; the worst counts.
     what
@@ -85,13 +85,13 @@ LOOPS = (
     ),
     Loop(
         "centering", "centering", 1e-3, 1e-4, partial(scaled, "eccentricity", 1e6), "um",
-        partial(holds, "centred"), 3, "true eccentricity in the end",
-        "The servo of the plant goes on at the set velocity for 1 ms (`setpoint_period`) and then stands, as "
+        partial(holds, "centered"), 3, "final actual eccentricity",
+        "The servo of the plant continues at the set velocity for 1 ms (`setpoint_period`) and then stops, as "
         "a motion board does whose controller is late.",
     ),
     Loop(
         "fts", "fts", 1e-4, 2e-5, partial(scaled, "tip", 1e6), "um", partial(holds, "good"), 2,
-        "true error of the tool, rms over five turns",
+        "true error of the tool, rms over five revolutions",
     ),
     Loop(
         "polish", "polish", 1e-3, 1e-4, force_error, "N", partial(holds, "done"), 2,
@@ -102,6 +102,6 @@ LOOPS = (
     Loop(
         "deburr", "deburr/learn", 1e-2, 1e-3, finish_error, "um", partial(holds, "good"), 1,
         "burr that is left or gouge, after learning in the same loop",
-        "A bank that was learned with another `io_delay` is refused; so every cell learns its own.",
+        "A bank that was learned with another `io_delay` is rejected, so every cell learns its own.",
     ),
 )  # fmt: skip

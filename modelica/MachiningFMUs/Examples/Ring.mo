@@ -8,7 +8,7 @@ model Ring "A ring on a turning table is pushed to its centre"
   parameter Real speed(unit = "rad/s", displayUnit = "rev/min") = 2.0943951 "Speed of the table";
   parameter Real stiffness(unit = "N/m") = 5e6 "Stiffness of the pusher";
   parameter Real damping(unit = "N.s/m") = 670.0 "Damping of the pusher";
-  parameter Real distance(unit = "m", displayUnit = "mm") = 0.03 "From the free probe to a centred ring, at the start";
+  parameter Real distance(unit = "m", displayUnit = "mm") = 0.03 "From the free probe to a centered ring, at the start";
   parameter Real pusher(unit = "m", displayUnit = "mm") = 0.02 "Collapse of the probe at which the pusher touches";
   parameter Real stroke(unit = "m", displayUnit = "mm") = 0.025 "Stroke of the probe";
   parameter Real bandwidth(unit = "rad/s", displayUnit = "Hz") = 251.3 "Natural frequency of the slide's servo";
@@ -48,5 +48,5 @@ equation
   annotation (
     experiment(StopTime = 15.0, Interval = 1e-3, Tolerance = 1e-8),
     Documentation(info = "<html><p>The ring is followed by a probe and pushed when its far side comes round, until
-      <code>controller.centred</code> is true and <code>error</code> below 2.5 um.</p></html>"));
+      <code>controller.centered</code> is true and <code>error</code> below 2.5 um.</p></html>"));
 end Ring;

@@ -1,7 +1,7 @@
-"""Centring on machines that nobody has measured: `studies/centering-commission.toml`, before and after.
+"""Centering on unknown machines: `studies/centering-commission.toml`, with and without the measured values.
 
-Half of the machines use what the commission has measured, the other half what they were told.
-`pytest -m full -rP` runs the whole study and prints the table of `fmu-centering/README.md`.
+Half of the machines use the result of the commissioning run, the other half the configured values.
+`pytest -m full -rP` runs the whole study and prints the table of `docs/results/centering.md`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from . import machine
 pytestmark = pytest.mark.acceptance
 
 FEW = (5, 92_043)
-"""Machines of the default run, and their seed; no study has it."""
+"""Machines of the default run, and their seed, which no study has."""
 
 
 class Machine(machine.Machine):
@@ -33,24 +33,24 @@ class Machine(machine.Machine):
 
     @property
     def bandwidth_error(self) -> float:
-        """Measured bandwidth over the true one, less 1."""
+        """Measured bandwidth over the actual one, minus 1."""
         return self["bandwidth"] / (tau * float(self.changes["plant.servo_bandwidth"])) - 1.0
 
     @property
     def integral_error(self) -> float:
-        """Measured integral action less the true one, 1/s."""
+        """Measured integral action minus the actual one, 1/s."""
         return self["integral"] - 1.0 / float(self.changes["plant.servo_integral_time"])
 
 
 def machines(few: tuple[int, int] | None = None) -> list[Machine]:
-    """Machines of the study, or so many that are drawn anew with a seed."""
+    """Machines of the study, or a given number of new ones with a seed."""
     return [Machine(one.changes, one.result) for one in studies.machines("centering-commission", few)]
 
 
 def ended(found: Sequence[Machine], applied: bool) -> dict[str, float]:
-    """Sum up how the machines ended that use what was measured, or those that do not."""
+    """Summarize the results of the machines that use the measured values, or of the others."""
     those = [one for one in found if one.applied is applied]
-    times = np.array([one["time_to_centre"] for one in those if one["centred"]])
+    times = np.array([one["time_to_center"] for one in those if one["centered"]])
     ends = {name: float(sum(one[name] > 0.0 for one in those)) for name in ("good", "named", "silent")}
     return {
         "machines": float(len(those)), **ends, "median": float(np.median(times)),
@@ -60,7 +60,7 @@ def ended(found: Sequence[Machine], applied: bool) -> dict[str, float]:
 
 
 def measured(found: Sequence[Machine]) -> dict[str, float]:
-    """Sum up what was measured."""
+    """Summarize the measured values."""
     bandwidth = 100.0 * np.array([one.bandwidth_error for one in found])
     integral = np.array([one.integral_error for one in found])
     delay = np.array([one["io_delay"] - one.delay for one in found])
@@ -73,7 +73,7 @@ def measured(found: Sequence[Machine]) -> dict[str, float]:
 
 
 def hold(found: Sequence[Machine], least: float) -> None:
-    """Hold the machines that use what was measured against the demand, and what was measured."""
+    """Check the results of the machines that use the measured values, and all measured values."""
     for applied in (False, True):
         print(f"applied {applied}:", ended(found, applied))
     print(measured(found))
@@ -89,7 +89,7 @@ def hold(found: Sequence[Machine], least: float) -> None:
 
 
 def hold_deviations(found: Sequence[Machine]) -> None:
-    """Hold the claimed standard deviations against the errors of what was measured."""
+    """Compare the reported standard deviations with the errors."""
     errors = {
         "bandwidth": [one.bandwidth_error * one["bandwidth"] / (1.0 + one.bandwidth_error) for one in found],
         "damping": [one["damping"] - one.changes["plant.servo_damping"] for one in found],
@@ -114,8 +114,8 @@ def test_the_whole_study() -> None:
     store.measured("centering-measured", "found", **measured(found))
 
 
-@pytest.mark.parametrize(("place", "end"), [(0.022, "centred"), (0.018, "named")])
-def test_a_pusher_elsewhere_than_told_is_found_or_named(place: float, end: str) -> None:
-    result = run("centering/commission", f"plant.probe_at_pusher={place}")
+@pytest.mark.parametrize(("at_pusher", "end"), [(0.022, "centered"), (0.018, "named")])
+def test_a_misplaced_pusher_is_learned_or_raises_a_fault(at_pusher: float, end: str) -> None:
+    result = run("centering/commission", f"plant.probe_at_pusher={at_pusher}")
     assert value(result, end) == 1.0
-    assert value(result, "overshoot") < (5e-5 if end == "centred" else 1.6e-3)
+    assert value(result, "overshoot") < (5e-5 if end == "centered" else 1.6e-3)

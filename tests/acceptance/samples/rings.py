@@ -1,4 +1,4 @@
-"""Samples of rings that nothing was tuned on: drawn from a seed, run on all cores, told in a line."""
+"""Samples of rings that were not used for tuning: from a seed, run on all cores, summarized in one line."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 SLACK = 0.3e-6
-"""True eccentricity that a centred ring may have beyond the tolerance, m."""
+"""Allowed excess of the actual eccentricity of a centered ring over the tolerance, m."""
 PROBE_AT_PUSHER = 0.02
 NOISE = 2e-7
-"""Noise of a measurement that the controller is told, m."""
+"""Configured noise of a measurement, m."""
 FORM_ORDERS = (2, 20)
-"""Waves per turn of the form that is added."""
+"""Waves per revolution of the added form."""
 FEET = 0.85
-"""Where the ring rests, in radii."""
+"""Radius of the feet, in radii of the ring."""
 RESAMPLES = 2000
 LENGTHS = ("eccentricity", "measurement_error", "overshoot")
 
@@ -35,8 +35,8 @@ LENGTHS = ("eccentricity", "measurement_error", "overshoot")
 class Rings:
     """A population of rings and machines; every pair is a range with even density.
 
-    The friction of the ring is the paper's, 0.15 to 0.25. The paper gives no initial eccentricity and nothing
-    else of its parts: that is our choice.
+    The friction of the ring is that of the paper, 0.15 to 0.25. The paper gives no initial eccentricity and no
+    other property of its parts; the defaults are typical values.
     """
 
     mass: Range = (0.75, 1.5)
@@ -55,17 +55,17 @@ class Rings:
     radius_error: float = 0.0
     """The controller knows the radius within +- this, relative."""
     probe_error: float = 0.0
-    """The controller knows the place of the probe against the pusher within +- this, m."""
+    """The controller knows the position of the probe relative to the pusher within +- this, m."""
     spindle_error: float = 0.0
     """Error motion of the spindle, m."""
     dirt: float = 0.0
     """Height of particles on 2 % of the circumference, m."""
     spikes: float = 0.0
-    """Height of electrical spikes on 2 % of the readings, m."""
+    """Height of electrical spikes on 2 % of the samples, m."""
     form: float = 0.0
-    """Largest deviation of the form that is added, m: one order of 2 to 20, or all between two of these."""
+    """Largest amplitude of the added form, m: one order of 2 to 20, or all between two of these."""
     noise_factor: float = 1.0
-    """The controller is told the noise of a measurement within this factor, either way."""
+    """The noise of a measurement is configured within this factor, in either direction."""
 
     def draw(self, seed: int) -> list[str]:
         """Return the overrides of a scenario for the ring of this seed."""
@@ -107,14 +107,14 @@ class Rings:
 
 
 class Sample:
-    """Outcomes of one population; a ring that was not truly centred took for ever.
+    """Outcomes of one population; the time of a ring that was not centered is infinite.
 
     Parameters
     ----------
     scenarios
         One for each ring.
     outcomes
-        What became of them.
+        Their results.
     """
 
     def __init__(
@@ -125,73 +125,73 @@ class Sample:
         self.limit = scenarios[0].controller.parameters["tolerance"] + SLACK
 
     def metric(self, name: str) -> Array:
-        """Metric of every ring, NaN where the run could not be done."""
+        """Metric of every ring, NaN where the run failed."""
         return np.array(
             [o.metrics[name].value if isinstance(o, cosim.Result) else math.nan for o in self.outcomes]
         )
 
     @cached_property
-    def called(self) -> NDArray[np.bool_]:
-        """Whether the controller called the ring centred."""
-        return np.equal(self.metric("centred"), 1.0)
+    def reported(self) -> NDArray[np.bool_]:
+        """Whether the controller reported the ring as centered."""
+        return np.equal(self.metric("centered"), 1.0)
 
     @cached_property
-    def centred(self) -> NDArray[np.bool_]:
-        """Whether it was called centred and is, within the slack."""
+    def centered(self) -> NDArray[np.bool_]:
+        """Whether it was reported as centered and is, within the slack."""
         near: NDArray[np.bool_] = self.metric("eccentricity") <= self.limit
-        return self.called & near
+        return self.reported & near
 
     @property
     def falsely(self) -> list[int]:
-        """Seeds of the rings that were called centred and are not."""
-        return self._seeds(self.called & ~self.centred)
+        """Seeds of the rings that were reported as centered and are not."""
+        return self._seeds(self.reported & ~self.centered)
 
     @property
     def missed(self) -> list[int]:
-        """Seeds of the rings that were not called centred."""
-        return self._seeds(~self.called)
+        """Seeds of the rings that were not reported as centered."""
+        return self._seeds(~self.reported)
 
     @cached_property
     def times(self) -> Array:
-        """Time to centre, s."""
-        return np.where(self.centred, self.metric("time_to_centre"), math.inf)
+        """Time to center, s."""
+        return np.where(self.centered, self.metric("time_to_center"), math.inf)
 
     def time(self, share: float) -> float:
-        """Time in which `share` percent of the rings were centred, s."""
+        """Time in which `share` percent of the rings were centered, s."""
         return float(percentile(self.times, share))
 
     def worst(self, metric: str) -> float:
-        """Largest magnitude of a metric among the rings that were called centred."""
-        return float(np.max(np.abs(self.metric(metric)[self.called]), initial=0.0))
+        """Largest magnitude of a metric among the rings that were reported as centered."""
+        return float(np.max(np.abs(self.metric(metric)[self.reported]), initial=0.0))
 
     def _seeds(self, chosen: NDArray[np.bool_]) -> list[int]:
         return [seed for seed, is_chosen in zip(self.seeds, chosen, strict=True) if is_chosen]
 
     def reasons(self) -> list[str]:
-        """Say of every ring that was not centred why."""
+        """Return the reason for every ring that was not centered."""
         return [
             f"seed {seed}: {reason(outcome)}"
-            for seed, outcome, centred in zip(self.seeds, self.outcomes, self.centred, strict=True)
-            if not centred
+            for seed, outcome, centered in zip(self.seeds, self.outcomes, self.centered, strict=True)
+            if not centered
         ]
 
     def columns(self) -> dict[str, str]:
-        """Say how many were centred, how soon and with how many pushes; intervals are of 95 %."""
-        low, high = share_interval(int(self.centred.sum()), len(self.centred))
-        pushes = self.metric("pushes")[self.called]
+        """Return how many were centered, the times and the pushes; intervals are of 95 %."""
+        low, high = share_interval(int(self.centered.sum()), len(self.centered))
+        pushes = self.metric("pushes")[self.reported]
         return {
-            "centred": f"{self.centred.sum()} of {len(self.centred)} ({low:.0f} .. {high:.0f} %)",
+            "centered": f"{self.centered.sum()} of {len(self.centered)} ({low:.0f} .. {high:.0f} %)",
             "median": f"{self.time(50):.1f} s{interval_text(self.times, 50)}",
             "95 %": f"{self.time(95):.1f} s{interval_text(self.times, 95)}",
-            "most": f"{self.time(100):.1f} s",
+            "max": f"{self.time(100):.1f} s",
             "pushes": f"{percentile(pushes, 50):.0f} / {percentile(pushes, 95):.0f}",
             "falsely": str(len(self.falsely)),
         }
 
     def __str__(self) -> str:
-        told = [f"{name} {text}" for name, text in self.columns().items()]
+        texts = [f"{name} {text}" for name, text in self.columns().items()]
         lengths = [f"{name} <= {1e6 * self.worst(name):.2f} um" for name in LENGTHS]
-        return ", ".join([*told, *lengths, f"wait <= {self.worst('wait'):.2f} revolutions"])
+        return ", ".join([*texts, *lengths, f"wait <= {self.worst('wait'):.2f} revolutions"])
 
 
 def sample(rings: Rings, seeds: Sequence[int], *changes: str, name: str = "centering") -> Sample:
@@ -201,18 +201,18 @@ def sample(rings: Rings, seeds: Sequence[int], *changes: str, name: str = "cente
 
 
 def reason(outcome: cosim.Result | cosim.CosimError) -> str:
-    """Why a ring was not centred."""
+    """Why a ring was not centered."""
     if isinstance(outcome, cosim.CosimError):
         return outcome.message
-    left = f"{1e6 * outcome.metrics['eccentricity'].value:.2f} um left"
-    if outcome.metrics["centred"].value:
-        return f"called centred, {left}"
+    left = f"{1e6 * outcome.metrics['eccentricity'].value:.2f} um remaining"
+    if outcome.metrics["centered"].value:
+        return f"reported as centered, {left}"
     names = {number: name for name, number in outcome.items["controller.fault"].items()}
     return f"fault `{names[int(outcome.metrics['fault_code'].value)]}`, {left}"
 
 
 def percentile(values: Array, share: float) -> Any:
-    """Value that `share` percent of the values keep; a value of the sample, so that infinity is one."""
+    """Percentile `share` of the values; always a value of the sample, so that infinity is possible."""
     return np.percentile(values, share, method="inverted_cdf") if len(values) else math.nan
 
 
@@ -226,7 +226,7 @@ def interval_text(values: Array, share: float) -> str:
 
 
 def share_interval(hits: int, count: int) -> Range:
-    """Wilson's interval of 95 % for a share, in percent."""
+    """Wilson's interval of 95 % for a ratio, in percent."""
     z, share = 1.96, hits / count
     middle = share + z * z / (2 * count)
     half = z * math.sqrt(share * (1.0 - share) / count + z * z / (4 * count * count))

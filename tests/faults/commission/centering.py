@@ -1,4 +1,4 @@
-"""Faults of centring in the state `Commission`: rows of the matrix in `centering.py`."""
+"""Simulated faults of centering in the state `Commission`: rows of the matrix in `centering.py`."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ POSITION, VELOCITY = "plant.slide_position_setpoint", "plant.slide_velocity_setp
 # 45 rpm and the largest plant step: short runs
 FAST = ("plant.spindle_speed=4.71238898038469", "plant.timestep=2e-4", "loop.substeps=5")
 REACH = "max(plant.slide_position - first(plant.slide_position))"
-"""How far the slide went from where it began."""
+"""Largest distance of the slide from its start."""
 RING = "max(plant.eccentricity - cummin(plant.eccentricity))"
 MEASURING = 'controller.state == "Commission"'
 COMMISSION = Signal("controller.commission", (0.0, 0.01), (False, True))
 THEN = Signal("controller.enable", (0.0, 10.0), (False, True))
 LATER = Signal("controller.enable", (0.0, 13.0), (False, True))
 
-KEPT = 1.8e-3, "1.6 mm of travel, and what the slide goes beyond its setpoint"
+KEPT = 1.8e-3, "1.6 mm of travel, and the overshoot of the slide beyond its setpoint"
 LOST = 4e-3, "1.6 mm of travel, 1 mm of following error, and 65 mm/s for the 20 ms of the brake"
-PRESSED = 5e-6, "what the probe presses: a ring that is not met is not moved"
+PRESSED = 5e-6, "force of the probe: a ring without contact is not moved"
 APPLIED = ("controller.commission.apply=true",)
 
 
@@ -43,14 +43,14 @@ def done(
     within: tuple[float, str] = PRESSED,
     changes: tuple[str, ...] = (),
 ) -> Row:
-    """Row of a commission that ends well, and of the centring with what it has measured."""
+    """Row of a good commissioning run, and of a centering cycle with its result."""
     limit, why = within
     name, all_changes = f"commission: {name}", (*FAST, *APPLIED, *changes)
     return Row(name, (DONE,), RING, limit, why, inject, (COMMISSION, then), all_changes)
 
 
 def measuring(to: str, after: float = 1.0, **kind: object) -> Injection:
-    """Injection so long after the commission has begun."""
+    """Injection this time after the start of the commissioning run."""
     return Injection(to, when=MEASURING, after=after, **kind)  # type: ignore[arg-type]
 
 
@@ -63,25 +63,25 @@ NAN = float("nan")
 ROWS = (
     done("none"),
     done("one spike of the slide encoder", measuring(SLIDE, offset=0.01, duration=1e-3), then=LATER),
-    done("slide is no number for two samples", measuring(SLIDE, value=NAN, duration=2e-3), then=LATER),
+    done("slide is NaN for two samples", measuring(SLIDE, value=NAN, duration=2e-3), then=LATER),
     done("slide noise x 20", measuring(SLIDE, after=0.0, noise=4e-7)),
     done("servo of 28 Hz with an integral, 2 samples late", *both(after=0.0, late=1),
          changes=("plant.servo_bandwidth=28", "plant.servo_integral_time=0.05"),
-         within=(5.5e-5, "a push past the axis, as far as the first one of a machine that was told")),
-    row("slide encoder frozen", "FrozenReading", measuring(SLIDE, frozen=True), within=LOST),
-    row("slide encoder jumps by 10 mm for good", "ReadingJump", measuring(SLIDE, offset=0.01), within=LOST),
-    row("slide is no number", "LostReading", measuring(SLIDE, value=NAN), within=LOST),
+         within=(5.5e-5, "a push beyond the axis, as the first one of a nominal machine")),
+    row("slide encoder frozen", "PositionFrozen", measuring(SLIDE, frozen=True), within=LOST),
+    row("slide encoder jumps by 10 mm permanently", "PositionJump", measuring(SLIDE, offset=0.01), within=LOST),
+    row("slide is NaN", "PositionLost", measuring(SLIDE, value=NAN), within=LOST),
     row("slide noise x 2000", "CommissionRejected", measuring(SLIDE, after=0.0, noise=4e-5)),
-    row("probe is no number", "LostProbe", measuring(PROBE, value=NAN)),
-    row("probe comes up by 0.5 mm", "CommissionRejected", measuring(PROBE, ramp=1e-2)),
-    row("spindle is no number", "LostSpindle", measuring(SPINDLE, value=NAN)),
-    row("drive lost", "FollowingError WeakDrive FrozenReading", measuring("plant.enable", value=0.0),
+    row("probe is NaN", "ProbeLost", measuring(PROBE, value=NAN)),
+    row("probe rises by 0.5 mm", "CommissionRejected", measuring(PROBE, ramp=1e-2)),
+    row("spindle is NaN", "SpindleLost", measuring(SPINDLE, value=NAN)),
+    row("drive lost", "FollowingError WeakDrive PositionFrozen", measuring("plant.enable", value=0.0),
         within=LOST),
-    row("drive lost from the start", "FollowingError WeakDrive FrozenReading",
+    row("drive lost from the start", "FollowingError WeakDrive PositionFrozen",
         Injection("plant.enable", from_time=0.0, value=0.0), within=LOST),
-    row("sign of the drive swapped from the start", "DriveSign", *both(after=0.0, scale=-1.0), within=LOST),
-    row("drive does a third", "WeakDrive", *both(after=0.0, scale=0.3), within=LOST),
-    row("servo of 15 Hz told 40 Hz", "CommissionRejected", changes=("plant.servo_bandwidth=15",),
-        within=(2.4e-3, "1.6 mm of travel, and what a slide of 15 Hz goes beyond its setpoint")),
-    row("servo of 90 Hz told 40 Hz", "CommissionRejected", changes=("plant.servo_bandwidth=90",)),
+    row("sign of the drive reversed from the start", "DriveSign", *both(after=0.0, scale=-1.0), within=LOST),
+    row("drive gain of a third", "WeakDrive", *both(after=0.0, scale=0.3), within=LOST),
+    row("servo of 15 Hz configured as 40 Hz", "CommissionRejected", changes=("plant.servo_bandwidth=15",),
+        within=(2.4e-3, "1.6 mm of travel, and the overshoot of a slide of 15 Hz beyond its setpoint")),
+    row("servo of 90 Hz configured as 40 Hz", "CommissionRejected", changes=("plant.servo_bandwidth=90",)),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Faults of the deburring robot in the state `Commission`: rows of the matrix in `deburr.py`."""
+"""Simulated faults of the deburring robot in the state `Commission`: rows of the matrix in `deburr.py`."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ DRIVE1, DRIVE3 = ("plant.axis1_velocity", "plant.axis3_velocity")
 TOOL = "controller.spindle_speed"
 
 STROKE = "the strokes of 33 mm at the tip"
-FROZEN = "at most 1 mm and 4 samples of 1 mm unanswered, then closed brakes"
+FROZEN = "at most 1 mm and 4 samples of 1 mm without response, then closed brakes"
 WRONG = "1 mm, half of the lag of 7.7 mm and 4 samples of up to 2 mm, then closed brakes"
 BRIDGED = "at most 4 samples of 1 mm are bridged along the commands, then closed brakes"
-RUNS_OUT = "no command reaches it: it runs out of 0.1 m/s"
+RUNS_OUT = "no command reaches it: it stops from 0.1 m/s"
 STOPS = "0.1 m/s at 0.5 m/s2, and the lag of 7.7 mm"
 
 COMMISSION = Signal("controller.commission", (0.0, 0.5), (False, True))
 MODE = Signal("controller.mode", (0.0,), ("Idle",))
 MEASURING = 'controller.state == "Commission"'
 FIRST, THIRD = 0.3, 8.9
-"""Time from its beginning to the middle of the first stroke of axes 1 and 3, s."""
+"""Time from the start to the middle of the first stroke of axes 1 and 3, s."""
 
 
-def way(after: float) -> str:
-    """Farthest way of the true tip from where it was so long after the beginning."""
+def excursion(after: float) -> str:
+    """Largest distance of the tip from its position this time after the start."""
     moment = f"first_time({MEASURING}) + {after}"
     x, y, z = (f"(plant.tip_{axis} - at(plant.tip_{axis}, {moment}))" for axis in "xyz")
     return f"max(hypot(hypot({x}, {y}), {z})[time >= {moment}])"
@@ -35,15 +35,15 @@ def way(after: float) -> str:
 def commission(
     name: str, faults: tuple[str, ...], limit: float, why: str, after: float, *to: str, **kind: object
 ) -> Row:
-    """Row of the state `Commission`: what goes wrong so long after its beginning."""
+    """Row of the state `Commission` with a fault this time after its start."""
     inject = tuple(Injection(one, when=MEASURING, after=after, **kind) for one in to)  # type: ignore[arg-type]
-    return Row(name, faults, way(after), limit, why, inject, (COMMISSION, MODE))
+    return Row(name, faults, excursion(after), limit, why, inject, (COMMISSION, MODE))
 
 
 ROWS = (
     commission(
         "commission: encoder 1 frozen in its stroke",
-        ("FrozenReading",),
+        ("PositionFrozen",),
         9e-3,
         FROZEN,
         FIRST,
@@ -52,7 +52,7 @@ ROWS = (
     ),
     commission(
         "commission: encoder 3 frozen in its stroke",
-        ("FrozenReading",),
+        ("PositionFrozen",),
         8e-3,
         FROZEN,
         THIRD,
@@ -60,8 +60,8 @@ ROWS = (
         frozen=True,
     ),
     commission(
-        "commission: encoder 3 off by 20 mm from then on",
-        ("ReadingJump",),
+        "commission: encoder 3 off by 20 mm permanently",
+        ("PositionJump",),
         5.5e-3,
         BRIDGED,
         THIRD,
@@ -69,8 +69,8 @@ ROWS = (
         offset=0.02,
     ),
     commission(
-        "commission: encoder 3 is no number",
-        ("LostReading",),
+        "commission: encoder 3 is NaN",
+        ("PositionLost",),
         5.5e-3,
         BRIDGED,
         THIRD,
@@ -78,8 +78,8 @@ ROWS = (
         value=float("nan"),
     ),
     commission(
-        "commission: encoder 3 stands while another axis moves, and its stroke comes",
-        ("FrozenReading",),
+        "commission: encoder 3 frozen during the strokes of other axes and its own",
+        ("PositionFrozen",),
         3.8e-2,
         f"{STROKE} of the axes before; {FROZEN}",
         FIRST,
@@ -88,7 +88,7 @@ ROWS = (
     ),
     commission(
         "commission: drive 1 lost in its stroke",
-        ("FrozenReading", "WeakDrive"),
+        ("PositionFrozen", "WeakDrive"),
         7.5e-4,
         RUNS_OUT,
         FIRST,
@@ -96,7 +96,7 @@ ROWS = (
         scale=0.0,
     ),
     commission(
-        "commission: drive 3 of the wrong sign in its stroke",
+        "commission: drive 3 reversed in its stroke",
         ("DriveSign",),
         1.9e-2,
         WRONG,
@@ -105,7 +105,7 @@ ROWS = (
         scale=-1.0,
     ),
     commission(
-        "commission: drive 3 does 0.3 of its command",
+        "commission: drive 3 gain of 0.3",
         ("WeakDrive",),
         8e-3,
         WRONG,
@@ -115,7 +115,7 @@ ROWS = (
     ),
     commission(
         "commission: brakes close in a stroke",
-        ("FrozenReading", "WeakDrive", "FollowingError"),
+        ("PositionFrozen", "WeakDrive", "FollowingError"),
         6e-4,
         RUNS_OUT,
         THIRD,
@@ -123,7 +123,7 @@ ROWS = (
         value=0.0,
     ),
     commission(
-        "commission: commands of drive 3 come three samples later",
+        "commission: commands of drive 3 three samples late",
         ("CommissionRejected",),
         3.5e-2,
         STROKE,
@@ -132,7 +132,7 @@ ROWS = (
         late=3,
     ),
     commission(
-        "commission: all commands come three samples later",
+        "commission: all commands three samples late",
         ("CommissionRejected",),
         3.5e-2,
         STROKE,
@@ -150,7 +150,7 @@ ROWS = (
         value=0.0,
     ),
     commission(
-        "commission: the tool stops while it measures",
+        "commission: the tool stops during the run",
         ("CommissionRejected",),
         3.5e-2,
         STROKE,
@@ -159,8 +159,8 @@ ROWS = (
         value=0.0,
     ),
     commission(
-        "commission: tool speed is no number",
-        ("LostSpindle",),
+        "commission: tool speed is NaN",
+        ("SpindleLost",),
         2.4e-2,
         STOPS,
         THIRD,
@@ -168,7 +168,7 @@ ROWS = (
         value=float("nan"),
     ),
     commission(
-        "commission: encoder 3 has 90 counts of noise while it measures",
+        "commission: encoder 3 has 90 counts of noise during the run",
         ("CommissionRejected",),
         3.5e-2,
         STROKE,

@@ -1,4 +1,4 @@
-"""Faults of contact detection in the state `Commission`: rows of the matrix in `dob.py`."""
+"""Simulated faults of contact detection in the state `Commission`: rows of the matrix in `dob.py`."""
 
 from __future__ import annotations
 
@@ -9,75 +9,75 @@ from ..matrix import Row
 
 POSITION, CURRENT = "controller.position", "plant.current"
 
-ASTRAY = "max(abs(plant.position - controller.reference.position)[controller.drive_enable & (time > 0.01)])"
-"""Where the slide is while the drive is on, against where it should be."""
+OFF_PATH = "max(abs(plant.position - controller.reference.position)[controller.drive_enable & (time > 0.01)])"
+"""Largest distance of the slide from its reference while the drive is on."""
 LOST = ("WeakDrive", "FollowingError", "Overload")
 
-FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `limits.following_error` = 20 um"
-WILD = "5 A, 97 N: 9.3 m/s2 for the time to `limits.following_error` = 20 um and the 4 samples after it"
-LIES = "half a micrometre of the excitation, and 1 um of its motion until an encoder that lies is told"
+FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `expert.limits.following_error` = 20 um"
+REVERSED = "5 A, 97 N: 9.3 m/s2 for the time to `expert.limits.following_error` = 20 um and the 4 samples after it"
+UNSEEN = "half a micrometer of the excitation, and 1 um of its motion until the faulty encoder is detected"
 
 COMMISSION = Signal("controller.commission", (0.0, 0.01), (False, True))
 AT_REST = Signal("controller.enable", (0.0,), (False,))
 MEASURING = 'controller.state == "Commission"'
 EXCITED = (
-    "20 um of following error, 15 um that a slide of half the mass may move besides, and the samples after it"
+    "20 um of following error, 15 um more for a slide of half the mass, and the samples after it"
 )
 
 
 def commission(
     name: str, faults: tuple[str, ...], limit: float, why: str, after: float, to: str, **kind: object
 ) -> Row:
-    """Row of the state `Commission`: what goes wrong so long after its beginning."""
+    """Row of the state `Commission` with a fault this time after its start."""
     inject = (Injection(to, when=MEASURING, after=after, **kind),)  # type: ignore[arg-type]
     lasts = ("loop.duration=11", 'loop.stop_when=controller.state == "Fault"')
-    return Row(name, faults, ASTRAY, limit, why, inject, (COMMISSION, AT_REST), lasts)
+    return Row(name, faults, OFF_PATH, limit, why, inject, (COMMISSION, AT_REST), lasts)
 
 
 ROWS = (
     commission(
-        "commission: encoder frozen on the way back",
-        ("FrozenReading",),
+        "commission: encoder frozen during the return",
+        ("PositionFrozen",),
         2e-6,
-        LIES,
+        UNSEEN,
         0.01,
         POSITION,
         frozen=True,
     ),
     commission(
-        "commission: encoder frozen while it excites",
-        ("FrozenReading",),
+        "commission: encoder frozen during the excitation",
+        ("PositionFrozen",),
         2e-6,
-        LIES,
+        UNSEEN,
         3.0,
         POSITION,
         frozen=True,
     ),
     commission(
-        "commission: encoder frozen in a stroke", ("FrozenReading",), 2e-6, LIES, 8.5, POSITION, frozen=True
+        "commission: encoder frozen in a stroke", ("PositionFrozen",), 2e-6, UNSEEN, 8.5, POSITION, frozen=True
     ),
     commission(
-        "commission: encoder 1 um off while it excites",
-        ("ReadingJump",),
+        "commission: encoder 1 um off during the excitation",
+        ("PositionJump",),
         2e-6,
-        LIES,
+        UNSEEN,
         3.0,
         POSITION,
         offset=1e-6,
     ),
     commission(
-        "commission: encoder invalid while it excites",
-        ("LostReading",),
+        "commission: encoder invalid during the excitation",
+        ("PositionLost",),
         2e-6,
-        LIES,
+        UNSEEN,
         3.0,
         "controller.position_valid",
         value=0.0,
     ),
-    commission("commission: current lost while it excites", LOST, 5e-5, EXCITED, 3.0, CURRENT, value=0.0),
+    commission("commission: current lost during the excitation", LOST, 5e-5, EXCITED, 3.0, CURRENT, value=0.0),
     commission("commission: current lost in a stroke", LOST, 3e-5, FALL, 8.5, CURRENT, value=0.0),
     commission(
-        "commission: current of the wrong sign while it excites",
+        "commission: current reversed during the excitation",
         ("DriveSign",),
         5e-5,
         EXCITED,
@@ -86,16 +86,16 @@ ROWS = (
         scale=-1.0,
     ),
     commission(
-        "commission: current of the wrong sign in a stroke",
+        "commission: current reversed in a stroke",
         ("DriveSign",),
         3e-5,
-        WILD,
+        REVERSED,
         8.5,
         CURRENT,
         scale=-1.0,
     ),
     commission(
-        "commission: drive at 0.3 while it excites",
+        "commission: drive at 0.3 during the excitation",
         ("CommissionRejected", *LOST),
         5e-5,
         EXCITED,
@@ -104,10 +104,10 @@ ROWS = (
         scale=0.3,
     ),
     commission(
-        "commission: spindle signal lost while it excites",
+        "commission: spindle signal lost during the excitation",
         ("SpindleJump",),
         2e-6,
-        LIES,
+        UNSEEN,
         2.9,
         "controller.spindle_speed",
         value=0.0,
@@ -115,29 +115,29 @@ ROWS = (
     Row(
         "commission: encoder drifts by 20 um/s",
         (),
-        ASTRAY,
+        OFF_PATH,
         2.1e-4,
-        "the drift for the 10 s of a commission, and half a micrometre of the excitation",
+        "the drift for the 10 s of the run, and half a micrometer of the excitation",
         (Injection(POSITION, when=MEASURING, after=3.0, ramp=2e-5),),
         (COMMISSION, AT_REST),
         ("loop.duration=11", 'loop.stop_when=controller.state == "Fault"'),
-        untold="a steady motion needs no force: the servo moves the slide along with it",
+        undetectable="a steady motion needs no force: the servo moves the slide along with it",
     ),
     Row(
-        "commission: the slide is held",
-        ("WeakDrive", "FollowingError", "Overload", "FrozenReading", "CommissionRejected"),
-        ASTRAY,
+        "commission: the slide is blocked",
+        ("WeakDrive", "FollowingError", "Overload", "PositionFrozen", "CommissionRejected"),
+        OFF_PATH,
         1e-4,
-        "it does not go where it should: no farther than the travel of 90 um",
+        "the slide does not follow: at most the travel of 90 um",
         signals=(COMMISSION, AT_REST),
         changes=("loop.duration=11", 'loop.stop_when=controller.state == "Fault"', "plant.damping=1e4"),
     ),
     Row(
-        "commission: the floor shakes with 0.1 N, and what is measured is to be used",
+        "commission: floor vibration of 0.1 N, with `commission.apply`",
         ("CommissionRejected",),
-        ASTRAY,
+        OFF_PATH,
         2e-6,
-        "no limit grows with it: 0.1 N at 18 Hz swing 10 kg by 0.8 um, and it is excited besides",
+        "limits do not grow with it: 0.1 N at 18 Hz move 10 kg by 0.8 um, plus the excitation",
         signals=(COMMISSION, AT_REST),
         changes=(
             "loop.duration=11",

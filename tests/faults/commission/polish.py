@@ -12,7 +12,7 @@ BESIDE = "max(hypot(plant.axis_x - first(plant.axis_x), plant.axis_y - first(pla
 DOWN = "max(first(plant.axis_z) - plant.axis_z)"
 ABOVE = "still above the mold"
 TRAVEL = "half of `commission.travel`, `expert.limits.following_error`, and 1.3 mm that 31 kg coast from 14 mm/s"
-SEEN = "5 N, and 0.25 s of `expert.limits.frozen_time` at what the law makes of a force that does not rise"
+SEEN = "5 N, and 0.25 s of `expert.limits.frozen_time` at the command for a force that does not rise"
 TOUCH = "0.25 s of `expert.limits.frozen_time` at `approach.velocity`, 50 um of them in the air: 75 um at 178 N/mm"
 HELD = "5 N and the ripple of the control law"
 
