@@ -39,7 +39,7 @@ def main() -> int:
 
 
 def measured(names: Collection[str], jobs: int | None) -> dict[tuple[str, Cell], Outcome]:
-    """Outcomes of all cells of some loops, from processes beside each other."""
+    """Outcomes of all cells of some loops, from parallel processes."""
     tasks = [(loop, cell) for loop in LOOPS if loop.name in names for cell in CELLS]
     with ProcessPoolExecutor(jobs) as pool:
         outcomes = pool.map(measure, *zip(*tasks, strict=True))

@@ -19,9 +19,9 @@ SAMPLES = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0)
 DELAYS = (0, 1, 2)
 """Communication steps from an output to its action."""
 LONGEST_DELAY = 8
-"""Most that `io_delay` can tell, samples."""
+"""Maximum of `io_delay`, samples."""
 WORKS = 2.0
-"""A loop works as long as its number is at most so many times that of the nominal cell."""
+"""Maximum ratio of the number of a working loop to that of the nominal cell."""
 ROUNDING = 1e-9
 WARNING = "the communication step `"
 """What is in the message of an FMU whose step is too long."""
@@ -50,7 +50,7 @@ CELLS = tuple(Cell(*one) for one in product(SAMPLES, DELAYS, (True, False)))
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came out: the number of a job that was done, else why it was not; and whether the FMU warned."""
+    """Result: the number of a complete cycle, otherwise the reason; and whether the FMU warned."""
 
     number: float | None
     problem: str
@@ -89,15 +89,15 @@ def measure(loop: Loop, cell: Cell) -> Outcome:
         except PlantError:
             runs = [(None, "plant stops")]
         except CosimError as error:
-            if not error.message.startswith("the FMU refused its parameters"):
+            if not error.message.startswith("the FMU rejected its parameters"):
                 raise
-            runs = [(None, "refused")]
+            runs = [(None, "rejected")]
     warned = any(WARNING in text for text in heard)
     return max((Outcome(*run, warned) for run in runs), key=lambda outcome: outcome.gravity)
 
 
 def warnings(loop: Loop, cell: Cell, steps: int) -> int:
-    """How often the FMU warns of the communication step in so many steps of the cell."""
+    """Count the warnings of the FMU about the communication step in some steps of the cell."""
     scenario = cosim.load(loop.scenario, set=overrides(loop, cell))
     short = replace(scenario.loop, duration=steps * scenario.loop.step, record_every=1, stop_when="")
     with listening() as heard:

@@ -13,7 +13,7 @@ FILE = Path(__file__).resolve().parents[2] / "docs/communication-step.md"
 
 Outcomes = Mapping[tuple[str, Cell], Outcome]
 
-MARK = "<!-- measured: what follows is written by the command above -->\n"
+MARK = "<!-- measured: the command above writes the rest of this page -->\n"
 
 
 def limit(loop: Loop, outcomes: Outcomes) -> float:
@@ -28,7 +28,7 @@ def limit(loop: Loop, outcomes: Outcomes) -> float:
 
 
 def works(outcome: Outcome, nominal: Outcome) -> bool:
-    """Whether the job is done, and nearly as well as in the nominal cell."""
+    """Whether the cycle is complete, and nearly as good as in the nominal cell."""
     if outcome.number is None or nominal.number is None:
         return False
     return outcome.number <= WORKS * nominal.number
@@ -43,7 +43,7 @@ def shown(outcome: Outcome, nominal: Outcome) -> str:
 
 
 def write(outcomes: Outcomes) -> None:
-    """Write what follows the mark anew."""
+    """Rewrite the part after the mark."""
     words = FILE.read_text("utf-8").partition(MARK)[0]
     FILE.write_text(words + MARK + "\n" + "\n".join(lines(outcomes)) + "\n", "utf-8")
 
@@ -66,7 +66,7 @@ def table(loop: Loop, outcomes: Outcomes) -> Iterator[str]:
     yield f"\n## {loop.name}\n"
     what = loop.what[0].upper() + loop.what[1:]
     yield f"{what}, {loop.unit}; scenario `{loop.scenario}`, {seeds}. {loop.remark}".rstrip() + "\n"
-    heads = [f"delay {delay}, {told}" for delay in DELAYS for told in ("right", "off")]
+    heads = [f"delay {delay}, {setting}" for delay in DELAYS for setting in ("right", "off")]
     yield f"| step, samples | {' | '.join(heads)} | the FMU |"
     yield "|" + "---|" * (len(heads) + 2)
     for samples in SAMPLES:
@@ -77,7 +77,7 @@ def table(loop: Loop, outcomes: Outcomes) -> Iterator[str]:
 
 
 def read() -> Outcomes:
-    """Outcomes as the document tells them.
+    """Outcomes as the document shows them.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def read() -> Outcomes:
 
 
 def parsed(text: str, warned: bool) -> Outcome:
-    """Outcome that a cell tells."""
+    """Outcome of a cell."""
     number = text.strip("*")
     if re.fullmatch(r"[\d.e-]+", number):
         return Outcome(float(number), "", warned)

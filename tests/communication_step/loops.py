@@ -95,13 +95,13 @@ LOOPS = (
     ),
     Loop(
         "polish", "polish", 1e-3, 1e-4, force_error, "N", partial(holds, "done"), 2,
-        "true normal force about 5 N, rms",
-        "Pulses are those of one sample: of a step with several samples the importer sees the last alone, "
-        "and the others are lost. The drives spread them over 1 ms (`pulse_period`).",
+        "deviation of the true normal force from 5 N, rms",
+        "A pulse lasts one sample. Of a step with several samples the importing tool receives only the last, and "
+        "loses the others. The drives distribute them over 1 ms (`pulse_period`).",
     ),
     Loop(
         "deburr", "deburr/learn", 1e-2, 1e-3, finish_error, "um", partial(holds, "good"), 1,
-        "burr that is left or gouge, after learning in the same loop",
+        "remaining burr or gouge, after learning in the same loop",
         "A bank that was learned with another `io_delay` is rejected, so every cell learns its own.",
     ),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""A saved state goes on in a new process bit for bit, wherever it was taken."""
+"""A saved state continues in a new process bit for bit, from any time."""
 
 from __future__ import annotations
 
@@ -120,5 +120,5 @@ def test_the_guide_tells_how_many_bytes_a_state_has(loop: str, tmp_path: Path) -
             sizes.append(size())
     slave.terminate()
     slave.freeInstance()
-    text = (ROOT / "docs/import.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/import/c-library.md").read_text(encoding="utf-8")
     assert f"\n| `{name}` | {sizes[0]:,} | {max(sizes):,} |\n" in text
