@@ -1,11 +1,11 @@
-"""Ring on the table of a vertical spindle, probed and pushed to the centre by a slide.
+"""Ring on the table of a vertical spindle, probed and pushed to the center by a slide.
 
 The machine is that of Mears, Kolartis, Thompson and Kurfess, "Design of a Flexible Centering Tooling
 System" (2007). The paper gives resolutions, gauging force, slide speed and the range of friction; masses,
-radii, stiffness and servo are typical of such machines and our choice.
+radii, stiffness and servo are typical of such machines.
 
 The x axis is the line of the slide, through the spindle; probe and pusher come from +x. Slide position is
-positive towards the centre, probe position positive when it collapses, the spindle angle positive about +z.
+positive towards the center, probe position positive when it collapses, the spindle angle positive about +z.
 """
 
 import math
@@ -23,13 +23,13 @@ from plants.spindle_ring_parameters import LINE_LIMIT, TURN, SpindleRingParamete
 from plants.tools import contour
 
 ROUGHNESS_ORDERS = range(15, 101)
-"""Waves per turn of the roughness."""
+"""Waves of the roughness per revolution."""
 ERROR_ORDERS = range(2, 6)
-"""Cycles per turn of the error motion: one cycle per turn is eccentricity by definition."""
+"""Cycles of the error motion per revolution: one cycle is eccentricity by definition."""
 TOUCH = 1e-6
-"""Collapse at which the preload of the probe is there, m."""
+"""Deflection at which the probe has its preload, m."""
 NOWHERE = -1.0
-"""Surface when there is no ring, m: beyond the travel."""
+"""Surface without a ring, m: beyond the travel."""
 RING = ("ring_x", "ring_y", "ring_yaw")
 FEET = ("foot1", "foot2", "foot3")
 
@@ -49,7 +49,7 @@ class SpindleRing(Plant):
     )  # fmt: skip
 
     def name_channels(self, p: SpindleRingParameters) -> None:
-        """Name them, with the noise, resolution and limits that the parameters say."""
+        """Declare the channels with noise, resolution and limits from the parameters."""
         check_together(p)
         probe = {"noise": p.probe_noise, "quantum": p.probe_resolution}
         self.readings = (
@@ -71,10 +71,10 @@ class SpindleRing(Plant):
             ),
         )
         self.truths = (
-            *vector("ring", "m", "Centre of the ring on the table", "xy"),
+            *vector("ring", "m", "Center of the ring on the table", "xy"),
             Channel("ring_yaw", "rad", "Angle of the ring on the table"),
             Channel("eccentricity", "m", "Distance of the ring from the axis"),
-            Channel("slip_speed", "m/s", "Speed of the ring's centre on the table"),
+            Channel("slip_speed", "m/s", "Speed of the ring's center on the table"),
             Channel("spindle_angle", "rad", "Angle of the spindle"),
             Channel("slide_position", "m", "Position of the slide"),
             Channel("slide_velocity", "m/s", "Velocity of the slide"),
@@ -90,7 +90,7 @@ class SpindleRing(Plant):
         self._load_feet()
 
     def shape(self, spec: Any, p: SpindleRingParameters) -> None:
-        """Write masses and sizes into the MJCF; the bristle takes the place of the contacts."""
+        """Write masses and sizes into the MJCF; the bristle replaces the contacts."""
         spec.geom("plate").size[0] = p.table_radius
         spec.body("ring").mass = p.mass
         inertia = 0.5 * p.mass * p.radius**2 * (1.0 + (1.0 - p.wall) ** 2)
@@ -115,7 +115,7 @@ class SpindleRing(Plant):
             self.model.pair_margin[foot] *= self._weight / len(FEET) / force[0]
 
     def dress(self, spec: Any, p: SpindleRingParameters, shown: Mapping[str, Array]) -> None:
-        """Lay the ring on the table."""
+        """Place the ring on the table."""
         looks.dress(spec, p)
 
     def draw(self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]) -> None:
@@ -178,7 +178,7 @@ class SpindleRing(Plant):
             self.circuit.bind(f"spindle_error_{axis}", noise, [source], [self.wire(f"async_{axis}")])
 
     def _touch(self, circuit: Circuit) -> None:
-        # where the ring is and what probe and pusher do to it: in every step, and when readings are taken
+        # position of the ring, and forces of probe and pusher: in every step, and when the sensors are sampled
         p, wire, bind = self.parameters, self.wire, circuit.bind
         if p.part_present:
             self._ring(circuit)
@@ -200,7 +200,7 @@ class SpindleRing(Plant):
         bind("probe_stroke", stroke, [wire("probe_collapse")], [])
 
     def _tip(self, ahead: float) -> tuple[Cell, Cell]:
-        # place and speed in the room of what is `ahead` of the pusher tip on the slide
+        # position and speed in the world of a point `ahead` of the pusher tip on the slide
         row = self._at["slide"]
         start = self.pusher_start - ahead
         return Cell(self.data.qpos, row, scale=-1.0, offset=start), Cell(self.data.qvel, row, scale=-1.0)
@@ -212,12 +212,12 @@ class SpindleRing(Plant):
             self._errors(circuit, angle)
         states = [self._state(joint) for joint in RING]
         inputs = [angle, rate, *(place for place, _ in states), *(speed for _, speed in states)]
-        centre = ["cx", "cy", "vcx", "vcy", "orientation", "turn_rate"]
-        outputs = [*map(wire, centre), wire("eccentricity"), wire("slip_speed")]
+        center = ["cx", "cy", "vcx", "vcy", "orientation", "turn_rate"]
+        outputs = [*map(wire, center), wire("eccentricity"), wire("slip_speed")]
         bind("ring", _native.turntable(), [*inputs, wire("error_x"), wire("error_y")], outputs)
         self._limits(circuit)
         met = ["surface", "normal_x", "normal_y", "vx", "vy", "phase"]
-        bind("outline", _native.outline(self._outline.tolist()), [*map(wire, centre)], [*map(wire, met)])
+        bind("outline", _native.outline(self._outline.tolist()), [*map(wire, center)], [*map(wire, met)])
         if self._dirty:
             bind("dirt", _native.lookup(self._dirt.tolist()), [wire("phase")], [wire("dirt")])
             bind("probed", _native.summing_junction(2), [wire("surface"), wire("dirt")], [wire("probed")])
@@ -241,14 +241,14 @@ class SpindleRing(Plant):
             "the eccentricity", "m", 0.0, table, "the ring left the table: spindle too fast or push too hard"
         )
         on_line = _native.limit(
-            "the ring's centre beside the line of the probe", "m", -line, line,
+            "the distance of the ring center from the line of the probe", "m", -line, line,
             "the line has to meet the ring: lower `plant.eccentricity`",
         )  # fmt: skip
         circuit.bind("table_edge", on_table, [wire("eccentricity")], [])
         circuit.bind("probe_line", on_line, [wire("cy")], [])
 
     def _spikes(self, steps: int) -> None:
-        # one number per reading: this circuit steps when readings are taken
+        # one number per sample: this circuit steps when the sensors are sampled
         p, random = self.parameters, self.stream("spikes")
         hit = random.random(steps) < p.spike_fraction
         spikes = np.where(hit, p.spike_height * random.choice((-1.0, 1.0), steps), 0.0)
@@ -312,7 +312,7 @@ class SpindleRing(Plant):
                 bind(f"{foot}_tangent_{i}", _native.product(), [rubs, patch], [tangent])
 
     def _patch(self, foot: str) -> Cell:
-        # friction under a foot over its mean: the ring turns little, so the feet move as its centre does
+        # friction under a foot over its mean: the ring turns little, so the feet move with its center
         p, random = self.parameters, self.stream(f"patch_{foot}")
         waves = [self.wire(f"patch_{axis}_{foot}") for axis in "xy"]
         for wave, joint in zip(waves, RING[:2], strict=True):
@@ -324,7 +324,7 @@ class SpindleRing(Plant):
         return patch
 
     def _push(self) -> None:
-        # what probe and pusher do to the ring, and the ring to the slide
+        # forces of probe and pusher on the ring, and of the ring on the slide
         wire, bind = self.wire, self.circuit.bind
         inputs = [wire("fx"), wire("fy"), wire("surface"), wire("cx"), wire("cy"), self._state("spindle")[0]]
         joints = [self._force(joint) for joint in ("spindle", *RING)]

@@ -14,15 +14,15 @@ OFF_PATH = "max(abs(plant.position - controller.reference.position)[controller.d
 LOST = ("WeakDrive", "FollowingError", "Overload")
 
 FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `expert.limits.following_error` = 20 um"
-REVERSED = "5 A, 97 N: 9.3 m/s2 for the time to `expert.limits.following_error` = 20 um and the 4 samples after it"
+REVERSED = (
+    "5 A, 97 N: 9.3 m/s2 for the time to `expert.limits.following_error` = 20 um and the 4 samples after it"
+)
 UNSEEN = "half a micrometer of the excitation, and 1 um of its motion until the faulty encoder is detected"
 
 COMMISSION = Signal("controller.commission", (0.0, 0.01), (False, True))
 AT_REST = Signal("controller.enable", (0.0,), (False,))
 MEASURING = 'controller.state == "Commission"'
-EXCITED = (
-    "20 um of following error, 15 um more for a slide of half the mass, and the samples after it"
-)
+EXCITED = "20 um of following error, 15 um more for a slide of half the mass, and the samples after it"
 
 
 def commission(
@@ -54,7 +54,13 @@ ROWS = (
         frozen=True,
     ),
     commission(
-        "commission: encoder frozen in a stroke", ("PositionFrozen",), 2e-6, UNSEEN, 8.5, POSITION, frozen=True
+        "commission: encoder frozen in a stroke",
+        ("PositionFrozen",),
+        2e-6,
+        UNSEEN,
+        8.5,
+        POSITION,
+        frozen=True,
     ),
     commission(
         "commission: encoder 1 um off during the excitation",
@@ -74,7 +80,9 @@ ROWS = (
         "controller.position_valid",
         value=0.0,
     ),
-    commission("commission: current lost during the excitation", LOST, 5e-5, EXCITED, 3.0, CURRENT, value=0.0),
+    commission(
+        "commission: current lost during the excitation", LOST, 5e-5, EXCITED, 3.0, CURRENT, value=0.0
+    ),
     commission("commission: current lost in a stroke", LOST, 3e-5, FALL, 8.5, CURRENT, value=0.0),
     commission(
         "commission: current reversed during the excitation",

@@ -1,4 +1,4 @@
-"""Simulated faults of the rotary fast tool servo in the state `Commission`: rows of the matrix in `fts.py`."""
+"""Simulated faults of the fast tool servo in the state `Commission`: rows of the matrix in `fts.py`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ WEAK = (
     "WeakDrive", "FollowingError", "PositionFrozen", "CommissionRejected",
 )  # fmt: skip
 SLOW, MIDDLE, QUICK = 1.1, 4.0, 7.0
-"""Times: in the slow oscillations of more than a millimeter, in those below the flexure, in those about it, s."""
+"""Times, s: in slow oscillations of more than a millimeter, below the flexure frequency, about it."""
 
 
 def commission(
@@ -58,7 +58,9 @@ ROWS = (
     commission(
         "commission: arm encoder NaN", ("PositionLost",), 3.25e-3, LEFT, MIDDLE, ARM, value=float("nan")
     ),
-    commission("commission: arm encoder 5 mrad off", ("PositionJump",), 3.25e-3, LEFT, SLOW, ARM, offset=5e-3),
+    commission(
+        "commission: arm encoder 5 mrad off", ("PositionJump",), 3.25e-3, LEFT, SLOW, ARM, offset=5e-3
+    ),
     commission("commission: torque lost in a slow oscillation", WEAK, 3.25e-3, LEFT, SLOW, TORQUE, value=0.0),
     commission("commission: torque lost about the flexure", WEAK, 3.25e-3, LEFT, QUICK, TORQUE, value=0.0),
     commission(

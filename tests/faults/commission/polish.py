@@ -11,9 +11,11 @@ FORCE = "max(plant.contact_force)"
 BESIDE = "max(hypot(plant.axis_x - first(plant.axis_x), plant.axis_y - first(plant.axis_y)))"
 DOWN = "max(first(plant.axis_z) - plant.axis_z)"
 ABOVE = "still above the mold"
-TRAVEL = "half of `commission.travel`, `expert.limits.following_error`, and 1.3 mm that 31 kg coast from 14 mm/s"
+TRAVEL = (
+    "half of `commission.travel`, `expert.limits.following_error`, and 1.3 mm that 31 kg coast from 14 mm/s"
+)
 SEEN = "5 N, and 0.25 s of `expert.limits.frozen_time` at the command for a force that does not rise"
-TOUCH = "0.25 s of `expert.limits.frozen_time` at `approach.velocity`, 50 um of them in the air: 75 um at 178 N/mm"
+TOUCH = "0.25 s of `expert.limits.frozen_time` at `approach.velocity`, 50 um in the air: 75 um at 178 N/mm"
 HELD = "5 N and the ripple of the control law"
 
 MEASURING = 'controller.state == "Commission"'
@@ -122,7 +124,8 @@ DRIVES = (
     ),
     commission(
         "drive z moves down at 5 mm/s while rubbing", "DriveSign", ALONG, "plant.pulses_z",
-        most=32.0, why="`expert.limits.following_error` at 178 N/mm, 5 N, and 8 kg with 5 mm/s: 6 N", value=-5.0,
+        most=32.0, why="`expert.limits.following_error` at 178 N/mm, 5 N, and 8 kg with 5 mm/s: 6 N",
+        value=-5.0,
     ),
 )  # fmt: skip
 

@@ -44,7 +44,7 @@ def truth(plant: SpindleRing) -> dict[str, float]:
 
 
 def run(plant: SpindleRing, path: Path, duration: float, period: float = 1e-3) -> Trace:
-    """Drive the slide along a path; truths and readings by name, one row per communication step."""
+    """Drive the slide along a path; ground truth and measurements by name, one row per communication step."""
     substeps = round(period / plant.timestep)
     rows = []
     for k in range(round(duration / period) + 1):
@@ -82,10 +82,10 @@ def rotated(x: float, y: float, angle: float) -> tuple[float, float]:
 
 
 def in_room(trace: Trace, row: int) -> tuple[float, float]:
-    """Centre of the ring, not on the table but in the room."""
+    """Center of the ring in the fixed frame, not on the table."""
     return rotated(*(float(trace[name][row]) for name in ("ring_x", "ring_y", "spindle_angle")))
 
 
 def touch(plant: SpindleRing, surface: float) -> float:
-    """Slide position with the pusher tip at a place of the surface."""
+    """Slide position with the pusher tip at a position on the surface."""
     return plant.pusher_start - surface

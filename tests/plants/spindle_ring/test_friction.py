@@ -29,7 +29,7 @@ from .bench import (
 
 @MODELS
 def test_ring_does_not_creep_under_the_probe(bristle: bool) -> None:
-    # 0.5 kg, mu 0.15, e 25 mm, 20 rpm: means over the second and the last of four turns
+    # 0.5 kg, mu 0.15, e 25 mm, 20 rpm: means over the second and the last of four revolutions
     plant = ring(13.0, mass=0.5, mu_static=0.15, eccentricity=0.025, bristle=bristle)
     turn, turns = 3000, 4
     ahead: float = 2e-3 - plant.parameters.probe_at_pusher
@@ -80,7 +80,7 @@ def test_break_away_is_the_same_in_every_direction(bristle: bool) -> None:
 @pytest.mark.parametrize(("mass", "push"), [(1.0, 5e-6), (1.0, 20e-6), (1.0, 200e-6), (10.0, 200e-6)])
 def test_lost_motion_of_a_push_is_friction_over_stiffness(bristle: bool, mass: float, push: float) -> None:
     # static friction holds the slide back by F / k_servo and compresses the tip by F / k_tip;
-    # the bristle gives way before the ring slides, and comes back
+    # the bristle bends before the ring slides, and recovers
     plant = ring(spindle_speed=0.0, mass=mass, bristle=bristle, **FREE)
     p = plant.parameters
     contact = touch(plant, p.radius + p.eccentricity)
@@ -197,7 +197,7 @@ def test_friction_of_the_tip_turns_the_ring_on_three_feet_twice_as_fast_as_on_a_
 
 
 def test_friction_under_each_foot_varies_over_the_table() -> None:
-    # one period in x and y: the mean is that of the law, the extremes are off by the spread
+    # one period in x and y: the mean is that of the friction model, the extremes are off by the spread
     plant = ring(spindle_speed=0.0, part_present=True, mu_static=0.2, mu_spread=0.3, mu_patch=1e-4, **FREE)
     found = []
     for i in range(16):

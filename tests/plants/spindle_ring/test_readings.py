@@ -64,7 +64,7 @@ def test_slide_follows_a_straight_line_of_setpoints_without_lag() -> None:
     plant = ring(part_present=False)
     trace = run(plant, lambda t: (0.1 * t, 0.1), 0.5)
     assert trace["slide_position"][-1] == pytest.approx(0.05, abs=1e-9)
-    # and swings back from a step at its own frequency and damping
+    # and oscillates after a step at its own frequency and damping
     plant = ring(part_present=False, servo_damping=0.2)
     trace = run(plant, at_rest(1e-4), 0.1, 1e-4)
     peak = trace["slide_position"].argmax() * 1e-4
@@ -90,7 +90,7 @@ def test_dirt_sticks_to_the_ring_and_only_the_probe_feels_it() -> None:
     clean = ring(7.0, eccentricity=0.0, **FREE)
     traces = [run(each, strokes((0.05, 0.0), (0.8, 0.045)), 6.9) for each in (plant, clean)]
     height = traces[0]["probe_position"] - traces[1]["probe_position"]
-    # two turns of 3000 readings, the second like the first
+    # two revolutions of 3000 measurements, the second equal to the first
     first, second = height[900:3900], height[3900:6900]
     assert first == pytest.approx(second, abs=1e-9)
     assert first.max() == pytest.approx(20e-6, rel=0.02)
@@ -129,7 +129,7 @@ def test_the_form_has_seven_to_fourteen_waves() -> None:
 def test_the_speed_of_the_spindle_swings_some_times_a_turn() -> None:
     plant = ring(6.0, spindle_ripple=5e-3, part_present=False)
     angle = run(plant, at_rest(0.0), 6.0)["spindle_angle"]
-    # two turns: the angle swings by the share over the order
+    # two revolutions: the angle oscillates by the ratio over the order
     swing = angle - RPM_20 * 1e-3 * np.arange(len(angle))
     error = swing - swing.mean()
     late = 2.0 * abs(np.mean((error * np.exp(-6j * angle))[:-1]))

@@ -63,7 +63,7 @@ def test_the_same_seed_gives_the_same_run_bit_for_bit(bristle: bool) -> None:
     [
         (
             {"ring_y": 0.048},
-            r"`probe_line`: the ring's centre beside .* is `0.048000` m, limit .*`0.047500` m",
+            r"`probe_line`: the distance of the ring center from .* is `0.048000` m, limit .*`0.047500` m",
         ),
         ({"ring_x": -0.12}, r"`table_edge`: the eccentricity is `0.120000` m, limit .* to `0.110000` m"),
         ({"slide": 0.056}, r"`probe_stroke`: the position of the probe is `0.026.*` m, limit .*`0.025000` m"),
