@@ -9,7 +9,7 @@ import pytest
 
 OUTCOMES = {"passed": "yes", "failed": "FAILED", "error": "FAILED", "skipped": "not here"}
 ORDER = ["FAILED", "not here", "yes"]
-"""Of several tests of one kind the worst is told."""
+"""Report the worst of several tests of one kind."""
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -37,7 +37,7 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
 
 
 def tried(report: Any) -> Iterable[list[str]]:
-    """Return what a report tells of clients: nothing where it is not of a test that was marked."""
+    """Return the clients that a report is about: none for a test without the mark."""
     return [told for name, told in getattr(report, "user_properties", []) if name == "client"]
 
 

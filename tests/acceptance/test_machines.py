@@ -1,6 +1,6 @@
-"""Controllers on machines that are not nominal: the studies `<loop>-machines`, judged by what the plants say.
+"""Controllers on off-nominal machines: the studies `<loop>-machines`, evaluated by ground truth.
 
-Each machine ends in one of three ways: the job is done and good, or a fault is named, or neither: silent.
+Each machine ends with one of three results: a good part, a fault, or neither (undetected).
 The default run takes a few machines of a seed of its own, `pytest -m full -rP` all of a study.
 """
 
@@ -26,7 +26,7 @@ SAMPLE = (4, 91_001)
 
 @dataclass(frozen=True)
 class Ends:
-    """How machines end: least number of good ones, largest number of those that end badly without a fault."""
+    """Results of machines: minimum number of good ones, maximum number of bad ones without a fault."""
 
     good: int
     silent: int
@@ -53,7 +53,7 @@ ALL = {
 def tell(loop: str, found: Sequence[Machine]) -> None:
     """Print how the machines ended, and the seeds of those that ended badly without a fault."""
     seeds = [one.result.seed for one in found if one["silent"]]
-    print(f"{loop}: {ended(found)}, silent {seeds}")
+    print(f"{loop}: {ended(found)}, undetected {seeds}")
 
 
 def ended(found: Sequence[Machine]) -> dict[str, int]:
@@ -63,7 +63,7 @@ def ended(found: Sequence[Machine]) -> dict[str, int]:
 
 
 def hold(found: Sequence[Machine], ends: Ends) -> None:
-    """Hold what machines ended with against what they should."""
+    """Compare the results of machines with the required ones."""
     good, silent = ([bool(one[metric]) for one in found] for metric in ("good", "silent"))
     assert not any(one and other for one, other in zip(good, silent, strict=True))
     assert sum(good) >= ends.good

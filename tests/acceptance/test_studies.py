@@ -1,4 +1,4 @@
-"""The studies of the project: every run of them is possible, and one of each begins and is judged."""
+"""The studies of the project: all of their runs are possible, and one of each starts and is evaluated."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ LOOPS = (
     Loop(
         "centering", "centering", 1e-3, 1e-4, partial(scaled, "eccentricity", 1e6), "um",
         partial(holds, "centered"), 3, "final actual eccentricity",
-        "The servo of the plant continues at the set velocity for 1 ms (`setpoint_period`) and then stops, as "
+        "The servo of the plant continues at the set velocity for 1 ms (`setpoint_period`), then stops, as "
         "a motion board does whose controller is late.",
     ),
     Loop(
@@ -96,8 +96,8 @@ LOOPS = (
     Loop(
         "polish", "polish", 1e-3, 1e-4, force_error, "N", partial(holds, "done"), 2,
         "deviation of the true normal force from 5 N, rms",
-        "A pulse lasts one sample. Of a step with several samples the importing tool receives only the last, and "
-        "loses the others. The drives distribute them over 1 ms (`pulse_period`).",
+        "A pulse lasts one sample. Of a step with several samples the importing tool receives only the last "
+        "and loses the others. The drives distribute them over 1 ms (`pulse_period`).",
     ),
     Loop(
         "deburr", "deburr/learn", 1e-2, 1e-3, finish_error, "um", partial(holds, "good"), 1,

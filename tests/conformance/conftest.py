@@ -38,7 +38,7 @@ class Fmu:
         return self.folder / "binaries" / str(fmpy.platform) / f"{name}{fmpy.sharedLibraryExtension}"
 
     def variables(self, causality: str | None = None, kind: str | None = None) -> list[ScalarVariable]:
-        """Return the variables of a causality and a type; all when not told."""
+        """Return the variables of a causality and a type; all by default."""
         return [
             variable
             for variable in self.description.modelVariables

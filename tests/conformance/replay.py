@@ -1,7 +1,7 @@
 """Runs an FMU on recorded inputs in a process of its own; saves or restores its state in the middle.
 
 `replay.py run FOLDER RECORDING STATE` saves the state before the row `split` and prints the outputs of all
-rows; `replay.py resume FOLDER RECORDING STATE` restores that state in a fresh instance, which was told no
+rows; `replay.py resume FOLDER RECORDING STATE` restores that state in a new instance, which got no
 parameters, and prints the outputs from that row on.
 """
 

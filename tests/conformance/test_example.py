@@ -18,7 +18,7 @@ import pytest
 from .conftest import ROOT
 
 EXAMPLE = ROOT / "examples/spring"
-# kept between runs at one place, so that the dependencies are compiled once
+# kept between runs, so that the dependencies are compiled once
 FOLDER = ROOT / "target/examples"
 PUBLISHED = ("cargo-fmu", "fmi2-export", "fmi2-export-macros")
 INTERVAL = 1e-2

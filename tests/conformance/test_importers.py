@@ -97,7 +97,7 @@ def test_an_unpacked_folder_with_blanks_and_utf_8_runs(fmu: Fmu) -> None:
 
 
 def resource_locations(fmu: Fmu) -> Iterator[bytes | None]:
-    """Yield every way in which importers write the place of the resources."""
+    """Yield every form in which importing tools write the location of the resources."""
     plain = str(fmu.folder / "resources")
     encoded = quote(plain)
     for text in [f"file://{encoded}", f"file:{encoded}", f"file:///{encoded}", f"file://localhost{encoded}"]:

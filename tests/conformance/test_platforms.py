@@ -49,7 +49,7 @@ EXACT = {"deburr", "deburr/twice", "dob", "dob/nan", "dob/paper"}
 BOUND = 1e-8
 """Of the largest value of an output: `sin` and `cos` are those of each system, and round in their own way."""
 ESTIMATE = 1e-6
-"""The same of what a commission has measured: its least squares enlarge what rounds otherwise."""
+"""Tolerance for results of a commissioning run: its least squares amplify rounding differences."""
 LEAST = 1e-9
 """What the bound is of, at least, in SI units: what is smaller may be what rounding left of a difference."""
 
@@ -158,7 +158,7 @@ def deviation(home: NDArray[np.uint64], away: NDArray[np.uint64]) -> float:
     if np.array_equal(home, away):
         return 0.0
     one, other = home.view(np.float64), away.view(np.float64)
-    # a NaN beside a number is no difference that a bound allows
+    # NaN against a number exceeds every bound
     return float(np.max(np.abs(one - other)) / max(np.max(np.abs(one)), LEAST))
 
 

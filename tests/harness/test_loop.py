@@ -39,7 +39,7 @@ def test_without_delay_the_command_acts_in_the_same_step(write: Write, gain: flo
 
 @pytest.mark.parametrize("gain", [0.5, -0.8])
 def test_with_delay_the_command_acts_one_step_later(write: Write, gain: float) -> None:
-    # x[k+1] = a x[k] + (1 - a) g x[k-1], the output of the initialised FMU is 0: x[0] = 1, x[1] = a
+    # x[k+1] = a x[k] + (1 - a) g x[k-1], the output of the initialized FMU is 0: x[0] = 1, x[1] = a
     result = run(write(), "loop.compute_delay=1", f"controller.gain={gain}")
     first, second = np.roots([1.0, -0.5, -0.5 * gain]).astype(complex)
     share = (0.5 - second) / (first - second)

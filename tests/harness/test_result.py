@@ -257,7 +257,7 @@ def test_a_panel_without_a_unit_is_in_the_display_unit_of_the_fmu(texts: Callabl
     shown = texts(panel('["controller.in"]'))
     assert "um" in shown
     assert "1e6" in shown  # the lag starts at 1 m
-    # a truth of the plant is drawn beside it in the same unit
+    # a ground-truth signal of the plant is plotted with it in the same unit
     both = texts(panel('["plant.x", "controller.in"]'))
     assert ("um" in both, "m" in both) == (True, False)
     mixed = texts(panel('["plant.random", "controller.in"]'))

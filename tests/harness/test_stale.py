@@ -1,4 +1,4 @@
-"""An FMU of the checkout that is older than its sources is told, once and in one line."""
+"""An FMU of the checkout that is older than its sources gives one warning in one line."""
 
 from __future__ import annotations
 

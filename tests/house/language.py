@@ -61,7 +61,8 @@ def compiled(section: str) -> list[tuple[re.Pattern[str], str]]:
     for words, instead in TABLE[section].items():
         parts = re.split(r"(\(\?<!.*?\))", words)
         spaced = "".join(part if part.startswith("(?<!") else part.replace(" ", r"\s+") for part in parts)
-        found.append((re.compile(rf"(?<![\w./-])(?:{spaced})(?![\w/]|\.\w)", re.IGNORECASE), instead))
+        whole = rf"(?<![\w./-])(?:{spaced})(?![\w/(]|\.\w|\s*=[^=])"
+        found.append((re.compile(whole, re.IGNORECASE), instead))
     return found
 
 

@@ -40,7 +40,7 @@ class Packages:
             self.found[name] = list(imported(ast.parse(file.read_text(encoding="utf-8")), package))
 
     def target(self, importer: Name, module: Name, name: str) -> Name | None:
-        """Return where an import leads to; a facade leads on, unless the importer stands below it."""
+        """Return where an import leads to; a facade leads on, unless the importer is below it."""
         if (*module, name) in self.files:
             return (*module, name)
         while module and module not in self.files:

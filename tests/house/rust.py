@@ -32,7 +32,7 @@ class Source:
     Parameters
     ----------
     module
-        Its place in the module tree.
+        Position in the module tree.
     paths
         Paths that the code names, each with the module it is named in, absolute where they begin at the root.
     aliases, exports
@@ -57,13 +57,13 @@ def code(text: str) -> str:
 
 
 def closing(text: str, start: int) -> int:
-    """Place behind the brace that ends the block which begins at `start`."""
+    """Offset after the brace that ends the block that starts at `start`."""
     depth = 1
     for brace in re.finditer(r"[{}]", text[start:]):
         depth += 1 if brace[0] == "{" else -1
         if depth == 0:
             return start + brace.end()
-    raise ValueError("a block without an end")
+    raise ValueError("missing closing brace")
 
 
 def roots(crate: Path) -> list[Path]:
@@ -155,7 +155,7 @@ def absolute(sources: dict[Module, Source], source: Source, at: Module, path: Mo
 
 
 def target(sources: dict[Module, Source], importer: Source, path: Module) -> Source:
-    """File that a path leads to; a facade leads on, unless the importer stands below it."""
+    """File that a path leads to; a facade leads on, unless the importer is below it."""
     module = path
     while module not in sources:
         module = module[:-1]

@@ -11,5 +11,5 @@ import pytest
 def test_groups_are_kept(request: pytest.FixtureRequest) -> None:
     if "PYTEST_XDIST_WORKER" not in os.environ or not request.config.getoption("loadgroup", default=False):
         pytest.skip("needs `--numprocesses 2 --dist loadgroup`")
-    # pytest-xdist tells its scheduler of a group by the end of the name
+    # pytest-xdist marks a group for its scheduler by the end of the name
     assert request.node.nodeid.endswith("@groups")

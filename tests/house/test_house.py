@@ -1,4 +1,4 @@
-"""Walls inside the rooms: small folders, no files that import each other, one meaning of a type's name."""
+"""Structure of the sources: small folders, no circular imports, unique names of types."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from . import python, rust
 
 ROOT = Path(__file__).resolve().parents[2]
 MAX_FILES = 17
-"""Source files in one folder: what rapier, a large crate that reads well, needs at most."""
+"""Maximum number of source files in one folder: that of rapier, a large and readable crate."""
 PACKAGES = ("cosim", "handbook", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
 
-ROOMS = (
-    *("scenario", "fmu", "metrics", "words", "trace", "loop", "pool", "show", "replay", "sweep"),
+LAYERS = (
+    *("scenario", "fmu", "metrics", "formatting", "trace", "loop", "pool", "show", "replay", "sweep"),
     *("acceptance", "report", "compare", "optimize", "new", "ssp", "cli"),
 )
-"""Folders of cosim, as ARCHITECTURE.md tells them; each knows those before it only."""
+"""Packages of cosim in the order of ARCHITECTURE.md; each imports only those before it."""
 
 
 def sources() -> list[Path]:
@@ -52,7 +52,7 @@ def crate_of(folder: Path) -> str:
 
 
 def circle(graph: Mapping[Path, set[Path]]) -> str:
-    """One circle of files that import each other, as text; empty if there is none."""
+    """One import cycle, as text; empty if there is none."""
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
@@ -74,18 +74,18 @@ def crowded(crate: str) -> str:
 
 
 @pytest.mark.parametrize("crate", CRATES)
-def test_a_folder_of_a_crate_can_be_looked_over(crate: str) -> None:
+def test_a_folder_of_a_crate_is_small(crate: str) -> None:
     found = crowded(crate)
     assert not found, found
 
 
-def test_a_folder_of_python_can_be_looked_over() -> None:
+def test_a_folder_of_python_is_small() -> None:
     found = crowded("")
     assert not found, found
 
 
 @pytest.mark.parametrize("page", ["README.md", "ARCHITECTURE.md"])
-def test_a_page_of_the_house_names_every_folder(page: str) -> None:
+def test_a_page_about_the_structure_names_every_folder(page: str) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
     folders = {shown(file).partition("/")[0] for file in SOURCES if file.parent != ROOT}
     plain = re.sub(
@@ -111,20 +111,20 @@ def test_no_python_files_import_each_other() -> None:
     assert not found, found
 
 
-def room(file: Path) -> str:
-    """Room of cosim that a file lies in, however deep; empty if it lies in none."""
+def layer(file: Path) -> str:
+    """Package of cosim that contains a file, at any depth; empty if there is none."""
     parts = file.relative_to(ROOT).parts
     return parts[1] if parts[0] == "cosim" and len(parts) > 2 else ""
 
 
-def test_a_room_of_the_harness_knows_only_those_before_it() -> None:
+def test_a_package_of_the_harness_imports_only_those_before_it() -> None:
     files = [file for file in SOURCES if file.is_relative_to(ROOT / "cosim") and file.suffix == ".py"]
-    assert {room(file) for file in files} - {""} == set(ROOMS)
+    assert {layer(file) for file in files} - {""} == set(LAYERS)
     upwards = [
         f"`{shown(file)}` imports `{shown(known)}`"
         for file, imported in python.Packages(ROOT, files).imports().items()
         for known in imported
-        if room(file) and room(known) and ROOMS.index(room(known)) > ROOMS.index(room(file))
+        if layer(file) and layer(known) and LAYERS.index(layer(known)) > LAYERS.index(layer(file))
     ]
     assert not upwards, "\n".join(sorted(upwards))
 

@@ -1,4 +1,4 @@
-"""What counts as an import, on crates and packages of a few lines."""
+"""Detection of imports, on crates and packages of a few lines."""
 
 from __future__ import annotations
 
@@ -27,49 +27,49 @@ def named(graph: Mapping[Path, set[Path]], folder: Path) -> dict[str, set[str]]:
 
 
 FACADE = {
-    "lib.rs": "mod room; mod user; pub use room::Thing;",
-    "room/mod.rs": "mod thing; pub use thing::Thing;",
+    "lib.rs": "mod part; mod user; pub use part::Thing;",
+    "part/mod.rs": "mod thing; pub use thing::Thing;",
 }
 
 
 @pytest.mark.parametrize(
     ("text", "imported"),
     [
-        ("use crate::room::Thing;", "room/thing.rs"),
-        ("use crate::room::{self, Other as Thing};", "room/mod.rs"),
+        ("use crate::part::Thing;", "part/thing.rs"),
+        ("use crate::part::{self, Other as Thing};", "part/mod.rs"),
         ("use crate::Thing;", "lib.rs"),
-        ("use crate::room; fn f() { room::Thing::new() }", "room/thing.rs"),
-        ("fn f() -> crate::room::Thing { super::room::Thing }", "room/thing.rs"),
-        ("mod inner { use super::super::room::Thing; }", "room/thing.rs"),
+        ("use crate::part; fn f() { part::Thing::new() }", "part/thing.rs"),
+        ("fn f() -> crate::part::Thing { super::part::Thing }", "part/thing.rs"),
+        ("mod inner { use super::super::part::Thing; }", "part/thing.rs"),
     ],
 )
 def test_a_rust_path_leads_through_facades_to_a_file(tmp_path: Path, text: str, imported: str) -> None:
-    written(tmp_path, {**FACADE, "room/thing.rs": "pub struct Thing;", "user.rs": text})
+    written(tmp_path, {**FACADE, "part/thing.rs": "pub struct Thing;", "user.rs": text})
     assert imported in named(rust.imports(tmp_path / "lib.rs"), tmp_path)["user.rs"]
 
 
 @pytest.mark.parametrize(
     "text",
     [
-        "// use crate::room::Thing;",
-        'const TEXT: &str = "crate::room::Thing";',
-        "use std::room::Thing;",
-        "macro_rules! m { () => { $crate::room::Thing } }",
-        "#[cfg(test)] mod tests { use crate::room::Thing; fn f() {} }",
+        "// use crate::part::Thing;",
+        'const TEXT: &str = "crate::part::Thing";',
+        "use std::part::Thing;",
+        "macro_rules! m { () => { $crate::part::Thing } }",
+        "#[cfg(test)] mod tests { use crate::part::Thing; fn f() {} }",
     ],
 )
 def test_what_is_no_code_of_the_file_imports_nothing(tmp_path: Path, text: str) -> None:
-    written(tmp_path, {**FACADE, "room/thing.rs": "pub struct Thing;", "user.rs": text})
+    written(tmp_path, {**FACADE, "part/thing.rs": "pub struct Thing;", "user.rs": text})
     assert "user.rs" not in named(rust.imports(tmp_path / "lib.rs"), tmp_path)
 
 
 def test_a_file_below_a_facade_imports_the_facade_itself(tmp_path: Path) -> None:
     written(
-        tmp_path, {**FACADE, "room/thing.rs": "use super::Thing; use crate::Thing as Same;", "user.rs": ""}
+        tmp_path, {**FACADE, "part/thing.rs": "use super::Thing; use crate::Thing as Same;", "user.rs": ""}
     )
     arrows = named(rust.imports(tmp_path / "lib.rs"), tmp_path)
-    assert arrows["room/thing.rs"] == {"room/mod.rs", "lib.rs"}
-    assert arrows["lib.rs"] == arrows["room/mod.rs"] == {"room/thing.rs"}
+    assert arrows["part/thing.rs"] == {"part/mod.rs", "lib.rs"}
+    assert arrows["lib.rs"] == arrows["part/mod.rs"] == {"part/thing.rs"}
 
 
 def test_types_of_tests_and_comments_do_not_count(tmp_path: Path) -> None:
@@ -86,19 +86,19 @@ def test_classes_within_classes_and_functions_count(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "imported"),
     [
-        ("from package.room import Thing", "package/room/thing.py"),
-        ("from package.room import thing", "package/room/thing.py"),
-        ("import package.room.thing as t", "package/room/thing.py"),
-        ("def f():\n    from .room.thing import Thing", "package/room/thing.py"),
-        ("if TYPE_CHECKING:\n    from .room import Thing", "package/room/thing.py"),
+        ("from package.part import Thing", "package/part/thing.py"),
+        ("from package.part import thing", "package/part/thing.py"),
+        ("import package.part.thing as t", "package/part/thing.py"),
+        ("def f():\n    from .part.thing import Thing", "package/part/thing.py"),
+        ("if TYPE_CHECKING:\n    from .part import Thing", "package/part/thing.py"),
         ("from package import Thing", "package/__init__.py"),
     ],
 )
 def test_a_python_import_leads_through_facades_to_a_file(tmp_path: Path, text: str, imported: str) -> None:
     files = {
-        "package/__init__.py": "from package.room import Thing",
-        "package/room/__init__.py": "from package.room.thing import Thing",
-        "package/room/thing.py": "class Thing: ...",
+        "package/__init__.py": "from package.part import Thing",
+        "package/part/__init__.py": "from package.part.thing import Thing",
+        "package/part/thing.py": "class Thing: ...",
         "package/user.py": text,
     }
     packages = python.Packages(tmp_path, written(tmp_path, files))

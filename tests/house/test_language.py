@@ -37,7 +37,7 @@ def test_the_allow_list_is_short_and_each_entry_has_a_reason_and_a_use() -> None
 
 
 def test_comments_with_old_words_become_fewer() -> None:
-    """The counts of `comments.toml` may only fall; `BLESS=1` writes lower ones."""
+    """The counts of `comments.toml` may only fall; with `BLESS=1` the test writes lower ones."""
     kept: dict[str, int] = tomllib.loads(COMMENTS.read_text("utf-8"))
     counts = comment_counts()
     above = [

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-# all are kept between runs at one place, so that what did not change is compiled once
+# kept between runs, so that unchanged files are compiled once
 COPY = ROOT / "target/newcomer/repository"
 BUILD = ROOT / "target/newcomer/build"
 # what the crates of others are compiled to for the tests of this project is good for those of the copy
@@ -61,7 +61,7 @@ def run(program: str | Path, line: str, build: Path = BUILD) -> str:
     return text
 
 
-# in a row with the other test that builds from the start, and both among the first
+# consecutive with the other test that builds from the start, and both among the first
 @pytest.mark.xdist_group("builds")
 def test_a_new_controller_is_built_tested_and_run() -> None:
     program, python, crate = xtask(), sys.executable, f"fmu-{NAME}"

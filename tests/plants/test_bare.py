@@ -91,7 +91,7 @@ def build(file: Path, **parameters: Any) -> Any:
 
 
 def run(plant: Any, steps: int = 200, **commands: Any) -> np.ndarray[Any, Any]:
-    """Truths of a run with constant commands."""
+    """Ground truth of a run with constant commands."""
     plant.reset(1, steps * plant.timestep)
     rows = []
     for _ in range(steps):
@@ -144,7 +144,7 @@ def test_channels_have_the_names_units_noise_and_limits_of_the_file(write: Write
 def test_a_pushed_cart_moves_as_newton_says(write: Write) -> None:
     plant = build(write(), body__cart__mass=3.9, joint__slide__damping=2.0, tendon__travel__stiffness=0.0)
     table = run(plant, 1000, push=4.0)
-    # the pole adds 0.1 kg and hardly swings while the cart is slow
+    # the pole adds 0.1 kg and hardly oscillates while the cart is slow
     time, mass = 0.999, 4.0
     expected = 4.0 / 2.0 * (1.0 - math.exp(-2.0 * time / mass))
     assert column(plant, table, "slide.velocity")[-1] == pytest.approx(expected, rel=0.02)

@@ -68,7 +68,7 @@ def test_points_are_evenly_spaced_and_turns_are_a_pick_feed_apart_along_the_surf
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     assert steps.max() <= 2e-5
     assert steps[50:].min() > 1.95e-5
-    # crossings of the half plane y = 0, x > 0: one a turn
+    # crossings of the half plane y = 0, x > 0: one per revolution
     crossing = np.flatnonzero((points[:-1, 1] < 0.0) & (points[1:, 1] >= 0.0) & (points[1:, 0] > 0.0))
     x = points[crossing + 1, 0]
     fine = np.linspace(x[0], x[-1], 20_001)

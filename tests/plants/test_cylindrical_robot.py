@@ -41,7 +41,7 @@ def named(plant: CylindricalRobot) -> dict[str, float]:
 
 
 def run(plant: CylindricalRobot, ticks: int, law: Law, tick: float = TICK) -> Columns:
-    """Return truths, and readings as `read_...`, by name; one row per tick."""
+    """Return ground truth, and measurements as `read_...`, by name; one row per tick."""
     rows = []
     for k in range(ticks):
         sensed = zip((channel.name for channel in plant.readings), plant.sense(), strict=True)
@@ -123,7 +123,7 @@ def test_the_motor_feels_its_load_through_the_coupling(axis: int, joint: str) ->
     for speed in (150.0, 280.0):
         s = 1j * speed
         spring = stiffness + damping * s
-        # what the motor carries: itself and the load behind the spring
+        # load of the motor: itself and the mass after the spring
         carried = (total - inertia) + inertia * spring / (inertia * s * s + spring)
         exact = total * 280.0**2 / (carried * s * s + 2 * 0.52 * 280.0 * total * s + total * 280.0**2)
         assert response(plant, axis, speed) == pytest.approx(exact, abs=0.04)
@@ -236,7 +236,7 @@ def test_what_is_cut_is_gone() -> None:
     assert rows["burr_left"][0] == pytest.approx(0.26 * 4e-3 * 2e-3)
     total = rows["burr_left"] + rows["burr_removed"]
     assert rows["burr_left"][-1] < 0.05 * rows["burr_left"][0]
-    # gouges are cut too, but do not stand above the edge
+    # gouges are cut too, but are not above the edge
     assert np.all(np.diff(total) > -1e-15)
     assert rows["finish_low"][-1] == pytest.approx(rows["deviation"].min(), abs=2e-5)
     assert rows["finish_high"][-1] == pytest.approx(max(rows["deviation"].max(), 0.0), abs=2e-5)
@@ -351,7 +351,8 @@ def test_the_gear_has_play(axis: int, reach: float) -> None:
 
 
 def test_friction_behind_the_gear_bends_it_where_the_encoder_does_not_see_it() -> None:
-    # 3 % of 600 N on the spring of the coupling, either way; Dahl's law has turned after some ways
+    # 3 % of 600 N on the spring of the coupling, in either direction;
+    # Dahl's model has reversed after some such distances
     plant = robot(reversal_friction=0.03, reversal_way=1e-4, coulomb_friction=0.0, coupling_damping=0.3)
     coupling = plant.model.joint("coupling_3")
     stiffness = float(plant.model.jnt_stiffness[coupling.id])
@@ -417,7 +418,7 @@ def test_a_displaced_part_is_shifted_and_turned_about_its_corner() -> None:
 
 @pytest.mark.parametrize("probe", [1.0, 0.0])
 def test_the_touch_probe_feels_the_wall_beyond_its_pretravel(probe: float) -> None:
-    # the tip begins above the start of its edge; another edge is laid so that it is 0.2 mm inside of the wall
+    # the tip starts above the start of its edge; another edge puts it 0.2 mm inside of the wall
     p, heading = CylindricalRobotParameters(start_height=0.015), math.radians(46.0)
     along, out = [math.cos(heading), math.sin(heading)], [math.sin(heading), -math.cos(heading)]
     x, y = (2e-4 * n - 0.07 * t for n, t in zip(out, along, strict=True))

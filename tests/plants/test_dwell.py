@@ -30,7 +30,7 @@ def path() -> tuple[Array, Array]:
 
 
 def worn(path: tuple[Array, Array], feeds: Array, wanted: DepthMap) -> float:
-    """Wear a mold with a ball that sweeps as told; return how far the depth is from a map."""
+    """Wear a mold by a ball with given sweeps; return the difference between depth and map."""
     points, normals = path
     length, centre = (np.linalg.norm(np.diff(p, axis=0), axis=1) for p in (points, points + TOOL * normals))
     slid = np.append(0.0, np.cumsum(np.hypot(centre, SWEEP * length / feeds[:-1])))

@@ -1,4 +1,4 @@
-"""What the machines look like: it is in no step, changes no bit, and moves with what it shows."""
+"""Appearance of the machines: results stay bit-identical, and visual parts move with the machine."""
 
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ STEPS, DURATION = 20, 0.2
 
 
 def shown(plant: Any) -> dict[str, Array]:
-    """Truths of a run with a random command, row by row, and of MuJoCo's coordinates."""
+    """Ground truth of a run with a random command, row by row, and MuJoCo's coordinates."""
     random = np.random.default_rng(3)
     plant.reset(7, DURATION)
     rows = []
@@ -99,7 +99,7 @@ def test_the_burr_is_gone_where_the_tool_went() -> None:
         return np.array([2.0 * model.geom(f"burr{i}").size[0] for i in range(160)])
 
     fresh, cut, again = heights(0), heights(rows - 1), heights(0)
-    # the same burr before: 2 to 5 mm, but for its gaps
+    # the same burr before: 2 to 5 mm, except its gaps
     assert np.array_equal(fresh, again)
     assert fresh.max() <= 5e-3
     assert fresh[fresh > 0.0].min() >= 2e-3
@@ -223,5 +223,5 @@ def test_dots_mark_the_path_that_was_rubbed() -> None:
 def test_a_solid_is_closed_and_its_faces_look_outward(solid: tuple[Array, Any], volume: float) -> None:
     vertices, faces = solid
     a, b, c = (vertices[faces[:, i]] for i in range(3))
-    # the divergence of the place over the volume
+    # the divergence of the position over the volume
     assert float(np.sum(a * np.cross(b, c))) / 6.0 == pytest.approx(volume, rel=2e-3)

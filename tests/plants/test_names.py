@@ -1,4 +1,4 @@
-"""What a new plant calls by a wrong name is told, with the name that comes nearest."""
+"""A wrong name in a new plant gives an error with the most similar name."""
 
 from dataclasses import make_dataclass
 from pathlib import Path

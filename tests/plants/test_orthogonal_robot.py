@@ -37,7 +37,7 @@ def rest(_: int) -> tuple[float, float, float]:
 def run(
     plant: OrthogonalRobot, ticks: int, pulses: Pulses = rest, lift: float = 0.0, enable: float = 1.0
 ) -> Columns:
-    """Record readings and truths by name, one row per tick of 1 ms and one at the end."""
+    """Record measurements and ground truth by name, one row per tick of 1 ms and one at the end."""
     rows, substeps = [], round(1e-3 / plant.timestep)
     for k in range(ticks):
         rows.append(np.concatenate([plant.sense(), plant.truth()]))
@@ -234,7 +234,7 @@ def glitch(**changes: Any) -> float:
 
 def test_a_reversal_costs_less_when_balls_roll_than_when_friction_is_dry() -> None:
     none, rolling, dry = glitch(drive_friction=0.0), glitch(), glitch(drive_rolling_way=0.0)
-    # 2 N that turn at once move 8 kg * 500 rad/s * 80 1/s by 12.5 um, less what the integral takes away
+    # a reversal of 2 N moves 8 kg * 500 rad/s * 80 1/s by 12.5 um, less the part of the integral
     assert 3.0 < dry < 12.5
     assert none < rolling < 0.35 * dry
 
@@ -279,7 +279,7 @@ def test_a_ball_that_moves_stays_on_the_surface() -> None:
     plant = robot(start_x=0.0, start_z=BALL - 30e-6)
     rows = run(plant, 300, lambda k: (2.0, 0.0, 0.0))
     ball, contact, normal = (vector(rows, name)[50:] for name in ("ball", "contact", "normal"))
-    # truths of the mold are one plant step old: 0.2 um
+    # the ground truth of the mold is one plant step old: 0.2 um
     assert ball - contact == pytest.approx((BALL + rows["gap"][50:, None]) * normal, abs=0.4e-6)
     assert contact[:, 2] == pytest.approx(MOLDS["led"].height(contact[:, 0], contact[:, 1]), abs=1e-12)
 
@@ -334,7 +334,7 @@ def test_a_mold_that_sinks_is_lost_and_one_that_rises_presses() -> None:
 
 
 def gain(half_period: int, **changes: Any) -> float:
-    """Sliding way over the way of the feed with squares of +-10 mm/s across it."""
+    """Sliding distance over feed distance with squares of +-10 mm/s across it."""
     sign = [1.0 if (k // half_period) % 2 == 0 else -1.0 for k in range(400)] if half_period else [0.0] * 400
     rows = run(robot(**PRESSED, **changes), 400, lambda k: (2.0, 10.0 * sign[k], 0.0))
     return float((rows["slid"][-1] - rows["slid"][200]) / (rows["axis_x"][-1] - rows["axis_x"][200]))

@@ -54,7 +54,7 @@ def test_a_process_has_the_contact_of_the_plant() -> None:
 
 
 def test_the_contact_is_that_of_hertz() -> None:
-    # the longest way through the contact lies in the middle of a straight line
+    # the longest distance through the contact is in the middle of a straight line
     surface = Surface(PLANE, PLAIN)
     slid = polish(surface, np.linspace(-1e-3, 1e-3, 1000), np.zeros(1000))
     half = HERTZ
@@ -98,7 +98,7 @@ def test_a_cusp_wears_at_the_rate_of_its_pressure() -> None:
 
 
 def test_passes_keep_pressure_from_running_ahead_of_the_path() -> None:
-    # a path that works its way along x, 8 um deep
+    # a path that proceeds along x, 8 um deep
     slopes = []
     for passes in (1, 5):
         surface = Surface(PLANE, Process(passes=passes), radius=0.7e-3)

@@ -18,7 +18,7 @@ Torque = Callable[[float], float]
 TURN = 2.0 * math.pi
 TICK = 1e-4
 
-# nothing but inertias, flexure, current loop and a spindle at constant speed; a command is the torque
+# only inertias, flexure, current loop and a spindle at constant speed; a command is the torque
 QUIET = RotaryArmParameters(
     torque_gain=1.0, viscous_friction=0.0, coulomb_friction=0.0, ripple_torque=0.0, hum_torque=0.0,
     cutting_force=0.0, cutting_force_twice=0.0, cutting_noise=0.0, spindle_ripple=0.0,
@@ -41,7 +41,7 @@ def truth(plant: RotaryArm) -> dict[str, float]:
 
 
 def run(plant: RotaryArm, ticks: int, torque: Torque = lambda time: 0.0, **commands: float) -> Columns:
-    """Truths by name, one row per tick and one at the end; the torque is held over each tick."""
+    """Ground truth by name, one row per tick and one at the end; the torque is held over each tick."""
     rows, substeps = [], round(TICK / plant.timestep)
     for k in range(ticks):
         plant.sense()
@@ -128,7 +128,7 @@ def test_the_error_of_the_plant_step_is_of_second_order() -> None:
 
 
 def wave(rows: Columns, column: str, frequency: float) -> complex:
-    """Complex amplitude of one frequency besides a place and a speed, after the transients."""
+    """Complex amplitude of one frequency in addition to offset and drift, after the transients."""
     time = TICK * np.arange(len(rows[column]))
     late = time > 0.1
     angle = TURN * frequency * time[late]
@@ -207,7 +207,7 @@ def test_viscous_friction_decays() -> None:
 
 @pytest.mark.parametrize(("phi", "slide"), [(0.0, 0.04), (0.3, 0.02), (-0.2, 0.07), (1.2, 0.14)])
 def test_the_tool_is_where_the_equations_say(phi: float, slide: float) -> None:
-    plant = arm(start_angle=phi, slide_start=slide, arm_length=0.081, centre_offset=0.151)
+    plant = arm(start_angle=phi, slide_start=slide, arm_length=0.081, center_offset=0.151)
     readings = dict(zip([channel.name for channel in plant.readings], plant.sense(), strict=True))
     assert readings["arm_angle"] == pytest.approx(phi - 0.0523, abs=1e-15)
     assert readings["slide_position"] == slide
@@ -227,7 +227,7 @@ def test_encoders_have_their_steps() -> None:
 
 def test_the_spindle_keeps_its_speed_but_for_the_ripple_of_its_drive() -> None:
     rows = run(arm(2.0, spindle_ripple=0.05, spindle_ripple_twelfth=0.02), 10_000)
-    # ten turns after the first half second: torque over velocity gain and inertia
+    # ten revolutions after the first half second: torque over velocity gain and inertia
     speed = rows["spindle_speed"][5000:10_000]
     lines = 2.0 * np.abs(np.fft.rfft(speed)) / len(speed)
     turn = 20.0 * math.pi
@@ -251,7 +251,7 @@ def test_the_slide_feeds_per_turn_and_moves_on_command() -> None:
     assert np.diff(rows["slide_position"][5000:]).mean() / TICK == pytest.approx(1e-4, rel=1e-6)
     plant = arm(2.0, slide_start=0.04, slide_acceleration=1.0)
     rows = run(plant, 10_000, slide_velocity=0.02)
-    # the ramp of 20 ms costs 0.2 mm, the drive follows 2 zeta / w behind
+    # the ramp of 20 ms costs 0.2 mm, the drive follows 2 zeta / w later
     behind = 2.0 * 0.7 / (TURN * 30.0)
     assert rows["slide_position"][-1] == pytest.approx(0.04 + 0.02 * (1.0 - 0.01 - behind), abs=2e-6)
 
@@ -296,9 +296,9 @@ def test_thrust_winds_up_the_flexure_and_loads_the_hub(phi: float) -> None:
 
 
 def probe(plant: RotaryArm, lateral: float) -> tuple[float, float]:
-    """Depth and place as the probe reads them with the slide put at a place from the spindle axis."""
+    """Depth and position measured by the probe with the slide at a distance from the spindle axis."""
     p = plant.parameters
-    plant.data.qpos[plant.model.joint("slide").qposadr[0]] = p.centre_offset - p.probe_place - lateral
+    plant.data.qpos[plant.model.joint("slide").qposadr[0]] = p.center_offset - p.probe_place - lateral
     plant.sense()
     plant.command(order(plant, probing=1.0))
     plant.advance(1)
@@ -324,7 +324,7 @@ def test_a_flat_lies_a_nose_radius_below_the_nose_centre() -> None:
 
 
 def test_a_toroid_shows_arm_length_nose_and_ball() -> None:
-    # an arm without friction swings at constant speed; the slide stands
+    # an arm without friction rotates at constant speed; the slide is at rest
     plant = arm(2.0, **CUT, start_angle=0.7, slide_start=0.07)
     plant.data.qvel[plant.model.joint("arm").dofadr[0]] = 0.1
     run(plant, 10_000, cutting=1.0)
@@ -388,12 +388,12 @@ def test_five_substeps_are_five_steps() -> None:
 
 
 def once_a_turn(values: Matrix, angle: Matrix, order: float = 1.0) -> float:
-    """Amplitude at a number of cycles per turn of the spindle, rows over whole turns."""
+    """Amplitude at a number of cycles per revolution of the spindle, rows over whole revolutions."""
     return float(2.0 * abs(np.mean(values * np.exp(-1j * order * angle))))
 
 
 def test_the_cut_pushes_with_the_chip() -> None:
-    # 10 um deep, 10 um a turn: an arm too heavy to be moved by 0.2 mN
+    # 10 um deep, 10 um per revolution: an arm too heavy to be moved by 0.2 mN
     plant = arm(hub_inertia=1.0, cutting_pressure=2e6, depth_of_cut=1e-5, feed=1e-5)
     truth = run(plant, 3000, cutting=1.0)
     assert np.all(truth["cutting_force"][:990] == 0.0)

@@ -17,7 +17,7 @@ from plants.slide_parameters import SlideParameters
 
 TURN = 2.0 * math.pi
 
-# nothing but mass, motor and one rigidly placed pair of flutes
+# only mass, motor and one rigid pair of flutes
 QUIET = SlideParameters(
     mass=10.0, force_constant=20.0, force_ripple=0.0, damping=0.0, cogging=0.0, cogging_half=0.0,
     balancer_residual=0.0, balancer_sway=0.0, air_noise=0.0, spindle_force=0.0, spindle_force_twice=0.0,
@@ -33,7 +33,7 @@ def slide(duration: float = 1.0, seed: int = 1, **changes: Any) -> Slide:
 
 
 def run(plant: Slide, current: float, ticks: int, substeps: int = 2) -> dict[str, np.ndarray[Any, Any]]:
-    """Truths by name, one row per tick and one at the end."""
+    """Ground truth by name, one row per tick and one at the end."""
     rows = []
     for _ in range(ticks):
         plant.sense()
@@ -47,7 +47,7 @@ def run(plant: Slide, current: float, ticks: int, substeps: int = 2) -> dict[str
 
 
 def at(plant: Slide, position: float, flute_retreat: tuple[float, float] = (0.0, 0.0)) -> dict[str, float]:
-    """Truths with the slide and its flutes put at a place."""
+    """Ground truth with the slide and its flutes at a given position."""
     plant.data.qpos[:] = position, *flute_retreat
     plant.sense()
     return {channel.name: value for channel, value in zip(plant.truths, plant.truth(), strict=True)}
@@ -59,7 +59,7 @@ def at(plant: Slide, position: float, flute_retreat: tuple[float, float] = (0.0,
 @pytest.mark.parametrize(("force", "depth"), [(1e-3, 5e-9), (50e-3, 250e-9), (1.0, 5e-6)])
 def test_one_flute_is_a_spring_of_200_kilonewton_per_metre(force: float, depth: float) -> None:
     plant = slide(stiffness=2e5)
-    # the second flute stays far behind
+    # the second flute stays far back
     assert at(plant, plant.surface + depth, (0.0, 1e-3))["contact_force"] == pytest.approx(force, rel=1e-9)
 
 
@@ -87,7 +87,7 @@ def test_a_constant_thrust_comes_to_rest_at_the_depth_of_both_springs() -> None:
 
 
 def test_without_damping_contact_keeps_its_energy() -> None:
-    # dropped onto the spring at 1 mm/s: depth v sqrt(m / 2k), and the speed comes back
+    # dropped onto the spring at 1 mm/s: depth v sqrt(m / 2k), and the speed returns
     plant = slide()
     plant.data.qvel[0] = 1e-3
     truth = run(plant, 0.0, 400)
@@ -102,7 +102,7 @@ def test_a_yielding_surface_keeps_the_indentation() -> None:
     after = at(plant, plant.surface - 1e-6, (0.0, 1e-3))
     assert after["indentation"] == pytest.approx(50e-9, rel=1e-3)
     assert after["contact_force"] == 0.0
-    # the surface truth stays where the first touch was possible; the force starts deeper
+    # the true surface stays where the first touch was possible; the force starts deeper
     assert at(plant, plant.surface + 40e-9, (0.0, 1e-3))["contact_force"] == 0.0
     assert at(plant, plant.surface + 60e-9, (0.0, 1e-3))["contact_force"] == pytest.approx(2e-3, rel=1e-2)
     # and a reset brings a new workpiece
@@ -135,7 +135,7 @@ def test_flutes_follow_the_spindle() -> None:
 
 
 def test_spindle_force_has_its_two_lines() -> None:
-    speed = 1000.0 * math.pi  # 500 Hz: 20 ticks of 1e-4 s per turn
+    speed = 1000.0 * math.pi  # 500 Hz: 20 ticks of 1e-4 s per revolution
     plant = slide(spindle_force=0.02, spindle_force_twice=0.01, surface_distance=1e-2, spindle_speed=speed)
     truth = run(plant, 0.0, 2000)
     lines = 2.0 * np.abs(np.fft.rfft(truth["disturbance"][1:])) / 2000
@@ -174,7 +174,7 @@ def test_current_reaches_63_percent_after_its_time_constant() -> None:
     bandwidth = 100.0  # Hz: 1.59 ms
     plant = slide(workpiece=False, current_bandwidth=bandwidth, timestep=1e-5)
     truth = run(plant, 1.0, 1000, substeps=1)
-    # row k is the mean over the step before: centred half a step earlier
+    # row k is the mean over the step before: centered half a step earlier
     time = (np.arange(len(truth["current"])) - 0.5) * 1e-5
     reached = np.interp(1.0 - math.exp(-1.0), truth["current"], time)
     assert reached == pytest.approx(1.0 / (TURN * bandwidth), rel=1e-4)
@@ -364,7 +364,7 @@ def test_registry() -> None:
 
 
 def fed(plant: Slide, velocity: float, ticks: int) -> dict[str, np.ndarray[Any, Any]]:
-    """Truths of a slide that nothing slows down, one row per tick."""
+    """Ground truth of a slide without resistance, one row per tick."""
     rows = []
     for _ in range(ticks):
         plant.data.qvel[0] = velocity
@@ -380,7 +380,7 @@ def test_flutes_that_cut_push_with_the_feed_per_tooth() -> None:
     truth = fed(plant, 1e-4, 1000)
     force = 2.0 * 1e10 * 1e-4 * 1e-7
     assert truth["contact_force"][800:] == pytest.approx(force, rel=0.01)
-    # the spring of 2e5 N/m behind each flute
+    # the spring of 2e5 N/m at each flute
     assert truth["indentation"][-1] == pytest.approx(truth["depth"][-1] - 0.5 * force / 2e5, abs=5e-8)
     assert truth["disturbance"][-1] == pytest.approx(0.0, abs=1e-12)
 
@@ -394,7 +394,7 @@ def test_flutes_that_stand_still_only_press() -> None:
 
 
 def test_the_tool_swings_where_the_encoder_does_not_see_it() -> None:
-    # half of the mass at 300 Hz and 2 % swings against the other half
+    # half of the mass at 300 Hz and 2 % oscillates against the other half
     plant = slide(mass=10.0, tool_mass=5.0, tool_frequency=300.0, tool_damping=0.02, workpiece=False)
     plant.data.qpos[1] = 1e-6
     truth = run(plant, 0.0, 400)

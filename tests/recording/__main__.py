@@ -54,7 +54,7 @@ def chosen(patterns: Sequence[str]) -> list[str]:
 
 
 def store(done: dict[str, Recorded], patterns: Sequence[str]) -> int:
-    """Write the recording anew, or the lines of some scenarios in it."""
+    """Write the recording, or only the lines of some scenarios."""
     made_with, kept = record.made_with(), {}
     if patterns:
         before = record.read()
@@ -86,7 +86,7 @@ def judge(done: dict[str, Recorded], patterns: Sequence[str], every: bool) -> in
         faults += sum(one.fault for one in found)
         for line in lines(found, every):
             print(line)
-    print(f"{faults} faults" if faults else "the same bits")
+    print(f"{faults} faults" if faults else "bit-identical")
     return faults
 
 

@@ -25,7 +25,7 @@ class Difference:
     column
         Column under its name of today, or `end state`.
     kind
-        `changed` and `missing` are faults; `new` and `intended`, an exception of the map, are told only.
+        `changed` and `missing` are errors; `new` and `intended` (an exception of the map) are only reported.
     note
         What may help to understand it, or empty.
     """
@@ -119,7 +119,7 @@ def compare(scenario: str, recorded: Recorded, now: Recorded, changes: Changes) 
 
 
 def differing(scenario: str, column: str, value: str, now: str | None, new: dict[str, str]) -> Difference:
-    """Tell a column that is not there or has other values, and what may explain it."""
+    """Describe a missing or changed column with a possible reason."""
     if now is None:
         same = [name for name, hashed in new.items() if hashed == value]
         return Difference(

@@ -97,7 +97,7 @@ def record_or_tell(name: str) -> Recorded | str:
 
 
 def record_all(names: Sequence[str], jobs: int | None) -> Iterator[tuple[str, Recorded | str]]:
-    """Record scenarios in processes beside each other, in the order of their names."""
+    """Record scenarios in parallel processes, in the order of their names."""
     # faults are what many scenarios are about
     with ProcessPoolExecutor(jobs, initializer=logging.disable) as pool:
         yield from zip(names, pool.map(record_or_tell, names), strict=True)
@@ -119,7 +119,7 @@ def scenario_names() -> list[str]:
 
 
 def made_with() -> dict[str, str]:
-    """Versions of what the bits depend on beside the project: the libm gives sines and powers."""
+    """Versions of other software that affects the bits: libm computes sines and powers."""
     return {
         "machine": f"{platform.system()} {platform.machine()}",
         "libm": " ".join(platform.libc_ver()),

@@ -1,4 +1,4 @@
-"""Comparing hashes: what is a fault, what is only told, and what the map allows."""
+"""Comparing hashes: errors, reported changes, and changes that the map allows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An output that nothing writes is told: each is written in some scenario (`pytest -m recording`)."""
+"""Every output is written in some scenario (`pytest -m recording`)."""
 
 from __future__ import annotations
 

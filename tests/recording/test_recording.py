@@ -24,7 +24,7 @@ SAMPLE = [
     "polish/no-mold",
     "polish/wrong-normals",
 ]
-"""Short ones of every loop, by the default law and by the paper's."""
+"""Short scenarios of every loop, with the default and the published control law."""
 
 
 @functools.cache

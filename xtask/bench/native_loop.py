@@ -2,7 +2,7 @@
 
 The plant alone makes the same steps with the same elements and gets the commands of the closed loop, so that
 it goes through the same states. With the FMU's own calls, which get the inputs of the closed loop, it is
-what no engine can do without. MuJoCo's bare steps are those of the same model, without elements and readings,
+the minimum for any engine. MuJoCo's bare steps use the same model, without elements and measurements,
 from the states and forces of the closed loop: a ball that presses costs more than one in the air. Times are
 CPU time of the thread, the kinds of run take turns.
 """
@@ -30,7 +30,7 @@ from cosim.loop.wires.wiring import child
 from machining_native import Stepper
 
 KINDS = int(mujoco.mjtState.mjSTATE_FULLPHYSICS), int(mujoco.mjtState.mjSTATE_USER)
-"""Position with velocity, and what is applied; MuJoCo goes on from them and the start of its solver."""
+"""Position with velocity, and what is applied; MuJoCo continues from them and the start of its solver."""
 PLACINGS = 5
 """Repeats of the time that it takes to place states."""
 
@@ -144,7 +144,7 @@ class Bench:
         return 1e6 * (time.thread_time() - begin) / len(states)
 
     def cost_of_placing(self) -> float:
-        """CPU time of placing and fetching a state, us: what it adds to the way the plant goes by itself."""
+        """CPU time of setting and reading a state, us: its addition to the step of the plant."""
         plant: Any = self.plant
         self.reset()
         way, free = [], []
@@ -175,7 +175,7 @@ def columns(rows: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
 
 
 def main(scenario: str, repeats: int, longest: int) -> None:
-    """Run a scenario of at most so many steps, `repeats` times each way."""
+    """Run a scenario of at most `steps` steps, `repeats` times in each form."""
     with cosim.Session(part(scenario, longest), engine="native") as session:
         bench = Bench(session)
         costs = [bench.once() for _ in range(repeats)]

@@ -7,6 +7,6 @@ from cosim.scenario.model import Scenario
 
 
 def part(name: str, longest: int) -> Scenario:
-    """Load a scenario that ends after at most so many steps."""
+    """Load a scenario that ends after at most `steps` steps."""
     loop = cosim.load(name).loop
     return cosim.load(name, set=[f"loop.duration={min(loop.steps, longest) * loop.step!r}"])

@@ -16,7 +16,7 @@ from cosim.sweep.plan import Plan
 
 
 def main(runs: int) -> None:
-    """Plan a study of so many runs and print what it took; memory is the largest of this whole process."""
+    """Plan a study with a number of runs and print time and peak memory of this process."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "study.toml"
         file.write_text(STUDY.format(runs))

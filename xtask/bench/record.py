@@ -63,7 +63,7 @@ def rows(trace: Any, variables: list[Variable]) -> list[list[float]]:
 
 
 def main(scenario: str, longest: int) -> None:
-    """Run a scenario of at most so many steps."""
+    """Run a scenario of at most `steps` steps."""
     with cosim.Session(part(scenario, longest), engine="native") as session:
         json.dump(recording(session, session.run().trace), sys.stdout)
 

@@ -30,7 +30,7 @@ class Stopwatch:
         return self
 
     def __exit__(self, *_: object) -> None:
-        # the methods of the class come back
+        # the methods of the class are restored
         for name in self.names:
             delattr(self.target, name)
 
@@ -62,7 +62,7 @@ def turn(session: cosim.Session) -> dict[str, float]:
 
 
 def main(scenario: str, repeats: int, longest: int) -> None:
-    """Run a scenario of at most so many steps, `repeats` times each way."""
+    """Run a scenario of at most `steps` steps, `repeats` times in each form."""
     with cosim.Session(part(scenario, longest)) as session:
         turns = [turn(session) for _ in range(repeats)]
     json.dump({name: [turn[name] for turn in turns] for name in turns[0]}, sys.stdout)

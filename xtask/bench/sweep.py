@@ -21,7 +21,7 @@ from cosim.sweep.plan import Plan
 
 WORKERS = 2
 ALONE = 60
-"""At most so many runs are done by a core that does nothing else, each time."""
+"""Maximum number of runs of a core that does only the runs, each time."""
 STUDY = """
 scenario = "dob"
 
@@ -46,7 +46,7 @@ failed = 0
 
 
 class Cores(NamedTuple):
-    """Cores that do nothing but the runs: their rate, 1/s, and the processor time of one run, s."""
+    """Cores that do only the runs: their rate, 1/s, and the processor time of one run, s."""
 
     rate: float
     processor: float
@@ -67,7 +67,7 @@ def core(runs: int) -> Cores:
 
 
 def cores(count: int, runs: int) -> Cores:
-    """Do the runs in so many processes beside each other."""
+    """Do the runs in parallel processes."""
     command = [sys.executable, __file__, "core", str(runs)]
     processes = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(count)]
     told = [process.communicate()[0] for process in processes]

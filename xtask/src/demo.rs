@@ -1,4 +1,4 @@
-//! `cargo xtask demo`: every closed loop, run and judged against its paper by `cosim test`.
+//! `cargo xtask demo`: every closed loop, run and compared with its paper by `cosim test`.
 
 use std::fs;
 use std::path::{Path, PathBuf};

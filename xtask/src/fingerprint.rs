@@ -1,4 +1,4 @@
-//! Content hashes that tell whether a step is up to date.
+//! Content hashes that show whether a step is up to date.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -14,8 +14,8 @@ pub fn sha256(bytes: &[u8]) -> String {
 
 /// One hash over files and folders (with everything in them) below `root`, and over words such as a version.
 ///
-/// Names count as well as contents. Hidden files, byte code and compiled modules are left out: they are made from
-/// the rest. A path that does not exist counts as empty.
+/// Names are hashed as well as contents. Hidden files, byte code and compiled modules are omitted: they are made from
+/// the rest. A missing path is treated as empty.
 ///
 /// # Errors
 /// When a file cannot be read.
@@ -39,7 +39,7 @@ pub fn of(root: &Path, paths: &[&str], words: &[&str]) -> Result<String> {
     Ok(hexadecimal(&hash.finalize()))
 }
 
-/// A file that remembers the fingerprint with which a step was last done.
+/// A file that stores the fingerprint of the last run of a step.
 pub struct Stamp(pub PathBuf);
 
 impl Stamp {
@@ -48,7 +48,7 @@ impl Stamp {
         fs::read_to_string(&self.0).is_ok_and(|text| text.trim() == fingerprint)
     }
 
-    /// Remembers the fingerprint.
+    /// Stores the fingerprint.
     ///
     /// # Errors
     /// When the file cannot be written.

@@ -51,7 +51,7 @@ pub fn pack_for(
     fmu::write(&folder.join("SHA256SUMS"), sums(folder)?.as_bytes())
 }
 
-/// The packages `fmu-*` of the workspace, by name; one that makes no C library is refused when it is built.
+/// The packages `fmu-*` of the workspace, by name; one without a C library gives an error in the build.
 pub fn controllers(project: &Project) -> Vec<&Package> {
     let mut packages = project.metadata.workspace_packages();
     packages.retain(|package| package.name.starts_with("fmu-"));
@@ -59,7 +59,7 @@ pub fn controllers(project: &Project) -> Vec<&Package> {
     packages
 }
 
-/// The packages of these names, all when none is told.
+/// The packages of these names; all if there is none.
 ///
 /// # Errors
 /// When a name is unknown.

@@ -30,7 +30,7 @@ struct List {
 const MEMBERS: List = List { file: "Cargo.toml", begin: "members = [", end: "]", separator: ", " };
 const PLANTS: List = List { file: "plants/__init__.py", begin: "PLANTS = {\n", end: "}\n", separator: ",\n" };
 
-/// Makes the controller `name` in the checkout `root`, and tells what to do next.
+/// Makes the controller `name` in the checkout `root`, and prints the next steps.
 ///
 /// # Errors
 /// When the name is no name for a controller, or when something of that name exists.
@@ -49,7 +49,7 @@ pub fn run(root: &Path, name: &str) -> Result<()> {
 
 fn told(name: &str) -> String {
     format!(
-        "made `fmu-{name}/`: variables in `src/interface.rs`, the law from `src/controller.rs` on\n\
+        "made `fmu-{name}/`: variables in `src/interface.rs`, the control law in `src/controller.rs`\n\
          made `plants/{name}.py`, `.xml`, `_parameters.py`, `scenarios/{name}.toml`, `tests/acceptance/test_{name}.py`\n\
          entered in `{}` and `{}`\n\
          \n\
@@ -111,7 +111,7 @@ fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Checks that the name can be that of a crate, of a Python module and, in camel case, of a type beside the template's.
+/// Checks that the name is valid for a crate, a Python module and, in camel case, a type that differs from the template's.
 fn check(name: &str, template: &Files) -> Result<()> {
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     ensure!(

@@ -22,7 +22,7 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
     steps.timed("setup", || setup::run(workspace))?;
     let fmpy = setup::fmpy_folder(workspace)?;
 
-    // an FMU is optimised as a whole, on one core
+    // an FMU is optimized as a whole, on one core
     let (passed, fmus) = thread::scope(|scope| {
         let fmus = scope.spawn(|| clocked(|| fmu::pack_all(workspace, &fmu::controllers(workspace))));
         let passed = steps.pass(of_sources(workspace), &fmpy);
@@ -86,7 +86,7 @@ fn with_words(command: impl Fn(&str) -> Command, line: &str) -> Command {
 struct Steps {
     start: Instant,
     times: Vec<(&'static str, Duration, bool)>,
-    /// What is said at the end, where what goes on beside a check that failed does not bury it.
+    /// Messages for the end, so that later output does not hide a failed check.
     failure: Option<String>,
 }
 

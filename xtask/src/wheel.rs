@@ -24,7 +24,7 @@ use crate::workspace::Workspace;
 const FOLDER: &str = "target/wheel";
 /// Where `cosim` looks for what comes with it.
 const PACKED: &str = "cosim/packed";
-/// What a wheel is made of beside the native module.
+/// Contents of a wheel in addition to the native module.
 const SOURCES: &[&str] = &[
     "LICENSE-APACHE",
     "LICENSE-MIT",
@@ -119,7 +119,7 @@ fn pack(plain: &Path, content: &Content, wheel: &Path) -> Result<()> {
         std::io::Write::write_all(&mut writer, bytes)?;
         lines.push_str(&record_line(path, bytes));
     }
-    // the list is the last file, as the format of wheels wishes
+    // the list is the last file, as the format of wheels requires
     writer.start_file(record.as_str(), options)?;
     std::io::Write::write_all(&mut writer, lines.as_bytes())?;
     writer.finish()?;

@@ -25,7 +25,7 @@ impl Workspace {
             // the environment's programs come first
             ("PATH", workspace.search_path()),
             ("VIRTUAL_ENV", workspace.path(".venv").into()),
-            // empty: else every process would compile all modules anew
+            // empty: otherwise every process would compile all modules again
             ("PYTHONDONTWRITEBYTECODE", OsString::new()),
         ];
         workspace.0.environment = environment;

@@ -1,1 +1,1 @@
-"""Machines that nobody has measured, before and after the state `Commission`."""
+"""Unmeasured machines, before and after the state `Commission`."""

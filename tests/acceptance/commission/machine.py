@@ -6,7 +6,7 @@ from ..samples import studies
 
 
 class Machine(studies.Machine):
-    """A machine of a study that commissions itself."""
+    """A machine of a study with a commissioning run."""
 
     @property
     def applied(self) -> bool:

@@ -1,4 +1,4 @@
-"""Keep what `cargo xtask bench` measured for the tables of cost.
+"""Store the results of `cargo xtask bench` for the tables of cost.
 
 `python -m tests.acceptance.measured.cost`, once the bench is done.
 """
@@ -40,12 +40,12 @@ LOOPS = ("dob", "fts", "centering", "polish", "deburr")
 
 
 def rows(bench: list[dict[str, float | str]]) -> dict[str, dict[str, Values]]:
-    """Make rows of both tables from those of the bench, least of the runs.
+    """Make rows of both tables from those of the bench: the minimum of the runs.
 
-    What compares two quantities is told below its loop.
+    Rows that compare two quantities follow the rows of their loop.
     """
-    told, least = [str(row["quantity"]) for row in bench], [float(row["minimum"]) for row in bench]
-    found = dict(zip(told, least, strict=True))
+    names, minimum = [str(row["quantity"]) for row in bench], [float(row["minimum"]) for row in bench]
+    found = dict(zip(names, minimum, strict=True))
     cost: dict[str, dict[str, float]] = {
         name: {value: found[quantity] for value, quantity in values.items()} for name, values in ONCE.items()
     }
@@ -54,12 +54,13 @@ def rows(bench: list[dict[str, float | str]]) -> dict[str, dict[str, Values]]:
     loops: dict[str, dict[str, float]] = {}
     for loop in LOOPS:
         cost[f"{loop}: a sample"] = {
-            "time": next(found[one] for one in told if one.startswith(f"{loop}{SAMPLE}"))
+            "time": next(found[one] for one in names if one.startswith(f"{loop}{SAMPLE}"))
         }
         loops[loop] = {name: found[f"{loop}: {quantity}"] for name, quantity in STEP.items()}
-        below = told.index(f"{loop}: {STEP['over_plant']}")
+        below = names.index(f"{loop}: {STEP['over_plant']}")
         loops[loop] |= {
-            name: least[told.index(part, below)] for name, part in zip(("calls", "rest"), PARTS, strict=True)
+            name: minimum[names.index(part, below)]
+            for name, part in zip(("calls", "rest"), PARTS, strict=True)
         }
     stamp = code()
     return {

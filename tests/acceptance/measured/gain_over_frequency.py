@@ -1,6 +1,6 @@
-"""How far the ball slides, by the frequency of the stick-slip motion, as a plot for the README.
+"""Plot for the page: sliding distance of the ball over the frequency of the stick-slip motion.
 
-python -m tests.acceptance.measured.gain_over_frequency fmu-polish/gain.svg
+python -m tests.acceptance.measured.gain_over_frequency fmu-polish/doc/gain.svg
 """
 
 import sys
@@ -16,7 +16,7 @@ VELOCITIES = (5e-3, 10e-3, 20e-3)
 
 
 def gains(velocity: float, half_periods: tuple[int, ...] = HALF_PERIODS) -> list[float]:
-    """Way of the ball over its path for each half period, at one velocity of the stick-slip motion."""
+    """Sliding distance over path length for each half period, at one velocity of the stick-slip motion."""
     scenarios = [
         cosim.load(
             "polish/500-hz",
@@ -49,7 +49,7 @@ def main(file: str) -> None:
     axes.annotate(
         "the paper: 500 Hz", (500.0, 1.0), (300.0, 2.6), arrowprops={"arrowstyle": "->"}, ha="center"
     )
-    axes.set(xscale="log", xlabel="frequency of the stick-slip motion, Hz", ylabel="way slid / path")
+    axes.set(xscale="log", xlabel="frequency of the stick-slip motion, Hz", ylabel="sliding distance / path")
     axes.set_xticks([25, 50, 100, 200, 500])
     axes.xaxis.set_major_formatter(ScalarFormatter())
     axes.minorticks_off()

@@ -1,7 +1,7 @@
-"""Keep what `cargo mutants` found for the table of mutants.
+"""Store the results of `cargo mutants` for the table of mutants.
 
 `python -m tests.acceptance.measured.mutation target/mutants/*` takes the folders of `cargo mutants --output`,
-each named after a controller; `NAME-fresh` is a sample that no test was written for.
+each named after a controller; `NAME-fresh` is a sample for which no test was written.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from pathlib import Path
 from .store import FOLDER, HERE, Values, code, load
 
 EQUIVALENT: dict[str, str] = tomllib.loads((HERE / "equivalent.toml").read_text("utf-8"))
-"""Mutants that no test can tell from the law, and why."""
+"""Mutants that no test can distinguish from the controller, with the reason."""
 CAUGHT = ("CaughtMutant", "Timeout")
-"""A law that does not come to an end is caught, too."""
+"""An endless controller is caught, too."""
 
 
 def outcomes(folder: Path) -> dict[str, str]:
     """Outcome of each mutant of a folder that compiles."""
-    told = json.loads((folder / "mutants.out/outcomes.json").read_text("utf-8"))["outcomes"]
-    mutants = (one for one in told if one["scenario"] != "Baseline" and one["summary"] != "Unviable")
+    every = json.loads((folder / "mutants.out/outcomes.json").read_text("utf-8"))["outcomes"]
+    mutants = (one for one in every if one["scenario"] != "Baseline" and one["summary"] != "Unviable")
     return {one["scenario"]["Mutant"]["name"]: one["summary"] for one in mutants}
 
 
 def counted(found: dict[str, str], equivalent: Iterable[str] = EQUIVALENT) -> dict[str, float]:
-    """How many mutants there are, how many were caught, and the percentage of those not equivalent."""
+    """Count the mutants and those caught; the score is the percentage caught of those not equivalent."""
     same = [name for name, outcome in found.items() if outcome not in CAUGHT and name in equivalent]
     caught = [outcome for outcome in found.values() if outcome in CAUGHT]
     return {
@@ -41,14 +41,14 @@ def counted(found: dict[str, str], equivalent: Iterable[str] = EQUIVALENT) -> di
 
 
 def row(folder: Path) -> Values:
-    """Row of a controller, with the fresh sample beside."""
+    """Row of a controller, with its fresh sample."""
     fresh = counted(outcomes(folder.with_name(f"{folder.name}-fresh")))
-    beside = {f"fresh_{name}": value for name, value in fresh.items()}
-    return {"code": code(), **counted(outcomes(folder)), **beside}
+    second = {f"fresh_{name}": value for name, value in fresh.items()}
+    return {"code": code(), **counted(outcomes(folder)), **second}
 
 
 def keep(folders: list[Path]) -> None:
-    """Keep the rows of these folders."""
+    """Store the rows of these folders."""
     file = FOLDER / "mutation.json"
     rows = load("mutation") if file.is_file() else {}
     rows |= {folder.name: row(folder) for folder in folders if not folder.name.endswith("-fresh")}

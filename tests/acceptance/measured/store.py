@@ -1,4 +1,4 @@
-"""What tests measured for the tables of the documents: a file for each table, a value for each row."""
+"""Measured numbers for the tables of the pages: a file for each table, an entry for each row."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).parent
 FOLDER = HERE / "numbers"
 CODE = ("control-blocks", "cosim", "fmi2-export", "fmu-*/src", "plants", "scenarios", ":(exclude)*.md")
-"""What the numbers depend on."""
+"""Files on which the numbers depend."""
 NEAR = 0.1
-"""Relative difference of two numbers that are the same: other processors and libraries round otherwise."""
+"""Relative tolerance: other processors and libraries round differently."""
 
 Values = Mapping[str, float | str]
 
@@ -28,12 +28,12 @@ def load(table: str) -> dict[str, Values]:
 
 
 def measured(table: str, row: str, **values: float) -> None:
-    """Hold what was measured against what is kept for a row; with `BLESS` in the environment keep it instead.
+    """Compare measured values with the stored ones of a row; with `BLESS` in the environment, store them.
 
     Raises
     ------
     AssertionError
-        Something else is kept.
+        The stored values differ.
     """
     file = FOLDER / f"{table}.json"
     rows = load(table) if file.is_file() else {}
@@ -42,17 +42,17 @@ def measured(table: str, row: str, **values: float) -> None:
         file.write_text(json.dumps(rows, indent=1, sort_keys=True) + "\n", "utf-8")
         return
     kept = {name: value for name, value in rows.get(row, {}).items() if name != "code"}
-    assert kept.keys() == values.keys(), f"{table}, {row}: {[*kept]} are kept, not {[*values]}"
+    assert kept.keys() == values.keys(), f"{table}, {row}: {[*kept]} are stored, not {[*values]}"
     other = [
         f"{name} {kept[name]} is now {value:.6g}"
         for name, value in values.items()
         if not near(kept[name], value)
     ]
-    assert other == [], f"{table}, {row}: {', '.join(other)}\nhint: `BLESS=1` keeps what is measured"
+    assert other == [], f"{table}, {row}: {', '.join(other)}\nhint: `BLESS=1` stores the measured values"
 
 
 def near(kept: float | str, value: float) -> bool:
-    """Whether two numbers are the same, or counts that differ by one."""
+    """Whether two numbers agree within the tolerance, or two counts within one."""
     if isinstance(kept, str):
         return False
     counts = kept.is_integer() and float(value).is_integer()
@@ -60,13 +60,13 @@ def near(kept: float | str, value: float) -> bool:
 
 
 def code() -> str:
-    """Version of the project and day of the last change of what the numbers depend on."""
+    """Version of the project and date of the last change of the files on which the numbers depend."""
     version = tomllib.loads((ROOT / "Cargo.toml").read_text("utf-8"))["workspace"]["package"]["version"]
-    told, changed = git("log", "-1", "--format=%cs"), git("status", "--porcelain")
-    return f"{version} of {told}" + (" with changes" if changed else "")
+    date, changed = git("log", "-1", "--format=%cs"), git("status", "--porcelain")
+    return f"{version} of {date}" + (" with changes" if changed else "")
 
 
 def git(*words: str) -> str:
-    """Answer of git about what the numbers depend on."""
+    """Output of git about the files on which the numbers depend."""
     line = ["git", *words, "--", *CODE]
     return subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()

@@ -1,4 +1,4 @@
-"""What is counted of the outcomes of `cargo mutants`."""
+"""Counts of the outcomes of `cargo mutants`."""
 
 import json
 from pathlib import Path
@@ -10,13 +10,13 @@ NAME = "fmu-dob/src/law.rs:{}:5: replace + with - in law"
 
 
 def test_mutants_that_compile_are_counted(tmp_path: Path) -> None:
-    def told(line: int, summary: str) -> dict[str, object]:
+    def entry(line: int, summary: str) -> dict[str, object]:
         return {"scenario": {"Mutant": {"name": NAME.format(line)}}, "summary": summary}
 
     found = ["CaughtMutant", "CaughtMutant", "Timeout", "MissedMutant", "Unviable"]
     every = [
         {"scenario": "Baseline", "summary": "Success"},
-        *(told(line, summary) for line, summary in enumerate(found)),
+        *(entry(line, summary) for line, summary in enumerate(found)),
     ]
     (tmp_path / "mutants.out").mkdir()
     (tmp_path / "mutants.out/outcomes.json").write_text(json.dumps({"outcomes": every}), "utf-8")
@@ -26,5 +26,5 @@ def test_mutants_that_compile_are_counted(tmp_path: Path) -> None:
     assert (same["equivalent"], same["score"]) == (1, 100.0)
 
 
-def test_a_mutant_that_is_named_equivalent_is_of_a_file_that_there_is() -> None:
+def test_a_mutant_listed_as_equivalent_is_in_an_existing_file() -> None:
     assert all((ROOT / name.split(":")[0]).is_file() for name in EQUIVALENT)

@@ -1,4 +1,4 @@
-"""Numbers of the documents that the tests of the controllers measure in Rust.
+"""Numbers of the pages that the tests of the controllers measure in Rust.
 
 On the small plants of `tests/closed_loop`; they print lines `measured: TABLE | ROW | NAME=VALUE NAME=VALUE`.
 """

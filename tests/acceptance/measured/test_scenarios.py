@@ -1,4 +1,4 @@
-"""Numbers of the documents that one run of a scenario with its own seed gives."""
+"""Numbers of the pages from one run of a scenario with its own seed."""
 
 import functools
 
@@ -9,7 +9,7 @@ import cosim
 from .store import measured
 
 PATH_TWICE = 1748e-6
-"""Amplitude of the 0x4 lens twice a turn, m."""
+"""Amplitude of the 0x4 lens twice per revolution, m."""
 PERCENT = {"twice": 100.0 / PATH_TWICE}
 MICROMETRES = {"rms": 1e6, "tip": 1e6}
 FORCE = dict.fromkeys(("force_mean", "force_deviation", "force_least", "overshoot", "gain"), 1.0)
@@ -57,6 +57,6 @@ def run(name: str) -> cosim.Result:
 
 @pytest.mark.acceptance
 @pytest.mark.parametrize(("table", "row"), [(table, row) for table, rows in ROWS.items() for row in rows])
-def test_a_row_is_what_its_scenario_gives(table: str, row: str) -> None:
+def test_a_row_shows_the_result_of_its_scenario(table: str, row: str) -> None:
     found = run(row).metrics
     measured(table, row, **{name: factor * found[name].value for name, factor in ROWS[table][row].items()})

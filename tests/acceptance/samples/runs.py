@@ -9,7 +9,7 @@ import cosim
 Columns = Any
 
 WORKERS = 1 if "PYTEST_XDIST_WORKER" in os.environ else None
-"""Processes for a sample: none beside this one where the tests themselves are spread over the cores."""
+"""Processes for a sample: only this one if the tests themselves are distributed over the cores."""
 
 
 @functools.lru_cache(maxsize=16)

@@ -1,4 +1,4 @@
-"""Runs of the project's studies, and what is drawn anew for the default run of the tests."""
+"""Runs of the studies of the project, and new random samples for the default run of the tests."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Machine:
 
 
 def machines(name: str, few: tuple[int, int] | None = None, changes: Case | None = None) -> list[Machine]:
-    """All machines of a study, with changes, or so many that are drawn anew with a seed: (samples, seed)."""
+    """All machines of a study, with changes, or a number of new ones with a seed: (samples, seed)."""
     wanted = study.load(FOLDER / f"{name}.toml")
     wanted = replace(wanted, set={**wanted.set, **(changes or {})})
     if few is not None:

@@ -31,7 +31,7 @@ def usage(command: list[str], given: bytes = b"") -> str:
 def test_a_sample_allocates_nothing(name: str, tmp_path: Path) -> None:
     loop = recorded(name)
     program, resources = replaying(name, loop, tmp_path)
-    # the first samples of the loop in which the controller works and tells nothing new
+    # the first samples of the loop in which the controller works without a new message
     news = [column for variable, column in loop.outputs.items() if variable.name in ("state", "fault")]
     state = np.stack(news, axis=1)
     idle, same = state[0], SAMPLES
@@ -55,10 +55,10 @@ def test_what_is_freed_while_it_tells_lives_on(tmp_path: Path) -> None:
         """
         #include "fmu_dob.h"
         static fmu_dob *c;
-        static int told;
-        static void tell(void *user, int level, const char *text) {
+        static int logged;
+        static void log_message(void *user, int level, const char *text) {
             (void)user, (void)level, (void)text;
-            told++;
+            logged++;
             fmu_dob_free(c);
         }
         int main(void) {
@@ -67,13 +67,13 @@ def test_what_is_freed_while_it_tells_lives_on(tmp_path: Path) -> None:
             fmu_dob_outputs out;
             fmu_dob_start_parameters(&p);
             fmu_dob_start_inputs(&in);
-            c = fmu_dob_new(&p, NULL, tell, NULL);
+            c = fmu_dob_new(&p, NULL, log_message, NULL);
             for (int k = 0; k < 200; k++) {
                 in.enable = k > 100;
                 if (!fmu_dob_step(c, &in, &out)) return 1;
             }
             fmu_dob_free(c);
-            return told == 0;
+            return logged == 0;
         }
         """
     )

@@ -1,4 +1,4 @@
-"""The controllers as blocks of Modelica: a package that tools read, and the C code behind the blocks."""
+"""The controllers as blocks of Modelica: a package that tools read, and the C code of the blocks."""
 
 from __future__ import annotations
 
@@ -39,14 +39,15 @@ int main(void) {
     void *block = fmu_dob_modelica_new(reals, integers, texts, "");
     for (int k = 0; k < 5000; k++) {
         double seen[256];
-        int told[256];
+        int numbers[256];
         in.position = 1e-9 * (k %% 5);
         in.enable = k > 100;
         /* in the order of the block */
         const double reals_in[] = {in.position, in.spindle_speed};
         const int integers_in[] = {in.position_valid, in.enable, in.commission, in.teach, in.reset_fault};
-        fmu_dob_modelica_step(block, reals_in, integers_in, seen, told);
-        if (!fmu_dob_step(plain, &in, &out) || out.current != seen[0] || (int)out.state != told[0]) return 1;
+        fmu_dob_modelica_step(block, reals_in, integers_in, seen, numbers);
+        if (!fmu_dob_step(plain, &in, &out) || out.current != seen[0] || (int)out.state != numbers[0])
+            return 1;
     }
     fmu_dob_modelica_free(block);
     fmu_dob_free(plain);
@@ -161,7 +162,7 @@ def test_a_block_and_the_code_behind_it_have_one_order(name: str) -> None:
     arrays = ("reals", "integers", "texts", "reals_in", "integers_in")
     assert lists(text) == [taken.get(array, []) for array in arrays]
     given = re.findall(r"(reals|integers)\[(\d+)\] = out\.([^;]+);", code)
-    # each place of both arrays once, and as many as the block takes
+    # each index of both arrays once, and as many as the block has
     for array in ("reals", "integers"):
         (size,) = re.findall(rf"discrete \w+ {array}_\[(\d+)\];", text)
         assert [int(index) for to, index, _ in given if to == array] == list(range(int(size)))

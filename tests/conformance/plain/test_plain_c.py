@@ -83,7 +83,7 @@ def test_a_state_of_the_library_is_one_of_the_fmu(tmp_path: Path) -> None:
             const size_t size = fmu_dob_save(c, NULL, 0);
             void *bytes = malloc(size);
             memset(bytes, 0x5a, size);
-            /* where there is no room for it nothing is written, and the size is told all the same */
+            /* a buffer that is too small stays unchanged, and the size is returned all the same */
             if (fmu_dob_save(c, bytes, size - 1) != size || size % 256) return 1;
             for (size_t i = 0; i < size; i++)
                 if (((char *)bytes)[i] != 0x5a) return 1;
@@ -145,7 +145,7 @@ def test_a_state_of_the_fmu_is_one_of_the_library(tmp_path: Path, start: float) 
             fclose(file);
             if (!fmu_dob_restore(c, bytes, size)) return 1;
             for (int k = 0; k < 300; k++) {
-                // what is no state is refused, and changes nothing
+                // an invalid state is rejected and changes nothing
                 if (k % 100 == 50 && fmu_dob_restore(c, bytes, size / 2)) return 2;
                 in.position = 1e-9 * k;
                 if (!fmu_dob_step(c, &in, &out)) return 3;

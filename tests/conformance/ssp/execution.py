@@ -44,7 +44,7 @@ def ecos(file: str, step: float, steps: int, outputs: list[tuple[str, str]]) -> 
 
 
 def fmpy(file: str, step: float, steps: int, outputs: list[tuple[str, str]]) -> list[float]:
-    """Run in FMPy, which is told parameters by the names of their components, and items by numbers."""
+    """Run in FMPy, which takes parameters by the names of their components, and items by numbers."""
     from fmpy.ssp.simulation import simulate_ssp
     from fmpy.ssp.ssd import read_ssv
 

@@ -56,12 +56,12 @@ def found() -> tuple[float, float]:
     return float(trace["controller.contact_position"][STEPS]), float(trace["plant.depth_max"][STEPS])
 
 
-@pytest.mark.client("FMPy", "holds the SSP against the schemas")
+@pytest.mark.client("FMPy", "validates the SSP by the schemas")
 @pytest.mark.parametrize("loop", LOOPS)
 def test_every_loop_is_a_package_by_the_schemas(loop: str, tmp_path: Path) -> None:
     file = tmp_path / "loop.ssp"
     scenario = write(loop, [], 5, file)
-    # both readers hold the files against the schemas of SSP 1.0
+    # both readers validate the files by the schemas of SSP 1.0
     system = read_ssd(str(file)).system
     parameters = read_ssv(str(file), "resources/controller.ssv").parameters
     held = {
@@ -115,7 +115,7 @@ def test_pyssp_standard_finds_nothing_wrong(package: Path, tmp_path: Path) -> No
     need("pyssp_standard", "pyssp_standard" if importlib.util.find_spec("pyssp_standard") else None)
     from pyssp_standard.ssp import SSP
 
-    # it writes the file anew when it closes it
+    # it rewrites the file when it closes it
     with SSP(shutil.copy(package, tmp_path)) as ssp, ssp.system_structure as structure:
         assert structure.check_connections(unconnected_inputs=False) == []
         assert sorted(ssp.resources) == ["controller.fmu", "controller.ssv", "plant.fmu", "plant.ssv"]
@@ -124,9 +124,9 @@ def test_pyssp_standard_finds_nothing_wrong(package: Path, tmp_path: Path) -> No
 def run(
     master: str, module: str, package: Path, steps: int, outputs: list[str], step: float = 1e-4
 ) -> list[float]:
-    """Values of outputs in a master after as many steps of so many seconds."""
+    """Values of outputs in a master after a number of steps of a given length (s)."""
     need(module, module if importlib.util.find_spec(module) else None)
-    # Ecos finds the library that its wheel forgets beside the environment's
+    # Ecos finds the library that its wheel lacks in the environment
     libraries = [str(Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH", "")]
     environment = os.environ | {"LD_LIBRARY_PATH": os.pathsep.join(libraries)}
     command = [sys.executable, str(EXECUTION), master, str(package), str(step), str(steps), *outputs]
@@ -235,7 +235,7 @@ def test_fmpy_closes_other_loops(loop: str, other: Other) -> None:
         # its slide begins at zero, as FMPy says in its first step
         assert values == other.found
     else:
-        # other first readings change a little what is learned: hundredths of a micrometre, some 10 mN
+        # other first measurements change the learned values a little: hundredths of a micrometer, some 10 mN
         *place, force = other.found
         assert values == [*(pytest.approx(x, abs=5e-8) for x in place), pytest.approx(force, abs=0.05)]
 

@@ -88,7 +88,7 @@ EARLIER = '{\n  "loop": "of an earlier run"\n}\n'
 
 @dataclass(frozen=True)
 class Acceptance:
-    """What one call of `cosim test` left behind."""
+    """Results of one call of `cosim test`."""
 
     done: subprocess.CompletedProcess[str]
     folder: Path
@@ -199,7 +199,7 @@ def test_two_files_of_one_name_are_refused() -> None:
 @pytest.mark.parametrize(
     ("file", "content", "kind"),
     [
-        ("lag.json", '{"colour": "of the user"}', "result of a run"),
+        ("lag.json", '{"color": "of the user"}', "result of a run"),
         ("lag/free.svg", "a note", "plot of a run"),
         ("lag.svg", DRAWN, "plot of a run"),
         ("acceptance.txt", "a note", "acceptance table"),

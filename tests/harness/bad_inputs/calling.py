@@ -1,4 +1,4 @@
-"""The command line called in this process, and what every refusal has in common."""
+"""The command line called in this process, and the checks of every rejection."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ IN_PROCESS: tuple[str, ...] = ("--in-process",)
 
 
 class Case(NamedTuple):
-    """A bad command line, and what the message must name: the thing, its value, its place."""
+    """A bad command line, and the names, values and locations that its message must contain."""
 
     arguments: tuple[str, ...]
     words: tuple[str, ...]
 
 
 Refuse = Callable[[Case], None]
-"""The fixture that checks a refusal."""
+"""The fixture that checks a rejection."""
 
 
 def given(*arguments: str) -> tuple[str, ...]:
@@ -46,7 +46,7 @@ def refused(case: Case, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
 
 
 def check_refusal(words: tuple[str, ...], code: object, stdout: str, stderr: str) -> None:
-    """Check exit code, streams and message of a refusal."""
+    """Check exit code, streams and message of a rejection."""
     assert "Traceback" not in stdout + stderr
     assert code == 2, stdout + stderr
     assert stdout == ""

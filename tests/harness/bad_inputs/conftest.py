@@ -37,13 +37,13 @@ def lag(write: object, folder: Path) -> Path:
 
 @pytest.fixture
 def refuse(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refuse:
-    """Check that a bad input is refused as it must be."""
+    """Check that a bad input is rejected correctly."""
     return lambda case: refused(case, monkeypatch, capsys)
 
 
 @pytest.fixture
 def broken(lag: Path, broken_library: bytes, request: pytest.FixtureRequest) -> str:
-    """FMU with the defect that the test is parametrised with."""
+    """FMU with the defect that the test is parametrized with."""
     build, _ = (fmus.FILES | fmus.WARNED)[request.param]
     build(lag / "broken.fmu", broken_library)
     return "broken.fmu"

@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = "import sys; from cosim.cli import main; sys.argv[0] = 'cosim'; main()"
 """What the installed script `cosim` does."""
 ISOLATED = ("run", "show", "check", "new", "video", "view")
-"""Commands that open an FMU or a plant in a process of its own, unless they are told `--in-process`."""
+"""Commands that open an FMU or a plant in a separate process, unless `--in-process` is given."""
 
 
 def cosim(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -35,7 +35,7 @@ COMMANDS = {
         "cosim.pool.supervisor",
     },
 }
-"""What runs, and what it must not import beside what is heavy."""
+"""Commands with the modules that they must not import, in addition to the large ones."""
 
 
 @pytest.mark.parametrize("code", COMMANDS)

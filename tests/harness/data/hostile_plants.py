@@ -45,7 +45,7 @@ class Vanish(probe_plants.Lag):
 
 
 class Parent(probe_plants.Lag):
-    """Leaves a process behind that has inherited what can be inherited, and dies."""
+    """Leaves a process that has inherited everything possible, and terminates."""
 
     def advance(self, substeps: int) -> None:
         os.system("sleep 300 & echo $! > child")
@@ -93,11 +93,11 @@ class Breaks(Notes):
     """Fails in `close`."""
 
     def close(self) -> None:
-        raise RuntimeError("the door is stuck")
+        raise RuntimeError("the drive is stuck")
 
 
 class EndInFilm(probe_plants.Lag):
-    """Ends the process where a film wants its coordinates."""
+    """Ends the process when a video reads its coordinates."""
 
     def record_qpos(self) -> None:
         os._exit(3)

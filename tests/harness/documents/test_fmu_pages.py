@@ -17,7 +17,7 @@ BROKEN = """(() => {
   while (texts.nextNode()) {
     const text = texts.currentNode;
     if (!text.parentElement.closest("td")) continue;
-    // behind a hyphen or a stroke a line may end
+    // a line may end after a hyphen or a slash
     for (const word of text.data.matchAll(/[^\\s/-]+/g)) {
       const range = document.createRange();
       range.setStart(text, word.index);

@@ -1,4 +1,4 @@
-"""The site is built without a warning, leads nowhere that is not there, and needs no network."""
+"""The site is built without a warning, has no broken links and needs no network."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ pytestmark = pytest.mark.xdist_group("site")
 
 @pytest.fixture(scope="module")
 def site() -> Path:
-    """Folder of the site, built anew."""
+    """Folder of the new site."""
     shutil.rmtree(ROOT / "target/site", ignore_errors=True)
     line = [sys.executable, "-m", "handbook"]
     done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
@@ -51,7 +51,7 @@ def places(site: Path) -> dict[str, html.HtmlElement]:
     return {str(file.relative_to(site)): html.parse(file).getroot() for file in site.rglob("*.html")}
 
 
-def test_every_link_leads_to_a_place_of_the_site(site: Path) -> None:
+def test_every_link_of_the_site_has_a_target(site: Path) -> None:
     pages = places(site)
     anchors = {
         name: {part.get("id") for part in root.iter() if part.get("id")} for name, root in pages.items()
@@ -79,7 +79,7 @@ def test_nothing_comes_from_a_network(site: Path) -> None:
         assert [link for link in loaded if link.startswith(("http", "//"))] == [], name
 
 
-def test_what_is_generated_holds_everything(site: Path) -> None:
+def test_the_generated_pages_are_complete(site: Path) -> None:
     pages = places(site)
     assert len(pages) == len(list(paths(words.NAV))) + 1
     commands = pages["reference/commands.html"].text_content()
@@ -97,7 +97,7 @@ def test_what_is_generated_holds_everything(site: Path) -> None:
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 @browser.SCREENS
 @pytest.mark.parametrize("page", ["index.html", "fmu-dob/index.html", "examples/sweep.html"])
-def test_a_browser_shows_it_without_a_complaint(
+def test_a_browser_shows_a_page_without_an_error(
     chromium: str, site: Path, page: str, width: int, theme: str
 ) -> None:
     assert browser.complaints(chromium, site / page, width, theme) == []
@@ -106,14 +106,14 @@ def test_a_browser_shows_it_without_a_complaint(
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")
 @pytest.mark.full
 @browser.SCREENS
-def test_a_browser_shows_every_page_without_a_complaint(
+def test_a_browser_shows_every_page_without_an_error(
     chromium: str, site: Path, width: int, theme: str
 ) -> None:
-    # a server shows the page for what is not there, by addresses from its root
+    # a server shows the page 404, by addresses from its root
     pages = [name for name in places(site) if name != "404.html"]
     found = {name: browser.complaints(chromium, site / name, width, theme) for name in pages}
     assert len(pages) > 40
-    assert {name: told for name, told in found.items() if told} == {}
+    assert {name: problems for name, problems in found.items() if problems} == {}
 
 
 @pytest.mark.skipif(browser.PROGRAM is None, reason="no Chromium")

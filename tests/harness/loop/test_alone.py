@@ -1,4 +1,4 @@
-"""An FMU without a plant: signals drive it, its outputs are traced and judged."""
+"""An FMU without a plant: signals drive it, its outputs are traced and evaluated."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ def test_an_error_tells_which_failed(write: Write) -> None:
             FmuError, match=r"^the FMU `b` failed at t = 0.004 s \(step 4\): failed on request"
         ):
             session.run()
-        # what a process that watches would tell of a crash there
+        # the message of a watching process about a crash there
         assert (session.place.who(), session.place.when()) == ("the FMU `b`", "at t = 0.004 s (step 4)")
 
 

@@ -1,4 +1,4 @@
-"""Several FMUs in one loop against closed forms: order and delay tell what a wire carries."""
+"""Several FMUs in one loop, compared with closed forms: order and delay determine the value of a wire."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_a_ring_is_closed_by_a_wire_that_is_steps_late(write: Write, delay: int)
 
 def test_an_output_reaches_its_own_input_a_step_later(write: Write) -> None:
     text = LOOP + fmu("a", gain=0.5, bias=[1.0, 0.0]) + wire("a.out", "a.in", "delay = 1\n")
-    # the initialised FMU puts out 1
+    # the output of the initialized FMU is 1
     result = run(write(text=text))
     assert column(result, "a.out") == pytest.approx(2.0 - 0.5 ** (K + 1), rel=1e-12)
 

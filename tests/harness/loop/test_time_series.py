@@ -46,7 +46,7 @@ def driven(write: Write, added: str = "", to: str = "controller.in", file: str =
 
 @pytest.fixture
 def file(folder: Path) -> Path:
-    """Put a CSV file beside the scenario, with the FMU in reach."""
+    """Write a CSV file next to the scenario, with access to the FMU."""
     (folder / "deep").mkdir()
     os.link(folder / "probe.fmu", folder / "deep" / "probe.fmu")
     csv = folder / "deep" / "x.csv"

@@ -1,4 +1,4 @@
-"""A cart with a probe, wired with numbers, truth values and integers."""
+"""A cart with a probe, wired with numbers, Booleans and integers."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ values = ["Slow", "Fast"]
 
 @pytest.fixture
 def cart(folder: Path, write: Write) -> Callable[..., Path]:
-    """Write a scenario of a cart, wired with numbers, truth values and integers, and what is added."""
+    """Write a scenario of a cart, wired with numbers, Booleans and integers, and what is added."""
     (folder / "cart.xml").write_text(CART)
 
     def write_cart(added: str = "") -> Path:

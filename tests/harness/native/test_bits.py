@@ -1,4 +1,4 @@
-"""The native engine against the reference loop: the same bits, with every scenario file."""
+"""The native engine and the reference loop are bit-identical, with every scenario file."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_threads_and_resets_change_nothing(loop: str) -> None:
         found = list(pool.map(work, range(2)))
     for session in sessions:
         session.close()
-    # after another seed, after itself, and in a thread beside, it is what a fresh instance gives
+    # after another seed, after itself, and in a second thread, the result is that of a new instance
     with cosim.Session(scenario, engine="native") as fresh:
         assert [found[0][1], found[0][2], found[1][1]] == [outcome(fresh, 50_064)] * 3
     assert found[0][0] != found[1][0]
@@ -199,7 +199,7 @@ def test_every_kind_of_injection_gives_the_same_bytes(
     with reference, fast:
         expected = outcome(reference)
         assert expected != unchanged
-        # a second run begins anew
+        # a second run starts from the beginning
         assert outcome(fast) == outcome(fast) == expected
         assert fast.run().injected == reference.run().injected == pytest.approx([0.013] * len(targets))
 

@@ -58,7 +58,7 @@ def test_errors_are_the_same(cart: Callable[..., Path], case: str, monkeypatch: 
 
 
 def broken_sensor(session: cosim.Session) -> Callable[[], None]:
-    """Break the model after the reset; the result mends it."""
+    """Break the model after the reset; the result repairs it."""
     plant: Any = session.plant
     reset, kinds = plant.reset, plant.model.sensor_type.copy()
 

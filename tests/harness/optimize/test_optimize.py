@@ -122,7 +122,7 @@ def test_no_trial_that_holds_the_criteria_is_exit_code_1(command: Run) -> None:
     assert code == 1
     assert "error" not in err
     largest = max(history()[1:], key=lambda row: float(row[1]))
-    assert f"nearest is trial {largest[0]}, without `end`; 9 trials, 0 of them hold all criteria" in " ".join(
+    assert f"closest is trial {largest[0]}, without `end`; 9 trials, 0 of them passed all criteria" in " ".join(
         out.split()
     )
     assert json.loads(command("--json")[1])["best"] is None
@@ -250,7 +250,7 @@ def test_a_run_without_result_costs_its_trial_only(command: Run) -> None:
     assert best["best"]["set"]["plant.fail_at"] == -1
     reasons = [row[-1] for row in history()[1:]]
     assert any("failed on request" in reason for reason in reasons)
-    assert "without a number" in command()[1]
+    assert "without a result" in command()[1]
 
 
 def test_a_plant_parameter_is_recovered_from_a_measured_trace(command: Run) -> None:
@@ -293,7 +293,7 @@ def test_a_run_that_ends_before_what_was_measured_is_no_fit(command: Run) -> Non
 WRONG = {
     "no objective": ("", GAIN, "`objective` needs one of `metric` and `trace`"),
     "two": ('metric = "end"\ntrace = "m.csv"', GAIN, "needs one of"),
-    "unknown metric": ('metric = "ende"', GAIN, "`objective.metric` is `ende`"),
+    "unknown metric": ('metric = "ende"', GAIN, "`objective.metric` = `ende`"),
     "unknown direction": ('metric = "end"\ndirection = "down"', GAIN, "`objective.direction`"),
     "unknown key": ('metric = "end"', GAIN.replace("gain", "gian"), "gian"),
     "end out of range": (
@@ -365,6 +365,6 @@ def test_proposals_follow_from_the_trials_before_alone(command: Run) -> None:
     for begin in range(0, 16, 4):
         batch = [proposer.propose(number) for number in range(begin, begin + 4)]
         assert batch == [trial.values for trial in trials[begin : begin + 4]]
-        # told in another order
+        # in another order
         for trial in reversed(trials[begin : begin + 4]):
             proposer.tell(trial)

@@ -17,7 +17,7 @@ import psutil
 File = int | IO[str]
 ROOT = Path(__file__).resolve().parents[3]
 STEPS = "--duration=1000"
-"""A run that nobody waits for."""
+"""A run without a waiting caller."""
 
 
 def finished(*arguments: str, path: Path = ROOT) -> subprocess.CompletedProcess[str]:

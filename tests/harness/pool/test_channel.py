@@ -12,7 +12,7 @@ from cosim.pool.channel import MessageChannel, NoMessageError
 
 
 def sent(message: object) -> bytes:
-    """Bytes of a message on its way."""
+    """Bytes of a message in transit."""
     ours, theirs = socket.socketpair()
     with MessageChannel(ours) as channel, theirs:
         channel.send(message)

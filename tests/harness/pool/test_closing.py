@@ -63,7 +63,7 @@ ENDINGS = {
     ),
     "a plant that fails": (
         ["plant.name=hostile_plants:Breaks"],
-        "the plant `hostile_plants:Breaks` failed while it was closed: RuntimeError: the door is stuck",
+        "the plant `hostile_plants:Breaks` failed while it was closed: RuntimeError: the drive is stuck",
     ),
     "a crash when it is read": (
         ["controller.crash_at=-4"],

@@ -1,4 +1,4 @@
-"""Ctrl-C ends `cosim run` at any moment: exit code 130, one line, nothing left behind."""
+"""Ctrl-C ends `cosim run` at any moment: exit code 130, one line, no remains."""
 
 from __future__ import annotations
 

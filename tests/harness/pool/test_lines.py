@@ -1,4 +1,4 @@
-"""What FMUs say in runs that are done elsewhere is told with the run, and not without end."""
+"""Messages of FMUs in other processes are shown with the run, up to a limit."""
 
 from __future__ import annotations
 

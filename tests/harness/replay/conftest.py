@@ -1,4 +1,4 @@
-"""A cart that moves a millimetre beside a wall of a metre."""
+"""A cart that moves a millimeter next to a wall of a meter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures and films of a cart, looked at pixel by pixel."""
+"""Pictures and videos of a cart, checked by pixels."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_the_machine_is_drawn_where_its_coordinates_say(cart: Path) -> None:
     with renderer.Renderer(moved.model, moved.data, (160, 120), "side", poses) as drawer:
         left, middle, right = (red(drawer.picture(qpos)).mean() for qpos in poses)
     assert left < middle < right
-    # metres to pixels by the camera: 3 m away less the half cart, 45 degrees high
+    # meters to pixels by the camera: 3 m away less the half cart, 45 degrees high
     shift = 0.3 * 60.0 / np.tan(np.radians(22.5)) / 2.9
     assert right - middle == pytest.approx(shift, abs=2.0)
 
@@ -129,7 +129,7 @@ def test_a_page_holds_the_film(folder: Path) -> None:
     assert pictures[0].shape == (*VIDEO_SIZE[::-1], 3)
     assert red(pictures[0]).size
     assert np.abs(pictures[0].astype(int) - pictures[-1].astype(int)).max() > 60
-    # what stands still costs next to nothing, so a page of many loops can be sent
+    # still pictures cost little, so a page of many scenarios can be sent
     assert len(content) < 100_000
     (still,) = page.iter("img")
     content = base64.b64decode(still.get("src").removeprefix("data:image/jpeg;base64,"))

@@ -1,4 +1,4 @@
-"""Values that TOML allows and nobody can mean: one message that names file or override, and key."""
+"""Values that TOML allows but that make no sense: one message that names file or override, and key."""
 
 from __future__ import annotations
 

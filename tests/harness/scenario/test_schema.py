@@ -1,4 +1,4 @@
-"""JSON schemas of all kinds of files: they take what cosim takes, and refuse what it refuses."""
+"""JSON schemas of all kinds of files accept and reject the same files as cosim."""
 
 from __future__ import annotations
 

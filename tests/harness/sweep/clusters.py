@@ -24,7 +24,7 @@ START_TIMEOUT = 120.0
 class Cluster:
     """Scheduler and workers of one thread each, on a port that stays the same.
 
-    A nanny starts its worker anew when that was killed.
+    A nanny restarts its worker when that was killed.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class Cluster:
         self.wait_for_workers(workers)
 
     def wait_for_workers(self, count: int) -> None:
-        """Wait until the scheduler knows so many: one on its way can be neither lost nor ended."""
+        """Wait until the scheduler knows that many: a starting worker can be neither lost nor ended."""
         end = time.monotonic() + START_TIMEOUT
         while self.log.read_text().count("Registered to:") < count:
             if time.monotonic() > end:
@@ -76,7 +76,7 @@ class Cluster:
             end = time.monotonic() + START_TIMEOUT
             while True:
                 worker.send_signal(signal.SIGSTOP)
-                # what it had done is told, and new runs are on their way, or all with another worker
+                # its results are reported, and new runs are sent, or all with another worker
                 time.sleep(1.0)
                 if client.processing().get(address):
                     break
@@ -87,7 +87,7 @@ class Cluster:
         worker.kill()
 
     def restart(self, workers: int) -> None:
-        """Kill the scheduler, with which its workers end, and start all anew."""
+        """Kill the scheduler, with which its workers end, and restart all."""
         self.processes[0].kill()
         for process in self.processes:
             process.wait(60)
@@ -95,7 +95,7 @@ class Cluster:
         self.start(workers)
 
     def stop(self) -> None:
-        """End all, the scheduler last: a worker that is told to end twice at a time may hang in Dask."""
+        """End all, the scheduler last: a worker that is ended twice at a time may hang in Dask."""
         for process in reversed(self.processes):
             process.terminate()
             process.wait(30)

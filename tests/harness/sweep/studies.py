@@ -53,12 +53,12 @@ def environment(**more: str) -> dict[str, str]:
 
 
 def sweep(study: str, *options: str, **more: str) -> subprocess.CompletedProcess[str]:
-    """Run `cosim sweep` in the working directory; with one worker unless told, for the runs are short."""
+    """Run `cosim sweep` in the working directory; with one worker by default, because the runs are short."""
     where = () if {"--workers", "--cluster"} & set(options) else ("--workers", "1")
     command = [sys.executable, "-m", "cosim", "sweep", study, "--no-plots", *where, *options]
     env = environment(**more)
     done = subprocess.run(command, capture_output=True, text=True, env=env, check=False, timeout=120)
-    # the runs of each sweep of the lag tell once that its plant is no native code
+    # the runs of each sweep of the lag warn once that its plant is no native code
     done.stderr = re.sub(r"(?m)^warning: .*: it is written in Python\n", "", done.stderr)
     return done
 

@@ -1,4 +1,4 @@
-"""Charts of a study: what they are made of, and which are refused before a run."""
+"""Charts of a study: their data, and rejections before a run."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ class Sweep:
         self.count, self.place = 0, 0
 
     def wait_for(self, rows: int) -> None:
-        """Wait for so many rows or the end; notes the memory about once a second."""
+        """Wait for a number of rows or the end; records the memory about once a second."""
         moved, looked = time.monotonic(), 0.0
         while self.count < rows and self.process.poll() is None:
             now = time.monotonic()
@@ -170,9 +170,9 @@ def test_a_scheduler_that_does_not_come_back_is_told_and_the_sweep_resumes(
     write(studies.MEASURED)
     (folder / "grid.toml").write_text(studies.GRID)
     monkeypatch.setattr(Store, "append", stopping(Store.append, cluster.stop))
-    with pytest.raises(CosimError, match="lost the Dask scheduler, and it is not back after 0 s") as caught:
+    with pytest.raises(CosimError, match="lost the Dask scheduler, which did not return within 0 s") as caught:
         cosim.sweep("grid.toml", cluster=cluster.address)
-    assert caught.value.hint == "the same command goes on from there"
+    assert caught.value.hint == "Run the same command again to continue."
     before = (folder / "grid.sweep" / "results.jsonl").read_text()
     assert 0 < len(before.splitlines()) < 12
     assert len(cosim.sweep("grid.toml", workers=1)) == 12

@@ -1,4 +1,4 @@
-"""The runs of a study before any of them runs: seeds, hashes that tell what numbers depend on, and memory."""
+"""The plan of a study before its runs: seeds, hashes of everything that affects numbers, and memory."""
 
 from __future__ import annotations
 

@@ -149,7 +149,7 @@ def test_a_full_disk_is_told_and_costs_no_row(write: Write, folder: Path) -> Non
     assert problem.startswith("cannot write `list.sweep/results.jsonl`: ")
     assert rows in ("passed None", "failed None")
     assert file.read_bytes() == before
-    # what was missing is done when there is room again
+    # the missing runs are done when there is space again
     assert studies.sweep("list.toml").returncode in (0, 1)
     assert file.read_bytes().startswith(before)
     assert len(studies.rows(folder / "list.sweep")) == 2

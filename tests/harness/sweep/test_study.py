@@ -1,4 +1,4 @@
-"""Studies: what their designs try, and every mistake in one is told before anything runs."""
+"""Studies: the cases of their designs; every mistake gives an error before any run."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ BAD = {
 
 @pytest.fixture
 def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refused:
-    """Check that a sweep is refused with one message that tells a problem."""
+    """Check that a sweep is rejected with one message about a problem."""
 
     def check(arguments: list[str], problem: str) -> None:
         monkeypatch.setattr(sys, "argv", ["cosim", "sweep", *arguments])

@@ -16,7 +16,7 @@ pub struct Effort {
     pub sweep: u32,
     /// Runs of the study that is planned only.
     pub planned: u32,
-    /// Whether the laws as the papers print them are measured, too, and the results kept.
+    /// Whether the published control laws are measured, too, and the results stored.
     pub full: bool,
 }
 

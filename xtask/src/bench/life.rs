@@ -13,7 +13,7 @@ use super::yardstick::{PORTS, Runner};
 
 /// An instance is made at most so often.
 const MOST_LIVES: usize = 100;
-/// The yardstick is so quick that one call of it is lost beside the clock.
+/// One call of the yardstick is shorter than the resolution of the clock.
 const CALLS: u32 = 1000;
 
 /// Times in us; `checked_c` is the same of the C FMU with the checks of FMI 2.0, in turns.
@@ -51,7 +51,7 @@ pub fn measure(recording: &Recording, checked: &Fmu, effort: &Effort) -> Result<
     Ok(LifeCosts { exit: exits.summary(), life, state: state(recording, &fmu, checked, effort)? })
 }
 
-/// Times (us) of the exit of the initialisation and of the whole life.
+/// Times (us) of the exit of the initialization mode and of the whole life cycle.
 fn life(fmu: &Fmu, values: &[(Variable, Value)]) -> Result<(f64, f64)> {
     let start = Instant::now();
     let slave = Slave::new(fmu)?;
@@ -90,7 +90,7 @@ fn round_trip(snapshot: &mut Snapshot) -> Result<()> {
     snapshot.restore()
 }
 
-/// Mean time (us) of so many calls.
+/// Mean time (us) of a number of calls.
 fn mean(count: u32, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
     let start = Instant::now();
     for _ in 0..count {

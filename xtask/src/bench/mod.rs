@@ -34,7 +34,7 @@ use statistics::Summary;
 const CALL_GOAL: f64 = 1.5;
 /// What one sample may cost, ns.
 const SAMPLE_GOAL: f64 = 1000.0;
-/// What the exit of the initialisation may cost, us.
+/// Maximum time of the exit of the initialization mode, us.
 const EXIT_GOAL: f64 = 10_000.0;
 /// What `cosim --help` and `cosim list` may cost against a Python that does nothing.
 const HELP_GOAL: f64 = 10.0;
@@ -44,7 +44,7 @@ const START_UP_GOALS: (f64, f64) = (0.2, 0.4);
 /// What a closed loop may cost against its plant alone, and against MuJoCo's bare steps.
 const NATIVE_GOAL: f64 = 1.08;
 const BARE_GOAL: f64 = 1.25;
-/// What a sweep on two workers may take against two cores that do nothing but the runs: 0.9 of their rate.
+/// Minimum rate of a sweep on two workers, relative to two cores that do only the runs: 0.9.
 const SWEEP_GOAL: f64 = 1.0 / 0.9;
 /// What a process of its own may add to a run, s.
 const ISOLATION_GOAL: f64 = 0.05;
@@ -126,7 +126,7 @@ fn controller_rows(workspace: &Workspace, scenario: &str, checked: &Fmu, effort:
         Row::ratio("  / the calls of the C FMU with checks", tick.sample.over(tick.checked_c)),
         Row::new(format!("{scenario}: slowest sample of the run"), "us", microseconds(tick.slowest))
             .goal(1e6 * recording.step),
-        Row::new(format!("{scenario}: exit of the initialisation"), "us", life.exit).goal(EXIT_GOAL),
+        Row::new(format!("{scenario}: exit of the initialization"), "us", life.exit).goal(EXIT_GOAL),
         Row::new(format!("{scenario}: life of an instance without a step"), "us", life.life.own),
         Row::ratio("  / that of the C FMU with checks", life.life.own.over(life.life.checked_c)),
         Row::new(format!("{scenario}: save and restore the state"), "us", life.state.own),
@@ -166,8 +166,8 @@ fn sweep_rows(costs: &sweep::SweepCosts) -> Vec<Row> {
     vec![
         Row::new("sweep on 2 workers: runs", "1/s", once(costs.rate)),
         Row::ratio("2 x rate of one core alone / rate of the sweep", once(1.0 / costs.throughput)).goal(SWEEP_GOAL),
-        Row::ratio("  rate of 2 cores that only run, beside each other / rate of the sweep", once(1.0 / costs.beside)),
-        Row::ratio("  processor time of the sweep / of what only runs, beside each other", once(costs.processor)),
+        Row::ratio("  rate of 2 cores that only run, in parallel / rate of the sweep", once(1.0 / costs.beside)),
+        Row::ratio("  processor time of the sweep / of the runs alone, in parallel", once(costs.processor)),
         Row::new("memory of all its processes", "MB", once(costs.memory)),
         Row::ratio("  / that of a fifth of the runs", once(costs.growth)).goal(1.1),
     ]

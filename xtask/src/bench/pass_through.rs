@@ -1,4 +1,4 @@
-//! What one step of an FMU costs beside its law: a pass-through in Rust against the same in plain C.
+//! Cost of one step of an FMU in addition to its control law: a pass-through in Rust compared with plain C.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub struct PassThroughCosts {
     pub checked_c: Summary,
 }
 
-/// Measures a pass-through in Rust beside the two C FMUs.
+/// Measures a pass-through in Rust and the two C FMUs.
 ///
 /// # Errors
 /// When a build fails or an FMU does not pass its input through.

@@ -13,7 +13,7 @@ use super::slave::{Slave, Value, Variable};
 use crate::process;
 use crate::workspace::Workspace;
 
-/// What is replayed in one go has at least and at most so many rows.
+/// Minimum and maximum number of rows of one replay.
 const ROWS: [usize; 2] = [10, 2_000];
 
 /// A run as the FMU saw it, row by row.
@@ -95,7 +95,7 @@ impl Recording {
     /// Sets what is switched in this row.
     ///
     /// # Errors
-    /// When the FMU refuses.
+    /// When the FMU rejects a call.
     pub fn switch(&self, slave: &Slave, row: usize) -> Result<()> {
         for (i, variable) in self.switches.iter().enumerate() {
             if row == 0 || self.switched[row][i] != self.switched[row - 1][i] {

@@ -68,7 +68,7 @@ impl<'a> Slave<'a> {
         Ok(slave)
     }
 
-    /// Defines the experiment, gives start values and enters the initialisation.
+    /// Defines the experiment, gives start values and enters the initialization mode.
     ///
     /// # Errors
     /// When a call fails.
@@ -85,7 +85,7 @@ impl<'a> Slave<'a> {
         passed("fmi2EnterInitializationMode", unsafe { (self.fmu.api.enter_initialization)(self.component) })
     }
 
-    /// Leaves the initialisation.
+    /// Leaves the initialization mode.
     ///
     /// # Errors
     /// When the call fails.
@@ -119,7 +119,7 @@ impl<'a> Slave<'a> {
     /// Sets one variable that takes numbers.
     ///
     /// # Errors
-    /// When the FMU refuses.
+    /// When the FMU rejects a call.
     pub fn set(&self, variable: Variable, value: f64) -> Result<()> {
         type SetInteger = unsafe extern "C" fn(Component, *const u32, usize, *const i32) -> Status;
         let name = match variable.base {
@@ -154,7 +154,7 @@ impl<'a> Slave<'a> {
     /// Gets one Integer or enumeration.
     ///
     /// # Errors
-    /// When the FMU refuses.
+    /// When the FMU rejects a call.
     pub fn integer(&self, reference: u32) -> Result<i32> {
         type GetInteger = unsafe extern "C" fn(Component, *const u32, usize, *mut i32) -> Status;
         let (name, mut value) = ("fmi2GetInteger", 0);
@@ -168,7 +168,7 @@ impl<'a> Slave<'a> {
     /// A copy of the instance's state.
     ///
     /// # Errors
-    /// When the FMU refuses.
+    /// When the FMU rejects a call.
     pub fn snapshot(&self) -> Result<Snapshot<'_>> {
         let mut snapshot = Snapshot { slave: self, state: ptr::null_mut() };
         snapshot.save()?;
@@ -193,7 +193,7 @@ impl Snapshot<'_> {
     /// Takes the instance's present state in place of the one before.
     ///
     /// # Errors
-    /// When the FMU refuses.
+    /// When the FMU rejects a call.
     pub fn save(&mut self) -> Result<()> {
         // SAFETY: the component is alive; the state is its own, or NULL, which asks for a new one.
         passed("fmi2GetFMUstate", unsafe { (self.slave.fmu.api.get_state)(self.slave.component, &raw mut self.state) })
@@ -202,7 +202,7 @@ impl Snapshot<'_> {
     /// Brings the instance back to this state.
     ///
     /// # Errors
-    /// When the FMU refuses.
+    /// When the FMU rejects a call.
     pub fn restore(&self) -> Result<()> {
         // SAFETY: component and state are alive and belong together.
         passed("fmi2SetFMUstate", unsafe { (self.slave.fmu.api.set_state)(self.slave.component, self.state) })

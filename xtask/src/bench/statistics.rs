@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Default, Deserialize)]
 pub struct Samples(pub Vec<f64>);
 
-/// What is told of repeated measurements.
+/// Statistics of repeated measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// The least disturbed measurement.
+    /// The minimum: the measurement with the smallest disturbance.
     pub minimum: f64,
     /// The typical measurement.
     pub median: f64,

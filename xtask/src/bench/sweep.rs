@@ -10,11 +10,11 @@ use crate::workspace::Workspace;
 /// What a sweep on two workers took.
 #[derive(Deserialize)]
 pub struct SweepCosts {
-    /// Runs per second over twice those of one core that does nothing but the runs.
+    /// Runs per second over twice those of one core that does only the runs.
     pub throughput: f64,
     /// Runs per second.
     pub rate: f64,
-    /// Runs per second over those of two cores that do nothing but the runs beside each other.
+    /// Runs per second over those of two cores that do only the runs in parallel.
     pub beside: f64,
     /// Processor time of all processes for a run over that of such a core.
     pub processor: f64,

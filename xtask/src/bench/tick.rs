@@ -1,7 +1,7 @@
 //! What one sample of a controller costs in its busiest state, and what its slowest sample costs.
 //!
 //! What the FMU read in a run of its closed loop is replayed from saved states, so that every repeat does the same
-//! arithmetic and nothing but the FMU is timed.
+//! arithmetic, and only the FMU is timed.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -33,7 +33,7 @@ pub struct TickCosts {
 /// Measures an FMU in all states that it goes through.
 ///
 /// # Errors
-/// When the FMU refuses a call or does not go through the recorded states.
+/// When the FMU rejects a call or does not reach the recorded states.
 pub fn measure(recording: &Recording, checked: &Fmu, effort: &Effort) -> Result<TickCosts> {
     let fmu = recording.load()?;
     let slave = Slave::start(&fmu, &recording.start)?;
@@ -90,7 +90,7 @@ fn slowest(recording: &Recording, slave: &Slave, effort: &Effort) -> Result<Summ
 
 /// Time (ns) of calls that all have to go well.
 fn timed(calls: impl FnOnce() -> i32) -> Result<f64> {
-    // what looking at the clock costs does not count
+    // without the cost of reading the clock
     let clock = Instant::now();
     let start = Instant::now();
     let worst = calls();

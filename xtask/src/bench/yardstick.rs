@@ -64,12 +64,12 @@ impl<'a> Runner<'a> {
     /// A copy of the instance's state.
     ///
     /// # Errors
-    /// When the FMU refuses.
+    /// When the FMU rejects a call.
     pub fn snapshot(&self) -> Result<Snapshot<'_>> {
         self.slave.snapshot()
     }
 
-    /// Cost (ns) of one set + doStep + get, the mean of so many.
+    /// Cost (ns) of one set + doStep + get, the mean of a number of them.
     ///
     /// # Errors
     /// When a call fails or the FMU does not pass its input through.

@@ -11,7 +11,7 @@ use crate::fingerprint::{self, Stamp};
 use crate::process;
 use crate::workspace::Workspace;
 
-/// Unpacks packages, for another processor when Debian's name of one is told; returns their root folder.
+/// Unpacks packages, for another processor if Debian's name of one is given; returns their root folder.
 ///
 /// # Errors
 /// When `apt-get` or `dpkg` is missing, or when a package cannot be had.
@@ -41,7 +41,7 @@ pub fn unpack(workspace: &Workspace, name: &str, processor: Option<&str>, packag
     Ok(root)
 }
 
-/// `apt-get` with lists and files of its own, beside those of the machine.
+/// `apt-get` with its own lists and files, separate from those of the machine.
 struct Apt {
     folder: PathBuf,
     options: Vec<String>,

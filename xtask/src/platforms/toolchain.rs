@@ -40,8 +40,8 @@ pub fn libraries(root: &Path) -> PathBuf {
 
 /// Folder of the programs of the compiler.
 fn compiler(workspace: &Workspace, platforms: &[&Platform]) -> Result<PathBuf> {
-    let told = process::text(workspace.command("rustc").arg("--version"))?;
-    let version = told.split_whitespace().nth(1).with_context(|| format!("`rustc` tells no version: {told}"))?;
+    let answer = process::text(workspace.command("rustc").arg("--version"))?;
+    let version = answer.split_whitespace().nth(1).with_context(|| format!("`rustc` prints no version: {answer}"))?;
     let home = workspace.path(FOLDER).join("rust");
     let triples: Vec<_> = platforms.iter().map(|platform| platform.triple).collect();
     let wanted = fingerprint::of(&workspace.root, &[], &[&[version], triples.as_slice()].concat())?;
