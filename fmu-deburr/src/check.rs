@@ -35,19 +35,19 @@ fn bandwidth(p: &Parameters) -> Result<(), ParameterError> {
     // 0.45 of the sampling rate
     let most = 0.9 * std::f64::consts::PI / p.sample_period;
     let value = p.learn.bandwidth;
-    let bandwidth = Parameter::new("learn.bandwidth", value, "rad/s", "lower it, or shorten `sample_period`");
+    let bandwidth = Parameter::new("expert.learn.bandwidth", value, "rad/s", "lower it, or shorten `sample_period`");
     bandwidth.must_be(value <= most, || format!("at most `{most:.1} rad/s`, 0.45 of the sampling rate"))
 }
 
 fn lead(p: &Parameters) -> Result<(), ParameterError> {
-    let lead = Parameter::new("learn.lead", p.learn.lead, "", "the error is read ahead by both together");
+    let lead = Parameter::new("expert.learn.lead", p.learn.lead, "", "the error is read ahead by both together");
     lead.at_least(-p.io_delay, "minus `io_delay`")
 }
 
 fn lead_in(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "the compensation begins so many samples before the motion";
-    let lead_in = Parameter::new("learn.lead_in", p.learn.lead_in as usize, "", hint);
-    lead_in.at_least(p.shift(), "`learn.lead` and `io_delay` together")
+    let lead_in = Parameter::new("expert.learn.lead_in", p.learn.lead_in as usize, "", hint);
+    lead_in.at_least(p.shift(), "`expert.learn.lead` and `io_delay` together")
 }
 
 fn lead_out(p: &Parameters) -> Result<(), ParameterError> {
@@ -55,7 +55,7 @@ fn lead_out(p: &Parameters) -> Result<(), ParameterError> {
     let slowest = p.servo_gain.iter().fold(f64::INFINITY, |least, gain| least.min(*gain));
     let least = (4.0 / (slowest * p.sample_period)).ceil() as i32;
     let hint = "samples are shorter or the servo is slower than these rests were meant for";
-    let lead_out = Parameter::new("learn.lead_out", p.learn.lead_out, "", hint);
+    let lead_out = Parameter::new("expert.learn.lead_out", p.learn.lead_out, "", hint);
     lead_out.at_least(least, "4 time constants 1/Kp of the slowest axis")
 }
 
@@ -64,14 +64,14 @@ fn preview(p: &Parameters) -> Result<(), ParameterError> {
     let (low, high) = (-delay, PREVIEW_MAX as f64 * p.sample_period - delay);
     let value = p.lookup.preview;
     let hint = "take the lag of the velocity loop, twice its damping ratio over its natural frequency";
-    Parameter::new("lookup.preview", value, "s", hint).must_be(value >= low && value <= high, || {
+    Parameter::new("expert.lookup.preview", value, "s", hint).must_be(value >= low && value <= high, || {
         format!("`{low}` to `{high} s`: `0` to `{PREVIEW_MAX}` samples together with `io_delay`")
     })
 }
 
 fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
     let (value, taught) = (p.load.speed_min, path.speed);
-    let speed = Parameter::new("load.speed_min", value, "m/s", "the feed is regulated between both");
+    let speed = Parameter::new("expert.load.speed_min", value, "m/s", "the feed is regulated between both");
     speed.must_be(value <= taught, || format!("at most the taught speed, `{taught} m/s`"))
 }
 
@@ -82,7 +82,7 @@ fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "the delay that it finds has to fit them; or lower `io_delay` to what it is";
     Parameter::new("commission.apply", p.commission.apply, "", hint).must_be(good, || {
         format!(
-            "`false`, or `learn.lead`, `learn.lead_in` and `lookup.preview` that fit every `io_delay` from `{}` to `{}`",
+            "`false`, or `expert.learn.lead`, `expert.learn.lead_in` and `expert.lookup.preview` that fit every `io_delay` from `{}` to `{}`",
             delays.start(),
             delays.end()
         )
@@ -101,12 +101,12 @@ mod tests {
 
     const REFUSALS: &[Refusal<Parameters>] = &[
         (|p| p.axis[2].maximum = 0.05, "axis3.maximum", "`0.05`", "`0.1`"),
-        (|p| p.learn.bandwidth = 300.0, "learn.bandwidth", "`300 rad/s`", "`282.7 rad/s`"),
-        (|p| p.learn.lead = -3, "learn.lead", "`-3`", "at least `-1`"),
-        (|p| (p.learn.lead, p.io_delay) = (8, 6), "learn.lead_in", "`10`", "at least `14`"),
-        (|p| p.learn.lead_out = 30, "learn.lead_out", "`30`", "at least `31`"),
-        (|p| p.lookup.preview = 0.08, "lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
-        (|p| p.load.speed_min = 0.2, "load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
+        (|p| p.learn.bandwidth = 300.0, "expert.learn.bandwidth", "`300 rad/s`", "`282.7 rad/s`"),
+        (|p| p.learn.lead = -3, "expert.learn.lead", "`-3`", "at least `-1`"),
+        (|p| (p.learn.lead, p.io_delay) = (8, 6), "expert.learn.lead_in", "`10`", "at least `14`"),
+        (|p| p.learn.lead_out = 30, "expert.learn.lead_out", "`30`", "at least `31`"),
+        (|p| p.lookup.preview = 0.08, "expert.lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
+        (|p| p.load.speed_min = 0.2, "expert.load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
         (|p| p.commission.time = 20.0, "commission.time", "`20 s`", "at least `27"),
         (|p| (p.commission.apply, p.learn.lead) = (true, 8), "commission.apply", "`true`", "`0` to `3`"),
     ];

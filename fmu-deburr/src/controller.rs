@@ -6,7 +6,7 @@ mod registering;
 mod reporting;
 mod watching;
 
-use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, SafeEnd, SentCommands, WaitingRequest};
+use control_blocks::{Consecutive, Edge, ParameterError, Progress as Elapsed, Reaction, SentCommands, WaitingRequest};
 use serde::{Deserialize, Serialize};
 
 use crate::bank::kept::KeptPatterns;
@@ -230,7 +230,7 @@ impl Controller {
 
     /// The position loop is closed: after a fault that the drives can mend the pose is held where the safe end has come to.
     fn closed(&self) -> bool {
-        self.state.closed() || self.state == State::Fault && self.holds && self.fault.safe_end() != SafeEnd::DriveOff
+        self.state.closed() || self.state == State::Fault && self.holds && self.fault.reaction() != Reaction::DriveOff
     }
 
     /// The tool cuts.

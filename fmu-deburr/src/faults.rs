@@ -1,34 +1,32 @@
-//! Every fault is found here or in `monitoring`; how each of them ends, and the numbers that are told with it.
-
-use control_blocks::SafeEnd;
+//! Priority of the faults that this module and `monitoring` find, and the details in their messages.
 
 use crate::check::check_delay;
-use crate::commission::values::{Rejection, Values, delays};
+use crate::commission::values::{DELAY_STD_MAX, Rejection, Values, delays};
 use crate::interface::{Fault, Output, Parameters, Vars};
 use crate::monitoring::finding::{Finding, Numbers};
 
-/// What may be a fault; each is none, or its finding.
+/// Findings of one sample; each may be none.
 #[derive(Clone, Copy, Debug)]
 pub struct Signs {
-    /// Of the inputs.
+    /// Finding of the inputs.
     pub inputs: Finding,
-    /// Of the axes.
+    /// Finding of the axes.
     pub axes: Finding,
-    /// A renewed pattern was larger than its limit, or a run ended where it should not.
+    /// Finding at the end of a run: a renewed pattern above its limit, or a run that ended too early.
     pub run: Finding,
-    /// A job begins that needs patterns, and there are none.
+    /// A task starts that needs patterns, and there are none.
     pub nothing_learned: bool,
-    /// Why what was measured cannot be used.
+    /// Why the measured values cannot be used.
     pub commission: Option<Rejection>,
-    /// Of the touches.
+    /// Finding of the touches.
     pub registration: Finding,
-    /// Of the tool that cuts.
+    /// Finding of the tool while it cuts.
     pub tool: Finding,
-    /// Samples of the job, and how many it may take.
+    /// Samples of the task, and their limit.
     pub job: (u64, u64),
 }
 
-/// The first that is found, causes before consequences.
+/// The first finding; causes come before consequences.
 pub fn find(p: &Parameters, signs: &Signs) -> Finding {
     let &Signs { inputs, axes, run, nothing_learned, commission, registration, tool, job: (samples, most) } = signs;
     let empty = if nothing_learned { Finding::plain(Fault::BankEmpty) } else { Finding::NONE };
@@ -44,7 +42,7 @@ pub fn find(p: &Parameters, signs: &Signs) -> Finding {
         .unwrap_or(Finding::NONE)
 }
 
-/// The number of its axis; 0 is the delay of all, -1 the tool.
+/// Finding with the number of the axis; 0 is the delay of all axes, -1 the tool, -2 the derived parameters.
 fn rejected(what: Rejection) -> Finding {
     let axis = match what {
         Rejection::Drive(axis) => axis,
@@ -55,133 +53,93 @@ fn rejected(what: Rejection) -> Finding {
     Finding { fault: Fault::CommissionRejected, numbers: Numbers { axis, ..Numbers::START } }
 }
 
-impl Fault {
-    /// How the machine is brought to rest. `None` asks for nothing: the gentlest, which any other one outweighs.
-    pub fn safe_end(self) -> SafeEnd {
-        match self {
-            // where the axes are is known and they do what they are told
-            Self::None
-            | Self::PatternMismatch
-            | Self::WrongDelay
-            | Self::InvalidInput
-            | Self::LostSpindle
-            | Self::SpindleJump
-            | Self::FrozenSpindle
-            | Self::SpindleSlow
-            | Self::NoCut
-            | Self::NoProgress
-            | Self::NoPart
-            | Self::UnexpectedContact
-            | Self::FrozenContact => SafeEnd::Retract,
-            Self::PatternTooLarge
-            | Self::BankEmpty
-            | Self::CommissionRejected
-            | Self::NoTouches
-            | Self::Misplaced
-            | Self::TouchMismatch => SafeEnd::Stop,
-            // a command would be one for another place or another drive
-            Self::LostReading
-            | Self::ReadingJump
-            | Self::FrozenReading
-            | Self::Oscillation
-            | Self::DriveSign
-            | Self::WeakDrive
-            | Self::FollowingError
-            | Self::LongStep => SafeEnd::DriveOff,
-        }
-    }
-}
-
-/// The numbers behind a fault, for the log.
+/// Details of a fault for its message.
 pub fn numbers(Vars { input, output, in_force: p, .. }: &Vars) -> String {
-    let Numbers { axis, value, limit, share } = output.numbers;
+    let Numbers { axis, value, limit, ratio } = output.numbers;
     let row = format!("for more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
     match output.fault {
         Fault::None | Fault::BankEmpty | Fault::NoTouches => String::new(),
         Fault::InvalidInput => format!(": `speed_override` = `{}` {row}", input.speed_override),
-        Fault::ReadingJump if limit > 0.0 => {
-            format!(": axis {axis} has lost `{value:.6} {unit}` in steps, limit `{limit:.6} {unit}`", unit = unit(axis))
+        Fault::PositionJump if limit > 0.0 => {
+            format!(": axis {axis} lost `{value:.6} {unit}` in steps, limit `{limit:.6} {unit}`", unit = unit(axis))
         }
-        Fault::ReadingJump | Fault::LostReading => {
+        Fault::PositionJump | Fault::PositionLost => {
             let position = axis.checked_sub(1).and_then(|i| input.axis.get(i as usize)).map_or(0.0, |i| i.position);
             format!(": `axis{axis}.position` = `{position} {}` {row}", unit(axis))
         }
-        Fault::SpindleJump | Fault::LostSpindle => format!(": `spindle_speed` = `{} rad/s` {row}", input.spindle_speed),
-        Fault::FrozenSpindle => format!(": `spindle_speed` stands for `{value:.2} s`, limit `{limit:.2} s`"),
-        Fault::FrozenReading if share.is_none() => {
-            format!(": axis {axis} stands for `{value:.2} s`, limit `{limit:.2} s`, and it flickered before")
+        Fault::SpindleJump | Fault::SpindleLost => format!(": `spindle_speed` = `{} rad/s` {row}", input.spindle_speed),
+        Fault::SpindleFrozen => format!(": `spindle_speed` has not changed for `{value:.2} s`, limit `{limit:.2} s`"),
+        Fault::PositionFrozen if ratio.is_none() => {
+            format!(": axis {axis} has not changed for `{value:.2} s`, limit `{limit:.2} s`; it flickered before")
         }
-        Fault::FrozenReading
+        Fault::PositionFrozen
         | Fault::Oscillation
         | Fault::DriveSign
         | Fault::WeakDrive
         | Fault::FollowingError
         | Fault::PatternMismatch => of_axis(output),
         Fault::WrongDelay => {
-            let who = if axis == 0 { "they answer".to_owned() } else { format!("axis {axis} answers") };
+            let who = if axis == 0 { "all axes respond".to_owned() } else { format!("axis {axis} responds") };
             format!(": {who} after `{value}` samples, `io_delay` = `{limit}`")
         }
         Fault::CommissionRejected => measured(p, output),
         Fault::NoPart => {
-            format!(": touch {axis}: `{:.2} mm` on the way to it, limit `{:.2} mm`", 1e3 * value, 1e3 * limit)
+            format!(": touch {axis}: no contact within `{:.2} mm`, limit `{:.2} mm`", 1e3 * value, 1e3 * limit)
         }
-        Fault::UnexpectedContact => format!(": on the way to touch {axis} `contact` is true {row}"),
-        Fault::FrozenContact => {
-            format!(": touch {axis}: `contact` is true {row}, back at `{:.2} mm` of the way", 1e3 * value)
+        Fault::UnexpectedContact => format!(": `contact` is true before touch {axis} {row}"),
+        Fault::ContactFrozen => {
+            format!(": touch {axis}: `contact` is true {row}, after the return to `{:.2} mm`", 1e3 * value)
         }
-        Fault::TouchMismatch if axis == 0 => ": there is no place of the part that they fit".to_owned(),
-        Fault::TouchMismatch => format!(
-            ": touch {axis} is `{:.1} um` beside where the others say, limit `{:.1} um`",
-            1e6 * value,
-            1e6 * limit
-        ),
+        Fault::TouchMismatch if axis == 0 => ": no position of the workpiece fits them".to_owned(),
+        Fault::TouchMismatch => {
+            format!(": touch {axis} is `{:.1} um` from the fitted position, limit `{:.1} um`", 1e6 * value, 1e6 * limit)
+        }
         Fault::Misplaced => match axis {
-            1 => format!(": it is shifted by `{:.3} mm`, limit `{:.3} mm`", 1e3 * value, 1e3 * limit),
-            2 => format!(": it is turned by `{:.3} mrad`, limit `{:.3} mrad`", 1e3 * value, 1e3 * limit),
-            _ => format!(": the robot cannot follow the path `{value:.4} m` from its start, of `{limit:.4} m`"),
+            1 => format!(": displaced by `{:.3} mm`, limit `{:.3} mm`", 1e3 * value, 1e3 * limit),
+            2 => format!(": rotated by `{:.3} mrad`, limit `{:.3} mrad`", 1e3 * value, 1e3 * limit),
+            _ => format!(": the robot cannot follow the path at `{value:.4} m` of `{limit:.4} m`"),
         },
         Fault::PatternTooLarge => format!(": limit `{} pulses`", p.limits.pulses_max),
         Fault::SpindleSlow => format!(": `spindle_speed` = `{value:.1} rad/s`, limit `{limit:.1} rad/s`"),
         Fault::LongStep => format!(": limit `{} s`", p.sample_period),
-        Fault::NoCut => match share {
-            Some(way) => format!(": idle for `{:.1} mm`, limit `{:.1} mm`", 1e3 * way, 1e3 * limit),
-            None => format!(": it changed by `{value:.2} rad/s`, at least `{limit} rad/s`"),
+        Fault::NoCut => match ratio {
+            Some(travel) => format!(": no cut for `{:.1} mm`, limit `{:.1} mm`", 1e3 * travel, 1e3 * limit),
+            None => format!(": `spindle_speed` changed by `{value:.2} rad/s`, limit `{limit} rad/s`"),
         },
         Fault::NoProgress => format!(": `{value:.1} s`, limit `{limit:.1} s`"),
     }
 }
 
-/// What was measured and cannot be used, with its limits; what was told is in force again.
+/// The measured values that are rejected, with their limits; the configured values are active again.
 fn measured(p: &Parameters, output: &Output) -> String {
     let (m, axis) = (&output.measured, output.numbers.axis);
     if let Some(drive) = axis.checked_sub(1).and_then(|i| m.axis.get(i as usize)) {
         return format!(
-            ": axis {axis}: gain `{:.4}`, deviation `{:.4}`, limits half and twice and `commission.deviation_max` = `{}` of it; \
-             delay `{:.3}` samples, limits the `{:.0}` of all axes, less and more by 0.75; \
-             lag `{:.2} ms`, deviation `{:.2} ms`, limits a tenth of a sample below 0, and \
-             `commission.delay_deviation_max` = `{}` samples",
+            ": axis {axis}: gain `{:.4}`, limits 0.5 and 2; standard deviation `{:.4}`, limit `expert.commission.std_max` = `{}` of it; \
+             delay `{:.3}` samples, limits 0.75 around the mean `{:.0}`; \
+             lag `{:.2} ms`, limit -0.1 samples; standard deviation `{:.2} ms`, limit `{}` samples",
             drive.gain,
-            drive.gain_deviation,
-            p.commission.deviation_max,
+            drive.gain_std,
+            p.commission.std_max,
             drive.delay,
             m.io_delay.round(),
             1e3 * drive.lag,
-            1e3 * drive.lag_deviation,
-            p.commission.delay_deviation_max,
+            1e3 * drive.lag_std,
+            DELAY_STD_MAX,
         );
     }
     match axis {
         0 => format!(
-            ": they answer after `{:.3}` samples, limits `{}` and `{}` for `io_delay` = `{}` as told",
+            ": all axes respond after `{:.3}` samples, limits `{}` and `{}` for the configured `io_delay` = `{}`",
             m.io_delay,
             delays(p.io_delay).start(),
             delays(p.io_delay).end(),
             p.io_delay
         ),
         -1 => format!(
-            ": the tool idles at `{:.1} rad/s`, deviation `{:.2} rad/s`, limits half and twice `load.idle_speed` = `{:.1} rad/s` as told \
-             and `commission.deviation_max` = `{}` of it",
-            m.idle_speed, m.idle_speed_deviation, p.load.idle_speed, p.commission.deviation_max
+            ": idle speed of the tool `{:.1} rad/s`, standard deviation `{:.2} rad/s`; limits 0.5 and 2 times the configured \
+             `load.idle_speed` = `{:.1} rad/s`, and `expert.commission.std_max` = `{}` of it",
+            m.idle_speed, m.idle_speed_std, p.load.idle_speed, p.commission.std_max
         ),
         _ => {
             let mut found = p.clone();
@@ -196,14 +154,16 @@ fn unit(axis: i32) -> &'static str {
 }
 
 fn of_axis(output: &Output) -> String {
-    let Numbers { axis, value, limit, share } = output.numbers;
+    let Numbers { axis, value, limit, ratio } = output.numbers;
     let unit = unit(axis);
-    let answer = share.map_or(String::new(), |share| format!("; it does `{share:.2}` of what it is told"));
+    let answer = ratio.map_or(String::new(), |ratio| format!("; it does `{ratio:.2}` of its commanded motion"));
     format!(": axis {axis} by `{value:.6} {unit}`, limit `{limit:.6} {unit}`{answer}")
 }
 
 #[cfg(test)]
 mod tests {
+    use control_blocks::Reaction;
+
     use super::*;
 
     const GOOD: Signs = Signs {
@@ -238,137 +198,136 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_under_control_is_switched_off_and_the_rest_ends_gently() {
+    fn faults_of_the_axes_switch_the_drives_off_and_other_faults_do_not() {
         for fault in Fault::ALL {
             let expected = match fault {
-                Fault::None | Fault::PatternMismatch | Fault::WrongDelay => SafeEnd::Retract,
-                Fault::InvalidInput | Fault::LostSpindle | Fault::SpindleJump | Fault::FrozenSpindle => {
-                    SafeEnd::Retract
+                Fault::None | Fault::PatternMismatch | Fault::WrongDelay => Reaction::Retract,
+                Fault::InvalidInput | Fault::SpindleLost | Fault::SpindleJump | Fault::SpindleFrozen => {
+                    Reaction::Retract
                 }
-                Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => SafeEnd::Retract,
-                Fault::NoPart | Fault::UnexpectedContact | Fault::FrozenContact => SafeEnd::Retract,
-                Fault::PatternTooLarge | Fault::BankEmpty | Fault::CommissionRejected => SafeEnd::Stop,
-                Fault::NoTouches | Fault::Misplaced | Fault::TouchMismatch => SafeEnd::Stop,
-                _ => SafeEnd::DriveOff,
+                Fault::SpindleSlow | Fault::NoCut | Fault::NoProgress => Reaction::Retract,
+                Fault::NoPart | Fault::UnexpectedContact | Fault::ContactFrozen => Reaction::Retract,
+                Fault::PatternTooLarge | Fault::BankEmpty | Fault::CommissionRejected => Reaction::Stop,
+                Fault::NoTouches | Fault::Misplaced | Fault::TouchMismatch => Reaction::Stop,
+                _ => Reaction::DriveOff,
             };
-            assert_eq!(fault.safe_end(), expected, "{fault:?}");
+            assert_eq!(fault.reaction(), expected, "{fault:?}");
         }
     }
 
     #[test]
-    fn a_fault_is_told_with_its_numbers_and_a_state_without() {
+    fn a_message_of_a_fault_has_details_and_one_of_a_state_has_none() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         assert_eq!(numbers(&vars), "");
         vars.output.fault = Fault::WeakDrive;
-        vars.output.numbers = Numbers { axis: 3, value: 0.0025, limit: 0.002, share: Some(0.3) };
-        assert_eq!(numbers(&vars), ": axis 3 by `0.002500 m`, limit `0.002000 m`; it does `0.30` of what it is told");
-        vars.output.fault = Fault::FrozenSpindle;
+        vars.output.numbers = Numbers { axis: 3, value: 0.0025, limit: 0.002, ratio: Some(0.3) };
+        assert_eq!(
+            numbers(&vars),
+            ": axis 3 by `0.002500 m`, limit `0.002000 m`; it does `0.30` of its commanded motion"
+        );
+        vars.output.fault = Fault::SpindleFrozen;
         vars.output.numbers = Numbers { value: 0.51, limit: 0.5, ..Numbers::START };
-        assert_eq!(numbers(&vars), ": `spindle_speed` stands for `0.51 s`, limit `0.50 s`");
+        assert_eq!(numbers(&vars), ": `spindle_speed` has not changed for `0.51 s`, limit `0.50 s`");
         vars.output.fault = Fault::SpindleSlow;
         vars.output.numbers = Numbers { value: 900.0, limit: 1675.5, ..Numbers::START };
         assert_eq!(numbers(&vars), ": `spindle_speed` = `900.0 rad/s`, limit `1675.5 rad/s`");
         for fault in Fault::ALL {
             vars.output.fault = *fault;
-            let silent = matches!(fault, Fault::None | Fault::BankEmpty | Fault::NoTouches);
-            assert_eq!(numbers(&vars).is_empty(), silent, "{fault:?}");
+            let without = matches!(fault, Fault::None | Fault::BankEmpty | Fault::NoTouches);
+            assert_eq!(numbers(&vars).is_empty(), without, "{fault:?}");
         }
     }
 
     #[test]
-    fn a_rejected_commission_tells_what_it_has_measured_and_the_limits() {
+    fn a_rejected_identification_reports_its_values_and_limits() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.output.fault = Fault::CommissionRejected;
         vars.output.measured.io_delay = 3.21;
         let drive = &mut vars.output.measured.axis[1];
-        (drive.gain, drive.gain_deviation, drive.delay, drive.lag_deviation) = (0.81, 0.003, 2.5, 1e-4);
+        (drive.gain, drive.gain_std, drive.delay, drive.lag_std) = (0.81, 0.003, 2.5, 1e-4);
         vars.output.measured.idle_speed = 123.4;
         vars.in_force.learn.lead_in = 2;
         for (what, parts) in [
             (
                 Rejection::Drive(2),
-                ["axis 2: gain `0.8100`, deviation `0.0030`", "`commission.deviation_max` = `0.002`", "`2.500`"],
+                [
+                    "axis 2: gain `0.8100`",
+                    "standard deviation `0.0030`, limit `expert.commission.std_max` = `0.002`",
+                    "`2.500`",
+                ],
             ),
-            (Rejection::Delay, ["after `3.210` samples", "limits `0` and `3`", "`io_delay` = `1` as told"]),
+            (Rejection::Delay, ["after `3.210` samples", "limits `0` and `3`", "the configured `io_delay` = `1`"]),
             (
                 Rejection::Tool,
-                ["idles at `123.4 rad/s`", "`load.idle_speed` = `1885.0 rad/s` as told", "`0.002` of it"],
+                ["idle speed of the tool `123.4 rad/s`", "`load.idle_speed` = `1885.0 rad/s`", "`0.002` of it"],
             ),
-            (Rejection::Values, ["parameter `learn.lead_in` would be `2`", "must be at least `", "do not fit"]),
+            (Rejection::Values, ["parameter `expert.learn.lead_in` would be `2`", "must be at least `", "do not fit"]),
         ] {
             let found = find(&vars.in_force, &Signs { commission: Some(what), job: (8, 7), ..GOOD });
             assert_eq!(found.fault, Fault::CommissionRejected);
             vars.output.numbers = found.numbers;
-            let told = numbers(&vars);
-            assert!(parts.iter().all(|part| told.contains(part)), "{told}");
+            let message = numbers(&vars);
+            assert!(parts.iter().all(|part| message.contains(part)), "{message}");
         }
     }
 
     #[test]
-    fn each_fault_is_told_in_its_own_words() {
+    fn each_fault_has_its_own_message() {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         let plain = Numbers { value: 2.5, limit: 1.25, ..Numbers::START };
         let axis = Numbers { axis: 1, ..plain };
-        let told = [
+        let cases = [
             (
                 Fault::SpindleJump,
                 plain,
                 ": `spindle_speed` = `1885 rad/s` for more than `limits.lost_samples` = `3` samples",
             ),
             (
-                Fault::LostReading,
+                Fault::PositionLost,
                 axis,
                 ": `axis1.position` = `0 rad` for more than `limits.lost_samples` = `3` samples",
             ),
-            (Fault::FrozenSpindle, plain, ": `spindle_speed` stands for `2.50 s`, limit `1.25 s`"),
-            (Fault::ReadingJump, axis, ": axis 1 has lost `2.500000 rad` in steps, limit `1.250000 rad`"),
-            (Fault::FrozenReading, axis, ": axis 1 stands for `2.50 s`, limit `1.25 s`, and it flickered before"),
+            (Fault::SpindleFrozen, plain, ": `spindle_speed` has not changed for `2.50 s`, limit `1.25 s`"),
+            (Fault::PositionJump, axis, ": axis 1 lost `2.500000 rad` in steps, limit `1.250000 rad`"),
+            (Fault::PositionFrozen, axis, ": axis 1 has not changed for `2.50 s`, limit `1.25 s`; it flickered before"),
             (
-                Fault::FrozenReading,
-                Numbers { share: Some(0.0), ..axis },
-                ": axis 1 by `2.500000 rad`, limit `1.250000 rad`; it does `0.00` of what it is told",
+                Fault::PositionFrozen,
+                Numbers { ratio: Some(0.0), ..axis },
+                ": axis 1 by `2.500000 rad`, limit `1.250000 rad`; it does `0.00` of its commanded motion",
             ),
-            (Fault::WrongDelay, plain, ": they answer after `2.5` samples, `io_delay` = `1.25`"),
-            (Fault::WrongDelay, axis, ": axis 1 answers after `2.5` samples, `io_delay` = `1.25`"),
+            (Fault::WrongDelay, plain, ": all axes respond after `2.5` samples, `io_delay` = `1.25`"),
+            (Fault::WrongDelay, axis, ": axis 1 responds after `2.5` samples, `io_delay` = `1.25`"),
             (Fault::PatternTooLarge, plain, ": limit `32767 pulses`"),
             (Fault::LongStep, plain, ": limit `0.01 s`"),
-            (Fault::NoCut, plain, ": it changed by `2.50 rad/s`, at least `1.25 rad/s`"),
-            (Fault::NoCut, Numbers { share: Some(0.25), ..plain }, ": idle for `250.0 mm`, limit `1250.0 mm`"),
+            (Fault::NoCut, plain, ": `spindle_speed` changed by `2.50 rad/s`, limit `1.25 rad/s`"),
+            (Fault::NoCut, Numbers { ratio: Some(0.25), ..plain }, ": no cut for `250.0 mm`, limit `1250.0 mm`"),
             (Fault::NoProgress, plain, ": `2.5 s`, limit `1.2 s`"),
-            (Fault::NoPart, axis, ": touch 1: `2500.00 mm` on the way to it, limit `1250.00 mm`"),
+            (Fault::NoPart, axis, ": touch 1: no contact within `2500.00 mm`, limit `1250.00 mm`"),
             (
                 Fault::UnexpectedContact,
                 axis,
-                ": on the way to touch 1 `contact` is true for more than `limits.lost_samples` = `3` samples",
+                ": `contact` is true before touch 1 for more than `limits.lost_samples` = `3` samples",
             ),
             (
-                Fault::FrozenContact,
+                Fault::ContactFrozen,
                 axis,
-                ": touch 1: `contact` is true for more than `limits.lost_samples` = `3` samples, back at `2500.00 mm` of the way",
+                ": touch 1: `contact` is true for more than `limits.lost_samples` = `3` samples, after the return to `2500.00 mm`",
             ),
-            (Fault::TouchMismatch, plain, ": there is no place of the part that they fit"),
-            (
-                Fault::TouchMismatch,
-                axis,
-                ": touch 1 is `2500000.0 um` beside where the others say, limit `1250000.0 um`",
-            ),
-            (Fault::Misplaced, axis, ": it is shifted by `2500.000 mm`, limit `1250.000 mm`"),
-            (
-                Fault::Misplaced,
-                Numbers { axis: 2, ..plain },
-                ": it is turned by `2500.000 mrad`, limit `1250.000 mrad`",
-            ),
+            (Fault::TouchMismatch, plain, ": no position of the workpiece fits them"),
+            (Fault::TouchMismatch, axis, ": touch 1 is `2500000.0 um` from the fitted position, limit `1250000.0 um`"),
+            (Fault::Misplaced, axis, ": displaced by `2500.000 mm`, limit `1250.000 mm`"),
+            (Fault::Misplaced, Numbers { axis: 2, ..plain }, ": rotated by `2500.000 mrad`, limit `1250.000 mrad`"),
             (
                 Fault::Misplaced,
                 Numbers { axis: 3, ..plain },
-                ": the robot cannot follow the path `2.5000 m` from its start, of `1.2500 m`",
+                ": the robot cannot follow the path at `2.5000 m` of `1.2500 m`",
             ),
         ];
-        for (fault, numbers_of, expected) in told {
+        for (fault, numbers_of, expected) in cases {
             (vars.output.fault, vars.output.numbers) = (fault, numbers_of);
             assert_eq!(numbers(&vars), expected, "{fault:?}");
         }
-        vars.output.fault = Fault::LostSpindle;
+        vars.output.fault = Fault::SpindleLost;
         vars.input.spindle_speed = f64::INFINITY;
         assert!(numbers(&vars).contains("`spindle_speed` = `inf rad/s`"));
         vars.output.fault = Fault::InvalidInput;

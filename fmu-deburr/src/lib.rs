@@ -30,8 +30,7 @@ use path::path_file;
 
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
-    const INFO: Info =
-        Info { name: "VariableSpeedDeburring", state_version: 16, longest_step: 1.0, ..package!() };
+    const INFO: Info = Info { name: "VariableSpeedDeburring", state_version: 16, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {

@@ -7,6 +7,8 @@ use crate::interface::{Load, LoadOutput, Parameters};
 
 /// Sample period that K1 and K2 are told for, the paper's, s.
 const PERIOD: f64 = 0.01;
+/// Time at the slowest feed after which the load is too high, s: longer than a change of the feed takes to lower it.
+const OVERLOAD_TIME: f64 = 0.2;
 
 /// The regulated feed between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -51,7 +53,7 @@ impl LoadControl {
 
     /// Whether the slowest feed is still too fast.
     fn overloaded(&self, p: &Parameters) -> bool {
-        self.slowest.count() > ticks(p.load.overload_time, p.sample_period)
+        self.slowest.count() > ticks(OVERLOAD_TIME, p.sample_period)
     }
 }
 

@@ -1,6 +1,6 @@
 //! State machine: the transitions between the states, as a pure function.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Mode, State};
@@ -51,7 +51,7 @@ pub struct Events {
     /// Rising edge of `reset_fault` while the axes are at rest.
     pub reset: bool,
     /// How the fault ends that stopped the job, if one did.
-    pub end: Option<SafeEnd>,
+    pub end: Option<Reaction>,
     /// A commission is asked for, and the axes are at rest.
     pub commission: bool,
     /// A registration is asked for, and the axes are at rest.
@@ -85,11 +85,11 @@ pub fn next(state: State, events: &Events) -> State {
 }
 
 /// The state after `state` on the way to the safe end of a fault.
-fn ending(state: State, end: SafeEnd, events: &Events) -> State {
+fn ending(state: State, end: Reaction, events: &Events) -> State {
     let over = events.progress != Progress::Busy;
-    let retracts = end == SafeEnd::Retract && events.inside;
+    let retracts = end == Reaction::Retract && events.inside;
     match state {
-        _ if end == SafeEnd::DriveOff => State::Fault,
+        _ if end == Reaction::DriveOff => State::Fault,
         State::Approach | State::Run | State::Commission | State::Register => State::Stop,
         State::Stop | State::Retract if !over => state,
         State::Idle | State::Settle | State::Done | State::Stop if retracts => State::Retract,
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_fault_that_no_command_helps_wins_at_once_and_stays_until_it_is_reset() {
-        let wrong = Events { end: Some(SafeEnd::DriveOff), fault: true, progress: Progress::Over, ..EVENTS };
+        let wrong = Events { end: Some(Reaction::DriveOff), fault: true, progress: Progress::Over, ..EVENTS };
         for state in State::ALL {
             assert_eq!(next(*state, &wrong), State::Fault);
         }
@@ -195,9 +195,9 @@ mod tests {
     fn a_gentle_end_stops_then_draws_back_then_stands() {
         let (busy, over) = (Progress::Busy, Progress::Over);
         for (end, inside, states) in [
-            (SafeEnd::Retract, true, [State::Stop, State::Stop, State::Retract, State::Retract, State::Fault]),
-            (SafeEnd::Retract, false, [State::Stop, State::Stop, State::Fault, State::Fault, State::Fault]),
-            (SafeEnd::Stop, true, [State::Stop, State::Stop, State::Fault, State::Fault, State::Fault]),
+            (Reaction::Retract, true, [State::Stop, State::Stop, State::Retract, State::Retract, State::Fault]),
+            (Reaction::Retract, false, [State::Stop, State::Stop, State::Fault, State::Fault, State::Fault]),
+            (Reaction::Stop, true, [State::Stop, State::Stop, State::Fault, State::Fault, State::Fault]),
         ] {
             // without enable, too
             for enable in [true, false] {
@@ -210,13 +210,13 @@ mod tests {
                 assert_eq!(visited, states, "{end:?} {inside}");
             }
         }
-        let wrong = Events { end: Some(SafeEnd::Retract), ..EVENTS };
+        let wrong = Events { end: Some(Reaction::Retract), ..EVENTS };
         for (state, then) in
             [(State::Settle, State::Retract), (State::Done, State::Retract), (State::Off, State::Fault)]
         {
             assert_eq!(next(state, &wrong), then);
         }
-        let escalated = Events { end: Some(SafeEnd::DriveOff), ..EVENTS };
+        let escalated = Events { end: Some(Reaction::DriveOff), ..EVENTS };
         assert_eq!(next(State::Retract, &escalated), State::Fault);
     }
 
@@ -303,7 +303,7 @@ mod tests {
                 Events { break_off: true, ..EVENTS },
                 Events { mode: Mode::Learn, ..EVENTS },
                 Events { enable: false, ..EVENTS },
-                Events { end: Some(SafeEnd::Stop), ..EVENTS },
+                Events { end: Some(Reaction::Stop), ..EVENTS },
             ] {
                 assert_eq!(next(measures, &ends), State::Stop);
                 // what has come to its good end is taken, not broken off

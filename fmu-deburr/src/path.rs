@@ -14,5 +14,5 @@ pub(crate) mod transfer;
 pub use feed::Point;
 pub use geometry::{Block, Pose, Vector};
 pub use kinematics::{AXES, Joints};
-pub use taught_path::TaughtPath;
+pub use taught_path::{CORNER, TaughtPath};
 pub use touch::Touch;

@@ -28,7 +28,7 @@ pub struct Reading {
     /// Tool speed, rad/s.
     pub spindle_speed: f64,
     /// Part of the taught speed, 0 to 1.
-    pub share: f64,
+    pub speed_override: f64,
 }
 
 /// What is known of the machine before a sample is read.
@@ -116,7 +116,11 @@ impl Reader {
         let now = Reading {
             positions: std::array::from_fn(|i| self.read_axis(p, i, positions[i], known)),
             spindle_speed: self.read_spindle(p, speed, known.cuts),
-            share: if valid { input.speed_override.clamp(0.0, 1.0) } else { self.used.unwrap_or_default().share },
+            speed_override: if valid {
+                input.speed_override.clamp(0.0, 1.0)
+            } else {
+                self.used.unwrap_or_default().speed_override
+            },
         };
         if placed {
             self.used = Some(now);
@@ -140,10 +144,10 @@ impl Reader {
         let bridged = p.limits.lost_samples.unsigned_abs();
         let (fault, axis) = if let Some(i) = self.axes.iter().position(|axis| axis.lost() > bridged) {
             let number = believable(input.axis[i].position, POSITION_MAX);
-            (if number { Fault::ReadingJump } else { Fault::LostReading }, i as i32 + 1)
+            (if number { Fault::PositionJump } else { Fault::PositionLost }, i as i32 + 1)
         } else if self.spindle.doubted() > bridged {
             let number = believable(input.spindle_speed, SPINDLE_MAX);
-            (if number { Fault::SpindleJump } else { Fault::LostSpindle }, 0)
+            (if number { Fault::SpindleJump } else { Fault::SpindleLost }, 0)
         } else if self.invalid.count() > bridged {
             (Fault::InvalidInput, 0)
         } else {
@@ -185,18 +189,18 @@ mod tests {
             for known in [REST, Known { cuts: false, ..REST }] {
                 let placed = bad.axis.iter().all(|axis| believable(axis.position, POSITION_MAX));
                 let fault = if !placed {
-                    Fault::LostReading
+                    Fault::PositionLost
                 } else if believable(bad.spindle_speed, SPINDLE_MAX) {
                     Fault::InvalidInput
                 } else {
-                    Fault::LostSpindle
+                    Fault::SpindleLost
                 };
                 // nothing to bridge a reading with
                 let mut reader = Reader::default();
                 let (nothing, found) = reader.read(&p, &bad, &known);
                 assert_eq!((nothing.positions, found), (if placed { [0.5; AXES] } else { [0.0; AXES] }, Finding::NONE));
                 assert_eq!(
-                    (nothing.share > 0.0, nothing.spindle_speed > 0.0),
+                    (nothing.speed_override > 0.0, nothing.spindle_speed > 0.0),
                     (placed && fault != Fault::InvalidInput, fault == Fault::InvalidInput)
                 );
                 assert_eq!(reader.placed(), placed);
@@ -223,7 +227,7 @@ mod tests {
             let mut lost = at(0.5);
             *(if axis == 3 { &mut lost.axis[2].position } else { &mut lost.spindle_speed }) = f64::NAN;
             let found = [0; 4].map(|_| reader.read(&p, &lost, &REST).1);
-            let fault = if axis == 3 { Fault::LostReading } else { Fault::LostSpindle };
+            let fault = if axis == 3 { Fault::PositionLost } else { Fault::SpindleLost };
             assert_eq!((found[3].fault, found[3].numbers.axis), (fault, axis));
         }
     }
@@ -250,15 +254,15 @@ mod tests {
     fn readings_of_which_no_two_agree_are_told() {
         let (p, mut reader) = (Parameters::START, Reader::default());
         let found = [0.1, 0.2, 0.1, 0.3, 0.1].map(|position| reader.read(&p, &at(position), &REST).1.fault);
-        assert_eq!(found, [Fault::None, Fault::None, Fault::None, Fault::None, Fault::ReadingJump]);
+        assert_eq!(found, [Fault::None, Fault::None, Fault::None, Fault::None, Fault::PositionJump]);
         assert!(!reader.placed());
     }
 
     #[test]
     fn the_override_is_limited() {
-        for (value, share) in [(-1.0, 0.0), (0.3, 0.3), (7.0, 1.0)] {
+        for (value, used) in [(-1.0, 0.0), (0.3, 0.3), (7.0, 1.0)] {
             let input = Input { speed_override: value, ..Input::START };
-            assert_eq!(Reader::default().read(&Parameters::START, &input, &REST).0.share, share);
+            assert_eq!(Reader::default().read(&Parameters::START, &input, &REST).0.speed_override, used);
         }
     }
 
@@ -292,18 +296,18 @@ mod tests {
         moved.axis[2].position = 0.52;
         let found = [0; 4].map(|_| reader.read(&p, &moved, &REST).1);
         assert_eq!(found[..3], [Finding::NONE; 3]);
-        assert_eq!((found[3].fault, found[3].numbers.axis), (Fault::ReadingJump, 3));
+        assert_eq!((found[3].fault, found[3].numbers.axis), (Fault::PositionJump, 3));
     }
 
     #[test]
     fn a_drive_that_stands_or_runs_away_is_no_jump() {
         let p = Parameters::START;
-        for share in [0.0, -1.0, 2.0] {
+        for ratio in [0.0, -1.0, 2.0] {
             let mut reader = Reader::default();
             for k in 0..100 {
-                let position = 0.5 + share * 5e-3 * f64::from(k);
+                let position = 0.5 + ratio * 5e-3 * f64::from(k);
                 let (reading, found) = reader.read(&p, &at(position), &Known { motions: &[5e-3; AXES], ..REST });
-                assert_eq!((reading.positions[2], found), (position, Finding::NONE), "{share}, {k}");
+                assert_eq!((reading.positions[2], found), (position, Finding::NONE), "{ratio}, {k}");
             }
         }
     }

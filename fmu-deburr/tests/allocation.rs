@@ -166,13 +166,13 @@ fn towards(fault: Fault) -> Loop {
         }
         Fault::NoPart => touching(|_, _| false),
         Fault::UnexpectedContact => touching(|_, _| true),
-        Fault::FrozenContact => touching(|_, inside| inside > -4.99e-3),
+        Fault::ContactFrozen => touching(|_, inside| inside > -4.99e-3),
         Fault::TouchMismatch => touching(|touch, inside| inside > if touch == 2 { 0.0 } else { 1e-3 }),
         Fault::Misplaced => touching(|_, inside| inside > 4.5e-3),
         Fault::Oscillation => Loop::new(|p| (p.servo_gain, p.lookup.enable) = ([150.0; 6], false)),
         Fault::NoCut => running(Mode::Deburr, |p| p.limits.spindle_change = 2.0),
         Fault::WrongDelay => running(Mode::DryRun, |p| p.io_delay = 3),
-        Fault::NoProgress => running(Mode::DryRun, |p| p.limits.job_time = 5.0),
+        Fault::NoProgress => running(Mode::DryRun, |p| p.limits.cycle_time = 5.0),
         Fault::PatternMismatch => {
             let mut run = Loop::new(|p| {
                 (p.learn.repetitions, p.learn.identify) = (0, false);
@@ -182,7 +182,7 @@ fn towards(fault: Fault) -> Loop {
             run.step_until(|output| output.state == State::Done);
             run
         }
-        Fault::FrozenSpindle => {
+        Fault::SpindleFrozen => {
             let mut run = Loop::new(|p| p.lookup.enable = false);
             run.input.mode = Mode::Deburr;
             for speed in [1885.0, 1886.0, 1887.0, 1886.0].into_iter().cycle() {
@@ -198,13 +198,13 @@ fn towards(fault: Fault) -> Loop {
     };
     match fault {
         Fault::InvalidInput => run.input.speed_override = f64::NAN,
-        Fault::LostSpindle => run.input.spindle_speed = f64::NAN,
+        Fault::SpindleLost => run.input.spindle_speed = f64::NAN,
         Fault::SpindleJump => run.input.spindle_speed = 0.0,
-        Fault::LostReading => run.share = f64::NAN,
-        Fault::ReadingJump => run.input.axis[0].position += 0.5,
+        Fault::PositionLost => run.share = f64::NAN,
+        Fault::PositionJump => run.input.axis[0].position += 0.5,
         Fault::SpindleSlow => run.input.spindle_speed = 1600.0,
         Fault::BankEmpty | Fault::PatternMismatch => run.input.mode = Mode::Playback,
-        Fault::FrozenReading => run.share = 0.0,
+        Fault::PositionFrozen => run.share = 0.0,
         Fault::WeakDrive => run.share = 0.3,
         Fault::DriveSign => run.share = -1.0,
         Fault::LongStep => run.controller.begin_long_step(),
@@ -212,9 +212,9 @@ fn towards(fault: Fault) -> Loop {
         Fault::FollowingError => run.share = 3.0,
         Fault::CommissionRejected => run.input.commission = true,
         Fault::NoTouches | Fault::NoPart | Fault::UnexpectedContact => run.input.register = true,
-        Fault::FrozenContact | Fault::TouchMismatch | Fault::Misplaced => run.input.register = true,
+        Fault::ContactFrozen | Fault::TouchMismatch | Fault::Misplaced => run.input.register = true,
         Fault::None | Fault::PatternTooLarge | Fault::NoCut | Fault::WrongDelay | Fault::NoProgress => {}
-        Fault::FrozenSpindle => {}
+        Fault::SpindleFrozen => {}
     }
     run
 }
@@ -229,7 +229,7 @@ fn no_fault_allocates() {
         assert_eq!((run.output.state, run.output.fault), (State::Fault, *fault));
         (run.input.commission, run.input.register) = (false, false);
         (run.input.spindle_speed, run.input.speed_override, run.share) = (1885.0, 1.0, 1.0);
-        if *fault == Fault::LostReading {
+        if *fault == Fault::PositionLost {
             run.input.axis = run.output.axis.map(|axis| AxisInput { position: axis.reference });
         }
         run.step();

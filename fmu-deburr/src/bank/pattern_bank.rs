@@ -7,7 +7,7 @@ use crate::fingerprint::Fingerprint;
 use crate::interface::Parameters;
 use crate::learning::pattern::Pattern;
 use crate::path::kinematics::Joints;
-use crate::path::taught_path::TaughtPath;
+use crate::path::taught_path::{CORNER, TaughtPath};
 
 /// What a bank belongs to; another path or machine needs another bank.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -153,7 +153,7 @@ impl PatternBank {
         let values = other.patterns.iter().flat_map(|pattern| &pattern.samples).flat_map(|sample| sample.compensation);
         if let Some(value) = values.into_iter().find(|value| value.is_nan() || value.abs() > pulses_max) {
             return Err(format!(
-                "it has the compensation `{value}` pulses, limit `limits.pulses_max` = `{pulses_max}`"
+                "it has the compensation `{value}` pulses, limit `expert.limits.pulses_max` = `{pulses_max}`"
             ));
         }
         for (pattern, other) in self.patterns.iter_mut().zip(&other.patterns) {
@@ -174,7 +174,7 @@ impl PatternBank {
 fn identity(p: &Parameters, path: &TaughtPath) -> Identity {
     let mut print = Fingerprint::default();
     path.fingerprint(&mut print);
-    let numbers = [p.path.corner, p.feed.acceleration, p.feed.smoothing.into(), p.learn.lead_in.into()];
+    let numbers = [CORNER, p.feed.acceleration, p.feed.smoothing.into(), p.learn.lead_in.into()];
     let geometry = [p.learn.lead_out.into(), p.arm.height, p.arm.reach, p.arm.tool_offset];
     numbers.iter().chain(&geometry).chain(&p.servo_gain).for_each(|value| print.add(*value));
     Identity {
@@ -254,9 +254,8 @@ pub(crate) mod tests {
             change(&mut p);
             identity(&p, &path()).path
         };
-        let changes: [fn(&mut Parameters); 10] = [
+        let changes: [fn(&mut Parameters); 9] = [
             |_| (),
-            |p| p.path.corner += 0.01,
             |p| p.feed.acceleration += 0.01,
             |p| p.feed.smoothing += 1,
             |p| p.learn.lead_in += 1,
@@ -267,7 +266,7 @@ pub(crate) mod tests {
             |p| p.servo_gain[5] += 1.0,
         ];
         let prints = changes.map(of);
-        assert!((0..10).all(|i| (0..i).all(|k| prints[i] != prints[k])));
+        assert!((0..9).all(|i| (0..i).all(|k| prints[i] != prints[k])));
     }
 
     #[test]
@@ -276,7 +275,7 @@ pub(crate) mod tests {
         // the sixth axis has 5 pulses more
         assert!(bank.take_over(&numbered(|_| 100.0), 105.0).is_ok());
         let message = bank.take_over(&numbered(|_| -101.0), 100.0).unwrap_err();
-        assert!(message.contains("`-101` pulses, limit `limits.pulses_max` = `100`"), "{message}");
+        assert!(message.contains("`-101` pulses, limit `expert.limits.pulses_max` = `100`"), "{message}");
         bank.limit(2);
         assert_eq!((bank.patterns().len(), bank.planned().len()), (2, 5));
         bank.learned(0);

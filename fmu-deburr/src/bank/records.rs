@@ -124,7 +124,7 @@ fn phase(pattern: &Pattern, k: usize) -> u32 {
 /// A whole number in the type of the file.
 fn fit<T: TryFrom<i64>>(value: f64, what: &str) -> Result<T, String> {
     T::try_from(value as i64)
-        .map_err(|_| format!("{what} is `{value}`, which does not fit; hint: `bank.format` = Full"))
+        .map_err(|_| format!("{what} is `{value}`, which does not fit; hint: `expert.bank.format` = Full"))
 }
 
 /// What is left of the bytes.

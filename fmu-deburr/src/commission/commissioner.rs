@@ -95,7 +95,7 @@ impl Commissioner {
     pub fn tell_deviations(&self, drives: &mut [Drive; AXES]) {
         if self.applied() {
             for (drive, measured) in drives.iter_mut().zip(&self.measured.axis) {
-                (drive.gain[1], drive.lag[1]) = (measured.gain_deviation, measured.lag_deviation);
+                (drive.gain[1], drive.lag[1]) = (measured.gain_std, measured.lag_std);
             }
         }
     }
@@ -136,25 +136,25 @@ impl Commissioner {
         let mut measured = Measured {
             io_delay: delays.iter().map(|delay| delay[0]).sum::<f64>() / count,
             // all drives may differ alike from the nominal one
-            io_delay_deviation: spread.hypot(delays.iter().map(|delay| delay[1].powi(2)).sum::<f64>().sqrt() / count),
+            io_delay_std: spread.hypot(delays.iter().map(|delay| delay[1].powi(2)).sum::<f64>().sqrt() / count),
             idle_speed: idle,
-            idle_speed_deviation: step.hypot(noise / samples.sqrt()),
+            idle_speed_std: step.hypot(noise / samples.sqrt()),
             spindle_noise: noise,
-            spindle_noise_deviation: step.hypot(noise / (2.0 * samples).sqrt()),
+            spindle_noise_std: step.hypot(noise / (2.0 * samples).sqrt()),
             ..Measured::START
         };
         let whole = f64::from(whole_delay(measured.io_delay)) * dt;
         measured.axis = std::array::from_fn(|i| MeasuredAxis {
             gain: self.responses[i].gain[0],
-            gain_deviation: self.responses[i].gain[1],
+            gain_std: self.responses[i].gain[1],
             lag: self.responses[i].late[0] - whole,
-            lag_deviation: self.responses[i].late[1],
+            lag_std: self.responses[i].late[1],
             natural_frequency: self.responses[i].frequency[0],
-            natural_frequency_deviation: self.responses[i].frequency[1],
+            natural_frequency_std: self.responses[i].frequency[1],
             friction: self.responses[i].friction[0],
-            friction_deviation: self.responses[i].friction[1],
+            friction_std: self.responses[i].friction[1],
             delay: delays[i][0],
-            delay_deviation: spread.hypot(delays[i][1]),
+            delay_std: spread.hypot(delays[i][1]),
         });
         measured
     }

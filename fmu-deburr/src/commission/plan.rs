@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 use crate::path::kinematics::{AXES, Joints};
+use crate::path::transfer::VELOCITY_RATIO;
 
 /// Strokes of each axis, to and fro.
 pub const STROKES: u32 = 4;
@@ -87,7 +88,7 @@ fn side(p: &Parameters, joints: &Joints, axis: usize, most: f64) -> f64 {
 
 /// Time of a stroke of the axis `axis` over `way` (rad or m), s.
 fn duration(p: &Parameters, speed: f64, axis: usize, way: f64, lever: f64) -> f64 {
-    let most = (speed / lever).min(p.transfer.velocity_share * p.axis[axis].velocity_max);
+    let most = (speed / lever).min(VELOCITY_RATIO * p.axis[axis].velocity_max);
     let hard = (QUINTIC_ACCELERATION * way.abs() * lever / acceleration(p)).sqrt();
     quintic_duration(way.abs(), most).max(hard).max(SAMPLES_MIN * p.sample_period)
 }
@@ -126,11 +127,11 @@ fn acceleration(p: &Parameters) -> f64 {
 pub fn least_time(p: &Parameters, speed: f64) -> f64 {
     let strokes: u32 = (0..AXES).map(|i| STROKES * samples(p, i, longest(p, speed, i))).sum();
     let slowest = p.axis.iter().fold(f64::INFINITY, |least, axis| least.min(axis.velocity_max));
-    let out = quintic_duration(p.transfer.clearance, p.transfer.velocity_share * slowest).max(p.transfer.time);
+    let out = quintic_duration(p.transfer.clearance, VELOCITY_RATIO * slowest).max(p.transfer.time);
     f64::from(strokes) * p.sample_period + out
 }
 
-/// Longest time (s): `commission.time`, or what the motions take and some more.
+/// Longest time (s): `expert.commission.time`, or what the motions take and some more.
 pub fn time(p: &Parameters, speed: f64) -> f64 {
     commission_time(p.commission.time, || least_time(p, speed))
 }

@@ -12,6 +12,8 @@ use crate::path::kinematics::{AXES, Joints};
 const APART: f64 = 0.75;
 /// Samples by which a drive may seem to act before its command: one without a lag, and noise.
 const EARLY: f64 = 0.1;
+/// Largest standard deviation of delay and lag of a drive together, samples: 0.5 ms, 0.01 mm at 0.35 m/s2.
+pub const DELAY_STD_MAX: f64 = 0.05;
 
 /// A natural frequency is used where its standard deviation is at most this share of it.
 const FREQUENCY_SURE: f64 = 0.2;
@@ -19,30 +21,36 @@ const FREQUENCY_SURE: f64 = 0.2;
 const FRICTION_SURE: f64 = 0.3;
 /// Names of the parameters of the drives.
 const GAINS: [&str; AXES] = [
-    "model.axis1.gain",
-    "model.axis2.gain",
-    "model.axis3.gain",
-    "model.axis4.gain",
-    "model.axis5.gain",
-    "model.axis6.gain",
+    "expert.model.axis1.gain",
+    "expert.model.axis2.gain",
+    "expert.model.axis3.gain",
+    "expert.model.axis4.gain",
+    "expert.model.axis5.gain",
+    "expert.model.axis6.gain",
 ];
-const LAGS: [&str; AXES] =
-    ["model.axis1.lag", "model.axis2.lag", "model.axis3.lag", "model.axis4.lag", "model.axis5.lag", "model.axis6.lag"];
+const LAGS: [&str; AXES] = [
+    "expert.model.axis1.lag",
+    "expert.model.axis2.lag",
+    "expert.model.axis3.lag",
+    "expert.model.axis4.lag",
+    "expert.model.axis5.lag",
+    "expert.model.axis6.lag",
+];
 const FREQUENCIES: [&str; AXES] = [
-    "model.axis1.natural_frequency",
-    "model.axis2.natural_frequency",
-    "model.axis3.natural_frequency",
-    "model.axis4.natural_frequency",
-    "model.axis5.natural_frequency",
-    "model.axis6.natural_frequency",
+    "expert.model.axis1.natural_frequency",
+    "expert.model.axis2.natural_frequency",
+    "expert.model.axis3.natural_frequency",
+    "expert.model.axis4.natural_frequency",
+    "expert.model.axis5.natural_frequency",
+    "expert.model.axis6.natural_frequency",
 ];
 const FRICTIONS: [&str; AXES] = [
-    "model.axis1.friction",
-    "model.axis2.friction",
-    "model.axis3.friction",
-    "model.axis4.friction",
-    "model.axis5.friction",
-    "model.axis6.friction",
+    "expert.model.axis1.friction",
+    "expert.model.axis2.friction",
+    "expert.model.axis3.friction",
+    "expert.model.axis4.friction",
+    "expert.model.axis5.friction",
+    "expert.model.axis6.friction",
 ];
 /// How many parameters a commission derives.
 pub const ENTRIES: usize = 4 * AXES + 4;
@@ -96,12 +104,9 @@ impl Values {
             frequency: measured
                 .axis
                 .each_ref()
-                .map(|axis| if_sure(axis.natural_frequency, axis.natural_frequency_deviation, FREQUENCY_SURE)),
+                .map(|axis| if_sure(axis.natural_frequency, axis.natural_frequency_std, FREQUENCY_SURE)),
             // one that is not sure may be none
-            friction: measured
-                .axis
-                .each_ref()
-                .map(|axis| if_sure(axis.friction, axis.friction_deviation, FRICTION_SURE)),
+            friction: measured.axis.each_ref().map(|axis| if_sure(axis.friction, axis.friction_std, FRICTION_SURE)),
             idle_speed: measured.idle_speed,
             scale: self.scale * measured.idle_speed / self.idle_speed,
         }
@@ -159,8 +164,8 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
     let whole = whole_delay(m.io_delay);
     let bad = |axis: &MeasuredAxis| {
         !(CREDIBLE.contains(&axis.gain)
-            && sure(axis.gain, axis.gain_deviation, p.commission.deviation_max)
-            && axis.lag_deviation <= p.commission.delay_deviation_max * p.sample_period
+            && sure(axis.gain, axis.gain_std, p.commission.std_max)
+            && axis.lag_std <= DELAY_STD_MAX * p.sample_period
             && axis.lag > -EARLY * p.sample_period
             && (axis.delay - f64::from(whole)).abs() <= APART)
     };
@@ -171,7 +176,7 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
         return Some(Rejection::Delay);
     }
     let idles = within_factor(m.idle_speed, told.idle_speed, RATIO_MAX)
-        && sure(m.idle_speed, m.idle_speed_deviation, p.commission.deviation_max);
+        && sure(m.idle_speed, m.idle_speed_std, p.commission.std_max);
     (!idles).then_some(Rejection::Tool)
 }
 
@@ -183,22 +188,22 @@ mod tests {
     fn good() -> Measured {
         let axis = MeasuredAxis {
             gain: 0.8,
-            gain_deviation: 1e-3,
+            gain_std: 1e-3,
             lag: 5e-3,
-            lag_deviation: 1e-4,
+            lag_std: 1e-4,
             natural_frequency: 220.0,
-            natural_frequency_deviation: 20.0,
+            natural_frequency_std: 20.0,
             delay: 2.13,
-            delay_deviation: 0.01,
+            delay_std: 0.01,
             friction: 2e-5,
-            friction_deviation: 1e-6,
+            friction_std: 1e-6,
         };
         Measured {
             valid: true,
             io_delay: 2.13,
-            io_delay_deviation: 5e-3,
+            io_delay_std: 5e-3,
             idle_speed: 1700.0,
-            idle_speed_deviation: 0.1,
+            idle_speed_std: 0.1,
             axis: [axis; AXES],
             ..Measured::START
         }
@@ -221,17 +226,17 @@ mod tests {
         let entries = values.entries(&p);
         let told = |name| entries.iter().find(|entry| entry.0 == name).map(|entry| entry.1);
         assert_eq!(
-            (told("io_delay"), told("model.axis6.gain"), told("model.axis1.lag")),
+            (told("io_delay"), told("expert.model.axis6.gain"), told("expert.model.axis1.lag")),
             (Some(2.0), Some(0.8), Some(5e-3))
         );
-        assert_eq!(told("model.axis2.natural_frequency"), Some(220.0));
+        assert_eq!(told("expert.model.axis2.natural_frequency"), Some(220.0));
         let mut unsure = good();
-        unsure.axis[1].natural_frequency_deviation = 45.0;
+        unsure.axis[1].natural_frequency_std = 45.0;
         let unsure = Values::of(&Parameters::START).derived(&unsure);
         assert_eq!(unsure.frequency, [220.0, 0.0, 220.0, 220.0, 220.0, 220.0]);
-        assert_eq!((p.model.axis[4].friction, told("model.axis5.friction")), (2e-5, Some(2e-5)));
+        assert_eq!((p.model.axis[4].friction, told("expert.model.axis5.friction")), (2e-5, Some(2e-5)));
         let mut unsure = good();
-        (unsure.axis[1].friction_deviation, unsure.axis[4].friction) = (6.1e-6, -2e-5);
+        (unsure.axis[1].friction_std, unsure.axis[4].friction) = (6.1e-6, -2e-5);
         let unsure = Values::of(&Parameters::START).derived(&unsure);
         assert_eq!(unsure.friction, [2e-5, 0.0, 2e-5, 2e-5, 0.0, 2e-5]);
         assert!(entries.iter().all(|entry| !entry.0.is_empty()));
@@ -251,17 +256,17 @@ mod tests {
         let idle = p.load.idle_speed;
         let cases: [Case; 12] = [
             (|m, x| m.axis[3].lag = x, -9.9e-4, -1.01e-3, Rejection::Drive(4)),
-            (|m, x| m.axis[2].gain_deviation = x, 1.59e-3, 1.61e-3, Rejection::Drive(3)),
+            (|m, x| m.axis[2].gain_std = x, 1.59e-3, 1.61e-3, Rejection::Drive(3)),
             (|m, x| m.axis[0].gain = x, 2.0, 2.01, Rejection::Drive(1)),
             (|m, x| m.axis[0].gain = x, 0.5, 0.49, Rejection::Drive(1)),
-            (|m, x| m.axis[5].lag_deviation = x, 4.99e-4, 5.01e-4, Rejection::Drive(6)),
+            (|m, x| m.axis[5].lag_std = x, 4.99e-4, 5.01e-4, Rejection::Drive(6)),
             (|m, x| m.axis[1].delay = x, 2.74, 2.76, Rejection::Drive(2)),
             (|m, x| m.axis[1].delay = x, 1.26, 1.24, Rejection::Drive(2)),
             (|m, x| set_delay(m, x), 3.4, 3.6, Rejection::Delay),
             (|m, x| set_delay(m, x), -0.49, -0.51, Rejection::Delay),
             (|m, x| m.idle_speed = x, 2.0 * idle, 2.01 * idle, Rejection::Tool),
             (|m, x| m.idle_speed = x, 0.5 * idle, 0.49 * idle, Rejection::Tool),
-            (|m, x| m.idle_speed_deviation = x, 3.39, 3.41, Rejection::Tool),
+            (|m, x| m.idle_speed_std = x, 3.39, 3.41, Rejection::Tool),
         ];
         for (k, (set, last, first, what)) in cases.into_iter().enumerate() {
             assert_eq!((found(set, last), found(set, first)), (None, Some(what)), "{k}");

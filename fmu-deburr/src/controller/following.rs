@@ -16,7 +16,7 @@ impl Controller {
     pub(super) fn advance(&mut self, p: &Parameters, reading: &Reading, input: &Input) {
         let hold = input.hold;
         self.compensation = [0.0; AXES];
-        let waits = hold || self.job != Mode::Learn && reading.share == 0.0;
+        let waits = hold || self.job != Mode::Learn && reading.speed_override == 0.0;
         let measures = matches!(self.state, State::Commission | State::Register);
         if measures || !waits && self.job.moves() && !self.state.waits() {
             self.elapsed.count();
@@ -66,7 +66,7 @@ impl Controller {
 
     /// Wanted speed on the path, m/s.
     fn target(&mut self, p: &Parameters, reading: &Reading) -> f64 {
-        let taught = self.path.speed * reading.share;
+        let taught = self.path.speed * reading.speed_override;
         match self.job {
             Mode::Learn => self.bank.factor(self.learner.speed) * self.path.speed,
             Mode::Deburr if p.load.enable => self.load.step(p, reading.spindle_speed, self.run.speed(), taught),

@@ -69,7 +69,7 @@ impl Controller {
                     self.finish_if(true);
                 }
                 Err(Obstacle { distance, .. }) => {
-                    let numbers = Numbers { axis: 3, value: distance, limit: self.path.length(), share: None };
+                    let numbers = Numbers { axis: 3, value: distance, limit: self.path.length(), ratio: None };
                     self.registrar.reject(Finding { fault: Fault::Misplaced, numbers });
                 }
             }

@@ -1,6 +1,6 @@
 //! What a sample tells: every output.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 
 use crate::controller::Controller;
 use crate::interface::{AxisOutput, BankStatus, Mode, Output, Parameters, State};
@@ -34,15 +34,15 @@ impl Controller {
             rms: self.learner.errors.rms[i],
             peak: self.learner.errors.peak[i],
             gain: self.feedforward.drives[i].gain[0],
-            gain_deviation: self.feedforward.drives[i].gain[1],
+            gain_std: self.feedforward.drives[i].gain[1],
             lag: self.feedforward.drives[i].lag[0],
-            lag_deviation: self.feedforward.drives[i].lag[1],
+            lag_std: self.feedforward.drives[i].lag[1],
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
         *measured = self.commissioner.measured;
         (*registration, *probe) = (self.registrar.found, self.registering);
-        *drive_enable = self.state != State::Fault || self.fault.safe_end() != SafeEnd::DriveOff;
+        *drive_enable = self.state != State::Fault || self.fault.reaction() != Reaction::DriveOff;
         *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
         *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);
         *load = self.load.report(p, self.state == State::Run);

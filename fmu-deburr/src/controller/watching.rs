@@ -1,6 +1,6 @@
 //! What is wrong in a sample, and the fault that is in force.
 
-use control_blocks::SafeEnd;
+use control_blocks::Reaction;
 
 use crate::controller::Controller;
 use crate::faults::{self, Signs};
@@ -104,7 +104,7 @@ impl Controller {
         let long_step = std::mem::take(&mut self.long_step);
         let starts = input.enable && self.state.waits() && input.mode != self.job;
         let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
-        let flicker = self.watch_flicker(p, reading, input.hold || reading.share == 0.0);
+        let flicker = self.watch_flicker(p, reading, input.hold || reading.speed_override == 0.0);
         let axes = if axes.is_fault() { axes } else { flicker };
         let tool = self.watch_tool(p, reading);
         let commissions = self.state == State::Commission;
@@ -126,11 +126,11 @@ impl Controller {
     }
 
     /// The fault in force and how it ends: a graver one takes the place of a lighter one, and never the other way.
-    pub(super) fn escalate(&mut self, found: Finding, counts: bool) -> Option<SafeEnd> {
-        let graver = self.fault == Fault::None || found.fault.safe_end() > self.fault.safe_end();
+    pub(super) fn escalate(&mut self, found: Finding, counts: bool) -> Option<Reaction> {
+        let graver = self.fault == Fault::None || found.fault.reaction() > self.fault.reaction();
         if counts && found.is_fault() && graver {
             (self.fault, self.numbers) = (found.fault, found.numbers);
         }
-        (self.fault != Fault::None).then(|| self.fault.safe_end())
+        (self.fault != Fault::None).then(|| self.fault.reaction())
     }
 }

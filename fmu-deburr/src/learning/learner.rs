@@ -20,7 +20,7 @@ pub enum Next {
     NextSpeed,
     /// All speeds are learned.
     Done,
-    /// The pattern became larger than `limits.pulses_max`.
+    /// The pattern became larger than `expert.limits.pulses_max`.
     TooLarge,
 }
 

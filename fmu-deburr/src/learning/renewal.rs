@@ -19,7 +19,7 @@ pub struct Renewal {
 }
 
 impl Parameters {
-    /// By how many samples the learning looks ahead: `learn.lead` beyond `io_delay`.
+    /// By how many samples the learning looks ahead: `expert.learn.lead` beyond `io_delay`.
     pub(crate) fn shift(&self) -> usize {
         (self.learn.lead + self.io_delay).max(0) as usize
     }

@@ -193,11 +193,11 @@ impl AxisMonitor {
             _ if !self.unanswered.stands(p) => self.answer.cause(pulse),
             // it stands where the command makes up for an offset
             _ if explained => None,
-            true => Some(Fault::FrozenReading),
+            true => Some(Fault::PositionFrozen),
             false => self.answer.cause(pulse),
         };
-        let share = self.answer.share(pulse).or((cause == Some(Fault::FrozenReading)).then_some(0.0));
-        let numbers = Numbers { axis: axis as i32 + 1, value, limit, share };
+        let ratio = self.answer.share(pulse).or((cause == Some(Fault::PositionFrozen)).then_some(0.0));
+        let numbers = Numbers { axis: axis as i32 + 1, value, limit, ratio };
         Verdict::Wrong(Finding { fault: cause.unwrap_or(consequence), numbers })
     }
 }

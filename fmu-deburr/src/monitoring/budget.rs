@@ -7,6 +7,7 @@ use control_blocks::{quintic_duration, ticks};
 
 use crate::interface::{Mode, Parameters};
 use crate::path::taught_path::TaughtPath;
+use crate::path::transfer::VELOCITY_RATIO;
 
 /// Budget over the time that is planned.
 const MARGIN: f64 = 2.0;
@@ -17,16 +18,14 @@ const SLOWEST: f64 = 0.01;
 
 /// Samples that a job may take; of a cyclic path a lap, unless it is learned.
 pub fn budget(p: &Parameters, path: &TaughtPath, job: Mode) -> u64 {
-    let time = if p.limits.job_time > 0.0 { p.limits.job_time } else { derived(p, path, job) };
+    let time = if p.limits.cycle_time > 0.0 { p.limits.cycle_time } else { derived(p, path, job) };
     u64::from(ticks(time, p.sample_period))
 }
 
 /// Time for a job (s) as the parameters say.
 fn derived(p: &Parameters, path: &TaughtPath, job: Mode) -> f64 {
-    let leg = p
-        .axis
-        .iter()
-        .map(|axis| quintic_duration(axis.maximum - axis.minimum, axis.velocity_max * p.transfer.velocity_share));
+    let leg =
+        p.axis.iter().map(|axis| quintic_duration(axis.maximum - axis.minimum, axis.velocity_max * VELOCITY_RATIO));
     let approach = LEGS * leg.fold(p.transfer.time, f64::max) + p.transfer.settle_time;
     let rests = f64::from(p.learn.lead_in + p.learn.lead_out) * p.sample_period;
     // up to speed and down again at each stop takes as long as the speed over the acceleration more
@@ -65,7 +64,7 @@ mod tests {
         // the time of a motion that is given is that of each leg
         p.transfer.time = 50.0;
         assert!((derived(&p, &path, Mode::Deburr) - 2.0 * (run(0.001) + 150.0 - 3.0 * 1.875 * 6.4 / 0.9)).abs() < 1e-9);
-        p.limits.job_time = 12.0;
+        p.limits.cycle_time = 12.0;
         assert_eq!(budget(&p, &path, Mode::Learn), 1200);
     }
 }

@@ -107,7 +107,7 @@ impl DelayMonitor {
         match all.another(told).map(|delay| (0, delay)).or_else(one) {
             None => Finding::NONE,
             Some((axis, delay)) => {
-                let numbers = Numbers { axis: axis as i32, value: delay as f64, limit: told as f64, share: None };
+                let numbers = Numbers { axis: axis as i32, value: delay as f64, limit: told as f64, ratio: None };
                 Finding { fault: Fault::WrongDelay, numbers }
             }
         }
@@ -289,7 +289,7 @@ mod tests {
             }
             (3..AXES).for_each(|i| sent[i].send(0.0));
         }
-        let numbers = Numbers { axis: 3, value: 2.0, limit: 1.0, share: None };
+        let numbers = Numbers { axis: 3, value: 2.0, limit: 1.0, ratio: None };
         assert_eq!(monitor.found(&p), Finding { fault: Fault::WrongDelay, numbers });
     }
 

@@ -190,8 +190,8 @@ impl Flicker {
         if stands <= most {
             return Finding::NONE;
         }
-        let numbers = Numbers { axis: axis as i32 + 1, value: stands, limit: most, share: None };
-        Finding { fault: Fault::FrozenReading, numbers }
+        let numbers = Numbers { axis: axis as i32 + 1, value: stands, limit: most, ratio: None };
+        Finding { fault: Fault::PositionFrozen, numbers }
     }
 
     /// Samples for which a live reading stands with the chance 10^-`decades`.

@@ -78,7 +78,7 @@ impl StandingTool {
         }
         let seconds = |samples: u32| f64::from(samples) * p.sample_period;
         let numbers = Numbers { value: seconds(self.still), limit: seconds(most), ..Numbers::START };
-        Finding { fault: Fault::FrozenSpindle, numbers }
+        Finding { fault: Fault::SpindleFrozen, numbers }
     }
 
     /// Takes a reading; at a turn the samples since the last one.
@@ -129,7 +129,7 @@ mod tests {
     fn one_that_flickered_and_stands_is_told_after_half_a_second() {
         let (after, found) = told(idled(50, 1)).unwrap();
         // the first sample on the path is a change
-        assert_eq!((after, found.fault, found.numbers.axis), (51, Fault::FrozenSpindle, 0));
+        assert_eq!((after, found.fault, found.numbers.axis), (51, Fault::SpindleFrozen, 0));
         assert!((found.numbers.value - 0.51).abs() < 1e-9 && (found.numbers.limit - 0.5).abs() < 1e-9);
     }
 

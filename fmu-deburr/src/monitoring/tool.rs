@@ -41,11 +41,11 @@ impl ToolMonitor {
             return Finding::beyond(Fault::SpindleSlow, speed, least);
         }
         let band = p.limits.spindle_change;
-        let most = p.limits.idle_way;
+        let most = p.limits.idle_travel;
         if band > 0.0 && most > 0.0 && self.idle.is_some_and(|way| way > most) {
             return Finding {
                 fault: Fault::NoCut,
-                numbers: Numbers { share: self.idle, limit: most, ..Numbers::START },
+                numbers: Numbers { ratio: self.idle, limit: most, ..Numbers::START },
             };
         }
         Finding::NONE
@@ -136,14 +136,14 @@ mod tests {
     #[test]
     fn a_way_without_a_cut_is_told_where_it_is_longer_than_the_longest_gap() {
         let mut p = Parameters::START;
-        p.limits.idle_way = 0.1;
+        p.limits.idle_travel = 0.1;
         // cuts for 50 mm
         let gap = |length: usize| move |k: usize| if k % (50 + length) < 50 { 1850.0 - (k % 7) as f64 } else { 1884.0 };
         assert_eq!(cutting(&p, gap(90)).0, Fault::None);
         let (fault, after) = cutting(&p, gap(200));
         assert_eq!(fault, Fault::NoCut);
         assert!((147..=154).contains(&after), "{after}");
-        p.limits.idle_way = 0.0;
+        p.limits.idle_travel = 0.0;
         assert_eq!(cutting(&p, gap(200)).0, Fault::None);
     }
 
@@ -154,7 +154,7 @@ mod tests {
         for _ in 0..20 {
             assert!(!tool.update(&p, p.limits.spindle_speed_min, 0.0).is_fault());
         }
-        (p.limits.spindle_change, p.limits.idle_way) = (2.0, 1.0);
+        (p.limits.spindle_change, p.limits.idle_travel) = (2.0, 1.0);
         let mut tool = ToolMonitor::default();
         (0..4).for_each(|_| assert!(!tool.update(&p, 1884.0, 0.5).is_fault()));
         // as much slower as it must be
@@ -163,13 +163,13 @@ mod tests {
         assert!(!tool.update(&p, 1884.0, 0.5).is_fault());
         let found = [(); 4].map(|()| tool.update(&p, 1884.0, 0.5));
         assert_eq!(found.map(|found| found.fault), [Fault::None, Fault::NoCut, Fault::NoCut, Fault::NoCut]);
-        assert_eq!((found[1].numbers.share, found[1].numbers.limit), (Some(1.5), 1.0));
+        assert_eq!((found[1].numbers.ratio, found[1].numbers.limit), (Some(1.5), 1.0));
     }
 
     #[test]
     fn a_way_without_a_cut_is_none_where_no_change_is_asked_for() {
         let mut p = Parameters::START;
-        (p.limits.spindle_change, p.limits.idle_way) = (0.0, 0.01);
+        (p.limits.spindle_change, p.limits.idle_travel) = (0.0, 0.01);
         let mut tool = ToolMonitor::default();
         for k in 0..200 {
             let speed = if k < 4 { 1884.0 } else { 1884.0 + f64::from(k % 4) };

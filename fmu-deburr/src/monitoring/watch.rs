@@ -140,7 +140,7 @@ impl Watch {
         let (mean, allowed) = self.rest.means();
         let limit = |i: usize| p.limits.axis[i].rest_error + allowed[i];
         let beside = (0..AXES).find(|i| mean[*i].abs() > limit(*i)).map(|i| {
-            let numbers = Numbers { axis: i as i32 + 1, value: mean[i].abs(), limit: limit(i), share: None };
+            let numbers = Numbers { axis: i as i32 + 1, value: mean[i].abs(), limit: limit(i), ratio: None };
             Finding { fault: Fault::FollowingError, numbers }
         });
         let dead = || (0..AXES).map(|i| self.flicker[i].after_run(p, i)).find(Finding::is_fault);
@@ -224,7 +224,7 @@ mod tests {
             let found = watch.after_run(&p);
             (found.fault, found.numbers.axis)
         };
-        assert_eq!(longer(0, 99), (Fault::FrozenReading, 5));
+        assert_eq!(longer(0, 99), (Fault::PositionFrozen, 5));
         assert_eq!(longer(179, 99).0, Fault::None);
         assert_eq!(longer(0, 5).0, Fault::None);
     }
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn noise_that_was_known_in_a_rest_is_known_in_the_next_whatever_job_begins() {
-        let told = (Fault::FrozenReading, 5);
+        let told = (Fault::PositionFrozen, 5);
         assert_eq!(rested_with(|_, _| (0.0, true, false)), told);
         let jobs = rested_with(|watch, k| {
             if k == 310 {

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::interface::Parameters;
 use crate::path::geometry::{Block, Pose, Vector};
-use crate::path::taught_path::TaughtPath;
+use crate::path::taught_path::{CORNER, TaughtPath};
 use crate::path::touch::Touch;
 use crate::registration::fit::{TOUCHES_MIN, geometry};
 
@@ -91,10 +91,10 @@ fn parse(p: &Parameters, bytes: &[u8]) -> Result<TaughtPath, String> {
     require_or(count > 0 && count <= BLOCKS_MAX, || {
         format!("`blocks` has `{count}` entries, limits `1` to `{BLOCKS_MAX}`")
     })?;
-    let speed = if p.path.taught_speed > 0.0 { p.path.taught_speed } else { file.speed_m_s };
+    let speed = if p.path.programmed_speed > 0.0 { p.path.programmed_speed } else { file.speed_m_s };
     let (low, high) = SPEEDS;
     require_or(speed >= low && speed <= high, || {
-        format!("`speed_m_s` or `path.taught_speed` is `{speed}`, limits `{low}` to `{high}`")
+        format!("`speed_m_s` or `path.programmed_speed` is `{speed}`, limits `{low}` to `{high}`")
     })?;
     let upright = Vector::new(0.0, 0.0, -1.0);
     let mut from = pose(&file.start, upright).map_err(|what| format!("`start`: {what}"))?;
@@ -104,7 +104,7 @@ fn parse(p: &Parameters, bytes: &[u8]) -> Result<TaughtPath, String> {
         blocks.push(block);
         from = to;
     }
-    let mut path = TaughtPath::new(blocks, speed, file.cyclic, p.path.corner)?;
+    let mut path = TaughtPath::new(blocks, speed, file.cyclic, CORNER)?;
     path.touches = touches(&file.touches, upright)?;
     Ok(path)
 }
@@ -223,7 +223,7 @@ mod tests {
         std::fs::write(place.path().join("path.json"), file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#))
             .unwrap();
         let mut p = named("path.json");
-        p.path.taught_speed = 0.06;
+        p.path.programmed_speed = 0.06;
         assert_eq!(read(&p, Some(place.path())).unwrap().speed, 0.06);
     }
 
@@ -263,7 +263,7 @@ mod tests {
             (file(&format!("{good}, {good}")), "block 2: line: length"),
             (file(r#"{"type": "spline"}"#), "unknown variant `spline`"),
             (file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, NaN]}}"#), "at line 1 column"),
-            (file(good).replace("0.1,", "7,"), "`speed_m_s` or `path.taught_speed` is `7`, limits `0.001` to `2`"),
+            (file(good).replace("0.1,", "7,"), "`speed_m_s` or `path.programmed_speed` is `7`, limits `0.001` to `2`"),
             (file(good).replace("0.1,", r#"0.1, "cyclic": true,"#), "a cyclic path: its ends are `0.1"),
             (file(good).replace("speed_m_s", "speed"), "unknown field `speed`"),
             (String::new(), "EOF"),

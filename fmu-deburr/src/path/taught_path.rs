@@ -9,6 +9,8 @@ use crate::path::touch::Touch;
 
 /// Ends of a path that are closer than this are one place, m.
 const CLOSED: f64 = 1e-6;
+/// Change of direction of the tangent at which the feed stops, rad: below it the drives follow a corner at speed.
+pub const CORNER: f64 = 0.2;
 
 /// A path of blocks.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::path::kinematics::{AXES, Joints};
 
+/// Ratio of these motions' velocity to the largest velocity of the axis: moderate, because the operator watches them.
+pub const VELOCITY_RATIO: f64 = 0.3;
 /// Time in which a held motion comes to rest, s.
 const HOLD_TIME: f64 = 0.3;
 
@@ -30,7 +32,7 @@ impl TransferMotion {
     /// From rest at one place to rest at another.
     pub fn new(p: &Parameters, from: &Joints, to: &Joints) -> Self {
         let needed = |i: usize| {
-            let velocity = p.axis[i].velocity_max * p.transfer.velocity_share;
+            let velocity = p.axis[i].velocity_max * VELOCITY_RATIO;
             quintic_duration((to[i] - from[i]).abs(), velocity)
         };
         let duration = (0..AXES).map(needed).fold(p.transfer.time, f64::max);

@@ -1,9 +1,9 @@
 //! What touching takes: places that the robot must reach, the time, and how sure a touch is.
 //!
-//! At each touch the tip comes from outside at `register.speed`, goes back by `register.retract` from where it has felt the part,
-//! comes again at `register.touch_speed`, and goes back to where it came from. Contact is told by the samples: the surface
+//! At each touch the tip comes from outside at `expert.register.speed`, goes back by `expert.register.retract` from where it has felt the part,
+//! comes again at `expert.register.touch_speed`, and goes back to where it came from. Contact is told by the samples: the surface
 //! was between the tips of two, so half a sample of way is taken off, and what is left is spread evenly over a sample, v T/sqrt(12);
-//! beside it are half a count of the encoders, in both tips, and `register.deviation`.
+//! beside it are half a count of the encoders, in both tips, and `expert.register.touch_std`.
 
 use control_blocks::{ParameterError, commission_time, quintic_duration};
 
@@ -58,7 +58,7 @@ pub fn deviation(p: &Parameters, normal: &Vector, joints: &Joints) -> f64 {
     };
     let counts = (0..AXES).map(|i| count(i).powi(2)).sum::<f64>() / 24.0;
     let way = p.register.touch_speed * p.sample_period;
-    (way * way / 12.0 + counts + p.register.deviation.powi(2)).sqrt()
+    (way * way / 12.0 + counts + p.register.touch_std.powi(2)).sqrt()
 }
 
 /// Every touch must be within the travel of the axes, drawn back along the tool as well.
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn a_touch_is_as_sure_as_a_sample_and_a_count() {
         let mut p = Parameters::START;
-        (p.register.deviation, p.register.touch_speed) = (0.0, 1e-3);
+        (p.register.touch_std, p.register.touch_speed) = (0.0, 1e-3);
         let joints = [0.0, 0.0, 0.7, 0.0, 0.0, 0.0];
         // out along the arm: 10 um of way in a sample, counts of 5 um, and those of the pitch at the length of the tool
         let squares = 1e-10 / 12.0 + (25e-12 + (0.2 * p.axis[4].pulse).powi(2)) / 24.0;
@@ -108,7 +108,7 @@ mod tests {
         // across it: counts of axis 1 at 0.7 m; the wrist stands above its tip
         let sure = deviation(&p, &Vector::new(0.0, 1.0, 0.0), &joints);
         assert!((sure - (1e-10 / 12.0 + (0.7 * p.axis[0].pulse).powi(2) / 24.0).sqrt()).abs() < 1e-9, "{sure}");
-        p.register.deviation = 3e-6;
+        p.register.touch_std = 3e-6;
         let sure = deviation(&p, &Vector::new(1.0, 0.0, 0.0), &joints);
         assert!((sure - (squares + 9e-12).sqrt()).abs() < 1e-11, "{sure}");
     }

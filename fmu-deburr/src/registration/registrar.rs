@@ -164,7 +164,7 @@ impl Registrar {
 
     fn come_back(&mut self, p: &Parameters, touches: &[Touch], felt: bool) {
         if felt {
-            self.stop_with(Fault::FrozenContact, self.back.goal(), 0.0);
+            self.stop_with(Fault::ContactFrozen, self.back.goal(), 0.0);
         } else if !self.slow {
             self.seek(self.back.goal(), true);
         } else {
@@ -188,19 +188,19 @@ impl Registrar {
             self.wrong = Finding::plain(Fault::TouchMismatch);
             return;
         };
-        let (lies, [x_deviation, y_deviation, angle_deviation]) = (fit.displacement, fit.deviations);
+        let (lies, [x_std, y_std, angle_std]) = (fit.displacement, fit.deviations);
         let (worst, residual) = (fit.worst.0, fit.worst.1.abs());
         (self.found.x, self.found.y, self.found.angle) = (lies.shift.x, lies.shift.y, lies.angle);
-        (self.found.x_deviation, self.found.y_deviation) = (x_deviation, y_deviation);
-        (self.found.angle_deviation, self.found.residual) = (angle_deviation, residual);
+        (self.found.x_std, self.found.y_std) = (x_std, y_std);
+        (self.found.angle_std, self.found.residual) = (angle_std, residual);
         let (shift, turn) = (lies.shift.norm(), lies.angle.abs());
-        let told = |fault, axis, value, limit| Finding { fault, numbers: Numbers { axis, value, limit, share: None } };
+        let told = |fault, axis, value, limit| Finding { fault, numbers: Numbers { axis, value, limit, ratio: None } };
         self.wrong = if residual > p.limits.touch_residual {
             told(Fault::TouchMismatch, worst as i32 + 1, residual, p.limits.touch_residual)
         } else if shift > p.limits.shift {
             told(Fault::Misplaced, 1, shift, p.limits.shift)
-        } else if turn > p.limits.turn {
-            told(Fault::Misplaced, 2, turn, p.limits.turn)
+        } else if turn > p.limits.angle {
+            told(Fault::Misplaced, 2, turn, p.limits.angle)
         } else {
             self.lies = Some(lies);
             return;
@@ -213,6 +213,6 @@ impl Registrar {
     }
 
     fn stop_with(&mut self, fault: Fault, value: f64, limit: f64) {
-        self.wrong = Finding { fault, numbers: Numbers { axis: self.touch as i32 + 1, value, limit, share: None } };
+        self.wrong = Finding { fault, numbers: Numbers { axis: self.touch as i32 + 1, value, limit, ratio: None } };
     }
 }

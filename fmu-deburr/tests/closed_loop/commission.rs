@@ -87,12 +87,12 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
         assert_eq!(m.io_delay.round() as usize, build.delay, "{build:?}: {m:?}");
         let lag = 2.0 * 0.52 * build.damping / (280.0 * build.dynamics);
         for axis in &m.axis {
-            gains.push((axis.gain - build.gain) / axis.gain_deviation);
-            lags.push((axis.lag - lag) / axis.lag_deviation);
-            assert!(axis.gain_deviation < 1e-3 && axis.lag_deviation < 3e-4, "{build:?}: {axis:?}");
+            gains.push((axis.gain - build.gain) / axis.gain_std);
+            lags.push((axis.lag - lag) / axis.lag_std);
+            assert!(axis.gain_std < 1e-3 && axis.lag_std < 3e-4, "{build:?}: {axis:?}");
             let off = axis.natural_frequency - 280.0 * build.dynamics;
-            frequencies.push(off / axis.natural_frequency_deviation);
-            delays.push((axis.delay - build.delay as f64) / axis.delay_deviation);
+            frequencies.push(off / axis.natural_frequency_std);
+            delays.push((axis.delay - build.delay as f64) / axis.delay_std);
         }
         assert_eq!((run.output.bank.status, run.output.bank.patterns), (BankStatus::Computed, 5));
         // some of them run the path as well
@@ -183,11 +183,11 @@ fn a_delay_is_as_sure_as_its_lag_and_the_lag_of_the_nominal_drive() {
     let m = run.output.measured;
     // 0.262 of 2 zeta/wn, in samples
     let spread = 0.262 * 2.0 * 0.52 / 280.0 / 0.01;
-    let late = m.axis.map(|axis| axis.lag_deviation / run.parameters.sample_period);
-    assert!((0..6).all(|i| (m.axis[i].delay_deviation / late[i].hypot(spread) - 1.0).abs() < 1e-9), "{m:?}");
+    let late = m.axis.map(|axis| axis.lag_std / run.parameters.sample_period);
+    assert!((0..6).all(|i| (m.axis[i].delay_std / late[i].hypot(spread) - 1.0).abs() < 1e-9), "{m:?}");
     // of six that are told apart, of nominal drives that are not
     let mean = late.iter().map(|late| late.powi(2)).sum::<f64>().sqrt() / 6.0;
-    assert!((m.io_delay_deviation / mean.hypot(spread) - 1.0).abs() < 1e-9, "{m:?}");
+    assert!((m.io_delay_std / mean.hypot(spread) - 1.0).abs() < 1e-9, "{m:?}");
 }
 
 #[test]
@@ -202,17 +202,17 @@ fn the_file_of_the_results_is_taken_as_parameters() {
     let told = std::fs::read_to_string(&run.parameters.commission.export).unwrap();
     let found: std::collections::BTreeMap<String, f64> = serde_json::from_str(&told).unwrap();
     assert_eq!(found["io_delay"], 2.0);
-    assert_eq!(found["model.axis3.gain"], run.output.measured.axis[2].gain);
+    assert_eq!(found["expert.model.axis3.gain"], run.output.measured.axis[2].gain);
     let share = found["load.spindle_speed"] / run.parameters.load.spindle_speed;
     assert!((share - found["load.idle_speed"] / run.parameters.load.idle_speed).abs() < 1e-12);
     // told beforehand, and nothing is commissioned
     let mut p = Parameters::START;
     (p.io_delay, p.bank.compute) = (2, true);
     for (i, axis) in p.model.axis.iter_mut().enumerate() {
-        axis.gain = found[&format!("model.axis{}.gain", i + 1)];
-        axis.lag = found[&format!("model.axis{}.lag", i + 1)];
-        axis.natural_frequency = found[&format!("model.axis{}.natural_frequency", i + 1)];
-        axis.friction = found[&format!("model.axis{}.friction", i + 1)];
+        axis.gain = found[&format!("expert.model.axis{}.gain", i + 1)];
+        axis.lag = found[&format!("expert.model.axis{}.lag", i + 1)];
+        axis.natural_frequency = found[&format!("expert.model.axis{}.natural_frequency", i + 1)];
+        axis.friction = found[&format!("expert.model.axis{}.friction", i + 1)];
     }
     let mut other = resting(&p, &build);
     assert_eq!(other.controller.bank().patterns(), run.controller.bank().patterns());

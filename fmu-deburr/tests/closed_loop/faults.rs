@@ -21,12 +21,12 @@ fn everything_is_finite(run: &Loop) {
 #[test]
 fn nonsense_in_any_input_is_bridged_for_three_samples() {
     let inputs = [
-        (0, f64::NAN, Fault::LostReading),
-        (0, f64::INFINITY, Fault::LostReading),
-        (0, -1e300, Fault::LostReading),
-        (1, f64::NAN, Fault::LostSpindle),
-        (1, f64::NEG_INFINITY, Fault::LostSpindle),
-        (1, 1e300, Fault::LostSpindle),
+        (0, f64::NAN, Fault::PositionLost),
+        (0, f64::INFINITY, Fault::PositionLost),
+        (0, -1e300, Fault::PositionLost),
+        (1, f64::NAN, Fault::SpindleLost),
+        (1, f64::NEG_INFINITY, Fault::SpindleLost),
+        (1, 1e300, Fault::SpindleLost),
         (2, f64::NAN, Fault::InvalidInput),
         (2, f64::INFINITY, Fault::InvalidInput),
     ];
@@ -47,7 +47,7 @@ fn nonsense_in_any_input_is_bridged_for_three_samples() {
                 everything_is_finite(&run);
             }
             // only an axis of which the place is not known is let go
-            let driven = expected != Fault::LostReading;
+            let driven = expected != Fault::PositionLost;
             assert_eq!((run.output.fault, run.output.drive_enable), (expected, driven), "{which} {nonsense}");
             if !driven {
                 stands_with(&run, fault);
@@ -67,7 +67,7 @@ fn a_reading_that_stands_is_named_before_what_it_causes() {
             break;
         }
     }
-    stands_with(&run, Fault::FrozenReading);
+    stands_with(&run, Fault::PositionFrozen);
     assert!(!run.output.drive_enable);
 }
 
@@ -102,7 +102,7 @@ fn a_drive_that_does_something_else_is_named_by_what_it_does() {
         (Fault::DriveSign, -1.0, 1.0, 0.03),
         (Fault::WeakDrive, 0.3, 1.0, 0.015),
         (Fault::WeakDrive, 1.0, 0.02, 0.015),
-        (Fault::FrozenReading, 0.0, 1.0, 0.015),
+        (Fault::PositionFrozen, 0.0, 1.0, 0.015),
     ];
     for (fault, gain, fastest, most) in cases {
         let bend = |velocity: &mut fmu_deburr::path::Joints| {
@@ -116,7 +116,7 @@ fn a_drive_that_does_something_else_is_named_by_what_it_does() {
 
 #[test]
 fn a_jump_of_a_reading_is_bridged_for_three_samples_and_moves_nothing() {
-    for (samples, expected) in [(1, Fault::None), (3, Fault::None), (400, Fault::ReadingJump)] {
+    for (samples, expected) in [(1, Fault::None), (3, Fault::None), (400, Fault::PositionJump)] {
         for jump in [0.02, -0.5] {
             let (found, off) = bent(Mode::DryRun, |run, k| {
                 let mut positions = run.robot.read();
@@ -191,7 +191,7 @@ fn a_drive_that_is_weak_is_switched_off_also_where_the_delay_is_wrong() {
 fn a_job_that_takes_too_long_ends_whatever_it_does() {
     for mode in [Mode::DryRun, Mode::Learn] {
         let mut run = running(mode);
-        (run.input.mode, run.parameters.limits.job_time) = (Mode::Idle, 5.0);
+        (run.input.mode, run.parameters.limits.cycle_time) = (Mode::Idle, 5.0);
         (0..100).for_each(|_| run.step());
         run.input.mode = mode;
         run.input.speed_override = 0.001;
@@ -203,7 +203,7 @@ fn a_job_that_takes_too_long_ends_whatever_it_does() {
 #[test]
 fn time_that_is_held_does_not_count() {
     let mut run = running(Mode::DryRun);
-    run.parameters.limits.job_time = 20.0;
+    run.parameters.limits.cycle_time = 20.0;
     run.input.hold = true;
     (0..4000).for_each(|_| run.step());
     run.input.hold = false;
@@ -224,11 +224,11 @@ fn a_graver_fault_takes_over_and_a_lighter_one_does_not() {
         run.set_positions(&stuck);
         run.controller.tick(&run.input, &run.parameters, &mut run.output);
     }
-    stands_with(&run, Fault::FrozenReading);
+    stands_with(&run, Fault::PositionFrozen);
     assert!(!run.output.drive_enable);
     run.input.mode = Mode::Playback;
     (0..10).for_each(|_| run.step());
-    stands_with(&run, Fault::FrozenReading);
+    stands_with(&run, Fault::PositionFrozen);
     run.input.reset_fault = true;
     (0..10).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.drive_enable), (State::Idle, true));
@@ -237,7 +237,7 @@ fn a_graver_fault_takes_over_and_a_lighter_one_does_not() {
 #[test]
 fn a_run_that_is_too_slow_for_its_job_time_makes_no_progress() {
     let mut p = Parameters::START;
-    (p.lookup.enable, p.limits.job_time) = (false, 6.0);
+    (p.lookup.enable, p.limits.cycle_time) = (false, 6.0);
     let mut run = Loop::new(&p, &Build::NOMINAL);
     run.step();
     (run.input.mode, run.input.speed_override) = (Mode::DryRun, 0.01);
@@ -312,7 +312,7 @@ fn of_two_faults_with_the_same_end_the_first_stays() {
     run.input.speed_override = f64::NAN;
     for _ in 0..20 {
         run.step();
-        assert_eq!(run.output.fault, Fault::LostSpindle);
+        assert_eq!(run.output.fault, Fault::SpindleLost);
     }
 }
 
@@ -320,7 +320,7 @@ fn of_two_faults_with_the_same_end_the_first_stays() {
 fn a_tool_reading_or_an_override_that_is_lost_ends_behind_the_retract() {
     type Lose = fn(&mut Input);
     let lost: [(Fault, Lose); 3] = [
-        (Fault::LostSpindle, |input| input.spindle_speed = f64::NAN),
+        (Fault::SpindleLost, |input| input.spindle_speed = f64::NAN),
         (Fault::SpindleJump, |input| input.spindle_speed = 0.0),
         (Fault::InvalidInput, |input| input.speed_override = f64::NAN),
     ];

@@ -38,9 +38,9 @@ fn one_run_leaves_hundredths_on_machines_that_are_three_tenths_off() {
             for axis in [0, 2] {
                 let told = &run.output.axis[axis];
                 let lag = 2.0 * 0.52 / (280.0 * dynamics);
-                assert!((told.gain - gain).abs() < 3.0 * told.gain_deviation, "{gain} {dynamics}: {told:?}");
-                assert!((told.lag - lag).abs() < 3.0 * told.lag_deviation, "{gain} {dynamics}: {told:?}");
-                assert!(told.gain_deviation < 0.002 && told.lag_deviation < 5e-4, "{told:?}");
+                assert!((told.gain - gain).abs() < 3.0 * told.gain_std, "{gain} {dynamics}: {told:?}");
+                assert!((told.lag - lag).abs() < 3.0 * told.lag_std, "{gain} {dynamics}: {told:?}");
+                assert!(told.gain_std < 0.002 && told.lag_std < 5e-4, "{told:?}");
             }
             let error = worst(&mut run);
             println!("gain {gain}, dynamics {dynamics}: {time:.1} s, {error:.3} mm");
@@ -57,7 +57,7 @@ fn an_axis_that_stands_keeps_the_nominal_drive_and_says_that_nothing_is_known() 
     assert!(run.finish(Mode::Learn));
     for axis in [1, 3, 4, 5] {
         let told = &run.output.axis[axis];
-        assert!(told.gain == 1.0 && (told.gain_deviation - 0.3).abs() < 1e-9, "{told:?}");
+        assert!(told.gain == 1.0 && (told.gain_std - 0.3).abs() < 1e-9, "{told:?}");
         assert!((told.lag - 2.0 * 0.52 / 280.0).abs() < 1e-9, "{told:?}");
     }
 }

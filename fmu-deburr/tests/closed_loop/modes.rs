@@ -183,7 +183,7 @@ fn a_bank_that_learning_has_not_changed_before_it_was_broken_off_is_still_that_o
 fn time_at_an_override_of_zero_does_not_count_but_when_it_learns() {
     let job = |mode: Mode, share: f64, hold: bool| {
         let mut p = Parameters::START;
-        p.limits.job_time = 1.0;
+        p.limits.cycle_time = 1.0;
         let mut run = Loop::new(&p, &Build::NOMINAL);
         run.step();
         (run.input.mode, run.input.speed_override, run.input.hold) = (mode, share, hold);

@@ -22,7 +22,7 @@ fn random_inputs_do_no_harm() {
     let mut p = Parameters::START;
     p.learn.repetitions = 1;
     p.path.file = "touched.json".to_owned();
-    (p.path.taught_speed, p.transfer.time) = (0.5, 0.3);
+    (p.path.programmed_speed, p.transfer.time) = (0.5, 0.3);
     p.learn.factors = Speeds::new(&[1.0]).unwrap();
     let mut visited = [false; State::ALL.len() + 1];
     for seed in 0..12 {
@@ -56,7 +56,7 @@ fn random_inputs_do_no_harm() {
                 assert!(axis.velocity == 0.0 || held || !matches!(run.output.state, State::Off | State::Fault));
             }
             let found = &run.output.registration;
-            for value in [found.x, found.x_deviation, found.angle, found.angle_deviation, found.residual] {
+            for value in [found.x, found.x_std, found.angle, found.angle_std, found.residual] {
                 assert!(value.is_finite());
             }
             assert!(run.output.path.distance >= 0.0 && run.output.path.distance <= run.output.path.length);

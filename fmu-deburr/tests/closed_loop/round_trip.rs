@@ -2,17 +2,17 @@
 
 use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
-use fmu_deburr::path::TaughtPath;
 use fmu_deburr::path::{Block, Pose, Vector};
+use fmu_deburr::path::{CORNER, TaughtPath};
 
 use crate::robot::Build;
 use crate::setup::{Loop, from_zero, parameters};
 
 /// 0.8 m out and back along the arm at up to 500 mm/s; 1.2 s of acceleration, smoothed over 120 ms.
-fn round_trip(p: &Parameters) -> TaughtPath {
+fn round_trip() -> TaughtPath {
     let pose = |x: f64| Pose { tip: Vector::new(x, 0.0, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
     let blocks = vec![Block::line(&pose(0.4), &pose(1.2)).unwrap(), Block::line(&pose(1.2), &pose(0.4)).unwrap()];
-    TaughtPath::new(blocks, 0.5, true, p.path.corner).unwrap()
+    TaughtPath::new(blocks, 0.5, true, CORNER).unwrap()
 }
 
 /// Error of the bare servo over that of each repetition, axis 3.
@@ -21,7 +21,7 @@ fn ratios(base: &Parameters, delay: i32, repetitions: i32) -> Vec<f64> {
     (p.feed.acceleration, p.feed.smoothing) = (0.5 / 1.2, 12);
     p.learn.factors = Speeds::new(&[1.0]).unwrap();
     (p.learn.repetitions, p.learn.stop_at_best) = (repetitions, false);
-    let mut run = Loop::with_path(&p, &Build { delay: delay as usize, ..Build::NOMINAL }, round_trip(&p));
+    let mut run = Loop::with_path(&p, &Build { delay: delay as usize, ..Build::NOMINAL }, round_trip());
     run.input.mode = Mode::Learn;
     let (mut rms, mut seen) = (Vec::new(), 0.0);
     while run.output.state != State::Done {

@@ -59,8 +59,8 @@ impl Slips {
         if self.up.abs() < STEPS || self.sum.abs() <= limit {
             return Finding::NONE;
         }
-        let numbers = Numbers { axis: axis as i32 + 1, value: self.sum.abs(), limit, share: None };
-        Finding { fault: Fault::ReadingJump, numbers }
+        let numbers = Numbers { axis: axis as i32 + 1, value: self.sum.abs(), limit, ratio: None };
+        Finding { fault: Fault::PositionJump, numbers }
     }
 
     /// Whether there is a step in the middle; it counts when no larger one has followed on the same samples.
@@ -117,7 +117,7 @@ mod tests {
     fn counts_that_are_lost_again_and_again_are_told_where_they_add_up_to_the_limit() {
         for (lost, every) in [(40.0, 10), (-40.0, 10), (20.0, 10), (80.0, 40), (10.0, 5)] {
             let (k, found) = said(|k| noise(k) + lost * f64::from(k / every)).unwrap();
-            assert_eq!((found.fault, found.numbers.axis, found.numbers.limit), (Fault::ReadingJump, 3, 1e-3));
+            assert_eq!((found.fault, found.numbers.axis, found.numbers.limit), (Fault::PositionJump, 3, 1e-3));
             // 200 counts, with the last one found eight samples later
             let steps = (200.0 / f64::abs(lost)).ceil() as u32;
             assert!((steps * every..(steps + 3) * every + 9).contains(&k), "{lost} {every}: {k}");

@@ -88,9 +88,9 @@ fn the_cause_is_named_before_the_consequence() {
     assert!(k < 20, "{k}: {finding:?}");
     let (_, finding) = Bench::new().faulted(|moved, at| (0.3 * moved, at)).unwrap();
     assert_eq!(finding.fault, Fault::WeakDrive);
-    assert!((finding.numbers.share.unwrap() - 0.3).abs() < 0.05, "{finding:?}");
+    assert!((finding.numbers.ratio.unwrap() - 0.3).abs() < 0.05, "{finding:?}");
     let (k, finding) = Bench::new().faulted(|_, at| (0.0, at)).unwrap();
-    assert_eq!(finding.fault, Fault::FrozenReading);
+    assert_eq!(finding.fault, Fault::PositionFrozen);
     assert!(k < 8, "{k}: {finding:?}");
 }
 
@@ -115,7 +115,7 @@ fn a_drive_with_an_offset_stands_where_its_command_cancels_it() {
         // and its encoder freezes still
         let said = (0..100).map(|_| bench.step(0.02, Expectation::Bare, |_, at| (0.0, at)));
         let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else { panic!() };
-        assert_eq!(finding.fault, Fault::FrozenReading);
+        assert_eq!(finding.fault, Fault::PositionFrozen);
     }
 }
 
@@ -136,7 +136,7 @@ fn a_reading_that_freezes_just_before_the_rest_is_told_before_the_axis_has_crept
         let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else {
             panic!("{left}")
         };
-        assert_eq!(finding.fault, Fault::FrozenReading);
+        assert_eq!(finding.fault, Fault::PositionFrozen);
         assert!(crept < 1.6e-3, "{left}: {crept}");
     }
 }
@@ -151,7 +151,7 @@ fn what_no_gain_explains_is_not_the_pattern() {
     let said = (0..200).map(|_| bench.step(0.0, Expectation::Compensated, |moved, at| (moved + 20.0, at)));
     let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else { panic!() };
     // retracting would move an axis that is not under control
-    assert_eq!(finding.fault.safe_end(), control_blocks::SafeEnd::DriveOff, "{finding:?}");
+    assert_eq!(finding.fault.reaction(), control_blocks::Reaction::DriveOff, "{finding:?}");
 }
 
 #[test]

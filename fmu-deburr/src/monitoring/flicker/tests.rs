@@ -4,7 +4,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::*;
 
 const P: Parameters = Parameters::START;
-/// Samples of `transfer.settle_time` that are left where an axis has come to rest, 4/Kp after its model.
+/// Samples of `expert.transfer.settle_time` that are left where an axis has come to rest, 4/Kp after its model.
 const RESTED: u32 = 49;
 
 /// A reading of an axis whose model stands.
@@ -39,7 +39,7 @@ fn one_that_flickered_and_stands_is_told_with_its_axis_and_times() {
     for seed in 0..20 {
         let flicker = lived(230, readings(0.05 * seed as f64, 0.5, 1.0, seed));
         let (after, found) = told(&flicker).unwrap();
-        assert_eq!((found.fault, found.numbers.axis, found.numbers.share), (Fault::FrozenReading, 3, None));
+        assert_eq!((found.fault, found.numbers.axis, found.numbers.ratio), (Fault::PositionFrozen, 3, None));
         assert!(found.numbers.value > found.numbers.limit && found.numbers.value < found.numbers.limit + 0.011);
         // half a count stands for 55 samples with 1e-9, if one were sure of it
         assert!((55..110).contains(&after), "{after}");

@@ -29,7 +29,7 @@ fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() 
     };
     // half a millimetre tells too little, and so does much noise
     assert_eq!(rejected(|p| p.commission.travel = 5e-4, Build { noise: 3.0, ..Build::NOMINAL }, IDLE), 1);
-    assert_eq!(rejected(|p| p.commission.deviation_max = 5e-5, Build { noise: 2.0, ..Build::NOMINAL }, IDLE), 1);
+    assert_eq!(rejected(|p| p.commission.std_max = 5e-5, Build { noise: 2.0, ..Build::NOMINAL }, IDLE), 1);
     // a tool that is off, and drives that are later than it can bear
     assert_eq!(rejected(|_| (), Build::NOMINAL, 0.0), -1);
     assert_eq!(rejected(|_| (), Build { delay: 4, ..Build::NOMINAL }, IDLE), 0);
@@ -39,7 +39,7 @@ fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() 
 fn a_drive_that_is_lost_turns_round_or_stands_is_found_at_once() {
     for samples in [40, 700, 2000] {
         for (gain, faults) in [
-            (0.0, &[Fault::FrozenReading, Fault::WeakDrive][..]),
+            (0.0, &[Fault::PositionFrozen, Fault::WeakDrive][..]),
             (-1.0, &[Fault::DriveSign]),
             (0.2, &[Fault::WeakDrive]),
         ] {
@@ -67,9 +67,9 @@ fn a_drive_that_is_lost_turns_round_or_stands_is_found_at_once() {
 fn bad_readings_are_bridged_for_a_while_and_then_named() {
     type Spoil = fn(&mut Loop);
     let cases: [(Spoil, Fault); 4] = [
-        (|run| run.input.axis[2].position = f64::NAN, Fault::LostReading),
-        (|run| run.input.axis[2].position += 0.02, Fault::ReadingJump),
-        (|run| run.input.spindle_speed = f64::NAN, Fault::LostSpindle),
+        (|run| run.input.axis[2].position = f64::NAN, Fault::PositionLost),
+        (|run| run.input.axis[2].position += 0.02, Fault::PositionJump),
+        (|run| run.input.spindle_speed = f64::NAN, Fault::SpindleLost),
         (|run| run.input.speed_override = f64::NAN, Fault::InvalidInput),
     ];
     for (spoil, fault) in cases {

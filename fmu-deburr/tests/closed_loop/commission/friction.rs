@@ -21,9 +21,9 @@ fn friction_is_found_within_its_deviation_and_none_is_found_where_there_is_none(
             assert!(m.valid, "{build:?}: {m:?}");
             for (axis, lever) in m.axis.iter().zip(LEVERS) {
                 let off = axis.friction - held / lever;
-                assert!(off.abs() < 4.0 * axis.friction_deviation, "{build:?}: {axis:?}");
-                assert!(axis.friction_deviation * lever < 3e-6, "{build:?}: {axis:?}");
-                squares += (off / axis.friction_deviation).powi(2);
+                assert!(off.abs() < 4.0 * axis.friction_std, "{build:?}: {axis:?}");
+                assert!(axis.friction_std * lever < 3e-6, "{build:?}: {axis:?}");
+                squares += (off / axis.friction_std).powi(2);
                 count += 1.0;
             }
         }

@@ -44,7 +44,7 @@ fn learning_anew() -> (Loop, fmu_deburr::bank::pattern_bank::PatternBank) {
 fn a_fault_in_the_middle_of_learning_keeps_what_is_learned_and_the_rest_of_before() {
     type Bend = fn(&mut Loop, &fmu_deburr::path::Joints);
     let cases: [(Fault, Bend); 3] = [
-        (Fault::FrozenReading, |run, stuck| {
+        (Fault::PositionFrozen, |run, stuck| {
             run.set_positions(stuck);
             run.controller.tick(&run.input, &run.parameters, &mut run.output);
             run.robot.advance(&run.output.axis.map(|axis| axis.velocity));

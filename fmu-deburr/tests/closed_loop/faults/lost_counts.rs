@@ -28,7 +28,7 @@ fn counts_that_are_lost_in_a_run_are_told_at_a_millimetre() {
                 break;
             }
         }
-        stands_with(&run, Fault::ReadingJump);
+        stands_with(&run, Fault::PositionJump);
         let lost = lost * run.parameters.axis[2].pulse;
         assert!(!run.output.drive_enable && lost > 1e-3 && lost < 1.3e-3, "{lost} m");
     }

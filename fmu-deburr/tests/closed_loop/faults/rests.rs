@@ -50,7 +50,7 @@ fn one_that_freezes_in_the_rest_before_a_job_is_told_whether_the_job_goes_on_or_
                     run.input.mode = Mode::Idle;
                 }
                 let after = frozen(&mut run, axis);
-                stands_with(&run, Fault::FrozenReading);
+                stands_with(&run, Fault::PositionFrozen);
                 assert_eq!(run.output.numbers.axis, axis as i32 + 1);
                 assert!(!run.output.drive_enable && after.is_some_and(|after| (49..140).contains(&after)), "{after:?}");
             }
@@ -62,7 +62,7 @@ fn one_that_freezes_in_the_rest_before_a_job_is_told_whether_the_job_goes_on_or_
 fn one_that_freezes_between_two_jobs_is_told_and_a_live_one_may_stand_there_for_ever() {
     let mut run = worked();
     let after = frozen(&mut run, 4);
-    stands_with(&run, Fault::FrozenReading);
+    stands_with(&run, Fault::PositionFrozen);
     assert!(after.is_some_and(|after| after < 140), "{after:?}");
     for noise in [0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 1.0] {
         let mut run = Loop::new(&Parameters::START, &Build { noise, ..Build::NOMINAL });

@@ -85,7 +85,7 @@ fn bad_samples_of_the_tool_do_not_end_a_casting() {
 #[test]
 fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
     let mut run = running(Mode::Deburr);
-    run.parameters.limits.idle_way = 0.1;
+    run.parameters.limits.idle_travel = 0.1;
     let (mut cut, mut told) = (0.0, None);
     for k in 0..300 {
         run.input.spindle_speed = if k < 20 { 1850.0 } else { 1885.0 };
@@ -96,14 +96,14 @@ fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
     }
     stands_with(&run, Fault::NoCut);
     // a few samples of 1 mm until the tool is believed to be idle
-    let (way, idle) = (run.output.numbers.share.unwrap(), told.unwrap() - cut);
+    let (way, idle) = (run.output.numbers.ratio.unwrap(), told.unwrap() - cut);
     assert!((0.1..0.102).contains(&way) && (0.1..0.107).contains(&idle), "{way} {idle}");
 }
 
 #[test]
 fn in_a_fault_with_live_drives_the_pose_is_held() {
     let mut run = running(Mode::Deburr);
-    run.parameters.limits.idle_way = 0.1;
+    run.parameters.limits.idle_travel = 0.1;
     (0..500).for_each(|k| {
         run.input.spindle_speed = if k < 20 { 1850.0 } else { 1885.0 };
         run.step();
@@ -140,12 +140,12 @@ fn a_tool_reading_that_freezes_under_load_is_told_in_half_a_second_and_the_tool_
         }
         let (fault, samples) = (run.output.fault, cut);
         // one that never flickered may stand
-        assert_eq!(fault == Fault::FrozenSpindle, flicker > 0.0, "{fault:?}");
+        assert_eq!(fault == Fault::SpindleFrozen, flicker > 0.0, "{fault:?}");
         if flicker > 0.0 {
             assert!((50..=55).contains(&samples), "{samples}");
             let height = run.robot.positions()[1];
             (0..300).for_each(|_| run.step());
-            stands_with(&run, Fault::FrozenSpindle);
+            stands_with(&run, Fault::SpindleFrozen);
             assert!(run.output.drive_enable);
             assert!((run.robot.positions()[1] - height - p.transfer.clearance).abs() < 1e-4);
         }
@@ -179,7 +179,7 @@ fn the_time_of_a_cyclic_job_counts_anew_in_every_lap() {
     let mut p = Parameters::START;
     p.lookup.enable = false;
     // a lap takes 2 s
-    p.limits.job_time = 8.0;
+    p.limits.cycle_time = 8.0;
     let mut run = cyclic(&p, &Build::NOMINAL, Mode::DryRun);
     for _ in 0..3000 {
         run.step();

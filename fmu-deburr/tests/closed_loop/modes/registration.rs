@@ -134,9 +134,9 @@ fn parts_are_found_where_they_lie_within_their_deviations() {
         assert!((found.angle - part.angle).abs() < 2e-4, "{part:?}: {found:?}");
         // what a bare servo goes on after 4 samples at 5 mm/s, its lag and its stop
         assert!(touching.deep < 8e-4, "{}", touching.deep);
-        off.push((found.x - part.x) / found.x_deviation);
-        off.push((found.y - part.y) / found.y_deviation);
-        off.push((found.angle - part.angle) / found.angle_deviation);
+        off.push((found.x - part.x) / found.x_std);
+        off.push((found.y - part.y) / found.y_std);
+        off.push((found.angle - part.angle) / found.angle_std);
         // the path is that of the part
         let (start, taught) =
             (touching.run.controller.path().at(0.0), path_file::read(&Parameters::START, None).unwrap());
@@ -219,7 +219,7 @@ fn a_contact_that_sticks_is_told_on_the_way_and_after_a_touch() {
     }
     touching.stuck = Some(true);
     touching.end();
-    assert_eq!((touching.ended(), touching.run.output.numbers.axis), ((State::Fault, Fault::FrozenContact), 1));
+    assert_eq!((touching.ended(), touching.run.output.numbers.axis), ((State::Fault, Fault::ContactFrozen), 1));
     assert!(touching.inside() <= 0.0);
 }
 
