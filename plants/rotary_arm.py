@@ -2,10 +2,10 @@
 
 The machine is that of Ludwick, Chargin, Calzaretta and Trumper, "Calibration and Control of a Rotary Fast
 Tool Servo" (MIT, 1999). The paper gives the arm length, the asymmetry, 500 Hz, 500 m/s^2 and 1.2 um at the
-12th harmonic, but no inertia, resonance or force. Those are our choice, such that the paper's numbers agree.
+12th harmonic, but no inertia, resonance or force. Their defaults were chosen to agree with its numbers.
 
-The angle of the arm is `phi = arm_zero + arm_angle`. The centre of the tool nose lies at the depth
-`arm_length sin(phi)` into the part and at `centre_offset - slide_position - arm_length cos(phi)` from the
+The angle of the arm is `phi = arm_zero + arm_angle`. The center of the tool nose is at the depth
+`arm_length sin(phi)` into the part and at `center_offset - slide_position - arm_length cos(phi)` from the
 spindle axis.
 """
 
@@ -21,7 +21,7 @@ from plants.rotary_arm_parameters import RotaryArmParameters
 
 TURN = 2.0 * math.pi
 RIPPLES = (5, 7, 18, 31)
-"""Cycles per turn of the ripple besides the one of the paper: odd and even ones, the last beyond the 24th."""
+"""Cycles of the ripple per revolution in addition to that of the paper: odd and even, the last above 24."""
 
 
 class RotaryArm(Plant):
@@ -36,7 +36,7 @@ class RotaryArm(Plant):
     )  # fmt: skip
 
     def name_channels(self, p: RotaryArmParameters) -> None:
-        """Name them, with the noise, resolution and limits that the parameters say."""
+        """Name the channels, with noise, resolution and limits of the parameters."""
         limit = p.torque_limit
         self.readings = (
             Channel("arm_angle", "rad", "Arm encoder, from its index", quantum=p.arm_resolution),
@@ -44,28 +44,28 @@ class RotaryArm(Plant):
             Channel("slide_position", "m", "Cross-slide encoder", quantum=p.slide_resolution),
             Channel("probe_depth", "m", "Probe, while it is down", p.probe_noise, p.probe_resolution),
             Channel(
-                "probe_lateral", "m", "Place of the probe from the spindle axis", 0.0, p.slide_resolution
+                "probe_lateral", "m", "Position of the probe from the spindle axis", 0.0, p.slide_resolution
             ),
-            Channel("part_angle", "rad", "Angle of the spindle at which the probe reads the part"),
+            Channel("part_angle", "rad", "Spindle angle at which the probe measures the part"),
         )
         self.commands = (
             Channel("torque", "N.m", "Torque command of the arm", 0.0, p.torque_resolution, -limit, limit),
             Channel(
                 "enable", "1", "1 while the amplifier of the arm is on", minimum=0.0, maximum=1.0, start=1.0
             ),
-            Channel("speed_change", "rad/s", "Spindle speed against `spindle_speed`"),
-            Channel("slide_velocity", "m/s", "Slide velocity besides the feed"),
+            Channel("speed_change", "rad/s", "Spindle speed minus `spindle_speed`"),
+            Channel("slide_velocity", "m/s", "Slide velocity in addition to the feed"),
             Channel("cutting", "1", "1 while the tool is in the part", minimum=0.0, maximum=1.0),
             Channel("probing", "1", "1 while the probe is down on the part", minimum=0.0, maximum=1.0),
             Channel("part_turned", "rad", "Angle to which the spindle is turned for the probe"),
-            Channel("new_part", "1", "1 while a blank takes the place of the part", minimum=0.0, maximum=1.0),
+            Channel("new_part", "1", "1 while a blank replaces the part", minimum=0.0, maximum=1.0),
         )
         self.truths = (
-            Channel("tip_depth", "m", "Depth of the centre of the tool nose from the arm axis"),
-            Channel("tip_lateral", "m", "Distance of the centre of the tool nose from the spindle axis"),
-            Channel("tip_height", "m", "Height of that centre above the axis of the spindle"),
+            Channel("tip_depth", "m", "Depth of the center of the tool nose from the arm axis"),
+            Channel("tip_lateral", "m", "Distance of the center of the tool nose from the spindle axis"),
+            Channel("tip_height", "m", "Height of the tool nose above the spindle axis"),
             Channel("arm_angle", "rad", "Angle of the hub from the encoder's index"),
-            Channel("flexure", "rad", "Angle of the tool against the hub"),
+            Channel("flexure", "rad", "Angle of the tool relative to the hub"),
             Channel("torque", "N.m", "Torque of the motor"),
             Channel("friction", "N.m", "Coulomb friction on the arm, last plant step"),
             Channel("ripple", "N.m", "Torque ripple on the arm, last plant step"),
@@ -77,7 +77,7 @@ class RotaryArm(Plant):
 
     def shape(self, spec: Any, p: RotaryArmParameters) -> None:
         """Write lengths, inertias, stiffnesses, friction and drives into the MJCF."""
-        spec.body("slide").pos[0] = p.centre_offset
+        spec.body("slide").pos[0] = p.center_offset
         spec.site("tool").pos[:2] = -p.arm_length, p.tool_height
         hub, arm = spec.body("hub"), spec.body("arm")
         hub.inertia[:], arm.inertia[:] = p.hub_inertia, p.arm_inertia
@@ -107,7 +107,7 @@ class RotaryArm(Plant):
         looks.dress(spec, p, shown)
 
     def begin(self, steps: int) -> None:
-        """Draw angles and phases, start the spindle, bind the elements."""
+        """Sample angles and phases, start the spindle, bind the elements."""
         self._place()
         self._motor()
         self._spindle()
@@ -181,7 +181,7 @@ class RotaryArm(Plant):
 
     def _cutting(self, steps: int) -> None:
         p, wire, bind = self.parameters, self.wire, self.circuit.bind
-        # the part resists most where it is highest: the angle zero of a toric
+        # the thrust is largest where the part is highest: at the angle zero of a toric
         bind(
             "cutting_twice",
             _native.harmonics([(p.cutting_force_twice, TURN / 4.0)]),
@@ -210,7 +210,7 @@ class RotaryArm(Plant):
 
     def _part(self, steps: int) -> None:
         p, wire, data, bind = self.parameters, self.wire, self.data, self.circuit.bind
-        place = Cell(data.qpos, self._position("slide"), scale=-1.0, offset=p.centre_offset - p.probe_place)
+        place = Cell(data.qpos, self._position("slide"), scale=-1.0, offset=p.center_offset - p.probe_place)
         bind("probe_lateral", _native.summing_junction(1), [place], [wire("probe_lateral")])
         bind(
             "part",
@@ -248,11 +248,11 @@ class RotaryArm(Plant):
             "probe_lateral": wire("probe_lateral", offset=away),
             "part_angle": wire("part_angle"),
         }
-        told = (
+        names = (
             "torque", "enable", "speed_change", "slide_velocity", "cutting", "probing", "part_turned",
             "new_part",
         )  # fmt: skip
-        commands = {name: wire(name) for name in told}
+        commands = {name: wire(name) for name in names}
         truths = {
             "tip_depth": depth,
             "tip_lateral": lateral,
@@ -270,7 +270,7 @@ class RotaryArm(Plant):
         self.connect(readings, commands, truths)
 
     def _grating(self, name: str, angle: Cell, eccentricity: float) -> Cell:
-        # the grating turns about an axis beside its own
+        # the grating is eccentric
         if eccentricity == 0.0:
             return angle
         phase = self.stream(f"{name}_eccentricity").uniform(0.0, TURN)
@@ -281,7 +281,7 @@ class RotaryArm(Plant):
         return read
 
     def _nose(self) -> tuple[Cell, Cell]:
-        # lateral place and depth of its centre
+        # lateral position and depth of its center
         tool = self._tool()
         return Cell(self.data.site_xpos, tool), Cell(self.data.site_xpos, tool + 2)
 

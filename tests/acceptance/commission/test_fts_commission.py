@@ -1,7 +1,7 @@
-"""Fast tool servo on machines that nobody has measured: `studies/fts-commission*.toml`, before and after.
+"""Fast tool servo on unmeasured machines: `studies/fts-commission*.toml`, before and after.
 
-Half of the machines use what the commission has measured, the other half what they were told.
-`pytest -m full -rP` runs the whole studies and prints the tables of `fmu-fts/README.md`.
+Half of the machines use the measured values, the other half the configured ones.
+`pytest -m full -rP` runs the whole studies and prints the tables of `docs/results/fts.md`.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from . import machine
 pytestmark = pytest.mark.acceptance
 
 FEW = (3, 93_017)
-"""Machines of the default run, and their seed; no study has it."""
+"""Machines of the default run, and their seed, which no study uses."""
 FEW_AT_500_HZ = (2, 93_018)
 TURN = 2.0 * np.pi
 NEAR = {
     "inertia": 0.01, "dry_friction": 0.06, "viscous_friction": 0.15, "io_delay": 0.5,
     "tip_frequency": 0.025, "tip_damping": 0.005, "tip_inertia": 0.05,
 }  # fmt: skip
-"""Largest errors of what is measured: shares, of delay, damping and share of the inertia what they are."""
+"""Largest errors of the measured values: relative, except delay, damping and inertia ratio."""
 PLAIN = ("io_delay", "tip_damping", "tip_inertia")
 
 
 class Machine(machine.Machine):
-    """A machine of the study and how it ended."""
+    """A machine of the study and its result."""
 
     @property
     def truth(self) -> dict[str, float]:
-        """What is to be measured, inertia and frictions as they go with the torque that was told."""
+        """Values to be measured; inertia and frictions relative to the commanded torque."""
         plant = {name.removeprefix("plant."): float(value) for name, value in self.changes.items()}
         inertia, gain = plant["hub_inertia"] + plant["arm_inertia"], plant["torque_gain"]
         return {
@@ -50,12 +50,12 @@ class Machine(machine.Machine):
 
 
 def machines(name: str, few: tuple[int, int] | None = None) -> list[Machine]:
-    """Machines of a study, or so many that are drawn anew with a seed."""
+    """Machines of a study, or that many sampled with a seed."""
     return [Machine(one.changes, one.result) for one in studies.machines(name, few)]
 
 
 def errors(found: Sequence[Machine]) -> dict[str, np.ndarray]:
-    """Compare what was measured with what is true."""
+    """Compare the measured values with the actual ones."""
     return {
         name: np.array(
             [(one[name] - one.truth[name]) / (1.0 if name in PLAIN else one.truth[name]) for one in found]
@@ -67,13 +67,12 @@ def errors(found: Sequence[Machine]) -> dict[str, np.ndarray]:
 def deviations(found: Sequence[Machine]) -> dict[str, np.ndarray]:
     """Compare the errors with the standard deviations that the controller claims."""
     return {
-        name: np.array([(one[name] - one.truth[name]) / one[f"{name}_deviation"] for one in found])
-        for name in NEAR
+        name: np.array([(one[name] - one.truth[name]) / one[f"{name}_std"] for one in found]) for name in NEAR
     }
 
 
 def ends(those: Sequence[Machine]) -> dict[str, float]:
-    """How machines ended: so many of each kind, and errors (um)."""
+    """Count the results of each kind; errors in um."""
     rms, tip = (np.array([one[name] for one in those]) * 1e6 for name in ("rms", "tip"))
     return {
         "machines": len(those),
@@ -85,27 +84,27 @@ def ends(those: Sequence[Machine]) -> dict[str, float]:
     }
 
 
-def tell(found: Sequence[Machine]) -> None:
-    """Print how the machines ended, apart by whether they use what was measured, and what that was."""
+def report(found: Sequence[Machine]) -> None:
+    """Print the results with and without the measured values, and the measured values."""
     for applied in (False, True):
         print(f"applied {applied}:", ends([one for one in found if one.applied is applied]))
     for name, error in errors(found).items():
         sure = deviations(found)[name]
-        spread = f"{np.sqrt(np.mean(sure**2)):.2f} deviations rms, at most {abs(sure).max():.2f}"
+        spread = f"{np.sqrt(np.mean(sure**2)):.2f} standard deviations rms, at most {abs(sure).max():.2f}"
         print(f"{name}: {error.min():+.4f} to {error.max():+.4f}, {spread}")
-    for name in ("commissioned", "travel", "swing_torque"):
+    for name in ("commissioned", "travel", "oscillation_torque"):
         print(f"{name}: at most {max(one[name] for one in found):.4g}")
     print(f"bandwidth: at least {min(one['bandwidth'] for one in found if one.applied):.0f} Hz")
 
 
 def keep(found: Sequence[Machine], rows: tuple[str, str]) -> None:
-    """Keep how the machines ended: a row of those as told, one of those that use what they measured."""
+    """Store the results: a row with configured values, one with measured values."""
     for row, applied in zip(rows, (False, True), strict=True):
         store.measured("fts-commission", row, **ends([one for one in found if one.applied is applied]))
 
 
 def keep_measured(found: Sequence[Machine]) -> None:
-    """Keep how true the measurements are."""
+    """Store the errors of the measurements."""
     limits: dict[str, float] = {}
     for name, error in errors(found).items():
         scale, sure = 1.0 if name in PLAIN else 100.0, deviations(found)[name]
@@ -114,20 +113,21 @@ def keep_measured(found: Sequence[Machine]) -> None:
     store.measured(
         "fts-measured", "found", machines=len(found), seconds=max(one["commissioned"] for one in found),
         rounded=int(sum(abs(errors(found)["io_delay"]) < 0.5)),
-        travel=1e3 * max(one["travel"] for one in found), torque=max(one["swing_torque"] for one in found),
+        travel=1e3 * max(one["travel"] for one in found),
+        torque=max(one["oscillation_torque"] for one in found),
         bandwidth=min(one["bandwidth"] for one in found if one.applied), **limits,
     )  # fmt: skip
 
 
 def hold(found: Sequence[Machine], least: float) -> None:
-    """Hold the machines that use what was measured against the demand, and all against what it keeps to."""
-    tell(found)
+    """Compare the machines that use the measured values with the demand, and all with the bounds."""
+    report(found)
     applied = [one for one in found if one.applied]
     assert sum(one["good"] for one in applied) >= least * len(applied)
     for one in found:
         assert one["commissioned"] < 120.0
         assert one["travel"] < 1.75e-3
-        assert one["swing_torque"] < 1.4
+        assert one["oscillation_torque"] < 1.4
     for name, most in NEAR.items():
         assert abs(errors(found)[name]).max() < most, name
         assert abs(deviations(found)[name]).max() < 3.0, name
@@ -157,7 +157,7 @@ def test_the_whole_study_at_500_hz() -> None:
     keep(found, ("told at 500 Hz", "applied at 500 Hz"))
 
 
-def test_what_was_measured_is_true_within_its_deviations() -> None:
+def test_the_measured_values_are_right_within_their_standard_deviations() -> None:
     rows = trace(run("fts/commission"))
     gain = 0.85
     truth = {
@@ -169,7 +169,5 @@ def test_what_was_measured_is_true_within_its_deviations() -> None:
         "tip_damping": 0.016,
     }
     for name, expected in truth.items():
-        measured, deviation = (
-            float(rows[f"controller.measured.{name}{kind}"][-1]) for kind in ("", "_deviation")
-        )
+        measured, deviation = (float(rows[f"controller.measured.{name}{kind}"][-1]) for kind in ("", "_std"))
         assert abs(measured - expected) < 2.0 * deviation, name

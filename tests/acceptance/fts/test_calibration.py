@@ -1,7 +1,7 @@
-"""Fast tool servo: identified and calibrated through its machine, which swings, cuts parts and probes them.
+"""Identification and calibration of the fast tool servo in its machine.
 
-The large samples run with `pytest -m full -rP tests/acceptance/fts/test_calibration.py`, which prints what
-they measured.
+The large samples run with `pytest -m full -rP tests/acceptance/fts/test_calibration.py`, which prints the
+measured values.
 """
 
 import json
@@ -19,20 +19,20 @@ from ..samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
-README = (Path(__file__).parents[3] / "fmu-fts/README.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "fmu-fts/doc/path.md").read_text(encoding="utf-8")
 
-# nothing was tuned on these seeds
+# not used for tuning
 SOME = (63_001,)
 MANY = tuple(range(64_001, 64_021))
-AS_TOLD = "plant.torque_gain=1.0"
-"""The machine of which the response was measured, that of `fts/identify`. With the response of another drive
-feedforward leaves more: 0.54 % of the path in place of 0.26 % where the drive gives 3 % less. Measured on
+NOMINAL = "plant.torque_gain=1.0"
+"""The machine of the measured response, as in `fts/identify`. With the response of another drive
+feedforward leaves more: 0.54 % of the path instead of 0.26 % if the drive delivers 3 % less. Measured on
 that drive it leaves 0.27 %."""
 
 # frequency response
 
 
-def test_a_measured_response_can_be_given_back_as_a_file(
+def test_a_measured_response_can_be_loaded_from_a_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # the frequencies of the lens are enough here
@@ -44,53 +44,53 @@ def test_a_measured_response_can_be_given_back_as_a_file(
         "signal.plant.cutting.times=[0.0, 3.7]",
         "loop.duration=4.6",
     )
-    # the example of the README writes the file
-    example = re.findall(r"```python\n(.*?)```", README, re.DOTALL)[0]
+    # the example of the page writes the file
+    example = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
     monkeypatch.chdir(tmp_path)
     exec(example, {"result": first})
     table = json.loads((tmp_path / "response.json").read_text(encoding="utf-8"))
     assert table["frequency_hz"] == pytest.approx([20.0, 40.0, 60.0, 120.0, 240.0])
-    again = run("fts/feedforward", f"controller.response.file='{tmp_path / 'response.json'}'", AS_TOLD)
-    share = value(again, "twice") / 1748e-6
-    print(f"at once {100 * value(first, 'share'):.2f} %, from the file {100 * share:.2f} %")
-    assert value(first, "share") <= 0.005
-    assert share <= 0.005
-    # from the first sample on it is the response in use
+    again = run("fts/feedforward", f"controller.response.file='{tmp_path / 'response.json'}'", NOMINAL)
+    ratio = value(again, "twice") / 1748e-6
+    print(f"in the same run {100 * value(first, 'error_ratio'):.2f} %, from the file {100 * ratio:.2f} %")
+    assert value(first, "error_ratio") <= 0.005
+    assert ratio <= 0.005
+    # the response is in use from the first sample on
     rows = trace(again)
     for i, magnitude in enumerate(table["magnitude"], start=1):
         assert rows[f"controller.response.magnitude[{i}]"] == pytest.approx(magnitude)
 
 
-def test_the_response_in_the_resources_of_the_fmu_is_that_of_the_machine_as_it_is_told() -> None:
-    result = run("fts/feedforward", "controller.response.file='response.json'", AS_TOLD)
+def test_the_response_in_the_resources_of_the_fmu_is_that_of_the_nominal_machine() -> None:
+    result = run("fts/feedforward", "controller.response.file='response.json'", NOMINAL)
     weaker = run("fts/feedforward", "controller.response.file='response.json'")
-    shares = [value(one, "twice") / 1748e-6 for one in (result, weaker)]
-    print(" and ".join(f"{100 * share:.2f} %" for share in shares))
-    assert shares[0] <= 0.005
-    # the 3 % that the drive of `fts` is weaker: the response is not its own
-    assert 0.005 < shares[1] <= 0.008
+    ratios = [value(one, "twice") / 1748e-6 for one in (result, weaker)]
+    print(" and ".join(f"{100 * ratio:.2f} %" for ratio in ratios))
+    assert ratios[0] <= 0.005
+    # the drive of `fts` is 3 % weaker: the response is of another drive
+    assert 0.005 < ratios[1] <= 0.008
     assert trace(result)["controller.response.frequency[17]"][-1] == 0.0
 
 
 def test_without_the_thrust_twice_a_turn_nothing_is_left_at_n_2() -> None:
     result = run("fts/identify", "plant.cutting_force_twice=0.0")
-    print(f"{100 * value(result, 'share'):.4f} %")
-    assert value(result, "share") < 2e-4
+    print(f"{100 * value(result, 'error_ratio'):.4f} %")
+    assert value(result, "error_ratio") < 2e-4
 
 
-def test_the_measurement_takes_as_long_as_was_told() -> None:
+def test_the_measurement_takes_its_calculated_duration() -> None:
     with cosim.Session(cosim.load("fts/identify", set=["loop.duration=6.0"]), engine="native") as session:
         rows = trace(session.run())
-        told = session.fmu.read(session.file.variables["expert.identify.duration"])
+        duration = session.fmu.read(session.file.variables["expert.identify.duration"])
     progress = rows["controller.identify.progress"]
     began, ended = rows["time"][progress > 0.0][0], rows["time"][progress >= 1.0][0]
-    assert ended - began == pytest.approx(told, abs=2e-4)
+    assert ended - began == pytest.approx(duration, abs=2e-4)
 
 
 def test_friction_falsifies_a_response_measured_at_a_small_amplitude() -> None:
     small = run("fts/identify", "controller.identify.amplitude=5e-4")
-    print(f"at 0.5 mm {100 * value(small, 'share'):.2f} %")
-    assert 0.006 < value(small, "share") < 0.02
+    print(f"at 0.5 mm {100 * value(small, 'error_ratio'):.2f} %")
+    assert 0.006 < value(small, "error_ratio") < 0.02
 
 
 @pytest.mark.parametrize("delay", [0, 2])
@@ -103,13 +103,13 @@ def test_the_response_holds_with_other_delays(delay: int) -> None:
     result = run("fts/identify", *delays[delay])
     print(
         f"delay {delay}: {value(result, 'bandwidth'):.1f} Hz, {value(result, 'phase_margin'):.1f} deg, "
-        f"Ms {value(result, 'sensitivity'):.2f}, feedforward {100 * value(result, 'share'):.2f} %"
+        f"Ms {value(result, 'sensitivity'):.2f}, feedforward {100 * value(result, 'error_ratio'):.2f} %"
     )
     assert value(result, "bandwidth") == pytest.approx(230.0, abs=7.0)
     loop = {name: value(result, name) for name in ("bandwidth", "phase_margin", "sensitivity")}
     row = {0: "no delay", 2: "two samples"}[delay]
-    measured("fts-loop", row, **loop, share=100.0 * value(result, "share"))
-    assert value(result, "share") <= 0.005
+    measured("fts-loop", row, **loop, share=100.0 * value(result, "error_ratio"))
+    assert value(result, "error_ratio") <= 0.005
     assert value(result, "good")
 
 
@@ -148,7 +148,7 @@ def test_a_malformed_file_is_refused_before_anything_moves(
 
 
 def test_a_path_from_a_file_is_followed(tmp_path: Path) -> None:
-    # 1 mm twice and 0.1 mm three times a turn, deeper towards the spindle axis
+    # 1 mm twice and 0.1 mm three times per revolution, deeper towards the spindle axis
     rows = 41
     depth = np.linspace(0.0, 2e-3, rows)
     cosine = [[z, 0.0, 1e-3, 0.0] for z in depth.tolist()]
@@ -172,84 +172,84 @@ def test_a_path_from_a_file_is_followed(tmp_path: Path) -> None:
 
 @dataclass(frozen=True)
 class Machine:
-    """What is true of a machine, and what its controller believes at first."""
+    """Geometry of a machine, which differs from the configured values."""
 
     arm_length: float
-    centre_offset: float
+    center_offset: float
     arm_zero: float
 
     def changes(self) -> tuple[str, ...]:
         return (
             f"plant.arm_length={self.arm_length!r}",
-            f"plant.centre_offset={self.centre_offset!r}",
+            f"plant.center_offset={self.center_offset!r}",
             f"plant.arm_zero={self.arm_zero!r}",
         )
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """Errors of a calibration, each with the standard deviation that the controller told."""
+    """Errors of a calibration, each with its reported standard deviation."""
 
     length: float
-    length_sigma: float
+    length_std: float
     offset: float
-    offset_sigma: float
+    offset_std: float
     zero: float
-    zero_sigma: float
+    zero_std: float
 
 
 def draw(seed: int) -> Machine:
-    """Draw a machine: wrong by up to 0.1 mm and 1 mrad against what the scenarios cut it with."""
+    """Sample a machine with geometry errors of up to 0.1 mm and 1 mrad."""
     random = np.random.default_rng(seed)
     return Machine(
         arm_length=0.08 + random.uniform(-1e-4, 1e-4),
-        centre_offset=0.15 + random.uniform(-1e-4, 1e-4),
+        center_offset=0.15 + random.uniform(-1e-4, 1e-4),
         arm_zero=0.0523 + random.uniform(-1e-3, 1e-3),
     )
 
 
 def calibrate(seed: int, flats: str = "fts/calibrate-flats") -> Calibrated:
-    """Toroid first, then flats with the arm length and the standard deviation that it gave."""
+    """Calibrate with a toroid, then with flats and the arm length and standard deviation of the toroid."""
     machine = draw(seed)
     rows = trace(run("fts/calibrate-toroid", *machine.changes(), seed=seed))
-    told = {
+    toroid = {
         name: float(rows[f"controller.calibration.{name}"][-1])
-        for name in ("arm_length", "arm_length_sigma", "centre_offset", "centre_offset_sigma")
+        for name in ("arm_length", "arm_length_std", "center_offset", "center_offset_std")
     }
     result = run(
         flats,
         *machine.changes(),
-        f"controller.tool.arm_length=[{told['arm_length']!r}, 0.08]",
-        f"controller.expert.tool.arm_length_std=[{told['arm_length_sigma']!r}, 1e-6]",
+        f"controller.tool.arm_length=[{toroid['arm_length']!r}, 0.08]",
+        f"controller.expert.tool.arm_length_std=[{toroid['arm_length_std']!r}, 1e-6]",
         seed=seed,
     )
     assert value(result, "solved")
     rows = trace(result)
     zero = float(rows["controller.calibration.arm_zero"][-1])
     return Calibrated(
-        told["arm_length"] - machine.arm_length,
-        told["arm_length_sigma"],
-        told["centre_offset"] - machine.centre_offset,
-        told["centre_offset_sigma"],
+        toroid["arm_length"] - machine.arm_length,
+        toroid["arm_length_std"],
+        toroid["center_offset"] - machine.center_offset,
+        toroid["center_offset_std"],
         zero - machine.arm_zero,
         float(rows["controller.calibration.arm_zero_std"][-1]),
     )
 
 
 def calibrations(seeds: tuple[int, ...]) -> dict[str, dict[str, float]]:
-    """Calibrate a machine for each seed; how wrong each length and angle is, in um and mrad."""
+    """Calibrate a machine for each seed; return the errors of each length and angle in um and mrad."""
     all_of = [calibrate(seed) for seed in seeds]
     errors = np.array([(one.length, one.offset, one.zero) for one in all_of])
-    sigmas = np.array([(one.length_sigma, one.offset_sigma, one.zero_sigma) for one in all_of])
+    sigmas = np.array([(one.length_std, one.offset_std, one.zero_std) for one in all_of])
     largest, rms = np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0))
-    doubt = np.sqrt(np.mean((errors / sigmas) ** 2, axis=0))
+    ratio = np.sqrt(np.mean((errors / sigmas) ** 2, axis=0))
     found = {}
     for i, (name, unit, scale) in enumerate(
         (("arm length", "um", 1e6), ("cross-slide offset", "um", 1e6), ("arm zero", "mrad", 1e3))
     ):
         print(
-            f"{len(seeds)} machines: {name} rms {scale * rms[i]:.4f}, most {scale * largest[i]:.4f} {unit}, "
-            f"told {scale * np.median(sigmas[:, i]):.4f}, rms over told {doubt[i]:.2f}"
+            f"{len(seeds)} machines: {name} rms {scale * rms[i]:.4f}, max {scale * largest[i]:.4f} {unit}, "
+            f"reported {scale * np.median(sigmas[:, i]):.4f}, rms over it {ratio[i]:.2f}"
         )
         errors_of = {"rms": rms[i], "most": largest[i], "told": np.median(sigmas[:, i])}
         found[name] = {"machines": len(seeds), **{key: scale * float(one) for key, one in errors_of.items()}}
@@ -257,10 +257,10 @@ def calibrations(seeds: tuple[int, ...]) -> dict[str, dict[str, float]]:
     assert largest[1] <= 1.5e-6
     assert largest[2] <= 0.02e-3
     assert rms[2] <= 0.01e-3
-    # the standard deviations are honest: neither far too small nor far too large
+    # the standard deviations are realistic: neither far too small nor far too large
     assert np.all(np.abs(errors) < 4.0 * sigmas)
     if len(seeds) >= 20:
-        assert np.all(doubt < 1.4)
+        assert np.all(ratio < 1.4)
         assert np.all(sigmas < [0.6e-6, 0.6e-6, 0.01e-3])
     return found
 
@@ -276,20 +276,20 @@ def test_calibration_of_20_machines() -> None:
 
 
 @pytest.mark.full
-def test_square_to_the_spindle_the_standard_deviation_says_that_the_zero_is_unknown() -> None:
+def test_the_standard_deviation_of_the_zero_is_large_square_to_the_spindle() -> None:
     errors = []
     for seed in MANY[:5]:
         one = calibrate(seed, "fts/calibrate-flats-square")
-        print(f"error {1e3 * one.zero:.4f} mrad, told {1e3 * one.zero_sigma:.4f} mrad")
-        assert one.zero_sigma > 0.03e-3
-        assert abs(one.zero) < 4.0 * one.zero_sigma
-        errors.append(one.zero / one.zero_sigma)
+        print(f"error {1e3 * one.zero:.4f} mrad, reported {1e3 * one.zero_std:.4f} mrad")
+        assert one.zero_std > 0.03e-3
+        assert abs(one.zero) < 4.0 * one.zero_std
+        errors.append(one.zero / one.zero_std)
     assert np.sqrt(np.mean(np.square(errors))) < 2.0
 
 
 @pytest.mark.full
 def test_without_the_bend_of_the_arm_the_zero_is_off_by_what_2_newton_do() -> None:
-    # the controller believes in a rigid arm
+    # the controller assumes a rigid arm
     result = run("fts/calibrate-flats", "controller.tip.frequency=0.0")
     print(f"error {1e3 * value(result, 'zero_error'):.4f} mrad")
     assert value(result, "zero_error") == pytest.approx(-11e-6, abs=5e-6)

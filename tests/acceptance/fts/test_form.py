@@ -1,7 +1,7 @@
-"""Form of a lens: cut by machines that are not what the controller is told, probed, corrected, cut again.
+"""Form of a lens on off-nominal machines: cut, probed, corrected and cut again.
 
-What counts is the truth: the depth of the nose of the tool at its true place on the part, against the lens
-that was asked for. The large sample runs with `pytest -m full -rP tests/acceptance/fts/test_form.py`.
+The ground truth is the depth of the tool nose at its actual position on the part, compared with the requested
+lens. The large sample runs with `pytest -m full -rP tests/acceptance/fts/test_form.py`.
 """
 
 from __future__ import annotations
@@ -19,33 +19,33 @@ from ..samples.runs import run, trace, value
 
 pytestmark = pytest.mark.acceptance
 
-# nothing was tuned on these seeds
+# not used for tuning
 SOME = (72_001, 72_002)
 MANY = tuple(range(73_001, 73_121))
 
 RADIUS, NOSE = 0.1325, 2e-3
 ZONE = (0.02825, 0.02955)
-"""Distance of the tool from the spindle axis where both lenses count, m: there the probe has read."""
+"""Distance of the tool from the spindle axis in the probed zone of both lenses, m."""
 CUTS = ((1.0, 3.8), (8.45, 11.25))
 RINGS, SECTORS = 4, 16
-"""The form is what is left of the error in the mean of a cell: six turns, a sixteenth of each."""
+"""The form is the error in the mean of a cell: six revolutions, a sixteenth of each."""
 NOISE = 0.15e-6
-"""What the noise of the cut leaves in such means, and the probe in the correction, m rms: 0.1 um of each."""
+"""Noise of the cut in such means, and of the probe in the correction, m rms: 0.1 um of each."""
 
 
 def machine(seed: int) -> tuple[str, ...]:
-    """Draw a machine; a third of them is wrong by little.
+    """Sample a machine; a third of them has small errors.
 
-    Arm length within 0.3 mm; the centre offset, found by turning to the axis, errs with it and by 20 um more;
-    arm zero within 1 mrad; thrust of 1 to 4 N, which winds the arm up; arm read a sample late in a third of
-    all; radii of nose and ball; drive within 20 %, resonance within 10 %, friction.
+    Arm length within 0.3 mm; the center offset, found by turning to the axis, has the same error and 20 um
+    more; arm zero within 1 mrad; thrust of 1 to 4 N, which bends the arm; arm angle a sample late in a third
+    of them; radii of nose and ball; drive within 20 %, resonance within 10 %, friction.
     """
     random = np.random.default_rng(seed)
     scale = 1.0 if random.uniform() > 1.0 / 3.0 else 0.1
     length = scale * random.uniform(-3e-4, 3e-4)
     plant = {
         "arm_length": 0.08 + length,
-        "centre_offset": 0.15 + length + scale * random.uniform(-2e-5, 2e-5),
+        "center_offset": 0.15 + length + scale * random.uniform(-2e-5, 2e-5),
         "arm_zero": 0.0523 + scale * random.uniform(-1e-3, 1e-3),
         "tool_radius": NOSE + random.uniform(-1e-6, 1e-6),
         "probe_radius": 1.5e-3 + random.uniform(-2e-7, 2e-7),
@@ -65,7 +65,7 @@ def machine(seed: int) -> tuple[str, ...]:
 
 
 def wanted(distance: NDArray[np.float64], angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Depth of the centre of the nose over the lens (m), but for a constant."""
+    """Depth of the center of the nose over the lens (m), except a constant."""
     across = np.cos(angle)
     contact = distance
     for _ in range(8):
@@ -78,7 +78,7 @@ def wanted(distance: NDArray[np.float64], angle: NDArray[np.float64]) -> NDArray
 
 @dataclass(frozen=True)
 class Corrected:
-    """Forms (m, rms without the mean) of two lenses, and what the controller tells of them."""
+    """Forms (m, rms without the mean) of two lenses, and those that the controller reports."""
 
     before: float
     after: float
@@ -106,7 +106,7 @@ def corrected(seed: int) -> Corrected:
         before,
         after,
         probed=value(result, "before"),
-        deviation=value(result, "deviation"),
+        deviation=value(result, "std"),
         solved=bool(value(result, "solved") and value(result, "good")),
     )
 
@@ -126,7 +126,7 @@ def hold(seeds: Sequence[int]) -> dict[str, dict[str, float]]:
     # one correction leaves a fifth, and no lens is worse than before by more than the noise
     assert np.all(after[large] <= 0.2 * before[large])
     assert np.all(after <= before + NOISE)
-    # and what was probed is the truth
+    # and the probed values agree with the ground truth
     assert np.all(np.abs(np.array([one.probed for one in found]) - before) <= 0.1 * before + NOISE)
     rows = {}
     for name, here in (("above 1 um", large), ("below 1 um", ~large)):

@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[3]
 TURN = 2.0 * math.pi
 RPM = TURN / 60.0
 
-# nothing was tuned on these seeds
+# not used for tuning
 MANY = tuple(range(61_001, 61_021))
 CASES = tuple(range(62_001, 62_051))
 
@@ -46,7 +46,7 @@ DELAYS: dict[int, Changes] = {
     1: (),
     2: ("controller.io_delay=2", "wire.plant.torque.delay=1"),
 }
-"""Samples between a command and its action, and what tells plant and controller so."""
+"""Samples between a command and its effect, and the settings of plant and controller."""
 
 
 def speed(rpm: float) -> Changes:
@@ -54,7 +54,7 @@ def speed(rpm: float) -> Changes:
 
 
 def amplitudes(result: cosim.Result, turns: int = 5) -> dict[int, float]:
-    """Amplitude of every harmonic of the encoder error over the last turns, m."""
+    """Amplitude of every harmonic of the encoder error over the last revolutions, m."""
     rows = trace(result)
     angle = rows["plant.spindle_angle"]
     last = angle > angle[-1] - turns * TURN
@@ -75,7 +75,7 @@ def five_harmonics(delay: int) -> None:
     assert value(result, "rms") == pytest.approx(1.2e-6, abs=0.25e-6)
     assert value(result, "peak") < 4e-6
     assert value(result, "tip") < 1.5e-6
-    assert 0.9 < value(result, "told") < 1.1
+    assert 0.9 < value(result, "reported") < 1.1
     assert worst == 12, f"the largest harmonic is {worst}"
 
 
@@ -90,9 +90,9 @@ def test_the_cancellation_settles_within_a_second() -> None:
         "signal.controller.afc.enable.values=[false, true]",
     )
     rows = trace(run("fts", *FIVE, *late))
-    told = rows["controller.error.rms"]
-    assert told[rows["time"] < 0.8].max() > 5e-6
-    assert told[rows["time"] > 1.8].max() < 2e-6
+    reported = rows["controller.error.rms"]
+    assert reported[rows["time"] < 0.8].max() > 5e-6
+    assert reported[rows["time"] > 1.8].max() < 2e-6
 
 
 @pytest.mark.full
@@ -137,7 +137,7 @@ def test_default_mode_in_20_cuts(name: str, most: float) -> None:
     measured("fts", name, cuts=len(results), rms=1e6 * rms.max(), tip=1e6 * tip.max())
 
 
-# feedforward with the response that was measured in place
+# feedforward with the response measured on the machine
 
 
 def test_feedforward_with_the_identified_response() -> None:
@@ -157,7 +157,7 @@ def test_feedforward_with_the_identified_response() -> None:
     measured("fts", "identified response", twice=100.0 * value(result, "twice") / 1748e-6)
 
 
-# what the limits say
+# limits
 
 
 def test_eq_3_as_printed_grows_at_1200_rpm_and_the_advanced_one_does_not() -> None:
@@ -197,7 +197,7 @@ def test_without_cutting_noise_a_tenth_of_a_micrometre_is_left() -> None:
 
 @pytest.mark.full
 def test_harmonics_that_are_chosen_do_not_amplify_what_does_not_repeat() -> None:
-    # watching what repeats takes about a second
+    # the choice of harmonics takes about a second
     settled, automatic = "loop.duration=3.0", "controller.expert.afc.automatic=true"
     chosen, five = run("fts/hum", automatic, settled), run("fts/hum", *FIVE, settled)
     every = run("fts/hum", settled)
@@ -240,11 +240,11 @@ def test_two_hours_of_good_cuts_have_no_fault() -> None:
     no_false_faults(tuple(range(63_001, 63_091)), 80.0)
 
 
-# plants that differ from what the controller knows
+# off-nominal plants
 
 
 def machine(case: int) -> Changes:
-    """Draw a machine and a cut: the controller stays as it is."""
+    """Sample a machine and a cut; the controller stays nominal."""
     random = np.random.default_rng(case)
     radius, rpm = random.uniform(0.022, 0.045), random.uniform(500.0, 700.0)
     plant = {
@@ -263,7 +263,7 @@ def machine(case: int) -> Changes:
 
 
 def swing(result: cosim.Result) -> float:
-    """Root mean square of the wanted motion of the tool, m."""
+    """Root mean square of the reference motion of the tool, m."""
     rows = trace(result)
     return float(np.std(rows["controller.reference.depth"][rows["time"] > rows["time"][-1] - 0.5]))
 
@@ -282,7 +282,7 @@ def monte_carlo(cases: tuple[int, ...]) -> None:
     print(
         f"{len(cases)} cases: rms median {1e6 * np.median(rms):.3f}, most {1e6 * rms.max():.3f} um; "
         f"tip most {1e6 * tip.max():.3f} um; "
-        f"feedforward alone median {100 * np.median(share):.2f}, most {100 * share.max():.2f} %"
+        f"feedforward alone median {100 * np.median(share):.2f}, maximum {100 * share.max():.2f} %"
     )
     assert rms.max() < 0.8e-6
     assert share.max() < 0.04

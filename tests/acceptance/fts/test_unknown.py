@@ -1,4 +1,4 @@
-"""Fast tool servo on drives, flexures and feeds that it is not told: learned in the cut, or identified.
+"""Fast tool servo with off-nominal drives, flexures and feeds: learned during the cut, or identified.
 
 The default run takes a few machines of a seed of its own, `pytest -m full -rP` the whole studies.
 """
@@ -15,7 +15,7 @@ from ..samples.studies import machines
 pytestmark = pytest.mark.acceptance
 
 FEW = (3, 92_001)
-"""Machines of the default run, and their seed; no study has it."""
+"""Machines of the default run, and their seed, which no study uses."""
 UNKNOWN: dict[str, dict[str, float]] = {
     "fts-feed": {"rms": 0.6e-6, "early": 0.6e-6},
     "fts-flexure": {"tip": 0.2e-6},
@@ -24,7 +24,7 @@ UNKNOWN: dict[str, dict[str, float]] = {
 
 
 def hold(name: str, few: tuple[int, int] | None = None) -> dict[str, float]:
-    """Run a study, or so many machines that are drawn anew, and hold its errors (um) against their limits."""
+    """Run a study, or that many sampled machines, and compare the errors (um) with their limits."""
     done = machines(name, few)
     found: dict[str, float] = {"machines": len(done)}
     for metric, most in UNKNOWN[name].items():
@@ -53,6 +53,8 @@ def test_without_learning_the_response_the_drive_is_learned_ten_times_as_late() 
 
 
 def test_without_identification_the_tool_errs_where_the_encoder_does_not() -> None:
-    told = run("fts/500hz-flexure", "signal.controller.mode.values=['Track', 'Track']", "loop.duration=1.5")
-    assert value(told, "rms") < 0.2e-6
-    assert value(told, "tip") == pytest.approx(1.85e-6, rel=0.05)
+    nominal = run(
+        "fts/500hz-flexure", "signal.controller.mode.values=['Track', 'Track']", "loop.duration=1.5"
+    )
+    assert value(nominal, "rms") < 0.2e-6
+    assert value(nominal, "tip") == pytest.approx(1.85e-6, rel=0.05)
