@@ -1,4 +1,4 @@
-"""Cut a ring of a toric lens in a closed loop: the FMU with a rigid arm, a spindle at 600 rpm and a slide at 5 mm/s.
+"""Move over a ring of a toric lens in a closed loop: a rigid arm, a spindle at 600 rpm and a slide at 5 mm/s.
 
     .venv/bin/python fmu-fts/doc/quick_start.py [FMU] [PLOT.svg]
 
@@ -18,7 +18,7 @@ COLUMNS = ("time", "slide", "reference", "error", "rms", "state")
 
 
 def run(fmu: str | Path) -> dict[str, np.ndarray]:
-    """Run the cut until the controller is done; return the signals at every fifth step."""
+    """Run the cut until the controller is done; return the signals at every tenth step."""
     description = read_model_description(fmu)
     reference = {v.name: v.valueReference for v in description.modelVariables}
     controller = FMU2Slave(
@@ -51,7 +51,7 @@ def run(fmu: str | Path) -> dict[str, np.ndarray]:
         angle += STEP * speed
         slide += STEP * (0.005 if time > 0.5 else 0.0)
         torque = command
-        if k % 5 == 0:
+        if k % 10 == 0 or now == DONE:
             rows.append((time, slide, depth, error, rms, now))
         if now == DONE:
             break
