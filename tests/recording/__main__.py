@@ -1,4 +1,4 @@
-"""Record what the scenarios give, or compare it with the recording, column by column."""
+"""Record the results of the scenarios, or compare them with the recording, column by column."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SHOWN = 6
 
 
 def main() -> int:
-    """Run the command; 0 if nothing differs, 1 if something does, 2 if it could not be found out."""
+    """Run the command; 0 without a difference, 1 with one, 2 after an error."""
     parser = argparse.ArgumentParser(prog="python -m tests.recording", description=__doc__)
     parser.add_argument(
-        "names", metavar="NAME", nargs="*", help="`dob` is a loop with its variants, `dob/pa*` some"
+        "names", metavar="NAME", nargs="*", help="`dob`: a scenario with its variants, `dob/pa*`: some"
     )
     parser.add_argument("--write", action="store_true", help="record instead of comparing")
     parser.add_argument("--all", action="store_true", help="name all columns that differ")
-    parser.add_argument("-j", "--jobs", type=int, help="processes, as many as cores by default")
+    parser.add_argument("-j", "--jobs", type=int, help="processes; default: number of cores")
     given = parser.parse_args()
     begin = time.perf_counter()
     try:
@@ -36,7 +36,7 @@ def main() -> int:
         done = {name: run for name, run in runs.items() if isinstance(run, Recorded)}
         for name, problem in failed.items():
             print(f"{name:30} failed    {problem}")
-        faults = store(done, given.names) if given.write else judge(done, given.names, given.all)
+        faults = store(done, given.names) if given.write else report(done, given.names, given.all)
     except CosimError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -45,11 +45,11 @@ def main() -> int:
 
 
 def chosen(patterns: Sequence[str]) -> list[str]:
-    """Names of the scenarios that are meant; every pattern must fit one."""
+    """Names of the chosen scenarios; every pattern must match one."""
     names = record.scenario_names()
     for pattern in patterns:
         if not record.selected(names, [pattern]):
-            raise CosimError(f"no scenario fits `{pattern}`", "`cosim list` shows the names")
+            raise CosimError(f"no scenario matches `{pattern}`", "`cosim list` shows the names")
     return record.selected(names, patterns)
 
 
@@ -68,15 +68,15 @@ def store(done: dict[str, Recorded], patterns: Sequence[str]) -> int:
     return 0
 
 
-def judge(done: dict[str, Recorded], patterns: Sequence[str], every: bool) -> int:
-    """Print what differs from the recording; number of faults."""
+def report(done: dict[str, Recorded], patterns: Sequence[str], every: bool) -> int:
+    """Print the differences from the recording; return the number of errors."""
     recording, changes = record.read(), compare.read()
     here = record.made_with()
     if recording.made_with != here:
         print(f"the recording was made with {recording.made_with}, this is {here}: bits may differ")
     gone = [n for n in record.selected(recording.scenarios, patterns) if n not in record.scenario_names()]
     for name in gone:
-        print(f"{name:30} missing   recorded, but there is no such scenario")
+        print(f"{name:30} missing   recorded, but the scenario does not exist")
     faults = len(gone)
     for name, now in done.items():
         if name not in recording.scenarios:
@@ -86,7 +86,7 @@ def judge(done: dict[str, Recorded], patterns: Sequence[str], every: bool) -> in
         faults += sum(one.fault for one in found)
         for line in lines(found, every):
             print(line)
-    print(f"{faults} faults" if faults else "bit-identical")
+    print(f"{faults} errors" if faults else "bit-identical")
     return faults
 
 

@@ -1,4 +1,4 @@
-"""What a scenario gives, as hashes: one of every column of its trace and one of the plant's end state."""
+"""Results of a scenario as hashes: one of each column of the trace and one of the end state of the plant."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Recorded:
 
 @dataclass(frozen=True)
 class Recording:
-    """Hashes of many scenarios by name, and the versions of what else the bits depend on."""
+    """Hashes of many scenarios by name, and versions of other software that affects the bits."""
 
     made_with: dict[str, str]
     scenarios: dict[str, Recorded]
@@ -53,7 +53,7 @@ def digest(values: NDArray[Any]) -> str:
 def enumeration(values: NDArray[Any], items: dict[str, int]) -> str:
     """Hash of a column of items, each numbered by its first appearance, then their names in that order.
 
-    So the numbers of the items may change, and their names under a map; what follows what may not.
+    So the numbers of the items may change, and their names under a map; the sequence may not.
     """
     found, first, inverse = np.unique(values, return_index=True, return_inverse=True)
     order = np.argsort(first)
@@ -69,7 +69,7 @@ def record(name: str) -> Recorded:
     Raises
     ------
     CosimError
-        The run could not be done.
+        The run failed.
     """
     with cosim.Session(cosim.load(name), engine="native") as session:
         result = session.run()
@@ -88,8 +88,8 @@ def record(name: str) -> Recorded:
     return Recorded(digest(state), columns)
 
 
-def record_or_tell(name: str) -> Recorded | str:
-    """Run a scenario; the text of the error where it could not be done."""
+def record_or_error(name: str) -> Recorded | str:
+    """Run a scenario; return the text of an error."""
     try:
         return record(name)
     except CosimError as error:
@@ -98,18 +98,18 @@ def record_or_tell(name: str) -> Recorded | str:
 
 def record_all(names: Sequence[str], jobs: int | None) -> Iterator[tuple[str, Recorded | str]]:
     """Record scenarios in parallel processes, in the order of their names."""
-    # faults are what many scenarios are about
+    # many scenarios simulate faults, with many messages
     with ProcessPoolExecutor(jobs, initializer=logging.disable) as pool:
-        yield from zip(names, pool.map(record_or_tell, names), strict=True)
+        yield from zip(names, pool.map(record_or_error, names), strict=True)
 
 
 def selected(names: Iterable[str], patterns: Sequence[str]) -> list[str]:
-    """Names that one of the patterns fits, all without a pattern."""
+    """Names that match one of the patterns, all without a pattern."""
     return [name for name in names if not patterns or any(fits(name, pattern) for pattern in patterns)]
 
 
 def fits(name: str, pattern: str) -> bool:
-    """Whether a pattern means a scenario: `dob` is a loop with all its variants, `dob/pa*` some of them."""
+    """Whether a scenario matches a pattern: `dob` has all variants, `dob/pa*` some of them."""
     return fnmatchcase(name if "/" in pattern else name.partition("/")[0], pattern)
 
 
@@ -129,7 +129,7 @@ def made_with() -> dict[str, str]:
 
 
 def read(file: Path = FILE) -> Recording:
-    """Read a recording; of another format, nothing is known of its hashes."""
+    """Read a recording of the current format."""
     content = json.loads(file.read_text(encoding="utf-8"))
     if content["format"] != FORMAT:
         raise CosimError(

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from . import compare, record
-from .compare import Changes, Difference, Intended, Renamed
+from .compare import Changes, Controller, Difference, Intended, Renamed
 from .record import Recorded, Recording
 
 BEFORE = Recorded("05", {"time": "01", "controller.force": "02", "controller.state": "03:Idle,Run"})
 
 
 def now(state: str = "05", **columns: str | None) -> Recorded:
-    """Return the run of today, in another order, with some columns otherwise (`__` is a dot) or gone."""
+    """Return the new run, in another order, with some columns changed (`__` is a dot) or removed."""
     changed = {
         **dict(reversed(BEFORE.columns.items())),
         **{k.replace("__", "."): v for k, v in columns.items()},
@@ -39,15 +39,15 @@ def test_the_same_values_in_another_order_are_the_same() -> None:
     assert found(now()) == []
 
 
-def test_a_changed_value_is_a_fault() -> None:
+def test_a_changed_value_is_an_error() -> None:
     assert found(now(controller__force="12")) == [("controller.force", "changed")]
 
 
-def test_a_changed_end_state_is_a_fault() -> None:
+def test_a_changed_end_state_is_an_error() -> None:
     assert found(now(state="15")) == [("end state", "changed")]
 
 
-def test_a_missing_column_is_a_fault_and_a_new_one_is_told() -> None:
+def test_a_missing_column_is_an_error_and_a_new_one_is_reported() -> None:
     run = now(controller__force=None, controller__load="02", controller__other="07")
     differences = compare.compare("dob/paper", BEFORE, run, Changes())
     assert differences == [
@@ -63,7 +63,7 @@ def test_a_renamed_column_keeps_its_values() -> None:
     assert found(now(controller__force=None, controller__load="02"), changes) == []
     run = now(controller__force=None, controller__load="12")
     assert found(run, changes) == [("controller.load", "changed")]
-    # a name that another column has taken over
+    # a name that another column uses now
     assert found(now(), changes) == [("controller.load", "missing"), ("controller.force", "new")]
     assert found(now(), changes, "fts/paper") == []
 
@@ -76,8 +76,18 @@ def test_renamed_items_keep_their_order() -> None:
     assert found(now(controller__state="13:Idle,Cut"), changes) == [("controller.state", "changed")]
 
 
+def test_names_of_a_controller_are_those_of_its_map() -> None:
+    names = Controller({"controller.force": "controller.load"}, {"Run": "Cut"})
+    changes = Changes(controllers={"dob": names})
+    run = now(controller__force=None, controller__load="02", controller__state="03:Idle,Cut")
+    assert found(run, changes) == []
+    assert found(run, changes, "fts/paper") != []
+    removed = Changes(controllers={"dob": Controller({"controller.force": ""})})
+    assert found(now(controller__force=None), removed) == []
+
+
 def test_an_exception_covers_its_columns_and_no_more() -> None:
-    changes = Changes(exceptions=[Intended("dob/pa*", ["controller.f*", "end state"], "summed otherwise")])
+    changes = Changes(exceptions=[Intended("dob/pa*", ["controller.f*", "end state"], "other order of sums")])
     run = now(state="15", controller__force="12", time="11")
     expected = [("time", "changed"), ("controller.force", "intended"), ("end state", "intended")]
     assert found(run, changes) == expected
@@ -85,7 +95,7 @@ def test_an_exception_covers_its_columns_and_no_more() -> None:
     assert not any(one.fault for one in compare.compare("dob/paper", BEFORE, now(state="15"), changes))
 
 
-def test_the_hash_tells_type_sign_and_order() -> None:
+def test_the_hash_depends_on_type_sign_and_order() -> None:
     values = np.array([0.0, 1.0])
     others = [
         np.array([-0.0, 1.0]),
@@ -98,7 +108,7 @@ def test_the_hash_tells_type_sign_and_order() -> None:
     assert len({record.digest(one) for one in [values, *others]}) == 6
 
 
-def test_an_enumeration_is_what_follows_what_whatever_the_numbers() -> None:
+def test_an_enumeration_is_a_sequence_of_items_whatever_their_numbers() -> None:
     before = record.enumeration(np.array([3.0, 3.0, 1.0, 3.0, 2.0]), {"A": 1, "B": 2, "C": 3})
     after = record.enumeration(np.array([1.0, 1.0, 7.0, 1.0, 4.0]), {"C": 1, "B": 4, "A": 7})
     other = record.enumeration(np.array([3.0, 1.0, 1.0, 3.0, 2.0]), {"A": 1, "B": 2, "C": 3})
@@ -130,14 +140,15 @@ def test_a_recording_is_read_as_written_one_line_per_scenario(tmp_path: Path) ->
     assert [line[:6] for line in file.read_text().splitlines() if "time" in line] == ['"dob":', '"dob/p']
 
 
-def test_the_map_is_read_and_a_wrong_word_in_it_is_told(tmp_path: Path) -> None:
+def test_the_map_is_read_and_a_wrong_key_in_it_is_an_error(tmp_path: Path) -> None:
     file = tmp_path / "renamed.toml"
     file.write_text(
         '["dob/pa*"]\n"a" = "b"\n"s" = { items = { X = "Y" } }\n'
         '[[exception]]\nscenarios = "fts"\ncolumns = ["c"]\nreason = "why"\n'
     )
     table = {"a": Renamed("b"), "s": Renamed("s", {"X": "Y"})}
-    assert compare.read(file) == Changes({"dob/pa*": table}, [Intended("fts", ["c"], "why")])
+    found = compare.read(file)
+    assert (found.renamed, found.exceptions) == ({"dob/pa*": table}, [Intended("fts", ["c"], "why")])
     file.write_text('[dob]\n"s" = { item = { X = "Y" } }\n')
     with pytest.raises(TypeError, match="item"):
         compare.read(file)

@@ -1,4 +1,4 @@
-"""Every output is written in some scenario (`pytest -m recording`)."""
+"""Every output and local variable is written in some scenario (`pytest -m recording`)."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from cosim.fmu.archive import Variable
 from . import record
 
 pytestmark = pytest.mark.recording
-SILENT = {
+UNUSED = {
     "DisturbanceObserverContactDetection": {"aborted"},
     "RotaryFastToolServo": {"saturated"},
-    "StickSlipPolishing": {"ripple.frozen"},
+    "StickSlipPolishing": {"ripple.stopped"},
     "VariableSpeedDeburring": {"saturated", "load.overload"},
 }
-"""Outputs of what no scenario shows; unit tests and tests in closed loop in Rust do."""
+"""Outputs and local variables that no scenario writes; tests in Rust do."""
 
 
 def written(name: str) -> tuple[str, dict[str, bool]]:
-    """Return the FMU of a scenario, and which outputs with numbers, arrays as one, left their start value."""
+    """Return the FMU of a scenario, and whether each numeric output, arrays as one, left its start value."""
     found: dict[str, bool] = defaultdict(bool)
     with cosim.Session(cosim.load(name), engine="native") as session:
         trace = session.run().trace
         assert trace is not None
-        for output in session.file.named("output"):
+        for output in (*session.file.named("output"), *session.file.named("local")):
             column = f"controller.{output.name}"
             if column in (trace.dtype.names or ()):
                 values = trace[column]
@@ -38,7 +38,7 @@ def written(name: str) -> tuple[str, dict[str, bool]]:
 
 
 def start(output: Variable) -> float:
-    """Value of an output that nothing has written yet."""
+    """Start value of an output."""
     return float({"true": "1", "false": "0", "": "0"}.get(output.start, output.start))
 
 
@@ -48,5 +48,5 @@ def test_every_output_is_written_in_some_scenario() -> None:
         for fmu, found in pool.map(written, record.scenario_names()):
             for output, was in found.items():
                 ever[fmu][output] |= was
-    silent = {fmu: {output for output, was in found.items() if not was} for fmu, found in ever.items()}
-    assert {fmu: names for fmu, names in silent.items() if names} == SILENT
+    unused = {fmu: {output for output, was in found.items() if not was} for fmu, found in ever.items()}
+    assert {fmu: names for fmu, names in unused.items() if names} == UNUSED

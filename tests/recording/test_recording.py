@@ -1,4 +1,4 @@
-"""Every scenario gives the bits that were recorded (`pytest -m recording`); a sample of them in every run."""
+"""Every scenario is bit-identical with the recording (`pytest -m recording`); a sample in every run."""
 
 from __future__ import annotations
 
@@ -33,35 +33,35 @@ def expected() -> tuple[Recording, Changes]:
 
 
 def comparable() -> None:
-    """Skip the test where bits may differ; a build server (`CI` is set) of the recorded kind must not."""
+    """Skip the test if bits may differ, except on a build server (`CI` is set) of the recorded kind."""
     recorded, here = expected()[0].made_with, record.made_with()
     if recorded != here:
-        told = f"recorded with {recorded}, this is {here}"
+        problem = f"recorded with {recorded}, this is {here}"
         if os.environ.get("CI") and recorded["machine"] == here["machine"]:
-            pytest.fail(f"{told}\nhint: install those versions, or record again with `--write`")
-        pytest.skip(told)
+            pytest.fail(f"{problem}\nhint: install those versions, or record again with `--write`")
+        pytest.skip(problem)
 
 
 def assert_recorded(name: str) -> None:
-    """Assert that a scenario gives the bits that were recorded."""
+    """Assert that a scenario is bit-identical with the recording."""
     recording, changes = expected()
     found = compare.compare(name, recording.scenarios[name], record.record(name), changes)
     assert [one for one in found if one.fault] == []
 
 
-def test_every_recorded_scenario_is_there() -> None:
+def test_every_recorded_scenario_exists() -> None:
     assert set(expected()[0].scenarios) <= set(NAMES)
 
 
 @pytest.mark.parametrize("name", SAMPLE)
-def test_the_bits_of_the_sample_are_those_recorded(name: str) -> None:
+def test_the_sample_is_bit_identical(name: str) -> None:
     comparable()
     assert_recorded(name)
 
 
 @pytest.mark.recording
 @pytest.mark.parametrize("name", NAMES)
-def test_the_bits_are_those_recorded(name: str) -> None:
+def test_a_scenario_is_bit_identical(name: str) -> None:
     comparable()
     if name not in expected()[0].scenarios:
         pytest.skip("not recorded yet")
