@@ -62,7 +62,7 @@ class Renamed:
 
 @dataclass(frozen=True)
 class Intended:
-    """Columns (patterns of current names) of scenarios (a pattern) with an intended change, and the reason."""
+    """Columns (patterns of current names) of scenarios (a pattern) with an intended change."""
 
     scenarios: str
     columns: list[str]
@@ -95,7 +95,7 @@ class Changes:
         return {old: new for table in tables for old, new in table.items()}
 
     def current(self, scenario: str, column: str) -> Renamed:
-        """Current name of a recorded column, with the new names of the items of its FMU."""
+        """Return the current name of a recorded column, with the new names of the items of its FMU."""
         found = self.of(scenario).get(column)
         controller = self.controllers.get(scenario.partition("/")[0])
         if controller is None or not column.startswith(CONTROLLER):
@@ -119,7 +119,7 @@ def read(file: Path = FILE) -> Changes:
 
 
 def controllers() -> dict[str, Controller]:
-    """New names of each controller."""
+    """Read the new names of each controller."""
     found = {}
     for file in sorted(ROOT.glob("fmu-*/resources/renamed.toml")):
         content = tomllib.loads(file.read_text("utf-8"))
@@ -141,9 +141,9 @@ def renamed(old: str, new: str | dict[str, Any]) -> Renamed:
 def compare(scenario: str, recorded: Recorded, now: Recorded, changes: Changes) -> list[Difference]:
     """List the differences; under the map, names and order may change, values may not."""
     expected = [
-        (new.column, new.text(value))
+        (name.column, name.text(value))
         for old, value in recorded.columns.items()
-        if (new := changes.current(scenario, old)).column
+        if (name := changes.current(scenario, old)).column
     ]
     new = {c: value for c, value in now.columns.items() if c not in {column for column, _ in expected}}
     found = [
