@@ -71,7 +71,7 @@ mod variables {
         #[reaction(Stop)] #[detection("Norm of the mean raw force above `expert.limits.tare_force` over `expert.tare.time`")] #[hint("Lift the tool before `enable`.")]
         TareRejected,
         /// The tool was not above the start of the path
-        #[reaction(Stop)] #[detection("Tool more than `expert.limits.start_offset` beside the start of the path, or below it, when the sensor zero is known")] #[hint("Move the tool to the start of the path before `enable`.")]
+        #[reaction(Stop)] #[detection("Tool more than `expert.limits.start_offset` laterally from the start of the path, or below it, when the sensor zero is known")] #[hint("Move the tool to the start of the path before `enable`.")]
         NotAtStart,
         /// The surface is not where the path expects it
         #[reaction(Retract)] #[detection("Surface more than `limits.surface_error` from the path along the normal, during settling or path")] #[hint("Check the position of the mold.")]
@@ -139,7 +139,7 @@ mod variables {
     }
     /// Control law; Paper takes published values for parameters that are not set
     pub enum Law {
-        /// Default law of this controller
+        /// Extended control law of this controller
         Default,
         /// As published by Nagata and others (2010)
         Paper,
@@ -360,7 +360,7 @@ mod variables {
         #[var(essential, name = "stiffness.nominal", unit = NEWTON_PER_METRE as "N/mm", range = 1e3..=1e8, start = 178e3, source = "paper")] pub stiffness_nominal: f64,
         #[var(expert)] pub position: Position,
         pub stick_slip: StickSlip,
-        /// Rate at which force ripple at one and two times the stick-slip frequency is cancelled
+        /// Rate at which force ripple at one and two times the stick-slip frequency is canceled
         #[var(expert, name = "ripple.gain", unit = PER_SECOND, range = 0.0..=20.0, start = 3.0, paper = 0.0, source = "measured: 8 is unsafe with other drives")] pub ripple_gain: f64,
         #[var(expert)] pub repetitive: Repetitive,
         /// Estimate shift and rotation of the mold and compensate them by feedforward
@@ -469,7 +469,7 @@ mod variables {
     pub struct Approach {
         /// Velocity of the approach
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.01, start = 0.5e-3, source = "measured: 2 mm/s overshoots")] pub velocity: f64,
-        /// Force that counts as contact
+        /// Force above which the tool is in contact
         #[var(expert, unit = NEWTON, range = 0.05..=50.0, start = 0.6, source = "default; three steps of the sensor")] pub contact_force: f64,
         /// Maximum travel without contact
         #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 2e-3, source = "default; the tool starts close to the mold")] pub travel_max: f64,
@@ -504,7 +504,7 @@ mod variables {
         #[var(expert, unit = RADIAN as "deg", range = 0.1..=3.0, start = 0.6, source = "derived: friction alone gives 22 deg at 0.4, the rest for normals")] pub force_angle: f64,
         /// Maximum force accepted as the zero of the sensor
         #[var(expert, unit = NEWTON, range = 0.1..=100.0, start = 2.0, source = "default; the tip weighs 0.1 N")] pub tare_force: f64,
-        /// Maximum distance of the tool beside the start of the path, or below it
+        /// Maximum lateral distance of the tool from the start of the path, and depth below it
         #[var(expert, unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "default; one winding")] pub start_offset: f64,
         /// Maximum depth below the start of the path without contact
         #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.13e-3, source = "derived: with a dead sensor the tool presses this far, 23 N at 178 N/mm")] pub approach_depth: f64,
@@ -529,7 +529,7 @@ mod variables {
     }
     /// Bounds of the state `Commission`, and the use of its results
     pub struct Commission {
-        /// Maximum travel beside and above the start of the run; 0: derived from velocity_max
+        /// Maximum lateral travel and lift of the run; 0: derived from velocity_max
         #[var(unit = METRE as "um", range = 0.0..=0.01, source = "derived: four times the reach of an excitation at half of `velocity_max`")] pub travel: f64,
         /// Force of the commissioning run; 0: force.target
         #[var(expert, unit = NEWTON, range = 0.0..=100.0, source = "derived: stiffness and friction are those of the cycle")] pub force: f64,

@@ -1,0 +1,95 @@
+"""Polish in a closed loop: `fmu-polish` with three integrating axes and a mold that is a spring.
+
+    .venv/bin/python fmu-polish/doc/quick_start.py [FMU [PLOT.svg]]
+
+The axes move as commanded. The mold is a plane through the path with 178 N/mm and a friction of 0.2. Prints force and sliding speed.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+STEP, STIFFNESS, FRICTION = 1e-3, 178e3, 0.2  # s, N/m, 1
+FOLLOW, DONE, FAULT = 4, 7, 8  # numbers of the items of `State`, see variables.md
+
+
+def run(fmu: str | Path) -> dict[str, np.ndarray]:
+    """Run one cycle until `Done`; time (s), contact force (N), distance from the path (m), sliding speed (m/s), state."""
+    description = read_model_description(str(fmu))
+    vr = {variable.name: variable.valueReference for variable in description.modelVariables}
+    controller = FMU2Slave(guid=description.guid, unzipDirectory=extract(str(fmu)), instanceName="polish",
+                           modelIdentifier=description.coSimulation.modelIdentifier)  # fmt: skip
+    controller.instantiate()
+    controller.setupExperiment(startTime=0.0)
+    controller.enterInitializationMode()
+    controller.setReal([vr["feed.velocity"], vr["drive.feedforward"]], [4e-3, 1.0])  # axes without lag
+    controller.exitInitializationMode()
+
+    def vector(name: str, set_to: np.ndarray | None = None) -> np.ndarray:
+        references = [vr[f"{name}.{axis}"] for axis in "xyz"]
+        if set_to is not None:
+            controller.setReal(references, set_to.tolist())
+        return np.array(controller.getReal(references))
+
+    noise, rows = np.random.default_rng(1), []
+    position, velocity, force = np.zeros(3), np.zeros(3), np.zeros(3)
+    for k in range(30_000):
+        vector("position", 1e-6 * np.round(position / 1e-6))  # encoders of 1 um
+        vector("force", force + 0.05 * noise.standard_normal(3))
+        controller.setBoolean([vr["enable"]], [k > 10])  # a rising edge starts the cycle
+        controller.doStep(k * STEP, STEP)
+        path, normal = vector("desired"), vector("normal")
+        if k == 0:
+            position = path + 0.2e-3 * normal  # the tool starts 0.2 mm above the path
+        position = position + STEP * velocity  # the command of the step before: `io_delay` is 1
+        velocity = vector("velocity")
+        sliding = velocity - normal * (normal @ velocity)
+        press = STIFFNESS * max(0.0, normal @ (path - position))
+        force = press * (normal - FRICTION * sliding / max(1e-6, float(np.linalg.norm(sliding))))
+        across = np.cross(normal, vector("tangent")) @ (position - path)
+        [speed], [state] = controller.getReal([vr["sliding.speed"]]), controller.getInteger([vr["state"]])
+        rows.append((k * STEP, press, across, speed, state))
+        if state in (DONE, FAULT):
+            break
+    controller.terminate()
+    controller.freeInstance()
+    return dict(zip(("time", "force", "across", "sliding", "state"), np.array(rows).T, strict=True))
+
+
+def plot(found: dict[str, np.ndarray], file: str) -> None:
+    """Draw force, stick-slip motion and state over time, with 0.1 s of the motion."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+
+    plt.rcParams.update({"svg.hashsalt": "fmu-polish", "font.size": 9.0})
+    start = int(np.argmax(found["state"] == FOLLOW)) + 1000
+    zoom, all_times = slice(start, start + 100), slice(0, None, 10)
+    figure, axes = plt.subplots(3, 1, figsize=(7.0, 5.2), layout="constrained")
+    for panel, name, scale, label, keep in (
+        (axes[0], "force", 1.0, "normal force in N", all_times),
+        (axes[1], "state", 1.0, "state", all_times),
+        (axes[2], "across", 1e6, "across the path in um", zoom),
+    ):
+        panel.plot(found["time"][keep], scale * found[name][keep], linewidth=0.9)
+        panel.set_ylabel(label)
+        panel.grid(alpha=0.3)
+    axes[1].set_yticks(range(1, 8), ["Idle", "Approach", "Settle", "Follow", "Unload", "Retract", "Done"])
+    axes[2].set_title("Stick-slip motion, 0.1 s of the path", fontsize=9.0)
+    axes[2].set_xlabel("time in s")
+    figure.savefig(file, metadata={"Date": None})
+
+
+if __name__ == "__main__":
+    default = Path(__file__).parents[2] / "target" / "fmu" / "fmu-polish.fmu"
+    result = run(sys.argv[1] if len(sys.argv) > 1 else default)
+    outcome = "Done" if result["state"][-1] == DONE else "not done"
+    force = result["force"][result["state"] == FOLLOW]
+    print(f"{outcome} after {result['time'][-1]:.2f} s, force {force.mean():.2f} N +- {force.std():.2f} N, "
+          f"sliding speed {1e3 * result['sliding'].max():.1f} mm/s")  # fmt: skip
+    if len(sys.argv) > 2:
+        plot(result, sys.argv[2])
