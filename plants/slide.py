@@ -2,7 +2,7 @@
 
 The machine is that of Kakinuma and Nagakari, "Sensor-less micro-tool contact detection for ultra-precision
 machine tools utilizing the disturbance observer technique", CIRP Annals 66 (2017). The paper gives its kind,
-the 16 bit current and the nanometre scale; the other numbers are typical of such machines and our choice.
+the 16 bit current and the nanometer scale; the other numbers are typical of such machines.
 Position is positive towards the workpiece.
 """
 
@@ -35,7 +35,7 @@ class Slide(Plant):
     )  # fmt: skip
 
     def name_channels(self, p: SlideParameters) -> None:
-        """Name them, with the noise, resolution and limits that the parameters say."""
+        """Name them, with noise, resolution and limits of the parameters."""
         limit = p.current_limit
         self.readings = (
             Channel("position", "m", "Encoder", noise=p.encoder_noise, quantum=p.encoder_resolution),
@@ -43,7 +43,7 @@ class Slide(Plant):
         )
         self.commands = (
             Channel("current", "A", "Current command", 0.0, p.current_resolution, -limit, limit),
-            Channel("enable", "1", "Power stage of the drive: 0 blocks the current at once", start=1.0),
+            Channel("enable", "1", "Power stage of the drive: 0 blocks the current immediately", start=1.0),
         )
         self.truths = (
             Channel("position", "m", "Position of the slide"),
@@ -53,14 +53,12 @@ class Slide(Plant):
             Channel("depth_max", "m", "Largest depth up to the last plant step"),
             Channel("contact_force", "N", "Force of the workpiece on the tool, sum of the flutes"),
             Channel("touched", "1", "1 from the first contact force on"),
-            Channel(
-                "indentation", "m", "Permanent indentation of the surface, or how deep it is cut at most"
-            ),
-            Channel("disturbance", "N", "What holds the slide back besides the contact, last plant step"),
+            Channel("indentation", "m", "Permanent indentation of the surface, or maximum depth of the cut"),
+            Channel("disturbance", "N", "Force on the slide without the contact, last plant step"),
             Channel("current", "A", "Motor current, mean of the last plant step"),
         )
         self._z = int(self.model.joint("z").qposadr[0])
-        # what a force on the tool moves
+        # joints that a force on the tool moves
         self._tool = [int(self.model.joint(name).qposadr[0]) for name in ("z", "tool")[: 1 + _bends(p)]]
         self._flutes = [self.model.tendon(name).id for name in ("flute1", "flute2")]
 
@@ -76,7 +74,7 @@ class Slide(Plant):
             tendon.springyield = p.yield_depth
 
     def _shape_tool(self, spec: Any) -> None:
-        # spindle and tool on a spring behind the encoder
+        # spindle and tool on a spring that the encoder does not measure
         p = self.parameters
         if not _bends(p):
             return
@@ -90,11 +88,11 @@ class Slide(Plant):
             spec.tendon(name).wrap_joint("tool", 1.0)
 
     def draw(self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]) -> None:
-        """Lay the workpiece where the drawn tool meets it."""
+        """Put the workpiece where the displayed tool meets it."""
         looks.draw(self, shown, row, enlarged)
 
     def begin(self, steps: int) -> None:
-        """Draw places and phases, lay the workpiece, bind the elements."""
+        """Sample positions and phases, put the workpiece, bind the elements."""
         self._place()
         self._cogging()
         self._motor(steps)

@@ -17,7 +17,7 @@ DONE, FAULT = 7, 8  # numbers of the items of `State`, see variables.md
 
 
 def run(fmu: str | Path) -> dict[str, np.ndarray]:
-    """Run one approach until `Done`; time (s), position (m), contact force (N), current (A), contact position (m), state."""
+    """Run one approach until `Done`; time, position, contact force, current, contact position, state."""
     description = read_model_description(str(fmu))
     vr = {variable.name: variable.valueReference for variable in description.modelVariables}
     controller = FMU2Slave(guid=description.guid, unzipDirectory=extract(str(fmu)), instanceName="dob",
@@ -55,7 +55,8 @@ def plot(found: dict[str, np.ndarray], file: str) -> None:
     import matplotlib.pyplot as plt
 
     plt.rcParams.update({"svg.hashsalt": "fmu-dob", "font.size": 9.0})
-    keep = np.unique(np.r_[0:len(found["time"]):25, np.flatnonzero(found["force"] > 0.0), len(found["time"]) - 1])
+    touched = np.flatnonzero(found["force"] > 0.0)
+    keep = np.unique(np.r_[0 : len(found["time"]) : 25, touched, len(found["time"]) - 1])
     figure, axes = plt.subplots(3, 1, figsize=(7.0, 4.8), sharex=True, layout="constrained")
     for panel, name, scale, label in (
         (axes[0], "position", 1e6, "position in um"),
@@ -76,7 +77,8 @@ if __name__ == "__main__":
     default = Path(__file__).parents[2] / "target" / "fmu" / "fmu-dob.fmu"
     result = run(sys.argv[1] if len(sys.argv) > 1 else default)
     outcome = "Done" if result["state"][-1] == DONE else "not done"
-    print(f"{outcome} after {result['time'][-1]:.3f} s, contact at {1e6 * result['contact_position'][-1]:.3f} um "
-          f"(surface {1e6 * SURFACE:.0f} um), maximum force {1e3 * result['force'].max():.0f} mN")  # fmt: skip
+    print(f"{outcome} after {result['time'][-1]:.3f} s")
+    print(f"contact at {1e6 * result['contact_position'][-1]:.3f} um, surface at {1e6 * SURFACE:.0f} um")
+    print(f"maximum force {1e3 * result['force'].max():.0f} mN")
     if len(sys.argv) > 2:
         plot(result, sys.argv[2])

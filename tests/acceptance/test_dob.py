@@ -1,6 +1,6 @@
 """Tool contact detection against the claims of Kakinuma and Nagakari (2017), in closed loop with the slide.
 
-The large samples run with `pytest -m full tests/acceptance`; what they measure is kept in `measured`.
+The large samples run with `pytest -m full tests/acceptance`; their results are kept in `measured`.
 """
 
 import functools
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.acceptance
 
 ROOT = Path(__file__).parents[2]
 
-# nothing was tuned on these seeds
+# not the seeds of the tuning
 SOME = tuple(range(53_001, 53_013))
 MANY = tuple(range(60_001, 60_201))
 
@@ -45,9 +45,9 @@ def trace(name: str, seed: int, *changes: str) -> np.ndarray[Any, Any]:
 
 
 def test_both_timings_detect_at_nearly_the_same_depth() -> None:
-    delayed, at_once = values(runs("dob", SOME), "depth"), values(runs("dob/no-delay", SOME), "depth")
+    delayed, immediate = values(runs("dob", SOME), "depth"), values(runs("dob/no-delay", SOME), "depth")
     # one sample at 100 um/s is 10 nm
-    assert np.median(delayed) - np.median(at_once) == pytest.approx(1e-8, abs=2.5e-8)
+    assert np.median(delayed) - np.median(immediate) == pytest.approx(1e-8, abs=2.5e-8)
 
 
 # the observer and its statistics, recomputed from the trace
@@ -62,7 +62,11 @@ def test_observer_step_response() -> None:
         "current_resolution=0", "current_bandwidth=1e5", "workpiece=false",
     )  # fmt: skip
     changes = [f"plant.{change}" for change in quiet]
-    free = ("servo.bandwidth=1", "servo.disturbance_compensation=false", "servo.integral_gain=0")
+    free = (
+        "servo.bandwidth=1",
+        "expert.servo.disturbance_compensation=false",
+        "expert.servo.integral_gain=0",
+    )
     changes += [f"controller.{change}" for change in (*free, "stage.current_bits=24")]
     changes += ["loop.duration=0.02", "signal.controller.enable.values=[false, false]"]
     force = trace("dob/no-delay", 1, *changes)
@@ -84,13 +88,13 @@ def test_slope_and_threshold_are_those_of_the_textbook() -> None:
     learning = np.flatnonzero(state == 3) + 1
     watched = np.flatnonzero((state == 3) | (state == 4))
     assert np.abs(slope[watched - (n - 1)] - rows["controller.force.slope"][watched]).max() < 1e-9
-    # mean and standard deviation of what was learned
+    # mean and standard deviation of the learned samples
     learned = rows["controller.force.slope"][learning]
     mean, sigma = rows["controller.threshold.mean"][-1], rows["controller.threshold.sigma"][-1]
     assert len(learned) == 5000
     assert mean == pytest.approx(learned.mean(), rel=1e-10, abs=1e-10)
     assert sigma == pytest.approx(learned.std(ddof=1), rel=1e-10)
-    # the third sample in a row above the threshold is the detection
+    # the third consecutive sample above the threshold is the detection
     above = (rows["controller.force.slope"] > mean + 4.0 * sigma) & (state >= 4)
     third = np.flatnonzero(above[2:] & above[1:-1] & above[:-2])[0] + 2
     assert rows["time"][third] == rows["time"][np.argmax(rows["controller.contact"] > 0)]
@@ -105,11 +109,11 @@ def test_force_estimate_is_the_force_on_the_stage() -> None:
     assert estimate == pytest.approx(disturbance, rel=0.045, abs=2e-3)
 
 
-# the simplest that could do it: a threshold of the force, or of the current
+# the simplest alternatives: a threshold of the force, or of the current
 
 
 def first_above(signal: np.ndarray[Any, Any], rows: np.ndarray[Any, Any]) -> float:
-    """Depth at the third sample in a row above the learned noise, at one false alarm in ten hours (Rice)."""
+    """Depth at the third consecutive sample above the learned noise, one false alarm in ten hours (Rice)."""
     learned = signal[rows["controller.state"] == 3]
     sigma = learned.std(ddof=1)
     rate = np.diff(learned).std(ddof=1) / (2.0 * np.pi * 1e-4 * sigma)
@@ -120,17 +124,19 @@ def first_above(signal: np.ndarray[Any, Any], rows: np.ndarray[Any, Any]) -> flo
     return float(rows["plant.depth"][third])
 
 
-def test_a_touch_is_seen_before_a_threshold_of_force_or_current_sees_it() -> None:
-    # pressed on up to 1.5 N, so that each of them sees it
-    blind = ("controller.detector=Raw", "controller.threshold.mode=Fixed", "controller.threshold.alpha=50",
-             "controller.guard.force=1.5")  # fmt: skip
-    pressed = [trace("dob", seed, *blind) for seed in SOME]
+def test_a_touch_is_seen_before_a_threshold_of_force_or_current() -> None:
+    # up to 1.5 N, so that each threshold is exceeded
+    insensitive = (
+        "controller.detector=Slope", "controller.expert.threshold.mode=Fixed",
+        "controller.expert.threshold.alpha=50", "controller.guard.force=1.5",
+    )  # fmt: skip
+    pressed = [trace("dob", seed, *insensitive) for seed in SOME]
     force = np.median([first_above(rows["controller.force.disturbance"], rows) for rows in pressed])
     current = np.median([first_above(rows["controller.current"], rows) for rows in pressed])
     found = [trace("dob", seed) for seed in SOME]
     default = np.median([rows["plant.depth"][np.argmax(rows["controller.contact"] > 0)] for rows in found])
-    told = [f"{1e9 * depth:.0f}" for depth in (default, force, current)]
-    print("depth at the detection in nm: default {}, force {}, current {}".format(*told))
+    depths_nm = [f"{1e9 * depth:.0f}" for depth in (default, force, current)]
+    print("depth at the detection in nm: default {}, force {}, current {}".format(*depths_nm))
     depths = {"default": default, "force": force, "current": current}
     measured(
         "dob-simplest", "100 um/s", touches=len(SOME), **{name: 1e9 * one for name, one in depths.items()}
@@ -152,10 +158,10 @@ def test_one_calibration_touch_makes_the_contact_position_good_to_40_nanometres(
 
 
 def keep(name: str, results: list[cosim.Result]) -> None:
-    """Keep what a large sample measured; depths are those of what touched, in um."""
+    """Keep the results of a large sample; depths (um) of the runs that touched."""
     early = values(results, "early")
     depth = 1e6 * values(results, "depth")[early == 0]
-    median, high, most = (float(np.percentile(depth, share)) for share in (50, 99, 100))
+    median, high, most = (float(np.percentile(depth, q)) for q in (50, 99, 100))
     missed = float(np.sum(values(results, "detected") == 0))
     measured(
         "dob-depth", name, runs=len(results), missed=missed, early=early.sum(), median=median, high=high,
@@ -210,8 +216,8 @@ def test_paper_mode_in_200_approaches(name: str, depth: float) -> None:
     ("count", "least"),
     [pytest.param(12, 11, id="12"), pytest.param(200, 198, id="200", marks=pytest.mark.full)],
 )
-def test_work_that_yields_is_found_by_two_touches(count: int, least: int) -> None:
-    # 10 mN on a flute, which soft work holds however deep it is cut
+def test_yielding_workpiece_is_found_by_two_touches(count: int, least: int) -> None:
+    # 10 mN on a flute, independent of the depth
     yields, seeds = "plant.yield_depth=5e-8", range(81_001, 81_001 + count)
     for row, twice in (("once", "false"), ("twice", "true")):
         ends = runs("dob", tuple(seeds), yields, f"controller.touch.confirm={twice}", "loop.duration=3")
@@ -240,7 +246,7 @@ def test_force_guard_in_200_contacts_while_learning() -> None:
     ids=["half a minute", "ten hours"],
 )
 def test_no_fault_in_nominal_operation(hours: float, first: int) -> None:
-    # touch after touch, each on a slide with its own noise, speeds by turns
+    # consecutive touches, each on a slide with its own noise, speeds in turn
     seeds, time, early = itertools.count(first), 0.0, 0.0
     while time < hours * 3600.0:
         for name, _ in DEFAULT:

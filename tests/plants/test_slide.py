@@ -105,7 +105,7 @@ def test_a_yielding_surface_keeps_the_indentation() -> None:
     # the true surface stays where the first touch was possible; the force starts deeper
     assert at(plant, plant.surface + 40e-9, (0.0, 1e-3))["contact_force"] == 0.0
     assert at(plant, plant.surface + 60e-9, (0.0, 1e-3))["contact_force"] == pytest.approx(2e-3, rel=1e-2)
-    # and a reset brings a new workpiece
+    # and a reset gives a new workpiece
     plant.reset(1, 1.0)
     assert at(plant, plant.surface)["indentation"] == 0.0
 
@@ -258,7 +258,7 @@ def test_a_source_does_not_shift_another() -> None:
     assert one.stream("air").standard_normal() != one.stream("spindle").standard_normal()
 
 
-def test_start_and_surface_are_drawn_within_their_ranges() -> None:
+def test_start_and_surface_are_sampled_within_their_ranges() -> None:
     plant = Slide(replace(SlideParameters(), start_spread=1e-3, surface_distance=2e-4, surface_spread=1e-4))
     starts, distances = [], []
     for seed in range(100):
@@ -295,7 +295,7 @@ def test_two_substeps_are_two_steps() -> None:
     assert one.truth().tobytes() == two.truth().tobytes()
 
 
-def test_a_reset_forgets_the_command() -> None:
+def test_a_reset_discards_the_command() -> None:
     plant = slide(workpiece=False)
     run(plant, 1.0, 10)
     plant.reset(1, 0.1)
@@ -360,7 +360,7 @@ def test_registry() -> None:
         plants.load("slid")
 
 
-# what the controller's model does not have
+# effects that the model of the controller lacks
 
 
 def fed(plant: Slide, velocity: float, ticks: int) -> dict[str, np.ndarray[Any, Any]]:
@@ -375,7 +375,7 @@ def fed(plant: Slide, velocity: float, ticks: int) -> dict[str, np.ndarray[Any, 
 
 
 def test_flutes_that_cut_push_with_the_feed_per_tooth() -> None:
-    # 100 um/s, 500 turns/s, two flutes: 0.1 um each, of 1e10 Pa on 0.1 mm, however deep
+    # 100 um/s, 500 revolutions/s, two flutes: 0.1 um each, of 1e10 Pa on 0.1 mm, at any depth
     plant = slide(cutting_pressure=1e10, spindle_speed=500.0 * TURN, mass=1e3)
     truth = fed(plant, 1e-4, 1000)
     force = 2.0 * 1e10 * 1e-4 * 1e-7
@@ -385,7 +385,7 @@ def test_flutes_that_cut_push_with_the_feed_per_tooth() -> None:
     assert truth["disturbance"][-1] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_flutes_that_stand_still_only_press() -> None:
+def test_flutes_at_rest_only_press() -> None:
     plant = slide(cutting_pressure=1e10, spindle_speed=0.0, flute_shortfall=1e-4)
     plant.data.qpos[0] = plant.surface + 1e-7
     plant.sense()
@@ -393,7 +393,7 @@ def test_flutes_that_stand_still_only_press() -> None:
     assert plant.truth()[5] == pytest.approx(1e-7 / (1.0 / 2e5 + 1.0 / 1e6), rel=1e-9)
 
 
-def test_the_tool_swings_where_the_encoder_does_not_see_it() -> None:
+def test_the_tool_oscillates_unseen_by_the_encoder() -> None:
     # half of the mass at 300 Hz and 2 % oscillates against the other half
     plant = slide(mass=10.0, tool_mass=5.0, tool_frequency=300.0, tool_damping=0.02, workpiece=False)
     plant.data.qpos[1] = 1e-6
@@ -408,7 +408,7 @@ def test_the_tool_swings_where_the_encoder_does_not_see_it() -> None:
     assert 0.5 * (tool + truth["position"]) == pytest.approx(5e-7, abs=1e-12)
 
 
-def test_the_tool_touches_and_gives_way() -> None:
+def test_the_tool_touches_and_deflects() -> None:
     # both springs carry the force: contact of one flute of 2e6 N/m, and the bracket of 2 kg at 300 Hz
     plant = slide(stiffness=2e6, tool_frequency=300.0, tool_damping=1.0, flute_shortfall=1e-4, mass=1e3)
     plant.data.qpos[0] = plant.surface + 1e-7
@@ -417,7 +417,7 @@ def test_the_tool_touches_and_gives_way() -> None:
     assert truth["contact_force"][-1] == pytest.approx(1e-7 / (1.0 / 2e6 + 1.0 / bracket), rel=0.02)
 
 
-def test_the_speed_of_the_spindle_swings() -> None:
+def test_the_spindle_speed_varies() -> None:
     plant = slide(spindle_wobble=3e-3, wobble_frequency=5.0, workpiece=False)
     speeds = []
     for _ in range(4000):
@@ -439,7 +439,7 @@ def test_the_encoder_errs_within_its_signal_period() -> None:
     assert np.delete(waves, 2).max() < 1e-15
 
 
-def test_the_floor_shakes_the_slide() -> None:
+def test_the_floor_vibration_moves_the_slide() -> None:
     # velocity of a free mass: force over mass and frequency
     plant = slide(floor_force=0.02, floor_frequency=18.0, workpiece=False)
     velocity = run(plant, 0.0, 5000)["velocity"]
@@ -453,6 +453,6 @@ def test_the_floor_shakes_the_slide() -> None:
         ({"cutting_pressure": 1e9, "yield_depth": 1e-8}, r"`plant.yield_depth`.*`1e-08` m"),
     ],
 )
-def test_parameters_that_do_not_go_together_are_refused(changes: dict[str, Any], message: str) -> None:
+def test_parameters_that_do_not_fit_are_rejected(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         slide(**changes)

@@ -13,10 +13,8 @@ OFF_PATH = "max(abs(plant.position - controller.reference.position)[controller.d
 """Largest distance of the slide from its reference while the drive is on."""
 LOST = ("WeakDrive", "FollowingError", "Overload")
 
-FALL = "drive lost: the weight left over, 0.5 N, takes 10.4 kg to `expert.limits.following_error` = 20 um"
-REVERSED = (
-    "5 A, 97 N: 9.3 m/s2 for the time to `expert.limits.following_error` = 20 um and the 4 samples after it"
-)
+FALL = "drive lost: the residual weight of 0.5 N moves 10.4 kg to `expert.limits.following_error` = 20 um"
+REVERSED = "5 A, 97 N: 9.3 m/s2 until `expert.limits.following_error` = 20 um, and 4 samples more"
 UNSEEN = "half a micrometer of the excitation, and 1 um of its motion until the faulty encoder is detected"
 
 COMMISSION = Signal("controller.commission", (0.0, 0.01), (False, True))
@@ -36,7 +34,7 @@ def commission(
 
 ROWS = (
     commission(
-        "commission: encoder frozen during the return",
+        "commissioning: encoder frozen during the return",
         ("PositionFrozen",),
         2e-6,
         UNSEEN,
@@ -45,7 +43,7 @@ ROWS = (
         frozen=True,
     ),
     commission(
-        "commission: encoder frozen during the excitation",
+        "commissioning: encoder frozen during the excitation",
         ("PositionFrozen",),
         2e-6,
         UNSEEN,
@@ -54,7 +52,7 @@ ROWS = (
         frozen=True,
     ),
     commission(
-        "commission: encoder frozen in a stroke",
+        "commissioning: encoder frozen in a stroke",
         ("PositionFrozen",),
         2e-6,
         UNSEEN,
@@ -63,7 +61,7 @@ ROWS = (
         frozen=True,
     ),
     commission(
-        "commission: encoder 1 um off during the excitation",
+        "commissioning: encoder 1 um off during the excitation",
         ("PositionJump",),
         2e-6,
         UNSEEN,
@@ -72,7 +70,7 @@ ROWS = (
         offset=1e-6,
     ),
     commission(
-        "commission: encoder invalid during the excitation",
+        "commissioning: encoder invalid during the excitation",
         ("PositionLost",),
         2e-6,
         UNSEEN,
@@ -81,11 +79,11 @@ ROWS = (
         value=0.0,
     ),
     commission(
-        "commission: current lost during the excitation", LOST, 5e-5, EXCITED, 3.0, CURRENT, value=0.0
+        "commissioning: current lost during the excitation", LOST, 5e-5, EXCITED, 3.0, CURRENT, value=0.0
     ),
-    commission("commission: current lost in a stroke", LOST, 3e-5, FALL, 8.5, CURRENT, value=0.0),
+    commission("commissioning: current lost in a stroke", LOST, 3e-5, FALL, 8.5, CURRENT, value=0.0),
     commission(
-        "commission: current reversed during the excitation",
+        "commissioning: current reversed during the excitation",
         ("DriveSign",),
         5e-5,
         EXCITED,
@@ -94,7 +92,7 @@ ROWS = (
         scale=-1.0,
     ),
     commission(
-        "commission: current reversed in a stroke",
+        "commissioning: current reversed in a stroke",
         ("DriveSign",),
         3e-5,
         REVERSED,
@@ -103,7 +101,7 @@ ROWS = (
         scale=-1.0,
     ),
     commission(
-        "commission: drive at 0.3 during the excitation",
+        "commissioning: drive at 0.3 during the excitation",
         ("CommissionRejected", *LOST),
         5e-5,
         EXCITED,
@@ -112,7 +110,7 @@ ROWS = (
         scale=0.3,
     ),
     commission(
-        "commission: spindle signal lost during the excitation",
+        "commissioning: spindle signal lost during the excitation",
         ("SpindleJump",),
         2e-6,
         UNSEEN,
@@ -121,7 +119,7 @@ ROWS = (
         value=0.0,
     ),
     Row(
-        "commission: encoder drifts by 20 um/s",
+        "commissioning: encoder drifts by 20 um/s",
         (),
         OFF_PATH,
         2.1e-4,
@@ -129,10 +127,10 @@ ROWS = (
         (Injection(POSITION, when=MEASURING, after=3.0, ramp=2e-5),),
         (COMMISSION, AT_REST),
         ("loop.duration=11", 'loop.stop_when=controller.state == "Fault"'),
-        undetectable="a steady motion needs no force: the servo moves the slide along with it",
+        undetectable="a steady motion needs no force: the servo moves the slide with the drift",
     ),
     Row(
-        "commission: the slide is blocked",
+        "commissioning: the slide is blocked",
         ("WeakDrive", "FollowingError", "Overload", "PositionFrozen", "CommissionRejected"),
         OFF_PATH,
         1e-4,
@@ -141,7 +139,7 @@ ROWS = (
         changes=("loop.duration=11", 'loop.stop_when=controller.state == "Fault"', "plant.damping=1e4"),
     ),
     Row(
-        "commission: floor vibration of 0.1 N, with `commission.apply`",
+        "commissioning: floor vibration of 0.1 N, with `commission.apply`",
         ("CommissionRejected",),
         OFF_PATH,
         2e-6,
