@@ -171,7 +171,7 @@ MISTAKES = {
     "plant.name=crane.xm": r"there is no plant `crane.xm`\nhint: .*an MJCF file `name.xml`",
     "plant.name=models/crame.xml": r"the MJCF file `models/crame.xml` does not exist\nhint: .* `crane.xml`",
     "plant.body.trolly.mass=1": r"`plant.body.trolly.mass` is not a .*\nhint: .* `body.trolley.mass`",
-    "plant.body.trolley.mass=0": r"`plant.body.trolley.mass` is `0.0`, it must lie in 1e-15",
+    "plant.body.trolley.mass=0": r"`plant.body.trolley.mass` is `0.0`, it must be in 1e-15",
     "plant.timestep=0.01": r"`loop.substeps` = `10` plant steps of 0.01 s .*\nhint: set `loop.substeps = 1`",
     "wire.controller.position.from=plant.positon": r"no reading `positon`\nhint: did you mean `position`",
     "wire.controller.position.from=plant.slide.position": r"no reading `slide.position`\nhint: .* `position`",

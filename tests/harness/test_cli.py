@@ -128,11 +128,11 @@ def test_show_tells_variables_parameters_and_wires(write: Write) -> None:
     assert re.search(r"controller.in +plant.x +noise 0.5", done.stdout)
 
 
-def test_colour_goes_to_terminals_only_and_never_with_no_color(write: Write) -> None:
+def test_color_goes_to_terminals_only_and_never_with_no_color(write: Write) -> None:
     write(CRITERION)
-    coloured = cosim("run", "lag.toml", FORCE_COLOR="1")
+    colored = cosim("run", "lag.toml", FORCE_COLOR="1")
     plain = cosim("run", "lag.toml", FORCE_COLOR="1", NO_COLOR="1")
-    assert "\x1b[32m" in coloured.stdout.replace("\x1b[1;32m", "\x1b[32m")
+    assert "\x1b[32m" in colored.stdout.replace("\x1b[1;32m", "\x1b[32m")
     assert not re.search(r"\x1b\[[0-9;]*3\dm", plain.stdout)
 
 

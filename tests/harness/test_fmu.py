@@ -1,4 +1,4 @@
-"""FMU files: what is accepted, what is refused and how, the cache, values of every type."""
+"""FMU files: accepted and rejected ones, the cache, values of every type."""
 
 from __future__ import annotations
 
@@ -201,6 +201,6 @@ def test_a_thousand_instances_leave_nothing_behind(folder: Path) -> None:
 
 
 def mappings() -> int:
-    """Count the mappings of the probe's library in this process (0 where the system does not tell)."""
+    """Count the mappings of the probe's library in this process (0 if the system does not report them)."""
     maps = Path("/proc/self/maps")
     return maps.read_text().count("/probe.so") if maps.exists() else 0

@@ -25,8 +25,8 @@ REFUSED = {
     "plant.name=probe_plants:Lg": r"the module `probe_plants` has no class `Lg`\nhint: did you mean `Lag`",
     "plant.name=probe_plants:Refusing": r"`probe_plants:Refusing` rejected its parameters: pole and label",
     "plant.ploe=1": r"`--set plant.ploe`: `plant.ploe` is not a parameter .*\nhint: did you mean `pole`",
-    "plant.pole=2": r"`--set plant.pole`: `plant.pole` is `2.0`, it must lie in 0 .. 1\nhint: `cosim show`",
-    "plant.pole=nan": r"`plant.pole` is `nan`, it must lie in 0 .. 1",
+    "plant.pole=2": r"`--set plant.pole`: `plant.pole` is `2.0`, it must be in 0 .. 1\nhint: `cosim show`",
+    "plant.pole=nan": r"`plant.pole` is `nan`, it must be in 0 .. 1",
     "plant.pole=high": r"`plant.pole` is `'high'` \(a text\), it must be a number",
     "plant.label=1": r"`plant.label` is `1` \(an integer\), it must be a text",
     "plant.fail_at=0.5": r"`plant.fail_at` is `0.5` \(a number\), it must be an integer",
@@ -69,7 +69,7 @@ def test_an_mjcf_with_a_negative_stiffness_runs_and_is_shown(write: Write, folde
     (folder / "tilted.xml").write_text(UNSTABLE)
     file = write(text=TILTED)
     assert cosim.run(cosim.load(file)).simulated_s == 0.05
-    with pytest.raises(PlantError, match=r"`plant.joint.hinge.stiffness` is `-0.4`, it must lie in 0 .. "):
+    with pytest.raises(PlantError, match=r"`plant.joint.hinge.stiffness` is `-0.4`, it must be in 0 .. "):
         cosim.run(cosim.load(file, set=["plant.joint.hinge.stiffness=-0.4"]))
     shown = subprocess.run(
         [sys.executable, "-m", "cosim", "show", "lag.toml"],

@@ -24,7 +24,10 @@ def table(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     ("name", "hint"),
     [
         ("teach.place", "Use `calibration.position`, the new name of `teach.place`."),
-        ("controller.teach.place", "Use `controller.calibration.position`, the new name of `controller.teach.place`."),
+        (
+            "controller.teach.place",
+            "Use `controller.calibration.position`, the new name of `controller.teach.place`.",
+        ),
         ("gain[2]", "Use `scale[2]`, the new name of `gain[2]`."),
         ("x[1]", "Use `first`, the new name of `x[1]`."),
         ("Teach", "Use `Calibrate`, the new name of `Teach`."),

@@ -143,7 +143,7 @@ WRONG = {
         "[[signal]]\nto = 'controller.count'\ntimes = [1.0]\nvalues = [1]",
         r"times` must start with 0",
     ),
-    "signal goes back": (
+    "signal back in time": (
         "[[signal]]\nto = 'controller.count'\ntimes = [0, 2, 1]\nvalues = [1, 2, 3]",
         "must rise",
     ),

@@ -54,7 +54,7 @@ def test_comments_with_old_words_become_fewer() -> None:
         lines = [f"{folder} = {number}" for folder, number in counts.items()]
         COMMENTS.write_text("\n".join([head, "", *lines, ""]), "utf-8")
     else:
-        assert not fewer, f"{fewer}: keep the lower counts with `BLESS=1 pytest tests/house/test_language.py`"
+        assert not fewer, f"{fewer}: keep the lower counts: `BLESS=1 pytest tests/house/test_language.py`"
         assert not gone, f"{gone}: no old words are left; `BLESS=1 pytest tests/house/test_language.py`"
 
 

@@ -8,7 +8,7 @@ RUN = given("run", "lag.toml")
 LONG = "a" * 300
 
 NOWHERE = {"--trace": "no/a.csv", "--json": "no/a.json", "--plot": "no/a.svg"}
-"""Options with a file in a folder that is not there."""
+"""Options with a file in a folder that does not exist."""
 FULL = {"full.csv": "--trace", "full.npz": "--trace", "/dev/full": "--json", "full.svg": "--plot"}
 """Files on a full disk, and the option that writes such files."""
 
@@ -59,26 +59,26 @@ LINES: dict[str, Case] = {
     "trace over a signal": Case(
         given("run", "driven.toml", "--trace", "in.csv"), ("`--trace` `in.csv`", "`signal.controller.flag`")
     ),
-    "judged over the trace": Case(
+    "result over the trace": Case(
         given("judge", "in.csv", "lag.toml", "--json", "in.csv"), ("`--json` `in.csv`", "is not JSON")
     ),
     "memory beyond all": Case((*RUN, "--memory", "1e300"), ("`--memory` = `1e+300`", "1e+12")),
     "timeout beyond all": Case((*RUN, "--timeout", "inf"), ("`--timeout` = `inf`",)),
-    "judge a pipe": Case(
+    "evaluate a pipe": Case(
         given("judge", "pipe.csv", "lag.toml"), ("cannot read `pipe.csv`", "no regular file")
     ),
-    "judge a device": Case(
+    "evaluate a device": Case(
         given("judge", "zero.npz", "lag.toml"), ("cannot read `zero.npz`", "no regular file")
     ),
     "compare a pipe": Case(given("compare", "pipe.csv", "in.csv"), ("`pipe.csv`", "regular file")),
-    "judge a trace without end": Case(given("judge", "vast.npz", "lag.toml"), ("`vast.npz` holds no trace",)),
-    "judge an empty trace": Case(
-        given("judge", "empty.csv", "lag.toml"), ("`empty.csv` holds no trace", "names of the columns")
+    "evaluate an endless trace": Case(given("judge", "vast.npz", "lag.toml"), ("`vast.npz` is not a valid trace",)),
+    "evaluate an empty trace": Case(
+        given("judge", "empty.csv", "lag.toml"), ("`empty.csv` is not a valid trace", "names of the columns")
     ),
-    "judge half a trace": Case(
-        given("judge", "half.npz", "lag.toml"), ("`half.npz` holds no trace", "no npz file, or one cut off")
+    "evaluate half a trace": Case(
+        given("judge", "half.npz", "lag.toml"), ("`half.npz` is not a valid trace", "no npz file, or one cut off")
     ),
-    "judge the other way round": Case(
+    "evaluate swapped arguments": Case(
         given("judge", "lag.toml", "in.csv"), ("`lag.toml` is not a trace", "the trace comes first")
     ),
     "baseline is a folder": Case(
@@ -120,13 +120,13 @@ LINES: dict[str, Case] = {
     **{
         f"sweep into a folder with a {kind} for its rows": Case(
             given("sweep", "study.toml", "--out", kind),
-            (f"cannot write results: `{kind}/results.jsonl` is no file",),
+            (f"cannot write results: `{kind}/results.jsonl` is not a file",),
         )
         for kind in ("pipe", "zero", "full")
     },
     "traces are a file": Case(
         given("sweep", "failing.toml", "--out", "taken", "--workers", "1", "--no-plots"),
-        ("cannot write traces: `taken/traces` is no folder",),
+        ("cannot write traces: `taken/traces` is not a folder",),
     ),
     "sweep into an empty name": Case(given("sweep", "study.toml", "--out", ""), ("`--out` is empty",)),
     "optimize into an empty name": Case(given("optimize", "search.toml", "--out", ""), ("`--out` is empty",)),
@@ -146,7 +146,7 @@ ENVIRONMENTS: dict[str, tuple[dict[str, str], Case]] = {
         {"COSIM_FMU_PATH": "/no/where"},
         Case((*RUN, "--set", "controller.fmu=no"), ("`no.fmu` does not exist", "/no/where")),
     ),
-    "home of nobody": (
+    "home of no user": (
         {"HOME": "/no/where", "COSIM_CACHE": ""},
         Case((*RUN, "--set", "controller.fmu=~/x.fmu"), ("`~/x.fmu` does not exist",)),
     ),

@@ -52,7 +52,7 @@ def defect(name: str) -> Build:
 
 
 def holding(members: dict[str, bytes | str]) -> Build:
-    """FMU with these files beside its own."""
+    """FMU with additional files."""
     return lambda target, library: write(target, {XML: description(), LIBRARY: library, **members})
 
 
@@ -170,7 +170,7 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "step error": (defect("step_error"), ("step 3", "doStep failed on purpose", "fmi2Error")),
     "instantiate gives nothing": (defect("instantiate_null"), ("cannot instantiate", "`Probe`")),
     "NaN": (defect("nan"), ("`controller.out` is `nan`", "step 3")),
-    "initialisation error": (defect("init_error"), ("init failed on purpose", "fmi2ExitInitializationMode")),
+    "initialization error": (defect("init_error"), ("init failed on purpose", "fmi2ExitInitializationMode")),
     "step discard": (defect("step_discard"), ("step 3", "fmi2DoStep returned fmi2Discard")),
     "step fatal": (defect("step_fatal"), ("step 3", "fmi2DoStep returned fmi2Fatal")),
     # zip files
@@ -268,7 +268,7 @@ WARNED: dict[str, tuple[Build, tuple[str, ...]]] = {
         ),
     ),
     "another version": (defect("version_3"), ("`broken.fmu`: `fmi2GetVersion` returns `3.0`, not `2.0`",)),
-    "no version told": (defect("version_null"), ("`fmi2GetVersion` returns nothing",)),
+    "no version": (defect("version_null"), ("`fmi2GetVersion` returns nothing",)),
     "another platform": (defect("platform"), ("`fmi2GetTypesPlatform` returns `nonsense`, not `default`",)),
 }
 """Defects that hinder no run: it is done, with a warning."""

@@ -111,7 +111,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         edited("probe_plants:Lag", "torn:X"),
         ("cannot import the plant `torn:X`", "line 1"),
     ),
-    "plant that refuses": (
+    "plant that rejects": (
         edited("probe_plants:Lag", "probe_plants:Refusing"),
         ("pole and label do not go",),
     ),
@@ -119,11 +119,11 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "no such FMU file": (edited('"probe"', '"a/prob.fmu"'), ("`a/prob.fmu` does not exist",)),
     "FMU is a folder": (edited('"probe"', '"./"'), ("the FMU file `./` is not a regular file",)),
     "FMU without a name": (edited('"probe"', '""'), ("the FMU `.fmu` does not exist",)),
-    "FMU of nobody": (edited('"probe"', '"~nobody_here/x.fmu"'), ("`~nobody_here/x.fmu` does not exist",)),
+    "FMU of no user": (edited('"probe"', '"~nobody_here/x.fmu"'), ("`~nobody_here/x.fmu` does not exist",)),
     "FMU of a long name": (edited('"probe"', f'"{"a" * 300}"'), ("aaaa...", "does not exist")),
     "FMU file of a long name": (edited('"probe"', f'"{"a" * 5000}.fmu"'), ("aaaa...", "does not exist")),
     "FMU with NUL": (edited('"probe"', '"a\\u0000.fmu"'), ("the FMU file", "does not exist")),
-    "MJCF of nobody": (edited("probe_plants:Lag", "~nobody_here/x.xml"), ("`~nobody_here/x.xml`",)),
+    "MJCF of no user": (edited("probe_plants:Lag", "~nobody_here/x.xml"), ("`~nobody_here/x.xml`",)),
     "MJCF of a long name": (edited("probe_plants:Lag", f"{'a' * 300}.xml"), ("aaaa...", "does not exist")),
     # ranges
     "step 0": (edited("0.001", "0.0"), ("`loop.step` is `0.0`", "positive")),
@@ -139,7 +139,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "record beyond the end": (
         edited("[loop]", "[loop]\nrecord_every = 51"),
-        ("`loop.record_every` is `51`", "50, the steps of the run"),
+        ("`loop.record_every` is `51`", "50steps of the run"),
     ),
     "record 0": (edited("[loop]", "[loop]\nrecord_every = 0"), ("`loop.record_every` is `0`",)),
     "seed negative": (edited("[loop]", "[loop]\nseed = -1"), ("`loop.seed` is `-1`",)),
@@ -228,7 +228,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "criterion without limit": (edited("maximum = 1.0\n", ""), ("`criterion.end` has no limit",)),
     "criterion with two demands": (
         WHOLE + "equals = 0.5\n",
-        ("`criterion.end.equals`", "does not go with `maximum`"),
+        ("`criterion.end.equals`", "cannot be combined with `maximum`"),
     ),
     "metric in another unit of its kind": (
         WHOLE + entry("metric", name="far", unit="um", value="max(plant.x)"),

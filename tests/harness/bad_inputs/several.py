@@ -22,7 +22,7 @@ def renamed(name: str) -> str:
 
 FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     "no FMU": (LOOP, (FILE, "`controller` is missing", "`[[fmu]]`")),
-    "both forms": (TWO + '[controller]\nfmu = "probe"\n', ("`fmu` is there beside `controller`",)),
+    "both forms": (TWO + '[controller]\nfmu = "probe"\n', ("`fmu` cannot be combined with `controller`",)),
     "no FMU in the list": (f"fmu = []\n{LOOP}", ("`fmu` is empty", "`[controller]`")),
     "FMUs are a table": (LOOP + '[fmu]\nname = "a"\n', ("`fmu`", "an array")),
     "FMUs are texts": (f'fmu = ["a"]\n{LOOP}', ("`fmu[0]`", "a table")),
@@ -51,7 +51,7 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     "step inf": (edited("parameters", "step = inf\nparameters", TWO), ("`fmu.a.step` is `inf`", "finite")),
     "no such FMU": (edited('fmu = "probe"', 'fmu = "prob"', TWO), (FILE, "`prob.fmu` does not exist")),
     "parameter": (edited("parameters = {", "parameters = {gian = 1.0", TWO), ("the FMU `a`", "`gain`")),
-    "parameter refused": (edited("parameters = {", "parameters = {gain = 99.0", TWO), ("`a.gain` = `99.0`",)),
+    "parameter rejected": (edited("parameters = {", "parameters = {gain = 99.0", TWO), ("`a.gain` = `99.0`",)),
     "parameter of a kind": (
         edited("parameters = {", 'parameters = {gain = "x"', TWO),
         ("`a.gain` is `'x'`",),

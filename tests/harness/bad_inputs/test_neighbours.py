@@ -36,7 +36,7 @@ SAME, OTHER = 1, 2
 
 
 def neighbours(defect: str, lag: Path, library: bytes) -> tuple[int, str, list[dict[str, object]]]:
-    """Sweep the probe, an FMU with a defect and the probe: processes, what was told, and the rows."""
+    """Sweep the probe, an FMU with a defect and the probe: processes, messages and rows."""
     shutil.copy(DATA / "counting.py", lag / "counting.py")
     fmus.defect(defect)(lag / f"{defect}.fmu", library)
     plant = 'plant.name = "counting:Counting"'
@@ -79,7 +79,7 @@ def test_what_belongs_to_the_process_is_left_to_the_run_that_changed_it(
 @pytest.mark.parametrize(
     ("defect", "words"),
     [
-        ("garbage", " wrote to a file that is not its own: what comes from the worker process is no message"),
+        ("garbage", " wrote to a foreign file descriptor: the connection to the worker process is corrupted"),
         (
             "files",
             " changed the resource limits of its process: the plant `counting:Counting` cannot be reset",

@@ -124,7 +124,7 @@ def test_what_a_library_started_and_set_free_ends_with_the_command(lag: Path, br
 def test_a_file_named_as_a_package_harms_no_worker(name: str, lag: Path) -> None:
     (lag / f"{name}.py").write_text("raise SystemExit('not the package')\n")
     (lag / "own.py").write_text("import probe_plants\n\n\nclass Own(probe_plants.Lag):\n    pass\n")
-    # as the installed command starts, without the working directory among the places of packages
+    # as the installed command starts, without the working directory in the search path of packages
     command = [sys.executable, "-P", "-c", "from cosim.cli import main; main()"]
     options = ["run", "lag.toml", "--set", "plant.name=own:Own"]
     done = subprocess.run([*command, *options], capture_output=True, text=True, check=False, timeout=120)

@@ -57,7 +57,7 @@ def test_an_optimization_is_checked_at_both_ends(write: Write, folder: Path) -> 
     done = called("check", "good.toml", "bad.toml")
     assert done.returncode == 2
     assert done.stdout == "good.toml: optimization, 40 runs, valid\n"
-    assert "`plant.pole` is `1.5`, it must lie in 0 .. 1" in done.stderr
+    assert "`plant.pole` is `1.5`, it must be in 0 .. 1" in done.stderr
 
 
 def test_the_studies_of_the_project_are_known_in_any_folder(folder: Path) -> None:
@@ -85,7 +85,7 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Wri
     assert done.returncode == 2
     bad, none, good = json.loads(done.stdout)
     assert (bad["kind"], bad["ok"], bad["runs"]) == ("study", False, 0)
-    assert "`plant.pole` is `7.0`, it must lie in 0 .. 1" in bad["error"]["message"]
+    assert "`plant.pole` is `7.0`, it must be in 0 .. 1" in bad["error"]["message"]
     assert none["error"] == {
         "message": "the scenario file `none.toml` does not exist",
         "hint": "List the known names with `cosim list`.",

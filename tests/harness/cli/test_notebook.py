@@ -70,7 +70,7 @@ def test_without_pandas_the_message_says_what_to_install(
 
 def test_a_result_without_trace_has_no_data_frame(write: Write) -> None:
     (result,) = cosim.run_many(cosim.load(write()), [1])
-    with pytest.raises(CosimError, match="holds no trace"):
+    with pytest.raises(CosimError, match="is not a valid trace"):
         result.to_dataframe()
 
 

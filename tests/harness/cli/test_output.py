@@ -50,7 +50,7 @@ def test_a_reader_that_has_gone_is_no_error(arguments: list[str], write: Write) 
         done = started(arguments, writer)
     finally:
         os.close(writer)
-    # as a shell tells it of what SIGPIPE ends
+    # as a shell reports the end by SIGPIPE
     assert (done.returncode, done.stderr) == (141, "")
 
 

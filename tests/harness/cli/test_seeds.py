@@ -41,9 +41,9 @@ def test_seeds_are_ranges_and_lists(text: str, expected: list[int]) -> None:
     ("text", "told"),
     [
         ("", "no seed and no range"),
-        ("1...4", "`1...4` is no seed and no range\nhint: give seeds as `1..20`"),
+        ("1...4", "`1...4` is not a seed or range\nhint: give seeds as `1..20`"),
         ("-1..4", "no seed and no range"),
-        ("4..1", "ends before it begins\nhint: `1..4`"),
+        ("4..1", "ends before it starts\nhint: `1..4`"),
         ("1..3,2", "names the seed 2 twice"),
         ("1..1000000000000", "more than 100000 seeds\nhint: a study"),
     ],

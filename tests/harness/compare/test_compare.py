@@ -330,9 +330,9 @@ WRONG = {
     "plot of results": (["r.json", "r.json", "--plot", "p.svg"], "`--plot` cannot be used with a result"),
     "plot ending": (["a.npz", "b.npz", "--plot", "p.doc"], "cannot plot to `p.doc`"),
     "plot nowhere": (["a.npz", "b.npz", "--plot", "no/p.svg"], "cannot write `no/p.svg`"),
-    "torn": (["torn.npz", "a.npz"], "`torn.npz` holds no trace"),
-    "objects": (["objects.npz", "a.npz"], "`objects.npz` holds no trace"),
-    "about is a list": (["about.npz", "a.npz"], "`about.npz` holds no trace"),
+    "torn": (["torn.npz", "a.npz"], "`torn.npz` is not a valid trace"),
+    "objects": (["objects.npz", "a.npz"], "`objects.npz` is not a valid trace"),
+    "about is a list": (["about.npz", "a.npz"], "`about.npz` is not a valid trace"),
     "rows that are none": (["rows", "rows"], "has no rows"),
     "no sweep": (["sub", "sub"], "results.jsonl"),
     "no scenario": (["gone"], "there is no scenario `gone`"),
@@ -340,8 +340,8 @@ WRONG = {
 }
 
 BROKEN = {
-    "text.csv": ("time,x\n0,a\n", "`text.csv` holds no trace"),
-    "ragged.csv": ("time,x\n0,1\n1\n", "`ragged.csv` holds no trace"),
+    "text.csv": ("time,x\n0,a\n", "`text.csv` is not a valid trace"),
+    "ragged.csv": ("time,x\n0,1\n1\n", "`ragged.csv` is not a valid trace"),
     "empty.csv": ("", "`empty.csv`"),
     "timeless.csv": ("t,x\n0,1\n", "no column `time`"),
     "back.csv": ("time,x\n0,1\n0,1\n", "do not ascend"),

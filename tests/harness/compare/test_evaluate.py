@@ -115,7 +115,7 @@ def test_a_trace_of_another_loop_is_told(
     (folder / "other.toml").write_text((folder / "lag.toml").read_text())
     monkeypatch.setattr(logging.getLogger("cosim"), "propagate", True)
     cosim.evaluate(cosim.load("other.toml"), cosim.read_trace(stored))
-    assert "is a trace of `lag`, it is judged as one of `other`" in caplog.text
+    assert "is a trace of `lag`; it is evaluated as a trace of `other`" in caplog.text
 
 
 @pytest.mark.parametrize(

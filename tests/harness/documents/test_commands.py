@@ -36,7 +36,7 @@ ELSEWHERE = {
     r"notes\.md": "tests/harness/report has a document on its page",
     r"cosim run trial": "tests/house makes the trial",
     r"crane": "tests/harness/test_any.py goes through the tutorials step by step",
-    r"dob --update|compare dob$": "would write beside the scenario: tests/harness/compare",
+    r"dob --update|compare dob$": "would write next to the scenario: tests/harness/compare",
 }
 """Commands that are run elsewhere, and where."""
 OTHERS = {
@@ -82,7 +82,7 @@ def test_a_command_is_understood(line: str) -> None:
     assert told
     select([word for word in told.get("scenarios") or () if "*" in word])
     if (ROOT / "scenarios" / f"{told.get('loop', '')}".partition("/")[0]).with_suffix(".toml").is_file():
-        # connecting FMU and plant tells every name and key that is none
+        # connecting FMU and plant finds every wrong name and key
         with cosim.Session(cosim.load(told["loop"], told["set_"])) as session:
             lint.check(session)
 
@@ -136,7 +136,7 @@ def run(folder: Path, line: str) -> None:
 
 
 def pages() -> list[Any]:
-    """Pages with commands; those of one controller each tell runs of the same kind."""
+    """Pages with commands; those of the controllers have runs of the same kind."""
     found = [page for page in words.PAGES if any(map(here, words.lines(page, "cosim")))]
     full = pytest.mark.full
     return [pytest.param(page, marks=full) if page.startswith("fmu-") else page for page in found]

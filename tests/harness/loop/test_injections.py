@@ -22,7 +22,7 @@ RAMP = SCENARIO.replace("plant.x", "plant.ramp")
 
 
 def arrives(write: Write, *entries: dict[str, Any], column: str = "controller.in", seed: int = 1) -> Any:
-    """Column of a run with injections, `controller.in` if nothing else is told."""
+    """Column of a run with injections, default `controller.in`."""
     added = "".join(entry("inject", **({"to": "controller.in"} | one)) for one in entries)
     trace = cosim.run(cosim.load(write("\n" + added, text=RAMP), set=[f"loop.seed={seed}"])).trace
     assert trace is not None
@@ -99,16 +99,16 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "two kinds": (
         {"from_time": 0.0, "value": 0.0, "offset": 1.0},
-        r"`inject.controller.in.offset` does not go with `value`\nhint: each has one kind; several",
+        r"`inject.controller.in.offset` cannot be combined with `value`\nhint: each has one kind; several",
     ),
     "no start": ({"offset": 1.0}, r"`inject.controller.in.from_time` is missing\nhint: .*`when`"),
     "two beginnings": (
         {"from_time": 0.0, "when": "time > 0", "offset": 1.0},
-        r"in.when` does not go with",
+        r"in.when` cannot be combined with",
     ),
     "end of a condition": (
         {"when": "time > 0", "to_time": 1.0, "offset": 1.0},
-        r"in.to_time` is `1.0` s, but with `when` nobody knows its beginning\nhint: `duration`",
+        r"in.to_time` is `1.0` s, but with `when` its start is unknown\nhint: `duration`",
     ),
     "after a time": (
         {"from_time": 0.0, "after": 1.0, "offset": 1.0},
@@ -116,13 +116,13 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "two ends": (
         {"from_time": 0.0, "to_time": 1.0, "duration": 1.0, "offset": 1.0},
-        r"in.duration` does not go with `to_time` = `1.0` s",
+        r"in.duration` cannot be combined with `to_time` = `1.0` s",
     ),
-    "share": ({"from_time": 0.0, "drop": 1.1}, r"in.drop` is `1.1`, it must lie in 0 .. 1"),
+    "share": ({"from_time": 0.0, "drop": 1.1}, r"in.drop` is `1.1`, it must be in 0 .. 1"),
     "not late": ({"from_time": 0.0, "late": 0}, r"in.late` is `0`, it must be at least 1"),
     "too late": (
         {"from_time": 0.0, "late": 51},
-        r"in.late` is `51` steps, it must not be above 50, the",
+        r"in.late` is `51` steps, it must not exceed the 50, the",
     ),
     "no Boolean": (
         {"to": "controller.flag", "from_time": 0.0, "offset": 1.0},

@@ -167,7 +167,7 @@ def test_a_broken_file_is_told_with_its_line(write: Write, file: Path, name: str
     ("to", "added", "told"),
     [
         ("controller.in", 'column = "c"\n', r"has no column `c`\nhint: Known names: `a`, `b c`"),
-        ("controller.in", "times = [0.0]\nvalues = [1.0]\n", "does not go with `times` and `values`"),
+        ("controller.in", "times = [0.0]\nvalues = [1.0]\n", "cannot be combined with `times` and `values`"),
         ("controller.in", 'interpolation = "cubic"\n', "it must be `hold` or `linear`"),
         ("controller.mode", 'column = "a"\ninterpolation = "linear"\n', "takes no values in between"),
         ("controller.mode", 'column = "a"\n', r"`deep/x.csv`, line 3: `controller.mode` is `3.0`"),

@@ -23,7 +23,7 @@ FAILURES: dict[str, tuple[str, Sequence[str], str]] = {
         r"failed on request at 0.02 s \(fmi2DoStep returned fmi2Error\)",
     ),
     "fatal error": ("", ["controller.fatal_at=20"], r"step 20.*fmi2Fatal"),
-    "input refused": (
+    "input rejected": (
         '[[signal]]\nto = "controller.gain"\ntimes = [0.0, 0.02]\nvalues = [1.0, 11.0]\n',
         [],
         r"`gain` = 11 is above its limit \(fmi2SetReal",

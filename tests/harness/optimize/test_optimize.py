@@ -122,8 +122,9 @@ def test_no_trial_that_holds_the_criteria_is_exit_code_1(command: Run) -> None:
     assert code == 1
     assert "error" not in err
     largest = max(history()[1:], key=lambda row: float(row[1]))
-    assert f"closest is trial {largest[0]}, without `end`; 9 trials, 0 of them passed all criteria" in " ".join(
-        out.split()
+    assert (
+        f"closest is trial {largest[0]}, without `end`; 9 trials, 0 of them passed all criteria"
+        in " ".join(out.split())
     )
     assert json.loads(command("--json")[1])["best"] is None
 

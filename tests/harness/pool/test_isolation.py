@@ -29,7 +29,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and lim
 
 @pytest.fixture
 def lag(write: Write, folder: Path) -> Path:
-    """Write the lag scenario, and hostile plants beside it."""
+    """Write the lag scenario and hostile plants."""
     for name in ("hostile_plants.py", "exiting.py"):
         shutil.copy(DATA / name, folder / name)
     return write()
@@ -51,7 +51,7 @@ DEATHS = {
         ["controller.exit_at=3"],
         f"the FMU `probe` crashed {AT}: it ended the process with exit code 0",
     ),
-    "exit in initialisation": (
+    "exit in initialization": (
         ["controller.exit_at=-2"],
         "the FMU `probe` crashed while it was initialized: it ended the process with exit code 0",
     ),
@@ -125,7 +125,7 @@ def test_a_hang_ends_with_the_timeout(engine: str) -> None:
     assert done.returncode == 2
     assert done.stderr.splitlines() == [
         f"error: no result within `--timeout` = `2` s: the FMU `probe` did not return {AT}",
-        "hint: a longer `--timeout`, or a scenario that hangs",
+        "hint: a longer `--timeout`, or check the scenario for a hang.",
     ]
 
 
@@ -148,7 +148,7 @@ def test_a_run_within_its_limits_is_as_without_them() -> None:
             "300",
             f"MB of memory are more than `--memory` = `300` MB, the FMU `probe` took them {AT}",
         ),
-        ("1", "MB of memory, which a run needs before it begins, are more than its limit of `1` MB"),
+        ("1", "MB of memory, which a run needs before its start, exceed its limit of `1` MB"),
     ],
 )
 @pytest.mark.usefixtures("lag")
@@ -216,5 +216,5 @@ def test_a_closed_session_refuses_to_run(lag: Path) -> None:
 
 
 def test_limits_of_a_run_in_this_process_are_refused(lag: Path) -> None:
-    with pytest.raises(CosimError, match="`limits` are of an isolated run\nhint: `isolated=True`"):
+    with pytest.raises(CosimError, match="`limits` apply only to isolated runs\nhint: `isolated=True`"):
         cosim.run(lag, limits=Limits(timeout=1.0))

@@ -60,7 +60,7 @@ def test_a_picture_shows_the_row_that_held_at_its_time() -> None:
     [(0.0, None, None), (math.inf, None, None), (3601.0, None, None), (1.0, 0.6, 0.4), (1.0, 0.0, 2.0)],
 )
 def test_a_time_that_is_none_is_told(seconds: float, begin: float | None, end: float | None) -> None:
-    with pytest.raises(CosimError, match=r"must be above 0|is no part of the run"):
+    with pytest.raises(CosimError, match=r"must be above 0|is outside of the run"):
         pace(np.linspace(0.0, 1.0, 11), seconds, begin, end)
 
 

@@ -36,8 +36,8 @@ def recorded(file: Path) -> Recorded:
 
 def red(picture: Any) -> Any:
     """Columns in which the cart is seen."""
-    colours = picture.astype(int)
-    return np.flatnonzero(((colours[..., 0] > 90) & (colours[..., 1] < 60)).any(axis=0))
+    colors = picture.astype(int)
+    return np.flatnonzero(((colors[..., 0] > 90) & (colors[..., 1] < 60)).any(axis=0))
 
 
 @pytest.mark.usefixtures("_drawing")
@@ -156,7 +156,7 @@ def test_what_cannot_draw_costs_the_picture_alone(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("cart.toml", "-o", "cart.avi"), "cannot film to `cart.avi`"),
+        (("cart.toml", "-o", "cart.avi"), "cannot write a video to `cart.avi`"),
         (("cart.toml", "-o", "nowhere/cart.mp4"), "cannot write `nowhere/cart.mp4`"),
         (("cart.toml", "--size", "63x48"), "`--size` is `63x48`"),
         (("cart.toml", "--size", "large"), "`large` is not a size such as `640x480`"),

@@ -30,7 +30,7 @@ QUESTION = """(async () => {
   return {
     sideways: document.documentElement.scrollWidth > width,
     outside: outside.map((part) => part.outerHTML.slice(0, 80)),
-    colour: getComputedStyle(document.body).backgroundColor,
+    color: getComputedStyle(document.body).backgroundColor,
   };
 })()"""
 LIGHT = "rgb(255, 255, 255)"
@@ -58,7 +58,7 @@ def started(folder: Path) -> Iterator[str]:
 
 
 def listening(chromium: subprocess.Popen[bytes], place: Path) -> str:
-    """Wait for the file in which Chromium tells its address."""
+    """Wait for the file with the address of Chromium."""
     for _ in range(900):
         if place.is_file() and place.read_text().count("\n"):
             port, path = place.read_text().splitlines()[:2]
@@ -66,23 +66,23 @@ def listening(chromium: subprocess.Popen[bytes], place: Path) -> str:
         if chromium.poll() is not None:
             pytest.skip(f"`{PROGRAM}` cannot start: it ended with exit code {chromium.returncode}")
         time.sleep(0.1)
-    pytest.fail(f"`{PROGRAM}` does not tell where it listens")
+    pytest.fail(f"`{PROGRAM}` gives no address")
 
 
 def complaints(browser: str, page: Path, width: int, theme: str) -> list[str]:
-    """Tell what is wrong with a page on a screen: its texts stand in an `article` or in `main`."""
+    """List the problems of a page on a screen: its texts are in an `article` or in `main`."""
     answer, _, found = visit(browser, page, width, theme, QUESTION)
     if answer["sideways"] or answer["outside"]:
         found.append(f"wider than the screen: {answer['outside']}")
-    if (answer["colour"] == LIGHT) != (theme == "light"):
-        found.append(f"the page is {answer['colour']}")
+    if (answer["color"] == LIGHT) != (theme == "light"):
+        found.append(f"the page is {answer['color']}")
     return found
 
 
 def visit(
     browser: str, page: Path, width: int, theme: str, question: str, printed: str = "null"
 ) -> tuple[Any, Any, list[str]]:
-    """Open a page as somebody who was never there.
+    """Open a page in a new profile.
 
     Returns what two JavaScript expressions give in the end, the second one of the page as it is printed, and
     what went wrong meanwhile.

@@ -1,4 +1,4 @@
-"""Margins of an open loop that a closed one tells, as charts of a page."""
+"""Margins of an open loop from a closed one, as charts of a page."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def open_loop(omega: Any) -> Any:
 
 
 def row(response: Any) -> Held:
-    """Trace of one row with a response in numbered columns, and a place that was never set."""
+    """Trace of one row with a response in numbered columns, and an index that was never set."""
     values = {"time": 0.0}
     for i, (omega, one) in enumerate(zip([*OMEGA, 0.0], [*response, 0.0], strict=True), start=1):
         values |= {f"a.f[{i}]": omega, f"a.m[{i}]": abs(one), f"a.p[{i}]": np.angle(one)}
@@ -86,7 +86,7 @@ def test_a_chart_of_the_kind_bode_is_two_charts_with_marks() -> None:
         assert reversal == pytest.approx(math.sqrt(3.0) / math.tau, rel=0.01)
         assert first.startswith("phase margin 27.")
         assert second.startswith(("gain margin 2.0", "gain margin 1.99"))
-        # both stand in the drawing for print, too
+        # both are in the drawing for print, too
         assert first in one["svg"]
         assert one["svg"].count('class="event"') == 2
 

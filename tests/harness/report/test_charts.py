@@ -59,7 +59,7 @@ def test_a_path_of_many_rows_keeps_extremes_beside_what_is_no_number() -> None:
 
 def test_a_spectrum_takes_the_longest_stretch_without_a_gap() -> None:
     wave = np.where(np.arange(ROWS) == 3404, np.nan, 0.25 * np.sin(2.0 * np.pi * 50.0 * TIME))
-    # rows 0, 2, 4 are not neighbours
+    # rows 0, 2, 4 are not neighbors
     trace = traced(plant_e=wave, plant_p=np.where((TIME < 0.005) & (np.arange(ROWS) % 2 == 1), 0.0, 1.0))
     ((x, y),) = lines(Chart("spectrum", ("plant.e",), parts=("plant.p",)), trace).values()
     assert x[np.argmax(y)] == pytest.approx(50.0, abs=0.5)
@@ -170,7 +170,7 @@ def test_a_map_sums_up_in_cells() -> None:
     assert not cells.parts[inner, inner].any()
     found = charts.mapped(chart, cells)
     assert unpacked(found["cells"]) == pytest.approx(cells.parts.ravel(), abs=1e-4)
-    # cells with the same shade beside each other are one, and as wide as all of them
+    # adjacent cells with the same shade are one, and as wide as all of them
     ways = [int(way) - 1 for way in re.findall(r"M\d+ \d+h(\d+)v", found["svg"])]
     drawn = np.count_nonzero(cells.parts > drawing.LEAST)
     assert len(ways) < drawn
@@ -302,7 +302,7 @@ def test_whole_numbers_are_told_at_whole_numbers() -> None:
     ("more", "wanted"),
     [
         ({}, "frequency (Hz)"),
-        ({"x": "plant.a"}, "waves per turn"),
+        ({"x": "plant.a"}, "waves per revolution"),
         ({"x_label": "f", "x_unit": "1/s"}, "f (1/s)"),
     ],
 )

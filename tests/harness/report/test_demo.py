@@ -21,7 +21,7 @@ QUESTION = """
   const first = document.querySelector("video").getBoundingClientRect().top + scrollY;
   return {
     cards: document.querySelectorAll(".loop img").length,
-    films: document.querySelectorAll("video[poster]").length,
+    videos: document.querySelectorAll("video[poster]").length,
     rows: rows.filter((row) => !row.hidden).length, soon: first < 9 * innerHeight,
     drawn: document.querySelectorAll(".drawn .plot").length > 50,
     inside: document.documentElement.scrollWidth <= innerWidth,
@@ -46,4 +46,4 @@ def test_the_page_opens(chromium: str, width: int, theme: str) -> None:
     assert troubles == []
     rows = answer.pop("rows")
     assert 20 < rows < 60
-    assert answer == {"cards": 5, "films": 5, "soon": True, "drawn": True, "inside": True}
+    assert answer == {"cards": 5, "videos": 5, "soon": True, "drawn": True, "inside": True}

@@ -82,7 +82,7 @@ def test_maps_without_anything_are_left_out(named: str, tmp_path: Path) -> None:
     [
         ("broken", ("failed: ArithmeticError: no surface",)),
         ("turned", ("gives `deep` of the shapes [(4,), (3,), (3, 2)]", "values (m, n)")),
-        ("depth", ("is not there", "depths")),
+        ("depth", ("does not exist", "depths")),
     ],
 )
 def test_what_a_function_does_wrong_is_told_and_costs_the_chart(

@@ -1,4 +1,4 @@
-"""Limits and events in plots: what a criterion tells of a column, where it is drawn, and where not."""
+"""Limits and events in plots: limits of a column from a criterion, and where they are plotted."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ to = "plant.u"
 from_time = 0.02
 value = 0.0
 [[plot.charts]]
-title = "Speed over the place"
+title = "Speed over position"
 kind = "path"
 x = "plant.x"
 y = ["derivative(plant.x)"]
@@ -175,7 +175,7 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
     assert (panel["unit"], line["name"]) == ("mm", "plant.x")
     assert [each[1] for each in panel["limits"]] == ["end <= 700 mm", "far >= 2 m"]
     speed = unpacked(chart["lines"][0]["y"])
-    assert (chart["title"], len(speed)) == ("Speed over the place", len(wanted))
+    assert (chart["title"], len(speed)) == ("Speed over position", len(wanted))
     assert view["events"] == [[pytest.approx(0.02), "fault injected: plant.u"]]
     assert page.get_element_by_id("chapter-0").xpath(".//figure//path[@class='line c0']")
     library = gzip.decompress(base64.b64decode(page.get_element_by_id("library").text))
@@ -202,7 +202,7 @@ def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
     assert criteria[1] == ["far", "0 of 2", "it ends far away"]
     assert metrics[0][0] == "end"
     assert "End over the gain" in sweep.text_content()
-    # the study stands with its loop, and what it comes to at the top
+    # the study is shown with its scenario, and its summary at the top
     assert sweep.getparent().get("id") == "loop-lag"
     (swept,) = page.find_class("swept")
     assert "study 0 of 2 runs pass" in swept.text_content()
@@ -213,7 +213,7 @@ def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("lag.toml", "-o", "page.pdf"), "the name must end in `.html`"),
+        (("lag.toml", "-o", "page.pdf"), "Use a name that ends in `.html`."),
         (("lag.toml", "-o", "lag.html"), "would overwrite a file that is not page of `cosim report`"),
         (("lag.toml", "--document", "gone.md"), "cannot read `gone.md`"),
         (("lag.toml", "--study", "gone.toml"), "the study file `gone.toml` does not exist"),
@@ -257,7 +257,7 @@ def test_a_failed_drawing_costs_no_verdict(made: Path, monkeypatch: pytest.Monke
     assert json.loads((made / "picked/picked.json").read_text())["passed"] is False
     page = html.fromstring((made / "picked.html").read_text())
     assert [note.text_content()[:46] for note in page.find_class("note")][1:] == [
-        "Not drawn: plot.charts Speed over the place = ",
+        "Not drawn: plot.charts Speed over position = ",
         "Not drawn: plot.zoom = first_time(plant.x[time",
     ]
     (view,) = page.find_class("views")
@@ -302,7 +302,7 @@ QUESTION = """
   words.dispatchEvent(new Event("input", { bubbles: true }));
   return {
     line: Boolean(found), chart: Boolean(chart.querySelector("path.js-line")),
-    colour: getComputedStyle(document.body).backgroundColor, title: document.title,
+    color: getComputedStyle(document.body).backgroundColor, title: document.title,
     shown: document.querySelector("#shown").textContent,
     inside: document.documentElement.scrollWidth <= innerWidth,
   };
@@ -316,7 +316,7 @@ PRINTED = """
   if (document.documentElement.dataset.theme !== "dark") document.querySelector("#theme").click();
   const shown = (what) => getComputedStyle(document.querySelector("figure[data-chart] " + what)).display;
   return {
-    colour: getComputedStyle(document.body).backgroundColor, plot: shown(".plot"), still: shown(".still"),
+    color: getComputedStyle(document.body).backgroundColor, plot: shown(".plot"), still: shown(".still"),
   };
 })()
 """
@@ -329,12 +329,12 @@ def test_a_browser_draws_it_without_a_complaint(chromium: str, made: Path, width
     answer, printed, troubles = browser.visit(chromium, page, width, theme, QUESTION, PRINTED)
     assert troubles == []
     # on paper as in print: light whatever the screen shows, and the still drawing of the page
-    assert printed == {"colour": "rgb(255, 255, 255)", "plot": "none", "still": "block"}
+    assert printed == {"color": "rgb(255, 255, 255)", "plot": "none", "still": "block"}
     paper = {"light": "rgb(255, 255, 255)", "dark": "rgb(20, 24, 29)"}[theme]
     assert answer == {
         "line": True,
         "chart": True,
-        "colour": paper,
+        "color": paper,
         "title": "What was measured in closed loop",
         "shown": "1 of 2",
         "inside": True,

@@ -125,7 +125,7 @@ def encoded(content: bytes) -> str:
 def test_of_a_film_that_is_too_large_there_is_a_picture(tmp_path: Path) -> None:
     (tmp_path / "a.mp4").write_bytes(bytes(book.MAX_VIDEO + 100_000))
     (tmp_path / "a.jpg").write_bytes(b"still")
-    told = "it has 1.1 MB, the limit is 1 MB\nhint: `cosim video` makes it as large as it is"
+    told = "it has 1.1 MB, the limit is 1 MB\nhint: Make it with `cosim video`."
     assert book.shown_video(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_film": told}
 
 

@@ -1,4 +1,4 @@
-"""What stands where on a page: loops with their studies and documents, and words as they are written."""
+"""Sections of a page: scenarios with their studies and documents, and texts as they are written."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_a_loop_has_its_scenarios_its_studies_and_its_documents() -> None:
     assert [one["number"] for one in lag.chapters] == [0, 2]
     assert [one["name"] for one in lag.documents] == ["Faults"]
     assert (lag.held, len(lag.claims)) == (1, 2)
-    # behind the chapters, as the data of the page
+    # after the chapters, as the data of the page
     assert [(one["name"], one["number"], one["place"]) for one in cart.sweeps] == [("one", 3, 1)]
     assert [(one["name"], one["number"]) for one in crane.sweeps] == [("two", 4)]
     assert crane.chapters == cart.documents == []
@@ -75,7 +75,7 @@ def test_a_page_begins_with_cards_and_the_nominal_scenarios() -> None:
     assert [card.get("href") for card in cards] == ["#loop-lag", "#loop-cart"]
     assert "2 um a b (<= 3 um)" in " ".join(cards[0].text_content().split())
     assert "2 of 2 criteria hold in 2 scenarios" in " ".join(cards[0].text_content().split())
-    # the picture stands once in the page, in the chapter
+    # the picture is once in the page, in the chapter
     assert [image.get("data-still") for card in cards for image in card.iter("img")] == [
         "chapter-0",
         "chapter-2",

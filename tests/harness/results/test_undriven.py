@@ -1,4 +1,4 @@
-"""Inputs and commands that nothing drives: forgotten ones are told, meant ones are not."""
+"""Undriven inputs and commands: a warning, except for intended ones."""
 
 from __future__ import annotations
 

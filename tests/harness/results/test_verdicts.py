@@ -75,7 +75,7 @@ def test_a_criterion_is_held_in_its_own_unit(write: Write) -> None:
     assert verdict["value"] == pytest.approx(1e3 * held.metrics["end"].value)
     assert (verdict["unit"], verdict["passed"]) == ("mm", True)
     assert held.metrics["end"].unit == "m"
-    # 667 mm is more than 0.7 mm, which the number alone does not tell
+    # 667 mm is more than 0.7 mm, which the number alone does not show
     assert cosim.run(cosim.load(file, set=["criterion.end.unit=mm"])).passed is False
 
 

@@ -36,7 +36,7 @@ def test_an_address_is_taken_as_it_is(text: str) -> None:
 
 WRONG = {
     "nope.json": (None, "cannot read `nope.json`: No such file"),
-    "broken.json": ("{", "`broken.json` is no file of a Dask scheduler"),
+    "broken.json": ("{", "`broken.json` is not a file of a Dask scheduler"),
     "list.json": ("[]", "it holds no table"),
     "empty.json": ("{}", "`address` in `empty.json` is ``, which is not a known address"),
     "junk": (None, "the Dask scheduler is `junk`, which is not a known address"),

@@ -170,7 +170,9 @@ def test_a_scheduler_that_does_not_come_back_is_told_and_the_sweep_resumes(
     write(studies.MEASURED)
     (folder / "grid.toml").write_text(studies.GRID)
     monkeypatch.setattr(Store, "append", stopping(Store.append, cluster.stop))
-    with pytest.raises(CosimError, match="lost the Dask scheduler, which did not return within 0 s") as caught:
+    with pytest.raises(
+        CosimError, match="lost the Dask scheduler, which did not return within 0 s"
+    ) as caught:
         cosim.sweep("grid.toml", cluster=cluster.address)
     assert caught.value.hint == "Run the same command again to continue."
     before = (folder / "grid.sweep" / "results.jsonl").read_text()

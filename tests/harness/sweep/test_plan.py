@@ -98,7 +98,7 @@ def test_the_project_as_it_is_is_part_of_every_hash(
 def test_a_wrong_value_is_told_with_its_case_however_late_it_comes(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     for wrong, problem in {
-        "plant.pole = 9": r"case 30: `plant.pole` is `9.0`, it must lie in 0 .. 1",
+        "plant.pole = 9": r"case 30: `plant.pole` is `9.0`, it must be in 0 .. 1",
         "controller.gain = 'x'": r"case 30: `controller.gain` is `'x'`, it must be a number",
         "loop.duration = 0.0505": r"case 30: `loop.duration` .* multiple of `loop.step`",
         "wire.'plant.u'.minimum = nan": r"case 30: `wire.plant.u.minimum` is `nan`, it must be a number",

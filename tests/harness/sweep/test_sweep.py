@@ -162,8 +162,10 @@ def told(file: Path) -> list[str]:
 def test_a_plot_shows_texts_and_tells_what_it_leaves_out(
     study: Path, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    least = '[[metric]]\nname = "least"\nunit = "m"\nvalue = "last(plant.x)"\n[[criterion]]\nid = "least"\n'
-    write(f'{studies.MEASURED}{least}claim = "c"\nmetric = "least"\nequals = 1\n')
+    lowest = (
+        '[[metric]]\nname = "lowest"\nunit = "m"\nvalue = "last(plant.x)"\n[[criterion]]\nid = "lowest"\n'
+    )
+    write(f'{studies.MEASURED}{lowest}claim = "c"\nmetric = "lowest"\nequals = 1\n')
     key = '{key = "controller.label", values = ["Slow", "Fast"]},\n    {key = "plant.pole"'
     (folder / "grid.toml").write_text(studies.GRID.replace('{key = "plant.pole"', key))
     monkeypatch.setattr(summary_tables, "MAX_KEYS", 2)

@@ -26,7 +26,7 @@ ON_DASK = pytest.mark.xdist_group("dask")
 
 FAULTS = {
     "controller.gain = 0.1": ("passed", ""),
-    "controller.crash_at = 3": ("crashed", "killed by SIGSEGV; its last words: about to write to nowhere"),
+    "controller.crash_at = 3": ("crashed", "killed by SIGSEGV; its last output: about to write to nowhere"),
     "controller.gain = 0.2": ("passed", ""),
     "controller.hang_at = 3": ("timeout", "no result within `limits.timeout` = `4` s"),
     "controller.fail_at = 3": ("error", "failed on request at 0.003 s (fmi2DoStep returned fmi2Error)"),
@@ -145,7 +145,7 @@ def test_too_little_memory_for_any_run_is_told(write: Write, folder: Path) -> No
     studies.sweep("small.toml")
     (row,) = studies.rows(folder / "small.sweep")
     assert row["status"] == "memory"
-    assert "are more than its limit of `1` MB" in row["reason"]
+    assert "exceed its limit of `1` MB" in row["reason"]
 
 
 @ON_DASK

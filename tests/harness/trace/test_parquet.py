@@ -51,8 +51,8 @@ WRONG: dict[str, tuple[dict[str, Any], Callable[[Path], None] | None, str]] = {
     "back": ({"time": [1.0, 0.0]}, None, "do not ascend"),
     "gap": ({"time": [0.0, None]}, None, "do not ascend"),
     "text": ({"time": ["now", "then"]}, None, "cannot read `time`"),
-    "torn": ({"time": [0.0, 1.0]}, torn, "holds no trace"),
-    "empty": ({"time": [0.0, 1.0]}, empty, "holds no trace"),
+    "torn": ({"time": [0.0, 1.0]}, torn, "is not a valid trace"),
+    "empty": ({"time": [0.0, 1.0]}, empty, "is not a valid trace"),
 }
 
 
@@ -73,5 +73,5 @@ def test_what_is_no_trace_is_one_sentence(case: str) -> None:
 def test_facts_that_are_no_table_are_refused() -> None:
     schema = pyarrow.schema([("time", pyarrow.float64())], {"cosim": "[1]"})
     parquet.write_table(pyarrow.table({"time": [0.0]}, schema=schema), "x.parquet")
-    with pytest.raises(CosimError, match="holds no trace"):
+    with pytest.raises(CosimError, match="is not a valid trace"):
         cosim.read_trace("x.parquet")
