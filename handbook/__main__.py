@@ -1,7 +1,7 @@
-"""`python -m handbook`: the site in `target/site/`, which opens without a server or a network.
+"""`python -m handbook`: builds the site in `target/site/`, which needs no server or network.
 
-`python -m handbook notebooks` instead executes the notebooks of `examples/` and keeps what they give,
-`python -m handbook stills` draws the pictures of the machines anew.
+`python -m handbook notebooks` executes the notebooks of `examples/` and stores their output,
+`python -m handbook stills` draws the pictures of the machines again.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from handbook.pages import ROOT, gather
 
 
 def main() -> int:
-    """Gather the pages and build the site; anything that Zensical warns of is an error."""
+    """Gather the pages and build the site; every warning of Zensical is an error."""
     if sys.argv[1:] == ["notebooks"]:
         notebooks.store(ROOT / "examples")
         return 0

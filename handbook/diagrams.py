@@ -1,4 +1,4 @@
-"""State diagrams of Mermaid as tables: drawing them takes a library from a network."""
+"""State diagrams of Mermaid as tables, because drawing them needs a library from the network."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 
 def shown(fence: str) -> str:
-    """Return a fenced block as it is, and a state diagram as the table of its transitions, then its notes."""
+    """Return a fenced block unchanged, or a state diagram as a table of its transitions and its notes."""
     if not fence.startswith("```mermaid\nstateDiagram"):
         return fence
     rows, notes = [], []
@@ -20,5 +20,5 @@ def shown(fence: str) -> str:
 
 
 def name(state: str) -> str:
-    """Return the name of a state, which is text where it is the beginning."""
+    """Return the name of a state, or a text for the start."""
     return "begin" if state == "[*]" else f"`{state}`"

@@ -1,4 +1,4 @@
-"""Notebooks: executed anew, and as pages."""
+"""Notebooks: execution, and conversion to pages."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import nbformat
 
 
 def store(folder: Path) -> None:
-    """Execute all notebooks of a folder and keep what they give."""
+    """Execute all notebooks of a folder and store their output."""
     for file in sorted(folder.glob("*.ipynb")):
         nbformat.write(executed(file), file)
 
 
 def executed(file: Path) -> Any:
-    """Execute a notebook; what it holds then tells neither when nor on which Python."""
+    """Execute a notebook; remove time stamps and the Python version from its output."""
     notebook = nbformat.read(file, as_version=4)
     resources = {"metadata": {"path": file.parent}}
     nbclient.NotebookClient(notebook, record_timing=False, resources=resources).execute()
@@ -30,13 +30,13 @@ def executed(file: Path) -> Any:
 
 
 def write(notebook: Path, place: Path) -> None:
-    """Write the cells of an executed notebook with their outputs as Markdown; pictures land beside it."""
+    """Write the cells of an executed notebook with their outputs as Markdown; pictures are stored next to it."""
     cells = json.loads(notebook.read_text("utf-8"))["cells"]
     place.write_text("\n\n".join(part for cell in cells for part in shown(cell, place)) + "\n", "utf-8")
 
 
 def shown(cell: dict[str, Any], place: Path) -> Iterator[str]:
-    """Parts of a page for one cell."""
+    """Page elements of one cell."""
     source = "".join(cell["source"])
     if cell["cell_type"] == "markdown":
         yield source
@@ -47,7 +47,7 @@ def shown(cell: dict[str, Any], place: Path) -> Iterator[str]:
         if "image/png" in data:
             picture = place.with_name(f"{place.stem}-{cell['id']}-{number}.png")
             picture.write_bytes(base64.b64decode(data["image/png"]))
-            yield f"![What the cell above draws]({picture.name})"
+            yield f"![Output of the cell above]({picture.name})"
         elif "text/html" in data:
             yield f'<div class="output">{"".join(data["text/html"])}</div>'
         else:

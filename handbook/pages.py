@@ -1,4 +1,4 @@
-"""The pages of the site, gathered from where they stand in the repository."""
+"""The pages of the site, gathered from the repository."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def gather(folder: Path) -> None:
 
 
 def adapted(text: str, page: str, pages: list[str], folder: Path) -> str:
-    """Text of a page for Zensical; what is no page of the site is no link."""
+    """Text of a page for Zensical; links to files outside of the site are removed."""
 
     def link(found: re.Match[str]) -> str:
         picture, words, target = found.groups()

@@ -14,13 +14,13 @@ from cosim.replay.renderer import Renderer
 
 LOOPS = ("centering", "deburr", "dob", "fts", "polish")
 SIZE = (264, 198)
-"""Width and height, pixels: three beside each other on the page."""
+"""Width and height, pixels: three in a row on the page."""
 FINER = 3
-"""Pixels drawn along a side of each."""
+"""Rendered pixels per output pixel along a side."""
 
 
 def store(folder: Path) -> None:
-    """Draw each loop in the middle of its nominal run, as `<loop>.jpg`."""
+    """Draw each machine in the middle of its nominal run, as `<name>.jpg`."""
     for loop in LOOPS:
         scenario = cosim.load(loop, [RECORD])
         moved = motion(of_result(scenario, cosim.run(scenario, engine="native")))

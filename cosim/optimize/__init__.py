@@ -1,4 +1,4 @@
-"""Optimization: the values of some keys at which a loop is best, or most like what was measured.
+"""Optimization: values of keys with the best metric, or the best agreement with a measured trace.
 
 The package can be called: `cosim.optimize("search.toml")` is `cosim.optimize.results.optimize`.
 """

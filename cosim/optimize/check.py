@@ -1,4 +1,4 @@
-"""A file of any kind looked at without a run."""
+"""Check of a file of any kind without a run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from cosim.sweep import check as others
 def check(name: str, place: Place | None = None) -> Checked:
     """Check a scenario, by name or file, a study or an optimization; errors are found, not raised.
 
-    `place` is told whose code runs.
+    `place` records whose code runs.
     """
     found = Checked(name)
     try:

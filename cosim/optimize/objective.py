@@ -1,4 +1,4 @@
-"""What a run is worth: a metric with criteria as constraints, or its distance from what was measured."""
+"""The objective of a run: a metric with criteria as constraints, or the distance from a measured trace."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from cosim.trace.stored import StoredTrace
 MISFIT = "misfit"
 """Metric of a calibration: mean square of all deviations, each in standard deviations of its column."""
 VIOLATED = 1e-12
-"""Least violation of a criterion that does not hold."""
+"""Minimum violation of a failed criterion."""
 
 
 @dataclass(frozen=True)
 class Score:
-    """What a trial is worth.
+    """Score of a trial.
 
     Parameters
     ----------
     value
         Mean of the objective over its runs; None if a run gave no number.
     violations
-        Of each criterion the worst of its runs, above 0 where it does not hold.
+        Worst violation of each criterion over the runs; above 0 if it failed.
     reason
-        Why there is no value.
+        Reason for a missing value.
     """
 
     value: float | None
@@ -44,17 +44,17 @@ class Score:
 
     @property
     def feasible(self) -> bool:
-        """Whether it has a value and holds all criteria."""
+        """Whether it has a value and passes all criteria."""
         return self.value is not None and all(violation <= 0.0 for violation in self.violations)
 
 
 def measured(problem: Problem, scenario: Scenario) -> StoredTrace | None:
-    """Trace to come close to, None without one.
+    """Target trace; None if there is none.
 
     Raises
     ------
     CosimError
-        It cannot be read, lacks a column that is asked for, or is longer than the scenario.
+        It cannot be read, lacks a requested column, or is longer than the scenario.
     """
     if not problem.objective.trace:
         return None
@@ -71,17 +71,17 @@ def measured(problem: Problem, scenario: Scenario) -> StoredTrace | None:
     end = scenario.loop.duration + scenario.loop.step
     if found.times[-1] > end:
         text = f"`{paths.shown(found.file)}` ends at {found.times[-1]:g} s, the scenario at {end:g} s"
-        raise CosimError(text, "set `loop.duration` in `[set]`, or cut the trace")
+        raise CosimError(text, "Set `loop.duration` in `[set]`, or shorten the trace.")
     return found
 
 
 def check_measured(name: str, found: StoredTrace) -> None:
-    """Check that a column holds numbers from which a deviation can be told.
+    """Check that a column has a finite standard deviation.
 
     Raises
     ------
     CosimError
-        None of them is finite, or their spread is not.
+        It has no finite number, or an infinite spread.
     """
     known = found.data[name][np.isfinite(found.data[name])]
     if not known.size:
@@ -90,15 +90,15 @@ def check_measured(name: str, found: StoredTrace) -> None:
         spread = np.std(known)
     if not np.isfinite(spread):
         low, high = np.min(known), np.max(known)
-        told = f"goes from {low:g} to {high:g}, whose spread is beyond all numbers"
+        told = f"ranges from {low:g} to {high:g}, whose spread is too large"
         raise CosimError(f"`{name}` in `{paths.shown(found.file)}` {told}")
 
 
 def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float:
     """Mean square of the deviations from a measured trace, each in standard deviations of its column.
 
-    The simulated course is interpolated at the times of the measured one; where that has NaN nothing counts.
-    A run that ended before the last of these times is infinitely far off.
+    The simulated trace is interpolated at the times of the measured one; NaN there is ignored.
+    The distance is infinite if the run ended before the last of these times.
 
     Raises
     ------
@@ -138,16 +138,16 @@ def score(problem: Problem, scenario: Scenario, rows: Sequence[Row]) -> Score:
     name = problem.objective.metric or MISFIT
     value = float(np.mean([float(row["metrics"][name]) for row in rows]))
     if not math.isfinite(value):
-        early = ": the run ended before what was measured" if (name, value) == (MISFIT, math.inf) else ""
+        early = ": the run ended before the measured trace" if (name, value) == (MISFIT, math.inf) else ""
         return Score(None, reason=f"`{name}` is {value}{early}")
     held = scenario.criterion if problem.objective.metric else ()
     return Score(value, tuple(max(violation(entry, row) for row in rows) for entry in held))
 
 
 def violation(criterion: Criterion, row: Row) -> float:
-    """How far a criterion is from holding, as a part of its limit; 0 where it holds.
+    """Violation of a criterion relative to its limit; 0 if it passed.
 
-    The verdict of the run decides, the distance only tells the search which way to go.
+    The verdict of the run decides; the distance only guides the search.
     """
     if row["criteria"][criterion.id]:
         return 0.0

@@ -1,4 +1,4 @@
-"""An optimization as data: one scenario, what may vary, and what is wanted."""
+"""An optimization as data: scenario, varied keys and objective."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from cosim.scenario.toml import flatten, parse_file
 from cosim.sweep.varied import Varied, check_keys, check_values, failing
 
 MAX_TRIALS = 100_000
-"""More than a search that learns from all its trials has time for."""
+"""Maximum number of trials; the search uses all earlier ones for each new trial."""
 
 
 @dataclass(frozen=True)
 class Objective:
-    """What is wanted: an extreme of a metric with all criteria holding, or a course like a measured one.
+    """Objective: an extreme of a metric with all criteria passed, or agreement with a measured trace.
 
     Parameters
     ----------
     metric
         Name of a metric of the scenario.
     direction
-        Which of its values are wanted.
+        Direction of the optimization.
     trace
-        File of a measured trace, beside the study; the scenario's own criteria do not count then.
+        File of a measured trace, relative to the study; the criteria of the scenario are then ignored.
     columns
-        Columns of the trace that count; none is all that the file has.
+        Columns of the trace to compare; default: all columns of the file.
     """
 
     metric: str = ""
@@ -41,17 +41,17 @@ class Objective:
 
 @dataclass(frozen=True)
 class Search:
-    """How long, and how.
+    """Length and method of the search.
 
     Parameters
     ----------
     trials
-        Points that are tried.
+        Number of points.
     batch
-        Points that are chosen at a time, and can run side by side; what is found depends on it, but not on
+        Points that are proposed together and can run in parallel. The result depends on it, but not on
         the number of workers.
     seeds
-        Seeds of the runs of each trial, of which the mean counts; left out it is the scenario's alone.
+        Seeds of the runs of each trial, which are averaged; default: the seed of the scenario.
     """
 
     trials: int = 100
@@ -78,9 +78,7 @@ def load(file: Path) -> Problem:
     fail, table = failing(file), parse_file(file)
     check_kind(table, file, "optimization")
     if "design" in table:
-        fail(
-            "design", "is of a study for `cosim sweep`", "an optimization has tables `objective` and `search`"
-        )
+        fail("design", "belongs to a study for `cosim sweep`", "Use the tables `objective` and `search`.")
     problem = parse(Problem, table, "", fail)
     problem = replace(problem, set=flatten(problem.set), file=file)
     check(problem, fail)
@@ -93,17 +91,17 @@ def problem_schema() -> dict[str, Any]:
 
 
 def check(problem: Problem, fail: Fail) -> None:
-    """Check what types cannot say."""
+    """Check rules beyond types."""
     objective, search = problem.objective, problem.search
     if bool(objective.metric) == bool(objective.trace):
-        hint = "a metric that is to be small or large, or a measured trace to come close to"
+        hint = "Give a metric to minimize or maximize, or a measured trace."
         fail("objective", "needs one of `metric` and `trace`", hint)
     if objective.columns and not objective.trace:
         fail("objective.columns", "belongs to `objective.trace`")
     if objective.trace and objective.direction != "minimize":
-        fail("objective.direction", "is `maximize`, what is measured can only be come close to")
+        fail("objective.direction", "is `maximize`, which is not possible for a measured trace")
     if not 1 <= search.trials <= MAX_TRIALS:
-        fail("search.trials", f"is `{search.trials}`, it must lie in 1 .. {MAX_TRIALS}")
+        fail("search.trials", f"is `{search.trials}`, it must be in 1 .. {MAX_TRIALS}")
     if search.batch < 1:
         fail("search.batch", f"is `{search.batch}`, it must be at least 1")
     if search.seeds is not None:
@@ -112,31 +110,33 @@ def check(problem: Problem, fail: Fail) -> None:
 
 
 def check_seeds(seeds: tuple[int, ...], fail: Fail) -> None:
-    """Check that there is a seed, and each once."""
+    """Check that there is a seed, and that no seed is repeated."""
     if not seeds:
-        fail("search.seeds", "is empty", "leave it out for the seed of the scenario")
+        fail("search.seeds", "is empty", "Omit it to use the seed of the scenario.")
     if any(seed < 0 for seed in seeds):
         fail("search.seeds", "must not be negative")
     if len(set(seeds)) != len(seeds):
-        fail("search.seeds", "holds a seed twice", "it would count twice")
+        fail("search.seeds", "holds a seed twice", "Give each seed once.")
 
 
 def check_varied(problem: Problem, fail: Fail) -> None:
     """Check the ranges."""
     if not problem.vary:
-        fail("vary", "is empty: there is nothing to choose", "give it tables `[[vary]]`")
+        fail("vary", "is empty", "Add tables `[[vary]]`.")
     check_keys(problem, fail)
     for index, vary in enumerate(problem.vary):
         key = f"vary[{index}]"
         if vary.key == "loop.seed":
             fail(
-                f"{key}.key", "is `loop.seed`, which is no choice", "runs with several seeds: `search.seeds`"
+                f"{key}.key",
+                "is `loop.seed`, which cannot be optimized",
+                "Use `search.seeds` for several seeds.",
             )
         if vary.distribution == "normal" or vary.mean is not None or vary.deviation is not None:
-            fail(f"{key}.distribution", "cannot be `normal` here", "a search needs `minimum` and `maximum`")
+            fail(f"{key}.distribution", "cannot be `normal` here", "Give `minimum` and `maximum`.")
         check_values(vary, key, "search", fail)
         for value in vary.values:
             if not isinstance(value, bool | int | float | str):
-                fail(f"{key}.values", f"holds `{value}`, which is no number, text or truth value")
+                fail(f"{key}.values", f"holds `{value}`, which is not a number, text or Boolean")
             if isinstance(value, float) and not math.isfinite(value):
                 fail(f"{key}.values", f"holds `{value}`, which is not finite")

@@ -1,4 +1,4 @@
-"""The points of a search, proposed by Optuna from the trials before."""
+"""Points of a search, proposed by Optuna from the earlier trials."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cosim.sweep.varied import Vary
 
 @dataclass(frozen=True)
 class Trial:
-    """One point: its number from 0, its values, and what it is worth."""
+    """One point: its number from 0, its values and its score."""
 
     number: int
     values: Values
@@ -40,7 +40,7 @@ class Proposer:
         self.open: dict[int, Any] = {}
 
     def propose(self, number: int) -> Values:
-        """Values of one trial; they are to be told before the next batch."""
+        """Values of one trial; its score must be reported before the next batch."""
         # by its number: a search that is resumed draws the same
         seed = int(child(self.problem.seed, f"trial {number}").generate_state(1)[0])
         with quiet():
@@ -50,7 +50,7 @@ class Proposer:
             return {vary.key: suggested(trial, vary) for vary in self.problem.vary}
 
     def tell(self, done: Trial) -> None:
-        """Tell what a trial is worth."""
+        """Report the score of a trial."""
         trial = self.open.pop(done.number)
         with quiet():
             if done.score.value is None:
@@ -74,12 +74,12 @@ def suggested(trial: Any, vary: Vary) -> Any:
 
 def imported() -> Any:
     """Import Optuna."""
-    problem = "Optuna is not installed, it proposes the trials"
+    problem = "Optuna is not installed; it proposes the trials"
     optuna = extras.needed("optuna", problem, extras.hint("optimize"))
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     return optuna
 
 
 def quiet() -> Any:
-    """Keep what the library says about itself out of the terminal."""
+    """Suppress the log of the library."""
     return warnings.catch_warnings(action="ignore")

@@ -1,4 +1,4 @@
-"""What an optimization found: table, JSON, and the command that repeats it."""
+"""Results of an optimization: table, JSON, and the command that repeats the best trial."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from cosim.sweep.varied import Vary
 from cosim.writing import naming
 
 AT_END = 0.01
-"""Part of a range within which a value lies at its end."""
+"""Fraction of a range within which a value counts as its end."""
 
 
 def unit_of(variants: Variants) -> str:
-    """Find the unit of the objective, where the metric tells it."""
+    """Find the unit of the objective, if the metric has one."""
     wanted = variants.problem.objective.metric
     return next((entry.unit for entry in variants.scenario.metric if entry.name == wanted), "")
 
@@ -47,7 +47,7 @@ def command(variants: Variants, trial: Trial) -> str:
 
 
 def tables(variants: Variants, trials: Sequence[Trial]) -> RenderableType:
-    """Values of the best trial, and what they are worth."""
+    """Values of the best trial and its score."""
     problem = variants.problem
     parts: list[RenderableType] = [Text(problem.title or problem.name, style="bold"), ""]
     found = best(problem, trials)
@@ -63,22 +63,20 @@ def tables(variants: Variants, trials: Sequence[Trial]) -> RenderableType:
 
 
 def verdict(variants: Variants, trials: Sequence[Trial]) -> Text:
-    """One line: the best value, and how many trials hold the criteria."""
+    """One line: the best value, and the number of trials that passed the criteria."""
     objective, found = variants.problem.objective, best(variants.problem, trials)
     feasible = sum(trial.score.feasible for trial in trials)
     lost = sum(trial.score.value is None for trial in trials)
     counts = f"{len(trials)} trials"
     if not objective.trace:
-        counts += f", {feasible} of them hold all criteria"
+        counts += f", {feasible} of them passed all criteria"
     if lost:
-        counts += f", {lost} without a number"
+        counts += f", {lost} without a result"
     if found is None or found.score.value is None:
-        return Text(f"no trial holds all criteria: {nearest(variants, trials)}; {counts}", style="bold red")
+        return Text(f"no trial passed all criteria: {nearest(variants, trials)}; {counts}", style="bold red")
     if objective.trace:
         off = math.sqrt(found.score.value)
-        what = (
-            f"{MISFIT} {number(found.score.value)}: off by {number(100.0 * off, 3)} % of a standard deviation"
-        )
+        what = f"{MISFIT} {number(found.score.value)}: distance {number(100.0 * off, 3)} % of a standard deviation"
     else:
         value = text(found.score.value, unit_of(variants))
         what = f"{objective.direction.removesuffix('ize')}um of {objective.metric}: {value}"
@@ -86,11 +84,11 @@ def verdict(variants: Variants, trials: Sequence[Trial]) -> Text:
 
 
 def nearest(variants: Variants, trials: Sequence[Trial]) -> str:
-    """Tell which trial is nearest to holding all criteria, and which of them do not hold there."""
+    """Name the trial with the smallest violation, and its failed criteria."""
     trial = min((t for t in trials if t.score.value is not None), key=lambda t: sum(t.score.violations))
     pairs = zip(variants.scenario.criterion, trial.score.violations, strict=True)
     broken = ", ".join(f"`{entry.id}`" for entry, violation in pairs if violation > 0.0)
-    return f"nearest is trial {trial.number}, without {broken}"
+    return f"closest is trial {trial.number}, which fails {broken}"
 
 
 def range_text(vary: Vary) -> str:
@@ -101,7 +99,7 @@ def range_text(vary: Vary) -> str:
 
 
 def at_end(vary: Vary, value: Any) -> bool:
-    """Whether the best value lies at an end of its range, so that a better one may lie beyond."""
+    """Whether the best value is at an end of its range, so that a better one may be outside."""
     if vary.values:
         return False
     low, high = vary.range
@@ -132,7 +130,7 @@ def to_json(variants: Variants, trials: Sequence[Trial]) -> str:
 
 
 def save_csv(variants: Variants, trials: Sequence[Trial], file: Path) -> None:
-    """Write all trials: number, values, objective, and whether all criteria hold.
+    """Write all trials: number, values, objective, and whether all criteria passed.
 
     Raises
     ------

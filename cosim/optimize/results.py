@@ -1,4 +1,4 @@
-"""An optimization called from Python, and what it gives."""
+"""Optimization from Python, and its result."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class OptimizeResult:
     variants
         The scenario with any values; `variants.at(trial.values)` is that of a trial.
     folder
-        Folder of `results.jsonl`, a row for each run, and `trials.csv`.
+        Folder of `results.jsonl` (a row for each run) and `trials.csv`.
     trials
         All trials: number, values, and `score` with value, violations and reason.
     """
@@ -36,7 +36,7 @@ class OptimizeResult:
 
     @property
     def best(self) -> Trial | None:
-        """Best of the trials that hold all criteria; None if there is none."""
+        """Best trial that passed all criteria; None if there is none."""
         return search.best(self.variants.problem, self.trials)
 
     @property
@@ -45,12 +45,12 @@ class OptimizeResult:
         return report.command(self.variants, self.best) if self.best else ""
 
     def __repr__(self) -> str:
-        """One line: study, best value, and how many trials hold the criteria."""
+        """One line: study, best value, and the number of trials that passed the criteria."""
         return f"<OptimizeResult of {self.variants.problem.name}: {self.verdict}>"
 
     @property
     def verdict(self) -> str:
-        """Best value, and how many trials hold the criteria."""
+        """Best value, and the number of trials that passed the criteria."""
         return report.verdict(self.variants, self.trials).plain
 
     def _repr_html_(self) -> str:
@@ -70,7 +70,7 @@ def optimize(
     again: bool = False,
     quiet: bool = True,
 ) -> OptimizeResult:
-    """Find the values of some keys at which a metric is best; what is done already is not done again.
+    """Find the values of keys that optimize a metric; completed runs are not repeated.
 
     Parameters
     ----------
@@ -79,13 +79,13 @@ def optimize(
     out
         Folder of the results, by default `<study>.optimize` in the working directory.
     workers
-        Worker processes on this machine; None is one per core. The trials do not depend on it.
+        Number of worker processes; None is one per core. The trials do not depend on it.
     engine
         `native` or `reference`.
     again
-        Whether runs without a result are done again.
+        Whether to repeat runs without a result.
     quiet
-        No progress on stderr.
+        Whether to hide the progress on stderr.
 
     Raises
     ------

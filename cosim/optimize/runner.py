@@ -1,4 +1,4 @@
-"""The runs of a search: on worker processes that stay from batch to batch, within the limits of the file."""
+"""The runs of a search, on worker processes that are kept between batches, within the limits of the file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from cosim.sweep.store import TROUBLES, Row, Store, row_of
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """How a search runs: worker processes, engine, and whether runs without a result are done again."""
+    """Options of a search: worker processes, engine, and repetition of runs without a result."""
 
     workers: int | None = None
     engine: Engine = "native"
@@ -30,7 +30,7 @@ class SearchOptions:
 
 
 class Runner(Closing):
-    """Does the runs of a search; no process is started before there is one to do."""
+    """Executes the runs of a search; starts processes with the first run."""
 
     def __init__(self, variants: Variants, options: SearchOptions) -> None:
         self.variants, self.options = variants, options
@@ -40,7 +40,7 @@ class Runner(Closing):
         self.outcomes = local.outcomes(self.inbox, count, variants.problem.limits.of_workers())
 
     def do(self, runs: Sequence[Run], store: Store) -> None:
-        """Do those of some runs that have no row yet, each once; a row is written as its run ends."""
+        """Execute the runs without a row, each once; a row is written at the end of each run."""
         redone = ("", *TROUBLES) if self.options.again else ("",)
         pending = list({run.hash: run for run in runs if store.status(run.hash) in redone}.values())
         for number, run in enumerate(pending):
@@ -49,7 +49,7 @@ class Runner(Closing):
             store.append(self.row(pending[number], outcome))
 
     def row(self, run: Run, outcome: Outcome) -> Row:
-        """Row of a run; of a calibration with its distance from what was measured."""
+        """Row of a run; in a calibration with its distance from the measured trace."""
         row, target = row_of(run, outcome), self.variants.target
         if isinstance(outcome, Result) and target is not None:
             distance = misfit(outcome, target, self.variants.problem.objective.columns)

@@ -1,8 +1,8 @@
-"""The search: points are proposed in batches, run, and told, until all trials are done.
+"""The search: propose points in batches, run them and report their scores, until all trials are done.
 
-Every proposal follows from the seed and the trials of earlier batches alone, never from the order in which
-runs end. A search that was interrupted therefore proposes the same points again, finds the rows of those that
-were run, and goes on; the rows are the only state.
+Every proposal depends only on the seed and the trials of earlier batches, never on the order in which runs
+end. An interrupted search therefore proposes the same points again, finds the rows of completed runs, and
+continues; the rows are the only state.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from cosim.sweep.store import Store
 def search(
     variants: Variants, store: Store, options: SearchOptions, progress: Progress | None = None
 ) -> list[Trial]:
-    """Do what is left of a search; returns all trials.
+    """Continue a search; return all trials.
 
-    Whatever stops it, Ctrl-C included, the rows written stay, and the next call goes on from there.
+    After any interruption, such as Ctrl-C, the written rows remain and the next call continues from them.
 
     Parameters
     ----------
     variants
         The scenario with any values.
     store
-        Where the rows of the runs are.
+        Store of the rows.
     options
-        How it runs.
+        Options of the search.
     progress
-        Told the trials done and in all.
+        Called with the completed and the total number of trials.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def search(
 
 
 def best(problem: Problem, trials: Sequence[Trial]) -> Trial | None:
-    """Best of the trials that hold all criteria, the first of equals; None if there is none."""
+    """Best trial that passed all criteria, the first of equal ones; None if there is none."""
     sign = -1.0 if problem.objective.direction == "maximize" else 1.0
     feasible = [(sign * t.score.value, t) for t in trials if t.score.feasible and t.score.value is not None]
     return min(feasible, key=lambda pair: pair[0])[1] if feasible else None

@@ -46,7 +46,7 @@ class Variants:
             check(scenario)
         metric, names = problem.objective.metric, [entry.name for entry in self.scenario.metric]
         if metric and metric not in names:
-            text = f"{self.origin}: `objective.metric` is `{metric}`, there is no such metric"
+            text = f"{self.origin}: `objective.metric` = `{metric}` is not a metric of the scenario"
             raise ScenarioError(text, closest(metric, names))
         self.target = measured(problem, self.scenario)
         self.seeds = problem.search.seeds or (self.scenario.loop.seed,)
@@ -65,7 +65,7 @@ class Variants:
         return replace(build(merged), name=paths.scenario_name(self.file), file=self.file)
 
     def job(self, run: Run, engine: Engine) -> Job:
-        """Job of one run, whose trace is kept where it is compared."""
+        """Job of one run, which keeps its trace if it is compared."""
         scenario = self.at(run.changes)
         fmus = tuple(digest(paths.find_fmu(choice.fmu, scenario.folder)) for choice in scenario.fmus)
         return Job(scenario, run.seed, engine, self.target is not None, fmus)

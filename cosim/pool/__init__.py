@@ -1,1 +1,1 @@
-"""Where runs are done: supervised worker processes of this machine or of a Dask cluster, or this process."""
+"""Execution of runs: in supervised worker processes of this machine or a Dask cluster, or in this process."""

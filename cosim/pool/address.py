@@ -1,4 +1,4 @@
-"""Where a Dask scheduler is, and what is shown to it: checked before anything is connected."""
+"""Address and credentials of a Dask scheduler, checked before the connection."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cosim.errors import CosimError, closest
 
 ADDRESS = re.compile(r"((tcp|tls|ws|wss)://)?([\w.-]+|\[[\da-fA-F:.%]+\]):\d{1,5}")
 KEYS = ("address", "ca", "certificate", "key")
-"""What a security file holds: the scheduler, and PEM files."""
+"""Keys of a security file: the scheduler address and PEM files."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Scheduler:
 
 
 def scheduler(text: str) -> Scheduler:
-    """Scheduler from what the user gave.
+    """Scheduler from the argument of the user.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def scheduler(text: str) -> Scheduler:
     Raises
     ------
     CosimError
-        It is none of them.
+        It is not one of these.
     """
     if text.endswith(".json"):
         found = str(read(text, json.loads).get("address", ""))
@@ -50,10 +50,10 @@ def scheduler(text: str) -> Scheduler:
 
 
 def checked(address: str, what: str) -> str:
-    """Address that can be one."""
+    """Address in valid form."""
     if not ADDRESS.fullmatch(address):
-        hint = "it is `tcp://HOST:8786`, a scheduler file `*.json` or a security file `*.toml`"
-        raise CosimError(f"{what} is `{address}`, which is no address", hint)
+        hint = "Give `tcp://HOST:8786`, a scheduler file `*.json` or a security file `*.toml`."
+        raise CosimError(f"{what} is `{address}`, which is not an address", hint)
     return address
 
 
@@ -64,9 +64,9 @@ def read(name: str, parse: Any) -> dict[str, Any]:
     except OSError as error:
         raise CosimError(f"cannot read `{name}`: {error.strerror or error}") from None
     except ValueError as error:
-        raise CosimError(f"`{name}` is no file of a Dask scheduler: {error}") from None
+        raise CosimError(f"`{name}` is not a file of a Dask scheduler: {error}") from None
     if not isinstance(found, dict):
-        raise CosimError(f"`{name}` is no file of a Dask scheduler: it holds no table")
+        raise CosimError(f"`{name}` is not a file of a Dask scheduler: it is not a JSON object")
     return found
 
 
@@ -77,14 +77,14 @@ def secured(name: str, table: dict[str, Any]) -> Scheduler:
             raise CosimError(f"`{name}`: `{key}` is not a known key", closest(key, KEYS))
     for key in KEYS:
         if not isinstance(table.get(key), str):
-            raise CosimError(f"`{name}`: `{key}` is missing or no text", f"it needs {', '.join(KEYS)}")
+            raise CosimError(f"`{name}`: `{key}` is missing or not a text", f"Give {', '.join(KEYS)}.")
     address = checked(table["address"], f"`address` in `{name}`")
     if not address.startswith(("tls://", "wss://")):
         raise CosimError(
-            f"`{name}`: `address` is `{address}`, which is not encrypted", "it is `tls://HOST:8786`"
+            f"`{name}`: `address` is `{address}`, which is not encrypted", "Use `tls://HOST:8786`."
         )
     files = {key: Path(name).absolute().parent / table[key] for key in KEYS[1:]}
     for key, file in files.items():
         if not file.is_file():
-            raise CosimError(f"`{name}`: `{key}` is `{paths.shown(file)}`, which is not there")
+            raise CosimError(f"`{name}`: `{key}` is `{paths.shown(file)}`, which does not exist")
     return Scheduler(address, {key: str(file) for key, file in files.items()})

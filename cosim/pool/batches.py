@@ -1,4 +1,4 @@
-"""Runs that are sent away in batches, and what comes back: outcomes, the rest of a batch, or nothing."""
+"""Batches of runs for remote workers, and their outcomes: complete, partial or lost."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from collections.abc import Iterator, Sequence
 from cosim.pool.job import Finished, Numbered, Outcome, WorkerError
 
 BATCH_TIME = 1.0
-"""Time after which a batch that is not done is handed back, s: what it costs to send one is small to that."""
+"""Time after which an unfinished batch is returned, s; long compared with the cost of sending one."""
 MAX_RUNS = 100
-"""Most runs of a batch."""
+"""Maximum runs of a batch."""
 Batch = tuple[Numbered, ...]
 
 
 class Batches:
     """Jobs with their numbers in batches that take about `BATCH_TIME`; no job is lost or done twice.
 
-    A batch may come back as it was (`put_back`), in part (`finish`), or be lost with its worker (`lose`).
-    Which of its runs took the worker along cannot be told then: each is done once more by itself.
+    A batch can be returned unchanged (`put_back`), in part (`finish`), or be lost with its worker (`lose`).
+    The run that ended the worker is then unknown, so each is repeated in a batch of its own.
     """
 
     def __init__(self, jobs: Iterator[Numbered]) -> None:
@@ -31,14 +31,14 @@ class Batches:
         self.finished = 0
 
     def take(self) -> Batch:
-        """Next batch, empty if there is none."""
+        """Next batch; empty if there is none."""
         if self.suspects:
             return (self.suspects.popleft(),)
         returned = (self.waiting.popleft() for _ in range(len(self.waiting)))
         return tuple(itertools.islice(itertools.chain(returned, self.jobs), self.size))
 
     def finish(self, batch: Batch, outcomes: Sequence[Outcome]) -> list[Finished]:
-        """Pair the outcomes of the first runs of a batch with their numbers; the others are done later."""
+        """Pair the outcomes of the first runs of a batch with their numbers; queue the others again."""
         rest = batch[len(outcomes) :]
         self.waiting.extendleft(reversed(rest))
         if rest:
@@ -49,17 +49,17 @@ class Batches:
         return [(number, outcome) for (number, _), outcome in zip(batch, outcomes, strict=False)]
 
     def put_back(self, batch: Batch) -> None:
-        """Take back a batch of which nothing is known."""
+        """Queue a batch with unknown state again."""
         for job in reversed(batch):
             (self.suspects if job[0] in self.suspected else self.waiting).appendleft(job)
 
     def lose(self, batch: Batch, worker: str) -> list[Finished]:
-        """Take back a batch whose worker was lost; a run that lost two workers is not done a third time."""
+        """Queue a batch of a lost worker again; a run that lost two workers is not repeated."""
         given_up: list[Finished] = []
         for number, job in batch:
             if number in self.suspected:
-                text = f"the Dask worker `{worker}` was lost during the run, and the one before it as well"
-                given_up.append((number, WorkerError("lost", text, "`--again` does it again")))
+                text = f"the Dask worker `{worker}` was lost during the run, as was the worker before"
+                given_up.append((number, WorkerError("lost", text, "Repeat it with `--again`.")))
             else:
                 self.suspected.add(number)
                 self.suspects.append((number, job))

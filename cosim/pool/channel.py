@@ -1,4 +1,4 @@
-"""Messages between two processes: pickles over a socket, arrays beside them without a copy."""
+"""Messages between two processes: pickles over a socket, with arrays outside of the pickle without a copy."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from typing import Any
 from cosim.closing import Closing
 
 STALLED = 60.0
-"""Silence in the middle of a message after which the other side is given up, s."""
+"""Timeout within a message, s."""
 MARK = b"\xc0sim\r\n\x1a\0"
-"""Stands before each number of a message and behind its end: other bytes in between are found."""
+"""Precedes each number of a message and follows its end, to detect foreign bytes."""
 NUMBER = struct.Struct(f"!{len(MARK)}sQQ")
-"""The mark, a number, and the same number with all bits turned."""
+"""The mark, a number, and its bitwise complement."""
 ALL_BITS = 2**64 - 1
 
 
 class NoMessageError(Exception):
-    """What came was written by somebody else, or into the middle of a message."""
+    """The received bytes were written by other code, or into the middle of a message."""
 
 
 def numbered(number: int) -> bytes:
-    """Bytes of a number, which cannot come about by chance."""
+    """Bytes of a number with its check."""
     return NUMBER.pack(MARK, number, number ^ ALL_BITS)
 
 
 @dataclass(frozen=True)
 class Parcel:
-    """A message as it came, to be opened where its imports may be done."""
+    """A received message, decoded where its imports are allowed."""
 
     body: bytearray
     arrays: list[bytearray]
@@ -44,7 +44,7 @@ class Parcel:
 
 
 class MessageChannel(Closing):
-    """One end of a connection; several threads may send, one receives."""
+    """One end of a connection; several threads can send, one receives."""
 
     def __init__(self, end: socket.socket) -> None:
         self.end = end
@@ -53,13 +53,13 @@ class MessageChannel(Closing):
 
     @property
     def own(self) -> bool:
-        """Whether this is the process that made it, and no copy that foreign code forked."""
+        """Whether this is the original process, not a fork by foreign code."""
         return os.getpid() == self.maker
 
     def send(self, message: Any) -> None:
-        """Send one message; arrays in it go straight from their memory.
+        """Send one message; arrays are sent directly from their memory.
 
-        A copy of the process, which an FMU forked, ends here: two must not answer for one.
+        A fork of the process by an FMU ends here, so that only one process answers.
 
         Raises
         ------
@@ -81,7 +81,7 @@ class MessageChannel(Closing):
             self.end.sendall(MARK)
 
     def waits(self, timeout: float | None) -> bool:
-        """Whether there is something to receive, the end of the connection included, within so many s."""
+        """Whether a message or the end of the connection can be received within a time in s."""
         poll = select.poll()
         poll.register(self.end, select.POLLIN)
         return bool(poll.poll(None if timeout is None else 1e3 * timeout))
@@ -92,9 +92,9 @@ class MessageChannel(Closing):
         Raises
         ------
         EOFError, OSError
-            The other side is gone, or silent in the middle of the message.
+            The other side is gone, or stopped within the message.
         NoMessageError
-            Bytes came that are no message.
+            The received bytes are not a message.
         """
         self.end.settimeout(None)
         count = self._number()

@@ -1,4 +1,4 @@
-"""A worker process as the process that watches over it has it: started, listened to, killed."""
+"""A worker process from the view of its supervisor: start, messages, kill."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from cosim.pool.channel import MessageChannel
 from cosim.pool.limits import memory_of, process_of
 
 LONGEST_OUTPUT = 300
-"""Characters kept of what a worker process said last."""
+"""Maximum length of the last output of a worker process."""
 COMMAND = "from cosim.pool.worker import main; main({}, {}, {})"
 
 
@@ -28,21 +28,21 @@ class Child:
     Parameters
     ----------
     output
-        What it prints, None where that goes to our stderr.
+        Its output; None if it goes to stderr of this process.
     memory
-        Bytes that the operating system lets it have, None for any amount; told with its first task.
+        Memory limit of the operating system in bytes, or None; sent with its first task.
     tasks
-        Tasks that it was given.
+        Number of tasks sent to it.
     busy
-        Whether it has not answered the last of them.
+        Whether its last task is unfinished.
     spoilt
-        Whether a run changed it so that the next would not be as in a fresh one.
+        Whether a run changed it so that later results may differ.
     said
         The last line that it logged.
     offspring
-        Processes that it started, as far as they were noted.
+        Processes that it started, as far as known.
     killed
-        Whether it was killed, and all that it started.
+        Whether it and all its child processes were killed.
     """
 
     process: subprocess.Popen[bytes]
@@ -58,7 +58,7 @@ class Child:
     killed: bool = False
 
     def kill(self) -> None:
-        """End it, and what it may have started, at once."""
+        """Kill it and its child processes."""
         # once: what it started may outlive it, but the number is not its own for ever
         if not self.killed:
             self.killed = True
@@ -71,19 +71,19 @@ class Child:
             self.process.wait()
 
     def note_offspring(self) -> None:
-        """Note, while it lives, what left its group of processes and would be lost to sight with it."""
+        """Record child processes outside of its process group while it is alive."""
         with contextlib.suppress(Exception):  # psutil says with one of its own that it is gone
             self.offspring += process_of(self.process.pid).children(recursive=True)
 
     def release(self) -> None:
-        """Give back what belonged to it; it is gone."""
+        """Release its resources after its end."""
         self.process.wait()
         self.channel.close()
         if self.output:
             self.output.close()
 
     def last_output(self) -> str:
-        """Last line that it printed, or logged; empty if that went to our stderr."""
+        """Last line that it printed or logged; empty if its output goes to stderr."""
         if self.output is None:
             return ""
         self.output.seek(-min(self.output.seek(0, os.SEEK_END), 4 * LONGEST_OUTPUT), os.SEEK_END)
@@ -92,7 +92,7 @@ class Child:
         return (printed or self.said)[:LONGEST_OUTPUT]
 
     def resident(self) -> int:
-        """Resident memory, bytes; 0 where it is gone."""
+        """Resident memory, bytes; 0 after its end."""
         try:
             return int(memory_of(self.process.pid).rss)
         except Exception:  # psutil says with an exception of its own that it is gone
@@ -105,9 +105,9 @@ def spawn(page: int, relay: bool) -> Child:
     Parameters
     ----------
     page
-        Descriptor of the file in which it notes what it is doing.
+        Descriptor of the file in which it records its position.
     relay
-        Whether what it prints goes to our stderr.
+        Whether its output goes to stderr of this process.
     """
     ours, theirs = socket.socketpair()
     # it lives as long as the process
@@ -129,7 +129,7 @@ def spawn(page: int, relay: bool) -> Child:
 
 
 def ending(code: int | None) -> str:
-    """How a process ended, from its code as subprocess gives it; None is alive."""
+    """Description of the end of a process from its return code; None if it is alive."""
     if code is None:
         return "it does not answer"
     if code >= 0:
@@ -141,6 +141,6 @@ def ending(code: int | None) -> str:
 
 
 def no_start(how: str) -> CosimError:
-    """Error of a process that does not come up."""
-    hint = f"it runs `{sys.executable}`, which must find the package `cosim`"
+    """Error of a process that does not start."""
+    hint = f"Check that `{sys.executable}` can import the package `cosim`."
     return CosimError(f"a worker process does not start: {how}", hint)

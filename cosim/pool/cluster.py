@@ -1,8 +1,8 @@
-"""Runs on a Dask cluster, each under the same supervision as on this machine.
+"""Runs on a Dask cluster, with the same supervision as on this machine.
 
 A Dask worker keeps one supervised worker process for each of its threads, so that an FMU that crashes or
-hangs never takes the Dask worker with it. If a Dask worker itself is lost, its runs are done once more; if
-the scheduler is, the runs go on when it is back, or another at its address.
+hangs never ends the Dask worker. If a Dask worker itself is lost, its runs are repeated once. If
+the scheduler is lost, the runs continue when it or another one at its address is available again.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from cosim.pool.lines import Line, Lines
 from cosim.pool.supervisor import Worker
 
 WORKERS_TIMEOUT = 60.0
-"""Time without any Dask worker after which a sweep gives up, s."""
+"""Time without any Dask worker after which a sweep stops, s."""
 FETCH_TIMEOUT = 60.0
-"""Time to fetch outcomes that a Dask worker has, s."""
+"""Timeout for fetching outcomes of a Dask worker, s."""
 POLL_INTERVAL = 1.0
 """Time between two counts of the Dask workers, s."""
 MAX_LOSSES = 5
-"""Times in a row that a scheduler may be lost without a run being done."""
+"""Maximum consecutive losses of the scheduler without a completed run."""
 Ended = tuple[str, str]
 """Key of a batch that ended, and the Dask worker if it was lost."""
 Reported = tuple[Outcome, list[Line]]
@@ -41,15 +41,15 @@ log = logging.getLogger("cosim")
 
 
 class SchedulerLostError(Exception):
-    """The scheduler is gone, and with it all it was told."""
+    """The scheduler and its state are lost."""
 
 
 class WorkerLostError(Exception):
-    """What a Dask worker was to give is gone."""
+    """The outcomes of a Dask worker are lost."""
 
 
 def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generator[Finished]:
-    """Run jobs on a Dask cluster; outcomes come as they are done, as from `local.outcomes`.
+    """Run jobs on a Dask cluster; yield outcomes in order of completion, as `local.outcomes`.
 
     Parameters
     ----------
@@ -58,12 +58,12 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
     address
         Address of the scheduler, its scheduler file or a security file, see `addresses.scheduler`.
     limits
-        What each run may take.
+        Limits of each run.
 
     Raises
     ------
     CosimError
-        Dask is not installed, the address is none, no scheduler or worker answers, the scheduler was lost and
+        Dask is not installed, the address is invalid, no scheduler or worker answers, the scheduler was lost and
         did not come back, or the workers lack the package `cosim`.
     """
     distributed, batches, lines = dask(), Batches(iter(jobs)), Lines()
@@ -80,19 +80,21 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
                 client.close(timeout=POLL_INTERVAL)
         losses = 1 if batches.finished > done else losses + 1
         if losses > MAX_LOSSES:
-            raise CosimError(f"the Dask scheduler was lost {losses} times before a run was done", GOES_ON)
+            raise CosimError(
+                f"the Dask scheduler was lost {losses} times before a run was completed", GOES_ON
+            )
         client, patience = returned(distributed, address), RETURN_TIMEOUT
 
 
 def dispatched(
     client: Any, batches: Batches, lines: Lines, limits: Limits, patience: float
 ) -> Generator[Finished]:
-    """Keep every thread of the cluster busy with one batch; none waits on a worker that may be lost.
+    """Keep every thread of the cluster busy with one batch.
 
     Raises
     ------
     SchedulerLostError
-        The scheduler is gone; what was under way is back in `batches`.
+        The scheduler is lost; unfinished batches are back in `batches`.
     """
     ended: queue.SimpleQueue[Ended] = queue.SimpleQueue()
     report_lost_runs(client, ended)
@@ -130,7 +132,7 @@ def dispatched(
 def finished(
     client: Any, batches: Batches, lines: Lines, batch: Batch, future: Any, lost: str
 ) -> list[Finished]:
-    """Outcomes of a batch that ended, or whose Dask worker was lost; what the runs logged is told."""
+    """Outcomes of a batch that ended, or whose Dask worker was lost; logs the messages of the runs."""
     try:
         if lost:
             raise WorkerLostError(lost)
@@ -143,12 +145,12 @@ def finished(
         future.cancel()
         given_up = batches.lose(batch, str(error))
         if again := len(batch) - len(given_up):
-            log.warning("the Dask worker `%s` was lost: %d runs are done once more", error, again)
+            log.warning("the Dask worker `%s` was lost: %d runs are repeated", error, again)
         return given_up
 
 
 class ClusterSize:
-    """Threads of all Dask workers; workers may come and go, and all may be away for `patience` in s."""
+    """Threads of all Dask workers; workers can join and leave; `patience` is the maximum time in s without any."""
 
     def __init__(self, client: Any, patience: float) -> None:
         self.client = client
@@ -158,12 +160,12 @@ class ClusterSize:
         self.last_worker = time.monotonic()
 
     def threads(self) -> int:
-        """Return the number of threads, looked up now and then.
+        """Return the number of threads, updated periodically.
 
         Raises
         ------
         CosimError
-            There has been no worker for too long.
+            There was no worker for too long.
         SchedulerLostError
             The scheduler does not answer.
         """
@@ -180,14 +182,14 @@ class ClusterSize:
             self.last_worker = now
         elif now - self.last_worker > self.patience:
             problem = f"the Dask scheduler has had no worker for {self.patience:g} s"
-            raise CosimError(problem, "start one with `dask worker ADDRESS`")
+            raise CosimError(problem, "Start one with `dask worker ADDRESS`.")
         else:
             time.sleep(POLL_INTERVAL)
         return self.count
 
 
 def reported_by(client: Any, future: Any) -> list[Reported]:
-    """Outcomes of a batch that ended, and what its runs logged.
+    """Outcomes and log lines of a batch that ended.
 
     Raises
     ------
@@ -207,13 +209,13 @@ def reported_by(client: Any, future: Any) -> list[Reported]:
             raise SchedulerLostError from None
         if kind == "KilledWorker" or isinstance(error, TimeoutError):
             raise WorkerLostError(error) from None
-        hint = "scheduler and workers need the same packages as this machine"
+        hint = "Install the same packages on scheduler, workers and this machine."
         raise CosimError(f"the cluster failed: {kind}: {error}", hint) from None
     return reported
 
 
 def report_lost_runs(client: Any, ended: queue.SimpleQueue[Ended]) -> None:
-    """Report the runs that lost Dask workers were doing."""
+    """Report the runs of lost Dask workers."""
 
     def see(event: tuple[float, Any]) -> None:
         _, message = event
@@ -230,7 +232,7 @@ _workers: dict[tuple[str, int], Worker] = {}
 
 
 def run_supervised(token: str, jobs: list[Job], limits: Limits, level: int) -> list[Reported]:
-    """Run the first jobs, as many as there is time for; done on a Dask worker, which logs at `level`."""
+    """Run the first jobs of a batch within the batch time, on a Dask worker that logs at `level`."""
     key = (token, threading.get_ident())
     if key not in _workers:
         _workers[key] = Worker(limits)

@@ -1,4 +1,4 @@
-"""The connection to a Dask scheduler: made, missed, and made anew."""
+"""The connection to a Dask scheduler, and its recovery after a loss."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from cosim.errors import CosimError
 from cosim.pool import address as addresses
 
 CONNECT_TIMEOUT = 20.0
-"""Time to reach the scheduler, s."""
+"""Timeout of the connection to the scheduler, s."""
 RETURN_TIMEOUT = 300.0
-"""Time that a scheduler which was lost, and then its first worker, may take to come back, s."""
+"""Maximum time for the return of a lost scheduler, and then of its first worker, s."""
 POLL_INTERVAL = 1.0
-"""Time between two attempts to reach a scheduler that was lost, s."""
-GOES_ON = "the same command goes on from there"
+"""Time between two connection attempts to a lost scheduler, s."""
+GOES_ON = "Run the same command again to continue."
 
 log = logging.getLogger("cosim")
 
 
 def dask() -> Any:
     """Return Dask's package `distributed`."""
-    problem = "Dask is not installed, it runs sweeps on a cluster"
+    problem = "Dask is not installed; it runs sweeps on a cluster"
     distributed = extras.needed("distributed", problem, extras.hint("cluster"))
     for name in ("distributed", "distributed.client"):
         # what it says is told in our words
@@ -49,35 +49,35 @@ def connect(distributed: Any, address: str) -> Any:
         # else it would try again when it is collected
         client.status = "closed"
         text = f"no Dask scheduler answers at `{scheduler.address}`: {error}"
-        raise CosimError(text, "`dask scheduler` starts one") from None
+        raise CosimError(text, "Start one with `dask scheduler`.") from None
     return client
 
 
 def returned(distributed: Any, address: str) -> Any:
-    """Client of a scheduler that was lost, when it is back or another has taken its address.
+    """Client of a lost scheduler after its return, or of another one at its address.
 
     Raises
     ------
     CosimError
         There is none in time.
     """
-    log.warning("lost the Dask scheduler; the runs go on if it is back within %g s", RETURN_TIMEOUT)
+    log.warning("lost the Dask scheduler; waiting %g s for its return", RETURN_TIMEOUT)
     end = time.monotonic() + RETURN_TIMEOUT
     while True:
         try:
             client = connect(distributed, address)
         except CosimError as error:
             if time.monotonic() > end:
-                text = f"lost the Dask scheduler, and it is not back after {RETURN_TIMEOUT:g} s"
+                text = f"lost the Dask scheduler, which did not return within {RETURN_TIMEOUT:g} s"
                 raise CosimError(f"{text}: {error.message}", GOES_ON) from None
             time.sleep(POLL_INTERVAL)
         else:
-            log.warning("the Dask scheduler is back, the runs that were under way begin anew")
+            log.warning("the Dask scheduler is available again; unfinished runs are restarted")
             return client
 
 
 def security(distributed: Any, scheduler: addresses.Scheduler) -> Any:
-    """Return what Dask needs for TLS, None without."""
+    """Return the TLS settings for Dask; None without TLS."""
     if not scheduler.tls:
         return None
     tls = scheduler.tls
@@ -90,6 +90,6 @@ def security(distributed: Any, scheduler: addresses.Scheduler) -> Any:
 
 
 def is_connected(client: Any) -> bool:
-    """Whether a client has the connection to its scheduler."""
+    """Whether a client is connected to its scheduler."""
     link = client.scheduler_comm
     return client.status == "running" and link is not None and not link.comm.closed()

@@ -1,4 +1,4 @@
-"""Jobs for a pool that come one after the other, while it runs."""
+"""Queue of jobs for a running pool."""
 
 from __future__ import annotations
 
@@ -23,5 +23,5 @@ class Inbox(Closing):
         return iter(self.jobs.get, None)
 
     def close(self) -> None:
-        """End the iteration; nobody waits any more."""
+        """End the iteration and wake all waiting threads."""
         self.jobs.put(None)

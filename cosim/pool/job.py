@@ -1,4 +1,4 @@
-"""What a worker is given to do, and what becomes of it."""
+"""Tasks of workers and their outcomes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # texts: who only waits for a worker imports nothing of what it runs
 Outcome: TypeAlias = "Result | CosimError"
-"""What became of a run: its result, or why it could not be done."""
+"""Outcome of a run: its result or its error."""
 Numbered: TypeAlias = "tuple[int, Job]"
 Finished: TypeAlias = "tuple[int, Outcome]"
 
@@ -29,7 +29,7 @@ log = logging.getLogger("cosim")
 
 
 class WorkerError(CosimError):
-    """A run that took its worker process with it.
+    """A run that ended its worker process.
 
     Attributes
     ----------
@@ -46,31 +46,30 @@ class WorkerError(CosimError):
 
 
 class Bench(Protocol):
-    """What a task finds where it is done."""
+    """Environment of a task."""
 
     place: Place
     progress: Progress | None
 
     def session(self, scenario: Scenario, engine: Engine, log_events: bool = False) -> Session:
-        """Session of a scenario; what fits of the one before stays open."""
+        """Session of a scenario; suitable open FMUs and plants are reused."""
 
 
 class Task(Protocol):
-    """Anything that can be sent to a worker."""
+    """A task that can be sent to a worker."""
 
     def run(self, bench: Bench) -> Any:
-        """Do it; the return value is sent back."""
+        """Execute the task; the return value is sent back."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """One run of a scenario with a seed, by the engine of that name, whose result may keep its trace.
+    """One run of a scenario with a seed and an engine; its result can keep the trace.
 
-    `stream` is the Parquet file that takes the trace instead. Where the log takes events of FMUs, these are
-    told to log them.
+    `stream` is a Parquet file for the trace. FMUs log events if the log level includes them.
 
-    `fmus` are the SHA-256 that the FMUs must have, as far as the names of their extracted folders go; none
-    takes any.
+    `fmus` are the required SHA-256 of the FMUs, compared with the names of their extracted folders; empty
+    accepts any.
     """
 
     scenario: Scenario
@@ -86,13 +85,13 @@ class Job:
         for fmu, wanted in zip(session.fmus, self.fmus, strict=False):
             folder = fmu.file.folder
             if folder.name != wanted[: len(folder.name)]:
-                problem = f"the FMU `{fmu.file.path}` is not the one the sweep began with"
-                raise FmuError(problem, "it was built or copied anew")
+                problem = f"the FMU `{fmu.file.path}` is not the FMU with which the sweep started"
+                raise FmuError(problem, "Start a new sweep after a rebuild of the FMU.")
         result = session.run(self.seed, bench.progress, self.stream)
         return result if self.keep_trace else dataclasses.replace(result, trace=None)
 
     def session(self, bench: Bench) -> Session:
-        """Session of the scenario, which tells events where the log takes them."""
+        """Session of the scenario, which logs events if the log level includes them."""
         return bench.session(self.scenario, self.engine, log.isEnabledFor(EVENTS))
 
 
@@ -103,7 +102,7 @@ def name(number: int, job: Job) -> str:
 
 @dataclass(frozen=True)
 class Order:
-    """What is sent to a worker: a task, the level of its log, and the lines of it that are wanted at most."""
+    """Message to a worker: a task, the log level, and the maximum number of log lines."""
 
     task: Task
     level: int

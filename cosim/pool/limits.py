@@ -1,4 +1,4 @@
-"""What a run may take, and what this machine has."""
+"""Limits of a run, and resources of this machine."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from typing import Any
 from cosim.errors import CosimError
 
 MAX_MEMORY = 1e18
-"""More bytes than any machine has, and few enough for what counts them in 64 bits."""
+"""Maximum memory limit in bytes, which fits into 64 bits."""
 CGROUPS = Path("/sys/fs/cgroup")
 MEMBERSHIP = Path("/proc/self/cgroup")
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What one run may take.
+    """Limits of one run.
 
     Parameters
     ----------
     timeout
-        Wall time in s; None is without limit.
+        Maximum wall time in s; None for no limit.
     memory
-        Memory of the worker process in bytes, about 80 MB before the run included; None is without limit.
+        Maximum memory of the worker process in bytes, including about 80 MB before the run; None for no limit.
     process_per_run
-        Whether every run gets a process of its own.
+        Whether every run has a separate process.
     keys
-        What the user calls timeout and memory.
+        Names of timeout and memory for the user.
 
     Raises
     ------
     CosimError
-        A limit that nothing can be held to.
+        An invalid limit.
     """
 
     timeout: float | None = None
@@ -54,12 +54,12 @@ class Limits:
 
 
 def isolates() -> bool:
-    """Whether this system has what it takes to supervise worker processes."""
+    """Whether this system can supervise worker processes."""
     return os.name == "posix"
 
 
 def unkept(limits: Limits) -> list[str]:
-    """List what the user calls the limits that this system cannot keep, in backticks."""
+    """Names of the limits that this system cannot enforce, in backticks."""
     if isolates():
         return []
     wanted = (limits.timeout, limits.memory, limits.process_per_run or None)
@@ -68,27 +68,27 @@ def unkept(limits: Limits) -> list[str]:
 
 
 def process_of(number: int | None = None) -> Any:
-    """Process of a number, None is this one, as psutil sees it."""
+    """Process by number for psutil; None is this process."""
     return importlib.import_module("psutil").Process(number)
 
 
 def memory_of(process: int | None = None) -> Any:
-    """Memory of a process, None is this one: resident is `rss`, in bytes."""
+    """Memory of a process in bytes (`rss` is resident memory); None is this process."""
     return process_of(process).memory_info()
 
 
 def system_confines() -> bool:
-    """Whether the operating system can hold a process to an amount of memory."""
+    """Whether the operating system can limit the memory of a process."""
     return sys.platform == "linux"
 
 
 def confine(memory: float) -> None:
-    """Let this process take no more than so many bytes: further allocations are refused.
+    """Limit the memory of this process in bytes: further allocations fail.
 
     Raises
     ------
     MemoryError
-        It has more already.
+        It uses more already.
     """
     import resource
 
@@ -104,14 +104,14 @@ def confine(memory: float) -> None:
 
 
 def processors() -> int:
-    """Processors that this process may use: by its affinity and by the quota of its control group."""
+    """Available processors according to affinity and control-group quota."""
     affinity = getattr(os, "sched_getaffinity", None)
     count = len(affinity(0)) if affinity else os.cpu_count() or 1
     return max(1, math.ceil(min(count, quota())))
 
 
 def quota(root: Path = CGROUPS, membership: Path = MEMBERSHIP) -> float:
-    """Processors that control groups grant, infinite if they set no limit."""
+    """Processors of the control-group quota; infinite without a limit."""
     groups = {Path("/")}
     with contextlib.suppress(OSError):
         for line in membership.read_text().splitlines():
@@ -121,7 +121,7 @@ def quota(root: Path = CGROUPS, membership: Path = MEMBERSHIP) -> float:
 
 
 def granted(group: Path) -> float:
-    """Processors that one group grants."""
+    """Processors of the quota of one group."""
     with contextlib.suppress(OSError, ValueError):
         most, period = (group / "cpu.max").read_text().split()
         return math.inf if most == "max" else int(most) / int(period)

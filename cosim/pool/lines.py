@@ -1,4 +1,4 @@
-"""What runs in other processes log: told as if it were logged here, the run in front, and not without end."""
+"""Log lines of runs in other processes: logged here with the name of the run, limited in number."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import threading
 from collections.abc import Callable
 
 MOST = 20
-"""Lines that one run, and all runs together, may log unless everything is wanted."""
+"""Maximum log lines of one run, and of all runs together, without `-v`."""
 EVENTS = logging.INFO
-"""Level of the events of FMUs; a log that takes them takes everything."""
+"""Log level of FMU events; a log at this level is not limited."""
 
 Line = tuple[str, int, str]
 """Name of a logger, level and text."""
@@ -20,20 +20,20 @@ log = logging.getLogger("cosim")
 
 
 def most() -> float:
-    """Lines that one of many runs may log."""
+    """Maximum log lines of one of many runs."""
     return math.inf if log.isEnabledFor(EVENTS) else MOST
 
 
 def tell(line: Line, run: str = "") -> None:
-    """Log a line of another process, with the run that it is about."""
+    """Log a line of another process, with the name of its run."""
     name, level, text = line
     logging.getLogger(name).log(level, "%s", f"{run}: {text}" if run else text)
 
 
 class Lines:
-    """Lines of many runs that are done at the same time: each text once, and the first few of them.
+    """Log lines of parallel runs: each text once, up to a limit.
 
-    With `-v` all of them are told.
+    With `-v` all lines are logged.
     """
 
     def __init__(self) -> None:
@@ -41,7 +41,7 @@ class Lines:
         self.lock = threading.Lock()
 
     def tell(self, run: str, line: Line) -> None:
-        """Log a line if it is wanted."""
+        """Log a line if the limit permits it."""
         if log.isEnabledFor(EVENTS):
             tell(line, run)
             return
@@ -50,5 +50,8 @@ class Lines:
                 return
             self.seen.add(line[2])
             if len(self.seen) > MOST:
-                line, run = (log.name, logging.WARNING, "the runs log more than this; `-v` shows all"), ""
+                line, run = (
+                    (log.name, logging.WARNING, "further log lines are hidden; show all with `-v`"),
+                    "",
+                )
         tell(line, run)

@@ -20,20 +20,20 @@ log = logging.getLogger("cosim")
 
 
 def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generator[Finished]:
-    """Run jobs on worker processes of this machine; outcomes come as they are done.
+    """Run jobs on worker processes of this machine; yield outcomes in order of completion.
 
-    Closing the generator ends the worker processes at once. Where the system cannot supervise them, all is
-    done in this process, with a warning.
+    Closing the generator ends the worker processes. If the system cannot supervise them, all runs are
+    executed in this process, with a warning.
 
     Parameters
     ----------
     jobs
-        Jobs with their numbers; taken from the iterable as workers become free. An `Inbox` is closed in the
-        end.
+        Jobs with their numbers; consumed when workers become free. An `Inbox` is closed at
+        the end.
     workers
-        Processes.
+        Number of processes.
     limits
-        What each run may take.
+        Limits of each run.
 
     Raises
     ------
@@ -41,9 +41,9 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
         No worker process can be started.
     """
     if not isolates():
-        text = "this system has no supervised worker processes: the runs are done in this one"
+        text = "this system has no supervised worker processes: the runs use this process"
         lost = ", ".join(unkept(limits))
-        log.warning("%s", f"{text}, {lost} cannot be kept" if lost else text)
+        log.warning("%s", f"{text}; {lost} cannot be enforced" if lost else text)
         yield from inside(jobs)
         return
     done: queue.SimpleQueue[Finished | BaseException | None] = queue.SimpleQueue()
@@ -76,7 +76,7 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
 
 
 def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
-    """Run jobs in this process, one after the other; nothing protects it from them."""
+    """Run jobs in this process, one after the other, without protection against crashes."""
     from cosim.pool.worker import JobRunner
 
     with contextlib.closing(JobRunner()) as runner:
@@ -86,7 +86,7 @@ def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
 
 
 def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
-    """Next job for whichever thread asks; None when there are no more."""
+    """Next job for any thread; None at the end."""
     iterator: Iterator[Numbered] = iter(jobs)
     lock = threading.Lock()
 
@@ -98,7 +98,7 @@ def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
 
 
 def serve(worker: Worker, take: Callable[[], Numbered | None], done: Any, lines: Lines) -> None:
-    """Give jobs to one worker until there are no more; None tells the end, an exception the failure."""
+    """Send jobs to one worker until the end; None marks the end, an exception a failure."""
     try:
         while (job := take()) is not None:
             done.put((job[0], worker.call(job[1], told=functools.partial(lines.tell, name(*job)))))

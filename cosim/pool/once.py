@@ -1,4 +1,4 @@
-"""Where a command does what runs foreign code: a worker process under supervision, or on demand its own."""
+"""Execution of foreign code by a command: in a supervised worker process, or in its own on request."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from cosim.pool.limits import Limits, isolates
 from cosim.pool.supervisor import Worker
 
 Do = Callable[..., Any]
-"""Does a task, told the steps done if there is a watcher; the outcome is a `CosimError` if it could not."""
+"""Executes a task with optional progress; the outcome is a `CosimError` if it failed."""
 ahead: list[Worker] = []
-"""The worker that was started before there is a place for it."""
+"""The worker that was started in advance."""
 
 
 @contextlib.contextmanager
 def started_ahead() -> Iterator[None]:
-    """Start the process of the first place that needs one, whose imports take as long as those of a command.
+    """Start a worker process in advance, because its imports take as long as those of a command.
 
-    One that no place took ends with the block.
+    An unused process ends with the block.
     """
     with contextlib.ExitStack() as stack:
         # a place that finds none starts its own, and tells what hinders it
@@ -37,12 +37,12 @@ def started_ahead() -> Iterator[None]:
 
 @contextlib.contextmanager
 def place(limits: Limits | None) -> Iterator[Do]:
-    """Place for one task after the other.
+    """Runner for consecutive tasks.
 
     Parameters
     ----------
     limits
-        What each may take; None does them in this process, which nothing protects from them.
+        Limits of each task; None executes them in this process, without protection.
     """
     if limits is not None:
         with ahead.pop() if ahead else Worker(limits, relay=True) as worker:

@@ -1,4 +1,4 @@
-"""Runs from Python: one, one scenario with many seeds, or many scenarios."""
+"""Runs from Python: one run, one scenario with many seeds, or many scenarios."""
 
 from __future__ import annotations
 
@@ -36,34 +36,34 @@ def run(
     scenario
         The scenario, or its name or file as for `cosim.load`.
     seed
-        Seed of all noise; None is the scenario's. The same seed gives the same bytes.
+        Seed of all noise; None is the scenario's. Equal seeds give identical bytes.
     progress
-        Told the steps done and in all.
+        Called with the completed and the total number of steps.
     engine
         `reference` or `native`, see `Session`.
     isolated
-        Whether it runs in a process of its own, so that an FMU or plant that crashes, hangs or exits is an
-        error like any other; a second or so for the imports of that process is the price.
+        Whether it runs in a separate process, so that a crash or hang of an FMU or plant is an ordinary
+        error; the imports of that process take about a second.
     limits
-        What an isolated run may take.
+        Limits of an isolated run.
     stream
-        Parquet file that takes the trace while the run goes, in little memory; None keeps it in memory.
+        Parquet file for the trace, written during the run with little memory; None keeps it in memory.
 
     Raises
     ------
     CosimError
-        The run could not be done; it leaves no file then.
+        The run failed; it leaves no file.
     """
     scenario = loaded(scenario)
     if not isolated:
         if limits is not None:
-            raise CosimError(
-                "`limits` are of an isolated run", "`isolated=True` gives it a process of its own"
-            )
+            raise CosimError("`limits` apply only to isolated runs", "Set `isolated=True`.")
         with Session(scenario, engine=engine) as session:
             return session.run(seed, progress, stream)
     if not isolates():
-        raise CosimError("runs cannot be isolated on this system", "`isolated=False` runs in this process")
+        raise CosimError(
+            "runs cannot be isolated on this system", "Set `isolated=False` to run in this process."
+        )
     file = None if stream is None else Path(stream).absolute()
     seed = scenario.loop.seed if seed is None else seed
     job = Job(scenario, seed, engine, keep_trace=True, stream=file)
@@ -87,7 +87,7 @@ def run_many(
     keep_trace: bool = False,
     engine: Engine = "native",
 ) -> list[Result]:
-    """Run a scenario with many seeds; results in the order of the seeds, each the same as `run` gives.
+    """Run a scenario with many seeds; results in the order of the seeds, equal to those of `run`.
 
     Parameters
     ----------
@@ -96,16 +96,16 @@ def run_many(
     seeds
         One run each.
     workers
-        Processes; None is one per processor that this process may use, 1 runs in this process.
+        Number of processes; None is one per available processor, 1 runs in this process.
     keep_trace
         Whether the results hold their traces.
     engine
-        `native` or `reference`, see `Session`; both give the same numbers.
+        `native` or `reference`, see `Session`; the results are bit-identical.
 
     Raises
     ------
     CosimError
-        A run could not be done, or its worker process died.
+        A run failed, or its worker process died.
     """
     results = []
     scenario = loaded(scenario)
@@ -119,7 +119,7 @@ def run_many(
 
 
 def loaded(scenario: Scenario | str | Path) -> Scenario:
-    """Load a scenario that is given by its name or file."""
+    """Load a scenario given by name or file."""
     return scenario if isinstance(scenario, Scenario) else load(scenario)
 
 
@@ -141,7 +141,7 @@ def run_each(
     Returns
     -------
     list of Result or CosimError
-        A run that could not be done, or whose worker process died, gives its error and stops no other.
+        A failed run, or one whose worker process died, gives its error; the others continue.
     """
     found = [loaded(scenario) for scenario in scenarios]
     jobs = [Job(scenario, scenario.loop.seed, engine, keep_trace) for scenario in found]
@@ -149,7 +149,7 @@ def run_each(
 
 
 def ordered(jobs: Sequence[Job], workers: int | None, limits: Limits | None = None) -> Generator[Outcome]:
-    """Run the jobs and yield their outcomes in order; closing it drops what was not begun.
+    """Run the jobs and yield their outcomes in order; closing it drops the runs that were not started.
 
     One worker without limits is this process.
     """

@@ -1,4 +1,4 @@
-"""A worker process under supervision: a crash, a hang or too much memory costs the one run that caused it."""
+"""A supervised worker process: a crash, a hang or too much memory affects only one run."""
 
 from __future__ import annotations
 
@@ -25,36 +25,36 @@ from cosim.pool.lines import Tell, most, tell
 from cosim.warned import warn_once
 
 START_TIMEOUT = 120.0
-"""Time for a worker process to import everything, s."""
+"""Maximum time for the imports of a worker process, s."""
 MEMORY_INTERVAL = 0.02
-"""How often the memory of a worker process is looked at where the operating system does not limit it, s."""
+"""Period of memory checks of a worker process without a limit of the operating system, s."""
 GRACE = 2.0
-"""Time for a worker process to close FMU and plant and to end, s."""
+"""Maximum time for a worker process to close FMU and plant and to end, s."""
 LOOK_INTERVAL = 1.0
-"""How often it is looked whether the process is alive, s: what it started may keep its connection open."""
+"""Period of checks that the process is alive, s: its child processes may keep its connection open."""
 WATCH_INTERVAL = 0.1
-"""How often a watcher is told the steps done, s."""
-AGAIN = "a longer `{}`, or a scenario that hangs"
+"""Period of progress messages, s."""
+AGAIN = "Increase `{}`, or check the scenario for a hang."
 
 log = logging.getLogger("cosim")
 Watch = Callable[[int, int], None]
-"""Told the steps done and in all, now and then."""
+"""Called periodically with the completed and the total number of steps."""
 
 
 class ClosedError(Exception):
-    """The worker is not wanted any more."""
+    """The worker is no longer needed."""
 
 
 class Worker(Closing):
-    """One worker process: started when a task comes, killed when it exceeds a limit, replaced when gone.
+    """One worker process: started with a task, killed if it exceeds a limit, replaced after its end.
 
     Parameters
     ----------
     limits
-        What each task may take.
+        Limits of each task.
     relay
-        Whether all it prints goes to our stderr and all it logs to our log; else only the last line is kept,
-        for the text of an error, and what it logs is limited.
+        Whether its output goes to stderr and all its log lines to the log; otherwise only the last line is
+        kept for error texts, and the log is limited.
 
     Raises
     ------
@@ -64,7 +64,7 @@ class Worker(Closing):
 
     def __init__(self, limits: Limits, relay: bool = False) -> None:
         if not isolates():
-            raise CosimError("runs cannot be isolated on this system", "it takes Linux or macOS")
+            raise CosimError("runs cannot be isolated on this system", "Use Linux or macOS.")
         self.limits = limits
         self.relay = relay
         self.child: Child | None = None
@@ -80,23 +80,23 @@ class Worker(Closing):
 
     @property
     def confined(self) -> float | None:
-        """Bytes that the operating system can hold the process to, None for any amount."""
+        """Memory limit of the operating system in bytes; None for no limit."""
         return self.limits.memory if system_confines() else None
 
     def prepare(self) -> None:
-        """Start the process, which imports what it needs while others have something else to do.
+        """Start the process, which imports its modules in the meantime.
 
-        The limits are not told to it before its first task: until then they may be set anew.
+        The limits are sent with its first task and can be changed until then.
         """
         self.start(self.confined)
 
     def call(self, task: Task, watch: Watch | None = None, told: Tell = tell) -> Any:
-        """Do one task and wait for its outcome, which is a `CosimError` if it could not be done.
+        """Execute one task and wait for its outcome, which is a `CosimError` if it failed.
 
-        `told` is given what it logs.
+        `told` receives its log lines.
 
-        A process may die of what an earlier run did to it, of a memory limit, or be killed from outside: then
-        the task is done once more in a fresh process, whose memory is only watched.
+        A process can die because of an earlier run, a memory limit or an external signal. The task is then
+        repeated once in a new process, whose memory is only checked periodically.
 
         Raises
         ------
@@ -106,7 +106,7 @@ class Worker(Closing):
         self.told = told
         outcome = self.attempt(task, watch, self.confined)
         if self.doubtful(outcome):
-            log.info("%s; the run is done once more in a fresh process", outcome.message)
+            log.info("%s; the run is repeated in a new process", outcome.message)
             outcome = self.attempt(task, watch, None)
         child = self.child
         if self.limits.process_per_run or (child and (child.spoilt or child.memory != self.confined)):
@@ -114,14 +114,14 @@ class Worker(Closing):
         return outcome
 
     def doubtful(self, outcome: Any) -> bool:
-        """Whether a crash may have another cause than the run it came in."""
+        """Whether a crash may have another cause than the current run."""
         if not isinstance(outcome, WorkerError) or outcome.status != "crashed" or self.child is None:
             return False
         killed = self.child.process.returncode in (-signal.SIGKILL, -signal.SIGTERM)
         return killed or self.child.tasks > 1 or self.child.memory is not None
 
     def attempt(self, task: Task, watch: Watch | None, memory: float | None) -> Any:
-        """Do one task in a process that is confined to so much memory."""
+        """Execute one task in a process with a memory limit."""
         child = self.start(memory)
         if child.output:
             child.output.truncate(0)
@@ -143,7 +143,7 @@ class Worker(Closing):
             return self.garbled(child)
 
     def start(self, memory: float | None) -> Child:
-        """Process that is alive and confined to so much memory; another is started where there is none."""
+        """Live process with this memory limit; a new one is started if necessary."""
         with self.lock:
             if self.closed:
                 raise ClosedError
@@ -157,7 +157,7 @@ class Worker(Closing):
             return child
 
     def outcome(self, child: Child, watch: Watch | None) -> Any:
-        """Outcome of the task that was sent, or the limit it did not keep."""
+        """Outcome of the sent task, or the exceeded limit."""
         memory = self.limits.memory if child.memory is None else None
         end = self.deadline(child)
         while True:
@@ -183,7 +183,7 @@ class Worker(Closing):
                 return self.too_much(used)
 
     def message(self, child: Child) -> tuple[str, Any]:
-        """Next message of a process; what it logs is told."""
+        """Next message of a process; passes on its log lines."""
         parcel = child.channel.receive()
         try:
             kind, content = parcel.open()
@@ -195,12 +195,12 @@ class Worker(Closing):
         return kind, content
 
     def deadline(self, child: Child) -> float | None:
-        """Time until which there must be an answer."""
+        """Deadline of the answer."""
         longest = self.limits.timeout if child.ready else START_TIMEOUT
         return None if longest is None else time.monotonic() + longest
 
     def too_long(self, child: Child) -> WorkerError:
-        """End a process that took too long; returns the error."""
+        """End a process after a timeout; return the error."""
         self.kill()
         if not child.ready:
             raise no_start(f"it is not ready within {START_TIMEOUT:g} s")
@@ -211,38 +211,38 @@ class Worker(Closing):
         return WorkerError("timeout", f"{text}: {where}" if where else text, AGAIN.format(key))
 
     def too_much(self, used: float) -> WorkerError:
-        """End a process that took too much memory; returns the error."""
+        """End a process that used too much memory; return the error."""
         self.kill()
         assert self.limits.memory is not None
         key, memory = self.limits.keys[1], self.limits.memory / 1e6
         text = f"`{used / 1e6:.0f}` MB of memory are more than `{key}` = `{memory:g}` MB"
         who = self.place.who()
-        return WorkerError("memory", f"{text}, {who} took them {self.place.when()}".rstrip() if who else text)
+        return WorkerError("memory", f"{text}, used by {who} {self.place.when()}".rstrip() if who else text)
 
     def garbled(self, child: Child) -> WorkerError:
-        """End a process from which something else came than it sent; returns the error."""
+        """End a process with a corrupted connection; return the error."""
         self.kill()
-        how = "what comes from the worker process is no message"
+        how = "the connection to the worker process is corrupted"
         if not child.ready:
             raise no_start(how)
         who = self.place.ran() or "a task"
-        return WorkerError("crashed", f"{who} wrote to a file that is not its own: {how}")
+        return WorkerError("crashed", f"{who} wrote to a foreign file descriptor: {how}")
 
     def crashed(self, child: Child) -> WorkerError:
-        """Error that tells how the process ended, what it was doing and what it said last."""
+        """Error with the end of the process, its position and its last output."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             child.process.wait(1.0)
         how = ending(child.process.poll())
         self.kill()
         said = child.last_output()
-        how += f"; its last words: {said}" if said else ""
+        how += f"; its last output: {said}" if said else ""
         if not child.ready:
             raise no_start(how)
         who = self.place.who() or self.place.ran() or "the worker process"
         return WorkerError("crashed", f"{who} crashed {self.place.when()}".rstrip() + f": {how}")
 
     def finish(self) -> None:
-        """Let a process that has nothing to do close FMU and plant and end; one that does not is killed."""
+        """Let an idle process close FMU and plant and end; kill it after a timeout."""
         child = self.child
         if child is None or child.busy or not child.tasks or child.process.poll() is not None:
             self.kill()
@@ -261,7 +261,7 @@ class Worker(Closing):
         self.look_back(child, late)
 
     def look_back(self, child: Child, late: bool) -> None:
-        """Tell of a process that did not end as it should; its results are there."""
+        """Log an abnormal end of a process whose results are complete."""
         who, when, code = self.place.who(), self.place.when(), child.process.returncode
         if self.closed or not (who or late or code not in (0, -signal.SIGKILL)):
             return
@@ -269,26 +269,26 @@ class Worker(Closing):
         warn_once(f"{who or 'a worker process'} {'hung' if late else 'crashed'} {when}".rstrip() + f": {how}")
 
     def kill(self) -> None:
-        """End the process, and what it may have started, at once."""
+        """Kill the process and its child processes."""
         if self.child is not None:
             self.child.kill()
 
     def release(self) -> None:
-        """Give back what belonged to a process that is gone."""
+        """Release the resources of an ended process."""
         child, self.child = self.child, None
         if child is not None:
             child.release()
 
     def stop(self) -> None:
-        """End the process; a `call` under way in another thread returns, and no other begins."""
+        """End the process; a `call` in another thread returns, and no other starts."""
         with self.lock:
             self.closed = True
             self.kill()
 
     def close(self) -> None:
-        """End the process and give back what belonged to it; no `call` is under way any more.
+        """End the process and release its resources; no `call` may be active.
 
-        FMU and plant are closed before, unless the process is in the middle of a task that was given up.
+        FMU and plant are closed first, unless the process is executing an abandoned task.
         """
         self.finish()
         self.stop()

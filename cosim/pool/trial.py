@@ -1,4 +1,4 @@
-"""A module of the user's, imported in a process of its own before this one does it."""
+"""Trial import of a user module in a separate process."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class Import:
 
 
 def import_plant(name: str, folder: Path) -> None:
-    """See whether a plant's module can be imported: one that ends its process ends no command.
+    """Check in a separate process whether a plant's module can be imported without ending the process.
 
-    Where no process can be supervised nothing is tried.
+    Without supervised processes nothing is checked.
 
     Raises
     ------
     CosimError
-        It cannot, or it ended the process.
+        The import failed or ended the process.
     """
     if not isolates():
         return

@@ -1,4 +1,4 @@
-"""A worker process: takes tasks from a channel one after the other and answers each with its outcome."""
+"""A worker process: receives tasks from a channel and answers each with its outcome."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ from cosim.pool.limits import confine
 from cosim.scenario.model import Scenario
 
 READY, LOG, DONE = "ready", "log", "done"
-"""Kinds of messages of a worker process: it has all that it needs; a line of its log; the outcome of a task,
-and whether the process is fit for another."""
+"""Kinds of messages of a worker process: ready; a log line; the outcome of a task, and whether the process
+is fit for another."""
 IDLE = 600.0
-"""A worker process that got no task for so long ends, s; the next task starts another one."""
+"""Idle time after which a worker process ends, s; the next task starts another one."""
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 log = logging.getLogger("cosim")
 
 
 class JobRunner(Closing):
-    """Does tasks one after the other; FMU and plant stay open for jobs that share them.
+    """Executes tasks in sequence; FMU and plant stay open for jobs that share them.
 
     Parameters
     ----------
     place
-        Where it notes what it is doing.
+        Record of its position.
     """
 
     def __init__(self, place: Place | None = None) -> None:
@@ -52,12 +52,12 @@ class JobRunner(Closing):
         self.wanted: tuple[Scenario, Engine, bool] | None = None
 
     def call(self, task: Task, watch: Progress | None = None) -> Any:
-        """Do one task as `Worker.call` does: `watch` is told the steps done and in all."""
+        """Execute one task as `Worker.call`; `watch` receives the completed and the total steps."""
         self.progress = watch
         return self.run(task)
 
     def run(self, task: Task) -> Any:
-        """Do one task; its errors are outcomes, and after one the next gets a fresh FMU and plant."""
+        """Execute one task; an error is an outcome, and the next task then has a new FMU and plant."""
         try:
             return task.run(self)
         except CosimError as error:
@@ -72,7 +72,7 @@ class JobRunner(Closing):
             return unforeseen(error)
 
     def session(self, scenario: Scenario, engine: Engine, log_events: bool = False) -> Session:
-        """Session of a scenario; what fits of the one before stays open."""
+        """Session of a scenario; suitable open FMUs and plants are reused."""
         wanted = scenario, engine, log_events
         if self.opened is None or self.wanted != wanted:
             self.opened = Session(scenario, log_events, engine, self.opened, self.place)
@@ -88,7 +88,7 @@ class JobRunner(Closing):
 
 
 class Forward(logging.Handler):
-    """Sends what is logged to the process that watches over this one, of a task so many lines at most."""
+    """Sends log lines to the supervisor, up to a maximum per task."""
 
     def __init__(self, channel: MessageChannel) -> None:
         super().__init__()
@@ -103,7 +103,7 @@ class Forward(logging.Handler):
 
 
 def main(end: int, page: int, parent: int) -> None:
-    """Serve the channel until there is an order to end, or the other side closes it."""
+    """Serve the channel until the order to end, or until the other side closes it."""
     die_with(parent)
     for descriptor in (end, page):
         # what FMU or plant may start must not keep the channel open
@@ -124,32 +124,32 @@ def main(end: int, page: int, parent: int) -> None:
 
 
 def refused(tasks: queue.SimpleQueue[Parcel]) -> WorkerError | None:
-    """Put the limit to the memory of this process, which comes first; an error if that cannot be kept."""
+    """Set the memory limit of this process, sent first; an error if it is exceeded already."""
     memory: float | None = tasks.get().open()
     if memory is None:
         return None
     try:
         confine(memory)
     except MemoryError as error:
-        used = f"`{error.args[0] / 1e6:.0f}` MB of memory, which a run needs before it begins,"
-        return WorkerError("memory", f"{used} are more than its limit of `{memory / 1e6:g}` MB")
+        used = f"`{error.args[0] / 1e6:.0f}` MB of memory, which a run needs before its start,"
+        return WorkerError("memory", f"{used} exceed its limit of `{memory / 1e6:g}` MB")
     return None
 
 
 def awaited(tasks: queue.SimpleQueue[Parcel]) -> Order | CosimError | None:
-    """Wait for an order; None is to end."""
+    """Wait for an order; None is the order to end."""
     try:
         order: Order | None = tasks.get(timeout=IDLE).open()
     except queue.Empty:
         return None
     except Exception as error:
         text = f"a worker process cannot read its task: {type(error).__name__}: {error}"
-        return CosimError(text, "its module must be found by every process")
+        return CosimError(text, "Make its module importable in every process.")
     return order
 
 
 def done(runner: JobRunner, order: Order | CosimError, told: Forward) -> Any:
-    """Outcome of one task; its log is forwarded."""
+    """Outcome of one task; forwards its log."""
     if isinstance(order, CosimError):
         return order
     told.left = order.lines
@@ -163,7 +163,7 @@ def done(runner: JobRunner, order: Order | CosimError, told: Forward) -> Any:
 
 
 def looked_over(outcome: Any, before: dict[str, object], place: Place) -> tuple[Any, bool]:
-    """Outcome, and whether the next run would find this process as it was; what changed of it is told."""
+    """Outcome, and whether the process state is unchanged; logs a change."""
     changed = process.changed(before)
     if not changed:
         return outcome, True
@@ -172,12 +172,12 @@ def looked_over(outcome: Any, before: dict[str, object], place: Place) -> tuple[
     if unforeseen_one or (isinstance(outcome, CosimError) and process.LIMITS in changed):
         outcome.message = f"{told}: {outcome.__cause__ if unforeseen_one else outcome.message}"
         return outcome, False
-    log.warning("%s: the next run gets another", told)
+    log.warning("%s: the next run has a new process", told)
     return outcome, False
 
 
 def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Parcel]) -> None:
-    """Take in tasks; when the other side is gone the process ends at once, even from within a run."""
+    """Receive tasks; when the other side is gone the process ends immediately, even within a run."""
     try:
         while True:
             tasks.put(channel.receive())
@@ -186,9 +186,9 @@ def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Parcel]) -> None:
 
 
 def die_with(parent: int) -> None:
-    """End with the parent process, however that ends and even while code of C keeps the GIL.
+    """End with the parent process, even while C code holds the GIL.
 
-    What a run starts stays below this process, where it is found and ended with it.
+    Child processes of a run stay below this process, to be found and ended with it.
     """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

@@ -1,4 +1,4 @@
-"""Runs shown again from their traces: pictures, films and MuJoCo's viewer."""
+"""Replay of runs from their traces: pictures, videos and MuJoCo's viewer."""
 
 from cosim import physics
 

@@ -1,4 +1,4 @@
-"""What is written into a picture: time, states, key numbers."""
+"""Captions of a picture: time, states, key numbers."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from cosim.replay.motion import Recorded
 
 MAX_STATES, MAX_NUMBERS = 2, 4
 STEP = 1e-3
-"""Part of the largest value of a column in which it is told."""
+"""Resolution of a shown value, as a fraction of the maximum of its column."""
 Line = Callable[[int], str]
 """Text for a row of the trace."""
 
 
 def lines(recorded: Recorded) -> list[Line]:
-    """Lines of a picture: time, enumerations that move, then the first column of each panel of the plot."""
+    """Lines of a picture: time, changing enumerations, then the first column of each panel of the plot."""
     times = recorded.columns["time"]
     digits = max(0, min(6, 2 - int(np.floor(np.log10(max(times[-1], 1e-6) / 10.0)))))
     return [
@@ -28,7 +28,7 @@ def lines(recorded: Recorded) -> list[Line]:
 
 
 def states(recorded: Recorded) -> list[str]:
-    """Columns of enumerations that move, the states before all others."""
+    """Changing columns of enumerations, states first."""
     moving = [name for name in recorded.items if name in recorded.columns and np.ptp(recorded.columns[name])]
     return sorted(moving, key=lambda name: not name.endswith(".state"))[:MAX_STATES]
 
@@ -42,7 +42,7 @@ def state(recorded: Recorded, name: str) -> Line:
 
 
 def numbers(recorded: Recorded) -> list[Line]:
-    """Key numbers: what the plot of the scenario begins each panel with, else truths that move."""
+    """Key numbers: the first column of each panel, or changing ground-truth signals."""
     found = []
     for panel in recorded.scenario.plot.panels:
         name = panel.columns[0] if panel.columns else ""
@@ -52,15 +52,15 @@ def numbers(recorded: Recorded) -> list[Line]:
 
 
 def moving_truths(recorded: Recorded) -> list[str]:
-    """Truths of the plant that move, without the coordinates that the picture shows."""
+    """Changing ground-truth signals of the plant, without coordinates."""
     known = [n for n in recorded.columns if n.startswith("plant.") and not n.startswith("plant.qpos")]
     return [name for name in known if np.ptp(recorded.columns[name]) > 0.0]
 
 
 def quantity(recorded: Recorded, name: str, unit: str = "", scale: float = 1.0) -> Line:
-    """Value of a column in a row with the prefix that it asks for, without one as a panel shows it.
+    """Value of a column in a row, with a unit prefix or in the unit of its panel.
 
-    Less than a thousandth of the largest value is not told: it would flicker.
+    Changes below a thousandth of the maximum are not shown, to avoid flicker.
     """
     label = name.partition(".")[2]
     own = recorded.units.get(name, "")

@@ -1,4 +1,4 @@
-"""Motions too small to be seen, drawn larger than they are."""
+"""Enlargement of motions that are too small to be seen."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from cosim.replay.motion import COORDINATE, Enlarged, Motion
 from cosim.trace.columns import Array
 
 ENLARGE = "enlarge"
-"""Text of an MJCF that names them."""
+"""Name of the MJCF text that lists them."""
 SMALL = (1e-4, 1e-2)
-"""Parts of the machine's size between which a motion is enlarged: below it is none, above it is seen."""
+"""Range of motions that are enlarged, relative to the machine size: smaller ones are noise, larger ones visible."""
 SEEN = 0.05
-"""Part of the machine's size, or angle in rad, that an enlarged motion has."""
+"""Amplitude of an enlarged motion, relative to the machine size, or in rad."""
 
 
 def given(words: Sequence[str], motion: Motion) -> dict[str, float]:
@@ -28,7 +28,7 @@ def given(words: Sequence[str], motion: Motion) -> dict[str, float]:
     Raises
     ------
     CosimError
-        No factor, or no coordinate of that name.
+        A missing factor, or no coordinate of that name.
     """
     factors: dict[str, float] = {}
     known = [name.removeprefix(COORDINATE) for name in motion.names]
@@ -39,7 +39,9 @@ def given(words: Sequence[str], motion: Motion) -> dict[str, float]:
         except ValueError:
             factor = math.nan
         if not (math.isfinite(factor) and factor > 0.0):
-            raise CosimError(f"`--enlarge {word}` gives no factor", "such as `--enlarge 'ring_*=20'`")
+            raise CosimError(
+                f"`--enlarge {word}` has no factor", "Give, for example, `--enlarge 'ring_*=20'`."
+            )
         found = fnmatch.filter(known, pattern)
         if not found:
             raise CosimError(
@@ -50,9 +52,9 @@ def given(words: Sequence[str], motion: Motion) -> dict[str, float]:
 
 
 def chosen(motion: Motion) -> dict[str, float]:
-    """Factors for what moves, but too little to be seen: one for all lengths and one for all angles.
+    """Factors for motions too small to be seen: one for all lengths and one for all angles.
 
-    An MJCF that knows better names the coordinates in a text `enlarge`, with patterns, `-` for none.
+    A text `enlarge` in the MJCF can name the coordinates, with patterns, `-` for none.
     """
     allowed = patterns(motion)
     sizes = {"m": float(motion.model.stat.extent), "rad": 1.0}
@@ -71,7 +73,7 @@ def chosen(motion: Motion) -> dict[str, float]:
 
 
 def patterns(motion: Motion) -> list[str]:
-    """Patterns of the coordinates that may be enlarged, as the MJCF says; of all where it says nothing."""
+    """Patterns of the coordinates to enlarge from the MJCF; default: all."""
     model = motion.model
     place = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT.value, ENLARGE)
     if place < 0:
@@ -91,7 +93,7 @@ def enlarged(motion: Motion, factors: Mapping[str, float]) -> Array:
 
 
 def one(motion: Motion, factors: Mapping[str, float]) -> Enlarged:
-    """Give a value of a coordinate as `enlarged` draws it."""
+    """Value of a coordinate after `enlarged`."""
     about = centres(motion, factors)
 
     def drawn(name: str, value: float) -> float:
@@ -102,7 +104,7 @@ def one(motion: Motion, factors: Mapping[str, float]) -> Enlarged:
 
 
 def centres(motion: Motion, factors: Mapping[str, float]) -> dict[str, float]:
-    """Place about which a motion is enlarged: where the model stands or, far from it, the mean."""
+    """Center of an enlarged motion: the model pose or, far from it, the mean."""
     found = {}
     for i, name in enumerate(motion.names):
         if name in factors:
@@ -114,7 +116,7 @@ def centres(motion: Motion, factors: Mapping[str, float]) -> dict[str, float]:
 
 
 def words(factors: Mapping[str, float]) -> list[str]:
-    """Say what is drawn how much larger, a line for each factor."""
+    """Texts about enlarged coordinates, one for each factor."""
     by_factor: dict[float, list[str]] = {}
     for name, factor in factors.items():
         by_factor.setdefault(factor, []).append(name.removeprefix(COORDINATE))

@@ -1,4 +1,4 @@
-"""What moved in a run: a MuJoCo model and its coordinates row by row."""
+"""The motion of a run: a MuJoCo model and its coordinates row by row."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ from cosim.trace.stored import StoredTrace
 Enlarged = Callable[[str, float], float]
 """Value of a coordinate as it is drawn, by its name without `plant.qpos.`."""
 COORDINATE = "plant.qpos."
-"""What the columns of coordinates begin with."""
+"""Prefix of the columns of coordinates."""
 RECORD = "loop.record_qpos=true"
 """Override with which a run keeps its coordinates."""
 
 
 def unmoved(row: int, enlarged: Enlarged) -> None:
-    """Machine of which nothing is only looked at."""
+    """A machine without parts that are only drawn."""
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """A run as it can be shown again.
+    """A recorded run for replay.
 
     Parameters
     ----------
     scenario
-        What was run; its plant is what is drawn.
+        Scenario of the run; its plant is drawn.
     seed
-        Seed of the run: what is drawn by chance at its start may have no coordinates.
+        Seed of the run, for random initial values without coordinates.
     columns
         Columns of the trace, MuJoCo's coordinates among them.
     units, items
@@ -54,12 +54,12 @@ class Recorded:
 
 
 def of_result(scenario: Scenario, result: Result) -> Recorded:
-    """Run that was just made."""
+    """Recorded run of a result."""
     return Recorded(scenario, result.seed, result.columns, result.units, result.items)
 
 
 def of_trace(scenario: Scenario, trace: StoredTrace) -> Recorded:
-    """Run that a file holds; one that does not tell its seed has that of its scenario."""
+    """Recorded run of a file; the default seed is that of the scenario."""
     seed = trace.about.get("seed")
     seed = seed if type(seed) is int and seed >= 0 else scenario.loop.seed
     return Recorded(scenario, seed, trace.data, trace.units, trace.items)
@@ -72,7 +72,7 @@ class Motion:
     Parameters
     ----------
     model, data
-        MuJoCo's, free to be changed: they are drawn and never stepped.
+        Model and data of MuJoCo; they may be changed, because they are drawn and never stepped.
     names, units
         Columns of the coordinates, and their units.
     times
@@ -80,7 +80,7 @@ class Motion:
     qpos
         Coordinates, shape (rows, coordinates).
     draw
-        Moves what is only looked at to a row, after its coordinates are set.
+        Moves parts that are only drawn to a row, after its coordinates are set.
     """
 
     model: Any
@@ -125,18 +125,18 @@ def motion(recorded: Recorded) -> Motion:
 
 
 def truths(columns: Columns) -> dict[str, Array]:
-    """Columns of the plant by the names that it gives them."""
+    """Columns of the plant by its own names."""
     own = "plant."
     return {name.removeprefix(own): columns[name] for name in columns if name.startswith(own)}
 
 
 def check(columns: Columns, names: tuple[str, ...], scenario: Scenario) -> None:
-    """Check that a trace holds columns of a plant, its coordinates at least."""
+    """Check that a trace holds the coordinates of a plant."""
     if not names:
-        raise CosimError(f"nothing moves in the plant `{scenario.plant.name}`: it has no joint")
+        raise CosimError(f"the plant `{scenario.plant.name}` has no joint, so nothing moves")
     if not any(name.startswith(COORDINATE) for name in columns):
-        hint = f"`cosim run {scenario.name} --set {RECORD} --trace FILE` keeps them"
-        raise CosimError("the trace holds no coordinates to show the run from", hint)
+        hint = f"Record them with `cosim run {scenario.name} --set {RECORD} --trace FILE`."
+        raise CosimError("the trace holds no coordinates", hint)
     if missing := [name for name in names if name not in columns]:
         problem = f"the trace has no column `{missing[0]}`, which the plant `{scenario.plant.name}` has"
-        raise CosimError(problem, "name the scenario that was run, with the same `--set`")
+        raise CosimError(problem, "Name the scenario of the run, with the same `--set`.")

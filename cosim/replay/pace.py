@@ -1,4 +1,4 @@
-"""Which instants of a run are shown, and how fast it goes by."""
+"""Selection of the shown rows of a run, and the playback speed."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from cosim.trace.columns import Array
 RATE = 25
 """Pictures in a second."""
 NEAR = 0.1
-"""Part by which the pace may differ from that of the run and is nearly the same."""
+"""Deviation from real time that is shown as nearly real time."""
 LONGEST = 3600.0
-"""Longest time in which a run is shown, s."""
+"""Maximum playback time, s."""
 
 
 @dataclass(frozen=True)
 class Pace:
-    """Rows of a trace that are shown one after the other.
+    """Rows of a trace to show in sequence.
 
     Parameters
     ----------
     rows
         Row of each picture.
     speed
-        Simulated time in the time of the show; above 1 it is a time-lapse.
+        Ratio of simulated time to playback time; above 1 is time-lapse.
     """
 
     rows: NDArray[np.intp]
@@ -35,7 +35,7 @@ class Pace:
 
     @property
     def words(self) -> str:
-        """How the time of the show is to that of the run."""
+        """Text of the playback speed."""
         if abs(self.speed - 1.0) < NEAR:
             return "real time" if abs(self.speed - 1.0) < 1e-3 else f"nearly real time: {self.speed:.2f} x"
         if self.speed > 1.0:
@@ -44,31 +44,31 @@ class Pace:
 
 
 def check(seconds: float) -> None:
-    """Check the time in which a run is shown.
+    """Check the playback time.
 
     Raises
     ------
     CosimError
-        It is no time, or more than `LONGEST`.
+        It is not positive, or more than `LONGEST`.
     """
     if not 0.0 < seconds <= LONGEST:
         raise CosimError(f"`--seconds` is `{seconds:g}`, it must be above 0 and at most {LONGEST:g}")
 
 
 def pace(times: Array, seconds: float, begin: float | None = None, end: float | None = None) -> Pace:
-    """Show the time from `begin` to `end` (s; the whole run) in so many seconds.
+    """Rows for the time from `begin` to `end` (s; default: the whole run) in a playback time in s.
 
     Raises
     ------
     CosimError
-        There is nothing of the run in this time, or no time to show it in.
+        The run has no rows in this time, or the playback time is invalid.
     """
     check(seconds)
     first = float(times[0]) if begin is None else begin
     last = float(times[-1]) if end is None else end
     if not times[0] <= first < last <= times[-1]:
-        problem = f"`--from` = `{first:g}` s to `--to` = `{last:g}` s is no part of the run"
-        raise CosimError(problem, f"it goes from {times[0]:g} s to {times[-1]:g} s")
+        problem = f"`--from` = `{first:g}` s to `--to` = `{last:g}` s is outside of the run"
+        raise CosimError(problem, f"Choose a part of {times[0]:g} s to {times[-1]:g} s.")
     count = max(2, round(RATE * seconds))
     shown = np.linspace(first, last, count)
     # the row that held at that time

@@ -24,46 +24,46 @@ Picture = NDArray[np.uint8]
 
 BACKENDS = {"linux": "egl", "darwin": "cgl", "win32": "glfw"}
 HINT = (
-    "on Debian or Ubuntu `apt-get install libegl1 libgl1-mesa-dri` draws without a screen; "
-    f"`{CHOICE}` chooses `egl` or, with a screen, `glfw`"
+    "Install on Debian or Ubuntu `apt-get install libegl1 libgl1-mesa-dri`; "
+    f"`{CHOICE}` selects `egl` or, with a screen, `glfw`"
 )
 DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
-"""What MuJoCo gives a geom that the MJCF gives none."""
+"""MuJoCo's default color of a geom."""
 COLOURS = ((0.36, 0.51, 0.68), (0.79, 0.60, 0.33), (0.47, 0.62, 0.48), (0.67, 0.45, 0.48), (0.55, 0.52, 0.66))
-"""Colours of the bodies of a machine whose MJCF names none, in turns."""
+"""Colors of the bodies of a machine without colors in the MJCF."""
 ABOVE, BELOW = np.array([226.0, 232.0, 238.0]), np.array([158.0, 170.0, 182.0])
 """Background from top to bottom."""
 AZIMUTH, ELEVATION = 125.0, -22.0
-"""Where the free camera looks, degrees."""
+"""Direction of the free camera, degrees."""
 OVERVIEW, CLOSEUP = "overview", "closeup"
-"""Cameras of an MJCF that are taken where none is asked for: the second with the first in a corner."""
+"""Default cameras of an MJCF: the second with the first in a corner."""
 INSET = 0.36
-"""Part of the width and height that the overview takes of a close-up."""
+"""Size of the overview relative to the close-up."""
 SELDOM = 5
-"""Pictures of a close-up for one of its overview, in which little moves."""
+"""Pictures of the close-up per picture of the overview."""
 FRAME = 2
 """Pixels around it."""
 
 
 class Renderer:
-    """Draws a model; a context manager, because the graphics of the system must be given back.
+    """Renderer of a model; a context manager, because graphics resources must be released.
 
     Parameters
     ----------
     model, data
-        MuJoCo's; light and colours that the model does not have are added to it.
+        Model and data of MuJoCo; missing light and colors are added.
     size
         Width and height, pixels.
     camera
-        Name of a camera of the model; empty is its `closeup` with its `overview` in a corner, one of them
-        if it has no more, else one that sees all of it.
+        Name of a camera of the model; empty is its `closeup` with its `overview` in a corner, one of
+        them if it has only one, otherwise a view of everything.
     poses
-        Coordinates at which everything shall be in sight of that one, shape (poses, coordinates).
+        Coordinates at which that view must show everything, shape (poses, coordinates).
 
     Raises
     ------
     CosimError
-        Nothing here can draw, or the model has no such camera.
+        No rendering backend works, or the model has no such camera.
     """
 
     def __init__(self, model: Any, data: Any, size: tuple[int, int], camera: str, poses: Array) -> None:
@@ -99,7 +99,7 @@ class Renderer:
         self.context.free()
 
     def picture(self, qpos: Array, draw: Callable[[], None] = lambda: None) -> Picture:
-        """Draw the model with these coordinates, after `draw` has moved what is only looked at."""
+        """Draw the model with these coordinates, after `draw` moved the parts that are only drawn."""
         place(self.model, self.data, qpos, draw)
         found = self._seen(self.camera, self.rectangle, self.background)
         if self.inset is not None:
@@ -126,7 +126,7 @@ class Renderer:
 
 
 def place(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda: None) -> None:
-    """Move a model to coordinates, as far as drawing it needs; `draw` moves what is only looked at."""
+    """Set the coordinates of a model for drawing; `draw` moves the parts that are only drawn."""
     data.qpos[:] = qpos
     draw()
     mujoco.mj_kinematics(model, data)
@@ -159,7 +159,7 @@ def graphics(size: tuple[int, int]) -> Any:
 
 
 def light(model: Any) -> None:
-    """Give light to a model that has none of its own."""
+    """Add light to a model without light."""
     if model.nlight == 0:
         model.vis.headlight.ambient[:] = 0.35
         model.vis.headlight.diffuse[:] = 0.6
@@ -167,7 +167,7 @@ def light(model: Any) -> None:
 
 
 def colour(model: Any) -> None:
-    """Give a colour by its body to every geom that has neither colour nor material."""
+    """Set a color by body for every geom without color and material."""
     bodies = {body: turn for turn, body in enumerate(dict.fromkeys(model.geom_bodyid.tolist()))}
     for geom in range(model.ngeom):
         if model.geom_matid[geom] < 0 and np.allclose(model.geom_rgba[geom], DEFAULT_COLOUR):
@@ -182,11 +182,11 @@ def background(height: int, width: int) -> Picture:
 
 
 def cameras(model: Any, name: str) -> tuple[Any, Any]:
-    """Camera of the picture and of its inset; None for a camera that nobody asked for or the model lacks."""
+    """Camera of the picture and of its inset; None for a missing camera."""
     known = [model.camera(i).name for i in range(model.ncam)]
     if name and name not in known:
         raise CosimError(
-            f"the model has no camera `{name}`", closest(name, known) or "the MJCF names its cameras"
+            f"the model has no camera `{name}`", closest(name, known) or "Use a camera of the MJCF."
         )
     wanted = [name] if name else [one for one in (CLOSEUP, OVERVIEW) if one in known]
     found = [fixed_camera(known.index(one)) for one in wanted]
@@ -201,7 +201,7 @@ def fixed_camera(number: int) -> Any:
 
 
 def free_camera(model: Any, data: Any, size: tuple[int, int], poses: Array) -> Any:
-    """Camera that sees all geoms in all poses."""
+    """Camera with all geoms in view in all poses."""
     low, high = np.full(3, math.inf), np.full(3, -math.inf)
     # a plane has no size of its own
     seen = (model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE) & (model.geom_rgba[:, 3] > 0.0)

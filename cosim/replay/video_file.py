@@ -1,4 +1,4 @@
-"""Films: the pictures of a run with what is written into them, as MP4, GIF or WebP."""
+"""Videos: the pictures of a run with captions, as MP4, GIF or WebP."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ if TYPE_CHECKING:
 
 ENDINGS = (".mp4", ".gif", ".webp")
 LARGEST = 4096
-"""Pixels of a side that MuJoCo's buffers and the formats take."""
+"""Maximum pixels of a side for MuJoCo's buffers and the formats."""
 POSES = 32
-"""Poses in which everything shall be in sight."""
+"""Number of poses that the view must show completely."""
 
 
 @dataclass(frozen=True)
 class Shot:
-    """How a run is filmed.
+    """Settings of a video.
 
     Parameters
     ----------
     size
         Width and height, pixels.
     seconds
-        Time that the film takes, s.
+        Duration of the video, s.
     begin, end
-        Part of the run, s; None is its own.
+        Part of the run, s; None is its start or end.
     camera
         Name of a camera of the model, empty as for `Renderer`.
     enlarge
-        Texts `COORDINATE=FACTOR`; none lets the program choose.
+        Texts `COORDINATE=FACTOR`; default: automatic.
     """
 
     size: tuple[int, int] = (640, 480)
@@ -55,44 +55,44 @@ class Shot:
 
 
 def check(file: Path, shot: Shot) -> None:
-    """Check before a long run that its film can be written.
+    """Check before a long run that its video can be written.
 
     Raises
     ------
     CosimError
-        Unknown ending, no such folder, a size or length that no film has, or a package is not installed.
+        Unknown ending, no such folder, an invalid size or duration, or a package is not installed.
     """
     if file.suffix not in ENDINGS:
         endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
-        raise CosimError(f"cannot film to `{file}`", f"the name must end in {endings}")
+        raise CosimError(f"cannot write a video to `{file}`", f"Use a name that ends in {endings}.")
     check_folder(file)
     width, height = shot.size
     if not (16 <= width <= LARGEST and 16 <= height <= LARGEST) or width % 2 or height % 2:
         problem = f"`--size` is `{width}x{height}`"
-        raise CosimError(problem, f"width and height are even numbers from 16 to {LARGEST}")
+        raise CosimError(problem, f"Use even numbers from 16 to {LARGEST}.")
     pace.check(shot.seconds)
     check_packages(file.suffix)
 
 
 def check_packages(ending: str) -> None:
-    """Check that what makes films of an ending is installed; a `CosimError` says what is not."""
+    """Check that the packages for an ending are installed; otherwise raise a `CosimError`."""
     if ending == ".mp4":
         library()
-    extras.needed("PIL", "films need Pillow, which is not installed", extras.hint("replay"))
+    extras.needed("PIL", "videos need Pillow, which is not installed", extras.hint("replay"))
 
 
 def library() -> Any:
-    """Return PyAV; a `CosimError` says that it is not installed."""
+    """Return PyAV; raise a `CosimError` if it is not installed."""
     return extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
 
 
 def save(recorded: Recorded, shot: Shot, file: Path, tell: Callable[[int, int], None] | None = None) -> None:
-    """Film a run into a file.
+    """Write the video of a run.
 
     Raises
     ------
     CosimError
-        As for `check`; its coordinates are not in the trace; nothing here can draw.
+        As for `check`; its coordinates are not in the trace; no rendering backend works.
     """
     check(file, shot)
     content = made(recorded, shot, file.suffix, tell)
@@ -101,7 +101,7 @@ def save(recorded: Recorded, shot: Shot, file: Path, tell: Callable[[int, int], 
 
 
 def still(film: Path) -> bytes:
-    """Picture in the middle of an MP4 film, as JPEG."""
+    """Middle picture of an MP4 video, as JPEG."""
     with library().open(str(film)) as container:
         pictures = list(container.decode(video=0))
     content = io.BytesIO()
@@ -112,7 +112,7 @@ def still(film: Path) -> bytes:
 def made(
     recorded: Recorded, shot: Shot, ending: str, tell: Callable[[int, int], None] | None = None
 ) -> bytes:
-    """Film of a run in the format of an ending."""
+    """Video of a run in the format of an ending."""
     moved = motion(recorded)
     paced = pace.pace(moved.times, shot.seconds, shot.begin, shot.end)
     pictures = told(filmed(recorded, moved, paced, shot), len(paced.rows), tell)
@@ -120,7 +120,7 @@ def made(
 
 
 def filmed(recorded: Recorded, moved: Motion, paced: Pace, shot: Shot) -> Iterator[Picture]:
-    """Pictures of a run one after the other, written on."""
+    """Pictures of a run with captions."""
     from cosim.replay.renderer import Renderer
 
     factors = enlarge.given(shot.enlarge, moved) if shot.enlarge else enlarge.chosen(moved)
@@ -135,9 +135,9 @@ def filmed(recorded: Recorded, moved: Motion, paced: Pace, shot: Shot) -> Iterat
 
 
 def lettered(picture: Picture, left: Sequence[str], below: Sequence[str]) -> Picture:
-    """Write into a picture: what changes, and below it what holds for all of the film.
+    """Write captions into a picture: changing texts, and below them those of the whole video.
 
-    Both stand above, where no controls of a player hide them.
+    Both are at the top, where the controls of a player do not hide them.
     """
     from PIL import Image, ImageDraw, ImageFont
 
@@ -159,7 +159,7 @@ def lettered(picture: Picture, left: Sequence[str], below: Sequence[str]) -> Pic
 def told(
     pictures: Iterator[Picture], count: int, tell: Callable[[int, int], None] | None
 ) -> Iterator[Picture]:
-    """Pictures, each told when it is done."""
+    """Pictures, with a progress call for each."""
     for done, picture in enumerate(pictures, 1):
         yield picture
         if tell is not None:
@@ -167,7 +167,7 @@ def told(
 
 
 def encoded(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:
-    """Make an MP4 file with H.264, which every browser shows."""
+    """Make an MP4 file with H.264, which all browsers support."""
     av = library()
     content = io.BytesIO()
     with av.open(content, "w", format=ending[1:]) as container:
@@ -183,7 +183,7 @@ def encoded(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:
 
 
 def animated(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:
-    """Make a GIF or WebP file that is shown again and again."""
+    """Make a looping GIF or WebP file."""
     from PIL import Image
 
     first, *others = (Image.fromarray(picture) for picture in pictures)

@@ -1,4 +1,4 @@
-"""MuJoCo's viewer in step with a trace."""
+"""Replay of a trace in MuJoCo's viewer."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from cosim.replay.video_file import Shot
 
 
 def show(recorded: Recorded, shot: Shot, again: bool = True) -> None:
-    """Open a window and show a run in it until the window is closed.
+    """Show a run in a window until it is closed.
 
     Parameters
     ----------
     shot
         Part, pace and enlargement of the run; the camera is moved with the mouse.
     again
-        Whether it begins anew at its end.
+        Whether it repeats.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def show(recorded: Recorded, shot: Shot, again: bool = True) -> None:
 def opened(model: Any, data: Any) -> Any:
     """Window of MuJoCo's viewer that steps nothing by itself."""
     extras.needed("glfw", "the viewer needs the package `glfw`", extras.hint("replay"))
-    hint = "it needs a screen; `cosim video` makes a film without one"
+    hint = "Use a screen, or make a video with `cosim video`."
     try:
         with warnings.catch_warnings():
             # told once, as the error

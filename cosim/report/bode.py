@@ -23,7 +23,7 @@ class Margin:
 
 @dataclass(frozen=True)
 class Response:
-    """Gain and phase in rad of an open loop over frequencies, in the unit that these were given in.
+    """Gain and phase in rad of an open loop over frequencies, in their original unit.
 
     Parameters
     ----------
@@ -40,14 +40,14 @@ class Response:
     phase: Array
 
     def dense(self) -> tuple[Array, Array, Array]:
-        """Points and places between them: straight lines over the logarithm of the frequency."""
+        """Interpolated points: straight lines over the logarithm of the frequency."""
         given = np.log(self.frequency)
         places = np.linspace(given[0], given[-1], DENSE * len(given), dtype=np.float64)
         gain = np.exp(np.interp(places, given, np.log(self.gain)))
         return np.exp(places), gain, np.interp(places, given, self.phase)
 
     def phase_margin(self) -> Margin | None:
-        """Least angle from where the gain is 1 to -180 degrees; None where it never is."""
+        """Minimum angle from the gain 1 to -180 degrees; None without a crossover."""
         frequency, gain, phase = self.dense()
         found = [
             Margin(float(frequency[i]), math.remainder(float(phase[i]) - math.pi, 2.0 * math.pi))
@@ -56,7 +56,7 @@ class Response:
         return min(found, key=lambda one: abs(one.value), default=None)
 
     def gain_margin(self) -> Margin | None:
-        """Least factor above 1 by which the gain may grow until it is 1 at -180 degrees; None without one."""
+        """Minimum factor above 1 by which the gain can increase until it is 1 at -180 degrees; None without one."""
         frequency, gain, phase = self.dense()
         # the distance from -180 degrees jumps where it is half a turn
         away = np.remainder(phase, 2.0 * np.pi) - np.pi
@@ -69,7 +69,7 @@ class Response:
 
 
 def crossings(values: Array) -> list[int]:
-    """Places behind which the sign changes."""
+    """Indices after which the sign changes."""
     return [int(i) for i in np.flatnonzero(np.diff(np.sign(values)))]
 
 
@@ -79,7 +79,7 @@ def response(frequency: Array, gain: Array, phase: Array, closed: bool) -> Respo
     Parameters
     ----------
     closed
-        Whether gain and phase are those of the closed loop T: with the error wanted minus measured,
+        Whether gain and phase are those of the closed loop T: with the error desired minus measured,
         T = L / (1 + L), so the open loop is L = T / (1 - T), with every delay in it.
     """
     measured = gain * np.exp(1j * phase)

@@ -1,4 +1,4 @@
-"""Runs scenarios and sweeps, and puts what is told of them on one page."""
+"""The HTML report: runs scenarios and studies and writes their results into one file."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ from cosim.report.sections import Chapter
 from cosim.show.bar import bar
 from cosim.writing import check_text, whole
 
-TITLE = "What was measured in closed loop"
-"""Title of a page that is given none."""
+TITLE = "Closed-loop results"
+"""Default title of a report."""
 ENDINGS = (".html", ".htm")
 MAX_VIDEO = 1_000_000
-"""Bytes of a film on a page."""
+"""Maximum bytes of a video in a report."""
 BEGINNING = re.compile(rb'\s*<!doctype html>.*<meta name="generator" content="cosim report">', re.DOTALL)
-"""How a page begins."""
+"""Start of a report file."""
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What a page holds.
+    """Content of a report.
 
     Parameters
     ----------
     title
         Its title.
     scenarios
-        Names and files of scenarios, which are run.
+        Names and files of scenarios to run.
     studies
-        Files of studies, of which is run what is not done yet.
+        Files of studies; only missing runs are executed.
     documents
-        Files in Markdown.
-    films
-        Whether one scenario of each loop is filmed, the first that could run.
+        Markdown files.
+    videos
+        Whether to make a video of the first successful scenario of each controller.
     """
 
     title: str
@@ -57,34 +57,34 @@ class Contents:
 
 
 def check(option: str, file: Path) -> None:
-    """Check before long runs that the page can be made and written.
+    """Check before long runs that the report can be made and written.
 
     Raises
     ------
     CosimError
-        A package is missing, there is no such folder, or a file there is no page of ours.
+        A package is missing, the folder does not exist, or the file is not a report.
     """
     page.check()
     if file.suffix not in ENDINGS:
-        raise CosimError(f"cannot write a page to `{file}`", "the name must end in `.html`")
+        raise CosimError(f"cannot write a report to `{file}`", "Use a name that ends in `.html`.")
     check_text(option, file, "an HTML report", BEGINNING)
 
 
 @dataclass(frozen=True)
 class Written:
-    """What became of the scenarios of a page, and whether each study passed."""
+    """Outcomes of the scenarios of a report, and whether each study passed."""
 
     scenarios: runner.Outcomes
     studies: Sequence[bool | None]
 
 
 def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written:
-    """Run what a page holds and write it.
+    """Run the scenarios and studies of a report and write it.
 
     Raises
     ------
     CosimError
-        As for `check`; a document or study cannot be read; no worker can be had.
+        As for `check`; a document or study cannot be read; no worker can be started.
     """
     documents = [page.document(document) for document in contents.documents]
     for each in contents.studies:
@@ -103,7 +103,7 @@ def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written
 
 
 def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcomes, list[Chapter]]:
-    """Run the scenarios; returns outcomes and the chapters of those that could be run."""
+    """Run the scenarios; return the outcomes, and the chapters of the successful ones."""
     if not contents.scenarios:
         return {}, []
     with tempfile.TemporaryDirectory(prefix="cosim-report-") as scratch:
@@ -128,13 +128,13 @@ def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcome
 
 
 def videos_of(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterator[tuple[str, Chapter]]:
-    """Film runs; what comes of each is a part of its chapter, why there is no film as well."""
+    """Make videos of runs; yield the part of each chapter: the video, or the reason for its absence."""
     videos = {
         name: VideoJob(job.scenario, job.seed, job.engine, video=job.chapter.with_suffix(".mp4"))
         for name, job in jobs.items()
     }
     with bar(options.quiet, MofNCompleteColumn()) as shown:
-        task: Any = None if shown is None else shown.add_task("films", total=len(videos))
+        task: Any = None if shown is None else shown.add_task("videos", total=len(videos))
         for name, outcome in runner.outcomes(videos, options):
             if shown is not None:
                 shown.advance(task)
@@ -145,13 +145,13 @@ def videos_of(jobs: Mapping[str, ToldJob], options: runner.RunOptions) -> Iterat
 
 
 def shown_video(video: Path) -> Chapter:
-    """Film and picture of a chapter; of a film that is too large for a page the picture alone."""
+    """Video and picture of a chapter; only the picture if the video is too large."""
     files = (video, video.with_suffix(".jpg"))
     encoded, still = (base64.b64encode(file.read_bytes()).decode() for file in files)
     size = video.stat().st_size
     if size > MAX_VIDEO:
         reason = f"it has {size / 1e6:.2g} MB, the limit is {MAX_VIDEO / 1e6:g} MB"
-        return {"still": still, "no_video": f"{reason}\nhint: `cosim video` makes it as large as it is"}
+        return {"still": still, "no_video": f"{reason}\nhint: Make it with `cosim video`."}
     return {"still": still, "video": encoded}
 
 

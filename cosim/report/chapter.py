@@ -1,4 +1,4 @@
-"""What a page tells of one scenario, as plain data."""
+"""The chapter of one scenario in a report, as plain data."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from cosim.loop.session import Session
 
 DIGITS = 3
-"""Digits of what was measured, as in the table of `cosim test`."""
+"""Digits of measured values, as in the table of `cosim test`."""
 
 
 def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, Any]:
-    """Tell one run; a chart or a zoom that cannot be drawn costs itself and is told."""
+    """Describe one run; a chart or zoom that cannot be made is replaced by a note."""
     drawn, undrawn = charts.views(scenario, result)
     try:
         views = panels.views(scenario, result)
@@ -59,14 +59,14 @@ def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, A
 
 
 def command(scenario: Scenario, seed: int) -> str:
-    """Command that makes the numbers again."""
+    """Command that reproduces the results."""
     known = {name for name, _ in paths.list_scenarios()}
     given = scenario.name if scenario.name in known else paths.shown(scenario.file)
     return f"cosim run {shlex.quote(given)} --seed {seed}"
 
 
 def claims(result: Result) -> list[dict[str, Any]]:
-    """Tell what was claimed, measured and demanded."""
+    """Return claims, measured values and limits."""
     found = []
     for verdict in result.criteria:
         claim, paper, value, limit, _ = row(verdict, DIGITS)
@@ -96,12 +96,12 @@ def metrics(result: Result) -> list[dict[str, str]]:
 
 
 def settings(scenario: Scenario, session: Session) -> list[dict[str, str]]:
-    """Tell what the scenario sets, of loop, FMUs and plant, with unit and meaning."""
+    """Return the settings of a scenario for loop, FMUs and plant, with unit and description."""
     loop = scenario.loop
     found = [
         setting("loop.step", loop.step, "s", "Communication step"),
-        setting("loop.substeps", loop.substeps, "", "Plant steps in each"),
-        setting("loop.compute_delay", loop.compute_delay, "", "Steps by which commands act later"),
+        setting("loop.substeps", loop.substeps, "", "Plant steps per communication step"),
+        setting("loop.compute_delay", loop.compute_delay, "", "Delay of commands, steps"),
     ]
     for choice, fmu in zip(scenario.fmus, session.fmus, strict=True):
         for name, value in choice.parameters.items():
@@ -118,5 +118,5 @@ def settings(scenario: Scenario, session: Session) -> list[dict[str, str]]:
 
 
 def setting(name: str, value: Any, unit: str, description: str) -> dict[str, str]:
-    """One value that was set."""
+    """Return one setting."""
     return {"name": name, "value": shorten(value), "unit": unit, "description": description}

@@ -1,4 +1,4 @@
-"""Drawings of a run that are not over the time: paths, spectra, peaks, shares, arrays, maps and the like."""
+"""Charts of a run that are not time series: paths, spectra, peaks, distributions, arrays, maps and others."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from cosim.show import marks
 from cosim.trace.columns import Array, Columns, InOrder
 
 Limits = Mapping[str, Sequence[tuple[float, str]]]
-"""Limits on values, each with what it says, by what is drawn."""
+"""Limits on values with their texts, by plotted column."""
 FEW = 60
-"""Points that are marked each."""
+"""Maximum number of points with markers."""
 CELLS = 60
-"""Cells of a map along its longer side."""
+"""Number of cells along the longer side of a map."""
 STILL = 1e-6
-"""Part of its size by which a value moves at most that stands still."""
+"""Relative change below which a value is constant."""
 KINDS = {
     "path": curves.path,
     "polar": curves.path,
@@ -36,13 +36,13 @@ KINDS = {
     "peaks": curves.peaks,
     "share": curves.share,
 }
-"""What makes the lines of a kind."""
+"""Functions that make the lines of a kind of chart."""
 LIMITED = ("path", "polar", "peaks", "share")
-"""Kinds that show values of `y` as they are, and so their limits."""
+"""Kinds that show values of `y` unchanged, and so their limits."""
 
 
 def views(scenario: Scenario, result: Result) -> tuple[list[dict[str, Any]], list[str]]:
-    """Make the charts of a run that have something to show as plain data; and tell what cannot be drawn."""
+    """Make the nonempty charts of a run as plain data; return also the reasons for missing charts."""
     items = {name: result.items.get(name) for name in result.columns}
     limits = marks.limits(scenario, result)
     return of_columns(scenario.plot.charts, result.columns, items, scenario.file.parent, limits)
@@ -55,9 +55,9 @@ def of_columns(
     folder: Path,
     limits: Limits,
 ) -> tuple[list[dict[str, Any]], list[str]]:
-    """Make the charts of a table that have something to show as plain data; and tell what cannot be drawn.
+    """Make the nonempty charts of a table as plain data; return also the reasons for missing charts.
 
-    `folder` is that of the file which wants them, `limits` are those on columns.
+    `folder` is that of the file with the charts, `limits` are the limits on columns.
     """
     found, undrawn = [], []
     for chart in wanted:
@@ -85,19 +85,19 @@ def evaluated(text: str, chart: Chart, table: InOrder, items: Mapping[str, Items
     Raises
     ------
     ExpressionError
-        It cannot be computed, or gives neither one number nor one of each row.
+        It cannot be computed, or gives neither one number nor one for each row.
     """
     expression = Expression(text, items, f"`plot.charts` `{chart.title}`")
     found, rows = np.asarray(expression(table), dtype=float), len(table[0])
     if found.ndim and len(found) != rows:
         raise expression.error(
-            f"gives {len(found)} values for {rows} rows", "pick rows with `parts` and not with `[...]`"
+            f"gives {len(found)} values for {rows} rows", "Select rows with `parts`, not with `[...]`."
         )
     return np.broadcast_to(found, (rows,))
 
 
 def axes(chart: Chart) -> dict[str, Any]:
-    """Tell what a chart and its axes are called, and their kinds."""
+    """Titles of a chart and its axes, and their kinds."""
     return {
         "title": chart.title,
         "polar": chart.kind == "polar",
@@ -121,7 +121,7 @@ def view(
     places: Sequence[tuple[float, str]] = (),
     levels: Sequence[tuple[float, str]] = (),
 ) -> dict[str, Any]:
-    """One chart: its lines as numbers and as a drawing, with places of `x` and values that are marked."""
+    """One chart: its lines as numbers and as a drawing, with marked positions of `x` and marked values."""
     points = all(len(line.x) <= FEW for line in drawn)
     whole = all(np.all(line.x == np.round(line.x)) for line in drawn)
     shown = [(scaled(line.x, chart.x_log), scaled(line.y, chart.log)) for line in drawn]
@@ -148,7 +148,7 @@ def view(
 def limited(
     chart: Chart, drawn: Sequence[Line], limits: Limits
 ) -> tuple[list[tuple[float, str]], list[tuple[float, str]]]:
-    """Limits on what a chart draws, as places of `x` and as values; those that do not make it flat."""
+    """Limits on the plotted columns, as positions of `x` and as values, unless they would make the chart flat."""
     found = dict.fromkeys(
         (chart.scale * limit, told)
         for name in chart.y
@@ -199,7 +199,7 @@ def mapped(chart: Chart, cells: Cells) -> dict[str, Any]:
 
 
 def picked(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Array]:
-    """Values of each `y` in the rows in which all parts hold."""
+    """Values of each `y` in the rows that meet all parts."""
     table = InOrder(trace)
     parts = [evaluated(text, chart, table, items) != 0.0 for text in chart.parts]
     rows = np.logical_and.reduce([np.ones(len(trace["time"]), dtype=bool), *parts])
@@ -207,7 +207,7 @@ def picked(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> l
 
 
 def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:
-    """Sum up the weight of the rows in each cell, in parts of the largest sum; None where there is none."""
+    """Sum of the weights in each cell, relative to the largest sum; None if it is not positive."""
     table = InOrder(trace)
     x, y, weight, *parts = (
         evaluated(text, chart, table, items) for text in (chart.x, chart.y[0], chart.weight, *chart.parts)
@@ -228,10 +228,10 @@ def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> C
 
 
 def across(chart: Chart) -> tuple[str, str]:
-    """Tell what the axis of `x` shows, and its unit; of a spectrum it is known."""
+    """Label and unit of the `x` axis; fixed for a spectrum."""
     if chart.x_label or chart.kind != "spectrum":
         return chart.x_label, chart.x_unit
-    return ("waves per turn", "") if chart.x else ("frequency", chart.x_unit or "Hz")
+    return ("waves per revolution", "") if chart.x else ("frequency", chart.x_unit or "Hz")
 
 
 def labelled(label: str, unit: str) -> str:
@@ -240,7 +240,7 @@ def labelled(label: str, unit: str) -> str:
 
 
 def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Line]:
-    """Lines of a chart; one without a point or that stands still is left out."""
+    """Lines of a chart, without empty and constant ones."""
     table = InOrder(trace)
     rows = len(trace["time"])
 
@@ -274,7 +274,7 @@ def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> li
 
 
 def stands(x: Array, y: Array) -> bool:
-    """Whether points are none, or one but for rounding."""
+    """Whether there is no point, or only one within rounding."""
     known = np.isfinite(x) & np.isfinite(y)
     moved = (
         [np.ptp(each[known]) > STILL * np.abs(each[known]).max() for each in (x, y)] if known.any() else []

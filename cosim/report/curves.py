@@ -1,4 +1,4 @@
-"""Lines of charts: paths, spectra, peaks, shares, thresholds and arrays, each of what a chart evaluates."""
+"""Curves of charts: paths, spectra, peaks, distributions, thresholds and arrays."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from cosim.trace.columns import Array, Columns
 
 MAX_POINTS = 2 * series.BUCKETS
 SEEN = 0.1
-"""Part of the size of a path that its largest error has where it is drawn larger."""
+"""Size of the largest enlarged error relative to the path."""
 ORDERS = 40
-"""Waves per turn that a spectrum over an angle shows."""
+"""Maximum waves per revolution of a spectrum over an angle."""
 PER_TURN = 512
-"""Samples of a turn from which they are taken."""
+"""Samples per revolution of a spectrum over an angle."""
 MAX_LINES = 12
-"""Lines of a path that is split; the last takes all values from there on."""
+"""Maximum lines of a split path; the last one holds all further values."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ Evaluate = Callable[[str], Array]
 
 
 def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """One value over another in the order of the rows, a line for each value of the split."""
+    """One value over another in the order of the rows; one line for each value of the split."""
     x = value(chart.x)
     if chart.error:
         return beside(name, x[mask], y[mask], value(chart.error)[mask])
@@ -60,9 +60,9 @@ def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: C
 
 
 def beside(name: str, x: Array, y: Array, error: Array) -> list[Line]:
-    """Way that a path should be, and its error across it, so many times larger that it is seen.
+    """Nominal path and its enlarged normal error.
 
-    There is none where nothing moves.
+    Empty without motion.
     """
     along = np.gradient(x) + 1j * np.gradient(y) if len(x) > 1 else np.zeros(len(x))
     moved = np.abs(along) > 0.0
@@ -74,13 +74,13 @@ def beside(name: str, x: Array, y: Array, error: Array) -> list[Line]:
     factor = round_down(SEEN * size / most) if most > 0.0 else 1.0
     drawn = wanted + factor * error * left
     return [
-        Line("as it should be", *few(wanted.real, wanted.imag)),
+        Line("nominal", *few(wanted.real, wanted.imag)),
         Line(f"{name}, its error {factor:g} x larger", *few(drawn.real, drawn.imag)),
     ]
 
 
 def few(x: Array, y: Array) -> tuple[Array, Array]:
-    """As many points as can be seen: in equal steps the rows with the least and the largest `x` and `y`."""
+    """Decimated points: the rows with minimum and maximum `x` and `y` in equal intervals."""
     if len(y) <= MAX_POINTS:
         return x, y
     rows = np.unique(np.concatenate([series.extremes(each, MAX_POINTS // 4) for each in (x, y)]))
@@ -88,9 +88,9 @@ def few(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """Amplitudes by frequency in Hz, or by waves per turn over an angle, of whole turns without the mean.
+    """Amplitudes by frequency in Hz, or by waves per revolution over an angle, of whole revolutions without the mean.
 
-    Both are those of the longest stretch without a gap.
+    Both use the longest interval without a gap.
     """
     if not chart.x:
         rows = unbroken(mask & np.isfinite(y))
@@ -111,7 +111,7 @@ def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trac
 
 
 def unbroken(mask: Any) -> NDArray[np.int64]:
-    """Rows of the longest stretch without a gap of those that a mask has."""
+    """Rows of the longest interval of a mask without a gap."""
     rows = np.flatnonzero(mask)
     return max(np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1), key=len)
 
@@ -132,12 +132,12 @@ def peaks(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: 
 
 
 def share(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """Share of the rows in which a value is at most that."""
+    """Fraction of the rows with at most a value."""
     return [Line(name, *points) for points in cumulative(y[mask])]
 
 
 def cumulative(values: Array) -> list[tuple[Array, Array]]:
-    """Values in their order, and the share of all that is at most each; none without a number."""
+    """Sorted values and the cumulative fraction; empty without a number."""
     found = np.sort(values[np.isfinite(values)])
     if not len(found):
         return []
@@ -146,7 +146,7 @@ def cumulative(values: Array) -> list[tuple[Array, Array]]:
 
 
 def roc(name: str, y: Array, quiet: Any, sought: Any) -> list[Line]:
-    """Share of the rows sought above a threshold, over that of the quiet ones, for all thresholds."""
+    """Fraction of event rows above a threshold over that of quiet rows, for all thresholds."""
     air, contact = (np.sort(y[rows & np.isfinite(y)]) for rows in (quiet, sought))
     if not len(air) or not len(contact):
         return []
@@ -158,7 +158,7 @@ def roc(name: str, y: Array, quiet: Any, sought: Any) -> list[Line]:
 
 
 def array(name: str, chart: Chart, trace: Columns) -> Line:
-    """Last row of an array over that of another; what was never set, 0 on the axis of x, is left out."""
+    """Last row of an array over that of another; elements with x = 0 were never set and are omitted."""
     x, y = (np.array([trace[one][-1] for one in numbered(each, trace)]) for each in (chart.x, name))
     count = min(len(x), len(y))
     set_ = x[:count] != 0.0

@@ -1,4 +1,4 @@
-"""Panels as SVG, for print and before anything can be zoomed."""
+"""Panels as SVG, for print and for browsers without scripts."""
 
 from __future__ import annotations
 
@@ -17,38 +17,38 @@ from cosim.trace.columns import Array
 WIDTH, HEIGHT = 1200, 300
 LEFT, RIGHT, TOP, BOTTOM = 130, 16, 14, 46
 COLOURS = 8
-"""Colours of the style sheet, each with its own dashes."""
+"""Number of colors in the style sheet, each with its own dashes."""
 POINTS = 100
 LEAST = 0.02
-"""Part of the largest sum from which on a cell is drawn."""
+"""Minimum relative value of a drawn cell."""
 SHADES = 20
-"""Shades of cells from nothing to the largest sum; the plot that can be zoomed has all."""
+"""Number of shades of cells in a drawing; the interactive plot has all."""
 CHART = 560
-"""Height of a drawing that is not over the time."""
+"""Height of a chart that is not a time series."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Axes of a drawing: what of `x` and `y` is in the picture, each from its least to its largest."""
+    """Axes of a drawing: minimum and maximum of `x` and `y`."""
 
     x: tuple[float, float]
     y: tuple[float, float]
     height: int = HEIGHT
 
     def across(self, x: Any) -> Any:
-        """Place in the picture from the left."""
+        """Position in the picture from the left."""
         low, high = self.x
         return LEFT + (WIDTH - LEFT - RIGHT) * (x - low) / ((high - low) or 1.0)
 
     def down(self, y: Any) -> Any:
-        """Place in the picture from above."""
+        """Position in the picture from the top."""
         low, high = self.y
         return TOP + (self.height - TOP - BOTTOM) * (high - y) / (high - low)
 
     def grid(
         self, named: Sequence[tuple[float, str]], log: bool, x_log: bool = False, whole: bool = False
     ) -> Iterator[str]:
-        """Lines and numbers at round values, of whole numbers at such; or the names of values."""
+        """Grid lines and numbers at round values, or the names of values."""
         for value, name in named or [
             (tick, label(10.0**tick if log else tick)) for tick in ticks(*self.y, 4)
         ]:
@@ -77,17 +77,17 @@ def panel(
     Parameters
     ----------
     lines
-        Values of each column over equal times, as the axis takes them.
+        Values of each column at equal times, in axis coordinates.
     time
         First and last of them, s.
     log
         Whether the values are logarithms.
     items
-        Names of the values, where they are those of an enumeration.
+        Names of the values of an enumeration.
     events
-        Times that are marked, s.
+        Marked times, s.
     limits
-        Values that are marked.
+        Marked values.
     """
     shown = [thinned(line, POINTS) for line in lines]
     frame = Frame(time, extent([*shown, np.array(limits, dtype=float)]))
@@ -104,7 +104,7 @@ def panel(
 
 @dataclass(frozen=True)
 class Kind:
-    """How values over others are drawn.
+    """Style of a chart of values over values.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ class Kind:
     equal
         Whether both axes have the same scale.
     points
-        Whether every point is marked.
+        Whether every point has a marker.
     whole
         Whether `x` are whole numbers.
     """
@@ -131,14 +131,14 @@ def chart(
     marks: Sequence[tuple[float, str]] = (),
     levels: Sequence[tuple[float, str]] = (),
 ) -> str:
-    """Draw values over others, both as the axes take them.
+    """Draw values over values, both in axis coordinates.
 
     Parameters
     ----------
     marks
-        Places of `x` that are marked, with words.
+        Marked positions of `x` with texts.
     levels
-        Values that are marked, with words.
+        Marked values with texts.
     """
     ends = extent([*(y for _, y in lines), np.array([level for level, _ in levels], dtype=float)])
     sides = extent([*(x for x, _ in lines), np.array([place for place, _ in marks], dtype=float)])
@@ -171,7 +171,7 @@ class Cells:
     x, y
         Edges of the columns and rows.
     parts
-        Parts of the largest value, shape (y, x).
+        Values relative to the largest, shape (y, x).
     """
 
     x: Array
@@ -180,9 +180,9 @@ class Cells:
 
 
 def cells(found: Cells, equal: bool) -> str:
-    """Draw cells, from nothing to the largest value darker and darker.
+    """Draw cells with a darkness that increases with the value.
 
-    `equal` tells whether both axes have the same scale.
+    `equal` states whether both axes have the same scale.
     """
     x, y, parts = found.x, found.y, found.parts
     frame = framed((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])), equal)
@@ -206,7 +206,7 @@ def cells(found: Cells, equal: bool) -> str:
 
 
 def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame:
-    """Axes of a drawing that is not over the time."""
+    """Axes of a chart that is not a time series."""
     if not equal:
         return Frame(x, y, CHART)
     # a unit is as many pixels across as down
@@ -217,7 +217,7 @@ def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame
 
 
 def course(x: Array, y: Array) -> str:
-    """Path through points, interrupted where there is no number; a line that goes on level has two points."""
+    """Path through points, interrupted at NaN; a level section has two points."""
     pieces: list[list[tuple[int, int]]] = [[]]
     for across, down in zip(x, y, strict=True):
         if not (math.isfinite(down) and math.isfinite(across)):
@@ -233,7 +233,7 @@ def course(x: Array, y: Array) -> str:
 
 
 def extent(lines: Sequence[Array]) -> tuple[float, float]:
-    """Limits of an axis that holds all finite values, with some room."""
+    """Limits of an axis for all finite values, with a margin."""
     finite = np.concatenate([line[np.isfinite(line)] for line in lines])
     if not finite.size:
         return 0.0, 1.0
@@ -243,7 +243,7 @@ def extent(lines: Sequence[Array]) -> tuple[float, float]:
 
 
 def ticks(low: float, high: float, count: int, least: float = 0.0) -> list[float]:
-    """Round numbers between two limits, about so many, at least so far apart."""
+    """Round numbers between two limits, with an approximate count and a minimum spacing."""
     raw = (high - low) / count
     if not (raw > 0.0 and math.isfinite(raw)):
         return [low]

@@ -1,4 +1,4 @@
-"""Charts of the kind `field`: maps that a function of a user makes of what a run recorded."""
+"""Charts of the kind `field`: maps that a user function computes from a trace."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from cosim.trace.columns import Array
 
 
 def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str, Cells]]:
-    """Make the maps of a chart, by name, in parts of the largest value; none where it is not above 0.
+    """Make the maps of a chart by name, relative to the largest value; none if it is not above 0.
 
     Parameters
     ----------
     chart
         Names the function and the scales of the axes.
     values
-        What the function takes.
+        Arguments of the function.
     folder
         Folder of the scenario.
 
     Raises
     ------
     ScenarioError
-        There is no such function, it raises, or what it gives are no maps.
+        There is no such function, it raises, or its result is not a set of maps.
     """
     where = f"`plot.charts` `{chart.title}`: the function `{chart.function}`"
     function = found(chart.function, where, folder)
@@ -40,7 +40,9 @@ def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str,
             for name, one in function(*values).items()
         }
     except Exception as error:  # whatever it does wrong
-        raise ScenarioError(f"{where} failed: {type(error).__name__}: {error}", "`-v` shows where") from error
+        raise ScenarioError(
+            f"{where} failed: {type(error).__name__}: {error}", "Show the origin with `-v`."
+        ) from error
     for name, one in made.items():
         shapes = [part.shape for part in one]
         if (
@@ -49,7 +51,9 @@ def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str,
             or shapes[2] != (len(one[1]) - 1, len(one[0]) - 1)
         ):
             problem = f"{where} gives `{name}` of the shapes {shapes}"
-            raise ScenarioError(problem, "edges along x (n + 1), edges along y (m + 1), and values (m, n)")
+            raise ScenarioError(
+                problem, "Return edges along x (n + 1), edges along y (m + 1), and values (m, n)."
+            )
     known = [part[np.isfinite(part)] for _, _, part in made.values()]
     most = max((float(part.max()) for part in known if part.size), default=0.0)
     if not most > 0.0:
@@ -77,5 +81,5 @@ def found(name: str, where: str, folder: Path) -> Any:
         raise ScenarioError(problem, own_code.where(folder)) from error
     if not callable(getattr(module, function, None)):
         public = [key for key, value in vars(module).items() if callable(value)]
-        raise ScenarioError(f"{where} is not there", closest(function, public))
+        raise ScenarioError(f"{where} does not exist", closest(function, public))
     return getattr(module, function)

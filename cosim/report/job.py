@@ -1,4 +1,4 @@
-"""Runs that leave parts of the page behind: a chapter, a film."""
+"""Runs that write parts of the report: a chapter or a video."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from cosim.pool.job import Bench, Job
 from cosim.writing import write
 
 VIDEO_SIZE = (800, 600)
-"""Width and height of a film on the page, pixels."""
+"""Width and height of a video in the report, pixels."""
 VIDEO_SECONDS = 5.0
 
 
 @dataclass(frozen=True)
 class ToldJob(RecordedJob):
-    """A job whose run is told on a page.
+    """A job that writes a chapter of the report.
 
     Parameters
     ----------
     chapter
-        Where the chapter is written until the page is made.
+        File of the chapter until the report is written.
     """
 
     chapter: Path = Path()
 
     @property
     def draws(self) -> bool:
-        """Whether anything of the run is drawn."""
+        """Whether the run is plotted."""
         return True
 
     def leave(self, result: Result, bench: Bench) -> None:
@@ -44,18 +44,18 @@ class ToldJob(RecordedJob):
 
 @dataclass(frozen=True)
 class VideoJob(Job):
-    """A run that is filmed, apart from the one that is judged: its trace holds coordinates, and it may fail.
+    """A run for a video, in addition to the evaluated one: its trace holds coordinates, and it may fail.
 
     Parameters
     ----------
-    film
-        Where the film is written, and a picture of it beside, as `.jpg`.
+    video
+        File of the video; its picture is next to it, as `.jpg`.
     """
 
     video: Path = Path()
 
     def run(self, bench: Bench) -> Result:
-        """Run the scenario once more and film it; what a film needs is looked for before."""
+        """Run the scenario again and make its video, after a check of the required packages."""
         from cosim.replay import motion, renderer, video_file
 
         loop = dataclasses.replace(self.scenario.loop, record_qpos=True)

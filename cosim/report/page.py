@@ -1,4 +1,4 @@
-"""The page: templates, style, script and library in one file that loads nothing."""
+"""The report file: templates, style, script and library in one file that loads nothing."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from cosim.report.sections import Chapter
 
 FOLDER = Path(__file__).parent / "templates"
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
-"""What computes the numbers, with its distribution."""
+"""Programs that compute the results, with their distributions."""
 
 
 def check() -> None:
-    """Check before long runs that a page can be made.
+    """Check before long runs that a report can be made.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def check() -> None:
         A package is missing.
     """
     for package in ("jinja2", "markdown_it", "plotly"):
-        problem = f"the page needs the package `{package}`, which is not installed"
+        problem = f"the report needs the package `{package}`, which is not installed"
         extras.needed(package, problem, extras.hint("report"))
 
 
@@ -44,18 +44,18 @@ def text(
     sweeps: Sequence[dict[str, Any]] = (),
     documents: Sequence[dict[str, str]] = (),
 ) -> str:
-    """Text of the page.
+    """Text of the report.
 
     Parameters
     ----------
     title
         Its title.
     chapters
-        What is told of each scenario, see `chapter.chapter`.
+        Data of each scenario, see `chapter.chapter`.
     errors
-        Name, message and hint of those that could not be run.
+        Name, message and hint of the failed ones.
     sweeps
-        What is told of each sweep, see `sweeps.told`.
+        Data of each sweep, see `sweeps.told`.
     documents
         Name, HTML and loop of each document, see `document`.
     """
@@ -90,7 +90,7 @@ def text(
 
 
 def plain(chapter: Chapter) -> dict[str, Any]:
-    """Take charts and views of a chapter or sweep without their drawings, which the page itself holds."""
+    """Charts and views of a chapter or sweep without their drawings, which are in the page itself."""
     drawn = (*chapter["charts"], *chapter.get("distributions", ()))
     charts = [{k: v for k, v in chart.items() if k != "svg"} for chart in drawn]
     views = [
@@ -114,9 +114,9 @@ def compressed(content: str) -> str:
 
 
 def document(file: Path) -> dict[str, str]:
-    """Document in Markdown as a part of the page; HTML in it is shown and not taken.
+    """Document in Markdown as a part of the page; HTML in it is shown as text.
 
-    Its tables tell in each cell what its column is called, for screens too narrow for a table.
+    Each table cell has the name of its column, for narrow screens.
 
     Raises
     ------
@@ -127,11 +127,11 @@ def document(file: Path) -> dict[str, str]:
     from markdown_it import MarkdownIt
 
     if paths.is_there(file) and not paths.is_file(file):
-        raise CosimError(f"cannot read `{paths.shown(file)}`: it is no regular file")
+        raise CosimError(f"cannot read `{paths.shown(file)}`: it is not a regular file")
     try:
         content = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
+        reason = error.strerror if isinstance(error, OSError) else "it is not a text in UTF-8"
         raise CosimError(f"cannot read `{paths.shown(file)}`: {reason}") from None
     heading = next((line.lstrip("# ") for line in content.splitlines() if line.startswith("# ")), file.stem)
     renderer = MarkdownIt("commonmark", {"html": False}).enable("table")
@@ -144,7 +144,7 @@ def document(file: Path) -> dict[str, str]:
 
 
 def label(tokens: Sequence[Any]) -> None:
-    """Give each cell of a table what stands at the head of its column."""
+    """Add the name of its column to each cell of a table."""
     heads: list[str] = []
     for token, following in itertools.pairwise(tokens):
         if token.type == "table_open":
@@ -160,7 +160,7 @@ def label(tokens: Sequence[Any]) -> None:
 
 
 def words(content: str) -> Any:
-    """Line of Markdown as HTML: code and emphasis, while links and HTML are shown as they are."""
+    """Line of Markdown as HTML: code and emphasis; links and HTML are shown as text."""
     from markupsafe import Markup
 
     return Markup(renderer_of_lines().renderInline(content))
@@ -168,7 +168,7 @@ def words(content: str) -> Any:
 
 @functools.cache
 def renderer_of_lines() -> Any:
-    """Make the renderer of lines once, which takes longer than to render one."""
+    """Make the renderer of lines once, because its construction is slow."""
     from markdown_it import MarkdownIt
 
     return MarkdownIt("commonmark").disable(["link", "image", "autolink", "html_inline"])

@@ -1,4 +1,4 @@
-"""The plot of a run as a page shows it: whole, and around the moment that the scenario zooms on."""
+"""The plot of a run in the report: the whole run, and the zoomed part."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Charts around a middle as SVG: values over an angle."""
+"""Polar charts as SVG: values over an angle."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def chart(
     places: Sequence[tuple[float, str]] = (),
     levels: Sequence[tuple[float, str]] = (),
 ) -> str:
-    """Draw values over angles in rad, the values as the axis takes them.
+    """Draw values over angles in rad, the values in axis coordinates.
 
     Parameters
     ----------
     places
-        Angles that are marked.
+        Marked angles.
     levels
-        Values that are marked, each a circle with words.
+        Marked values, each a circle with text.
     """
     known = [values for _, values in lines] + [np.array([level for level, _ in levels], dtype=float)]
     low, high = drawing.extent(known)
@@ -63,6 +63,6 @@ def grid(low: float, high: float, log: bool) -> Iterator[str]:
 
 
 def spoke(angle: float, kind: str) -> str:
-    """Line from the middle to the rim."""
+    """Line from the center to the rim."""
     across, down = X + RADIUS * np.cos(angle), Y - RADIUS * np.sin(angle)
     return f'<path class="{kind}" d="M{X:.0f} {Y:.0f}L{across:.0f} {down:.0f}"/>'

@@ -1,4 +1,4 @@
-"""Where the limit of a criterion comes from, as far as the scenario tells."""
+"""Source of the limit of a criterion, as far as the scenario states it."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ import re
 from cosim.metrics.criteria import Verdict
 from cosim.metrics.units import conversion
 
-SOURCES = {"paper": "from the paper", "prediction": "prediction", "choice": "our choice"}
-"""Where a limit comes from, as the page says it."""
+SOURCES = {"paper": "from the paper", "prediction": "prediction", "choice": "choice"}
+"""Source of a limit, as in the report."""
 NUMBER = re.compile(
     r"(?<![\w.])([-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)\s*((?!to\b)[A-Za-z%](?:[\w/.%]*[\w%])?)?"
 )
 RANGE = re.compile(r"\s*(?:to|-|\.\.)\s*")
-"""What stands between two numbers of which the second tells the unit."""
+"""Text between two numbers with a common unit."""
 WORDS = {"min": "minute"}
 """Units of papers that are functions in expressions."""
 
 
 def origin(verdict: Verdict) -> str:
-    """Key of `SOURCES`: what the criterion says itself, else what follows from the words of the paper.
+    """Key of `SOURCES`: `source` of the criterion, otherwise derived from the text of the paper.
 
-    Without any of them it is our choice. The paper's is a yes or no that it claims, and a limit with a number
-    of the paper, or limits around one; another number is what our models predict of what the paper claims.
+    Without both it is a choice. From the paper are a claim that is true or false, a limit with a number of
+    the paper, and limits around such a number. Another number is a prediction of the models.
     """
     criterion = verdict.criterion
     if criterion.source or not criterion.paper:

@@ -1,4 +1,4 @@
-"""What a page tells of one closed loop: its scenarios, its studies and its documents."""
+"""Sections of the report: scenarios, studies and documents of one controller."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 Chapter = dict[str, Any]
-"""What is told of one scenario, see `chapter.chapter`."""
+"""Data of one scenario, see `chapter.chapter`."""
 
 
 @dataclass
@@ -17,11 +17,11 @@ class Section:
     Parameters
     ----------
     name
-        Of the loop.
+        Name of the controller.
     chapters
-        What is told of its scenarios, the nominal one first; see `chapter.chapter`.
+        Data of its scenarios, the nominal one first; see `chapter.chapter`.
     sweeps
-        What is told of its studies, see `sweeps.told`.
+        Data of its studies, see `sweeps.told`.
     documents
         Documents about it, see `page.document`.
     """
@@ -38,12 +38,12 @@ class Section:
 
     @property
     def held(self) -> int:
-        """Number of claims that hold."""
+        """Number of passed claims."""
         return sum(claim["passed"] for claim in self.claims)
 
     @property
     def headline(self) -> dict[str, Any] | None:
-        """Number that stands for it: of its first claim with one, if there is such a claim one of a paper."""
+        """Key number: of its first claim with a number, preferably one of a paper."""
         numbers = [claim for chapter in self.chapters[:1] for claim in chapter["claims"] if claim["number"]]
         return next((claim for claim in numbers if claim["paper"]), next(iter(numbers), None))
 
@@ -51,7 +51,7 @@ class Section:
 def made(
     chapters: Sequence[Chapter], sweeps: Sequence[dict[str, Any]], documents: Sequence[dict[str, str]]
 ) -> list[Section]:
-    """Sections of a page; chapters and sweeps are numbered in the order in which they came."""
+    """Sections of a report; chapters and sweeps are numbered in their order."""
     found: dict[str, Section] = {}
 
     def of(loop: str) -> Section:

@@ -1,4 +1,4 @@
-"""Columns of a trace as a page holds them: as many points as can be seen, two bytes each."""
+"""Columns of a trace in a report: decimated to the visible resolution, two bytes per point."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from numpy.typing import NDArray
 from cosim.trace.columns import Array
 
 BUCKETS = 400
-"""Parts of the time, of each of which the least and the largest value are shown."""
+"""Number of time intervals; the minimum and maximum of each is shown."""
 STEPS = 65534
-"""Steps from the least to the largest value; the next number stands for no number."""
+"""Number of steps from the minimum to the maximum; the next number is NaN."""
 
 
 def thinned(values: Array, buckets: int = BUCKETS) -> Array:
-    """Least and largest value of each part of a column, in the order in which they came: no peak is lost.
+    """Minimum and maximum of each interval of a column, in their order, so that no peak is lost.
 
-    A column that is short enough stays as it is.
+    A short column is unchanged.
     """
     return values[extremes(values, buckets)]
 
 
 def extremes(values: Array, buckets: int) -> NDArray[np.int64]:
-    """Rows of the least and the largest value of each part of a column; of one without a number its first.
+    """Rows of the minimum and maximum of each interval of a column; the first row if all are NaN.
 
-    Of a column that is short enough all rows.
+    All rows of a short column.
     """
     if len(values) <= 2 * buckets:
         return np.arange(len(values))
@@ -44,12 +44,12 @@ def extremes(values: Array, buckets: int) -> NDArray[np.int64]:
 
 
 def scaled(values: Array, log: bool) -> Array:
-    """Values as the axis takes them: the logarithm of what is above 0 on a logarithmic one."""
+    """Values in axis coordinates: logarithms of positive values on a logarithmic axis."""
     return np.log10(np.where(values > 0.0, values, np.nan)) if log else values
 
 
 def packed(values: Array) -> dict[str, Any]:
-    """Values as text: 16 bits each between the least and the largest.
+    """Values as text: 16 bits each between the minimum and the maximum.
 
     The error is at most 1 / 131068 of their span, which is less than a pixel of any screen.
     """
@@ -64,6 +64,6 @@ def packed(values: Array) -> dict[str, Any]:
 
 
 def unpacked(entry: dict[str, Any]) -> Array:
-    """Values of a text, as the page reads them."""
+    """Values of a text, as in the report script."""
     numbers = np.frombuffer(base64.b64decode(entry["data"]), "<u2").astype(float)
     return np.where(numbers > STEPS, math.nan, entry["low"] + entry["span"] * numbers / STEPS)

@@ -1,4 +1,4 @@
-"""What a page tells of one sweep, as plain data."""
+"""The section of one sweep in a report, as plain data."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ Table = dict[str, Any]
 
 
 def check(file: Path) -> None:
-    """Check before long runs that a study can be run and drawn.
+    """Check before long runs that a study can be run and plotted.
 
     Raises
     ------
     CosimError
-        The study, a case or a chart of it is wrong.
+        The study, a case or a chart is wrong.
     """
     check_charts(Plan(study.load(paths.find_study(str(file)))))
 
 
 def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
-    """Do what is left of a study as `cosim sweep` does, without the plots and traces that no page shows."""
+    """Continue a study as `cosim sweep`, without plots and traces."""
     folder = folder_of(None, Path(f"{file.stem}.sweep"))
     options = Options(file, folder, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
@@ -68,14 +68,14 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
 
 
 def short(found: Summary) -> str:
-    """How many runs pass, or were done where nothing is demanded."""
+    """Number of passed runs, or of completed runs without criteria."""
     if found.passed is None:
         return f"{found.rows} runs"
-    return f"{found.statuses['passed']} of {found.wanted} runs pass"
+    return f"{found.statuses['passed']} of {found.wanted} runs passed"
 
 
 def tables(plan: Plan, found: Summary) -> Iterator[Table]:
-    """Criteria, distributions and sensitivity of the metrics, and what gave no result; only what there is."""
+    """Tables of criteria, distributions, sensitivity and runs without result; empty ones are omitted."""
     claims = {entry.id: entry.claim for entry in plan.scenario.criterion}
     held = [(name, f"{count} of {found.results}", claims.get(name, "")) for name, count in found.held.items()]
     spread = [
@@ -88,7 +88,7 @@ def tables(plan: Plan, found: Summary) -> Iterator[Table]:
         for (status, reason), (count, first) in found.troubles.items()
     ]
     every = (
-        (("criterion", "holds in", "claim"), held),
+        (("criterion", "passed in", "claim"), held),
         (("metric", *QUANTILES), spread),
         (("sensitivity of", *influence.ranked_keys(found.influences)[: influence.MAX_KEYS]), moved),
         (("without result", "runs", "first run", "reason"), lost),
@@ -106,7 +106,7 @@ def worst_runs(plan: Plan, found: Summary, runs: list[int]) -> Iterator[Table]:
 
 
 def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
-    """Share of the runs up to each value of the metrics that are judged, of those that failed apart."""
+    """Distribution of the metrics with criteria, separately for passed and failed runs."""
     done = np.isin(found.columns["status"], DONE)
     failed = (np.array(found.columns["status"]) == "failed")[done]
     described = {metric.name: metric.description for metric in plan.scenario.metric}
@@ -114,7 +114,7 @@ def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
         values = np.array(found.columns[f"metric.{name}"], dtype=np.float64)[done]
         known = np.isfinite(values)
         unit, scale = prefixed(found.units[name], float(np.max(np.abs(values[known]))))
-        parts = {"all criteria hold": ~failed, "some do not": failed}
+        parts = {"all criteria passed": ~failed, "a criterion failed": failed}
         lines = [
             Line(f"{words} ({np.count_nonzero(part)})", scale * x, share)
             for words, part in parts.items()
@@ -134,6 +134,6 @@ def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
             title=described[name] or name,
             x_label=name,
             x_unit="" if unit == "1" else unit,
-            label="share of the runs up to there",
+            label="cumulative fraction of the runs",
         )
         yield charts.view(chart, lines, marks.seen(limits, [line.x for line in lines]))

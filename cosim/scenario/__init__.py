@@ -1,1 +1,1 @@
-"""Scenarios: a closed loop as data, read from layers of TOML and checked."""
+"""Scenarios: a closed loop as data, read from merged TOML files and checked."""

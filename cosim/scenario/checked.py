@@ -1,4 +1,4 @@
-"""What `cosim check` found in one file."""
+"""Result of `cosim check` for one file."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from cosim.errors import CosimError
 
 @dataclass
 class Checked:
-    """What was found in one file.
+    """Findings in one file.
 
     Parameters
     ----------
     name
-        As it was asked for.
+        Name as given.
     kind
-        What it is.
+        Kind of the file.
     error
-        Why it cannot run, None if it can.
+        Error that prevents a run, or None.
     warnings
-        What is no error but seldom meant.
+        Warnings about probable mistakes.
     runs
-        Runs that it makes.
+        Number of runs.
     """
 
     name: str

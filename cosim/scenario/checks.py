@@ -1,4 +1,4 @@
-"""What types and ranges cannot say about a scenario: the time grid, one driver per target, known names."""
+"""Rules for scenarios beyond types and ranges: time grid, one driver per target, known names."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from cosim.scenario.overrides import Overrides
 from cosim.scenario.tables import IDENTITY, Fail, show
 
 MAX_STEPS = 1e12
-"""More steps than any run has; times beyond are never reached."""
+"""Maximum number of steps; later times are never reached."""
 TAKEN = {"plant", "loop", "time", "title", "description", "idle", "plot", *IDENTITY}
-"""Names that mean something else in wires, columns and overrides."""
+"""Names with another meaning in wires, columns and overrides."""
 
 
 def check(scenario: Scenario, merged: Overrides) -> None:
@@ -47,41 +47,41 @@ def check(scenario: Scenario, merged: Overrides) -> None:
 def check_loop(loop: Loop, fail: Fail) -> None:
     """Check that the duration lies on the grid `k * step`."""
     if loop.duration / loop.step > MAX_STEPS:
-        fail("loop.duration", f"is `{loop.duration}` s, that is more than {MAX_STEPS:g} steps")
+        fail("loop.duration", f"is `{loop.duration}` s, which is more than {MAX_STEPS:g} steps")
     ratio = loop.duration / loop.step
     if loop.steps < 1 or abs(ratio - loop.steps) > 1e-6:
         nearest = max(1, loop.steps) * loop.step
         fail(
             "loop.duration",
             f"is `{loop.duration}` s, it must be a multiple of `loop.step` = `{loop.step}` s",
-            f"the nearest is {nearest:.12g} s",
+            f"Use {nearest:.12g} s.",
         )
     if loop.record_every > loop.steps:
-        most = f"it must not be above {loop.steps}, the steps of the run"
-        hint = "metrics would see the first row alone"
+        most = f"it must not exceed the {loop.steps} steps of the run"
+        hint = "Metrics would have only the first row."
         fail("loop.record_every", f"is `{loop.record_every}`, {most}", hint)
 
 
 def check_forms(merged: Overrides) -> None:
-    """Check that there is either one FMU or a list of them."""
-    hint = "one FMU is a table `[controller]`, several are tables `[[fmu]]`"
+    """Check that there is either one FMU or a list of FMUs."""
+    hint = "Use a table `[controller]` for one FMU, tables `[[fmu]]` for several."
     if "fmu" not in merged.table:
         if "controller" not in merged.table:
             merged.fail("controller", "is missing", hint)
     elif "controller" in merged.table:
-        merged.fail("fmu", "is there beside `controller`", hint)
+        merged.fail("fmu", "cannot be combined with `controller`", hint)
     elif not merged.table["fmu"]:
         merged.fail("fmu", "is empty", hint)
 
 
 def check_fmu(choice: FmuChoice, loop: Loop, fail: Fail) -> None:
-    """Check that the name of an FMU can stand in wires and expressions, and its step on the grid."""
+    """Check that the name of an FMU is valid in wires and expressions, and its step is on the grid."""
     key = f"fmu.{choice.name}"
     if not re.fullmatch(r"[A-Za-z_]\w*", choice.name, re.ASCII) or keyword.iskeyword(choice.name):
-        letters = "letters, digits and `_`, with no digit first, and no word of Python"
-        fail(f"{key}.name", f"is {show(choice.name)}, it must be made of {letters}")
+        letters = "letters, digits and `_`, without a leading digit, and not a Python keyword"
+        fail(f"{key}.name", f"is {show(choice.name)}, it must consist of {letters}")
     if choice.name in TAKEN:
-        fail(f"{key}.name", f"is `{choice.name}`, which means something else here", "give it another name")
+        fail(f"{key}.name", f"is `{choice.name}`, which is a reserved name", "Choose another name.")
     if choice.step is not None and not MAX_STEPS > choice.step / loop.step > 0.5:
         fail(f"{key}.step", f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s")
     every = loop.every(choice.step)
@@ -90,7 +90,7 @@ def check_fmu(choice: FmuChoice, loop: Loop, fail: Fail) -> None:
             f"{key}.step", f"is `{choice.step}` s, it must not be above `loop.duration` = `{loop.duration}` s"
         )
     if choice.step is not None and abs(choice.step / loop.step - every) > 1e-6:
-        hint = f"the nearest is {every * loop.step:.12g} s"
+        hint = f"Use {every * loop.step:.12g} s."
         fail(
             f"{key}.step",
             f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s",
@@ -99,7 +99,7 @@ def check_fmu(choice: FmuChoice, loop: Loop, fail: Fail) -> None:
 
 
 def check_unique(keys: list[tuple[str, str]], fail: Fail) -> None:
-    """Check that nothing is driven or named twice, or without a name."""
+    """Check that names and driven targets are unique and not empty."""
     seen: dict[str, str] = {}
     for section, name in keys:
         if not name and section != "fmu":
@@ -107,8 +107,8 @@ def check_unique(keys: list[tuple[str, str]], fail: Fail) -> None:
         if name in seen:
             fail(
                 f"{section}.{name}",
-                f"is there twice, as `{seen[name]}` and as `{section}`",
-                "each target has one wire or one signal, each FMU, metric and criterion its own name",
+                f"is given twice, as `{seen[name]}` and as `{section}`",
+                "Give each target one wire or signal, and each FMU, metric and criterion its own name.",
             )
         seen[name] = section
 
@@ -118,7 +118,7 @@ def check_wire(wire: Wire, loop: Loop, fail: Fail) -> None:
     key = f"wire.{wire.to}"
     if not 0 <= wire.delay <= loop.steps:
         fail(
-            f"{key}.delay", f"is `{wire.delay}` steps, it must lie in 0 .. {loop.steps}, the steps of the run"
+            f"{key}.delay", f"is `{wire.delay}` steps, it must be in 0 .. {loop.steps}, the steps of the run"
         )
     check_order(key, wire, fail)
 
@@ -131,42 +131,53 @@ def check_order(key: str, limited: Wire | Criterion, fail: Fail) -> None:
 
 
 def check_signal(signal: Signal, fail: Fail) -> None:
-    """Check that a signal is told once, starts at 0 and its times rise."""
+    """Check that a signal is given once, starts at 0 and has increasing times."""
     key = f"signal.{signal.to}"
     if signal.file:
         if signal.times or signal.values:
-            fail(f"{key}.file", "does not go with `times` and `values`", "a signal is told in one place")
+            fail(
+                f"{key}.file",
+                "cannot be combined with `times` and `values`",
+                "Use either a file, or `times` and `values`.",
+            )
         return
     if signal.column:
         fail(f"{key}.column", f"is `{signal.column}`, but the signal has no `file`")
     if len(signal.times) != len(signal.values):
-        fail(key, f"has {len(signal.times)} `times` and {len(signal.values)} `values`, one each is needed")
+        fail(
+            key,
+            f"has {len(signal.times)} `times` and {len(signal.values)} `values`, which must be equal in number",
+        )
     if not signal.times or signal.times[0] != 0.0:
         fail(f"{key}.times", "must start with 0.0")
     if any(not earlier < later for earlier, later in zip(signal.times, signal.times[1:], strict=False)):
-        fail(f"{key}.times", "must rise from one to the next")
+        fail(f"{key}.times", "must increase")
 
 
 def check_injection(injection: Injection, loop: Loop, fail: Fail) -> None:
-    """Check that an injection has one beginning, at most one end after it, and one kind."""
+    """Check that an injection has one start, at most one end after it, and one kind."""
     key = f"inject.{injection.to}"
     begin, end = injection.from_time, injection.to_time
     check_kinds(key, injection, fail)
     if not injection.when and begin is None:
-        fail(f"{key}.from_time", "is missing", "`from_time` (s) or `when` (a condition) says where it begins")
+        fail(f"{key}.from_time", "is missing", "Give `from_time` (s) or `when` (a condition) as its start.")
     if injection.when and begin is not None:
-        fail(f"{key}.when", f"does not go with `from_time` = `{begin}` s", "either of them begins it")
+        fail(f"{key}.when", f"cannot be combined with `from_time` = `{begin}` s", "Give only one of them.")
     if injection.when and end is not None:
-        hint = "`duration` (s) says how long it lasts"
-        fail(f"{key}.to_time", f"is `{end}` s, but with `when` nobody knows its beginning", hint)
+        hint = "Use `duration` (s)."
+        fail(f"{key}.to_time", f"is `{end}` s, but with `when` its start is unknown", hint)
     if injection.after and not injection.when:
-        fail(f"{key}.after", f"is `{injection.after}` s, but there is no `when`", "`from_time` alone says it")
+        fail(
+            f"{key}.after",
+            f"is `{injection.after}` s, but there is no `when`",
+            "Include the delay in `from_time`.",
+        )
     if injection.duration is not None and end is not None:
-        fail(f"{key}.duration", f"does not go with `to_time` = `{end}` s", "either of them ends it")
+        fail(f"{key}.duration", f"cannot be combined with `to_time` = `{end}` s", "Give only one of them.")
     if begin is not None and end is not None and not begin < end:
         fail(f"{key}.to_time", f"is `{end}` s, it must be later than `from_time` = `{begin}` s")
     if injection.late is not None and injection.late > loop.steps:
-        most = f"it must not be above {loop.steps}, the steps of the run"
+        most = f"it must not exceed the {loop.steps} steps of the run"
         fail(f"{key}.late", f"is `{injection.late}` steps, {most}")
 
 
@@ -174,10 +185,10 @@ def check_kinds(key: str, injection: Injection, fail: Fail) -> None:
     """Check that an injection has one kind."""
     kinds, choices = injection.kinds, ", ".join(f"`{kind}`" for kind in INJECTED)
     if not kinds:
-        fail(key, "does not say what happens to the value", f"give it one of {choices}")
+        fail(key, "has no kind", f"Give one of {choices}.")
     if len(kinds) > 1:
-        hint = "each has one kind; several `[[inject]]` of one target act in their order"
-        fail(f"{key}.{kinds[1]}", f"does not go with `{kinds[0]}`", hint)
+        hint = "Give one kind each; several `[[inject]]` of one target act in their order."
+        fail(f"{key}.{kinds[1]}", f"cannot be combined with `{kinds[0]}`", hint)
 
 
 def check_criterion(criterion: Criterion, metrics: list[str], fail: Fail) -> None:
@@ -186,13 +197,17 @@ def check_criterion(criterion: Criterion, metrics: list[str], fail: Fail) -> Non
     if criterion.metric not in metrics:
         fail(
             f"{key}.metric",
-            f"is `{criterion.metric}`, there is no such metric",
+            f"is `{criterion.metric}`, which is not a metric of the scenario",
             closest(criterion.metric, metrics),
         )
     limits = (criterion.minimum, criterion.maximum, criterion.equals)
     if all(limit is None for limit in limits):
-        fail(key, "has no limit", "give it a `minimum`, a `maximum` or `equals`")
+        fail(key, "has no limit", "Give a `minimum`, a `maximum` or `equals`.")
     if criterion.equals is not None and limits[:2] != (None, None):
         other = "minimum" if criterion.maximum is None else "maximum"
-        fail(f"{key}.equals", f"is `{criterion.equals}`, it does not go with `{other}`", "two criteria can")
+        fail(
+            f"{key}.equals",
+            f"is `{criterion.equals}`, it cannot be combined with `{other}`",
+            "Use two criteria.",
+        )
     check_order(key, criterion, fail)

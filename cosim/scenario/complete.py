@@ -1,4 +1,4 @@
-"""What a shell completes: scenarios, files and keys for `--set`; never an error, a shell shows none."""
+"""Shell completion: scenarios, files and keys for `--set`; never raises errors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ITEM_KEYS = {
     "wire": ("scale", "offset", "noise", "quantum", "delay", "minimum", "maximum"),
     "criterion": ("minimum", "maximum", "equals"),
 }
-"""Keys of the items of a scenario that are worth an override, though the file may not hold them."""
+"""Useful override keys of items, also if the file does not contain them."""
 LOOP_KEYS = (
     "step",
     "duration",
@@ -35,7 +35,7 @@ def loops(incomplete: str) -> list[str]:
 
 
 def files(incomplete: str) -> list[str]:
-    """TOML files, and folders on the way to one, that begin as told."""
+    """TOML files and folders with a given prefix."""
     folder, _, start = incomplete.rpartition("/")
     inside = paths.expanded(folder or ("/" if incomplete.startswith("/") else "."))
     found = sorted(inside.glob(f"{glob_escape(start)}*")) if inside.is_dir() else []
@@ -46,12 +46,12 @@ def files(incomplete: str) -> list[str]:
 
 
 def glob_escape(text: str) -> str:
-    """Text that a pattern takes as it is."""
+    """Text with escaped pattern characters."""
     return re.sub(r"([*?\[])", r"[\1]", text)
 
 
 def keys(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Keys of the scenario that stands before on the command line, each with its `=`."""
+    """Keys of the scenario named earlier on the command line, each with its `=`."""
     from cosim.scenario import overrides
 
     # an option that still lacks its value leaves the arguments unparsed
@@ -66,7 +66,7 @@ def keys(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 def scenario_keys(table: dict[str, Any]) -> Iterator[str]:
-    """Keys that a scenario holds or may hold."""
+    """Existing and possible keys of a scenario."""
     from cosim.scenario.tables import IDENTITY
 
     yield from ("plant.name", *(f"loop.{key}" for key in LOOP_KEYS))
@@ -79,7 +79,7 @@ def scenario_keys(table: dict[str, Any]) -> Iterator[str]:
 
 
 def fmu_keys(table: dict[str, Any], folder: Path) -> Iterator[str]:
-    """Files and parameters of the FMUs, these read from their descriptions alone."""
+    """Files and parameters of the FMUs, read from their model descriptions."""
     import zipfile
     from xml.etree import ElementTree
 

@@ -1,4 +1,4 @@
-"""Injections of a scenario: faults on the way between FMUs and plant."""
+"""Injections of a scenario: faults on the connections between FMUs and plant."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ INJECTED = ("value", "frozen", "offset", "scale", "ramp", "noise", "drop", "late
 
 @dataclass(frozen=True)
 class Injection:
-    """Fault: from `from_time` or `when` on the value that arrives at `to` is changed, as its kind says.
+    """Fault: from `from_time` or `when`, the value that arrives at `to` is changed according to its kind.
 
-    Exactly one kind is given. Several injections at one target act in their order.
+    Give exactly one kind. Several injections at one target act in their order.
 
     Parameters
     ----------
@@ -23,18 +23,18 @@ class Injection:
     from_time
         Time of the first step (s); or `when`.
     to_time
-        Time of the first step without it (s); left out it lasts to the end of the run.
+        Time of the first step without the fault (s); default: the end of the run.
     when
-        Instead of `from_time`: condition over the current row of the trace, as `loop.stop_when`; the fault
-        begins in the step after the first row that this holds for.
+        Condition over the current row of the trace, in place of `from_time`; see `loop.stop_when`. The fault
+        starts in the step after the first row that meets it.
     after
         Time between that row and the first step, s.
     duration
-        How long it lasts, s, instead of `to_time`; one step is `loop.step`.
+        Duration of the fault, s, in place of `to_time`; one step is `loop.step`.
     value
         Kind: the value is this number.
     frozen
-        Kind: the value stays what arrives in the first step.
+        Kind: the value of the first step is held.
     offset
         Kind: this is added, in the unit of the target.
     scale
@@ -44,10 +44,10 @@ class Injection:
     noise
         Kind: white Gaussian noise of this standard deviation is added.
     drop
-        Kind: share of the samples that are lost, 0 .. 1; a number then stays what it was, a truth value is
+        Kind: fraction of lost samples, 0 .. 1. A lost number keeps its last value, a lost Boolean is
         false.
     late
-        Kind: steps by which the value is late.
+        Kind: delay of the value in steps.
     """
 
     to: str
@@ -67,11 +67,11 @@ class Injection:
 
     @property
     def kinds(self) -> list[str]:
-        """Keys that say what happens to the value; a checked one has one."""
+        """Given kinds; a checked injection has one."""
         given = ((kind, getattr(self, kind)) for kind in INJECTED)
         return [kind for kind, said in given if said is not None and said is not False]
 
     @property
     def kind(self) -> str:
-        """Key that says what happens to the value."""
+        """Kind of the injection."""
         return self.kinds[0]

@@ -1,4 +1,4 @@
-"""Kinds of files, told by their keys: a file that is given to the command of another kind is no riddle."""
+"""Kinds of files, identified by their keys, for clear errors if a file is given to the wrong command."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ KEYS: dict[Kind, tuple[str, ...]] = {
     "study": ("scenario", "design"),
     "scenario": ("loop", "controller", "fmu", "plant", "extends"),
 }
-"""Keys of which one is enough, the first kind first."""
+"""Keys that identify a kind, in the order of the checks."""
 COMMANDS: dict[Kind, str] = {"scenario": "run", "study": "sweep", "optimization": "optimize"}
 
 
 def kind_of(table: Mapping[str, Any]) -> Kind | None:
-    """Kind of a file by its keys, None where none is one of these."""
+    """Kind of a file by its keys; None if unknown."""
     return next((kind for kind, keys in KEYS.items() if not table.keys().isdisjoint(keys)), None)
 
 
 def check_kind(table: Mapping[str, Any], file: Path, wanted: Kind) -> None:
-    """Check that a file is not of another kind than the one that is wanted.
+    """Check that a file is of the required kind.
 
     Raises
     ------
     ScenarioError
-        It is; names the command for it.
+        It is of another kind; names the command for it.
     """
     found = kind_of(table)
     if found not in (None, wanted):
         named = {kind: f"{'an' if kind == 'optimization' else 'a'} {kind}" for kind in KEYS}
         shown = paths.shown(file)
         problem = f"`{shown}` is {named[found]}, not {named[wanted]}"
-        raise ScenarioError(problem, f"`cosim {COMMANDS[found]} {shown}` is for it")
+        raise ScenarioError(problem, f"Use `cosim {COMMANDS[found]} {shown}`.")

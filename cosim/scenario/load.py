@@ -1,4 +1,4 @@
-"""Scenarios from files: the layers of TOML, made a `Scenario` and checked."""
+"""Loading of scenarios: merges the TOML files, makes a `Scenario` and checks it."""
 
 from __future__ import annotations
 
@@ -32,20 +32,22 @@ def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  
     file = paths.find_scenario(str(name_or_path))
     merged = overrides.read(file)
     if isinstance(set, Mapping) or not all(isinstance(entry, str) for entry in set):
-        raise ScenarioError(f"`set` is `{set!r}`, it must hold texts", 'for example `set=["loop.seed=1"]`')
+        raise ScenarioError(
+            f"`set` is `{set!r}`, it must hold texts", 'Use, for example, `set=["loop.seed=1"]`.'
+        )
     overrides.override(merged, [set] if isinstance(set, str) else set)
     return replace(build(merged), name=paths.scenario_name(file), file=file.resolve())
 
 
 def build(merged: Overrides, before: tuple[Overrides, Scenario] | None = None) -> Scenario:
-    """Scenario of merged layers; name and file are left to the caller.
+    """Scenario of merged tables; the caller sets name and file.
 
     Parameters
     ----------
     merged
-        The layers.
+        The merged tables.
     before
-        Other layers and their scenario: what both share is not read again.
+        Other merged tables and their scenario: common parts are reused.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A closed loop as data: which FMU, which plant, how they are wired, what is measured and demanded."""
+"""A closed loop as data: FMU, plant, wires, metrics and criteria."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cosim.scenario.schema import schema_of
 
 @dataclass(frozen=True)
 class Loop:
-    """How the loop is run.
+    """Settings of the simulation.
 
     Parameters
     ----------
@@ -28,17 +28,17 @@ class Loop:
     seed
         Seed of all noise, a non-negative integer.
     order
-        Who moves first in a step; the controller samples, computes and its command acts in the same step.
+        Order within a step: the controller samples and computes, and its command acts in the same step.
     compute_delay
-        Steps by which commands act later; 1 is what standard FMI masters do.
+        Delay of commands in steps; 1 as in standard FMI masters.
     record_every
-        Steps between two rows of the trace; metrics and `stop_when` see these rows.
+        Steps between two rows of the trace; metrics and `stop_when` use these rows.
     record_qpos
-        Whether the trace holds MuJoCo's `qpos` as well, `plant.qpos.<joint>`, to show the run again.
+        Whether the trace also holds MuJoCo's `qpos`, `plant.qpos.<joint>`, for a replay of the run.
     record_locals
         Whether the trace holds the local variables of the FMUs; where left out, those of an FMU with at most 256.
     stop_when
-        Expression over the current row of the trace that ends the run early; empty never does.
+        Condition over the current row of the trace that ends the run early; empty for none.
     """
 
     step: float = limited(POSITIVE, unit="s")
@@ -59,11 +59,11 @@ class Loop:
 
     @property
     def rows(self) -> int:
-        """Rows of the trace of a run that does not end early."""
+        """Rows of the trace of a complete run."""
         return -(-self.steps // self.record_every)
 
     def every(self, step: float | None) -> int:
-        """Communication steps in one of an FMU, whose own is `step` in s or, if that is None, the same."""
+        """Number of communication steps in one step of an FMU, whose `step` in s may be None for the same step."""
         return 1 if step is None else round(step / self.step)
 
 
@@ -86,7 +86,7 @@ class FmuChoice:
     fmu
         FMU by name or path.
     step
-        Its communication step in s, a whole multiple of `loop.step`, which it is where it is left out.
+        Its communication step in s, an integer multiple of `loop.step`; default: `loop.step`.
     """
 
     name: str
@@ -97,22 +97,22 @@ class FmuChoice:
 
     @property
     def who(self) -> str:
-        """What messages call it."""
+        """Name of the FMU in messages."""
         return "the FMU" if self.alone else f"the FMU `{self.name}`"
 
     @property
     def shown(self) -> str:
-        """What tells it from the others of the run."""
+        """Name that distinguishes it from the other FMUs of the run."""
         return self.fmu if self.alone else self.name
 
 
 ALONE = FmuChoice("controller", "", alone=True)
-"""What the FMU of a table `[controller]` is called by."""
+"""Name of the FMU of a table `[controller]`."""
 
 
 @dataclass(frozen=True)
 class PlantChoice:
-    """Plant by name or as `module:Class`, and its parameters; no name is no plant."""
+    """Plant by name or as `module:Class`, and its parameters; no plant without a name."""
 
     name: str
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -120,7 +120,7 @@ class PlantChoice:
 
 @dataclass(frozen=True)
 class Wire:
-    """One value carried from the plant to an FMU or back, or from one FMU to another.
+    """Connection of one value from the plant to an FMU or back, or between FMUs.
 
     `noise`, `quantum`, `minimum` and `maximum` are in the unit of the plant's channel and default to the
     channel's own; `scale` and `offset` convert between the two: `to = scale * from + offset`. Between FMUs
@@ -129,16 +129,16 @@ class Wire:
     Parameters
     ----------
     source
-        `plant.<reading>` or `controller.<output>`; of several FMUs the name of one stands for `controller`.
+        `plant.<measurement>` or `controller.<output>`; with several FMUs the name of the FMU replaces `controller`.
     to
         `controller.<input>` or `plant.<command>`.
     noise
-        Standard deviation of white Gaussian noise, drawn anew in every step.
+        Standard deviation of white Gaussian noise, sampled in every step.
     quantum
         Resolution; 0 is continuous.
     delay
-        Transport delay in steps, beside `loop.compute_delay`. A wire to an FMU that does not come after the
-        one it is from needs at least 1.
+        Transport delay in steps, in addition to `loop.compute_delay`. A wire to an FMU that does not step
+        after its source needs at least 1.
     minimum, maximum
         Limits.
     """
@@ -156,16 +156,16 @@ class Wire:
 
 @dataclass(frozen=True)
 class Signal:
-    """Stimulus: `values[i]` from `times[i]` (s) on, `times[0]` is 0; or a column of a file over its time.
+    """Stimulus: `values[i]` from `times[i]` (s) on, with `times[0]` = 0; or a column of a file over its time.
 
     Parameters
     ----------
     file
-        CSV or Parquet file, relative to the scenario; its time is the column `time`, else the first.
+        CSV or Parquet file, relative to the scenario; its time is the column `time`, otherwise the first.
     column
-        Name of the column; may be left out where there is only one beside the time.
+        Name of the column; optional if there is only one in addition to the time.
     interpolation
-        What is between two values: the former (`hold`) or a straight line (`linear`).
+        Value between two times: the last value (`hold`) or a straight line (`linear`).
     """
 
     to: str
@@ -178,7 +178,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class Metric:
-    """A number taken from the trace by an expression; without a `unit` it has that of its columns."""
+    """A number computed from the trace by an expression; without a `unit` it has that of its columns."""
 
     name: str
     value: str
@@ -188,18 +188,18 @@ class Metric:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A demand on a metric: at least `minimum`, at most `maximum` or exactly `equals`.
+    """A limit of a metric: at least `minimum`, at most `maximum` or exactly `equals`.
 
     Parameters
     ----------
     paper
-        What the paper says of it.
+        Statement of the paper about it.
     source
-        Where the limit comes from: the `paper`, a `prediction` of the models, or a `choice`; empty leaves it
-        to what `paper` says.
+        Source of the limit: the `paper`, a `prediction` of the models, or a `choice`; by default derived
+        from `paper`.
     columns
-        Columns on which plots draw the limit; one on a single value of a column, such as its largest, needs
-        none.
+        Columns in whose plots the limit is shown; not needed for a limit on a single value of a column, such
+        as its maximum.
     """
 
     id: str
@@ -216,7 +216,7 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes: columns drawn as `scale * column`, in `unit`; with `log` only what is above 0."""
+    """One set of axes: columns plotted as `scale * column`, in `unit`; with `log` only positive values."""
 
     columns: tuple[str, ...]
     unit: str = ""
@@ -227,50 +227,49 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """A drawing of a run that is not over the time, for the page of `cosim report`.
+    """A chart of a run that is not a time series, for `cosim report`.
 
     Parameters
     ----------
     kind
-        `path` draws each `y` over `x`, row by row; `polar` does with `y` as the distance from the middle and
-        `x` as the angle in rad; `spectrum` the amplitudes of each `y` by the frequency or,
-        with an angle in rad as `x`, by the waves per turn, of the longest stretch of rows without a gap;
-        `peaks` the largest absolute `y` of each value of `split`; `share` the share of rows in which `y` is
-        at most that; `roc` for each threshold the share of rows of the second part in which `y` is above it,
-        over that of the first; `array` the last row of the columns `y[1]`, `y[2]`, ... over those of `x`;
-        `map` the sum of `weight` in each cell of the plane of `x` and the one `y`, in parts of the largest;
-        `bode` the open loop of a measured frequency response with crossover and margins: the last row of the
-        columns `y[1]`, `y[2]`, ... of two `y`, gain and phase in rad, over those of `x`;
-        `field` the maps that a function of one's own makes of all `y`, in parts of the largest value.
+        `path`: each `y` over `x`, row by row. `polar`: `y` as the radius over the angle `x` in rad.
+        `spectrum`: amplitudes of each `y` over the frequency or, with an angle in rad as `x`, over the waves
+        per revolution, of the longest interval without a gap. `peaks`: largest absolute `y` for each value of
+        `split`. `share`: cumulative fraction of the rows over `y`. `roc`: for each threshold the fraction of
+        rows of the second part above it, over that of the first part. `array`: last row of the columns
+        `y[1]`, `y[2]`, ... over those of `x`. `map`: sum of `weight` in each cell of the plane of `x` and
+        one `y`, relative to the largest sum. `bode`: open loop of a measured frequency response with crossover
+        and margins, from the last row of the columns `y[1]`, `y[2]`, ... of two `y` (gain, and phase in rad)
+        over those of `x`. `field`: maps of a user function of all `y`, relative to the largest value.
     x, y
         Expressions over the columns; for `array` and `bode` the names of the columns without their numbers.
     parts
-        Conditions: the rows of each make a line of their own, a `map` and a `field` take those in which all
-        hold; none takes all rows.
+        Conditions: the rows of each make a separate line; a `map` and a `field` use the rows that meet all
+        conditions. Default: all rows.
     names
-        Names of the lines: of each `y` all parts.
+        Names of the lines: for each `y` all parts.
     weight
-        Expression that a `map` sums up.
+        Expression summed by a `map`.
     function
-        Function of a `field` as `module:name`: it takes the values of each `y` as an array, and gives for the
-        name of each map the edges of its cells along x and along y and their values, shape (y, x).
+        Function of a `field` as `module:name`. Its arguments are the values of each `y` as an array. It returns
+        for each map, by name, the edges of its cells along x and y and their values, shape (y, x).
     closed
         Whether the response of a `bode` is that of the closed loop T, whose open loop is T / (1 - T).
     error
-        Expression, how far a `path` is to the left of where it should be, in the unit of `x` and `y`: the way
-        that it should be is drawn, and beside it the error as many times larger as is needed to see it.
+        Expression of the distance of a `path` to the left of its nominal path, in the unit of `x` and `y`. The
+        chart shows the nominal path and the enlarged error.
     split
-        Expression; its values in turn make the lines of a `path` or `polar`, and the points of `peaks`.
+        Expression; each of its values makes a line of a `path` or `polar`, and a point of `peaks`.
     split_name
-        What these lines are called, before the value.
+        Name of these lines, before the value.
     label, x_label
-        What the axes show, before the units.
+        Labels of the axes, before the units.
     title
-        What is above it.
+        Title of the chart.
     unit, x_unit
-        Units that the axes show.
+        Units of the axes.
     scale, x_scale
-        Factors from the values of `y` and `x` to these.
+        Factors from the values of `y` and `x` to these units.
     equal
         Whether both axes have the same scale.
     log, x_log
@@ -307,13 +306,13 @@ class Plot:
     Parameters
     ----------
     panels
-        The panels; none draws all columns that move, by unit.
+        The panels; default: all changing columns, by unit.
     charts
-        Drawings that are not over the time.
+        Charts that are not time series.
     zoom
-        Condition; a second column of axes shows the time around the first row where it holds.
+        Condition; a second column of axes shows the time around the first row that meets it.
     before, after
-        How much of it, s.
+        Shown time before and after that row, s.
     """
 
     panels: tuple[Panel, ...] = ()
@@ -325,16 +324,16 @@ class Plot:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A closed loop and what is demanded of it; load it with `cosim.load`.
+    """A closed loop with metrics and criteria; load it with `cosim.load`.
 
     Parameters
     ----------
     controller
-        The FMU, where there is one.
+        The only FMU.
     fmu
-        The FMUs, in the order in which they step, where there are several.
+        Several FMUs, in the order of their steps.
     idle
-        `controller.<input>` and `plant.<command>` that nothing drives on purpose; others are warned of.
+        Intentionally undriven `controller.<input>` and `plant.<command>`; others cause a warning.
     """
 
     title: str
@@ -356,7 +355,7 @@ class Scenario:
 
     @property
     def fmus(self) -> tuple[FmuChoice, ...]:
-        """FMUs in the order in which they step; `[controller]` is one of that name."""
+        """FMUs in the order of their steps; `[controller]` is one of that name."""
         only = self.controller
         return self.fmu or (replace(ALONE, fmu=only.fmu, parameters=only.parameters),)
 
@@ -366,20 +365,20 @@ class Scenario:
         return self.file.parent
 
     def origin(self, key: str) -> str:
-        """File or override that a key comes from, for messages; `NAME.fmu` is that of an FMU of several."""
+        """File or override with the value of a key, for messages; `NAME.fmu` is that of one of several FMUs."""
         if any(key.startswith(f"{choice.name}.") for choice in self.fmu):
             key = f"fmu.{key}"
         return overrides.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"
 
 
 def scenario_schema() -> dict[str, Any]:
-    """JSON schema of a scenario file; one that extends another gives only what differs."""
+    """JSON schema of a scenario file; a file that extends another gives only the differences."""
     layered = {
-        "extends": {"type": "string", "description": "Scenario that this one changes: its name or file."},
+        "extends": {"type": "string", "description": "Name or file of the scenario that this one extends."},
         "drop": {
             "type": "array",
             "items": {"type": "string"},
-            "description": "What is not inherited, such as `criterion` or `criterion.<id>`.",
+            "description": "Items that are not inherited, such as `criterion` or `criterion.<id>`.",
         },
     }
     found = schema_of(Scenario, "Scenario of cosim", **layered)

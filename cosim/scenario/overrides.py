@@ -1,4 +1,4 @@
-"""A scenario as layers of TOML: the file it extends, the file itself, the overrides of a run."""
+"""Merged TOML tables of a scenario: the file it extends, the file itself, the overrides of a run."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ from cosim.scenario.toml import parse_file, toml_value
 
 SET = "--set"
 Place = list[str | int]
-"""Names of the tables, and places in the arrays, that lead to a value."""
+"""Path to a value: names of tables and indices of arrays."""
 
 
 @dataclass
 class Overrides:
-    """Merged tables, and for every key the layer that wrote it last (for messages)."""
+    """Merged tables, and for every key the file or override that set it (for messages)."""
 
     table: dict[str, Any] = field(default_factory=dict)
     origins: dict[str, str] = field(default_factory=dict)
     files: list[Path] = field(default_factory=list)
 
     def fail(self, key: str, problem: str, hint: str = "") -> NoReturn:
-        """Raise an error that names the layer and the key."""
+        """Raise an error that names the origin and the key."""
         raise ScenarioError(f"{self.origin(key)}: `{key}` {problem}", hint)
 
     def origin(self, key: str) -> str:
-        """Layer that wrote `key`."""
+        """File or override that set `key`."""
         return find_origin(self.origins, key) or f"`{paths.shown(self.files[-1])}`"
 
     def apply(self, table: dict[str, Any], origin: str) -> None:
-        """Lay `table` over what is there: tables merge, arrays of tables replace by their identity."""
+        """Merge `table` into the existing tables; items of arrays of tables merge by identity."""
         dropped = table.pop("drop", [])
         if not isinstance(dropped, list) or not all(isinstance(entry, str) for entry in dropped):
             raise ScenarioError(f"{origin}: `drop` is {show(dropped)}, it must be an array of texts")
         if dropped and not self.table:
             raise ScenarioError(
-                f"{origin}: `drop` is there without `extends`", "it leaves out what is inherited"
+                f"{origin}: `drop` needs `extends`", "Use `drop` only to omit inherited items."
             )
         for entry in dropped:
             drop(self.table, entry, origin)
@@ -50,17 +50,17 @@ class Overrides:
         self.origins |= dict.fromkeys(walk(table), origin)
 
     def put(self, path: Place, value: Any, origin: str) -> None:
-        """Set the value at a place; tables that are shared with other layers stay as they are."""
+        """Set the value at a path; shared tables are copied first."""
         self.table = replaced(self.table, path, value)
         self.origins[dotted(path, self.table)] = origin
 
     def copy(self) -> Overrides:
-        """Layers that may be changed, while these stay as they are."""
+        """Copy that can be changed independently."""
         return Overrides(self.table, dict(self.origins), self.files)
 
 
 def find_origin(origins: dict[str, str], key: str) -> str:
-    """Layer that wrote `key`, or the nearest table around it; empty if there is none."""
+    """Origin of `key`, or of the nearest table around it; empty if there is none."""
     while key:
         if key in origins:
             return origins[key]
@@ -93,14 +93,14 @@ def read(path: Path) -> Overrides:
 
 
 def parse_scenario(file: Path) -> dict[str, Any]:
-    """Parse one file of a scenario, and no study."""
+    """Parse one file of a scenario; reject studies."""
     table = parse_file(file)
     check_kind(table, file, "scenario")
     return table
 
 
 def replaced(table: Any, path: Place, value: Any) -> Any:
-    """Copy of a table in which one value is another; only what is on the way to it is copied."""
+    """Copy of a table with one changed value; copies only the tables on its path."""
     if not path:
         return value
     name, *rest = path
@@ -165,7 +165,8 @@ def drop(table: dict[str, Any], entry: str, origin: str) -> None:
     name, _, wanted = entry.partition(".")
     if name not in IDENTITY:
         raise ScenarioError(
-            f"{origin}: `drop` holds `{entry}`, which starts with no known name", closest(name, IDENTITY)
+            f"{origin}: `drop` holds `{entry}`, which does not start with a known name",
+            closest(name, IDENTITY),
         )
     items = table.get(name, [])
     if not wanted or not is_tables(items):
@@ -183,10 +184,10 @@ def drop(table: dict[str, Any], entry: str, origin: str) -> None:
 def override(layers: Overrides, assignments: Sequence[str]) -> None:
     """Apply `KEY=VALUE` overrides.
 
-    `controller.<fmi name>` and `plant.<parameter>` reach the parameters (`controller.fmu` and `plant.name`
-    the FMU and the plant); of several FMUs the name of one stands for `controller`. `loop.<key>`, `title` and
-    `description` stand for themselves; `wire.<to>.<key>`, `signal.<to>.<key>`, `inject.<to>.<key>`,
-    `metric.<name>.<key>` and `criterion.<id>.<key>` reach one item. Values are TOML; what is not TOML is a
+    `controller.<fmi name>` and `plant.<parameter>` set parameters (`controller.fmu` and `plant.name`
+    the FMU and the plant). With several FMUs the name of the FMU replaces `controller`. `loop.<key>`, `title`
+    and `description` set these keys. `wire.<to>.<key>`, `signal.<to>.<key>`, `inject.<to>.<key>`,
+    `metric.<name>.<key>` and `criterion.<id>.<key>` change one item. Values are TOML; invalid TOML is a
     text.
     """
     for assignment in assignments:
@@ -194,7 +195,8 @@ def override(layers: Overrides, assignments: Sequence[str]) -> None:
         key = key.strip()
         if not equals or not key:
             raise ScenarioError(
-                f"`{SET} {assignment}` is not of the form KEY=VALUE", "for example `--set loop.duration=1.0`"
+                f"`{SET} {assignment}` is not of the form KEY=VALUE",
+                "Use, for example, `--set loop.duration=1.0`.",
             )
         try:
             value = toml_value(text.strip(), key)
@@ -204,13 +206,13 @@ def override(layers: Overrides, assignments: Sequence[str]) -> None:
 
 
 def assign(layers: Overrides, key: str, value: Any, origin: str = "") -> None:
-    """Set one dotted key of the merged tables; `origin` says in messages where it comes from."""
+    """Set one dotted key of the merged tables; `origin` names its source in messages."""
     origin = origin or f"`{SET} {key}`"
     layers.put(place_of(layers, key, origin), value, origin)
 
 
 def place_of(layers: Overrides, key: str, origin: str) -> Place:
-    """Place in the merged tables that a dotted key means."""
+    """Path in the merged tables for a dotted key."""
     tables = parameterised(layers.table)
     section, _, name = key.partition(".")
     if section in tables and name:
@@ -221,7 +223,7 @@ def place_of(layers: Overrides, key: str, origin: str) -> Place:
         entries = layers.table.get(section, [])
         names = [entry.get(IDENTITY[section]) for entry in entries] if is_tables(entries) else []
         known = closest("", [f"{section}.{name}" for name in names])
-        raise ScenarioError(f"{origin}: nothing is named behind `{section}.`", known)
+        raise ScenarioError(f"{origin}: there is no name after `{section}.`", known)
     if section in items and name:
         return find_item(layers, section, name, origin)
     if section == "loop" and name:
@@ -230,11 +232,11 @@ def place_of(layers: Overrides, key: str, origin: str) -> Place:
         return [key]
     roots = [*(f"{root}." for root in (*tables, "loop", *items)), "title", "description"]
     where = origin if key in origin else f"{origin}: `{key}`"
-    raise ScenarioError(f"{where}: no such key in a scenario", closest(key, roots))
+    raise ScenarioError(f"{where}: not a key of a scenario", closest(key, roots))
 
 
 def parameterised(table: dict[str, Any]) -> dict[str, tuple[Place, tuple[str, ...]]]:
-    """Places of the tables with parameters, by the names that stand for them, and their other keys."""
+    """Paths of the tables with parameters, by their names in keys, and their other keys."""
     found: dict[str, tuple[Place, tuple[str, ...]]] = {"plant": (["plant"], ("name",))}
     if not is_tables(table.get("fmu")):
         return {"controller": (["controller"], ("fmu",)), **found}
@@ -243,7 +245,7 @@ def parameterised(table: dict[str, Any]) -> dict[str, tuple[Place, tuple[str, ..
 
 
 def find_item(layers: Overrides, section: str, name: str, origin: str) -> Place:
-    """Place of a key in an item of an array of tables; `name` is `<identity>.<key>`."""
+    """Path of a key in an item of an array of tables; `name` is `<identity>.<key>`."""
     items = layers.table.get(section, [])
     if not is_tables(items):
         layers.fail(section, f"is {show(items)}, it must be an array of tables")
@@ -258,6 +260,6 @@ def find_item(layers: Overrides, section: str, name: str, origin: str) -> Place:
     if len(found) > 1:
         raise ScenarioError(
             f"{origin}: the scenario has {len(found)} tables `{section}` for `{identity}`",
-            "change the file, an override reaches only one",
+            "Change the file; an override changes only one.",
         )
     return [section, found[0], inner]

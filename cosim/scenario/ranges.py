@@ -18,5 +18,5 @@ NOT_NEGATIVE_COUNT = {"minimum": 0, "demand": "not be negative"}
 
 
 def limited(limits: Mapping[str, Any], default: Any = dataclasses.MISSING, unit: str = "") -> Any:
-    """Field of a number with a range and a unit; without a default the file must give it."""
+    """Field of a number with a range and a unit; required without a default."""
     return dataclasses.field(default=default, metadata={**limits, **({"unit": unit} if unit else {})})

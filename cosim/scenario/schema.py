@@ -1,4 +1,4 @@
-"""JSON schemas of the files, from the dataclasses that read them: what editors complete and check with."""
+"""JSON schemas of the files from their dataclasses, for completion and checks in editors."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from cosim.scenario.ranges import LARGEST
 from cosim.scenario.tables import is_required, toml_key
 
 DIALECT = "http://json-schema.org/draft-07/schema#"
-"""The draft that editors of TOML know."""
+"""JSON schema draft that TOML editors support."""
 TYPES = {str: "string", bool: "boolean", int: "integer", float: "number"}
 
 
 def schema_of(kind: Any, title: str, **more: Any) -> dict[str, Any]:
-    """JSON schema of the file that a dataclass reads; `more` are keys of the file that it has not."""
+    """JSON schema of the file of a dataclass; `more` are additional keys of the file."""
     found = described(kind)
     return {"$schema": DIALECT, "title": title, **found, "properties": {**more, **found["properties"]}}
 
 
 def described(kind: Any) -> dict[str, Any]:
-    """Describe a dataclass: no other keys than its own."""
+    """Describe a dataclass without additional keys."""
     hints, texts = typing.get_type_hints(kind), parameter_texts(kind)
     fields = [field for field in dataclasses.fields(kind) if toml_key(field)]
     properties = {}
@@ -45,14 +45,14 @@ def described(kind: Any) -> dict[str, Any]:
 
 
 def explained(text: str, unit: str) -> dict[str, Any]:
-    """Describe what something is, and its unit."""
+    """Description and unit."""
     is_told = unit in ("", "1") or re.search(rf" {re.escape(unit)}(\W|$)", text)
     text = text if is_told else f"{text} ({unit})".lstrip()
     return {"description": text} if text else {}
 
 
 def parameters(entries: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """Describe a table of these parameters, whose dotted names may be given as tables in tables, too."""
+    """Describe a table of parameters, whose dotted names can also be nested tables."""
     flat: dict[str, Any] = {"type": "object", "properties": {}, "additionalProperties": False}
     for name, entry in entries.items():
         flat["properties"][name] = entry
@@ -83,7 +83,7 @@ def schema(kind: Any) -> dict[str, Any]:
 
 
 def limits(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """Range of a number; ends that only exclude infinity and NaN are left out, JSON has neither."""
+    """Range of a number; infinite ends are omitted, because JSON has no infinity and NaN."""
     if "options" in metadata:
         return {"enum": list(metadata["options"])}
     low, high = metadata.get("minimum", -math.inf), metadata.get("maximum", math.inf)
@@ -98,7 +98,7 @@ def limits(metadata: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def default(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    """Default of a field that a file can say."""
+    """Default of a field, if TOML can represent it."""
     value = field.default
     return {"default": value} if isinstance(value, str | bool | int | float) and value != "" else {}
 

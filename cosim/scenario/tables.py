@@ -1,6 +1,6 @@
 """TOML tables to dataclasses: unknown keys, wrong types and values out of range name their key.
 
-Why this is no library stands in ARCHITECTURE.md, "The validator".
+For the reason not to use a library see ARCHITECTURE.md, "The validator".
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from cosim.errors import closest, similar
 
 T = TypeVar("T")
 Fail = Callable[..., NoReturn]
-"""Raises the caller's error from key, problem and, where one helps, hint."""
+"""Raises the error of the caller from key, problem and optional hint."""
 Reader = Callable[[Any], Any]
-"""Takes a TOML value and gives what the dataclass holds, or raises `Mismatch`."""
+"""Converts a TOML value into that of the dataclass, or raises `Mismatch`."""
 IDENTITY = {
     "fmu": "name",
     "wire": "to",
@@ -29,7 +29,7 @@ IDENTITY = {
     "metric": "name",
     "criterion": "id",
 }
-"""Key by which an item of an array of tables is known."""
+"""Key that identifies an item of an array of tables."""
 NAMES = {
     float: "a number",
     int: "an integer",
@@ -44,14 +44,14 @@ NAMES = {
 
 
 class Mismatch(Exception):  # noqa: N818
-    """A value that does not fit; `path` leads to it from the table that is read."""
+    """An invalid value; `path` is its location in the table."""
 
     def __init__(self, problem: str, hint: str = "", *path: str | int) -> None:
         super().__init__(problem)
         self.problem, self.hint, self.path = problem, hint, list(path)
 
     def inside(self, name: str | int) -> Mismatch:
-        """Return the same, seen from the table or array around it."""
+        """Return the same error with the path from the enclosing table or array."""
         self.path.insert(0, name)
         return self
 
@@ -62,8 +62,8 @@ def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
     Parameters
     ----------
     kind
-        Dataclass. The metadata of a field may hold the TOML `key` where that is another ("" for none), the
-        closed range `minimum` .. `maximum`, its `unit`, and in words what it must (`demand`).
+        Dataclass. The metadata of a field may hold a different TOML `key` ("" for none), the
+        closed range `minimum` .. `maximum`, its `unit`, and a text of the requirement (`demand`).
     table
         The TOML table.
     key
@@ -78,7 +78,7 @@ def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
 
 
 def parse_value(kind: Any, name: str, value: Any, key: str, fail: Fail) -> Any:
-    """Value of one key of a table that `parse` would read."""
+    """Value of one key of a table, as in `parse`."""
     fields = readers(kind)
     if name not in fields:
         fail(join(key, name), "is not a known key", closest(name, fields))
@@ -167,18 +167,18 @@ def mapping(read: Reader, value: Any) -> dict[str, Any]:
 
 
 def kinds(choice: Any) -> set[Any]:
-    """Types of the values that one choice of a union takes."""
+    """Types of the values of one choice of a union."""
     items = typing.get_args(choice) if typing.get_origin(choice) is Literal else ()
     return {type(item) for item in items} or {choice}
 
 
 def one_of(choices: dict[Any, Reader], value: Any) -> Any:
-    """Value of the choice that has its type, else of the first that takes it."""
+    """Value of the choice with its type, otherwise of the first that accepts it."""
     return choices.get(type(value), next(iter(choices.values())))(value)
 
 
 def chosen(arguments: tuple[Any, ...], value: Any) -> Any:
-    """Value that is one of some; `1.0` and `true` are not `1`."""
+    """Value from a list; `1.0` and `true` are not `1`."""
     if any(type(value) is type(argument) and value == argument for argument in arguments):
         return value
     choices = " or ".join(f"`{argument}`" for argument in arguments)
@@ -196,7 +196,7 @@ def of_type(kind: Any, value: Any) -> Any:
 
 
 def ranged(read: Reader, limits: typing.Mapping[str, Any]) -> Reader:
-    """Reader that also checks a range, where the metadata of a field gives one."""
+    """Reader that also checks the range in the metadata of a field."""
     minimum, maximum = limits.get("minimum"), limits.get("maximum")
     if minimum is None and maximum is None:
         return read
@@ -211,7 +211,7 @@ def ranged(read: Reader, limits: typing.Mapping[str, Any]) -> Reader:
             if isinstance(number, int | float) and not low <= number <= high:
                 if "demand" in limits:
                     raise Mismatch(f"is `{number}`{unit}, it must {limits['demand']}")
-                raise Mismatch(f"is `{number}`, it must lie in {ends}{unit}")
+                raise Mismatch(f"is `{number}`, it must be in {ends}{unit}")
         return converted
 
     return checked
@@ -228,7 +228,7 @@ def is_required(field: dataclasses.Field[Any]) -> bool:
 
 
 def dotted(path: list[str | int], value: Any, key: str = "") -> str:
-    """Key of what a path leads to from `value`, whose own key is `key`."""
+    """Key of the value at a path below `value` with the key `key`."""
     for part in path:
         inner = value[part] if isinstance(part, int) or part in value else None
         key = item_key(key, part, inner) if isinstance(part, int) else join(key, part)
@@ -237,7 +237,7 @@ def dotted(path: list[str | int], value: Any, key: str = "") -> str:
 
 
 def item_key(key: str, index: int, item: Any) -> str:
-    """Dotted key of an array item: by its identity where it has one (`wire.controller.position`)."""
+    """Dotted key of an array item, by its identity if it has one (`wire.controller.position`)."""
     identity = item.get(IDENTITY.get(key, "")) if isinstance(item, dict) else None
     return f"{key}.{identity}" if isinstance(identity, str) else f"{key}[{index}]"
 
@@ -248,13 +248,13 @@ def join(key: str, name: str) -> str:
 
 
 def show(value: Any) -> str:
-    """Value as it would stand in a TOML file, in backticks."""
+    """Value as in a TOML file, in backticks."""
     text = toml_text(value)
     return f"`{text if len(text) <= 60 else text[:57] + '...'}`"
 
 
 def toml_text(value: Any) -> str:
-    """Value as it would stand in a TOML file, texts and tables as Python shows them."""
+    """Value as in a TOML file, texts and tables as in Python."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, datetime.date | datetime.time):

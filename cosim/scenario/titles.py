@@ -1,4 +1,4 @@
-"""Titles of scenario files, without reading more of them than that takes."""
+"""Titles of scenario files, read without the rest of the files."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from cosim.scenario.toml import parse_file
 
 
 def title_of(file: Path) -> str:
-    """Title of a scenario file, else of the file it extends; empty if none has one.
+    """Title of a scenario file, otherwise of the file it extends; empty if none has one.
 
     Raises
     ------
     ScenarioError
-        A file on the way to the title is missing or broken.
+        A file is missing or broken.
     """
     visited: set[Path] = set()
     while file not in visited:

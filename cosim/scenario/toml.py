@@ -1,4 +1,4 @@
-"""TOML as files and overrides hold it: parsed, and refused where nobody can mean it."""
+"""TOML of files and overrides: parsing, and rejection of meaningless content."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cosim.errors import ScenarioError
 from cosim.scenario.tables import join, show
 
 MAX_NESTED = 32
-"""Tables and arrays in each other; no file of ours has more than five."""
+"""Maximum nesting of tables and arrays; our files have at most five levels."""
 TOO_DEEP = f"tables and arrays are nested more than {MAX_NESTED} deep"
 
 
@@ -26,7 +26,7 @@ def parse_file(path: Path) -> dict[str, Any]:
     except UnicodeDecodeError as error:
         raise ScenarioError(f"`{paths.shown(path)}` is not a text file in UTF-8: {error.reason}") from None
     except tomllib.TOMLDecodeError as error:
-        hint = "texts need quotes, numbers a digit before and after the point: `step = 1e-4`"
+        hint = "Put texts in quotes; write digits before and after the decimal point: `step = 1e-4`."
         raise ScenarioError(f"`{paths.shown(path)}` is not valid TOML: {error}", hint) from None
     except ScenarioError as error:
         raise ScenarioError(f"`{paths.shown(path)}`: {error.message}", error.hint) from None
@@ -39,13 +39,13 @@ def parse_file(path: Path) -> dict[str, Any]:
 
 
 def check_arrays(parameters: dict[str, Any], path: Path) -> None:
-    """Check that parameters give no item of an array beside the whole array: one of them would be lost."""
+    """Check that parameters do not give both an array and an item of it."""
     for name in parameters:
         whole = name.partition("[")[0]
         if whole != name and isinstance(parameters.get(whole), list):
             raise ScenarioError(
-                f"`{paths.shown(path)}`: the parameter `{whole}` is there beside `{name}`",
-                "a value has one place",
+                f"`{paths.shown(path)}`: the parameters `{whole}` and `{name}` contradict each other",
+                "Give the array or its items.",
             )
 
 
@@ -55,9 +55,9 @@ def parse_text(text: str) -> dict[str, Any]:
     Raises
     ------
     tomllib.TOMLDecodeError
-        It is no TOML.
+        It is not TOML.
     ScenarioError
-        It is, but holds what nobody can mean.
+        It is TOML with meaningless content.
     """
     try:
         table = tomllib.loads(text)
@@ -71,12 +71,12 @@ def parse_text(text: str) -> dict[str, Any]:
 
 
 def check_sizes(value: Any, level: int = 0, place: str = "") -> None:
-    """Check that nesting has an end and integers have 64 bits, as the standard of TOML demands.
+    """Check the nesting depth and that integers have 64 bits, as TOML requires.
 
     Parameters
     ----------
     place
-        Where the value stands, for messages.
+        Location of the value, for messages.
 
     Raises
     ------
@@ -95,7 +95,9 @@ def check_sizes(value: Any, level: int = 0, place: str = "") -> None:
             check_sizes(item, level + 1, inner)
     elif isinstance(value, int) and not -(2**63) <= value < 2**63:
         digits = show(value)
-        raise ScenarioError(f"`{place}` is {digits}, integers have 64 bits", "a number may be `1e20`")
+        raise ScenarioError(
+            f"`{place}` is {digits}, but integers have 64 bits", "Use a float, for example `1e20`."
+        )
 
 
 def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -108,12 +110,12 @@ def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def toml_value(text: str, key: str) -> Any:
-    """TOML value of a text, or the text itself when it is none; `key` is what it is meant for.
+    """TOML value of a text, or the text itself if it is not TOML; `key` is its key.
 
     Raises
     ------
     ScenarioError
-        It is TOML that nobody can mean, such as an integer of more than 64 bits.
+        It is TOML with meaningless content, such as an integer of more than 64 bits.
     """
     try:
         parsed = parse_text(f"value = {text}")

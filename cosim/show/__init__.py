@@ -1,1 +1,1 @@
-"""What a reader sees of a loop and its result: tables and plots."""
+"""Presentation of scenarios and results: tables and plots."""

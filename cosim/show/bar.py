@@ -19,22 +19,22 @@ if TYPE_CHECKING:
 
 
 class PlainConsole(Console):
-    """Console on which the texts of others cannot move the cursor or colour the terminal."""
+    """Console on which foreign texts cannot move the cursor or color the terminal."""
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
-        """Render, and show control codes as what cannot be shown."""
+        """Render, with replaced control codes."""
         for segment in super().render(renderable, options):
             yield segment if segment.control else Segment(readable(segment.text), segment.style)
 
 
 def plain_console(**options: Any) -> Console:
-    """Console that shows texts as they are: `[m/s]` of an FMU is a unit, no markup."""
+    """Console without markup: `[m/s]` of an FMU is a unit."""
     return PlainConsole(highlight=False, markup=False, emoji=False, **options)
 
 
 @contextlib.contextmanager
 def bar(quiet: bool, *columns: str | ProgressColumn) -> Iterator[Progress | None]:
-    """Bar with columns, texts or rich's own, before the time left; none if stderr is no terminal."""
+    """Bar with text or rich columns before the remaining time; None if stderr is not a terminal."""
     console = plain_console(stderr=True)
     if quiet or not console.is_terminal:
         yield None

@@ -1,4 +1,4 @@
-"""What every command writes with: tables on stdout; progress, messages and errors on stderr."""
+"""Output of the commands: tables on stdout; progress, messages and errors on stderr."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from cosim.loop.reference import Progress
 
 WIDTH_IN_FILES = 132
-"""Columns of tables that do not go to a terminal."""
+"""Width of tables that are not on a terminal."""
 
 log = logging.getLogger("cosim")
 
 
 class ReadableFormatter(logging.Formatter):
-    """One line a message; what others wrote in it holds no codes of terminals."""
+    """One line per message, without terminal codes in foreign texts."""
 
     def format(self, record: logging.LogRecord) -> str:
         """Text of a message."""
@@ -32,7 +32,7 @@ class ReadableFormatter(logging.Formatter):
 
 @contextlib.contextmanager
 def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
-    """Progress bar on stderr; lines now and then if that is not a terminal."""
+    """Progress bar on stderr; periodic lines if that is not a terminal."""
     from cosim.show.bar import bar
     from cosim.show.lines import ProgressLines
 
@@ -45,7 +45,7 @@ def progress_bar(title: str, quiet: bool) -> Iterator[Progress | None]:
 
 
 def output() -> Console:
-    """Console on stdout; `NO_COLOR` and pipes get plain text."""
+    """Console on stdout; plain text with `NO_COLOR` and in pipes."""
     from cosim.show.bar import plain_console
 
     console = plain_console()
@@ -55,7 +55,7 @@ def output() -> Console:
 
 
 def configure_logging(verbose: bool, quiet: bool) -> None:
-    """Log to stderr, one line a message."""
+    """Log to stderr, one line per message."""
     level = logging.DEBUG if verbose else (logging.ERROR if quiet else logging.WARNING)
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(ReadableFormatter("%(levelname)s: %(message)s"))

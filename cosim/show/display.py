@@ -1,4 +1,4 @@
-"""What the command line prints: descriptions and the table of criteria."""
+"""Tables of the command line: descriptions and criteria."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ CAUSALITIES = {
 
 
 def scenario(found: Scenario, fmus: Sequence[Instance], plant: Plant) -> RenderableType:
-    """Everything about one closed loop."""
+    """Description of one closed loop."""
     loop = found.loop
     head = Text()
     head.append(f"{found.name}: {found.title}\n", style="bold")
@@ -65,9 +65,9 @@ def plant_parts(found: Scenario, plant: Plant) -> list[RenderableType]:
         parameter_table(plant, found.plant.parameters),
     ]
     for title, channels in (
-        ("readings", plant.readings),
+        ("measurements", plant.readings),
         ("commands", plant.commands),
-        ("truths", plant.truths),
+        ("ground truth", plant.truths),
     ):
         parts += [heading(f"plant {title}"), channel_table(channels)]
     return parts
@@ -108,7 +108,7 @@ def range_text(variable: Variable) -> str:
 
 
 def limits_text(minimum: Any, maximum: Any) -> str:
-    """Two limits, of which any may be missing."""
+    """Two optional limits."""
     known = [limit not in (None, "") and math.isfinite(float(limit)) for limit in (minimum, maximum)]
     low, high = (f"{float(limit):g}" if k else "" for k, limit in zip(known, (minimum, maximum), strict=True))
     return f"{low} .. {high}" if low or high else ""
@@ -162,7 +162,7 @@ def wire_table(found: Scenario) -> Table:
         ]
         table.add_row(wire.to, wire.source, ", ".join(options))
     for signal in found.signal:
-        course = (
+        text_of = (
             f"{signal.column or 'the column'} of {signal.file}"
             if signal.file
             else ", ".join(
@@ -170,14 +170,14 @@ def wire_table(found: Scenario) -> Table:
                 for time, value in zip(signal.times, signal.values, strict=False)
             )
         )
-        table.add_row(signal.to, "signal", course)
+        table.add_row(signal.to, "signal", text_of)
     for entry in found.inject:
         table.add_row(entry.to, "injection", injection_text(entry))
     return table
 
 
 def injection_text(entry: Injection) -> str:
-    """Say what an injection does, and when."""
+    """Describe the effect and the time of an injection."""
     said = "" if entry.kind == "frozen" else f" {getattr(entry, entry.kind):g}"
     begin = f"from {entry.from_time:g} s" if entry.from_time is not None else f"when {entry.when}"
     after = f" after {entry.after:g} s" if entry.after else ""
@@ -187,7 +187,7 @@ def injection_text(entry: Injection) -> str:
 
 
 def result(found: Result) -> RenderableType:
-    """Metrics that no criterion shows, then the table of criteria, then the verdict."""
+    """Metrics without a criterion, the table of criteria, and the verdict."""
     held = {verdict.criterion.metric for verdict in found.criteria}
     others = [metric for metric in found.metrics.values() if metric.name not in held]
     parts: list[RenderableType] = [Text(f"{found.scenario}: {found.title}", style="bold")]
@@ -229,9 +229,9 @@ def summary(found: Result) -> Text:
 
 
 def speed(found: Result) -> str:
-    """Tell the simulated time, and how long it took if something was run."""
+    """Simulated time, and the wall time of a run."""
     if not found.wall_s:
-        return f"{number(found.simulated_s)} s judged as stored"
+        return f"{number(found.simulated_s)} s evaluated from a stored trace"
     ratio = found.simulated_s / found.wall_s
     taken = f"{number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s"
     return f"{taken} ({number(ratio, 2)} x real time)"

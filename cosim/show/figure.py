@@ -1,4 +1,4 @@
-"""Figures: what all plots share, from the check before a run to the file."""
+"""Figures: common functions of all plots, from the check before a run to the file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STYLE: Any = {
     "svg.hashsalt": "cosim",  # the same run gives the same bytes
 }
 SVG = {"Creator": "cosim", "Date": None}
-"""What an SVG tells of itself: by whom, and not when, so that the same run gives the same bytes."""
+"""Metadata of an SVG without a date, so that equal runs give identical bytes."""
 
 
 def can_plot() -> bool:
@@ -32,7 +32,7 @@ def can_plot() -> bool:
 
 
 def wanted(plots: bool) -> bool:
-    """Whether plots are asked for and matplotlib is installed.
+    """Whether plots are requested and matplotlib is installed.
 
     Raises
     ------
@@ -55,16 +55,16 @@ def check(file: Path) -> None:
     """
     if file.suffix not in ENDINGS:
         endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
-        raise CosimError(f"cannot plot to `{file}`", f"the name must end in {endings}")
+        raise CosimError(f"cannot plot to `{file}`", f"Use a name that ends in {endings}.")
     if not file.absolute().parent.is_dir():
         raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
     if not can_plot():
-        raise CosimError("matplotlib is not installed, it makes the plots", extras.hint("report"))
+        raise CosimError("matplotlib is not installed; it makes the plots", extras.hint("report"))
     library()
 
 
 def library() -> Any:
-    """Give matplotlib, which draws into files.
+    """Return matplotlib, set to draw into files.
 
     Raises
     ------
@@ -74,14 +74,14 @@ def library() -> Any:
     try:
         import matplotlib
     except ValueError as error:  # of a backend that is none
-        raise CosimError(f"matplotlib does not start: {error}", "unset `MPLBACKEND`") from error
+        raise CosimError(f"matplotlib does not start: {error}", "Unset `MPLBACKEND`.") from error
     matplotlib.use("agg")
     return matplotlib
 
 
 @contextlib.contextmanager
 def styled(changes: Any = None) -> Iterator[Any]:
-    """Give `pyplot` in the style of all figures, but for some settings of matplotlib by name."""
+    """Return `pyplot` in the style of all figures, with optional settings by name."""
     matplotlib = library()
     from matplotlib import pyplot
 
@@ -90,7 +90,7 @@ def styled(changes: Any = None) -> Iterator[Any]:
 
 
 def save(figure: Any, file: Path) -> None:
-    """Write a figure and close it; a `CosimError` says why it cannot be written."""
+    """Write a figure and close it; raise a `CosimError` if it cannot be written."""
     from matplotlib import pyplot
 
     show_as_written(figure)
@@ -102,7 +102,7 @@ def save(figure: Any, file: Path) -> None:
 
 
 def show_as_written(figure: Any) -> None:
-    """Let no `$` in a name, unit or title begin a formula; those of matplotlib are on logarithmic axes."""
+    """Escape `$` in names, units and titles, except in labels of matplotlib on logarithmic axes."""
     from matplotlib.text import Text
 
     axes = [axis for part in figure.axes for axis in (part.xaxis, part.yaxis) if axis.get_scale() == "log"]

@@ -1,4 +1,4 @@
-"""Progress where no terminal shows a bar: a line on stderr now and then, for nohup, CI and batch queues."""
+"""Progress without a terminal: periodic lines on stderr, for nohup, CI and batch queues."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from collections.abc import Callable
 from datetime import timedelta
 
 TENTH, EVERY = 10.0, 60.0
-"""Least time between two lines when another tenth is done, and the longest when not, s."""
+"""Minimum time between two lines after another tenth, and maximum time otherwise, s."""
 
 
 class ProgressLines:
-    """Writes a line when another 10 % are done or a minute has passed; nothing about what is quick.
+    """Writes a line after another 10 % or a minute; nothing for short tasks.
 
     Parameters
     ----------
     title
-        First words of every line.
+        Start of every line.
     write
-        Takes the lines.
+        Receives the lines.
     clock
-        Tells the time, s.
+        Returns the time, s.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class ProgressLines:
         self.before: int | None = None
 
     def __call__(self, done: int, total: int, note: str = "") -> None:
-        """Tell what is done, and `note` behind it."""
+        """Report the progress, followed by `note`."""
         now = self.clock()
         # what was done before the start says nothing of the speed
         self.before = done if self.before is None else self.before
@@ -47,7 +47,7 @@ class ProgressLines:
             self.write(self.line(done, total, now - self.begin) + (f", {note}" if note else ""))
 
     def line(self, done: int, total: int, elapsed: float) -> str:
-        """Share, time taken and time left."""
+        """Percentage, elapsed time and remaining time."""
         line = f"{self.title}: {100 * done // max(1, total)} % after {clock_text(elapsed)}"
         new = done - (self.before or 0)
         return f"{line}, about {clock_text(elapsed * (total - done) / new)} left" if new else line

@@ -1,4 +1,4 @@
-"""The list of scenarios, and the kind of table it is; nothing here needs numpy."""
+"""The list of scenarios and its table style; does not import numpy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def scenarios(entries: Iterable[tuple[str, str]]) -> Table:
 
 
 def plain_table(*names: str) -> Table:
-    """Table without lines whose last column takes what is left."""
+    """Table without lines; its last column takes the remaining width."""
     table = Table(box=None, show_edge=False, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
     for name in names:
         table.add_column(name, overflow="fold", no_wrap=name == "name")

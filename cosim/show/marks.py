@@ -1,4 +1,4 @@
-"""What is marked in the plots of a run: events, and the limits that its criteria set on columns."""
+"""Marks in the plots of a run: events, and limits of criteria on columns."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from cosim.scenario.model import Criterion, Panel, Scenario
 from cosim.trace.columns import Array
 
 SHOWN_AS_THEY_ARE = ("max", "min", "first", "last", "at")
-"""Functions whose value is one of the column."""
+"""Functions whose value is a value of the column."""
 FAR = 2.0
-"""Spans of the lines of a panel beyond which a limit is not drawn."""
+"""Distance of a limit from the lines, in line spans, above which it is not plotted."""
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,12 @@ class Marked:
 
 
 def marked(scenario: Scenario, result: Result) -> Marked:
-    """Collect what is marked in the plots of a run."""
+    """Collect the marks in the plots of a run."""
     return Marked(events(scenario, result), limits(scenario, result))
 
 
 def events(scenario: Scenario, result: Result) -> list[tuple[float, str]]:
-    """Tell what happened when: injected faults with their targets, and what an FMU told."""
+    """Times and texts of events: injected faults with their targets, and faults reported by an FMU."""
     began = zip(scenario.inject, result.injected, strict=False)
     found = [(t, f"fault injected: {entry.to}") for entry, t in began if t is not None]
     times = result.columns["time"]
@@ -53,10 +53,10 @@ def events(scenario: Scenario, result: Result) -> list[tuple[float, str]]:
 
 
 def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, str]]]:
-    """Limits on a column in its own unit, each with what it says, by the name of the column.
+    """Limits on a column in its own unit with their texts, by the name of the column.
 
-    A criterion limits a column if it names it, or if its metric is a single value of it, such as its largest
-    in some rows, or of its absolute value, times a number; of the absolute value it limits both sides.
+    A criterion limits a column if it names the column, or if its metric is a single value of the column or of
+    its absolute value times a number. An absolute value is limited on both sides.
     """
     values = {metric.name: metric.value for metric in scenario.metric}
     found: dict[str, list[tuple[float, str]]] = {}
@@ -82,14 +82,14 @@ def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, st
 
 
 def told(criterion: Criterion, relation: str, limit: float, unit: str) -> str:
-    """Say what a limit demands."""
+    """Text of a limit."""
     return f"{criterion.id} {relation} {text(limit, unit, 3)}"
 
 
 def limited(value: str, columns: Mapping[str, str]) -> tuple[str, float, bool]:
-    """Column of which a metric is a single value, times which number, and whether of its absolute value.
+    """Column, factor, and absolute-value flag of a metric that is a single value of a column.
 
-    There is no column for a single value of something else, nor for any other metric.
+    None for any other metric.
     """
     try:
         tree, factor = without_factor(ast.parse(value.strip(), mode="eval").body)
@@ -110,7 +110,7 @@ def limited(value: str, columns: Mapping[str, str]) -> tuple[str, float, bool]:
 
 
 def without_factor(tree: ast.expr) -> tuple[ast.expr, float]:
-    """Take an expression apart into what varies and the number that it is multiplied by."""
+    """Split an expression into its varying part and its constant factor."""
     factor = 1.0
     while isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Mult | ast.Div):
         left, right = number(tree.left), number(tree.right)
@@ -126,7 +126,7 @@ def without_factor(tree: ast.expr) -> tuple[ast.expr, float]:
 
 
 def number(tree: ast.expr) -> float:
-    """Value of an expression that names no column, such as `180 / pi`; 0 for others."""
+    """Value of an expression without columns, such as `180 / pi`; 0 for others."""
     try:
         return float(Expression(ast.unparse(tree), {}, "")(()))
     except ExpressionError:
@@ -134,7 +134,7 @@ def number(tree: ast.expr) -> float:
 
 
 def near(panel: Panel, marked: Marked, shown: DisplayUnit, lines: Sequence[Array]) -> list[tuple[float, str]]:
-    """Limits on the columns of a panel, as it shows them; one that would make its lines flat is left out."""
+    """Limits on the columns of a panel in its unit, except those that would make its lines flat."""
     found = {
         (shown.factor * limit + shown.offset, told): None
         for name in panel.columns

@@ -30,12 +30,12 @@ NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
 
 
 def save(scenario: Scenario, result: Result, path: Path) -> None:
-    """Plot the panels of a scenario into a file; all columns that move if it names none.
+    """Plot the panels of a scenario into a file; by default all changing columns.
 
     Raises
     ------
     CosimError
-        The result holds no trace, the scenario wants drawn what is not in it, or the file cannot be written.
+        The result holds no trace, a plotted column is missing, or the file cannot be written.
     """
     trace = result.columns
     drawable.check(scenario, {name: result.items.get(name) for name in trace})
@@ -75,12 +75,12 @@ def heading(result: Result) -> str:
     """Title of the figure."""
     verdict = ""
     if result.criteria:
-        verdict = ", all criteria hold" if result.passed else ", some criteria do not hold"
+        verdict = ", all criteria passed" if result.passed else ", some criteria failed"
     return f"{result.title}\n{result.scenario}, seed {result.seed}{verdict}"
 
 
 def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked) -> None:
-    """Draw one panel; values that only jump (modes, flags) are drawn as steps, enumerations with names."""
+    """Plot one panel; piecewise constant values (modes, flags) as steps, enumerations with names."""
     lines = []
     shown = unit_of(panel, result, largest(trace[column] for column in panel.columns))
     positive = False
@@ -107,7 +107,7 @@ def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked
 
 
 def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:
-    """Events from the first to the last of some times, and what they say; the last tells how many follow."""
+    """Events between the first and last time with their texts; the last text counts the omitted ones."""
     found = [event for event in marked.events if times[0] <= event[0] <= times[-1]]
     if (more := len(found) - MAX_EVENTS) > 0:
         t, last = found[MAX_EVENTS - 1]
@@ -116,10 +116,10 @@ def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:
 
 
 def unit_of(panel: Panel, result: Result, most: float) -> DisplayUnit:
-    """Tell how a panel shows its values.
+    """Unit and scale of a panel.
 
-    As it says itself, else in the first display unit of its columns, else with the prefix that `most`, the
-    largest absolute value, asks for.
+    Its own unit, otherwise the first display unit of its columns, otherwise a prefix according to `most`, the
+    largest absolute value.
     """
     if panel.unit or panel.scale != 1.0:
         return DisplayUnit(panel.unit, panel.scale)
@@ -131,7 +131,7 @@ def unit_of(panel: Panel, result: Result, most: float) -> DisplayUnit:
 
 
 def largest(columns: Iterable[NDArray[np.float64]]) -> float:
-    """Largest absolute value of some columns, 0 where none is finite."""
+    """Largest absolute value of some columns; 0 if none is finite."""
     return max(float(np.max(np.abs(one), where=np.isfinite(one), initial=0.0)) for one in columns)
 
 
@@ -142,9 +142,9 @@ def items_of(panel: Panel, result: Result) -> dict[str, int]:
 
 
 def default_panels(trace: Columns, result: Result) -> tuple[Panel, ...]:
-    """Panels of a scenario that names none: what moves, by enumeration or unit, and how many more.
+    """Default panels of a scenario: changing columns by enumeration or unit, and the number of omitted ones.
 
-    A trace of the time alone has none.
+    A trace with only the time has none.
     """
     names = list(trace)[1:]
     if not names:
@@ -165,7 +165,7 @@ def default_panels(trace: Columns, result: Result) -> tuple[Panel, ...]:
 
 
 def and_more(what: str, count: int) -> str:
-    """Words for what is left out; nothing where that is nothing."""
+    """Text about omitted items; empty if there are none."""
     return f"and {count} more {what}{'s' if count > 1 else ''}" if count > 0 else ""
 
 
@@ -175,7 +175,7 @@ def moves(column: NDArray[np.float64]) -> bool:
 
 
 def zoomed(scenario: Scenario, result: Result, trace: Columns) -> list[NDArray[np.bool_]]:
-    """Rows around the moment that the scenario zooms on; nothing if it did not come."""
+    """Rows of the zoomed part; None if its condition was never true."""
     condition = drawable.zoom(scenario, {name: result.items.get(name) for name in trace})
     if condition is None:
         return []

@@ -1,4 +1,4 @@
-"""Tables as text, made in one process for the terminal of another."""
+"""Tables as text, rendered in one process for the terminal of another."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What stdout is: a terminal or not, its columns, and what its characters are."""
+    """Properties of stdout: terminal or not, width and encoding."""
 
     terminal: bool
     width: int
@@ -24,13 +24,13 @@ class Sheet:
 
 
 class TextBuffer(io.StringIO):
-    """Text in memory that is written as if it went to a terminal, or not."""
+    """Text in memory with the properties of a terminal or a file."""
 
     terminal = False
     encoding = "utf-8"
 
     def isatty(self) -> bool:
-        """Whether it stands for a terminal."""
+        """Whether it represents a terminal."""
         return self.terminal
 
 
@@ -45,7 +45,7 @@ def stdout() -> Sheet:
 
 
 def rendered(table: RenderableType, sheet: Sheet) -> str:
-    """Text of a table; `COLUMNS`, `NO_COLOR` and `FORCE_COLOR` are kept as rich does."""
+    """Text of a table; follows `COLUMNS`, `NO_COLOR` and `FORCE_COLOR`."""
     from cosim.show.bar import plain_console
 
     page = TextBuffer()

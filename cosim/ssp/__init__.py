@@ -1,1 +1,1 @@
-"""A closed loop as an SSP package: its FMUs, one more for all around them, and the connections."""
+"""A closed loop as an SSP package: its FMUs, an FMU of the surroundings, and the connections."""

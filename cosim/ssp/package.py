@@ -28,9 +28,9 @@ from cosim.writing import whole
 
 STRUCTURE = "SystemStructure.ssd"
 SCRIPT = "surroundings_of_loop"
-"""Module of the FMU for what surrounds the others."""
+"""Module of the FMU of the surroundings."""
 MOST = 2**31 - 1
-"""Greatest Integer of FMI, which the seed becomes."""
+"""Maximum of an FMI Integer, the type of the seed."""
 
 
 def write(
@@ -45,24 +45,22 @@ def write(
     seed
         Seed of all noise; None is the scenario's.
     place
-        Told whose code runs; None is of no interest.
+        Records whose code runs; may be None.
 
     Raises
     ------
     CosimError
-        The scenario cannot run, something of it cannot be told in such a package, PythonFMU is missing, or
-        the file cannot be written.
+        The scenario cannot run or cannot be represented as a package, PythonFMU is missing, or the file
+        cannot be written.
     """
     scenario = load(loop, changes)
     with located(scenario):
         if not scenario.plant.name:
-            raise CosimError(
-                "a loop without a plant has nothing to be connected with", "give the scenario a plant"
-            )
+            raise CosimError("a scenario without a plant has no connections", "Add a plant to the scenario.")
         number = scenario.loop.seed if seed is None else seed
         if not 0 <= number <= MOST:
             with concerning("loop.seed"):
-                raise CosimError(f"the seed {number} is no parameter of an SSP", f"it is 0 to {MOST} there")
+                raise CosimError(f"the seed {number} cannot be a parameter of an SSP", f"Use 0 to {MOST}.")
     # what a run would refuse is not left to the master
     with Session(scenario, place=place) as session:
         lint.check(session)
@@ -100,13 +98,13 @@ def write(
 
 
 def known(scenario: Scenario) -> str:
-    """File of a scenario: of the project's own that in their folder, of others the whole path."""
+    """File of a scenario: relative to the folder of the project's scenarios, otherwise the whole path."""
     file, own = paths.resolved(scenario.file), paths.resolved(paths.OWN_SCENARIOS)
     return file.relative_to(own).as_posix() if file.is_relative_to(own) else str(scenario.file.absolute())
 
 
 def whole_paths(scenario: Scenario) -> list[str]:
-    """Return overrides by which files that lie in the working directory are found from any other."""
+    """Return overrides with absolute paths of files in the working directory."""
     names = {f"signal.{signal.to}.file": signal.file for signal in scenario.signal if signal.file}
     files = {f"signal.{to}.file": file for to, file in time_series.files(scenario).items()}
     if scenario.plant.name.endswith(MJCF):
@@ -120,7 +118,7 @@ def whole_paths(scenario: Scenario) -> list[str]:
 
 
 def build(settings: dict[str, Any], folder: Path) -> Path:
-    """Build the FMU for what surrounds the others, by PythonFMU."""
+    """Build the FMU of the surroundings with PythonFMU."""
     problem = "an SSP package needs PythonFMU, which is not installed"
     builder = extras.needed("pythonfmu.builder", problem, extras.hint("ssp"))
     script, stated = folder / f"{SCRIPT}.py", folder / "loop.json"

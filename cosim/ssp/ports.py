@@ -1,4 +1,4 @@
-"""What a system of SSP sees of a loop: inputs that something drives, outputs that drive the plant."""
+"""Ports of an SSP system: driven inputs, and outputs that drive the plant."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from cosim.loop.wires.connect import PLANT, side_of
 from cosim.scenario.model import Scenario, Signal, Wire
 
 KINDS = {"Enumeration": "Integer"}
-"""Types that are another in a connection."""
-SHAPED = "noise, quantum and limits of a wire between FMUs have no place in an SSP"
+"""Types that are converted in a connection."""
+SHAPED = "an SSP cannot contain noise, quantum and limits of a wire between FMUs"
 
 
 @dataclass(frozen=True)
 class Port:
-    """A variable of an FMU of the loop, `owner.variable.name` as scenarios write it."""
+    """A variable of an FMU, `owner.variable.name` as in scenarios."""
 
     owner: str
     variable: Variable
 
     @property
     def name(self) -> str:
-        """Name as scenarios write it."""
+        """Name as in scenarios."""
         return f"{self.owner}.{self.variable.name}"
 
     def told(self) -> dict[str, Any]:
-        """Return the port as a table of JSON."""
+        """Return the port as a JSON object."""
         return {"owner": self.owner, "variable": asdict(replace(self.variable, display=None))}
 
     @classmethod
     def of(cls, table: Mapping[str, Any]) -> Port:
-        """Return the port of such a table."""
+        """Return the port of a JSON object."""
         variable = table["variable"]
         items = tuple((name, number) for name, number in variable["items"])
         return cls(table["owner"], Variable(**{**variable, "items": items}))
@@ -48,14 +48,14 @@ class Ports:
     Parameters
     ----------
     driven
-        Inputs of the FMUs that the surroundings drive, by readings and signals.
+        Inputs of the FMUs that the surroundings drive, with measurements and signals.
     commanding
-        Outputs of the FMUs that the surroundings take.
+        Outputs of the FMUs to the surroundings.
     direct
         Wires between FMUs.
     held
-        Enumerations that a signal holds at one value, by `owner.variable`: a start value each, as hardly a
-        master connects them.
+        Enumerations with a constant signal, by `owner.variable`. They become start values, because few
+        masters connect enumerations.
     """
 
     driven: tuple[Port, ...]
@@ -64,7 +64,7 @@ class Ports:
     held: Mapping[str, Any]
 
     def starts(self, owner: str) -> dict[str, Any]:
-        """Start values of the inputs of an FMU that are held, by their names."""
+        """Start values of the constant inputs of an FMU, by their names."""
         return {
             name: value
             for end, value in self.held.items()
@@ -74,12 +74,12 @@ class Ports:
 
 
 def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
-    """Return the ports of a scenario that would run.
+    """Return the ports of a valid scenario.
 
     Raises
     ------
     ScenarioError
-        Something in the loop cannot be told in a system of SSP.
+        The scenario cannot be represented as an SSP system.
     """
     check(scenario)
 
@@ -88,7 +88,7 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
         with concerning(f"{section}.{key}"):
             variable = lookup(files[owner].variables, name)
             if variable.causality not in ("input", "output"):
-                problem = f"`{end}` is of causality `{variable.causality}`"
+                problem = f"`{end}` has causality `{variable.causality}`"
                 raise ScenarioError(f"{problem}: masters of SSP connect inputs and outputs")
         return Port(owner, variable)
 
@@ -125,35 +125,35 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
 
 
 def is_constant(signal: Signal) -> bool:
-    """Whether a signal has one value from the beginning to the end."""
+    """Whether a signal is constant."""
     return len(signal.values) == 1
 
 
 def check(scenario: Scenario) -> None:
-    """Check that a loop can be a system of SSP.
+    """Check that a scenario can be an SSP system.
 
     Raises
     ------
     ScenarioError
-        It cannot; names what stands against it.
+        It cannot; names the reason.
     """
     if scenario.inject:
         entry = scenario.inject[0].to
         with concerning(f"inject.{entry}"):
             raise ScenarioError(
-                f"the injection at `{entry}` has no place in an SSP", 'set `drop = ["inject"]`'
+                f"an SSP cannot contain the injection at `{entry}`", 'Set `drop = ["inject"]`.'
             )
     if scenario.loop.compute_delay != 1:
         with concerning("loop.compute_delay"):
-            problem = "`loop.compute_delay` = 0: masters of SSP hand outputs on at the end of a step"
+            problem = "`loop.compute_delay` = 0: masters of SSP propagate outputs at the end of a step"
             raise ScenarioError(
-                problem, "set `loop.compute_delay = 1`, and tell the controller by `io_delay = 1`"
+                problem, "Set `loop.compute_delay = 1`, and `io_delay = 1` in the controller."
             )
     for choice in scenario.fmus:
         if choice.step not in (None, scenario.loop.step):
             with concerning(f"{choice.name}.step"):
-                problem = f"the step {choice.step:g} s of `{choice.name}` is not that of the loop"
-                raise ScenarioError(problem, "a system of SSP has one communication step")
+                problem = f"the step {choice.step:g} s of `{choice.name}` differs from `loop.step`"
+                raise ScenarioError(problem, "Use one communication step in an SSP system.")
     for wire in scenario.wire:
         between = PLANT not in (side_of(wire.source), side_of(wire.to))
         plain = (wire.noise or 0.0) == (wire.quantum or 0.0) == 0.0 and wire.minimum is wire.maximum is None
@@ -163,4 +163,6 @@ def check(scenario: Scenario) -> None:
         if between and wire.delay != 1:
             with concerning(f"wire.{wire.to}.delay"):
                 problem = f"the wire to `{wire.to}` with `delay` = {wire.delay} cannot be a connection"
-                raise ScenarioError(problem, "set `delay = 1`: masters hand outputs on at the end of a step")
+                raise ScenarioError(
+                    problem, "Set `delay = 1`: masters propagate outputs at the end of a step."
+                )

@@ -21,7 +21,7 @@ SPACES = {
 }
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 SET = "initialValues"
-"""Name of the parameter sets, by which Ecos is told to use them."""
+"""Name of the parameter sets, which selects them in Ecos."""
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
@@ -33,11 +33,11 @@ def system(
     Parameters
     ----------
     ports
-        What is connected.
+        Connected ports.
     descriptions
         Model descriptions of the FMUs, by their names in the scenario.
     surroundings
-        Variables of the FMU for all around them, the component `plant`.
+        Variables of the FMU of the surroundings, the component `plant`.
     """
     name = scenario.name.replace("/", "_") or "loop"
     root = Element(named("ssd:SystemStructureDescription"), {"version": "1.0", "name": name})
@@ -62,11 +62,11 @@ def system(
 
 
 def connects(owner: str, variable: Any, ports: Ports) -> bool:
-    """Whether a variable of an FMU gets a connector.
+    """Whether a variable of an FMU has a connector.
 
-    Texts get none: masters cannot connect them, and OMSimulator refuses the file. Inputs and enumerations get
-    one where they are connected: to an input that nothing drives FMPy gives the value of another, libcosim
-    ends the process at an enumeration, and Ecos knows none.
+    Texts have none: masters cannot connect them, and OMSimulator rejects the file. Inputs and enumerations have
+    one only if connected: FMPy gives an undriven input the value of another input, libcosim ends the process
+    at an enumeration, and Ecos does not support them.
     """
     if variable.causality not in ("input", "output") or variable.type == "String":
         return False
@@ -117,7 +117,7 @@ def connect(connections: Element, ports: Ports) -> None:
 
 
 def enumerate_items(root: Element, connectors: Mapping[str, Iterable[Any]]) -> None:
-    """Append the enumerations that connectors speak of, each FMU's under its name."""
+    """Append the enumerations of the connectors, under the names of their FMUs."""
     used = {
         f"{name}.{variable.declaredType.name}": variable.declaredType.items
         for name, variables in connectors.items()
@@ -149,7 +149,7 @@ def define_units(root: Element, descriptions: Iterable[Any]) -> None:
 
 
 def experiment(root: Element, scenario: Scenario) -> None:
-    """Append duration and communication step; SSP 1.0 has no place for the step but notes to masters."""
+    """Append duration and communication step; in SSP 1.0 the step is only an annotation."""
     loop = scenario.loop
     made = sub(root, "ssd:DefaultExperiment", startTime=0.0, stopTime=loop.duration)
     notes = sub(made, "ssd:Annotations")
@@ -159,7 +159,7 @@ def experiment(root: Element, scenario: Scenario) -> None:
 
 
 def parameter_set(choice: FmuChoice, file: FmuFile, ports: Ports) -> str:
-    """Return the parameter set of an FMU: what the scenario sets, and the inputs that it holds."""
+    """Return the parameter set of an FMU: parameters of the scenario and constant inputs."""
     set_values = choice.parameters | ports.starts(choice.name)
     pairs = [(variable.name, variable.kind, value) for variable, value in expand(file.variables, set_values)]
     named_items = [

@@ -1,6 +1,6 @@
-"""All of a closed loop but its FMUs, as an FMU of PythonFMU: plant, noise and limits of the wires, signals.
+"""The surroundings of the FMUs as an FMU of PythonFMU: plant, noise and limits of the wires, signals.
 
-It imports this package: the Python that a master finds must have it installed.
+It imports this package, which the Python of the master must have installed.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ STEP_TOLERANCE = 1e-6
 class Surroundings(Fmi2Slave):
     """Plant, wires and signals of a scenario.
 
-    Outputs are what drives the inputs of the FMUs, under the names of these; inputs are the outputs of the
-    FMUs that command the plant. Readings and truths of the plant are outputs as well, `plant.<name>`.
+    Its outputs drive the inputs of the FMUs and have their names. Its inputs are the outputs of the FMUs
+    that command the plant. Measurements and ground truth of the plant are outputs as well, `plant.<name>`.
     """
 
     author = "The Machining FMUs developers"
@@ -108,7 +108,7 @@ class Surroundings(Fmi2Slave):
         return time_series.sample(times, values, loop.step, loop.steps + 1, signal.interpolation)
 
     def exit_initialization_mode(self) -> None:
-        """Begin: the plant at rest, the first readings."""
+        """Initialize the plant and take the first measurements."""
         loop, readings = self.scenario.loop, {channel.name: channel for channel in self.plant.readings}
         commands = {channel.name: channel for channel in self.plant.commands}
         self.links.clear()
@@ -126,10 +126,10 @@ class Surroundings(Fmi2Slave):
         self.look()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Command the plant, move it, and see what it has become."""
+        """Command the plant, advance it, and read its new state."""
         loop = self.scenario.loop
         if abs(step_size - loop.step) > STEP_TOLERANCE * loop.step:
-            raise ValueError(f"the communication step is {step_size} s, that of this loop is {loop.step} s")
+            raise ValueError(f"the communication step is {step_size} s, but the scenario has {loop.step} s")
         names = [channel.name for channel in self.plant.commands]
         # what is given was put out in the step before
         sample = self.sample(max(self.k - 1, 0))
@@ -148,7 +148,7 @@ class Surroundings(Fmi2Slave):
         return True
 
     def look(self) -> None:
-        """Take the readings and truths of the plant, and what the FMUs get of them."""
+        """Read measurements and ground truth of the plant, and the inputs of the FMUs."""
         channels = (*self.plant.readings, *self.plant.truths)
         values = np.concatenate([self.plant.sense(), self.plant.truth()])
         self.seen.update(
@@ -162,11 +162,11 @@ class Surroundings(Fmi2Slave):
                 self.drive(to, course_.item(self.at(course_)))
 
     def sample(self, k: int) -> int:
-        """Place of a step in the noise, of which there is none left to draw behind the end of the loop."""
+        """Index of a step in the noise, limited to the end of the run."""
         return min(k, self.scenario.loop.steps)
 
     def at(self, values: Any) -> int:
-        """Place of the present step in a course, which holds its last value."""
+        """Index of the present step in a signal, which holds its last value."""
         return min(self.k, len(values) - 1)
 
     def drive(self, to: str, value: float) -> None:

@@ -1,4 +1,4 @@
-"""Many runs: the cases of a study, on worker processes or a cluster, and what came of them.
+"""Sweeps: the cases of a study, on worker processes or a cluster, and their results.
 
 The package can be called: `cosim.sweep("study.toml")` is `cosim.sweep.results.sweep`.
 """

@@ -1,4 +1,4 @@
-"""A scenario or study looked at without a run: everything that can be known before the first step."""
+"""Check of a scenario or study before the first step."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from cosim.sweep.plan import Plan
 from cosim.sweep.summary import columns
 
 OF_A_TRACE = ("array", "bode", "field", "spectrum")
-"""Kinds of charts that are made of the rows of one run."""
+"""Kinds of charts that need the rows of one run."""
 
 
 def check(name: str, place: Place | None = None) -> Checked:
     """Check a scenario, by name or file, or the file of a study; errors are found, not raised.
 
-    `place` is told whose code runs.
+    `place` records whose code runs.
     """
     found = Checked(name)
     try:
@@ -42,7 +42,7 @@ def check(name: str, place: Place | None = None) -> Checked:
 
 
 def check_charts(plan: Plan) -> None:
-    """Check that the charts of a study can be made of its results.
+    """Check that the charts of a study can be made from its results.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def check_charts(plan: Plan) -> None:
     for index, chart in enumerate(charts):
         if chart.kind in OF_A_TRACE:
             problem = f"{origin}: `charts[{index}]` of the kind `{chart.kind}` needs the rows of one run"
-            raise ScenarioError(problem, "it belongs in `[[plot.charts]]` of the scenario")
+            raise ScenarioError(problem, "Move it to `[[plot.charts]]` of the scenario.")
     try:
         drawable.check_charts(charts, "charts", columns(plan.scenario, plan.cases))
     except CosimError as error:

@@ -1,4 +1,4 @@
-"""What the command `cosim sweep` does, from the study file to the files in the folder of results."""
+"""The command `cosim sweep`, from the study file to the files in the folder of results."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the command, as `cosim.sweep` tells them; `folder` is that of the results."""
+    """Options of the command, as in `cosim.sweep`; `folder` is that of the results."""
 
     file: Path
     folder: Path
@@ -48,13 +48,13 @@ class Options:
     traces: bool = True
 
     def __post_init__(self) -> None:
-        """Refuse an address that was forgotten: the runs would be done here."""
+        """Reject an empty address: the runs would be executed here."""
         if self.cluster == "":
-            raise CosimError("`--cluster` is empty", "leave it out to run on this machine")
+            raise CosimError("`--cluster` is empty", "Omit it to run on this machine.")
 
 
 def execute(options: Options) -> tuple[Summary, RenderableType]:
-    """Do what is left of a study as `run_study` does; returns the survey and its tables."""
+    """Continue a study as `run_study`; return the summary and its tables."""
 
     def tables(plan: Plan, store: Store, found: Summary) -> tuple[Summary, RenderableType]:
         return found, summary_tables.tables(plan, found, worst(plan, found))
@@ -63,14 +63,14 @@ def execute(options: Options) -> tuple[Summary, RenderableType]:
 
 
 def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
-    """Do what is left of a study and write its summary; returns what `take` makes of it.
+    """Continue a study and write its summary; return the result of `take`.
 
     Raises
     ------
     CosimError
-        The study is wrong, the folder cannot be written, no worker can be had, or plots do not start.
+        The study is wrong, the folder cannot be written, no worker can be started, or plots fail.
     KeyboardInterrupt
-        After the summary of what was done has been written.
+        After the summary of the completed runs was written.
     """
     with planning(options) as told:
         plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine), told)
@@ -89,7 +89,7 @@ def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
 
 
 def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None:
-    """Write tables and plots of the rows that are there."""
+    """Write tables and plots of the existing rows."""
     save_csv(found.columns, folder / "summary.csv")
     save_parquet(found.columns, folder / "summary.parquet")
     if plots and found.results:
@@ -101,7 +101,7 @@ def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None
 
 
 def pool_of(plan: Plan, options: Options) -> Pool:
-    """Where the runs are done."""
+    """Pool of the runs."""
     limits = plan.study.limits.of_workers()
     if options.cluster is not None:
         return functools.partial(cluster.outcomes, address=options.cluster, limits=limits)
@@ -123,7 +123,7 @@ def planning(options: Options) -> Iterator[Progress | None]:
 
 @contextlib.contextmanager
 def progress(plan: Plan, store: Store, options: Options) -> Iterator[Observer]:
-    """Bar on stderr with rate and time left; lines now and then if that is not a terminal."""
+    """Bar on stderr with rate and remaining time; periodic lines if that is not a terminal."""
     from rich.progress import MofNCompleteColumn
 
     counted = "{task.fields[failed]} failed, {task.fields[lost]} without result, {task.fields[rate]}"

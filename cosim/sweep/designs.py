@@ -1,4 +1,4 @@
-"""Designs of experiments: which values a study tries, as pure functions of its tables and its seed."""
+"""Designs of experiments: the cases of a study, as pure functions of its tables and its seed."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def grid(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
 
 
 def latin_hypercube(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
-    """Each key's range is cut into `samples` parts of equal probability, and every part is met once."""
+    """Latin hypercube: the range of each key has `samples` intervals of equal probability, each sampled once."""
     sampler = quasi_monte_carlo().LatinHypercube(len(varied), rng=generator(seed))
     return points(varied, sampler.random(samples))
 
 
 def sobol(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
-    """Scrambled Sobol sequence; more samples only add to it, powers of two are balanced."""
+    """Scrambled Sobol sequence; more samples extend it, powers of two are balanced."""
     # scipy warns of other numbers than powers of two, the balance is the user's choice
     sampler = sobol_sampler(len(varied), seed)
     power = math.ceil(math.log2(samples)) if samples > 1 else 0
@@ -42,7 +42,7 @@ def sobol(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
 
 
 def monte_carlo(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
-    """Independent draws; more samples only add to them."""
+    """Independent samples; more samples extend the list."""
     return points(varied, generator(seed).random((samples, len(varied))))
 
 
@@ -85,13 +85,13 @@ def sobol_sampler(dimensions: int, seed: int) -> Any:
         return quasi_monte_carlo().Sobol(dimensions, scramble=True, rng=generator(seed))
     except ValueError as error:
         problem = f"a Sobol sequence of {dimensions} dimensions cannot be made: {error}"
-        raise CosimError(problem, "fewer keys in `vary`, or `latin-hypercube`") from None
+        raise CosimError(problem, "Use fewer keys in `vary`, or `latin-hypercube`.") from None
 
 
 def quasi_monte_carlo() -> Any:
     """Return scipy's module of quasi-Monte-Carlo sequences."""
-    problem = "scipy is not installed, it makes `latin-hypercube`, `sobol` and `saltelli`"
-    hint = f"{extras.hint('sweep')}; `grid` and `monte-carlo` need nothing"
+    problem = "scipy is not installed; it makes `latin-hypercube`, `sobol` and `saltelli`"
+    hint = f"{extras.hint('sweep')} Or use `grid` or `monte-carlo`."
     return extras.needed("scipy.stats.qmc", problem, hint)
 
 
@@ -114,7 +114,7 @@ def combined(varied: Sequence[Vary], values: Any) -> Case:
 
 
 def value_at(vary: Vary, share: float) -> Any:
-    """Value of a key below which `share` of its distribution lies; 0 and 1 are the ends of its range."""
+    """Quantile `share` of the distribution of a key; 0 and 1 are the ends of its range."""
     if vary.values:
         return vary.values[int(min(share, MAX_OF_UNIT) * len(vary.values))]
     low, high = vary.range
@@ -132,7 +132,7 @@ def value_at(vary: Vary, share: float) -> Any:
 
 
 def normal_at(vary: Vary, share: float) -> float:
-    """Value of a normal distribution cut to its range."""
+    """Value of a truncated normal distribution."""
     mean, deviation = vary.mean or 0.0, vary.deviation or 0.0
     low, high = vary.range
     if low > mean:

@@ -1,4 +1,4 @@
-"""The table of a sweep on disk: as CSV, and as Parquet where pyarrow is installed."""
+"""The table of a sweep on disk: as CSV, and as Parquet if pyarrow is installed."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from typing import Any
 from cosim.writing import whole
 
 Table = dict[str, list[Any]]
-"""Columns by name, all of one length; None where a run has no value."""
+"""Columns by name, all of one length; None if a run has no value."""
 BLOCK = 1 << 20
-"""Bytes that are read at once; a row is never longer."""
+"""Bytes of a read block; a row is never longer."""
 
 
 def save_csv(table: Table, file: Path) -> None:
@@ -32,7 +32,7 @@ def save_csv(table: Table, file: Path) -> None:
 
 
 def shown(value: Any) -> Any:
-    """Value in a CSV file: as TOML where that is something else."""
+    """Value in a CSV file, as TOML if necessary."""
     return str(value).lower() if isinstance(value, bool) else value
 
 
@@ -74,7 +74,7 @@ def fields(pyarrow: Any, columns: Table) -> list[tuple[str, Any]]:
 
 
 def of_one_kind(values: list[Any]) -> list[Any]:
-    """Values of a column: with a point where some number has one, as texts where there are several types."""
+    """Values of a column: floats if one is a float, texts if there are several types."""
     kinds = {type(value) for value in values if value is not None}
     if kinds == {int, float}:
         return [None if value is None else float(value) for value in values]

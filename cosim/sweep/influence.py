@@ -1,4 +1,4 @@
-"""Sensitivity of a sweep for a reader: table, tornado plots and heat map."""
+"""Presentation of the sensitivity of a sweep: table, tornado plots and heat map."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from cosim.show.listing import plain_table
 from cosim.sweep.sensitivity import Estimate, Influence
 
 MAX_KEYS = 6
-"""Keys in a table, the strongest; the plots and the JSON have all."""
+"""Maximum number of keys in a table; the plots and the JSON have all."""
 MAX_TORNADOS = 9
 
 
 def table(found: list[Influence]) -> RenderableType:
-    """Rank correlation of each metric with the strongest keys; bold where its interval is clear of zero."""
+    """Rank correlation of each metric with the strongest keys; bold if its interval excludes zero."""
     keys = ranked_keys(found)
     shown = plain_table("sensitivity of", *keys[:MAX_KEYS])
     for row in rows(found):
         shown.add_row(*row)
     if len(keys) > MAX_KEYS:
-        shown.caption = f"and {len(keys) - MAX_KEYS} keys that matter less, see `sensitivity.svg`"
+        shown.caption = f"and {len(keys) - MAX_KEYS} weaker keys, see `sensitivity.svg`"
     return shown
 
 
@@ -38,7 +38,7 @@ def rows(found: list[Influence]) -> list[list[Text]]:
 
 
 def cell(entry: Influence) -> Text:
-    """Rank correlation with its interval, and Sobol indices where there are any."""
+    """Rank correlation with its interval, and Sobol indices if available."""
     if math.isnan(entry.rank.value):
         return Text("")
     text = f"{entry.rank.value:+.2f} ({entry.rank.low:+.2f} .. {entry.rank.high:+.2f})"
@@ -58,7 +58,7 @@ def names(found: list[Influence]) -> list[str]:
 
 
 def ranked_keys(found: list[Influence]) -> list[str]:
-    """Keys by what they move most, the strongest first."""
+    """Keys by their strongest effect, the strongest first."""
     strength: dict[str, float] = {}
     for entry in found:
         strength[entry.key] = max(entry.strength, strength.get(entry.key, -1.0))
@@ -93,7 +93,7 @@ def save_plots(found: list[Influence], title: str, file: Path) -> None:
 def draw_heat_map(
     figure: Any, axes: Any, found: list[Influence], metrics: list[str], keys: list[str]
 ) -> None:
-    """Rank correlation of every metric with every key as a colour and a number."""
+    """Rank correlation of every metric with every key as a color and a number."""
     by_both = {(entry.metric, entry.key): entry.rank.value for entry in found}
     values = np.array([[by_both[metric, key] for key in keys] for metric in metrics])
     image = axes.imshow(values, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
@@ -107,13 +107,13 @@ def draw_heat_map(
 
 
 def draw_tornado(axes: Any, entries: list[Influence]) -> None:
-    """Bars of one metric, the strongest key on top: Sobol indices, or else rank correlations."""
+    """Bars of one metric, the strongest key on top: Sobol indices, otherwise rank correlations."""
     keys = [entry.key for entry in entries]
     if entries[0].total is not None:
         draw_bars(axes, -0.2, [entry.first for entry in entries], "tab:blue", "first order")
         draw_bars(axes, 0.2, [entry.total for entry in entries], "tab:orange", "total")
         axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
-        axes.set_xlabel("part of the variance")
+        axes.set_xlabel("fraction of the variance")
         axes.legend(fontsize=7, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     else:
         draw_bars(axes, 0.0, [entry.rank for entry in entries], "tab:blue", "")

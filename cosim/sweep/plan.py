@@ -1,4 +1,4 @@
-"""The runs of a study: all of them are checked, and get their seed and hash, before the first begins."""
+"""The runs of a study: checked, with seed and hash, before the first run starts."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from cosim.sweep.run_hash import digest, finished, leaf, plant_of, project, sect
 from cosim.sweep.study import Study
 
 MAX_SETTINGS = 1000
-"""Settings that are remembered while runs are planned."""
+"""Maximum number of cached settings during planning."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +40,11 @@ class Run:
     Parameters
     ----------
     number, case
-        Number of the run, and of its case in the design; both from 0.
+        Number of the run, and of its case in the design; both start at 0.
     changes
         Keys that the design varies, with their values.
     hash
-        SHA-256, in hexadecimal, of everything that its numbers depend on.
+        SHA-256, in hexadecimal, of everything that affects its results.
     """
 
     number: int
@@ -56,16 +56,16 @@ class Run:
 
 @dataclass(frozen=True)
 class Setting:
-    """What runs share that differ in nothing but parameters.
+    """Common data of runs that differ only in parameters.
 
     Parameters
     ----------
     files, plant
         The FMUs by their names, and the class of the plant.
     places
-        Where the tables of the FMUs and the plant stand in the scenario, by their names.
+        Locations of the tables of FMUs and plant in the scenario, by their names.
     leaves
-        Hashes of the parameters that the scenario gives, by their places.
+        Hashes of the parameters in the scenario, by their locations.
     total
         Sum of the hashes of everything.
     """
@@ -107,7 +107,7 @@ class Plan:
         self.runs = Runs(self, progress)
 
     def admit(self, index: int) -> int:
-        """Check one case; returns the sum of the hashes of all that its numbers depend on."""
+        """Check one case; return the sum of the hashes of everything that affects its results."""
         case = self.cases[index]
         parameters = {key: value for key, value in case.items() if is_parameter(key, self.named)}
         rest = {key: value for key, value in case.items() if key not in parameters}
@@ -125,13 +125,13 @@ class Plan:
             raise
 
     def setting(self, changes: Case, index: int) -> Setting:
-        """Check a case without the parameters that it varies."""
+        """Check a case without its varied parameters."""
         merged = self.merged(changes, index)
         scenario = self.build(merged)
         files, kind, made = check(scenario)
         names = [metric.name for metric in scenario.metric]
         if (metric := self.study.traces.metric) and metric not in names:
-            problem = f"{self.origin}: `traces.metric` is `{metric}`, there is no such metric"
+            problem = f"{self.origin}: `traces.metric` = `{metric}` is not a metric of the scenario"
             raise ScenarioError(problem, closest(metric, names))
         base = self.base.table
         parts = (
@@ -146,7 +146,7 @@ class Plan:
         return Setting(files, kind, places, leaves, sum(parts) + total(things(scenario, files, made)))
 
     def merged(self, case: Case, index: int) -> overrides.Overrides:
-        """Layers of one case."""
+        """Merged tables of one case."""
         merged = self.base.copy()
         for key, value in case.items():
             overrides.assign(merged, key, value, f"{self.origin}, case {index}")
@@ -157,7 +157,7 @@ class Plan:
         return build(merged, (self.base, self.scenario))
 
     def seed(self, number: int) -> int:
-        """Seed of one run: by its number, never by the order in which runs are done."""
+        """Seed of one run: from its number, independent of the order of execution."""
         design = self.study.design
         index, repeat = divmod(number, design.repeats)
         given = self.cases[index].get("loop.seed", self.study.set.get("loop.seed"))
@@ -176,7 +176,7 @@ class Plan:
         return Job(scenario, run.seed, self.engine, keep_trace, tuple(map(digest, files)))
 
     def command(self, run: Run) -> str:
-        """Command line that repeats a run, from the working directory of now."""
+        """Command line that repeats a run from the current working directory."""
         named = not self.study.scenario.endswith(".toml")
         scenario = self.study.scenario if named else paths.shown(self.file)
         changes = {**self.study.set, **run.changes}
@@ -186,14 +186,14 @@ class Plan:
 
 
 def things(scenario: Scenario, files: dict[str, FmuFile], plant_hash: str) -> dict[str, str]:
-    """Hashes of what the numbers of a run depend on beside the values of its scenario."""
+    """Hashes of everything that affects the results of a run, except the values of its scenario."""
     signals = {f"signal.{to}": digest(path) for to, path in time_series.files(scenario).items()}
     digests = {f"fmu.{name}": digest(file.path) for name, file in files.items()}
     return {**project(), **signals, **digests, "plant": plant_hash}
 
 
 class Runs(Sequence[Run]):
-    """The runs of a plan, made as they are asked for; only their seeds and hashes are held."""
+    """The runs of a plan, created on demand; only their seeds and hashes are stored."""
 
     def __init__(self, plan: Plan, progress: Progress | None = None) -> None:
         self.cases, self.repeats = plan.cases, plan.study.design.repeats
@@ -231,13 +231,13 @@ class Runs(Sequence[Run]):
 
 @functools.lru_cache(1000)
 def is_parameter(key: str, names: tuple[str, ...]) -> bool:
-    """Whether a key of a scenario is a parameter of the plant or an FMU, whose names are given."""
+    """Whether a key of a scenario is a parameter of the plant or of a named FMU."""
     part, _, name = key.partition(".")
     return part in names and name not in (("name",) if part == "plant" else ("fmu", "step"))
 
 
 def exchange(setting: Setting, key: str, value: Any) -> int:
-    """Check the value of a parameter; returns what it changes in the sum of a setting's hashes."""
+    """Check the value of a parameter; return its change of the sum of hashes."""
     part, _, name = key.partition(".")
     name = name.removeprefix("parameters.")
     if part == "plant":
@@ -269,7 +269,7 @@ def check(scenario: Scenario) -> tuple[dict[str, FmuFile], Any, str]:
     Raises
     ------
     CosimError
-        What the run would refuse.
+        An error of the run.
     """
     with located(scenario):
         files = fmus.open_files(scenario)

@@ -1,4 +1,4 @@
-"""A sweep called from Python, and what it gives."""
+"""A sweep from Python, and its result."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class SweepResult:
     folder
         Folder of `results.jsonl`, tables, plots and traces.
     summary
-        Counts, quantiles and what gave no result.
+        Counts, quantiles and runs without result.
     rows
-        One for each run: run, case, seed, status, reason, what was set, metrics, criteria, times, hash.
+        One row per run: run, case, seed, status, reason, settings, metrics, criteria, times, hash.
     """
 
     study: str
@@ -39,7 +39,7 @@ class SweepResult:
 
     @property
     def passed(self) -> bool | None:
-        """Whether every run of the study passed; None where all were done and nothing was demanded."""
+        """Whether every run of the study passed; None if all were completed without criteria."""
         return self.summary.passed
 
     def __len__(self) -> int:
@@ -47,7 +47,7 @@ class SweepResult:
         return len(self.rows)
 
     def __repr__(self) -> str:
-        """One line: study and how many runs passed."""
+        """One line: study and number of passed runs."""
         return f"<SweepResult of {self.study}: {summary_tables.verdict(self.summary).plain}>"
 
     def _repr_html_(self) -> str:
@@ -58,7 +58,7 @@ class SweepResult:
             (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
             for name, values in quantities(found).items()
         ]
-        tables = [html.table(("criterion", "holds in"), held), html.table(("metric", *QUANTILES), spread)]
+        tables = [html.table(("criterion", "passed in"), held), html.table(("metric", *QUANTILES), spread)]
         return "\n".join([html.heading(self.study, summary_tables.verdict(found).plain), *tables])
 
     def to_dataframe(self) -> Any:
@@ -85,7 +85,7 @@ def sweep(
     plots: bool = False,
     quiet: bool = True,
 ) -> SweepResult:
-    """Run the cases of a study on many processes; what is done already is not done again.
+    """Run the cases of a study in parallel; completed runs are not repeated.
 
     Parameters
     ----------
@@ -94,22 +94,22 @@ def sweep(
     out
         Folder of the results, by default `<study>.sweep` in the working directory.
     workers
-        Worker processes on this machine; None is one per core.
+        Number of worker processes on this machine; None is one per core.
     cluster
         Address of a Dask scheduler; None runs on this machine.
     engine
         `native` or `reference`.
     again
-        Whether runs without a result are done again.
+        Whether to repeat runs without a result.
     plots
-        Whether to draw plots, if matplotlib is installed.
+        Whether to make plots, if matplotlib is installed.
     quiet
-        No progress on stderr.
+        Whether to hide the progress on stderr.
 
     Raises
     ------
     CosimError
-        The study is wrong, the folder cannot be written, or no worker can be had.
+        The study is wrong, the folder cannot be written, or no worker can be started.
     """
     file = Path(study)
     folder = folder_of(out, Path(f"{file.stem}.sweep"))
@@ -117,6 +117,6 @@ def sweep(
 
 
 def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:
-    """Take what is left of a sweep into memory."""
+    """Read the results of a sweep into memory."""
     name = plan.study.title or plan.study.name
     return SweepResult(name, store.folder, found, list(rows(plan, store)))

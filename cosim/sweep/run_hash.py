@@ -1,4 +1,4 @@
-"""Hash of what the numbers of a run depend on: its scenario, its FMU, its plant and the project."""
+"""Hash of everything that affects the results of a run: scenario, FMU, plant and project."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from cosim.pool import trial
 from cosim.scenario.overrides import is_tables
 
 PRESENTATION = ("title", "description", "plot")
-"""Parts of a scenario that change no number."""
+"""Parts of a scenario without effect on results."""
 PACKAGES = ("mujoco-core", "fmpy", "numpy")
 """Their versions are part of every hash."""
 ROOMS = ("fmu", "loop", "metrics", "scenario")
-"""Folders of cosim that make the numbers of a run."""
+"""Folders of cosim that affect the results of a run."""
 CODE = (".py", ".xml", ".so", ".pyd")
-"""Files of a package that act in a run."""
+"""Files of a package that affect a run."""
 MODULUS = 1 << 256
 PROJECT = [Path(__file__).resolve().parents[2] / name for name in ("plants", "cosim")]
-"""Packages whose files are part of every hash, as they are."""
+"""Packages whose files are part of every hash."""
 
 
 def total(leaves: Mapping[str, Any]) -> int:
-    """Sum of the hashes of values and what they belong to: one can be replaced without the others."""
+    """Sum of the hashes of values with their locations, so that one value can be replaced."""
     return sum(leaf(key, value) for key, value in leaves.items()) % MODULUS
 
 
@@ -48,12 +48,12 @@ def finished(summed: int, seed: int) -> bytes:
 
 
 def section(name: str, value: Any) -> dict[str, Any]:
-    """Every value in a part of a scenario by its place; none where it changes no number."""
+    """Every value in a part of a scenario by its location; none without effect on results."""
     return {} if name in PRESENTATION else dict(values(name, value))
 
 
 def values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield places and values; arrays other than those of tables are one value."""
+    """Yield locations and values; arrays other than those of tables are one value."""
     if isinstance(value, dict):
         for name, item in value.items():
             yield from values(f"{key}.{name}", item)
@@ -65,20 +65,20 @@ def values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of a file as it is now."""
+    """SHA-256 of the current file."""
     state = path.stat()
     return digest_of(path, state.st_mtime_ns, state.st_size)
 
 
 @functools.cache
 def digest_of(path: Path, *_: int) -> str:
-    """SHA-256 of a file of that time and size."""
+    """SHA-256 of a file with this time and size."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 @functools.cache
 def plant_of(name: str, folder: Path) -> tuple[Any, str]:
-    """Class of a plant and the SHA-256 of what it is made of; every plan asks anew."""
+    """Class of a plant and the SHA-256 of its sources; computed again for every plan."""
     module, colon, _ = name.partition(":")
     if colon and not own_code.is_imported(module, folder):
         trial.import_plant(name, folder)
@@ -92,7 +92,7 @@ def plant_of(name: str, folder: Path) -> tuple[Any, str]:
 
 
 def sources(kind: Any, folder: Path) -> list[Path]:
-    """Files of a plant's class and its bases, and of what these import from beside them or the scenario."""
+    """Files of a plant's class and its bases, and of their imports from their folder or that of the scenario."""
     modules = [sys.modules.get(base.__module__) for base in kind.__mro__]
     files = {Path(file).resolve() for module in modules if (file := getattr(module, "__file__", None))}
     files |= {found for file in files if not is_installed(file) for found in imported(file, folder)}
@@ -101,7 +101,7 @@ def sources(kind: Any, folder: Path) -> list[Path]:
 
 
 def is_installed(file: Path) -> bool:
-    """Whether a file is Python's, of an installed package, of the project, or no Python at all."""
+    """Whether a file belongs to Python, an installed package or the project, or is not Python code."""
     places = [*map(Path, sysconfig.get_paths().values()), *PROJECT]
     return file.suffix != ".py" or any(file.is_relative_to(place.resolve()) for place in places)
 
@@ -122,7 +122,7 @@ def imported(module: Path, folder: Path) -> set[Path]:
 
 @functools.cache
 def project() -> dict[str, str]:
-    """Versions and contents of what computes the numbers, beside FMU and plant."""
+    """Versions and contents of everything that computes the results, except FMU and plant."""
     plants, cosim = PROJECT
     files = [*plants.rglob("*"), *cosim.glob("*"), *(f for room in ROOMS for f in (cosim / room).rglob("*"))]
     files = sorted((file for file in files if file.suffix in CODE), key=lambda file: file.parts[::-1])
@@ -133,7 +133,7 @@ def project() -> dict[str, str]:
 
 
 def native() -> Path:
-    """File of the module with the native code of plants and loop."""
+    """File of the native module of plants and engine."""
     found = importlib.util.find_spec("machining_native")
     assert found is not None
     assert found.origin is not None
@@ -141,5 +141,5 @@ def native() -> Path:
 
 
 def joined(parts: list[str]) -> str:
-    """SHA-256 of several."""
+    """SHA-256 of several hashes."""
     return hashlib.sha256("".join(parts).encode()).hexdigest()

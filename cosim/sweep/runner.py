@@ -1,4 +1,4 @@
-"""A sweep: the runs of a study that are not done yet, on many processes, row by row into a folder."""
+"""A sweep: executes the missing runs of a study in parallel and writes their rows into a folder."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ from cosim.sweep.summary import Summary
 
 log = logging.getLogger("cosim")
 Pool = Callable[[Iterable[Numbered]], Generator[Finished]]
-"""Runs jobs and yields their outcomes as they come: on this machine or on a cluster."""
+"""Runs jobs and yields their outcomes in order of completion: on this machine or on a cluster."""
 MAX_PLOTS = 3
-"""Plots of the worst runs: a plot takes longer than a run."""
+"""Maximum plots of the worst runs: a plot takes longer than a run."""
 Observer = Callable[[Row], None]
-"""Told every new row."""
+"""Called with every new row."""
 
 
 def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool = False) -> None:
-    """Do the runs that have no row yet.
+    """Execute the runs without a row.
 
-    Whatever stops it, Ctrl-C included, the rows written stay, and the next call goes on from there.
+    After any interruption, such as Ctrl-C, the written rows remain and the next call continues from them.
 
     Parameters
     ----------
     plan, store
-        Runs, and where their rows are.
+        Runs, and store of their rows.
     pool
-        Where they run.
+        Pool of the runs.
     observe
-        Told every new row.
+        Called with every new row.
     again
-        Whether runs without a result (`error`, `crashed`, `timeout`, `memory`, `lost`) are done again.
+        Whether runs without a result (`error`, `crashed`, `timeout`, `memory`, `lost`) are repeated.
     """
     for run, outcome in outcomes(plan, pending(plan, store, again), pool, keep_trace=False):
         row = row_of(run, outcome)
@@ -49,7 +49,7 @@ def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool =
 
 
 def pending(plan: Plan, store: Store, again: bool) -> list[int]:
-    """List the numbers of the runs to be done, each hash once."""
+    """List the numbers of the missing runs, each hash once."""
     done = DONE if again else (*DONE, *TROUBLES)
     hashes = ((number, plan.runs.hash(number)) for number in range(len(plan.runs)))
     return list({name: number for number, name in hashes if store.status(name) not in done}.values())
@@ -58,7 +58,7 @@ def pending(plan: Plan, store: Store, again: bool) -> list[int]:
 def outcomes(
     plan: Plan, numbers: Iterable[int], pool: Pool, keep_trace: bool
 ) -> Iterator[tuple[Run, Outcome]]:
-    """Yield runs with their outcomes as they come; scenarios are built as workers ask for them."""
+    """Yield runs with their outcomes in order of completion; scenarios are built on demand."""
     jobs = ((number, plan.job(plan.runs[number], keep_trace)) for number in numbers)
     with contextlib.closing(pool(jobs)) as done:
         for number, outcome in done:
@@ -66,7 +66,7 @@ def outcomes(
 
 
 def save_traces(plan: Plan, store: Store, found: Summary, pool: Pool, plots: bool) -> None:
-    """Run the failed and the worst runs again, save their traces and plot the worst; what is there stays."""
+    """Repeat the failed and the worst runs, save their traces and plot the worst; existing files stay."""
     folder = store.folder / "traces"
     drawn = worst(plan, found)[:MAX_PLOTS] if plots else []
     names = {number: f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen(plan, found)}
@@ -81,9 +81,7 @@ def save_traces(plan: Plan, store: Store, found: Summary, pool: Pool, plots: boo
             log.warning("run %d could not be repeated for its trace: %s", run.number, outcome)
             continue
         if row_of(run, outcome)["metrics"] != before["metrics"]:
-            log.warning(
-                "run %d gives other numbers when it is repeated: something in it is random", run.number
-            )
+            log.warning("run %d gives other results when it is repeated: it is not deterministic", run.number)
         file = files[run.number]
         outcome.save_trace(file)
         if run.number in drawn:
@@ -98,7 +96,7 @@ def make(folder: Path) -> None:
     try:
         folder.mkdir(exist_ok=True)
     except FileExistsError:
-        raise CosimError(f"cannot write traces: `{paths.shown(folder)}` is no folder") from None
+        raise CosimError(f"cannot write traces: `{paths.shown(folder)}` is not a folder") from None
     except OSError as error:
         raise CosimError(
             f"cannot write traces to `{paths.shown(folder)}`: {error.strerror or error}"

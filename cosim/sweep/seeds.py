@@ -1,4 +1,4 @@
-"""One scenario with many seeds: which ones, their runs, and what they say together."""
+"""One scenario with many seeds: selection, runs and summary."""
 
 from __future__ import annotations
 
@@ -25,32 +25,32 @@ from cosim.sweep.store import VERDICTS
 from cosim.sweep.summary import Summary, quantities
 
 MAX_SEEDS = 100_000
-"""More seeds than these want a study, which keeps what is done."""
+"""Maximum number of seeds; use a study for more."""
 PART = re.compile(r"(\d{1,18})(?:\.\.(\d{1,18}))?")
 
 
 def parse(text: str) -> list[int]:
-    """Seeds of a text such as `1..20`, `3,5,8` or `1..10,100`; both ends belong to a range.
+    """Seeds of a text such as `1..20`, `3,5,8` or `1..10,100`; ranges include both ends.
 
     Raises
     ------
     CosimError
-        The text is no such list, names a seed twice, or too many.
+        The text is not such a list, repeats a seed, or has too many.
     """
     seeds: list[int] = []
     for part in text.split(","):
         found = PART.fullmatch(part.strip())
         if found is None:
-            problem = f"`--seeds {text}`: `{part.strip()}` is no seed and no range"
-            raise CosimError(problem, "give seeds as `1..20`, `3,5,8` or `1..10,100`")
+            problem = f"`--seeds {text}`: `{part.strip()}` is not a seed or range"
+            raise CosimError(problem, "Give seeds as `1..20`, `3,5,8` or `1..10,100`.")
         first, last = int(found[1]), int(found[2] or found[1])
         if last < first:
             raise CosimError(
-                f"`--seeds {text}`: `{part.strip()}` ends before it begins", f"`{last}..{first}`"
+                f"`--seeds {text}`: `{part.strip()}` ends before it starts", f"`{last}..{first}`"
             )
         if len(seeds) + last - first >= MAX_SEEDS:
             problem = f"`--seeds {text}` names more than {MAX_SEEDS} seeds"
-            raise CosimError(problem, "a study of `cosim sweep` takes more, and keeps what is done")
+            raise CosimError(problem, "Use a study of `cosim sweep`, which stores completed runs.")
         seeds += range(first, last + 1)
     if len(set(seeds)) < len(seeds):
         again = Counter(seeds).most_common(1)[0][0]
@@ -65,16 +65,16 @@ def run(
     limits: Limits | None = None,
     progress: Progress | None = None,
 ) -> list[Outcome]:
-    """Run a scenario with many seeds on all cores; a run that gives no result stops no other.
+    """Run a scenario with many seeds on all cores; an error in one does not stop the others.
 
     Parameters
     ----------
     scenario, seeds, engine
         As for `cosim.run_many`.
     limits
-        What each run may take; None runs them in this process, one after the other.
+        Limits of each run; None runs them in this process, one after the other.
     progress
-        Told the runs done and in all.
+        Called with the completed and the total number of runs.
     """
     workers = 1 if limits is None else None
     found: list[Outcome] = []
@@ -89,7 +89,7 @@ def run(
 
 
 def summarize(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Summary:
-    """Take counts and distributions; what gave no result is told with its first seed."""
+    """Compute counts and distributions; runs without result are listed with their first seed."""
     found = Summary(len(seeds))
     values: dict[str, list[float]] = {}
     for seed, outcome in zip(seeds, outcomes, strict=True):
@@ -110,7 +110,7 @@ def summarize(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Summary:
 
 
 def tables(scenario: Scenario, found: Summary) -> RenderableType:
-    """Criteria, metrics, what gave no result, and the verdict."""
+    """Tables of criteria, metrics and runs without result, and the verdict."""
     parts: list[RenderableType] = [Text(f"{scenario.name}: {scenario.title}", style="bold"), ""]
     if scenario.criterion and found.results:
         parts += [summary_tables.criteria_table(scenario, found), ""]
@@ -122,7 +122,7 @@ def tables(scenario: Scenario, found: Summary) -> RenderableType:
 
 
 def plain(seed: int, outcome: Outcome) -> dict[str, Any]:
-    """One run as plain data for JSON: its result, or why there is none."""
+    """One run as plain data for JSON: its result or its error."""
     if isinstance(outcome, Result):
         return outcome.to_dict()
     return {"seed": seed, "passed": False, "error": outcome.message, "hint": outcome.hint}

@@ -1,10 +1,10 @@
-"""How much each varied key of a sweep moves each metric: rank correlation, and Sobol indices where it can be.
+"""Sensitivity of each metric to each varied key: rank correlation, and Sobol indices if possible.
 
-Sobol indices share the variance of a metric out among the keys. The first-order index is the part that goes
-when one key is known, `S_i = V[E[f | x_i]] / V[f]`; the total index the part that stays when all others are
-known, `T_i = E[V[f | all but x_i]] / V[f]`. They are told by a design of two independent sets of points, A
-and B, and for each key the set A with the values of that key from B (AB_i). As f(B) and f(AB_i) share x_i
-alone, their covariance is V[E[f | x_i]]; as f(A) and f(AB_i) share all but x_i, half the mean square of their
+Sobol indices divide the variance of a metric among the keys. The first-order index is the fraction that vanishes
+if one key is known, `S_i = V[E[f | x_i]] / V[f]`; the total index the fraction that remains if all others are
+known, `T_i = E[V[f | all but x_i]] / V[f]`. They follow from a design of two independent sets of points, A
+and B, and for each key the set A with the values of that key from B (AB_i). As f(B) and f(AB_i) share only
+x_i, their covariance is V[E[f | x_i]]; as f(A) and f(AB_i) share all but x_i, half the mean square of their
 difference is E[V[f | all but x_i]].
 
 Saltelli et al. (2010), Variance based sensitivity analysis of model output, Comput. Phys. Commun. 181.
@@ -30,24 +30,24 @@ from cosim.sweep.store import DONE
 Array = NDArray[np.float64]
 
 FEWEST_RUNS = 10
-"""Runs with a result below which nothing is said: the interval would be nearly all of -1 .. 1."""
+"""Minimum number of results; with fewer the interval would be nearly -1 .. 1."""
 RESAMPLES = 400
-"""Bootstrap samples; the ends of a 95 % interval are then known to about a tenth of its width."""
+"""Number of bootstrap samples; the ends of a 95 % interval are then accurate to about a tenth of its width."""
 INTERVAL = (0.025, 0.975)
 
 
 @dataclass(frozen=True)
 class Influence:
-    """How one key moves one metric.
+    """Effect of one key on one metric.
 
     Parameters
     ----------
     metric, key
-        Which of them.
+        Names of metric and key.
     rank
-        Rank correlation (Spearman), -1 .. 1: how far the metric only rises or only falls with the key.
+        Rank correlation (Spearman), -1 .. 1: how monotonic the metric is in the key.
     first, total
-        Sobol indices; None where the design has none.
+        Sobol indices; None if the design has none.
     """
 
     metric: str
@@ -58,7 +58,7 @@ class Influence:
 
     @property
     def strength(self) -> float:
-        """What keys are ordered by: the total index, else the size of the rank correlation."""
+        """Sort key: the total index, otherwise the absolute rank correlation."""
         value = abs(self.rank.value) if self.total is None else self.total.value
         return value if math.isfinite(value) else -1.0
 
@@ -89,12 +89,12 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
     plan
         The runs.
     table
-        Columns of the rows that are there, see `survey`.
+        Columns of the existing rows, see `Summary`.
 
     Returns
     -------
     list of Influence
-        Nothing with too few results.
+        Empty with too few results.
     """
     done = [line for line, status in enumerate(table["status"]) if status in DONE]
     if len(done) < FEWEST_RUNS:
@@ -118,7 +118,7 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
 
 
 def numbers(column: Sequence[Any], lines: Sequence[int]) -> Array:
-    """Lines of a column as numbers, NaN where there is none; texts such as names of a mode are none."""
+    """Values of a column as numbers; NaN for missing values and texts."""
     values = (column[line] for line in lines)
     return np.array([float(value) if isinstance(value, int | float) else math.nan for value in values])
 
@@ -129,7 +129,7 @@ def varies(column: Array) -> bool:
 
 
 def rank(x: Array, y: Array) -> Estimate:
-    """Rank correlation of the rows where both are finite.
+    """Rank correlation of the rows with two finite values.
 
     Its interval is that of Bonett and Wright (2000): `artanh r` is normal with the variance
     `(1 + r^2 / 2) / (n - 3)`.
@@ -146,7 +146,7 @@ def rank(x: Array, y: Array) -> Estimate:
 
 
 def ranks(column: Array) -> Array:
-    """Place of each number in the order of all, from 1; equal numbers share the mean of theirs."""
+    """Rank of each number, from 1; equal numbers have their mean rank."""
     # as scipy.stats.rankdata, whose import takes longer than most sweeps that are watched
     _, group, sizes = np.unique(column, return_inverse=True, return_counts=True)
     means: Array = np.cumsum(sizes) - (sizes - 1) / 2
@@ -154,7 +154,7 @@ def ranks(column: Array) -> Array:
 
 
 def sobol_of(plan: Plan, cases: Sequence[int], values: Array) -> dict[str, tuple[Estimate, Estimate]]:
-    """Sobol indices of a metric by key, from the samples of which every run has a result."""
+    """Sobol indices of a metric by key, from the samples with complete results."""
     keys = [vary.key for vary in plan.study.vary]
     by_case: dict[int, list[float]] = defaultdict(list)
     for case, value in zip(cases, values, strict=True):
@@ -180,7 +180,7 @@ def sobol(table: Array, seed: int) -> list[tuple[Estimate, Estimate]]:
     table
         Values at the points of a design `saltelli`, shape (samples, keys + 2): f(A), f(B), f(AB_1), ...
     seed
-        Of the bootstrap.
+        Seed of the bootstrap.
     """
     first, total = indices(table)
     rows = generator(seed).integers(len(table), size=(RESAMPLES, len(table)))

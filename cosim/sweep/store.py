@@ -1,4 +1,4 @@
-"""Results of a sweep on disk: one line of JSON for each run, written as it ends, found again by its hash."""
+"""Results of a sweep on disk: one line of JSON for each run, written at its end, identified by its hash."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from cosim.writing import naming
 log = logging.getLogger("cosim")
 FILE = "results.jsonl"
 Row = dict[str, Any]
-"""One line: run, case, seed, status, reason, what was set, metrics, criteria, times, hash."""
+"""One line: run, case, seed, status, reason, settings, metrics, criteria, times, hash."""
 VERDICTS = {True: "passed", False: "failed", None: "done"}
-"""Status of a result by `Result.passed`; without criteria it is only done."""
+"""Status of a result by `Result.passed`; `done` without criteria."""
 DONE = tuple(VERDICTS.values())
 """Statuses of runs that gave a result."""
 TROUBLES = ("error", "crashed", "timeout", "memory", "lost")
-"""Statuses of runs that gave none."""
+"""Statuses of runs without result."""
 Number = float | Literal["NaN", "Infinity", "-Infinity"]
 
 
 @dataclass(frozen=True)
 class RowSchema:
-    """What a row must look like; `metrics` and all behind it belong to runs that gave a result."""
+    """Fields of a row; `metrics` and all following fields belong to runs with a result."""
 
     run: int
     case: int
@@ -58,7 +58,7 @@ class RowSchema:
 
 
 class Store(Closing):
-    """The file `results.jsonl` of a folder, open for more rows; only their places are held in memory.
+    """The file `results.jsonl` of a folder, open for more rows; only their positions are in memory.
 
     Raises
     ------
@@ -71,7 +71,7 @@ class Store(Closing):
         self.shown = paths.shown(folder / FILE)
         self.places: dict[str, tuple[int, str]] = {}
         if paths.is_there(folder / FILE) and not paths.is_file(folder / FILE):
-            raise CosimError(f"cannot write results: `{self.shown}` is no file", "choose another `--out`")
+            raise CosimError(f"cannot write results: `{self.shown}` is not a file", "Choose another `--out`.")
         try:
             folder.mkdir(parents=True, exist_ok=True)
             # without a buffer: what could not be written is not tried again
@@ -88,7 +88,7 @@ class Store(Closing):
             raise
 
     def lock(self) -> None:
-        """Take the file for this process; the lock ends with it."""
+        """Lock the file for this process."""
         try:
             import fcntl
         except ImportError:  # this system has no such locks
@@ -98,11 +98,11 @@ class Store(Closing):
         except OSError:
             shown = paths.shown(self.folder)
             raise CosimError(
-                f"another sweep writes to `{shown}`", "wait for it, or choose another `--out`"
+                f"another sweep writes to `{shown}`", "Wait for it, or choose another `--out`."
             ) from None
 
     def scan(self) -> None:
-        """Find the rows that are there; nothing is removed, and a last line without its end gets one."""
+        """Index the existing rows; nothing is removed, and an incomplete last line is terminated."""
         place, line = 0, b"\n"
         for number, line in enumerate(self.reader, 1):
             self.note(line, number, place)
@@ -111,12 +111,12 @@ class Store(Closing):
             self.write(b"\n")
 
     def note(self, line: bytes, number: int, place: int) -> None:
-        """Remember the place of a row; what is no row is passed over."""
+        """Store the position of a row; other lines are skipped."""
         try:
             row = read(line)
             self.places[row["hash"]] = (place, row["status"])
         except (ValueError, RecursionError) as error:
-            text = "`%s`, line %d is no row (%s): it stays as it is, a run without another row is done again"
+            text = "`%s`, line %d is not a row (%s): it is kept, and a run without another row is repeated"
             log.warning(text, self.shown, number, error)
 
     def append(self, row: Row) -> None:
@@ -125,12 +125,12 @@ class Store(Closing):
         self.places[row["hash"]] = (self.write(line), row["status"])
 
     def write(self, line: bytes) -> int:
-        """Write to the end of the file, all or nothing; returns the place."""
-        with naming(self.shown, "what is in it stays; the same command goes on from there"):
+        """Append to the file, all or nothing; return the position."""
+        with naming(self.shown, "Run the same command again to continue; existing rows are kept."):
             place = self.file.seek(0, os.SEEK_END)
             try:
                 if self.file.write(line) != len(line):
-                    raise OSError(errno.ENOSPC, "no space left for a whole row")
+                    raise OSError(errno.ENOSPC, "no space left for a complete row")
             except OSError:
                 with contextlib.suppress(OSError):
                     self.file.truncate(place)
@@ -138,7 +138,7 @@ class Store(Closing):
         return place
 
     def status(self, name: str) -> str:
-        """Status of the run with a hash; empty if it has no row."""
+        """Status of the run with a hash; empty without a row."""
         return self.places.get(name, (0, ""))[1]
 
     def row(self, run: Run) -> Row | None:
@@ -157,7 +157,7 @@ class Store(Closing):
 
 
 def folder_of(out: str | Path | None, otherwise: Path) -> Path:
-    """Folder of results that was asked for, or another where none was.
+    """Requested folder of results, or the default.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def folder_of(out: str | Path | None, otherwise: Path) -> Path:
         Its name is empty, which would mean the working directory.
     """
     if out == "":
-        raise CosimError("`--out` is empty", "`--out .` is the working directory")
+        raise CosimError("`--out` is empty", "Use `--out .` for the working directory.")
     return otherwise if out is None else Path(out)
 
 
@@ -175,7 +175,7 @@ def read(line: bytes) -> Row:
     Raises
     ------
     ValueError
-        It is no row, or one that contradicts itself.
+        It is not a row, or it contradicts itself.
     """
     row: Any = json.loads(line)
 
@@ -183,19 +183,19 @@ def read(line: bytes) -> Row:
         raise ValueError(f"`{key}` {problem}")
 
     if not isinstance(row, dict):
-        raise ValueError("it is no object")
+        raise ValueError("it is not an object")
     shape = parse(RowSchema, row, "", fail)
     if shape.status in TROUBLES:
         return row
     if shape.status != status_of(shape.criteria.values()):
-        raise ValueError(f"`status` is `{shape.status}`, its `criteria` tell something else")
+        raise ValueError(f"`status` is `{shape.status}`, which contradicts its `criteria`")
     if shape.units.keys() != shape.metrics.keys() or shape.simulated_s is None or shape.wall_s is None:
         raise ValueError("`units` of its `metrics`, `simulated_s` or `wall_s` are missing")
     return row
 
 
 def status_of(held: Collection[bool]) -> str:
-    """Status of a run that gave a result, from whether each criterion holds."""
+    """Status of a run with a result, from its criteria."""
     return ("passed" if all(held) else "failed") if held else "done"
 
 
@@ -224,5 +224,5 @@ def row_of(run: Run, outcome: Outcome) -> Row:
 
 
 def failed(verdicts: list[Verdict]) -> str:
-    """Criteria that do not hold, as text."""
+    """Failed criteria, as text."""
     return ", ".join(verdict.criterion.id for verdict in verdicts if not verdict.passed)

@@ -1,4 +1,4 @@
-"""A study as data: one scenario, what is varied, and what a run may take."""
+"""A study as data: scenario, varied keys and limits of a run."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from cosim.scenario.toml import flatten, parse_file, toml_value
 from cosim.sweep.varied import Varied, check_keys, check_values, failing
 
 MAX_RUNS = 1_000_000
-"""More runs than any sweep has time for."""
+"""Maximum number of runs."""
 
 
 @dataclass(frozen=True)
 class Design:
-    """How the cases are made.
+    """Design of the cases.
 
     Parameters
     ----------
     kind
-        `list` takes the tables `[[case]]` or a CSV file, the others vary the keys of `[[vary]]`.
+        `list` uses the tables `[[case]]` or a CSV file, the others vary the keys of `[[vary]]`.
     samples
-        Number of cases of `latin-hypercube`, `sobol` and `monte-carlo`; of `saltelli`, whose cases give Sobol
-        indices, the number of points, each of which makes 2 cases and 1 for each key.
+        Number of cases of `latin-hypercube`, `sobol` and `monte-carlo`; for `saltelli`, which gives Sobol
+        indices, the number of points, each with 2 cases and 1 more for each key.
     file
-        CSV file of a `list`, beside the study; its first line holds the keys.
+        CSV file of a `list`, relative to the study; its first line holds the keys.
     repeats
         Runs of each case.
     seeds
-        `run`: each run has its own seed; `repeat`: the cases share the seeds of their repeats, so that they
-        meet the same noise.
+        `run`: each run has its own seed; `repeat`: the cases share the seeds of their repeats and so
+        have the same noise.
     """
 
     kind: Literal["grid", "list", "latin-hypercube", "sobol", "monte-carlo", "saltelli"]
@@ -52,18 +52,18 @@ class Design:
 
 @dataclass(frozen=True)
 class Traces:
-    """Which traces are kept: of runs that failed criteria (at most so many), and of the worst.
+    """Stored traces: of failed runs and of the worst runs.
 
     Parameters
     ----------
     failed
-        Most traces of runs that do not hold their criteria.
+        Maximum number of traces of failed runs.
     worst
         Number of worst runs by `metric`.
     metric
         Name of a metric of the scenario.
     direction
-        Which values of it are bad.
+        Direction of the worst values.
     """
 
     failed: int = limited(NOT_NEGATIVE_COUNT, 10)
@@ -79,14 +79,14 @@ class Study(Varied):
     Parameters
     ----------
     design
-        How the cases are made.
+        Design of the cases.
     case
         Cases of a `list`.
     traces
-        Which traces are kept.
+        Stored traces.
     charts
-        Drawings for the page of `cosim report`, over the runs that gave a result: their columns are the keys
-        that the cases set and the metrics, `metric.NAME`.
+        Charts for `cosim report` over the runs with a result. Their columns are the keys of the cases
+        and the metrics, `metric.NAME`.
     """
 
     design: Design
@@ -121,10 +121,11 @@ def study_schema() -> dict[str, Any]:
 
 
 def read_cases(file: Path, fail: Fail) -> Sequence[dict[str, Any]]:
-    """Cases of a CSV file; values are TOML, what is not TOML is a text, an empty cell is not set."""
+    """Cases of a CSV file; values are TOML or else texts, an empty cell is not set."""
     if not paths.is_file(file):
         fail(
-            "design.file", f"is `{file}`, which {'is no file' if paths.is_there(file) else 'does not exist'}"
+            "design.file",
+            f"is `{file}`, which {'is not a file' if paths.is_there(file) else 'does not exist'}",
         )
     try:
         with file.open(newline="", encoding="utf-8-sig") as lines:
@@ -149,14 +150,18 @@ def read_cases(file: Path, fail: Fail) -> Sequence[dict[str, Any]]:
 
 
 def check(study: Study, fail: Fail) -> None:
-    """Check what types cannot say."""
+    """Check rules beyond types."""
     design = study.design
     if study.traces.worst and not study.traces.metric:
-        fail("traces.metric", "is missing", "it tells which runs are the worst")
+        fail("traces.metric", "is missing", "Name the metric that selects the worst runs.")
     check_cases(study, fail) if design.kind == "list" else check_varied(study, fail)
     runs = count(study) * design.repeats
     if runs > MAX_RUNS:
-        fail("design", f"makes {runs} runs, more than {MAX_RUNS}", "several studies may share a folder")
+        fail(
+            "design",
+            f"makes {runs} runs, more than {MAX_RUNS}",
+            "Use several studies, which can share a folder.",
+        )
 
 
 def count(study: Study) -> int:
@@ -174,24 +179,24 @@ def count(study: Study) -> int:
 def check_cases(study: Study, fail: Fail) -> None:
     """Check a list."""
     if study.vary or study.design.samples is not None:
-        fail("vary" if study.vary else "design.samples", "does not go with `design.kind` = `list`")
+        fail("vary" if study.vary else "design.samples", "cannot be used with `design.kind` = `list`")
     if not study.case:
-        fail("case", "is empty: the study has no cases", "give it tables `[[case]]` or `design.file`")
+        fail("case", "is empty", "Add tables `[[case]]` or `design.file`.")
     for index, case in enumerate(study.case):
         for key in case:
             if key in study.set:
-                fail(f"case[{index}].{key}", "is in `[set]`, too", "a key has one place")
+                fail(f"case[{index}].{key}", "is also in `[set]`", "Set each key once.")
 
 
 def check_varied(study: Study, fail: Fail) -> None:
     """Check ranges, and that the design has what it needs."""
     design = study.design
     if study.case:
-        fail("case", f"does not go with `design.kind` = `{design.kind}`", "that is a `list`")
+        fail("case", f"cannot be used with `design.kind` = `{design.kind}`", "Use `design.kind` = `list`.")
     if not study.vary:
         fail("vary", f"is empty: `design.kind` = `{design.kind}` needs tables `[[vary]]`")
     if design.kind == "grid" and design.samples is not None:
-        fail("design.samples", "does not go with a `grid`", "use `points` or `values` of each `[[vary]]`")
+        fail("design.samples", "cannot be used with a `grid`", "Use `points` or `values` of each `[[vary]]`.")
     if design.kind != "grid" and (design.samples is None or design.samples < 1):
         fail("design.samples", f"is `{design.samples}`, `{design.kind}` needs at least 1")
     check_keys(study, fail)

@@ -1,4 +1,4 @@
-"""What the rows of a sweep say together: counts, success rate, distributions."""
+"""Summary of the rows of a sweep: counts, success rate, distributions."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from cosim.sweep.store import DONE, Row, Store
 from cosim.trace.columns import Columns
 
 TIME = "time"
-"""First column of any table that expressions see; of a sweep how long each run lasted, s."""
+"""First column of the table for expressions; in a sweep the simulated time of each run, s."""
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
 NORMAL_95 = 1.959964
-"""Half width of 95 % of a normal distribution, in standard deviations."""
+"""Half width of the 95 % interval of a normal distribution, in standard deviations."""
 
 
 @dataclass
@@ -39,19 +39,19 @@ class Summary:
     wanted
         Runs of the study.
     columns
-        Table of all rows, a line for each run that has one; see `places`.
+        Table of all rows; see `places`.
     statuses
         Number of runs by status.
     values
-        Values of each metric, of the runs that gave a result.
+        Values of each metric, of the runs with a result.
     units
         Units of the metrics.
     held
-        Number of results in which each criterion held.
+        Number of results that passed each criterion.
     troubles
-        Status and reason of what gave no result: how often, and the first run.
+        Status and reason of runs without result: count and first run.
     influences
-        How the varied keys move the metrics.
+        Effects of the varied keys on the metrics.
     """
 
     wanted: int
@@ -70,18 +70,18 @@ class Summary:
 
     @property
     def results(self) -> int:
-        """Number of runs that gave a result."""
+        """Number of runs with a result."""
         return sum(self.statuses[status] for status in DONE)
 
     @property
     def passed(self) -> bool | None:
-        """Whether every run of the study passed; None where all were done and nothing was demanded."""
+        """Whether every run of the study passed; None if all were completed without criteria."""
         if self.wanted and self.statuses["done"] == self.wanted:
             return None
         return self.statuses["passed"] == self.wanted
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the survey as plain data for JSON."""
+        """Return the summary as plain data for JSON."""
         low, high = confidence(self.statuses["passed"], self.rows)
         return {
             "runs": self.wanted,
@@ -101,7 +101,7 @@ class Summary:
         }
 
     def to_json(self) -> str:
-        """Return the survey as strict JSON."""
+        """Return the summary as strict JSON."""
         return strict.text(self.to_dict())
 
 
@@ -134,7 +134,7 @@ def rows(plan: Plan, store: Store) -> Iterator[Row]:
 
 
 def places(plan: Plan) -> dict[str, tuple[str, str]]:
-    """Columns of the table: name, and where its value stands in a row (part, key)."""
+    """Columns of the table: name, and location of the value in a row (part, key)."""
     keys = dict.fromkeys(key for case in plan.cases for key in case)
     return {
         **{name: ("", name) for name in ("run", "case", "seed", "status", "reason")},
@@ -163,7 +163,7 @@ def quantiles(values: NDArray[np.float64]) -> dict[str, float]:
 
 
 def quantities(found: Summary) -> dict[str, NDArray[np.float64]]:
-    """Values of the metrics that are more than a yes or no."""
+    """Values of the metrics that are not Boolean."""
     return {
         name: values
         for name, values in found.values.items()
@@ -172,7 +172,7 @@ def quantities(found: Summary) -> dict[str, NDArray[np.float64]]:
 
 
 def confidence(successes: int, count: int) -> tuple[float, float]:
-    """Interval that holds the true rate with 95 % confidence (Wilson)."""
+    """Confidence interval (95 %) of a rate (Wilson)."""
     if not count:
         return 0.0, 1.0
     rate, square = successes / count, NORMAL_95**2 / count
@@ -182,7 +182,7 @@ def confidence(successes: int, count: int) -> tuple[float, float]:
 
 
 def columns(scenario: Scenario, cases: Iterable[Case]) -> dict[str, Items | None]:
-    """Columns that the charts of a study see, with the items of those that hold texts."""
+    """Columns for the charts of a study, with the items of text columns."""
     taken: dict[str, list[Any]] = {}
     for case in cases:
         for key, value in case.items():
@@ -192,14 +192,14 @@ def columns(scenario: Scenario, cases: Iterable[Case]) -> dict[str, Items | None
 
 
 def items(values: list[Any]) -> Items | None:
-    """Numbers of texts in their order; None where there are only numbers."""
+    """Numbers of texts in their order; None if all are numbers."""
     if all(isinstance(value, int | float) for value in values):
         return None
     return {name: number for number, name in enumerate(dict.fromkeys(map(shorten, values)))}
 
 
 def results(found: Summary, known: Mapping[str, Items | None]) -> Columns:
-    """Columns of the runs that gave a result, each of shape (runs,); NaN where a run has no value."""
+    """Columns of the runs with a result, each of shape (runs,); NaN for missing values."""
     done = np.isin(found.columns["status"], DONE)
     named = {name: found.columns["simulated_s" if name == TIME else name] for name in known}
     return {
@@ -209,7 +209,7 @@ def results(found: Summary, known: Mapping[str, Items | None]) -> Columns:
 
 
 def number(value: Any, known: Items | None) -> float:
-    """Value of a column as a number; of a text that of its item."""
+    """Value of a column as a number; for a text the number of its item."""
     if value is None:
         return math.nan
     return float(value) if known is None else float(known[shorten(value)])

@@ -1,4 +1,4 @@
-"""What `cosim sweep` shows at its end: tables for the terminal and plots."""
+"""Final output of `cosim sweep`: tables for the terminal and plots."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ MAX_TROUBLES = 8
 MAX_METRICS = 6
 MAX_KEYS = 4
 FEWEST_FOR_TENDENCY = 2
-"""Different values that a key must take to be drawn."""
+"""Minimum number of different values of a plotted key."""
 
 
 def tables(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
-    """Verdict, criteria, metrics, worst runs and what could not be run."""
+    """Tables of verdict, criteria, metrics, worst runs and runs without result."""
     scenario = plan.scenario
     parts: list[RenderableType] = [Text(plan.study.title or plan.study.name, style="bold"), ""]
     if scenario.criterion and found.results:
@@ -48,10 +48,10 @@ def tables(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
 
 
 def verdict(found: Summary) -> Text:
-    """One line: how many passed."""
+    """One line with the number of passed runs."""
     counts = ", ".join(f"{count} {status}" for status, count in found.statuses.most_common())
     line = Text(
-        f"{found.rows} of {found.wanted} runs: {counts or 'nothing yet'}",
+        f"{found.rows} of {found.wanted} runs: {counts or 'no results'}",
         style=STYLES[found.passed],
     )
     if found.statuses["done"]:
@@ -65,15 +65,15 @@ def verdict(found: Summary) -> Text:
 
 
 def criteria_table(scenario: Scenario, found: Summary) -> RenderableType:
-    """How often each criterion held."""
-    table = plain_table("criterion", "holds in", "claim")
+    """Number of passed runs of each criterion."""
+    table = plain_table("criterion", "passed in", "claim")
     for entry in scenario.criterion:
         table.add_row(Text(entry.id), f"{found.held[entry.id]} of {found.results}", Text(entry.claim))
     return table
 
 
 def metric_table(found: Summary) -> RenderableType:
-    """Distribution of each metric that is more than a yes or no."""
+    """Distribution of each metric that is not Boolean."""
     table = plain_table("metric", *QUANTILES, "not finite")
     for name, values in quantities(found).items():
         missing = int(np.sum(~np.isfinite(values)))
@@ -83,7 +83,7 @@ def metric_table(found: Summary) -> RenderableType:
 
 
 def worst_runs(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
-    """Worst runs, and how to repeat them: commands that are never wrapped."""
+    """Worst runs, and commands to repeat them, never wrapped."""
     name = plan.study.traces.metric
     values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
     table = plain_table("worst run", name)
@@ -100,14 +100,14 @@ def no_result_table(found: Summary, first: str = "first") -> RenderableType:
     for (status, reason), (count, where) in ranked[:MAX_TROUBLES]:
         table.add_row(status, str(count), str(where), Text(reason))
     if len(ranked) > MAX_TROUBLES:
-        table.add_row("...", "", "", f"and {len(ranked) - MAX_TROUBLES} reasons more, see `results.jsonl`")
+        table.add_row("...", "", "", f"and {len(ranked) - MAX_TROUBLES} more reasons, see `results.jsonl`")
     return table
 
 
 def save_plots(plan: Plan, found: Summary, file: Path) -> None:
-    """Draw success rates, distributions with their limits, and the metrics over what was varied.
+    """Plot success rates, distributions with their limits, and the metrics over the varied keys.
 
-    The title tells how many metrics and keys are left out.
+    The title states the number of omitted metrics and keys.
 
     Raises
     ------
@@ -134,19 +134,19 @@ def save_plots(plan: Plan, found: Summary, file: Path) -> None:
 
 
 def plotted_metrics(scenario: Scenario, found: Summary) -> list[str]:
-    """Metrics that criteria judge, or all; those with a distribution."""
+    """Metrics with criteria, or all; those with a distribution."""
     judged = list(dict.fromkeys(entry.metric for entry in scenario.criterion)) or list(found.values)
     return [name for name in judged if is_quantity(found.values.get(name, np.empty(0)))]
 
 
 def is_quantity(values: Any) -> bool:
-    """Whether values vary and are more than yes and no."""
+    """Whether values vary and are not Boolean."""
     different = np.unique(finite(values))
     return different.size > 1 and not np.all(np.isin(different, (0.0, 1.0)))
 
 
 def plotted_keys(plan: Plan) -> dict[str, list[str]]:
-    """Keys that take several values; with the texts of these, in their order, where they are no numbers."""
+    """Keys with several values; with the texts of the values, if they are not numbers."""
     values: dict[str, list[Any]] = {}
     for case in plan.cases:
         for key, value in case.items():
@@ -161,7 +161,7 @@ def plotted_keys(plan: Plan) -> dict[str, list[str]]:
 
 
 def draw_rates(axes: Any, scenario: Scenario, found: Summary) -> None:
-    """Bars: share of runs that passed, and of results in which each criterion holds."""
+    """Bars: percentage of passed runs, and of passed results of each criterion."""
     bars = {"all": (found.statuses["passed"], found.rows)}
     bars |= {entry.id: (found.held[entry.id], found.results) for entry in scenario.criterion}
     rates = [100.0 * held / max(1, count) for held, count in bars.values()]
@@ -173,7 +173,7 @@ def draw_rates(axes: Any, scenario: Scenario, found: Summary) -> None:
     axes.barh(list(bars), rates, xerr=np.transpose(errors), color="tab:green", alpha=0.7, capsize=2.0)
     axes.invert_yaxis()
     axes.set_xlim(0.0, 100.0)
-    axes.set_xlabel("holds in (%), 95 % confidence")
+    axes.set_xlabel("passed in (%), 95 % confidence")
 
 
 def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: dict[str, list[str]]) -> None:
@@ -205,7 +205,7 @@ def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: 
 
 
 def place_of(value: Any, texts: list[str]) -> float:
-    """Value of a key at its axis: the number, or which of the texts it is; NaN where a run has none."""
+    """Value of a key on its axis: the number, or the index of the text; NaN for missing values."""
     if value is None:
         return math.nan
     return float(texts.index(shorten(value)) if texts else value)

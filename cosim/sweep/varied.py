@@ -1,4 +1,4 @@
-"""What a study and an optimization share: one scenario, and which of its keys take which values."""
+"""Common parts of studies and optimizations: one scenario and its varied keys."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ MEMORY = {
     "demand": f"be positive and at most {MAX_MEMORY / 1e6:g}",
 }
 MAX_EXACT = 2.0**53
-"""Up to here 64-bit numbers tell all integers apart."""
+"""Maximum integer up to which 64-bit floats are exact."""
 
 
 @dataclass(frozen=True)
 class Vary:
-    """One key and the values it takes: `values`, or a range with its distribution.
+    """One key and its values: `values`, or a range with its distribution.
 
     Parameters
     ----------
     key
         Key of the scenario, as for `--set`.
     values
-        Values; drawn with equal probability where the design is no grid.
+        Values; sampled with equal probability unless the design is a grid.
     minimum, maximum
-        Ends of the range; of `normal` where it is cut off.
+        Ends of the range; for `normal` the truncation.
     points
         Number of values of the range in a grid, both ends included.
     distribution
         Between the ends; in a grid `log-uniform` is a geometric series.
     mean, deviation
-        Of the distribution `normal`, before it is cut off.
+        Mean and standard deviation of `normal`, before the truncation.
     integer
-        Whether only integers are taken.
+        Whether values are integers.
     """
 
     key: str
@@ -56,39 +56,39 @@ class Vary:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Both ends, infinite where not given."""
+        """Both ends; infinite if not given."""
         low = -math.inf if self.minimum is None else self.minimum
         return low, math.inf if self.maximum is None else self.maximum
 
 
 @dataclass(frozen=True)
 class RunLimits:
-    """What one run may take: wall time in s, memory of its process in MB; and whether that is its own."""
+    """Limits of one run: wall time in s, memory of its process in MB, and whether it has its own process."""
 
     timeout: float = limited(POSITIVE, 600.0)
     memory: float | None = limited(MEMORY, None)
     process_per_run: bool = False
 
     def of_workers(self) -> Limits:
-        """Return them as workers take them."""
+        """Return them for workers."""
         memory = None if self.memory is None else 1e6 * self.memory
         return Limits(self.timeout, memory, self.process_per_run)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Varied:
-    """A scenario, by its name or as a file beside this one, that is run with other values of its keys.
+    """A scenario, by name or as a file relative to this one, that runs with varied keys.
 
     Parameters
     ----------
     seed
-        Seed of what is drawn.
+        Seed of the random values.
     set
         Values of keys in all runs.
     vary
-        Keys with the values they take.
+        Varied keys with their values.
     limits
-        What a run may take.
+        Limits of a run.
     """
 
     scenario: str
@@ -107,7 +107,7 @@ class Varied:
 
 
 def failing(file: Path) -> Fail:
-    """Return what raises the error of a key in a file."""
+    """Return the function that raises the error of a key in a file."""
 
     def fail(key: str, problem: str, hint: str = "") -> NoReturn:
         raise ScenarioError(f"`{paths.shown(file)}`: `{key}` {problem}", hint)
@@ -116,11 +116,11 @@ def failing(file: Path) -> Fail:
 
 
 def check_keys(varied: Varied, fail: Fail) -> None:
-    """Check that each key has one place."""
+    """Check that each key is given once."""
     seen = set(varied.set)
     for index, vary in enumerate(varied.vary):
         if vary.key in seen:
-            fail(f"vary[{index}].key", f"= `{vary.key}` is there twice", "a key has one place")
+            fail(f"vary[{index}].key", f"= `{vary.key}` is given twice", "Set each key once.")
         seen.add(vary.key)
 
 
@@ -134,7 +134,7 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
     if vary.values:
         if given or vary.distribution != "uniform" or vary.integer:
             also = (given or ["distribution" if vary.distribution != "uniform" else "integer"])[0]
-            fail(f"{key}.{also}", "does not go with `values`", "values or a range, not both")
+            fail(f"{key}.{also}", "cannot be used with `values`", "Give values or a range.")
         return
     low, high = vary.range
     if not low < high:
@@ -148,9 +148,9 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
     if not normal and not (math.isfinite(low) and math.isfinite(high)):
         fail(f"{key}", f"needs `minimum` and `maximum` of `{vary.key}`, both finite")
     if math.isfinite(low) and math.isfinite(high) and not math.isfinite(high - low):
-        fail(f"{key}", f"is `{low}` .. `{high}`, whose width is beyond all numbers")
+        fail(f"{key}", f"is `{low}` .. `{high}`, whose width is too large")
     if vary.distribution == "log-uniform" and low <= 0.0:
-        fail(f"{key}.minimum", f"is `{low}`, a logarithmic range starts above 0")
+        fail(f"{key}.minimum", f"is `{low}`; a logarithmic range must start above 0")
     if vary.integer and any(math.isfinite(end) and not end.is_integer() for end in (low, high)):
         fail(f"{key}.integer", f"is true, but `{low}` .. `{high}` does not end at integers")
     if vary.integer and any(math.isfinite(end) and abs(end) > MAX_EXACT for end in (low, high)):
@@ -161,4 +161,4 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
     if (kind == "grid") != (vary.points is not None):
         fail(f"{key}.points", "belongs to a range in a `grid`, and only there")
     if vary.points is not None and (vary.points < 2 or normal):
-        fail(f"{key}.points", f"is `{vary.points}`, a grid takes at least 2 points of an even range")
+        fail(f"{key}.points", f"is `{vary.points}`; a grid needs at least 2 points of a bounded range")

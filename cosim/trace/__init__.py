@@ -1,1 +1,1 @@
-"""Traces: their columns, and the files that hold them."""
+"""Traces: columns and files."""

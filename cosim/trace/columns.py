@@ -1,4 +1,4 @@
-"""Columns of a trace by name: in memory, or read when they are asked for."""
+"""Columns of a trace by name: in memory, or read on access."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ class Held(Mapping[str, Array]):
 
 
 class InOrder:
-    """Columns by number as expressions ask for them, the time first; what was asked for stays in memory.
+    """Columns by number for expressions, the time first; accessed columns stay in memory.
 
     Parameters
     ----------
     columns
         The trace.
     values
-        Values of metrics that were measured on it.
+        Values of computed metrics.
     """
 
     def __init__(self, columns: Columns, values: dict[str, Any] | None = None) -> None:
@@ -56,16 +56,16 @@ class InOrder:
         return self.known[name]
 
     def kept(self, name: str, evaluate: Callable[[InOrder], Any]) -> Any:
-        """Value of a metric, which is computed once, of columns that are let go then."""
+        """Value of a metric, computed once; releases its columns afterwards."""
         if name not in self.values:
             self.values[name] = evaluate(InOrder(self.columns, self.values))
         return self.values[name]
 
 
 def stepped(values: Array) -> bool:
-    """Whether a column only jumps (modes, flags, counters), so that nothing lies between two of its rows.
+    """Whether a column is piecewise constant (modes, flags, counters) and must not be interpolated.
 
-    The values are in the unit of the trace: nanometres in m are no whole numbers, those of an axis in nm are.
+    The values are in the unit of the trace: nanometers in m are not integers, those of an axis in nm are.
     """
     known = values[np.isfinite(values)]
     return bool(np.all(known == np.round(known)))

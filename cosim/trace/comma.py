@@ -13,7 +13,7 @@ from cosim.trace.stored import StoredTrace
 
 
 def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
-    """Write a file; it tells nothing beside names and numbers."""
+    """Write a file, which holds only names and numbers."""
     table = whole(columns)
     header = ",".join(f'"{name}"' for name in columns)
     numbers = table.view(np.float64).reshape(len(table), -1)

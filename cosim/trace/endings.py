@@ -1,4 +1,4 @@
-"""Endings of the files that hold traces; nothing is imported for them."""
+"""Endings of trace files; imports no further module."""
 
 from __future__ import annotations
 
@@ -25,20 +25,22 @@ def listed(endings: Sequence[str]) -> str:
 
 
 def streams(file: Path) -> bool:
-    """Whether a trace can be written to this file while the run goes."""
+    """Whether a trace can be written to this file during the run."""
     return file.suffix in PARQUET
 
 
 def streamed(file: Path) -> Path:
-    """File that takes a trace while the run goes, checked.
+    """Checked file for a trace that is written during the run.
 
     Raises
     ------
     CosimError
-        As for `check`, or it is no Parquet file.
+        As for `check`, or it is not a Parquet file.
     """
     if not streams(file):
-        raise CosimError(f"a trace cannot be streamed to `{file}`", f"the name must end in {listed(PARQUET)}")
+        raise CosimError(
+            f"a trace cannot be streamed to `{file}`", f"Use a name that ends in {listed(PARQUET)}."
+        )
     check(file)
     return file
 
@@ -52,18 +54,18 @@ def check(file: Path) -> None:
         Unknown ending, a package that is not installed, or no such folder.
     """
     if file.suffix not in WRITTEN:
-        raise CosimError(f"cannot save a trace as `{file}`", f"the name must end in {listed(WRITTEN)}")
+        raise CosimError(f"cannot save a trace as `{file}`", f"Use a name that ends in {listed(WRITTEN)}.")
     check_installed(file)
     check_folder(file)
 
 
 def check_installed(file: Path) -> None:
-    """Check that what a format needs is installed.
+    """Check that the packages of a format are installed.
 
     Raises
     ------
     CosimError
-        Names the package and how to get it.
+        Names the package and its installation.
     """
     package, extra = NEEDS.get(file.suffix, ("", ""))
     if package and importlib.util.find_spec(package) is None:

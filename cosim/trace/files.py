@@ -1,4 +1,4 @@
-"""Files that hold traces: one format for each ending."""
+"""Trace files: one format for each ending."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ MODULES = {
     **dict.fromkeys(endings.PARQUET, "parquet"),
     endings.MAT: "mat",
 }
-"""Module of each format: `write` takes columns, what is told of them, and a stream; `read` a path."""
-HINT = "a trace is what `cosim run --trace` writes, or a CSV or Parquet file with a column `time`"
+"""Module of each format: `write` takes columns, their metadata and a stream; `read` a path."""
+HINT = "Use a file of `cosim run --trace`, or a CSV or Parquet file with a column `time`."
 BROKEN = (
     *(MemoryError, ValueError, KeyError, EOFError, NotImplementedError, RecursionError, SyntaxError),
     *(csv.Error, tokenize.TokenError, zipfile.BadZipFile, zlib.error, json.JSONDecodeError),
 )
-"""What numpy, zipfile, csv and pyarrow raise where a file is damaged."""
+"""Exceptions of numpy, zipfile, csv and pyarrow for damaged files."""
 
 
 def module(file: Path) -> Any:
@@ -40,7 +40,7 @@ def module(file: Path) -> Any:
 
 
 def save(columns: Columns, file: Path, about: dict[str, Any]) -> None:
-    """Save a trace in the format of its ending; a file that is there is whole.
+    """Save a trace in the format of its ending; the file is always complete.
 
     Raises
     ------
@@ -53,12 +53,12 @@ def save(columns: Columns, file: Path, about: dict[str, Any]) -> None:
 
 
 def check_rows(file: Path, rows: int) -> None:
-    """Check before a long run that a trace of so many rows fits into a file.
+    """Check before a long run that a trace with a number of rows fits into a file.
 
     Raises
     ------
     CosimError
-        It does not.
+        It does not fit.
     """
     if file.suffix == endings.MAT:
         module(file).check_rows(rows)
@@ -70,24 +70,24 @@ def read(file: str | Path) -> StoredTrace:
     Parameters
     ----------
     file
-        It ends in `.npz`, `.csv` or `.parquet`; the columns of the last are read when they are asked for.
+        It ends in `.npz`, `.csv` or `.parquet`; Parquet columns are read on access.
 
     Raises
     ------
     CosimError
-        Missing or broken file, no times, or times that do not ascend.
+        Missing or broken file, no times, or times that do not increase.
     """
     file = Path(file)
     if file.suffix not in endings.READ:
-        problem = f"`{paths.shown(file)}` is no trace"
-        raise CosimError(problem, f"traces end in {endings.listed(endings.READ)}")
+        problem = f"`{paths.shown(file)}` is not a trace"
+        raise CosimError(problem, f"Use a file that ends in {endings.listed(endings.READ)}.")
     found = opened(file)
     check(found)
     return found
 
 
 def opened(file: Path) -> StoredTrace:
-    """Open a trace that this program wrote: its times, which may be many, are not read to be checked.
+    """Open a trace of this program without a check of its times, which may be many.
 
     Raises
     ------
@@ -96,11 +96,11 @@ def opened(file: Path) -> StoredTrace:
     """
     shown = paths.shown(file)
     if paths.is_there(file) and not paths.is_file(file):
-        raise CosimError(f"cannot read `{shown}`: it is no regular file")
+        raise CosimError(f"cannot read `{shown}`: it is not a regular file")
     try:
         found: StoredTrace = module(file).read(file)
     except OSError as error:
         raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
     except BROKEN as error:
-        raise CosimError(f"`{shown}` holds no trace: {' '.join(str(error).split())}", HINT) from None
+        raise CosimError(f"`{shown}` is not a valid trace: {' '.join(str(error).split())}", HINT) from None
     return found

@@ -1,6 +1,6 @@
 """Traces as MAT files of version 5, which MATLAB, Octave and scipy read.
 
-Every column is a variable of its own, under a name that MATLAB takes. The cell array `columns` has a row for
+Every column is a variable with a valid MATLAB name. The cell array `columns` has a row for
 each: variable, name of the column, unit and description. `about` holds the facts of the run as JSON.
 """
 
@@ -19,9 +19,9 @@ from cosim.trace.columns import Columns
 from cosim.trace.stored import facts
 
 LONGEST = 63
-"""Characters of a name that MATLAB tells apart."""
+"""Maximum length of a name in MATLAB."""
 MOST = (1 << 31) - 1
-"""Bytes of a variable in a MAT file of version 5."""
+"""Maximum bytes of a variable in a MAT file of version 5."""
 OWN = ("columns", "about")
 KEYWORDS = (
     *("break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global"),
@@ -49,16 +49,16 @@ def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
 
 
 def check_rows(rows: int) -> None:
-    """Check that a column of so many rows fits into a variable.
+    """Check that a column with a number of rows fits into a variable.
 
     Raises
     ------
     CosimError
-        It does not.
+        It does not fit.
     """
     if 8 * rows > MOST:
-        problem = f"a column of {rows} rows takes {8e-9 * rows:.1f} GB, a `.mat` file takes 2.1 GB at most"
-        raise CosimError(problem, "`.parquet` has no such limit, `loop.record_every` records less")
+        problem = f"a column of {rows} rows needs {8e-9 * rows:.1f} GB; the limit of a `.mat` file is 2.1 GB"
+        raise CosimError(problem, "Use `.parquet`, or record less with `loop.record_every`.")
 
 
 def variables(names: Iterable[str]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Metrics of a trace."""
+"""Computation of the metrics of a trace."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ def measured(
 ) -> dict[str, Measured]:
     """Values of metrics by name, each computed once.
 
-    Of columns in a file only those of one metric, and of those that ask for it, are in memory at a time.
+    Of columns in a file, only those of one metric and its dependencies are in memory at the same time.
 
     Parameters
     ----------
     metrics, expressions
-        The metrics, and what they compute from the columns in this order.
+        The metrics, and their compiled expressions.
     columns
         The trace.
 

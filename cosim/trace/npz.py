@@ -25,12 +25,12 @@ def read(path: Path) -> StoredTrace:
     Raises
     ------
     ValueError
-        It is none, among others.
+        It is not an npz file, among others.
     """
     # numpy takes anything else for a pickle, and advises to trust it
     with path.open("rb") as stream:
         if not zipfile.is_zipfile(stream):
-            raise ValueError("it is no npz file, or one cut off")
+            raise ValueError("it is not an npz file, or it is truncated")
     with np.load(path, allow_pickle=False) as saved:
         table = saved["trace"]
         about = json.loads(str(saved["about"])) if "about" in saved else {}

@@ -1,4 +1,4 @@
-"""Traces as Parquet: written block by block while a run goes, read column by column.
+"""Traces as Parquet: written in blocks during a run, read column by column.
 
 A column is a field of 64-bit numbers whose metadata holds `units`, `descriptions` and, as JSON, `items`. The
 metadata of the file hold the facts of the run as JSON, `cosim`, and `simulated_s`.
@@ -25,23 +25,23 @@ from cosim.trace.stored import LABELS, StoredTrace, facts, told
 from cosim.writing import whole
 
 BLOCK = 1 << 25
-"""Most bytes of a block of rows, which is what a run holds in memory."""
+"""Maximum bytes of a block of rows, which a run holds in memory."""
 ROWS = 65_536
-"""Most rows of a block."""
+"""Maximum rows of a block."""
 FACTS, END = "cosim", "simulated_s"
 
 
 class Writer(Closing):
-    """Parquet file that grows block by block.
+    """Parquet file that is written in blocks.
 
     Parameters
     ----------
     stream
-        Where it is written.
+        Output stream.
     names
         Names of the columns.
     about
-        What is told of columns and run.
+        Metadata of columns and run.
     """
 
     def __init__(self, stream: BinaryIO, names: Sequence[str], about: dict[str, Any]) -> None:
@@ -63,18 +63,18 @@ class Writer(Closing):
         self.writer.write_table(pyarrow.Table.from_arrays(arrays, schema=self.schema), self.rows)
 
     def finish(self, simulated: float) -> None:
-        """Tell the time that was simulated, s, and end the file."""
+        """Write the simulated time, s, and end the file."""
         self.writer.add_key_value_metadata({END: repr(simulated)})
         self.close()
 
     def close(self) -> None:
-        """End the file as it is."""
+        """End the file without the simulated time."""
         self.writer.close()
 
 
 @contextlib.contextmanager
 def streaming(file: Path, names: Sequence[str], about: dict[str, Any]) -> Iterator[Writer]:
-    """Writer of a file that is there when its rows are whole, and not at all after an error.
+    """Writer of a file that exists only after all rows were written without an error.
 
     Raises
     ------
@@ -90,19 +90,19 @@ def streaming(file: Path, names: Sequence[str], about: dict[str, Any]) -> Iterat
 
 
 def field(name: str, about: dict[str, Any]) -> Any:
-    """Field of a column with what is told of it."""
+    """Field of a column with its metadata."""
     of_it = {label: about[label][name] for label in LABELS if about.get(label, {}).get(name)}
     texts = {label: value if isinstance(value, str) else strict.line(value) for label, value in of_it.items()}
     return pyarrow.field(name, pyarrow.float64(), nullable=False, metadata=texts)
 
 
 def values(column: Array) -> Any:
-    """Column as it lies in memory: `pyarrow.array` would import pandas, which takes as long as a run."""
+    """Column from its memory, because `pyarrow.array` would import pandas, which takes as long as a run."""
     return pyarrow.Array.from_buffers(pyarrow.float64(), len(column), [None, pyarrow.py_buffer(column)])
 
 
 class Read(Mapping[str, Array]):
-    """Columns of a file, each read when it is asked for, and not kept."""
+    """Columns of a file, each read on access and not cached."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -132,7 +132,7 @@ class Read(Mapping[str, Array]):
 
 
 def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
-    """Write a trace that is there already."""
+    """Write a complete trace."""
     with Writer(stream, list(columns), about) as writer:
         writer.write(list(columns.values()))
         writer.finish(about[END])
@@ -147,7 +147,7 @@ def read(path: Path) -> StoredTrace:
     known = {key.decode(): value.decode() for key, value in (data.file.metadata.metadata or {}).items()}
     about: Any = json.loads(known.get(FACTS, "{}"))
     if not isinstance(about, dict):
-        raise ValueError(f"its metadata `{FACTS}` is no table")
+        raise ValueError(f"its metadata `{FACTS}` is not a table")
     if END in known:
         about[END] = float(known[END])
     for label in LABELS:

@@ -15,7 +15,7 @@ from cosim.errors import CosimError
 from cosim.trace.columns import Columns, whole
 
 LABELS = ("units", "items", "descriptions")
-"""What is told of columns, each by their names: unit, items of an enumeration, and what they are."""
+"""Metadata of columns by name: unit, enumeration items and description."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,11 @@ class StoredTrace:
     file
         The file.
     data
-        Its columns by name, `time` among them; those of a Parquet file are read when they are asked for.
+        Its columns by name, `time` among them; those of a Parquet file are read on access.
     units, items
-        Units and items of the columns, where the file tells them.
+        Units and items of the columns, if the file has them.
     about
-        What else the file tells of the run: scenario, title, seed, simulated time, FMUs, versions.
+        Metadata of the run: scenario, title, seed, simulated time, FMUs, versions.
     """
 
     file: Path
@@ -42,53 +42,53 @@ class StoredTrace:
 
     @property
     def columns(self) -> list[str]:
-        """Names of the columns but that of the time."""
+        """Names of the columns except the time."""
         return [name for name in self.data if name != "time"]
 
     @functools.cached_property
     def times(self) -> NDArray[np.float64]:
-        """Times of the rows, s; they ascend."""
+        """Increasing times of the rows, s."""
         return self.data["time"]
 
     @property
     def trace(self) -> NDArray[Any]:
-        """All of it in memory, a structured array as `Result.trace`."""
+        """The whole trace in memory, a structured array as `Result.trace`."""
         return whole(self.data)
 
 
 def told(file: Path, data: Columns, about: Any) -> StoredTrace:
-    """Trace with what its file tells of the run and of the columns.
+    """Trace with the metadata of the run and of the columns.
 
     Raises
     ------
     ValueError
-        It is not told by names.
+        The metadata are not tables by name.
     """
     if not isinstance(about, dict) or not all(isinstance(about.get(label, {}), dict) for label in LABELS):
-        raise ValueError(f"what it tells beside its numbers is no table with {', '.join(LABELS)}")
+        raise ValueError(f"its metadata are not a table with {', '.join(LABELS)}")
     units = {name: str(unit) for name, unit in about.get("units", {}).items()}
     items = {name: entry for name, entry in about.get("items", {}).items() if isinstance(entry, dict)}
     return StoredTrace(file, data, units, items, facts(about))
 
 
 def facts(about: dict[str, Any]) -> dict[str, Any]:
-    """Facts of the run, without what is told of its columns."""
+    """Metadata of the run, without those of its columns."""
     return {name: value for name, value in about.items() if name not in LABELS}
 
 
 def check(found: StoredTrace) -> None:
-    """Check that there are rows, and that their times ascend.
+    """Check that there are rows, and that their times increase.
 
     Raises
     ------
     CosimError
-        Names what is wrong.
+        Names the problem.
     """
     shown = paths.shown(found.file)
     if "time" not in found.data:
         known = ", ".join(f"`{name}`" for name in found.columns[:8])
-        raise CosimError(f"`{shown}` has no column `time`", f"its columns are {known}")
+        raise CosimError(f"`{shown}` has no column `time`", f"Its columns are {known}.")
     if not len(found.times):
         raise CosimError(f"`{shown}` has no rows")
     if not np.all(np.isfinite(found.times)) or np.any(np.diff(found.times) <= 0.0):
-        raise CosimError(f"the times in `{shown}` do not ascend from row to row")
+        raise CosimError(f"the times in `{shown}` do not increase from row to row")
