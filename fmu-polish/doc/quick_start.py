@@ -2,7 +2,8 @@
 
     .venv/bin/python fmu-polish/doc/quick_start.py [FMU [PLOT.svg]]
 
-The axes move as commanded. The mold is a plane through the path with 178 N/mm and a friction of 0.2. Prints force and sliding speed.
+The axes move as commanded. The mold is a plane through the path with 178 N/mm and a friction of 0.2.
+Prints force and sliding speed.
 """
 
 import sys
@@ -13,11 +14,20 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 STEP, STIFFNESS, FRICTION = 1e-3, 178e3, 0.2  # s, N/m, 1
+IDEAL = {
+    "drive.feedforward": 1.0,
+    "expert.drive.feedforward_bandwidth": 1e5,
+    "drive.velocity_bandwidth": 1e5,
+    "sensor.bandwidth": 1e6,
+}
 FOLLOW, DONE, FAULT = 4, 7, 8  # numbers of the items of `State`, see variables.md
 
 
 def run(fmu: str | Path) -> dict[str, np.ndarray]:
-    """Run one cycle until `Done`; time (s), contact force (N), distance from the path (m), sliding speed (m/s), state."""
+    """Run one cycle until `Done`.
+
+    Time (s), contact force (N), distance from the path (m), sliding speed (m/s), state.
+    """
     description = read_model_description(str(fmu))
     vr = {variable.name: variable.valueReference for variable in description.modelVariables}
     controller = FMU2Slave(guid=description.guid, unzipDirectory=extract(str(fmu)), instanceName="polish",
@@ -25,7 +35,8 @@ def run(fmu: str | Path) -> dict[str, np.ndarray]:
     controller.instantiate()
     controller.setupExperiment(startTime=0.0)
     controller.enterInitializationMode()
-    controller.setReal([vr["feed.velocity"], vr["drive.feedforward"]], [4e-3, 1.0])  # axes without lag
+    controller.setReal([vr[name] for name in IDEAL], list(IDEAL.values()))  # axes and sensor have no lag
+    controller.setReal([vr["feed.velocity"]], [4e-3])
     controller.exitInitializationMode()
 
     def vector(name: str, set_to: np.ndarray | None = None) -> np.ndarray:
@@ -68,7 +79,8 @@ def plot(found: dict[str, np.ndarray], file: str) -> None:
 
     plt.rcParams.update({"svg.hashsalt": "fmu-polish", "font.size": 9.0})
     start = int(np.argmax(found["state"] == FOLLOW)) + 1000
-    zoom, all_times = slice(start, start + 100), slice(0, None, 10)
+    samples = len(found["time"])
+    zoom, all_times = slice(start, start + 100), np.r_[0:samples:20, samples - 1]
     figure, axes = plt.subplots(3, 1, figsize=(7.0, 5.2), layout="constrained")
     for panel, name, scale, label, keep in (
         (axes[0], "force", 1.0, "normal force in N", all_times),
