@@ -1,6 +1,6 @@
 package MachiningFMUs "Precision-machining controllers from published papers"
   annotation (
-    version = "0.1.0",
+    version = "0.2.0",
     Icon(coordinateSystem(extent = {{-100, -100}, {100, 100}}), graphics = {
       Rectangle(extent = {{-100, 100}, {100, -100}}, lineColor = {0, 0, 127}, fillColor = {240, 244, 250}, fillPattern = FillPattern.Solid),
       Line(points = {{-70, -40}, {-20, -40}, {0, 40}, {70, 40}}, color = {0, 0, 127}, thickness = 1)}),

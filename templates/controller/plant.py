@@ -14,13 +14,13 @@ class __Name__(Plant):
     Parameters: ClassVar[type] = __Name__Parameters
 
     def name_channels(self, p: __Name__Parameters) -> None:
-        """Name them, with the noise, resolution and limits that the parameters say."""
+        """Name the channels, with noise, resolution and limits from the parameters."""
         self.readings = (
             Channel("position", "m", "Encoder", noise=p.encoder_noise, quantum=p.encoder_resolution),
         )
         self.commands = (
             Channel("force", "N", "Force of the motor", minimum=-p.force_max, maximum=p.force_max),
-            Channel("load", "N", "Force from outside"),
+            Channel("load", "N", "External force"),
         )
         self.truths = (
             Channel("position", "m", "Position of the slide"),
@@ -34,7 +34,7 @@ class __Name__(Plant):
         joint.frictionloss, joint.damping[0] = p.friction, p.damping
 
     def begin(self, steps: int) -> None:
-        """Draw the start, and tie the channels to the places in MuJoCo's data."""
+        """Sample the start position, and connect the channels to MuJoCo's data."""
         p, data = self.parameters, self.data
         data.qpos[0] = self.stream("start").uniform(-p.start_spread, p.start_spread)
         readings = {"position": Cell(data.sensordata)}

@@ -1,9 +1,9 @@
 within MachiningFMUs.Examples;
-model Edge "A robot takes the burr off an edge, as fast as its tool can cut"
+model Edge "A robot removes the burr of an edge, at the maximum speed of its tool"
   parameter Real natural(unit = "rad/s") = 280.0 "Natural frequency of the velocity loop of an axis";
-  parameter Real damping = 0.52 "Its damping";
+  parameter Real damping = 0.52 "Damping of the velocity loop of an axis";
   parameter Real idle(unit = "rad/s", displayUnit = "rev/min") = 1885.0 "Speed of the tool in air";
-  parameter Real droop(unit = "rad/m3") = 2e8 "Speed that the tool loses by the volume it cuts in a second";
+  parameter Real droop(unit = "rad/m3") = 2e8 "Speed drop of the tool for each volume that it removes in a second";
   parameter Real lag(unit = "s") = 0.02 "Time constant of the tool's speed";
   Real position[6](each start = 0.0, each fixed = true) "Positions of the axes, rad and m";
   Real velocity[6](each start = 0.0, each fixed = true);
@@ -12,7 +12,7 @@ model Edge "A robot takes the burr off an edge, as fast as its tool can cut"
   Real burr(unit = "m2") "Cross-section of the burr at the tool";
   MachiningFMUs.VariableSpeedDeburring controller(bank_compute = true);
 protected
-  Real command[6] "Velocities that the controller asks for";
+  Real command[6] "Velocity commands of the controller";
 equation
   command = {controller.axis1_velocity, controller.axis2_velocity, controller.axis3_velocity,
     controller.axis4_velocity, controller.axis5_velocity, controller.axis6_velocity};
@@ -40,6 +40,6 @@ equation
   controller.reset_fault = false;
   annotation (
     experiment(StopTime = 12.0, Interval = 1e-2, Tolerance = 1e-8),
-    Documentation(info = "<html><p>The path is the test piece that the controller holds, its patterns are computed from the nominal drive.
-      In the burr <code>controller.load_feed</code> keeps the tool near 17,300 rpm; the job ends in state 7, <code>Done</code>.</p></html>"));
+    Documentation(info = "<html><p>The path is the built-in test piece, and its patterns are computed from the nominal drive.
+      In the burr <code>controller.load_feed</code> keeps the tool near 17,300 rpm. The cycle ends in state 7, <code>Done</code>.</p></html>"));
 end Edge;

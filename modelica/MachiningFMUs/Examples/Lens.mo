@@ -1,12 +1,12 @@
 within MachiningFMUs.Examples;
-model Lens "A diamond tool on an arm follows a toric lens, twice to and fro in each turn"
+model Lens "A diamond tool on an arm follows a toric lens, two strokes in each revolution"
   parameter Real hub(unit = "kg.m2") = 4.5e-4 "Inertia of motor, encoder and hub";
-  parameter Real arm(unit = "kg.m2") = 3.5e-4 "Inertia of what bends";
+  parameter Real arm(unit = "kg.m2") = 3.5e-4 "Inertia of the arm beyond the flexure";
   parameter Real flexure(unit = "rad/s", displayUnit = "Hz") = 7539.8 "Resonance of the arm with the hub held";
   parameter Real friction(unit = "N.m.s/rad") = 2e-3 "Viscous friction";
   parameter Real speed(unit = "rad/s", displayUnit = "rev/min") = 62.831853 "Speed of the spindle";
   parameter Real place(unit = "m", displayUnit = "mm") = 0.04 "Position of the slide";
-  Real angle(unit = "rad", displayUnit = "deg", start = 0.0, fixed = true) "Angle of the hub, which the encoder reads";
+  Real angle(unit = "rad", displayUnit = "deg", start = 0.0, fixed = true) "Angle of the hub, at the encoder";
   Real velocity(unit = "rad/s", start = 0.0, fixed = true);
   Real tip(unit = "rad", displayUnit = "deg", start = 0.0, fixed = true) "Angle of the tool";
   Real tipVelocity(unit = "rad/s", start = 0.0, fixed = true);
@@ -27,7 +27,6 @@ equation
   controller.reset_fault = false;
   controller.feedforward_enable = true;
   controller.afc_enable = true;
-  controller.afc_reset = false;
   controller.hold_angle = 0.0;
   controller.probe_depth = 0.0;
   controller.probe_lateral = 0.0;
@@ -38,5 +37,5 @@ equation
   annotation (
     experiment(StopTime = 1.0, Interval = 1e-4, Tolerance = 1e-8),
     Documentation(info = "<html><p>After 0.3 s the arm is on the path: <code>controller.error_tracking</code> falls below 1 um,
-      while <code>controller.reference_depth</code> swings by more than 3 mm.</p></html>"));
+      while <code>controller.reference_depth</code> moves by more than 3 mm.</p></html>"));
 end Lens;

@@ -1,8 +1,8 @@
 within MachiningFMUs.Examples;
-model Ring "A ring on a turning table is pushed to its centre"
+model Ring "A pusher centers a ring on a turning table"
   parameter Real mass(unit = "kg") = 1.0 "Mass of the ring";
-  parameter Real radius(unit = "m", displayUnit = "mm") = 0.05 "Its outer radius";
-  parameter Real eccentricity(unit = "m", displayUnit = "um") = 5e-4 "Its distance from the axis at the start";
+  parameter Real radius(unit = "m", displayUnit = "mm") = 0.05 "Outer radius of the ring";
+  parameter Real eccentricity(unit = "m", displayUnit = "um") = 5e-4 "Distance of the ring from the axis at the start";
   parameter Real friction = 0.16 "Friction of the ring on the table";
   parameter Real creep(unit = "m/s") = 2e-6 "Slip speed below which the friction is viscous";
   parameter Real speed(unit = "rad/s", displayUnit = "rev/min") = 2.0943951 "Speed of the table";
@@ -12,19 +12,19 @@ model Ring "A ring on a turning table is pushed to its centre"
   parameter Real pusher(unit = "m", displayUnit = "mm") = 0.02 "Collapse of the probe at which the pusher touches";
   parameter Real stroke(unit = "m", displayUnit = "mm") = 0.025 "Stroke of the probe";
   parameter Real bandwidth(unit = "rad/s", displayUnit = "Hz") = 251.3 "Natural frequency of the slide's servo";
-  Real x(unit = "m", start = eccentricity, fixed = true) "Centre of the ring, along the slide";
-  Real y(unit = "m", start = 0.0, fixed = true) "Centre of the ring, across the slide";
+  Real x(unit = "m", start = eccentricity, fixed = true) "Center of the ring, along the slide";
+  Real y(unit = "m", start = 0.0, fixed = true) "Center of the ring, across the slide";
   Real vx(unit = "m/s", start = 0.0, fixed = true);
   Real vy(unit = "m/s", start = speed*eccentricity, fixed = true);
   Real slide(unit = "m", start = 0.0, fixed = true) "Position of the slide, positive towards the axis";
   Real slideVelocity(unit = "m/s", start = 0.0, fixed = true);
-  Real collapse(unit = "m") "Of the probe, as if its stroke had no end";
-  Real force(unit = "N") "Of probe and pusher on the ring";
-  Real slip(unit = "m/s") "Of the ring on the table";
+  Real collapse(unit = "m") "Collapse of the probe, without its end stop";
+  Real force(unit = "N") "Force of probe and pusher on the ring";
+  Real slip(unit = "m/s") "Slip velocity of the ring on the table";
   Real error(unit = "m", displayUnit = "um") "Distance of the ring from the axis";
   MachiningFMUs.RingCentering controller;
 protected
-  Real across(unit = "m") "From the centre of the ring to where it is touched, along the slide";
+  Real across(unit = "m") "Distance from the center of the ring to its contact point, along the slide";
 equation
   across = sqrt(radius^2 - y^2);
   collapse = x + across - (radius + distance - slide);

@@ -18,16 +18,16 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
 fn bandwidth(p: &Parameters) -> Result<(), ParameterError> {
     // half a sample of hold, half a sample of the difference, and the delay; the velocity loop crosses at 2 zeta w
     let delay = (1.0 + f64::from(p.io_delay)) * p.sample_period;
-    let most = PHASE_MAX / (2.0 * p.servo.damping * delay);
+    let limit = PHASE_MAX / (2.0 * p.servo.damping * delay);
     Parameter::new("servo.bandwidth", p.servo.bandwidth, "rad/s", "lower it, or shorten `sample_period`")
-        .at_most(most, format!("with a delay of `{delay} s`"))
+        .at_most(limit, format!("with a delay of `{delay} s`"))
 }
 
 fn integral(p: &Parameters) -> Result<(), ParameterError> {
     // by Routh the loop is stable below 2 zeta w
-    let most = 0.5 * p.servo.damping * p.servo.bandwidth;
-    Parameter::new("servo.integral_bandwidth", p.servo.integral_bandwidth, "rad/s", "a faster integral swings")
-        .at_most(most, "half of `servo.damping` times `servo.bandwidth`")
+    let limit = 0.5 * p.servo.damping * p.servo.bandwidth;
+    Parameter::new("servo.integral_bandwidth", p.servo.integral_bandwidth, "rad/s", "a faster integral oscillates")
+        .at_most(limit, "half of `servo.damping` times `servo.bandwidth`")
 }
 
 fn band(p: &Parameters) -> Result<(), ParameterError> {

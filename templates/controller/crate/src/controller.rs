@@ -1,4 +1,4 @@
-//! One sample of the whole law: read, decide, move, report.
+//! One control step: measure, supervise, plan, control.
 
 use control_blocks::{Consecutive, ParameterError, ticks};
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub struct Controller {
     reader: Reader,
     setpoint: Setpoint,
     servo: PositionServo,
-    /// samples in a row within the band of settling
+    /// Consecutive samples within `settle.band`.
     settled: Consecutive,
     state: State,
     fault: Fault,
@@ -40,7 +40,7 @@ impl Controller {
         })
     }
 
-    /// One sample. The parameters must be those of [`Controller::new`].
+    /// One control step. The parameters must be those of [`Controller::new`].
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         let reading = self.reader.read(p, input);
         self.follow(&reading);
@@ -48,7 +48,7 @@ impl Controller {
         *output = self.drive(p, &reading);
     }
 
-    /// Without a servo the setpoint is where the slide is.
+    /// Sets the setpoint to the position while the servo is off.
     fn follow(&mut self, reading: &Reading) {
         if reading.first || self.state == State::Fault {
             self.setpoint = Setpoint::resting(reading.position);
@@ -56,7 +56,7 @@ impl Controller {
         }
     }
 
-    /// State machine.
+    /// Updates the state machine.
     fn decide(&mut self, p: &Parameters, reading: &Reading) {
         let error = self.setpoint.at().position - reading.position;
         let settled = self.settled.update(self.setpoint.over() && error.abs() <= p.settle.band);
@@ -83,15 +83,15 @@ impl Controller {
         }
     }
 
-    /// Moves on; a forgotten output does not compile.
+    /// Advances the setpoint and computes the outputs; a missing output is a compile error.
     fn drive(&mut self, p: &Parameters, reading: &Reading) -> Output {
-        let wanted = self.setpoint.at();
+        let desired = self.setpoint.at();
         self.setpoint.advance(p.sample_period);
-        let following_error = wanted.position - reading.position;
+        let following_error = desired.position - reading.position;
         let force = match self.state {
             State::Fault => 0.0,
-            _ => self.servo.force(p, following_error, wanted.acceleration),
+            _ => self.servo.force(p, following_error, desired.acceleration),
         };
-        Output { force, setpoint: wanted.position, following_error, state: self.state, fault: self.fault }
+        Output { force, setpoint: desired.position, following_error, state: self.state, fault: self.fault }
     }
 }

@@ -1,6 +1,6 @@
-//! Every variable of the FMU, told once.
+//! Every variable of the FMU, declared once.
 //!
-//! Sources: "derived" = follows from the equations; "our choice" = usual practice, with the reason where there is one.
+//! Sources: "derived" = follows from the equations; "default" = usual practice, with its reason.
 
 pub use variables::*;
 
@@ -8,50 +8,56 @@ pub use variables::*;
 mod variables {
     use std::f64::consts::TAU;
 
-    use control_blocks::DELAY_MAX;
+    use control_blocks::{DELAY_MAX, Reaction};
     use fmi2_export::units::{KILOGRAM, METRE, METRE_PER_SECOND, NEWTON, ONE, RADIAN_PER_SECOND, SECOND};
 
-    /// What the controller is doing.
+    /// State of the controller
     pub enum State {
-        /// Comes to rest, holds, and waits for `enable`
+        /// Comes to rest, holds the position and waits for a rising edge of enable
         Idle,
         /// Moves to the target
         Run,
-        /// Has arrived; holds the target until `enable` is false
+        /// Holds the target until enable is false
         Done,
-        /// Commands no force; a rising edge of `reset_fault` ends it at rest
+        /// Performs the reaction of the fault and waits for a rising edge of reset_fault
         Fault,
     }
 
-    /// Why the controller is in the fault state.
+    /// Why the controller is in the fault state
+    #[reactions(Reaction,
+        DriveOff = ["Sets `force` to zero", "Rising edge of `reset_fault` at rest"])]
     pub enum Fault {
         /// No fault
         None,
         /// The slide is too far from its setpoint
-        #[hint("is something in its way? else move more slowly, or raise `limits.following_error`")]
+        #[reaction(DriveOff)]
+        #[detection("The absolute following error exceeds `limits.following_error`")]
+        #[hint("Check that the slide moves freely. Reduce `motion.velocity_max`, or increase `limits.following_error`.")]
         FollowingError,
-        /// The position is NaN, infinite or out of any plausible range
-        #[hint("check what is connected to `position`, and its unit")]
-        LostReading,
+        /// The position is NaN, infinite or out of range
+        #[reaction(DriveOff)]
+        #[detection("`position` is NaN, infinite or beyond 100 m")]
+        #[hint("Check the connection and the unit of `position`.")]
+        PositionLost,
     }
 
-    /// Which law holds the slide.
+    /// Control law
     pub enum Law {
-        /// With an integral that takes up the friction
+        /// PD with an integral that compensates friction
         Default,
-        /// The PD law alone: friction leaves an error
+        /// As published: PD without an integral; friction leaves an error
         Paper,
     }
 
-    /// Inputs, sampled at the start of the tick.
+    /// Inputs, sampled at the start of the control step.
     #[inputs]
     pub struct Input {
         /// Encoder of the slide
         #[var(unit = METRE as "mm", accepts_nan)]
         pub position: f64,
-        /// Rising edge in Idle begins a motion; false ends it: come to rest, Idle
+        /// Rising edge in Idle starts a motion; false stops it
         pub enable: bool,
-        /// Rising edge ends the state Fault once the slide is at rest: Idle, which waits for a rising edge of `enable`
+        /// Rising edge at rest acknowledges a fault
         pub reset_fault: bool,
     }
 
@@ -61,29 +67,29 @@ mod variables {
         /// Force on the slide
         #[var(unit = NEWTON)]
         pub force: f64,
-        /// Where the slide should be
+        /// Position setpoint
         #[var(unit = METRE as "mm")]
         pub setpoint: f64,
-        /// Setpoint less position
+        /// Setpoint minus position
         #[var(unit = METRE as "um")]
         pub following_error: f64,
-        /// What the controller is doing
+        /// State of the controller
         pub state: State,
-        /// Why it is in the state Fault
+        /// Why the controller is in the fault state
         pub fault: Fault,
     }
 
     /// All parameters.
     #[parameters]
     pub struct Parameters {
-        /// Which law holds the slide
-        #[var(source = "our choice")]
+        /// Control law
+        #[var(source = "default; compensates friction")]
         pub law: Law,
         /// Sample period
-        #[var(unit = SECOND as "ms", range = 1e-5..=0.1, start = 1e-3, source = "our choice")]
+        #[var(unit = SECOND as "ms", range = 1e-5..=0.1, start = 1e-3, essential, source = "default; usual drive rate")]
         pub sample_period: f64,
-        /// Samples between a force and its action; 1 for a standard master, 0 if it acts at once
-        #[var(range = 0..=DELAY_MAX as i32, start = 1, source = "our choice: what a standard master does")]
+        /// Samples between a command and its action; 1 with a standard master, 0 if immediate
+        #[var(range = 0..=DELAY_MAX as i32, start = 1, essential, source = "default; a standard master")]
         pub io_delay: i32,
         /// The machine
         pub slide: Slide,
@@ -91,62 +97,62 @@ mod variables {
         pub motion: Motion,
         /// Position servo
         pub servo: Servo,
-        /// When the slide is where it should be
+        /// Decision that the slide has arrived
         pub settle: Settle,
-        /// What is a fault
+        /// Limits of the faults
         pub limits: Limits,
     }
 
     /// The machine.
     pub struct Slide {
         /// Moving mass
-        #[var(unit = KILOGRAM, range = 1e-3..=1e4, start = 2.0, source = "our choice")]
+        #[var(unit = KILOGRAM, range = 1e-3..=1e4, start = 2.0, essential, source = "default; mass of the plant")]
         pub mass: f64,
-        /// Largest force
-        #[var(unit = NEWTON, range = 1e-3..=1e5, start = 50.0, source = "our choice")]
+        /// Maximum force of the drive
+        #[var(unit = NEWTON, range = 1e-3..=1e5, start = 50.0, essential, source = "default; below the limit of the plant")]
         pub force_max: f64,
     }
 
     /// Motion to the target.
     pub struct Motion {
-        /// Where the slide is brought
-        #[var(unit = METRE as "mm", range = -10.0..=10.0, start = 0.05, source = "our choice")]
+        /// Target position
+        #[var(unit = METRE as "mm", range = -10.0..=10.0, start = 0.05, essential, source = "default; motion of the scenario")]
         pub target: f64,
-        /// Largest velocity on the way
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-6..=10.0, start = 0.1, source = "our choice")]
+        /// Maximum velocity of the motion
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-6..=10.0, start = 0.1, essential, source = "default; motion of the scenario")]
         pub velocity_max: f64,
-        /// Time in which a motion comes to rest when `enable` is taken away
-        #[var(unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "our choice")]
+        /// Time of a stop after enable has become false
+        #[var(unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "default; half of the maximum deceleration")]
         pub stop_time: f64,
     }
 
     /// Position servo.
     pub struct Servo {
-        /// Bandwidth
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.1..=1e4, start = 15.0 * TAU, source = "our choice")]
+        /// Bandwidth of the position servo
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.1..=1e4, start = 15.0 * TAU, essential, source = "default; half of the limit for one sample of delay")]
         pub bandwidth: f64,
-        /// Damping ratio
-        #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "our choice: no overshoot")]
+        /// Damping ratio of the position servo
+        #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "default; no overshoot")]
         pub damping: f64,
-        /// Bandwidth of the integral
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e3, start = 30.0, paper = 0.0, source = "our choice: less than `check.rs` allows")]
+        /// Bandwidth of the integral action; 0 without it
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e3, start = 30.0, paper = 0.0, source = "default; two thirds of its limit")]
         pub integral_bandwidth: f64,
     }
 
-    /// When the slide is where it should be.
+    /// Decision that the slide has arrived.
     pub struct Settle {
-        /// Largest error
-        #[var(unit = METRE as "um", range = 1e-9..=0.1, start = 2e-5, source = "our choice")]
+        /// Maximum error of an arrived slide
+        #[var(unit = METRE as "um", range = 1e-9..=0.1, start = 2e-5, source = "default; 20 steps of the encoder")]
         pub band: f64,
-        /// For so long without a break
-        #[var(unit = SECOND as "ms", range = 0.0..=10.0, start = 0.05, source = "our choice")]
+        /// Time within the band before Done
+        #[var(unit = SECOND as "ms", range = 0.0..=10.0, start = 0.05, source = "default; some periods of the servo")]
         pub time: f64,
     }
 
-    /// What is a fault.
+    /// Limits of the faults.
     pub struct Limits {
-        /// Largest following error
-        #[var(unit = METRE as "mm", range = 1e-6..=1.0, start = 1e-3, source = "our choice: some times what friction leaves")]
+        /// Maximum following error
+        #[var(unit = METRE as "mm", range = 1e-6..=1.0, start = 1e-3, source = "default; several times the error of friction")]
         pub following_error: f64,
     }
 }

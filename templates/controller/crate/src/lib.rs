@@ -1,6 +1,6 @@
-//! Moves a slide to a target and holds it there, as an FMU.
+//! Moves a slide to a target and holds its position, as an FMU.
 //!
-//! [`interface`] holds the variables; [`controller::Controller`] is the law, plain Rust that knows nothing of FMI.
+//! [`interface`] holds the variables; [`controller::Controller`] is the control law in pure Rust, without FMI.
 #![forbid(unsafe_code)]
 
 mod check;
@@ -20,7 +20,7 @@ use interface::Vars;
 impl Model for Controller {
     const INFO: Info = Info {
         name: "__Name__",
-        // raise it when the variables or the state between samples change
+        // raise it when variables or saved state change their meaning
         state_version: 1,
         stop_time: 2.0,
         ..package!()

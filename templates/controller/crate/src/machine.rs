@@ -2,7 +2,7 @@
 
 use crate::interface::{Fault, State};
 
-/// What happened in one sample.
+/// Events of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
     /// `enable` is set.
@@ -11,13 +11,13 @@ pub struct Events {
     pub start: bool,
     /// Rising edge of `reset_fault` at rest.
     pub reset: bool,
-    /// Something is wrong.
+    /// Fault of this sample.
     pub fault: Option<Fault>,
     /// The slide has been at the target for long enough.
     pub arrived: bool,
 }
 
-/// The state after `state` and `events`; a fault comes first, then the end of `enable`.
+/// Returns the next state. A fault has priority over the end of `enable`.
 pub fn next(state: State, events: &Events) -> State {
     use State::{Done, Fault, Idle, Run};
     match state {
@@ -36,7 +36,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_state_goes_on_by_its_event_alone() {
+    fn each_state_has_one_exit() {
         let quiet = Events { enabled: true, ..Events::default() };
         let start = Events { start: true, ..quiet };
         let arrived = Events { arrived: true, ..quiet };
@@ -53,10 +53,10 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_wins_everywhere_and_ends_with_its_reset_only() {
-        let wrong = Events { start: true, reset: true, fault: Some(Fault::FollowingError), ..Events::default() };
-        assert!(State::ALL.iter().all(|state| next(*state, &wrong) == State::Fault));
-        assert_eq!(next(State::Fault, &Events { fault: None, reset: false, ..wrong }), State::Fault);
-        assert_eq!(next(State::Fault, &Events { fault: None, ..wrong }), State::Idle);
+    fn a_fault_has_priority_and_ends_by_its_reset_only() {
+        let faulty = Events { start: true, reset: true, fault: Some(Fault::FollowingError), ..Events::default() };
+        assert!(State::ALL.iter().all(|state| next(*state, &faulty) == State::Fault));
+        assert_eq!(next(State::Fault, &Events { fault: None, reset: false, ..faulty }), State::Fault);
+        assert_eq!(next(State::Fault, &Events { fault: None, ..faulty }), State::Idle);
     }
 }

@@ -1,4 +1,4 @@
-//! Setpoint of the slide: a motion of least jerk that ends at rest.
+//! Setpoint of the slide: a minimum-jerk motion that ends at rest.
 
 use control_blocks::{Quintic, Trajectory, quintic_duration};
 use serde::{Deserialize, Serialize};
@@ -24,26 +24,26 @@ impl Setpoint {
         self.path.at(self.elapsed)
     }
 
-    /// Whether the motion is over, or the setpoint rests.
+    /// Whether the motion is complete, or the setpoint is at rest.
     pub fn over(&self) -> bool {
         let now = self.at();
         now.velocity == 0.0 && now.acceleration == 0.0
     }
 
-    /// Begins the motion to the target.
+    /// Starts the motion to the target.
     pub fn go(&mut self, p: &Parameters) {
-        let way = (p.motion.target - self.at().position).abs();
-        self.begin(p.motion.target, quintic_duration(way, p.motion.velocity_max).max(p.sample_period));
+        let distance = (p.motion.target - self.at().position).abs();
+        self.begin(p.motion.target, quintic_duration(distance, p.motion.velocity_max).max(p.sample_period));
     }
 
-    /// Begins to stop.
+    /// Starts a stop.
     pub fn stop(&mut self, p: &Parameters) {
         let now = self.at();
-        // the mean of an even deceleration is half the velocity
+        // the mean velocity of a constant deceleration is half the initial velocity
         self.begin(now.position + 0.5 * now.velocity * p.motion.stop_time, p.motion.stop_time);
     }
 
-    /// Goes on by `dt` s.
+    /// Advances by `dt` s.
     pub fn advance(&mut self, dt: f64) {
         self.elapsed += dt;
     }
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_at_half_way_is_never_faster_than_the_motion_before() {
+    fn a_stop_is_never_faster_than_the_motion_before() {
         let mut setpoint = Setpoint::resting(0.0);
         setpoint.go(&P);
         (0..469).for_each(|_| setpoint.advance(P.sample_period));
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_to_where_it_is_has_no_length() {
+    fn a_motion_to_the_current_position_has_no_length() {
         let mut setpoint = Setpoint::resting(P.motion.target);
         setpoint.go(&P);
         assert_eq!(run(&mut setpoint), (0.0, P.motion.target));

@@ -1,21 +1,21 @@
-//! What is taken for a measurement, and the edges of the switches.
+//! Validation of the measurement, and edges of the Boolean inputs.
 
 use control_blocks::{Consecutive, Edge, believable, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
 
-/// No slide of this kind is longer, m.
+/// Limit of a plausible position, m.
 const POSITION_MAX: f64 = 100.0;
 
 /// The usable part of the inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Position, the last good one where this is none, m.
+    /// Position, the last valid one if this one is invalid, m.
     pub position: f64,
-    /// The position is of this sample.
+    /// The position of this sample is valid.
     pub valid: bool,
-    /// It is the first good one.
+    /// This is the first valid position.
     pub first: bool,
     /// The slide has stayed within `settle.band` for `settle.time`.
     pub at_rest: bool,
@@ -27,19 +27,19 @@ pub struct Reading {
     pub reset: bool,
 }
 
-/// Remembers what one reading needs from the ones before; by default nothing, before the first sample.
+/// State of the validation between two samples; the default is the state before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
     before: Option<f64>,
-    /// where the slide was when it last moved, m
-    place: f64,
+    /// Position at the last motion, m.
+    rest_position: f64,
     still: Consecutive,
     enable: Edge,
     reset: Edge,
 }
 
 impl Reader {
-    /// Reads one sample.
+    /// Validates one sample.
     pub fn read(&mut self, p: &Parameters, input: &Input) -> Reading {
         let valid = believable(input.position, POSITION_MAX);
         let first = valid && self.before.is_none();
@@ -47,9 +47,9 @@ impl Reader {
             self.before = Some(input.position);
         }
         let position = self.before.unwrap_or(0.0);
-        let still = self.still.update(valid && (position - self.place).abs() <= p.settle.band);
+        let still = self.still.update(valid && (position - self.rest_position).abs() <= p.settle.band);
         if still == 0 {
-            self.place = position;
+            self.rest_position = position;
         }
         Reading {
             position,
@@ -74,17 +74,17 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_never_used() {
+    fn invalid_positions_are_never_used() {
         let mut reader = Reader::default();
         assert!(reader.read(&P, &at(0.5)).first);
-        for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-            let reading = reader.read(&P, &at(nonsense));
+        for invalid in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+            let reading = reader.read(&P, &at(invalid));
             assert_eq!((reading.position, reading.valid, reading.first), (0.5, false, false));
         }
     }
 
     #[test]
-    fn rest_takes_its_time_and_a_slow_drift_is_none() {
+    fn rest_needs_time_and_a_slow_drift_is_no_rest() {
         let mut reader = Reader::default();
         let mut rests = |velocity: f64| (0..200).map(|k| reader.read(&P, &at(velocity * f64::from(k))).at_rest).last();
         assert_eq!(rests(0.0), Some(true));

@@ -4,13 +4,13 @@
 //! force = m (a + w^2 e + 2 zeta w de/dt + w^2 w_i integral of e)
 //! ```
 //!
-//! so that e'' + 2 zeta w e' + w^2 e = 0 on a free mass with w_i = 0. A friction F leaves F / (m w^2) then.
+//! It gives e'' + 2 zeta w e' + w^2 e = 0 for a free mass and w_i = 0. Friction F then leaves the error F / (m w^2).
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// The servo between two samples; by default without error and integral.
+/// State of the servo between two samples.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PositionServo {
     /// m
@@ -24,10 +24,10 @@ impl PositionServo {
     pub fn force(&mut self, p: &Parameters, error: f64, acceleration: f64) -> f64 {
         let (w, mass) = (p.servo.bandwidth, p.slide.mass);
         let rate = (error - self.error) / p.sample_period;
-        let wanted = mass * (acceleration + w * w * error + 2.0 * p.servo.damping * w * rate) + self.integral;
-        let force = wanted.clamp(-p.slide.force_max, p.slide.force_max);
-        // at the limit the integral stands still
-        if force == wanted {
+        let desired = mass * (acceleration + w * w * error + 2.0 * p.servo.damping * w * rate) + self.integral;
+        let force = desired.clamp(-p.slide.force_max, p.slide.force_max);
+        // anti-windup: no integration at the force limit
+        if force == desired {
             self.integral += mass * w * w * p.servo.integral_bandwidth * error * p.sample_period;
         }
         self.error = error;
@@ -42,7 +42,7 @@ mod tests {
     const P: Parameters = Parameters::START;
 
     #[test]
-    fn a_standing_error_meets_the_stiffness_and_then_the_integral() {
+    fn a_constant_error_gives_stiffness_and_then_the_integral() {
         let mut servo = PositionServo { error: 1e-4, integral: 0.0 };
         let stiffness = P.slide.mass * P.servo.bandwidth.powi(2);
         let first = servo.force(&P, 1e-4, 0.0);
@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn at_the_limit_the_integral_stands_still() {
+    fn the_integral_stops_at_the_force_limit() {
         let mut servo = PositionServo::default();
         for _ in 0..1000 {
             assert_eq!(servo.force(&P, 1.0, 0.0), P.slide.force_max);

@@ -1,4 +1,4 @@
-//! No sample allocates: not in any state of a job under both laws, nor in any fault.
+//! No control step allocates: in no state of a cycle with either control law, and in no fault.
 
 #[path = "closed_loop/run.rs"]
 mod run;
@@ -10,13 +10,13 @@ use run::Loop;
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-/// What goes wrong.
+/// Injects the cause of a fault.
 type Cause = fn(&mut Loop);
 
 #[test]
-fn a_job_of_both_laws() {
+fn a_cycle_of_both_control_laws() {
     let mut paper = Parameters::PAPER;
-    // without an integral friction leaves more than the usual band
+    // without an integral, friction leaves more than the default band
     paper.settle.band = 5e-4;
     for p in [Parameters::START, paper] {
         let mut run = Loop::new(&p);
@@ -30,7 +30,7 @@ fn a_job_of_both_laws() {
 fn every_fault_and_its_reset() {
     let causes: [(Fault, Cause); 2] = [
         (Fault::FollowingError, |run| run.slide.load = -100.0),
-        (Fault::LostReading, |run| run.step_with(|input| input.position = f64::NAN)),
+        (Fault::PositionLost, |run| run.step_with(|input| input.position = f64::NAN)),
     ];
     for (fault, cause) in causes {
         let mut run = Loop::new(&Parameters::START);

@@ -10,7 +10,7 @@ fn in_fault(fault: Fault) -> Loop {
     match fault {
         Fault::None => unreachable!("no fault has no cause"),
         Fault::FollowingError => run.slide.load = -100.0,
-        Fault::LostReading => run.step_with(|input| input.position = f64::NAN),
+        Fault::PositionLost => run.step_with(|input| input.position = f64::NAN),
     }
     assert!(run.run_to(State::Fault, 1.0), "{:?}", run.output);
     assert_eq!((run.output.fault, run.output.force), (fault, 0.0));
@@ -19,7 +19,7 @@ fn in_fault(fault: Fault) -> Loop {
 }
 
 #[test]
-fn every_fault_ends_with_its_reset_at_rest_and_then_waits_for_enable() {
+fn every_fault_is_acknowledged_at_rest_and_then_waits_for_enable() {
     for &fault in &Fault::ALL[1..] {
         let mut run = in_fault(fault);
         run.slide.velocity += 0.5;

@@ -1,4 +1,4 @@
-//! The controller in closed loop with a slide: motion, laws, faults, hostile inputs, state bytes.
+//! The controller in closed loop with a slide: motion, control laws, faults, hostile inputs, saved states.
 
 mod faults;
 mod motion;

@@ -5,7 +5,7 @@ use fmu___name__::interface::{Input, Output, Parameters, State};
 
 /// Communication step, s.
 const STEP: f64 = 1e-3;
-/// Moving mass, kg: 5 % more than the controller thinks.
+/// Moving mass, kg: 5 % above the configured value.
 const MASS: f64 = 2.1;
 /// Dry friction, N.
 pub const FRICTION: f64 = 2.0;
@@ -19,12 +19,12 @@ pub struct Slide {
     pub position: f64,
     /// m/s
     pub velocity: f64,
-    /// Force from outside, N.
+    /// External force, N.
     pub load: f64,
 }
 
 impl Slide {
-    /// One step; friction takes away velocity, but never turns it round.
+    /// One step. Friction reduces the velocity but never reverses it.
     fn advance(&mut self, force: f64) {
         let free = self.velocity + (force + self.load) / MASS * STEP;
         let friction = FRICTION / MASS * STEP;
@@ -37,7 +37,7 @@ impl Slide {
 pub struct Loop {
     pub slide: Slide,
     pub controller: Controller,
-    /// What the last step gave.
+    /// Outputs of the last step.
     pub output: Output,
     p: Parameters,
     /// Steps so far.
@@ -51,7 +51,7 @@ impl Loop {
         Self { slide: Slide::default(), controller, output: Output::START, p: p.clone(), steps: 0 }
     }
 
-    /// One step; `enable` comes after 0.01 s.
+    /// One step; `enable` rises after 0.01 s.
     pub fn step(&mut self) {
         self.step_with(|_| ());
     }
@@ -66,10 +66,10 @@ impl Loop {
         self.steps += 1;
     }
 
-    /// Steps until `state`, for `seconds` at the most; true if it came.
+    /// Steps until `state`, for a maximum of `seconds`; true if it was reached.
     pub fn run_to(&mut self, state: State, seconds: f64) -> bool {
-        let most = self.steps + (seconds / STEP) as u32;
-        while self.output.state != state && self.steps <= most {
+        let limit = self.steps + (seconds / STEP) as u32;
+        while self.output.state != state && self.steps <= limit {
             self.step();
         }
         self.output.state == state

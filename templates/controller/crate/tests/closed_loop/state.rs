@@ -1,4 +1,4 @@
-//! State bytes: a controller goes on from them bit for bit.
+//! Saved states: a restored controller is bit-identical.
 
 use fmu___name__::controller::Controller;
 use fmu___name__::interface::{Input, Output, Parameters, State};
