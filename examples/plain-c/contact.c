@@ -1,4 +1,4 @@
-/* Closes a loop around the contact detection: a slide that is driven by the controller until its tool meets a surface.
+/* Closed loop of the contact detection: the controller moves a slide until its tool touches a surface.
  *
  *     cargo xtask c dob
  *     cc -I target/c/fmu-dob examples/plain-c/contact.c target/c/fmu-dob/libfmu_dob.a -lm -o contact && ./contact */
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include "fmu_dob.h"
 
-/* the machine: mass, thrust per ampere, stiffness of the contact, where the surface is, and the noise of the encoder */
+/* the machine: mass, force constant, contact stiffness, position of the surface, encoder noise, spindle speed */
 static const double MASS = 10.4, THRUST = 19.4, STIFFNESS = 2e5, SURFACE = 1.2e-4, NOISE = 5e-10;
 static const double SPINDLE = 3141.6;
 
@@ -15,7 +15,7 @@ typedef struct {
     double position, velocity, force, depth;
 } slide;
 
-/* half of the samples' time for each step of the machine keeps the stiff contact accurate */
+/* two steps of the machine per sample keep the stiff contact accurate */
 static void move(slide *s, double current, double time) {
     for (int k = 0; k < 2; k++) {
         const double pressed = s->position - SURFACE;
@@ -26,7 +26,7 @@ static void move(slide *s, double current, double time) {
     }
 }
 
-/* twelve even random numbers make a normal one */
+/* the sum of twelve uniform random numbers is nearly normal */
 static double noise(void) {
     double sum = -6.0;
     for (int k = 0; k < 12; k++) sum += rand() / (RAND_MAX + 1.0);
@@ -35,7 +35,7 @@ static double noise(void) {
 
 static void on_message(void *user, int level, const char *text) {
     (void)user;
-    printf("%s %s\n", level == 0 ? "news:   " : "warning:", text);
+    printf("%s %s\n", level == 0 ? "info:   " : "warning:", text);
 }
 
 int main(void) {
@@ -61,7 +61,7 @@ int main(void) {
         if (!fmu_dob_step(controller, &in, &out)) break;
         move(&machine, current, period);
     }
-    printf("state %d, fault %d: contact found %.0f nm behind the surface, the tool went in by %.0f nm\n", (int)out.state,
+    printf("state %d, fault %d: contact detected %.0f nm beyond the surface, overtravel %.0f nm\n", (int)out.state,
            (int)out.fault, 1e9 * (out.contact_position - SURFACE), 1e9 * machine.depth);
     const int good = out.state == fmu_dob_State_Done && out.fault == fmu_dob_Fault_None && machine.depth < 1e-6;
     fmu_dob_free(controller);

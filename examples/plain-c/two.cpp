@@ -1,4 +1,4 @@
-// Two controllers in one C++ program, each with its own copy of what Rust needs; one of them is saved and goes on twice.
+// Two controllers in one C++ program, each with its own copy of the Rust runtime. One of them is saved and restored.
 //
 //     cargo xtask c dob polish
 //     c++ -I target/c/fmu-dob -I target/c/fmu-polish examples/plain-c/two.cpp target/c/fmu-dob/libfmu_dob.a
@@ -20,7 +20,7 @@ struct Freed {
 using Dob = std::unique_ptr<fmu_dob, Freed<fmu_dob, fmu_dob_free>>;
 using Polish = std::unique_ptr<fmu_polish, Freed<fmu_polish, fmu_polish_free>>;
 
-// what a controller told last: the reason when something was refused
+// keeps the last message of a controller: the reason of a rejection
 void keep(void *user, int, const char *text) { *static_cast<std::string *>(user) = text; }
 
 template <typename T>
@@ -36,14 +36,14 @@ void check(bool good, const std::string &reason) {
 }  // namespace
 
 int main() try {
-    std::string told;
+    std::string message;
     fmu_dob_parameters slide;
     fmu_dob_start_parameters(&slide);
-    const Dob dob = made(Dob(fmu_dob_new(&slide, nullptr, keep, &told)), told);
+    const Dob dob = made(Dob(fmu_dob_new(&slide, nullptr, keep, &message)), message);
     fmu_polish_parameters robot;
     fmu_polish_start_parameters(&robot);
     robot.force.target = 8.0;
-    const Polish polish = made(Polish(fmu_polish_new(&robot, nullptr, keep, &told)), told);
+    const Polish polish = made(Polish(fmu_polish_new(&robot, nullptr, keep, &message)), message);
 
     fmu_dob_inputs from_slide;
     fmu_dob_start_inputs(&from_slide);
@@ -53,22 +53,22 @@ int main() try {
     fmu_polish_outputs to_robot;
     for (int k = 0; k < 1000; k++) {
         from_slide.position = 1e-8 * (k % 7);
-        check(fmu_dob_step(dob.get(), &from_slide, &to_slide), told);
-        check(fmu_polish_step(polish.get(), &from_robot, &to_robot), told);
+        check(fmu_dob_step(dob.get(), &from_slide, &to_slide), message);
+        check(fmu_polish_step(polish.get(), &from_robot, &to_robot), message);
     }
 
     std::vector<unsigned char> state(fmu_dob_save(dob.get(), nullptr, 0));
-    check(!state.empty() && fmu_dob_save(dob.get(), state.data(), state.size()) == state.size(), told);
+    check(!state.empty() && fmu_dob_save(dob.get(), state.data(), state.size()) == state.size(), message);
     fmu_dob_outputs once, again;
-    check(fmu_dob_step(dob.get(), &from_slide, &once), told);
-    check(fmu_dob_restore(dob.get(), state.data(), state.size()), told);
-    check(fmu_dob_step(dob.get(), &from_slide, &again), told);
+    check(fmu_dob_step(dob.get(), &from_slide, &once), message);
+    check(fmu_dob_restore(dob.get(), state.data(), state.size()), message);
+    check(fmu_dob_step(dob.get(), &from_slide, &again), message);
     std::printf("current %.17g A, and once more %.17g A\n", once.current, again.current);
 
-    // a value that is out of its range is refused by name
+    // a value out of its range is rejected by name
     slide.approach.velocity = 1.0;
-    check(!fmu_dob_tune(dob.get(), &slide), "a wrong parameter was taken");
-    std::printf("refused: %s\n", told.c_str());
+    check(!fmu_dob_tune(dob.get(), &slide), "a wrong parameter was accepted");
+    std::printf("rejected: %s\n", message.c_str());
     return once.current == again.current ? 0 : 1;
 } catch (const std::exception &error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -1,4 +1,4 @@
-//! A spring whose force is computed once in a sample period.
+//! A spring whose force is computed once per sample period.
 
 use fmi2_export::serde::{Deserialize, Serialize};
 use fmi2_export::{Env, Error, Info, Model, export, package};

@@ -46,7 +46,7 @@ def test_two_controllers_share_one_program_in_cpp(tmp_path: Path) -> None:
     program = compiled(EXAMPLES / "two.cpp", tmp_path / "two", "dob", "polish", words=words)
     run = subprocess.run([str(program)], capture_output=True, text=True, check=False)
     assert (run.returncode, run.stderr) == (0, ""), run.stdout
-    assert "refused: fmi2SetReal: `approach.velocity` = 1.0 m/s is outside" in run.stdout
+    assert "rejected: fmi2SetReal: `approach.velocity` = 1.0 m/s is outside" in run.stdout
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
