@@ -90,22 +90,22 @@ def second_ends_all() -> Iterator[None]:
     if current() is None:
         yield
         return
-    told, tells = socket.socketpair()
-    tells.setblocking(False)
-    before = signal.set_wakeup_fd(tells.fileno(), warn_on_full_buffer=False)
-    threading.Thread(target=count, args=(told,), daemon=True).start()
+    receiver, sender = socket.socketpair()
+    sender.setblocking(False)
+    before = signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
+    threading.Thread(target=count, args=(receiver,), daemon=True).start()
     try:
         yield
     finally:
         signal.set_wakeup_fd(before)
-        tells.close()
+        sender.close()
 
 
-def count(told: socket.socket) -> None:
+def count(receiver: socket.socket) -> None:
     """Count the signals that arrive until the other side is closed."""
     seen = 0
-    with told:
-        while signals := told.recv(16):
+    with receiver:
+        while signals := receiver.recv(16):
             seen += signals.count(signal.SIGINT)
             if seen > 1:
                 sys.stdout.flush()

@@ -20,7 +20,7 @@ def ready() -> None:
     except Exception:  # whatever the libraries of the system lack
         os.environ[CHOICE] = "disable"
         try:
-            # without MuJoCo itself the plant tells
+            # without MuJoCo the plant raises the error
             with contextlib.suppress(ImportError):
                 importlib.import_module("mujoco")
         finally:

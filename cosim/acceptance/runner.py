@@ -95,14 +95,14 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
     for name, given in names.items():
         made = job(given, files[name], options)
         found[name] = change(name, made) if change and isinstance(made, RecordedJob) else made
-    with progress(len(found), options.quiet) as tell:
+    with progress(len(found), options.quiet) as report:
         for name, error in found.items():
             if isinstance(error, CosimError):
-                tell(name, error)
+                report(name, error)
         jobs = {name: job for name, job in found.items() if isinstance(job, RecordedJob)}
         for name, outcome in outcomes(jobs, options):
             found[name] = outcome
-            tell(name, outcome)
+            report(name, outcome)
     return {name: outcome for name, outcome in found.items() if not isinstance(outcome, RecordedJob)}
 
 
@@ -161,7 +161,7 @@ def progress(count: int, quiet: bool) -> Iterator[Callable[[str, Outcome], None]
     with bar(quiet, MofNCompleteColumn()) as shown:
         task: Any = None if shown is None else shown.add_task("scenarios", total=count)
 
-        def tell(name: str, outcome: Outcome) -> None:
+        def report(name: str, outcome: Outcome) -> None:
             words = display.summary(outcome).plain if isinstance(outcome, Result) else "could not run"
             if shown is not None:
                 shown.console.print(f"{name}: {words}")
@@ -169,4 +169,4 @@ def progress(count: int, quiet: bool) -> Iterator[Callable[[str, Outcome], None]
             elif not quiet:
                 print(f"{name}: {words}", file=sys.stderr, flush=True)
 
-        yield tell
+        yield report

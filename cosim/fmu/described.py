@@ -55,18 +55,18 @@ def settable_variables(variables: Iterable[Variable]) -> dict[str, dict[str, Any
 
 def described(variable: Variable) -> dict[str, Any]:
     """Describe one variable: type, range, start value and description."""
-    told = schema.explained(variable.description, variable.unit)
+    labels = schema.explained(variable.description, variable.unit)
     if variable.kind == "Enumeration":
         names = {str(number): name for name, number in variable.items}
         values = [value for item in variable.items for value in item]
-        return {"enum": values, **told, **default(names.get(variable.start))}
+        return {"enum": values, **labels, **default(names.get(variable.start))}
     if variable.kind == "Boolean":
         start = variable.start in ("true", "1") if variable.start else None
-        return {"enum": [True, False, 0, 1], **told, **default(start)}
+        return {"enum": [True, False, 0, 1], **labels, **default(start)}
     if variable.kind == "String":
-        return {"type": "string", **told, **default(variable.start or None)}
+        return {"type": "string", **labels, **default(variable.start or None)}
     numbers = {"minimum": variable.minimum, "maximum": variable.maximum, "default": variable.start}
-    found: dict[str, Any] = {"type": TYPES[variable.kind], **told}
+    found: dict[str, Any] = {"type": TYPES[variable.kind], **labels}
     for name, text in numbers.items():
         with contextlib.suppress(ValueError):
             found[name] = int(text) if variable.kind == "Integer" else finite(text)

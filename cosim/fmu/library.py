@@ -48,9 +48,9 @@ def check_library(folder: Path, identifier: str, shown: str) -> None:
 def check_headers(slave: Any, shown: str) -> None:
     """Warn of a library that was not compiled with the headers of FMI 2.0."""
     for function, wanted in ANSWERS.items():
-        told: bytes | None = getattr(slave, function)()
-        if told != wanted:
-            answer = "nothing" if told is None else f"`{readable(told)}`"
+        reported: bytes | None = getattr(slave, function)()
+        if reported != wanted:
+            answer = "nothing" if reported is None else f"`{readable(reported)}`"
             warn(f"the library of `{shown}`: `{function}` returns {answer}, not `{wanted.decode()}`")
 
 

@@ -89,8 +89,8 @@ def check_units(scenario: Scenario, compiled: list[Expression], found: StoredTra
     if not without_unit:
         return
     as_if = replace(found, units=found.units | dict.fromkeys(without_unit, ONE))
-    told = compile_metrics(scenario, as_if, shown)
-    columns = zip(scenario.metric, compiled, told, strict=True)
+    assumed = compile_metrics(scenario, as_if, shown)
+    columns = zip(scenario.metric, compiled, assumed, strict=True)
     doubtful = {metric.name for metric, now, then in columns if not metric.unit and now.unit != then.unit}
     for criterion in scenario.criterion:
         if criterion.unit and criterion.metric in doubtful:

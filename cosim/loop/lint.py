@@ -37,9 +37,9 @@ def warnings(session: Session) -> list[str]:
     if unknown := undriven.unknown(session.scenario, known):
         found.append(unknown)
     if forgotten := undriven.undriven(session.scenario, known):
-        found.append(undriven.told(forgotten, session.plant))
-    found += [told for wire in session.scenario.wire if (told := unlike(wire, session))]
-    found += [told for _, told in ineffective_settings(session.scenario)]
+        found.append(undriven.sentence(forgotten, session.plant))
+    found += [sentence for wire in session.scenario.wire if (sentence := unlike(wire, session))]
+    found += [sentence for _, sentence in ineffective_settings(session.scenario)]
     if not session.scenario.criterion:
         found.append("the scenario has no criteria")
     return found
@@ -51,9 +51,9 @@ def unlike(wire: Wire, session: Session) -> str:
     unknown = {"", "1"} & {before, after}
     if unknown or before == after or (wire.scale, wire.offset) != (1.0, 0.0):
         return ""
-    told = f"`wire.{wire.to}` connects {before} of `{wire.source}` to {after} without conversion"
+    sentence = f"`wire.{wire.to}` connects {before} of `{wire.source}` to {after} without conversion"
     factor = ratio(before, after)
-    return told if factor is None else f"{told}; set `scale = {factor:.12g}`"
+    return sentence if factor is None else f"{sentence}; set `scale = {factor:.12g}`"
 
 
 def unit_of(end: str, session: Session) -> str:

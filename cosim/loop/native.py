@@ -155,8 +155,8 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
                     trigger(row, done)
                 ended = ended or (look is not None and bool(look(row)))
             if progress is not None:
-                for told in range(-(-done // PROGRESS_EVERY) * PROGRESS_EVERY, stepper.k, PROGRESS_EVERY):
-                    progress(told, steps)
+                for reported in range(-(-done // PROGRESS_EVERY) * PROGRESS_EVERY, stepper.k, PROGRESS_EVERY):
+                    progress(reported, steps)
             done = stepper.k
             parts.interrupt()
     except Exception as error:

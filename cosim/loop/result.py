@@ -150,8 +150,8 @@ class Result:
     def about(self) -> dict[str, Any]:
         """Return the metadata of a saved trace; equal runs give identical bytes."""
         run = ("scenario", "title", "seed", "engine", "fmus", "simulated_s")
-        told = {name: getattr(self, name) for name in (*run, *LABELS)}
-        return {"cosim": version(PROJECT), **told}
+        facts = {name: getattr(self, name) for name in (*run, *LABELS)}
+        return {"cosim": version(PROJECT), **facts}
 
 
 def criterion(verdict: Verdict) -> dict[str, Any]:

@@ -74,7 +74,7 @@ def sample(
     if interpolation == "linear":
         joined: NDArray[np.float64] = np.interp(grid * step, times, known)
         return joined
-    # the first step that is not before the time, as `first_step` tells it
+    # the first step that is not before the time, as in `first_step`
     first = np.ceil(np.clip(np.asarray(times) / step - 1e-6, 0.0, MAX_STEPS))
     held: NDArray[np.float64] = known[np.searchsorted(first, grid, side="right") - 1]
     return held
@@ -145,8 +145,8 @@ def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
     if falls.size:
         index = int(falls[0])
         before, now = course.times[index - 1 : index + 1]
-        told = f"the time `{now:g}` s does not increase, the time before is `{before:g}` s"
-        raise ScenarioError(f"{course.place(index)}: {told}")
+        problem = f"the time `{now:g}` s does not increase, the time before is `{before:g}` s"
+        raise ScenarioError(f"{course.place(index)}: {problem}")
     return course
 
 
@@ -163,10 +163,10 @@ def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]
     if column not in others:
         shown = paths.shown(file)
         several = f"`column` is missing; `{shown}` has {len(others)} columns in addition to the time"
-        told = f"`{shown}` has no column `{column}`" if column else several
+        problem = f"`{shown}` has no column `{column}`" if column else several
         hint = closest(column, others)
         raise ScenarioError(
-            told, hint or "Separate values by commas; put the names of the columns into the first line."
+            problem, hint or "Separate values by commas; put the names of the columns into the first line."
         )
     return time, names.index(column)
 

@@ -22,7 +22,7 @@ def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
     if text := unknown(scenario, known):
         warn_once(f"{scenario.origin('idle')}: {text}")
     if forgotten := undriven(scenario, known):
-        warn_once(f"{scenario.origin('wire')}: {told(forgotten, plant)}")
+        warn_once(f"{scenario.origin('wire')}: {sentence(forgotten, plant)}")
     for key, doubt in ineffective_settings(scenario):
         warn_once(f"{scenario.origin(key)}: {doubt}")
 
@@ -50,7 +50,7 @@ def ends(fmus: Sequence[Instance], plant: Plant) -> list[str]:
     return inputs + [f"plant.{channel.name}" for channel in plant.commands]
 
 
-def told(forgotten: list[str], plant: Plant) -> str:
+def sentence(forgotten: list[str], plant: Plant) -> str:
     """Sentence about undriven inputs; shows the start value of commands that do not start at 0."""
     held = {f"plant.{channel.name}": start(channel) for channel in plant.commands if start(channel)}
     names = [f"`{name}`" + (f" (stays at {held[name]:g})" if name in held else "") for name in forgotten]

@@ -50,8 +50,8 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
     place.at(Stage.NONE)
     return Draft(
         title=f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
-        fmu=told(fmu, file.path, folder),
-        plant=told(plant_name, paths.expanded(plant_name), folder),
+        fmu=relative_name(fmu, file.path, folder),
+        plant=relative_name(plant_name, paths.expanded(plant_name), folder),
         step=step,
         substeps=substeps,
         steps=max(1, round(LONGEST / step)),
@@ -79,7 +79,7 @@ def steps(wanted: float, timestep: float) -> tuple[float, int]:
     return float(f"{substeps * timestep:.12g}"), substeps
 
 
-def told(name: str, file: Path, folder: Path) -> str:
+def relative_name(name: str, file: Path, folder: Path) -> str:
     """Name in the scenario: a path is relative to its folder."""
     if name.endswith((".fmu", plant.MJCF)) or os.sep in name:
         return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()

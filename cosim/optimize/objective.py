@@ -90,8 +90,8 @@ def check_measured(name: str, found: StoredTrace) -> None:
         spread = np.std(known)
     if not np.isfinite(spread):
         low, high = np.min(known), np.max(known)
-        told = f"ranges from {low:g} to {high:g}, whose spread is too large"
-        raise CosimError(f"`{name}` in `{paths.shown(found.file)}` {told}")
+        problem = f"ranges from {low:g} to {high:g}, whose spread is too large"
+        raise CosimError(f"`{name}` in `{paths.shown(found.file)}` {problem}")
 
 
 def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float:

@@ -49,7 +49,7 @@ class Proposer:
             self.open[number] = trial
             return {vary.key: suggested(trial, vary) for vary in self.problem.vary}
 
-    def tell(self, done: Trial) -> None:
+    def report(self, done: Trial) -> None:
         """Report the score of a trial."""
         trial = self.open.pop(done.number)
         with quiet():

@@ -54,7 +54,7 @@ def search(
                 rows = [row for run in group if (row := store.row(run)) is not None]
                 worth = score(variants.problem, variants.scenario, rows)
                 trials.append(Trial(group[0].case, group[0].changes, worth))
-                proposer.tell(trials[-1])
+                proposer.report(trials[-1])
             if all(trial.score.value is None for trial in trials):
                 reason = trials[0].score.reason
                 raise CosimError(f"none of the first {len(trials)} trials gave a number; the first: {reason}")

@@ -137,9 +137,9 @@ def finished(
         if lost:
             raise WorkerLostError(lost)
         reported = reported_by(client, future)
-        for (number, job), (_, told) in zip(batch, reported, strict=False):
-            for line in told:
-                lines.tell(name(number, job), line)
+        for (number, job), (_, logged) in zip(batch, reported, strict=False):
+            for line in logged:
+                lines.report(name(number, job), line)
         return batches.finish(batch, [outcome for outcome, _ in reported])
     except WorkerLostError as error:
         future.cancel()
@@ -223,7 +223,7 @@ def report_lost_runs(client: Any, ended: queue.SimpleQueue[Ended]) -> None:
             for key in message["processing-tasks"]:
                 ended.put((key, str(message["worker"])))
 
-    # all that happens to workers is told under this topic
+    # topic of all worker events
     client.subscribe_topic("all", see)
 
 
@@ -241,8 +241,8 @@ def run_supervised(token: str, jobs: list[Job], limits: Limits, level: int) -> l
     reported: list[Reported] = []
     end = time.monotonic() + BATCH_TIME
     for job in jobs:
-        told: list[Line] = []
-        reported.append((worker.call(job, told=told.append), told))
+        logged: list[Line] = []
+        reported.append((worker.call(job, on_line=logged.append), logged))
         if time.monotonic() > end:
             break
     return reported

@@ -27,7 +27,7 @@ def dask() -> Any:
     problem = "Dask is not installed; it runs sweeps on a cluster"
     distributed = extras.needed("distributed", problem, extras.hint("cluster"))
     for name in ("distributed", "distributed.client"):
-        # what it says is told in our words
+        # our errors replace its log
         logging.getLogger(name).setLevel(logging.CRITICAL)
     return distributed
 

@@ -14,7 +14,7 @@ EVENTS = logging.INFO
 
 Line = tuple[str, int, str]
 """Name of a logger, level and text."""
-Tell = Callable[[Line], None]
+OnLine = Callable[[Line], None]
 
 log = logging.getLogger("cosim")
 
@@ -24,7 +24,7 @@ def most() -> float:
     return math.inf if log.isEnabledFor(EVENTS) else MOST
 
 
-def tell(line: Line, run: str = "") -> None:
+def report(line: Line, run: str = "") -> None:
     """Log a line of another process, with the name of its run."""
     name, level, text = line
     logging.getLogger(name).log(level, "%s", f"{run}: {text}" if run else text)
@@ -40,10 +40,10 @@ class Lines:
         self.seen: set[str] = set()
         self.lock = threading.Lock()
 
-    def tell(self, run: str, line: Line) -> None:
+    def report(self, run: str, line: Line) -> None:
         """Log a line if the limit permits it."""
         if log.isEnabledFor(EVENTS):
-            tell(line, run)
+            report(line, run)
             return
         with self.lock:
             if line[2] in self.seen or len(self.seen) > MOST:
@@ -54,4 +54,4 @@ class Lines:
                     (log.name, logging.WARNING, "further log lines are hidden; show all with `-v`"),
                     "",
                 )
-        tell(line, run)
+        report(line, run)

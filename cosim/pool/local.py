@@ -101,7 +101,7 @@ def serve(worker: Worker, take: Callable[[], Numbered | None], done: Any, lines:
     """Send jobs to one worker until the end; None marks the end, an exception a failure."""
     try:
         while (job := take()) is not None:
-            done.put((job[0], worker.call(job[1], told=functools.partial(lines.tell, name(*job)))))
+            done.put((job[0], worker.call(job[1], on_line=functools.partial(lines.report, name(*job)))))
         worker.finish()
         done.put(None)
     except ClosedError:

@@ -23,7 +23,7 @@ def started_ahead() -> Iterator[None]:
     An unused process ends with the block.
     """
     with contextlib.ExitStack() as stack:
-        # a place that finds none starts its own, and tells what hinders it
+        # a runner without it starts its own process and reports errors
         with contextlib.suppress(OSError):
             if isolates():
                 worker = stack.enter_context(Worker(Limits(), relay=True))

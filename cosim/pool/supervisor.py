@@ -21,7 +21,7 @@ from cosim.pool.channel import NoMessageError
 from cosim.pool.child import Child, ending, no_start, spawn
 from cosim.pool.job import Order, Task, WorkerError
 from cosim.pool.limits import Limits, isolates, system_confines
-from cosim.pool.lines import Tell, most, tell
+from cosim.pool.lines import OnLine, most, report
 from cosim.warned import warn_once
 
 START_TIMEOUT = 120.0
@@ -68,7 +68,7 @@ class Worker(Closing):
         self.limits = limits
         self.relay = relay
         self.child: Child | None = None
-        self.told: Tell = tell
+        self.on_line: OnLine = report
         self.lock = threading.Lock()
         self.closed = False
         with tempfile.TemporaryFile() as page:
@@ -90,10 +90,10 @@ class Worker(Closing):
         """
         self.start(self.confined)
 
-    def call(self, task: Task, watch: Watch | None = None, told: Tell = tell) -> Any:
+    def call(self, task: Task, watch: Watch | None = None, on_line: OnLine = report) -> Any:
         """Execute one task and wait for its outcome, which is a `CosimError` if it failed.
 
-        `told` receives its log lines.
+        `on_line` receives its log lines.
 
         A process can die because of an earlier run, a memory limit or an external signal. The task is then
         repeated once in a new process, whose memory is only checked periodically.
@@ -103,7 +103,7 @@ class Worker(Closing):
         CosimError
             No worker process can be started.
         """
-        self.told = told
+        self.on_line = on_line
         outcome = self.attempt(task, watch, self.confined)
         if self.doubtful(outcome):
             log.info("%s; the run is repeated in a new process", outcome.message)
@@ -131,7 +131,7 @@ class Worker(Closing):
         child.busy, child.said = True, ""
         lines = math.inf if self.relay else most()
         try:
-            # a process that dies while it starts is told of by `outcome`
+            # a process that dies while it starts is reported by `outcome`
             with contextlib.suppress(BrokenPipeError, ConnectionResetError):
                 if first:
                     child.channel.send(memory)
@@ -191,7 +191,7 @@ class Worker(Closing):
             raise NoMessageError from None
         if kind == "log":
             child.said = content[2]
-            self.told(content)
+            self.on_line(content)
         return kind, content
 
     def deadline(self, child: Child) -> float | None:

@@ -111,13 +111,13 @@ def main(end: int, page: int, parent: int) -> None:
     channel = MessageChannel(socket.socket(fileno=end))
     tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
-    told = Forward(channel)
+    forward = Forward(channel)
     refusal = refused(tasks)
     with JobRunner(Place(page)) as runner:
         channel.send((READY, None))
         before = process.belongings()
         while (order := awaited(tasks)) is not None:
-            outcome = refusal or done(runner, order, told)
+            outcome = refusal or done(runner, order, forward)
             channel.send((DONE, looked_over(outcome, before, runner.place)))
     # the interpreter would look through all that was imported for circles, which takes longer than the rest
     gc.freeze()
@@ -148,12 +148,12 @@ def awaited(tasks: queue.SimpleQueue[Parcel]) -> Order | CosimError | None:
     return order
 
 
-def done(runner: JobRunner, order: Order | CosimError, told: Forward) -> Any:
+def done(runner: JobRunner, order: Order | CosimError, forward: Forward) -> Any:
     """Outcome of one task; forwards its log."""
     if isinstance(order, CosimError):
         return order
-    told.left = order.lines
-    log.handlers[:], log.propagate = [told], False
+    forward.left = order.lines
+    log.handlers[:], log.propagate = [forward], False
     log.setLevel(order.level)
     outcome = runner.run(order.task)
     if isinstance(outcome, CosimError) and log.isEnabledFor(logging.DEBUG):
@@ -167,12 +167,12 @@ def looked_over(outcome: Any, before: dict[str, object], place: Place) -> tuple[
     changed = process.changed(before)
     if not changed:
         return outcome, True
-    told = f"{place.ran() or 'a task'} changed {changed} of its process"
+    problem = f"{place.ran() or 'a task'} changed {changed} of its process"
     unforeseen_one = isinstance(outcome, UnforeseenError)
     if unforeseen_one or (isinstance(outcome, CosimError) and process.LIMITS in changed):
-        outcome.message = f"{told}: {outcome.__cause__ if unforeseen_one else outcome.message}"
+        outcome.message = f"{problem}: {outcome.__cause__ if unforeseen_one else outcome.message}"
         return outcome, False
-    log.warning("%s: the next run has a new process", told)
+    log.warning("%s: the next run has a new process", problem)
     return outcome, False
 
 

@@ -67,13 +67,13 @@ def quantity(recorded: Recorded, name: str, unit: str = "", scale: float = 1.0) 
     column = recorded.columns[name]
     least = STEP * float(np.max(np.abs(column), where=np.isfinite(column), initial=0.0)) or 1.0
 
-    def told(row: int) -> str:
+    def text_of(row: int) -> str:
         value = 0.0 if abs(column[row]) < least else float(column[row])
         if own not in PREFIXED and (unit or scale != 1.0):
             return f"{label}: {number(scale * value, 3)} {unit}".rstrip()
         return f"{label}: {text(value, own, 3)}"
 
-    return told
+    return text_of
 
 
 def written(shown: Sequence[Line], row: int) -> list[str]:

@@ -86,7 +86,9 @@ def library() -> Any:
     return extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
 
 
-def save(recorded: Recorded, shot: Shot, file: Path, tell: Callable[[int, int], None] | None = None) -> None:
+def save(
+    recorded: Recorded, shot: Shot, file: Path, progress: Callable[[int, int], None] | None = None
+) -> None:
     """Write the video of a run.
 
     Raises
@@ -95,7 +97,7 @@ def save(recorded: Recorded, shot: Shot, file: Path, tell: Callable[[int, int], 
         As for `check`; its coordinates are not in the trace; no rendering backend works.
     """
     check(file, shot)
-    content = made(recorded, shot, file.suffix, tell)
+    content = made(recorded, shot, file.suffix, progress)
     with whole(file) as partial:
         partial.write_bytes(content)
 
@@ -110,12 +112,12 @@ def still(film: Path) -> bytes:
 
 
 def made(
-    recorded: Recorded, shot: Shot, ending: str, tell: Callable[[int, int], None] | None = None
+    recorded: Recorded, shot: Shot, ending: str, progress: Callable[[int, int], None] | None = None
 ) -> bytes:
     """Video of a run in the format of an ending."""
     moved = motion(recorded)
     paced = pace.pace(moved.times, shot.seconds, shot.begin, shot.end)
-    pictures = told(filmed(recorded, moved, paced, shot), len(paced.rows), tell)
+    pictures = reported(filmed(recorded, moved, paced, shot), len(paced.rows), progress)
     return (encoded if ending == ".mp4" else animated)(pictures, shot, ending)
 
 
@@ -156,14 +158,14 @@ def lettered(picture: Picture, left: Sequence[str], below: Sequence[str]) -> Pic
     return np.asarray(image)
 
 
-def told(
-    pictures: Iterator[Picture], count: int, tell: Callable[[int, int], None] | None
+def reported(
+    pictures: Iterator[Picture], count: int, progress: Callable[[int, int], None] | None
 ) -> Iterator[Picture]:
     """Pictures, with a progress call for each."""
     for done, picture in enumerate(pictures, 1):
         yield picture
-        if tell is not None:
-            tell(done, count)
+        if progress is not None:
+            progress(done, count)
 
 
 def encoded(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:

@@ -60,7 +60,7 @@ def opened(model: Any, data: Any) -> Any:
     hint = "Use a screen, or make a video with `cosim video`."
     try:
         with warnings.catch_warnings():
-            # told once, as the error
+            # reported once, as the error
             warnings.simplefilter("ignore")
             started = importlib.import_module("glfw").init()
         if not started:

@@ -1,1 +1,1 @@
-"""The page that tells scenarios and sweeps: one HTML file that needs nothing else."""
+"""The HTML report of scenarios and sweeps: one file without dependencies."""

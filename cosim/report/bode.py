@@ -1,4 +1,4 @@
-"""Frequency responses: an open loop with its crossover and margins, of which a closed loop tells as well."""
+"""Frequency responses: an open loop with its crossover and margins, also derived from a closed loop."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def response(frequency: Array, gain: Array, phase: Array, closed: bool) -> Respo
     return Response(frequency[known][order], np.abs(loop).astype(np.float64), turns.astype(np.float64))
 
 
-def told(margin: Margin, x_scale: float, x_unit: str, is_phase: bool) -> str:
+def margin_text(margin: Margin, x_scale: float, x_unit: str, is_phase: bool) -> str:
     """Text of a margin with its frequency, in the unit of the axis."""
     place = f"at {x_scale * margin.frequency:.4g} {x_unit}".strip()
     if is_phase:

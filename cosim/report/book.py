@@ -89,8 +89,10 @@ def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written
     documents = [page.document(document) for document in contents.documents]
     for each in contents.studies:
         sweeps.check(each)
-    found, chapters = told(contents, options)
-    swept = [sweeps.told(each, options.workers, options.engine, options.quiet) for each in contents.studies]
+    found, chapters = run_scenarios(contents, options)
+    swept = [
+        sweeps.section(each, options.workers, options.engine, options.quiet) for each in contents.studies
+    ]
     errors = [
         {"name": name, "message": outcome.message, "hint": outcome.hint}
         for name, outcome in found.items()
@@ -102,19 +104,19 @@ def write(contents: Contents, options: runner.RunOptions, file: Path) -> Written
     return Written(found, [sweep["passed"] for sweep in swept])
 
 
-def told(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcomes, list[Chapter]]:
+def run_scenarios(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcomes, list[Chapter]]:
     """Run the scenarios; return the outcomes, and the chapters of the successful ones."""
     if not contents.scenarios:
         return {}, []
     with tempfile.TemporaryDirectory(prefix="cosim-report-") as scratch:
         jobs: dict[str, ToldJob] = {}
 
-        def telling(name: str, job: RecordedJob) -> RecordedJob:
+        def chapter_job(name: str, job: RecordedJob) -> RecordedJob:
             place = Path(scratch, f"{len(jobs)}.json")
             jobs[name] = ToldJob(**{**vars(job), "keep_trace": True}, chapter=place)
             return jobs[name]
 
-        found = runner.run(contents.scenarios, options, telling)
+        found = runner.run(contents.scenarios, options, chapter_job)
         chapters = {
             name: json.loads(jobs[name].chapter.read_text(encoding="utf-8"))
             for name, outcome in found.items()

@@ -106,8 +106,8 @@ def settings(scenario: Scenario, session: Session) -> list[dict[str, str]]:
     for choice, fmu in zip(scenario.fmus, session.fmus, strict=True):
         for name, value in choice.parameters.items():
             known = fmu.file.variables.get(name)
-            told = (known.unit, known.description) if known else ("", "")
-            found.append(setting(f"{choice.name}.{name}", value, *told))
+            labels = (known.unit, known.description) if known else ("", "")
+            found.append(setting(f"{choice.name}.{name}", value, *labels))
     if scenario.plant.name:
         kind: Any = type(session.plant)
         fields = {toml_key(field): field.metadata for field in dataclasses.fields(kind.Parameters)}

@@ -150,13 +150,13 @@ def limited(
 ) -> tuple[list[tuple[float, str]], list[tuple[float, str]]]:
     """Limits on the plotted columns, as positions of `x` and as values, unless they would make the chart flat."""
     found = dict.fromkeys(
-        (chart.scale * limit, told)
+        (chart.scale * limit, label)
         for name in chart.y
-        for limit, told in limits.get(name, ())
+        for limit, label in limits.get(name, ())
         if chart.kind in LIMITED and not (chart.log and limit <= 0.0)
     )
     if chart.kind == "share":
-        own = {(chart.x_scale / chart.scale * limit, told): None for limit, told in found}
+        own = {(chart.x_scale / chart.scale * limit, label): None for limit, label in found}
         return marks.seen([*own], [line.x for line in drawn]), []
     return [], marks.seen([*found], [line.y for line in drawn])
 
@@ -172,7 +172,7 @@ def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
         return []
     margins = (found.phase_margin(), True), (found.gain_margin(), False)
     marked = [
-        (chart.x_scale * margin.frequency, bode.told(margin, chart.x_scale, chart.x_unit, is_phase))
+        (chart.x_scale * margin.frequency, bode.margin_text(margin, chart.x_scale, chart.x_unit, is_phase))
         for margin, is_phase in margins
         if margin is not None
     ]

@@ -53,9 +53,9 @@ def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: C
     for turn in turns[:MAX_LINES]:
         rest = turn == last and len(turns) > MAX_LINES
         rows = mask & (split >= turn if rest else split == turn)
-        told = f"{chart.split_name} {turn:g}{' and on' if rest else ''}".strip()
-        told = f"{name}, {told}" if several else told
-        found.append(Line(told, *few(x[rows], y[rows])))
+        label = f"{chart.split_name} {turn:g}{' and on' if rest else ''}".strip()
+        label = f"{name}, {label}" if several else label
+        found.append(Line(label, *few(x[rows], y[rows])))
     return found
 
 

@@ -55,7 +55,7 @@ def text(
     errors
         Name, message and hint of the failed ones.
     sweeps
-        Data of each sweep, see `sweeps.told`.
+        Data of each sweep, see `sweeps.section`.
     documents
         Name, HTML and loop of each document, see `document`.
     """

@@ -41,10 +41,10 @@ def chart(
 
     parts = list(grid(low, high, kind.log))
     parts += [spoke(angle, "event") for angle, _ in places]
-    for level, told in levels:
+    for level, label in levels:
         at = RADIUS * (level - low) / ((high - low) or 1.0)
         parts.append(f'<circle class="limit" cx="{X:.0f}" cy="{Y:.0f}" r="{at:.0f}"/>')
-        parts.append(f'<text class="mark" x="{WIDTH - 16}" y="{CHART - 16}">{escape(told)}</text>')
+        parts.append(f'<text class="mark" x="{WIDTH - 16}" y="{CHART - 16}">{escape(label)}</text>')
     for i, (angles, values) in enumerate(lines):
         across, down = X + radius(values) * np.cos(angles), Y - radius(values) * np.sin(angles)
         parts.append(f'<path class="line c{i % COLOURS}" d="{drawing.course(across, down)}"/>')
@@ -55,9 +55,9 @@ def grid(low: float, high: float, log: bool) -> Iterator[str]:
     """Circles at round values with their numbers, and spokes."""
     for tick in drawing.ticks(low, high, 4):
         at = RADIUS * (tick - low) / ((high - low) or 1.0)
-        told = drawing.label(10.0**tick if log else tick)
+        label = drawing.label(10.0**tick if log else tick)
         yield f'<circle class="grid" cx="{X:.0f}" cy="{Y:.0f}" r="{at:.0f}"/>'
-        yield f'<text x="{X + 4:.0f}" y="{Y - at - 4:.0f}">{told}</text>'
+        yield f'<text x="{X + 4:.0f}" y="{Y - at - 4:.0f}">{label}</text>'
     for i in range(SPOKES):
         yield spoke(2.0 * np.pi * i / SPOKES, "grid")
 

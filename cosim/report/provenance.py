@@ -30,10 +30,10 @@ def origin(verdict: Verdict) -> str:
         return criterion.source or "choice"
     if isinstance(criterion.equals, bool):
         return "paper"
-    told = numbers(criterion.paper, verdict.unit)
+    published = numbers(criterion.paper, verdict.unit)
     limits = [limit for _, limit in verdict.limits]
-    same = any(math.isclose(number, limit, rel_tol=1e-9) for number in told for limit in limits)
-    around = len(limits) == 2 and any(limits[0] <= number <= limits[1] for number in told)
+    same = any(math.isclose(number, limit, rel_tol=1e-9) for number in published for limit in limits)
+    around = len(limits) == 2 and any(limits[0] <= number <= limits[1] for number in published)
     return "paper" if same or around else "prediction"
 
 

@@ -21,7 +21,7 @@ class Section:
     chapters
         Data of its scenarios, the nominal one first; see `chapter.chapter`.
     sweeps
-        Data of its studies, see `sweeps.told`.
+        Data of its studies, see `sweeps.section`.
     documents
         Documents about it, see `page.document`.
     """

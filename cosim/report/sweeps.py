@@ -39,12 +39,12 @@ def check(file: Path) -> None:
     check_charts(Plan(study.load(paths.find_study(str(file)))))
 
 
-def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
+def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
     """Continue a study as `cosim sweep`, without plots and traces."""
     folder = folder_of(None, Path(f"{file.stem}.sweep"))
     options = Options(file, folder, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
-    def tell(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
+    def describe(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)
         drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
         runs = worst(plan, found)
@@ -64,7 +64,7 @@ def told(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str,
             "undrawn": undrawn,
         }
 
-    return run_study(options, tell)
+    return run_study(options, describe)
 
 
 def short(found: Summary) -> str:
@@ -121,7 +121,7 @@ def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
             for x, share in curves.cumulative(values[part])
         ]
         limits = [
-            (scale * place, marks.told(entry, relation, limit, entry.unit or found.units[name]))
+            (scale * place, marks.limit_text(entry, relation, limit, entry.unit or found.units[name]))
             for entry in plan.scenario.criterion
             if entry.metric == name
             for place, (relation, limit) in zip(

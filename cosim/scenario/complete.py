@@ -60,7 +60,7 @@ def keys(ctx: typer.Context, incomplete: str) -> list[str]:
         file = paths.find_scenario(str(loop))
         table = overrides.read(file).table
         found = dict.fromkeys([*scenario_keys(table), *fmu_keys(table, file.parent)])
-    except Exception:  # whatever is wrong with the files, `cosim check` tells it
+    except Exception:  # `cosim check` reports errors in the files
         return []
     return [f"{key}=" for key in sorted(found) if key.startswith(incomplete)]
 

@@ -33,8 +33,8 @@ def described(kind: Any) -> dict[str, Any]:
     for field in fields:
         entry = {**schema(hints[field.name]), **limits(field.metadata)}
         text = texts.get(field.name, "") or field.metadata.get("description", "")
-        told = explained(text, field.metadata.get("unit", ""))
-        properties[toml_key(field)] = {**entry, **told, **default(field)}
+        texts = explained(text, field.metadata.get("unit", ""))
+        properties[toml_key(field)] = {**entry, **texts, **default(field)}
     return {
         "type": "object",
         "description": (inspect.getdoc(kind) or "").partition("\n")[0],
@@ -46,8 +46,8 @@ def described(kind: Any) -> dict[str, Any]:
 
 def explained(text: str, unit: str) -> dict[str, Any]:
     """Description and unit."""
-    is_told = unit in ("", "1") or re.search(rf" {re.escape(unit)}(\W|$)", text)
-    text = text if is_told else f"{text} ({unit})".lstrip()
+    has_unit = unit in ("", "1") or re.search(rf" {re.escape(unit)}(\W|$)", text)
+    text = text if has_unit else f"{text} ({unit})".lstrip()
     return {"description": text} if text else {}
 
 

@@ -74,6 +74,6 @@ def configure_logging(verbose: bool, quiet: bool) -> None:
 def report(message: str, hint: str = "") -> None:
     """Print an error and its hint on stderr, never wrapped."""
     lines = [f"error: {readable(message)}", *([f"hint: {readable(hint)}"] if hint else [])]
-    # where stderr is full or has no reader, the exit code still tells
+    # if stderr is full or has no reader, the exit code still reports the error
     with contextlib.suppress(OSError):
         print(*lines, sep="\n", file=sys.stderr)

@@ -44,10 +44,10 @@ def events(scenario: Scenario, result: Result) -> list[tuple[float, str]]:
     times = result.columns["time"]
     for name, items in result.items.items():
         if name.endswith(".fault") and name in result.columns:
-            told = result.columns[name]
+            column = result.columns[name]
             names = {number: item for item, number in items.items()}
-            for row in np.flatnonzero(np.diff(told, prepend=np.nan) != 0.0):
-                if (item := names.get(int(told[row]), "")) not in ("", "None"):
+            for row in np.flatnonzero(np.diff(column, prepend=np.nan) != 0.0):
+                if (item := names.get(int(column[row]), "")) not in ("", "None"):
                     found.append((float(times[row]), item))
     return sorted(found)
 
@@ -73,7 +73,7 @@ def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, st
             factors[column] = factor
         drawn = criteria.drawn(criterion, measured.unit)
         for place, (relation, limit) in zip(drawn, verdict.limits, strict=False):
-            words = told(criterion, relation, limit, verdict.unit)
+            words = limit_text(criterion, relation, limit, verdict.unit)
             for name, factor in factors.items():
                 found.setdefault(name, []).append((place / factor, words))
                 if both:
@@ -81,7 +81,7 @@ def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, st
     return found
 
 
-def told(criterion: Criterion, relation: str, limit: float, unit: str) -> str:
+def limit_text(criterion: Criterion, relation: str, limit: float, unit: str) -> str:
     """Text of a limit."""
     return f"{criterion.id} {relation} {text(limit, unit, 3)}"
 
@@ -136,9 +136,9 @@ def number(tree: ast.expr) -> float:
 def near(panel: Panel, marked: Marked, shown: DisplayUnit, lines: Sequence[Array]) -> list[tuple[float, str]]:
     """Limits on the columns of a panel in its unit, except those that would make its lines flat."""
     found = {
-        (shown.factor * limit + shown.offset, told): None
+        (shown.factor * limit + shown.offset, label): None
         for name in panel.columns
-        for limit, told in marked.limits.get(name, ())
+        for limit, label in marked.limits.get(name, ())
     }
     return seen([*found], lines)
 
@@ -150,4 +150,4 @@ def seen(found: Sequence[tuple[float, str]], lines: Sequence[Array]) -> list[tup
         return []
     low, high = float(finite.min()), float(finite.max())
     room = FAR * ((high - low) or abs(high))
-    return [(limit, told) for limit, told in found if low - room <= limit <= high + room]
+    return [(limit, label) for limit, label in found if low - room <= limit <= high + room]

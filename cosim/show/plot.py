@@ -55,9 +55,9 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
             row[0].set_title(panel.title, fontsize=9, loc="left")
             # a limit may be far from the lines of one window and near those of another
             named = {
-                told: line
+                label: line
                 for axes in row
-                for line, told in zip(*axes.get_legend_handles_labels(), strict=True)
+                for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
             }
             row[-1].legend(
                 named.values(), named.keys(), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8
@@ -65,8 +65,8 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
         for axes, window in zip(grid[0], windows, strict=True):
-            for moment, told in inside(trace["time"][window], marked):
-                axes.text(moment, 1.0, f" {told}", **NAME, transform=axes.get_xaxis_transform())
+            for moment, label in inside(trace["time"][window], marked):
+                axes.text(moment, 1.0, f" {label}", **NAME, transform=axes.get_xaxis_transform())
         figure.suptitle(heading(result), fontsize=10)
         figures.save(figure, path)
 
@@ -95,9 +95,9 @@ def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked
     # without a positive value there is nothing to show on a logarithmic axis
     if panel.log and positive:
         axes.set_yscale("log", nonpositive="mask")
-    for limit, told in marks.near(panel, marked, shown, lines):
+    for limit, label in marks.near(panel, marked, shown, lines):
         if not panel.log or limit > 0.0:
-            axes.axhline(limit, label=told or None, **LIMIT)
+            axes.axhline(limit, label=label or None, **LIMIT)
     for moment, _ in inside(trace["time"], marked):
         axes.axvline(moment, **EVENT)
     if items := items_of(panel, result):

@@ -71,8 +71,8 @@ def write(
             "loop": known(scenario),
             "set": [*changes, *whole_paths(scenario)],
             "seed": number,
-            "driven": [port.told() for port in ports.driven],
-            "commanding": [port.told() for port in ports.commanding],
+            "driven": [port.to_json() for port in ports.driven],
+            "commanding": [port.to_json() for port in ports.commanding],
         }
     with tempfile.TemporaryDirectory() as folder:
         surroundings = build(settings, Path(folder))

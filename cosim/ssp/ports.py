@@ -29,7 +29,7 @@ class Port:
         """Name as in scenarios."""
         return f"{self.owner}.{self.variable.name}"
 
-    def told(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Any]:
         """Return the port as a JSON object."""
         return {"owner": self.owner, "variable": asdict(replace(self.variable, display=None))}
 

@@ -72,8 +72,8 @@ def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
     KeyboardInterrupt
         After the summary of the completed runs was written.
     """
-    with planning(options) as told:
-        plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine), told)
+    with planning(options) as observe:
+        plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine), observe)
     check_charts(plan)
     options = replace(options, plots=wanted(options.plots))
     with Store(options.folder) as store:

@@ -120,7 +120,7 @@ class Plan:
         try:
             return setting.total + sum(exchange(setting, key, value) for key, value in parameters.items())
         except CosimError:
-            # the same with all its layers, whose error tells where the value comes from
+            # the same with all origins, so that the error names the origin of the value
             check(self.build(self.merged(case, index)))
             raise
 

@@ -41,8 +41,8 @@ def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
     names = variables(columns)
     table = np.empty((len(names), 4), dtype=object)
     for row, (name, variable) in enumerate(names.items()):
-        told = [about.get(label, {}).get(name, "") for label in ("units", "descriptions")]
-        table[row] = [variable, name, *told]
+        labels = [about.get(label, {}).get(name, "") for label in ("units", "descriptions")]
+        table[row] = [variable, name, *labels]
     own = {"columns": table, "about": strict.line(facts(about))}
     data = {variable: columns[name] for name, variable in names.items()}
     io.savemat(stream, {**data, **own}, long_field_names=True, oned_as="column", do_compression=True)

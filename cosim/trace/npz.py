@@ -11,7 +11,7 @@ import numpy as np
 
 from cosim.formatting import strict
 from cosim.trace.columns import Columns, Held, whole
-from cosim.trace.stored import StoredTrace, told
+from cosim.trace.stored import StoredTrace, with_labels
 
 
 def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
@@ -37,4 +37,4 @@ def read(path: Path) -> StoredTrace:
     kinds = [kind for kind, *_ in (table.dtype.fields or {}).values()]
     if table.ndim != 1 or not kinds or any(kind != np.float64 for kind in kinds):
         raise ValueError("the array `trace` has no columns of 64-bit numbers")
-    return told(path, Held(table), about)
+    return with_labels(path, Held(table), about)

@@ -21,7 +21,7 @@ from cosim.closing import Closing
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.trace.columns import Array, Columns
-from cosim.trace.stored import LABELS, StoredTrace, facts, told
+from cosim.trace.stored import LABELS, StoredTrace, facts, with_labels
 from cosim.writing import whole
 
 BLOCK = 1 << 25
@@ -156,4 +156,4 @@ def read(path: Path) -> StoredTrace:
             text = (found.metadata or {}).get(label.encode())
             if text is not None:
                 about[label][found.name] = json.loads(text) if label == "items" else text.decode()
-    return told(path, data, about)
+    return with_labels(path, data, about)

@@ -56,7 +56,7 @@ class StoredTrace:
         return whole(self.data)
 
 
-def told(file: Path, data: Columns, about: Any) -> StoredTrace:
+def with_labels(file: Path, data: Columns, about: Any) -> StoredTrace:
     """Trace with the metadata of the run and of the columns.
 
     Raises

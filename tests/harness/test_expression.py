@@ -178,7 +178,7 @@ def test_numbers_never_become_huge() -> None:
 
 
 WRONG = {
-    "plant.y": "names `plant.y`, which is not a knownt a column of the trace\nhint: did you mean `plant.x`",
+    "plant.y": "names `plant.y`, which is not a column of the trace\nhint: did you mean `plant.x`",
     "__import__('os')": "calls `__import__`, which is not a known function",
     "plant.x.__class__": "names `plant.x.__class__`, which is not a known column",
     "(1).__class__": "which is no column",

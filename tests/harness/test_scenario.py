@@ -69,7 +69,7 @@ def test_a_variant_drops_what_it_inherits(write: Write) -> None:
     assert [metric.name for metric in scenario.metric] == ["end"]
     with pytest.raises(
         ScenarioError,
-        match=r"`drop` holds `criterion.strat`, which is not a knownt inherited\n.*criterion.start",
+        match=r"`drop` holds `criterion.strat`, which is not inherited\n.*criterion.start",
     ):
         cosim.load(write(name="wrong.toml", text='extends = "lag.toml"\ndrop = ["criterion.strat"]\n'))
 

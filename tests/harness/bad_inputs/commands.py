@@ -71,12 +71,15 @@ LINES: dict[str, Case] = {
         given("judge", "zero.npz", "lag.toml"), ("cannot read `zero.npz`", "no regular file")
     ),
     "compare a pipe": Case(given("compare", "pipe.csv", "in.csv"), ("`pipe.csv`", "regular file")),
-    "evaluate an endless trace": Case(given("judge", "vast.npz", "lag.toml"), ("`vast.npz` is not a valid trace",)),
+    "evaluate an endless trace": Case(
+        given("judge", "vast.npz", "lag.toml"), ("`vast.npz` is not a valid trace",)
+    ),
     "evaluate an empty trace": Case(
         given("judge", "empty.csv", "lag.toml"), ("`empty.csv` is not a valid trace", "names of the columns")
     ),
     "evaluate half a trace": Case(
-        given("judge", "half.npz", "lag.toml"), ("`half.npz` is not a valid trace", "no npz file, or one cut off")
+        given("judge", "half.npz", "lag.toml"),
+        ("`half.npz` is not a valid trace", "no npz file, or one cut off"),
     ),
     "evaluate swapped arguments": Case(
         given("judge", "lag.toml", "in.csv"), ("`lag.toml` is not a trace", "the trace comes first")

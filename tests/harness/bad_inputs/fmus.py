@@ -263,9 +263,7 @@ WARNED: dict[str, tuple[Build, tuple[str, ...]]] = {
     "terminate fatal": (defect("terminate_fatal"), ("cannot terminate `Probe`", "returned fmi2Fatal")),
     "no item of its enumeration": (
         defect("item"),
-        (
-            "`controller.mode_out` is `77` at t = 0.003 s, which is not a knownt one of its items: `1` Off, `2` Slow",
-        ),
+        ("`controller.mode_out` is `77` at t = 0.003 s, which is not one of its items: `1` Off, `2` Slow",),
     ),
     "another version": (defect("version_3"), ("`broken.fmu`: `fmi2GetVersion` returns `3.0`, not `2.0`",)),
     "no version": (defect("version_null"), ("`fmi2GetVersion` returns nothing",)),

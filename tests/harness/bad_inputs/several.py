@@ -51,7 +51,10 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     "step inf": (edited("parameters", "step = inf\nparameters", TWO), ("`fmu.a.step` is `inf`", "finite")),
     "no such FMU": (edited('fmu = "probe"', 'fmu = "prob"', TWO), (FILE, "`prob.fmu` does not exist")),
     "parameter": (edited("parameters = {", "parameters = {gian = 1.0", TWO), ("the FMU `a`", "`gain`")),
-    "parameter rejected": (edited("parameters = {", "parameters = {gain = 99.0", TWO), ("`a.gain` = `99.0`",)),
+    "parameter rejected": (
+        edited("parameters = {", "parameters = {gain = 99.0", TWO),
+        ("`a.gain` = `99.0`",),
+    ),
     "parameter of a kind": (
         edited("parameters = {", 'parameters = {gain = "x"', TWO),
         ("`a.gain` is `'x'`",),

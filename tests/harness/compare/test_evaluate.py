@@ -103,9 +103,7 @@ def test_the_command_judges_without_a_run(stored: Path, folder: Path) -> None:
 
 def test_a_column_that_the_trace_does_not_have_is_named(stored: Path) -> None:
     scenario = cosim.load("lag.toml", ["metric.end.value='last(plant.why)'"])
-    with pytest.raises(
-        CosimError, match=r"names `plant.why`, which is not a knownt a column of the trace `lag.npz`"
-    ):
+    with pytest.raises(CosimError, match=r"names `plant.why`, which is not a column of the trace `lag.npz`"):
         cosim.evaluate(scenario, cosim.read_trace(stored))
 
 

@@ -138,7 +138,10 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "unknown column": (
         {"when": "controller.ot > 1", "offset": 1.0},
-        r"in.when` = .* names `controller.ot`, which is not a known column.*\nhint: did you mean `controller.out`",
+        (
+            r"in.when` = .* names `controller.ot`, which is not a known column.*"
+            r"\nhint: did you mean `controller.out`"
+        ),
     ),
 }
 

@@ -140,11 +140,17 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
     "header": ("time,a\n", r"has no values, only a header"),
     "empty": (
         "",
-        r"`column` is missing; `.*x.csv` has 0 columns in addition to the time\nhint: values are separated by commas",
+        (
+            r"`column` is missing; `.*x.csv` has 0 columns in addition to the time"
+            r"\nhint: values are separated by commas"
+        ),
     ),
     "semicolons": (
         "time;a\n0;1\n",
-        r"`column` is missing; `.*x.csv` has 0 columns in addition to the time\nhint: values are separated by commas",
+        (
+            r"`column` is missing; `.*x.csv` has 0 columns in addition to the time"
+            r"\nhint: values are separated by commas"
+        ),
     ),
     "choice": (
         "time,a,b\n0,1,2\n",

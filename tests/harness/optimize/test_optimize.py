@@ -317,7 +317,7 @@ WRONG = {
     "column of no run": (
         'trace = "m.csv"',
         GAIN,
-        "the column `speed`, which is not a knownt in the trace of a run",
+        "the column `speed`, which is not in the trace of a run",
     ),
     "nothing measured": ('trace = "none.csv"', GAIN, "`plant.x` in `none.csv` holds no finite number"),
     "measured beyond all": ('trace = "vast.csv"', GAIN, "`vast.csv` goes from -1e+308 to 1e+308"),
@@ -368,4 +368,4 @@ def test_proposals_follow_from_the_trials_before_alone(command: Run) -> None:
         assert batch == [trial.values for trial in trials[begin : begin + 4]]
         # in another order
         for trial in reversed(trials[begin : begin + 4]):
-            proposer.tell(trial)
+            proposer.report(trial)

@@ -38,7 +38,7 @@ def test_events_and_warnings_of_many_runs_are_told(
 def test_an_fmu_that_warns_in_every_step_does_not_flood(caplog: pytest.LogCaptureFixture) -> None:
     lines = Lines()
     for number in range(10 * MOST):
-        lines.tell("run 0, seed 1", ("cosim.fmu", logging.WARNING, f"odd at {number} s"))
+        lines.report("run 0, seed 1", ("cosim.fmu", logging.WARNING, f"odd at {number} s"))
     assert len(caplog.messages) == MOST + 1
     assert caplog.messages[0] == "run 0, seed 1: odd at 0 s"
     assert caplog.messages[-1] == "the runs log more than this; `-v` shows all"

@@ -187,7 +187,7 @@ def test_a_map_sums_up_in_cells() -> None:
         (Chart("roc", ("plant.x",), parts=("time < 1",)), "of the kind `roc` has 1 `parts` and needs 2"),
         (Chart("roc", ("plant.x",), parts=("time < 1", "time > 1"), names=("a", "b")), "2 names for 1 lines"),
         (Chart("path", ("plant.y",), x="plant.x"), "`plant.y`, which is not a known column"),
-        (Chart("array", ("plant.x",), x="plant.x"), "`plant.x[1]`, which is not a knownt a column"),
+        (Chart("array", ("plant.x",), x="plant.x"), "`plant.x[1]`, which is not a column"),
         (Chart("share", ("plant.x",), names=("a", "b")), "2 names for 1 lines"),
         (Chart("share", ("plant.x",), split="time"), "of the kind `share` takes no `split`"),
         (Chart("map", ("plant.x",), x="time", names=("a",)), "of the kind `map` takes no `names`"),

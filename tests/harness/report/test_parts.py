@@ -151,14 +151,14 @@ def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeyp
     monkeypatch.setattr(runner, "run", run)
     monkeypatch.setattr(runner, "outcomes", outcomes)
     names = ["dob", "dob/nan", "fts/lens", "fts", "dob/10"]
-    _, chapters = book.told(book.Contents("", names), runner.RunOptions())
+    _, chapters = book.run_scenarios(book.Contents("", names), runner.RunOptions())
     assert chapters == [
         {"name": "dob/nan", "film": encoded(b"film"), "still": encoded(b"still")},
         {"name": "fts/lens", "no_film": "too dark"},
         {"name": "fts"},
         {"name": "dob/10"},
     ]
-    _, chapters = book.told(book.Contents("", names, videos=False), runner.RunOptions())
+    _, chapters = book.run_scenarios(book.Contents("", names, videos=False), runner.RunOptions())
     assert chapters == [{"name": name} for name in names[1:]]
 
 

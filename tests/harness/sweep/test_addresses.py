@@ -46,7 +46,7 @@ WRONG = {
     "open.toml": (SECURITY.format("tcp://node0:8786"), "which is not encrypted"),
     "bare.toml": (
         SECURITY.format("tls://node0:8786"),
-        "`ca` is `certificate.pem`, which is not a knownt there",
+        "`ca` is `certificate.pem`, which is not there",
     ),
 }
 """Addresses, the text of the file that they name, and what is wrong."""
