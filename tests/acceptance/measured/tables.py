@@ -54,8 +54,8 @@ def rows_of(name: str, row: str) -> dict[str, Values]:
 
 
 def measurements(page: Path, content: str) -> str:
-    """Part of a page that is about measurements: all of a page about results, one section of another."""
-    if page.is_relative_to(ROOT / "docs/results") or page == ROOT / "docs/results.md":
+    """Part of a page that is about measurements: one section of a page of a controller, all of another."""
+    if not page.relative_to(ROOT).parts[0].startswith("fmu-"):
         return content
     found = SECTION.search(content)
     return found[0] if found else ""
