@@ -1,4 +1,4 @@
-//! Where the center of the ring is, in the frame that turns with the table.
+//! Position of the ring center, in the frame that turns with the table.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +31,7 @@ impl Center {
         (-self.y).atan2(self.x)
     }
 
-    /// How far the center is towards the pusher at the spindle angle `angle` rad, m.
+    /// Distance of the center towards the pusher at the spindle angle `angle` rad, m.
     pub fn along(&self, angle: f64) -> f64 {
         self.eccentricity() * (angle - self.nearest()).cos()
     }
@@ -42,14 +42,14 @@ impl Center {
         (self.x - other.x).hypot(self.y - other.y)
     }
 
-    /// How far the center has gone through the axis on its way from `before`, m.
+    /// Distance by which the center has moved beyond the axis, starting from `before`, m.
     pub fn overshoot(&self, before: &Self) -> f64 {
         let along = (self.x * before.x + self.y * before.y) / before.eccentricity();
         if along < 0.0 { -along } else { 0.0 }
     }
 }
 
-/// What a model knows of the ring.
+/// Estimate of a model of the ring.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Center of the ring.
@@ -89,7 +89,7 @@ mod tests {
     fn at_angle_zero_the_table_frame_is_the_world() {
         let center = Center { x: 1e-3, y: 0.0 };
         assert_eq!(center.nearest(), 0.0);
-        // a quarter turn before, the ring is on the -y side of the world: it comes by turning
+        // a quarter revolution before, the ring is on the -y side of the world: it arrives by rotation
         let ahead = Center { x: 0.0, y: -1e-3 };
         assert!((ahead.nearest() - TAU / 4.0).abs() < 1e-12);
     }

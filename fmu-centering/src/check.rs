@@ -33,14 +33,14 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn stroke(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "let the probe stand out less before the pusher";
+    let hint = "reduce the distance of the probe tip before the pusher";
     Parameter::new("probe.stroke", p.probe.stroke, "m", hint)
         .at_least(p.probe.at_pusher + p.follow.gap, "`probe.at_pusher` with one `expert.follow.gap` of reserve")
 }
 
 fn park(p: &Parameters) -> Result<(), ParameterError> {
     let most = (p.park.probe - p.probe.contact).min(p.probe.at_pusher - p.park.probe);
-    let hint = "or a ring that turns loses the probe or meets the pusher";
+    let hint = "otherwise a turning ring loses the probe or meets the pusher";
     Parameter::new("park.dead_zone", p.park.dead_zone, "m", hint)
         .less_than(most, "from `park.probe` to `probe.contact` and to `probe.at_pusher`")
 }
@@ -51,10 +51,10 @@ fn gap(p: &Parameters) -> Result<(), ParameterError> {
         .at_most(most, "`probe.at_pusher` less twice `probe.contact`")
 }
 
-/// Way (m) that the probe must keep on the ring for its test: twice the least move.
+/// Travel (m) that must remain on the ring for the test of the probe: twice the smallest move.
 fn trial(p: &Parameters) -> Result<(), ParameterError> {
-    let least = p.probe.contact + 2.0 * TRIAL_MOVE_MIN;
-    let hint = "or the probe cannot be tested before `Centered`";
+    let minimum = p.probe.contact + 2.0 * TRIAL_MOVE_MIN;
+    let hint = "otherwise the probe cannot be tested before `Centered`";
     match p.law {
         Law::Default => Parameter::new("park.dead_zone", p.park.dead_zone, "m", hint)
             .at_most(p.park.probe - least, "`park.probe` less `probe.contact` and 0.2 mm"),
@@ -65,38 +65,38 @@ fn trial(p: &Parameters) -> Result<(), ParameterError> {
     }
 }
 
-/// A servo that is told must keep to the limit of following.
+/// A configured servo must stay within the limit of the following error.
 fn following(p: &Parameters) -> Result<(), ParameterError> {
     if p.slide.bandwidth == 0.0 {
         return Ok(());
     }
-    let least = 3.0 * p.slide.acceleration_max / p.slide.bandwidth.powi(2);
-    let hint = "or every fast move is a fault";
+    let minimum = 3.0 * p.slide.acceleration_max / p.slide.bandwidth.powi(2);
+    let hint = "otherwise every fast move raises a fault";
     Parameter::new("limits.following_error", p.limits.following_error, "m", hint)
         .at_least(least, "three times `slide.acceleration_max` over the square of `slide.bandwidth`")
 }
 
 fn approach_velocity(p: &Parameters) -> Result<(), ParameterError> {
-    let velocity = Parameter::new("approach.velocity", p.approach.velocity, "m/s", "approach slower");
+    let velocity = Parameter::new("approach.velocity", p.approach.velocity, "m/s", "reduce it");
     velocity.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
 }
 
 fn follow_velocity(p: &Parameters) -> Result<(), ParameterError> {
-    let velocity = Parameter::new("follow.velocity_max", p.follow.velocity_max, "m/s", "lower it");
+    let velocity = Parameter::new("follow.velocity_max", p.follow.velocity_max, "m/s", "reduce it");
     velocity.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
 }
 
 fn stopping(p: &Parameters) -> Result<(), ParameterError> {
-    let (needed, there) = (look_ahead(p), p.probe.at_pusher - p.probe.contact);
-    let hint = "approach slower, expect a smaller `ring.eccentricity_max`, or let the probe stand out more";
+    let (needed, available) = (look_ahead(p), p.probe.at_pusher - p.probe.contact);
+    let hint = "reduce it or `ring.eccentricity_max`, or increase the distance of the probe tip before the pusher";
     let velocity = Parameter::new("approach.velocity", p.approach.velocity, "m/s", hint);
-    velocity.must_be(needed <= there, || {
-        format!("so slow that the slide stops in `{there} m`; it needs `{needed} m` (eq. 9)")
+    velocity.must_be(needed <= available, || {
+        format!("so slow that the slide stops in `{available} m`; it needs `{needed} m` (eq. 9)")
     })
 }
 
 fn follow_delay(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "with one beat of delay a larger gain swings";
+    let hint = "with one period of delay a larger gain oscillates";
     let gain = Parameter::new("expert.follow.gain", p.follow.gain, "1/s", hint);
     gain.at_most(0.25 * p.rates.control, "a quarter of `expert.rates.control`")
 }
@@ -109,11 +109,11 @@ fn follow_braking(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn bands(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "or the pusher touches while the slide follows";
+    let hint = "otherwise the pusher touches while the slide follows";
     let dead_zone = Parameter::new("expert.follow.dead_zone", p.follow.dead_zone, "m", hint);
     dead_zone.less_than(p.follow.gap, "the `expert.follow.gap`")?;
     let settle_band =
-        Parameter::new("expert.follow.settle_band", p.follow.settle_band, "m", "or following never settles");
+        Parameter::new("expert.follow.settle_band", p.follow.settle_band, "m", "otherwise following never settles");
     settle_band.more_than(p.follow.dead_zone, "the `expert.follow.dead_zone`")
 }
 
@@ -131,40 +131,40 @@ fn rates(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn push_velocities(p: &Parameters) -> Result<(), ParameterError> {
-    let least =
-        Parameter::new("expert.push.velocity_min", p.push.velocity_min, "m/s", "small pushes are the slow ones");
-    least.at_most(p.push.velocity_max, "the `expert.push.velocity_max`")?;
-    let most = Parameter::new("expert.push.velocity_max", p.push.velocity_max, "m/s", "the paper's 3500 mm/s are um/s");
+    let minimum = Parameter::new("expert.push.velocity_min", p.push.velocity_min, "m/s", "small pushes are slower");
+    minimum.at_most(p.push.velocity_max, "the `expert.push.velocity_max`")?;
+    let most =
+        Parameter::new("expert.push.velocity_max", p.push.velocity_max, "m/s", "the 3500 mm/s of the paper are um/s");
     most.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
 }
 
-/// Friction must hold the ring on a table that turns as told, against centrifugal force and acceleration.
+/// On a table that the controller turns, friction must exceed centrifugal force and acceleration of the ring.
 fn spindle_speed(p: &Parameters) -> Result<(), ParameterError> {
     if p.spindle_speed == 0.0 {
         return Ok(());
     }
-    let hint = "or it is taken for a spindle that stands";
+    let hint = "a slower spindle is taken for one at rest";
     let speed = |hint| Parameter::new("spindle.speed", p.spindle_speed.abs(), "rad/s", hint);
     speed(hint).more_than(p.limits.spindle_speed_min, "`limits.spindle_speed_min`")?;
     // eq. 2, and the rim of a ring that turns with the table; both are at right angles
     let (held, eccentricity) = (p.limits.friction * GRAVITY, p.ring.eccentricity_max.min(p.ring.radius));
     let rim = spindle_acceleration(p) * p.ring.radius;
-    let hint = "or the ring slips on the table; lower it, or `ring.radius`, or raise `limits.friction` to what is sure";
+    let hint = "otherwise the ring slips; reduce it or `ring.radius`, or raise `limits.friction` to a certain value";
     Parameter::new("spindle.acceleration", spindle_acceleration(p), "rad/s2", hint)
         .less_than(held / p.ring.radius, "what `limits.friction` holds at `ring.radius`")?;
     let most = ((held * held - rim * rim).sqrt() / eccentricity).sqrt();
-    let hint = "or the ring flies off; lower it, `spindle.acceleration` or `ring.eccentricity_max`";
+    let hint = "otherwise the ring flies off; reduce it, `spindle.acceleration` or `ring.eccentricity_max`";
     speed(hint).at_most(most, "what `limits.friction` holds at `ring.eccentricity_max` (eq. 2)")
 }
 
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "what is not to be met by an approach is not to be met by a commission";
+    let hint = "the commissioning run must not move farther than an approach";
     Parameter::new("commission.travel", p.commission.travel, "m", hint)
         .at_most(p.approach.travel_max, "the `approach.travel_max`")
 }
 
 fn commission_acceleration(p: &Parameters) -> Result<(), ParameterError> {
-    let acceleration = Parameter::new("commission.acceleration", p.commission.acceleration, "m/s2", "lower it");
+    let acceleration = Parameter::new("commission.acceleration", p.commission.acceleration, "m/s2", "reduce it");
     acceleration.at_most(p.slide.acceleration_max, "the `slide.acceleration_max`")
 }
 
@@ -240,7 +240,7 @@ mod tests {
             |p, over| p.push.velocity_min = rounded(p.push.velocity_max, over),
             |p, over| p.push.velocity_max = rounded(p.slide.velocity_max, over),
             |p, over| {
-                let least = 3.0 * p.slide.acceleration_max / p.slide.bandwidth.powi(2);
+                let minimum = 3.0 * p.slide.acceleration_max / p.slide.bandwidth.powi(2);
                 p.limits.following_error = rounded(least, !over);
             },
         ];

@@ -1,4 +1,4 @@
-//! One sample of the whole law: read, estimate the spindle and the ring, decide, move, report.
+//! One control step: measure, estimate spindle and ring, decide, move, report.
 
 mod entering;
 mod watching;
@@ -17,7 +17,7 @@ use crate::monitoring::{DriveMonitor, EarlyContact, FrozenProbe, Numbers, ProbeT
 use crate::motion::{Follower, Motion, Table};
 use crate::sensing::{Calm, Clock, Due, ProbeDelay, Reader, Reading, Sample, Servo, ServoEstimator, Spindle};
 
-/// Time in which a slide without drive that has not moved stands, s.
+/// Time without motion after which a slide without drive is at rest, s.
 const STILL_TIME: f64 = 0.1;
 
 /// The controller between two samples.
@@ -30,7 +30,7 @@ pub struct Controller {
     frozen: FrozenProbe,
     early_contact: EarlyContact,
     drive: DriveMonitor,
-    /// of the approach, and what it has told when that was over
+    /// of the approach, and its result at the end
     servo_estimator: ServoEstimator,
     servo: Option<Servo>,
     probe_delay: ProbeDelay,
@@ -45,18 +45,18 @@ pub struct Controller {
     /// the last good sample, and without single spikes
     sample: Sample,
     calm: Calm,
-    /// how far the setpoint was beyond the ring on purpose, since the last push, m
+    /// intended distance of the setpoint beyond the ring, since the last push, m
     ahead: f64,
-    /// samples in a row within the band of settling
+    /// consecutive samples within the band of settling
     settled: Consecutive,
     estimate: Option<Estimate>,
     /// eccentricity of the first model, m
     first: Option<f64>,
-    /// the surest model so far
+    /// the most certain model so far
     surest: Option<Estimate>,
-    /// way of the line of a centered ring and its limit (m), where that is too far
+    /// motion of the line of a centered ring and its limit (m), where it exceeds the limit
     line: Option<[f64; 2]>,
-    /// where the ring was before the last push, until the model after it
+    /// ring position before the last push, until the model after it
     before: Option<Center>,
     report: PushReport,
     started: f64,
@@ -116,12 +116,12 @@ impl Controller {
         self.long_step = true;
     }
 
-    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    /// Puts the result of a commissioning run into the parameters if `commission.apply` is set; called before each sample.
     pub fn bring_into_force(&self, p: &mut Parameters) {
         self.identification.put(p);
     }
 
-    /// Writes what the last good commission derives into the file `commission.export`.
+    /// Writes the parameters derived by the last good run to the file `commission.export`.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -129,7 +129,7 @@ impl Controller {
         export_commission(&p.commission.export, &self.identification.derived())
     }
 
-    /// Whether there is a good commission.
+    /// Whether there is a good commissioning run.
     pub fn commissioned(&self) -> bool {
         self.identification.measured.valid
     }
@@ -145,7 +145,7 @@ impl Controller {
         *output = self.report(p);
     }
 
-    /// Spindle, surface and model; the angle (rad) turned since the last sample.
+    /// Updates spindle, surface and model; the rotation (rad) since the last sample.
     fn observe(&mut self, p: &Parameters, reading: &Reading, due: Due) -> f64 {
         if let Some(slide) = reading.slide {
             self.motion.place(slide, reading.jumped && self.state == State::Idle);
@@ -222,7 +222,7 @@ impl Controller {
         }
     }
 
-    /// Ends the retract after a push, and counts how long the probe is where it should be.
+    /// Ends the retract after a push, and counts the time for which the probe has settled.
     fn settle(&mut self, p: &Parameters) -> bool {
         if self.state == State::Settle && self.motion.arrived(p, 0.0) {
             self.motion.release();
@@ -234,7 +234,7 @@ impl Controller {
         self.settled.update(settles) >= p.ticks(time) && settles
     }
 
-    /// Makes the model, and judges the ring.
+    /// Fits the model, and evaluates the ring.
     fn conclude(&mut self, p: &Parameters, now: &Observation, events: &mut Events) {
         match self.law.conclude(p, now) {
             None => {}
@@ -248,7 +248,7 @@ impl Controller {
         }
     }
 
-    /// Takes over a new estimate; what is wrong with it.
+    /// Stores a new estimate; its fault, if any.
     fn note(&mut self, p: &Parameters, ring: &Estimate, verdict: Verdict) -> Option<Fault> {
         self.estimate = Some(*ring);
         match verdict {
@@ -272,7 +272,7 @@ impl Controller {
         evaluate(p, self.spindle.speed(), self.report.count, first, ring)
     }
 
-    /// What the law sees.
+    /// Observations for the control law.
     fn observation(&self, p: &Parameters, due: Due) -> Observation {
         Observation {
             state: self.state,
@@ -300,7 +300,7 @@ impl Controller {
         }
         self.ahead = match self.state {
             State::Push => self.law.ahead(),
-            // what the ring has deflected comes back on the way out
+            // the deflection by the ring recovers during the retract
             State::Settle | State::Fault | State::Idle => self.ahead,
             _ => 0.0,
         };

@@ -271,9 +271,9 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
         }
         Fault::ProbeDelayed | Fault::PositionDelayed => {
             let first = if fault == Fault::ProbeDelayed { "slide" } else { "probe" };
-            let least = if ProbeDelay::longest(p, probe_delay) { "at least " } else { "" };
+            let bound = if ProbeDelay::longest(p, probe_delay) { "at least " } else { "" };
             format!(
-                ": {least}`{:.2} ms` after the {first}, `sample_period` = `{:.2} ms`",
+                ": {bound}`{:.2} ms` after the {first}, `sample_period` = `{:.2} ms`",
                 1e3 * probe_delay.abs(),
                 1e3 * p.sample_period
             )

@@ -1,4 +1,4 @@
-//! The two laws behind one face: the paper's and the default.
+//! The two control laws with one interface: published and default.
 
 mod active;
 mod centering;

@@ -1,7 +1,7 @@
 //! Centering of a ring on a rotating table by pushes of a slide with a probe (Mears et al., 2007), as an FMU.
 //!
-//! This file is the FMU. Its variables are in [`interface`]; [`controller::Controller`] is the law, plain Rust that knows
-//! nothing of FMI.
+//! This file is the FMU. Its variables are in [`interface`]; [`controller::Controller`] is the controller in plain Rust,
+//! independent of FMI.
 #![forbid(unsafe_code)]
 
 mod center;
@@ -27,8 +27,7 @@ use interface::Vars;
 
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
-    const INFO: Info =
-        Info { name: "RingCentering", state_version: 13, longest_step: 1.0, ..package!() };
+    const INFO: Info = Info { name: "RingCentering", state_version: 13, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn numbers(vars: &Vars) -> String {
@@ -47,10 +46,10 @@ impl Model for Controller {
         let before = self.commissioned();
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        // a fault is told with what counts from now on
+        // a fault is logged with the values that are active from now on
         self.bring_into_force(&mut vars.in_force);
         if self.commissioned() && !before {
-            // a machine does not stop because a file cannot be written
+            // a file that cannot be written must not stop the machine
             self.export(&vars.in_force).unwrap_or_else(|error| env.warn(error));
         }
         Ok(())

@@ -10,14 +10,14 @@ use crate::interface::{Law, Parameters};
 /// Gravity as the paper takes it, m/s2.
 pub const GRAVITY: f64 = 9.807;
 
-/// From push to push, beside the way of the probe to its place: settling and stroke (s), and a revolution each of measuring
+/// From push to push, in addition to the travel of the probe to its position: settling and stroke (s), and a revolution each of measuring
 /// and waiting with a tenth to spare.
 const CYCLE_TIME: f64 = 5.0;
 const CYCLE_TURNS: f64 = 2.2;
-/// Share of the friction that takes the rim of a ring along with a table that comes to its speed (our choice).
+/// Fraction of the friction that accelerates the rim of a ring during the ramp of the table; 0.8 remain at right angles.
 const RIM_SHARE: f64 = 0.6;
-/// Move of the slide that shows whether the probe lives, m (our choice: a thousand times its noise); and the least, with
-/// which a last bit of 20 um does not decide.
+/// Move of the slide that tests the probe, m (default: a thousand times its noise); and its minimum, at which a resolution
+/// of 20 um does not decide.
 const TRIAL_MOVE: f64 = 2e-4;
 pub const TRIAL_MOVE_MIN: f64 = 1e-4;
 
@@ -45,7 +45,7 @@ pub fn held_surface_velocity(mu: f64, r: f64, w: f64) -> f64 {
     surface_velocity(e.min(r), r, w)
 }
 
-/// Slope (rad/s2) of the speed of a table that is told to turn: friction takes the rim of the ring along.
+/// Acceleration (rad/s2) of the commanded table speed: friction accelerates the rim of the ring.
 pub fn spindle_acceleration(p: &Parameters) -> f64 {
     if p.spindle_acceleration > 0.0 {
         return p.spindle_acceleration;
@@ -62,27 +62,27 @@ pub fn look_ahead(p: &Parameters) -> f64 {
     stopping_distance(p.approach.velocity + surface, p.slide.acceleration_max)
 }
 
-/// Longest centering, s, with the spindle at `speed` rad/s.
+/// Maximum duration of a cycle, s, with the spindle at `speed` rad/s.
 pub fn cycle_time(p: &Parameters, speed: f64) -> f64 {
     if p.limits.cycle_time > 0.0 {
         return p.limits.cycle_time;
     }
     let revolution = TAU / speed.abs().max(p.limits.spindle_speed_min);
-    // a push that loses the ring goes the whole way anew
+    // after a push that loses the ring the whole travel is repeated
     let cycle = CYCLE_TIME + p.null() / p.follow.velocity_max + CYCLE_TURNS * revolution;
     p.approach.travel_max / p.approach.velocity + f64::from(p.limits.pushes + 1) * cycle
 }
 
 /// Bandwidth (rad/s) of the slowest servo that keeps to the limit of following: it lags by a / w^2 while it accelerates, by
-/// twice that in the other direction when it turns; with a reserve.
+/// twice that in the other direction when it reverses; with a reserve.
 pub fn slowest_servo(p: &Parameters) -> f64 {
     (3.0 * p.slide.acceleration_max / p.limits.following_error).sqrt()
 }
 
 /// Damping ratios of a servo of the bandwidth w (rad/s) that this controller can work with.
 ///
-/// Under an acceleration a that turns with every half period a slide is (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))) behind its
-/// setpoint, which must not be `limits.following_error`. In a push the place of the surface is fed back by an integral of the gain k,
+/// Under an acceleration a that reverses with every half period the following error is (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))).
+/// It must be below `limits.following_error`. In a push the surface position is fed back by an integral of the gain k,
 /// with the servo k w^2 / (s (s^2 + 2 zeta w s + w^2)): at w, where its phase is -180 degrees, it is k / (2 zeta w), which must
 /// leave a factor 2; and at k, beyond which it is below 1, the servo takes atan(2 zeta x / (1 - x^2)) of its phase, x = k / w, which
 /// must be at most 45 degrees.
@@ -97,7 +97,7 @@ pub fn servo_damping(p: &Parameters, bandwidth: f64) -> RangeInclusive<f64> {
     following.max(x)..=(1.0 - x * x) / (2.0 * x)
 }
 
-/// Way of the slide in the test of the probe, m: half of what leaves the probe on the ring, and 0.2 mm suffice.
+/// Travel of the slide in the test of the probe, m: half of the distance that keeps the probe on the ring; 0.2 mm suffice.
 pub fn trial_move(p: &Parameters) -> f64 {
     TRIAL_MOVE.min(0.5 * (p.null() - p.dead_zone() - p.probe.contact))
 }
@@ -194,7 +194,7 @@ mod tests {
             );
             assert_eq!(*range.end(), f64::INFINITY);
         }
-        // one that is too slow whatever its damping, and the law that feeds nothing back
+        // a servo that is too slow at any damping, and the control law without feedback
         assert_eq!(*servo_damping(&p, 0.5 * slowest_servo(&p)).start(), 1.0);
         (p.stroke.feedback, p.law) = (60.0, Law::Paper);
         assert_eq!(*servo_damping(&p, 200.0).end(), f64::INFINITY);

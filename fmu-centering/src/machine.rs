@@ -4,7 +4,7 @@ use crate::interface::{Fault, State};
 use crate::law::Verdict;
 
 impl State {
-    /// Whether a centering is under way or finished, but not faulted.
+    /// Whether a cycle is running or finished, without a fault.
     pub fn active(self) -> bool {
         !matches!(self, Self::Idle | Self::Fault | Self::Commission)
     }
@@ -14,7 +14,7 @@ impl State {
         matches!(self, Self::Follow | Self::Collect | Self::Model | Self::Wait | Self::Centered)
     }
 
-    /// Whether the state can only end by the turning of the spindle.
+    /// Whether the state can end only by rotation of the spindle.
     pub fn needs_rotation(self) -> bool {
         matches!(self, Self::Collect | Self::Wait)
     }
@@ -25,7 +25,7 @@ impl State {
     }
 }
 
-/// What happened in one sample.
+/// Events of one control step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
     /// `enable` is set.
@@ -34,29 +34,29 @@ pub struct Events {
     pub start: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
-    /// The slide is at rest, and no move is under way.
+    /// The slide is at rest, and no move is active.
     pub at_rest: bool,
-    /// Something is wrong.
+    /// Fault that was detected.
     pub fault: Option<Fault>,
     /// The probe touches the ring.
     pub touched: bool,
-    /// The probe has been where it should be for long enough.
+    /// The probe has settled at its position.
     pub settled: bool,
     /// The data suffice for a model.
     pub collected: bool,
-    /// What the new model says.
+    /// Conclusion from the new model.
     pub verdict: Option<Verdict>,
-    /// The push begins now.
+    /// The push starts now.
     pub launched: bool,
     /// The stroke of the push is over.
     pub stroke_over: bool,
-    /// The probe has answered the test before the end.
+    /// The probe has responded in the test before the end.
     pub confirmed: bool,
-    /// A commission is asked for, see [`control_blocks::WaitingRequest`].
+    /// A commissioning run is requested, see [`control_blocks::WaitingRequest`].
     pub commission: bool,
-    /// The commission is to be broken off.
+    /// The commissioning run must be aborted.
     pub abort: bool,
-    /// The commission has come to its end.
+    /// The commissioning run is finished.
     pub commissioned: bool,
 }
 
@@ -92,7 +92,7 @@ pub fn next(state: State, events: &Events) -> State {
 mod tests {
     use super::*;
 
-    /// `enable` is set, and beside it what `change` sets.
+    /// `enable` is set, and in addition what `change` sets.
     fn enabled(change: impl FnOnce(&mut Events)) -> Events {
         let mut events = Events { enabled: true, ..Events::default() };
         change(&mut events);
@@ -155,7 +155,7 @@ mod tests {
         let commission = Events { commission: true, at_rest: true, ..Events::default() };
         assert_eq!(next(State::Idle, &commission), State::Commission);
         assert_eq!(next(State::Idle, &Events { at_rest: false, ..commission }), State::Idle);
-        // who asks for both gets the centering
+        // a request for both starts the cycle
         assert_eq!(next(State::Idle, &Events { start: true, enabled: true, ..commission }), State::Approach);
         let ends =
             [(true, false), (false, true)].map(|(abort, commissioned)| Events { abort, commissioned, ..commission });

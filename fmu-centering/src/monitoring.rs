@@ -1,5 +1,5 @@
-//! What is watched beside the law: the drive's answer, a probe that stands, a ring that is met too
-//! early, and the test of the probe before the ring counts as centered.
+//! Monitors in addition to the control law: response of the drive, frozen probe, early contact of the pusher, and the test
+//! of the probe before the ring is reported as centered.
 
 mod drive;
 mod early_contact;

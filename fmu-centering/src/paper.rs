@@ -1,4 +1,4 @@
-//! The paper's law: one revolution of data, one sine, one push, and again.
+//! The published control law: one revolution of data, one sine, one push, repeated.
 
 mod crossing;
 mod kalman;

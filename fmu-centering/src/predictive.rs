@@ -1,4 +1,4 @@
-//! The default law: a recursive model of the ring, and pushes that are planned backwards from the center.
+//! The default control law: a recursive model of the ring, and pushes that are planned backwards from the center.
 
 mod aim;
 mod any_form;

@@ -1,4 +1,4 @@
-//! What the encoders tell, when it counts, and whether it can be believed.
+//! Measurements of the encoders: sampling, plausibility, and the quantities that follow from them.
 
 mod calm;
 mod despike;

@@ -10,7 +10,7 @@ const PARAMETERS: f64 = 3.0;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SineSums {
     count: u32,
-    /// the first value: others are taken against it, so that micrometers on meters keep their digits
+    /// the first value: the others are taken relative to it, so that micrometers on meters keep their digits
     base: f64,
     normal: Matrix3<f64>,
     right: Vector3<f64>,
@@ -31,7 +31,7 @@ pub struct Sine {
 }
 
 impl SineSums {
-    /// Takes the value `y` at the angle `theta` rad.
+    /// Adds the value `y` at the angle `theta` rad.
     pub fn add(&mut self, theta: f64, y: f64) {
         if self.count == 0 {
             self.base = y;
@@ -45,7 +45,7 @@ impl SineSums {
         self.count += 1;
     }
 
-    /// Minimum of eq. 25; none if the angles do not tell the three coefficients apart.
+    /// Minimum of eq. 25; none if the angles do not determine the three coefficients.
     pub fn fit(&self) -> Option<Sine> {
         let spare = f64::from(self.count) - PARAMETERS;
         let factor = (self.normal / f64::from(self.count.max(1))).cholesky()?;

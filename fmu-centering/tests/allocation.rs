@@ -16,7 +16,7 @@ use run::Loop;
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-/// Both laws.
+/// Both control laws.
 const LAWS: [Parameters; 2] = [Parameters::PAPER, Parameters::START];
 
 /// One sample of loop and plant, which must not allocate.
@@ -24,7 +24,7 @@ fn step(run: &mut Loop, change: impl FnOnce(&mut Input)) {
     assert_no_alloc(|| run.step_with(change));
 }
 
-/// Steps until `state`; by number, the states on the way.
+/// Steps until `state`; by number, the states before it.
 fn visit(run: &mut Loop, state: State) -> [bool; State::ALL.len()] {
     let mut visited = [false; State::ALL.len()];
     let end = run.time() + 60.0;
@@ -36,7 +36,7 @@ fn visit(run: &mut Loop, state: State) -> [bool; State::ALL.len()] {
     visited
 }
 
-/// Ends what is under way, and begins anew.
+/// Ends the present cycle, and starts a new one.
 fn begin(run: &mut Loop) {
     step(run, |input| input.enable = false);
     step(run, |_| ());
@@ -49,7 +49,7 @@ fn a_centering_of_each_law_and_the_next_one() {
         let mut run = Loop::new(&p, Ring::new(1, 2e-4, 0.5));
         let visited = visit(&mut run, State::Centered);
         for &state in State::ALL {
-            // the default law has its model at all times
+            // the default control law has its model at all times
             let passed =
                 !matches!(state, State::Fault | State::Commission) && (state != State::Model || p == Parameters::PAPER);
             assert_eq!(visited[state as usize - 1], passed, "{state:?}");
@@ -97,7 +97,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
         }
         Fault::Unresolved => p = Parameters { tolerance: 1e-9, ..Parameters::START },
         Fault::NoProgress | Fault::ProbeDelayed | Fault::PositionDelayed => p.limits.cycle_time = 2.0,
-        // the paper's law follows just before the pusher
+        // the published control law follows just before the pusher
         Fault::EarlyContact => p = Parameters::START,
         // the table of the test turns by itself
         Fault::SpindleSpeed => p.spindle_speed = 1.5 * SPEED,
@@ -173,7 +173,7 @@ fn a_commission_that_is_broken_off_rejected_and_used() {
     let mut p = Parameters::START;
     p.commission.apply = true;
     let mut ring = Ring::new(4, 2e-4, 0.5);
-    ring.servo = Some(ring::TOLD);
+    ring.servo = Some(ring::NOMINAL);
     let mut run = Loop::new(&p, ring);
     for touched in [0, 1000, u32::MAX] {
         step(&mut run, |input| input.enable = false);
@@ -197,7 +197,7 @@ fn a_commission_that_is_broken_off_rejected_and_used() {
 #[test]
 fn every_fault_and_what_comes_after_its_reset() {
     for (p, &fault) in LAWS.iter().flat_map(|p| Fault::ALL.iter().map(move |fault| (p, fault))) {
-        // a commission has a test of its own
+        // a commissioning run has a test of its own
         if matches!(fault, Fault::None | Fault::CommissionRejected) {
             continue;
         }

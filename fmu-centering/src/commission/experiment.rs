@@ -1,4 +1,4 @@
-//! The motion of a commission: rounds of strokes from where it began, towards the ring and back.
+//! Motion of a commissioning run: rounds of strokes from the start position, towards the ring and back.
 
 use control_blocks::{DELAY_MAX, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -9,14 +9,14 @@ use crate::interface::{Measured, Parameters};
 use crate::motion::Motion;
 use crate::sensing::ServoEstimator;
 
-/// What a round has told.
+/// Result of a round.
 #[derive(Clone, Debug)]
 pub struct Round {
     /// It was the last one.
     pub last: bool,
-    /// The servo, if the motion tells it.
+    /// The servo, if the motion identifies it.
     pub found: Option<Measured>,
-    /// By how much the delay was found to be another than that with which the round began, samples.
+    /// Difference of the identified delay from the one at the start of the round, samples.
     pub shift: f64,
 }
 
@@ -27,29 +27,29 @@ pub struct Experiment {
     /// delay with which this round is fitted, samples
     delay: f64,
     round: u32,
-    /// number of the stroke under way
+    /// number of the active stroke
     stroke: usize,
-    /// where it began, m
+    /// start position, m
     start: f64,
-    /// a reading of this round was lost
+    /// a measurement of this round was lost
     spoilt: bool,
 }
 
 impl Experiment {
-    /// Begins with the first stroke from where the setpoint is at rest.
+    /// Starts with the first stroke from the setpoint at rest.
     pub fn begin(p: &Parameters, motion: &mut Motion) -> Self {
         let new = Self { delay: f64::from(p.io_delay), start: motion.setpoint.position, ..Self::default() };
         new.lead(p, motion);
         new
     }
 
-    /// Takes the last setpoint and the position of the slide (m), read or bridged.
+    /// Adds the last setpoint and the slide position (m), measured or bridged.
     pub fn observe(&mut self, p: &Parameters, setpoint: &Trajectory, slide: f64, bridged: bool) {
         self.estimator.update(p.sample_period, self.delay, setpoint, slide);
         self.spoilt |= bridged;
     }
 
-    /// Goes on to the next stroke where one has arrived; what the round has told that is over with it.
+    /// Starts the next stroke when one is complete; the result of a round that ends with it.
     pub fn advance(&mut self, p: &Parameters, motion: &mut Motion) -> Option<Round> {
         let last = plan::stroke(self.stroke + 1).is_none();
         if !motion.arrived(p, if last { REST } else { 0.0 }) {
@@ -61,7 +61,7 @@ impl Experiment {
         round
     }
 
-    /// Begins the motion of this stroke.
+    /// Starts the motion of this stroke.
     fn lead(&self, p: &Parameters, motion: &mut Motion) {
         if let Some((place, speed)) = plan::stroke(self.stroke) {
             let end = self.start + place * plan::travel(p);
@@ -69,7 +69,7 @@ impl Experiment {
         }
     }
 
-    /// Ends a round; one in which a reading was lost is done again and tells nothing.
+    /// Ends a round; a round with a lost measurement is repeated and has no result.
     fn close(&mut self, p: &Parameters) -> Option<Round> {
         let estimator = std::mem::take(&mut self.estimator);
         if std::mem::take(&mut self.spoilt) {

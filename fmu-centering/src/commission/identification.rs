@@ -1,4 +1,4 @@
-//! The commission as the controller sees it: what was found, and which values are in force.
+//! The commissioning run as seen by the controller: results, and the active values.
 
 use control_blocks::InForce;
 use serde::{Deserialize, Serialize};
@@ -8,15 +8,15 @@ use crate::commission::values::Values;
 use crate::interface::{Measured, Parameters};
 use crate::motion::Motion;
 
-/// One commission after the other.
+/// Consecutive commissioning runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Identification {
     experiment: Experiment,
-    /// What was measured, also of a commission that was rejected.
+    /// Measured values, also of a rejected run.
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,
-    /// The experiment has come to its end, and its result is good.
+    /// The experiment is finished, and its result is good.
     pub finished: bool,
     values: InForce<Values>,
 }
@@ -33,36 +33,36 @@ impl Identification {
         }
     }
 
-    /// Begins where the setpoint is at rest.
+    /// Starts from the setpoint at rest.
     pub fn begin(&mut self, p: &Parameters, motion: &mut Motion) {
         self.experiment = Experiment::begin(p, motion);
         (self.measured, self.rejected, self.finished) = (Measured::START, false, false);
     }
 
-    /// Ends before its end: what was told counts.
+    /// Aborts the run: the configured values apply.
     pub fn abort(&mut self) {
         self.values.restore();
         self.measured.valid = false;
     }
 
-    /// Forgets what was rejected.
+    /// Discards rejected values.
     pub fn forget_rejected(&mut self) {
         if !self.measured.valid {
             self.measured = Measured::START;
         }
     }
 
-    /// Puts the values in force in place of those that the parameters have.
+    /// Replaces the values of the parameters by the active ones.
     pub fn put(&self, p: &mut Parameters) {
         self.values.now().put(p);
     }
 
-    /// Names and values of what a good commission derives.
+    /// Names and values of the parameters that a good run derives.
     pub fn derived(&self) -> [(&'static str, f64); 2] {
         self.values.derived().entries()
     }
 
-    /// Takes the position of the slide (m), read or bridged, beside the last setpoint, and leads the slide on.
+    /// Adds the slide position (m), measured or bridged, with the last setpoint, and continues the motion.
     pub fn observe(&mut self, p: &Parameters, motion: &mut Motion, slide: f64, bridged: bool) {
         self.experiment.observe(p, &motion.setpoint, slide, bridged);
         if let Some(round) = self.experiment.advance(p, motion) {
@@ -70,7 +70,7 @@ impl Identification {
         }
     }
 
-    /// Takes what a round has told.
+    /// Uses the result of a round.
     fn conclude(&mut self, p: &Parameters, round: Round) {
         let Round { last, found, shift } = round;
         self.measured = found.unwrap_or(Measured::START);

@@ -1,13 +1,13 @@
-//! How far, how hard and how long the commission moves, from its bounds.
+//! Travel, acceleration and duration of the commissioning run, from its bounds.
 //!
-//! The slide is held by the servo of its motion board all the time; no loop of this controller is closed around it, so there is
-//! none that a machine which is not as told could make unstable. Its setpoint keeps to travel and acceleration by itself. The
+//! The servo of the motion board holds the slide all the time. No loop of this controller is closed around it, so an
+//! off-nominal machine cannot become unstable. The setpoint stays within travel and acceleration. The
 //! slide follows with e = r - x, of which e'' + 2 zeta w e' + w^2 e = r'': a stable filter of |r''| <= a, so |e| never exceeds
-//! (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))), the peak under an acceleration that turns with every half period: 1.1 a / w^2 at
-//! zeta = 0.7, 2.2 a / w^2 at 0.3. That is what the slide goes beyond its travel.
+//! (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))), the peak under an acceleration that reverses with every half period: 1.1 a / w^2
+//! at zeta = 0.7, 2.2 a / w^2 at 0.3. By that distance the slide may exceed its travel.
 //!
-//! All strokes are on the side of the ring, for the slide waits at the rear end of its way, and end long before it: what an
-//! approach may go without having met a ring is `approach.travel_max`, and a pusher stands `probe.at_pusher` behind its probe.
+//! All strokes are on the side of the ring, because the slide waits at the rear end of its travel. They end long before the ring:
+//! an approach without a ring may move by `approach.travel_max`, and the pusher touches only at `probe.at_pusher`.
 
 use control_blocks::{commission_time, told_or};
 
@@ -15,7 +15,7 @@ use crate::interface::Parameters;
 use crate::limits::slowest_servo;
 use crate::motion::duration;
 
-/// Places of the strokes in travels, and their speeds in `approach.velocity`. The quick ones turn at many frequencies around
+/// Positions of the strokes in travels, and their speeds in `approach.velocity`. The quick ones reverse at many frequencies around
 /// that of the servo; the slow ones are long at rest or at one speed, where only an integral action still moves the slide.
 const STROKES: [(f64, f64); 14] = [
     (1.0, 1.0),
@@ -33,24 +33,24 @@ const STROKES: [(f64, f64); 14] = [
     (1.0, 0.05),
     (0.0, 0.05),
 ];
-/// How often a round does them all.
+/// Repetitions of all strokes in a round.
 const REPEATS: usize = 3;
-/// Rounds: each with the delay that the one before has found; and one more, where a reading was lost in one.
+/// Rounds: each uses the delay of the one before; and one more, if a measurement was lost.
 pub const ROUNDS: u32 = 3;
 const ROUNDS_SPARE: u32 = 1;
 /// Rest at the end of a round, until the slide is still, s.
 pub const REST: f64 = 0.3;
-/// Period of the longest stroke there and back in periods of the servo, and largest share of `probe.at_pusher`.
+/// Period of the longest stroke back and forth in periods of the servo, and largest fraction of `probe.at_pusher`.
 const PERIODS: f64 = 4.0;
 const PUSHER_SHARE: f64 = 0.1;
 
-/// Place (travels from the start) and speed (in `approach.velocity`) of a stroke; none behind the last one of a round.
+/// Position (travels from the start) and speed (in `approach.velocity`) of a stroke; none after the last one of a round.
 pub fn stroke(number: usize) -> Option<(f64, f64)> {
     (number < REPEATS * STROKES.len()).then(|| STROKES[number % STROKES.len()])
 }
 
-/// Farthest place towards the ring (m) from where it begins: `commission.travel`, or that from which the longest stroke there and
-/// back, 4 (d / a)^(1/2), takes four periods of the servo.
+/// Maximum travel towards the ring (m): `commission.travel`, or the one with which the longest stroke back and
+/// forth, 4 (d / a)^(1/2), takes four periods of the servo.
 pub fn travel(p: &Parameters) -> f64 {
     told_or(p.commission.travel, || {
         let period = PERIODS * std::f64::consts::TAU / told_or(p.slide.bandwidth, || slowest_servo(p));
@@ -126,7 +126,7 @@ mod tests {
             let root = f64::sqrt(1.0 - zeta * zeta);
             let bound = a / (w * w) / (0.5 * PI * zeta / root).tanh();
             assert!((bound * w * w / a / told - 1.0).abs() < 0.05, "{bound}");
-            // it turns with every half period of the damped servo
+            // it reverses with every half period of the damped servo
             let half = PI / (w * root);
             let (mut error, mut rate, mut most) = (0.0f64, 0.0, 0.0f64);
             for k in 0..1_000_000 {

@@ -1,12 +1,12 @@
 //! Bandwidth, damping, integral action and delay of the servo, from the factors of its regression and their covariance.
 //!
-//! The estimator takes the slide along straight lines between its readings, whose mean over a sample T is that of the slide plus T^2/12
-//! x''. With x'' of the servo that adds T^2/12 (w^2 r'' + 2 zeta w r''') to the right side; in strokes that turn at the servo's own
-//! frequency r''' is -w^2 r', so that 2 zeta w is found (w T)^2/12 too large.
+//! The estimator moves the slide along straight lines between its samples. Their mean over a sample T is that of the slide plus
+//! T^2/12 x''. With x'' of the servo that adds T^2/12 (w^2 r'' + 2 zeta w r''') to the right side. In strokes that reverse at the
+//! frequency of the servo r''' is -w^2 r', so that 2 zeta w is (w T)^2/12 too large.
 //!
 //! A servo that computes in steps of its own brakes half a step tau late: x'' = w^2 e + 2 zeta w (e' + tau x''), which is a servo with w
-//! and zeta (1 - 2 zeta w tau)^(-1/2) times as large. No motion tells it from that one. So zeta w tau is part of the deviations, and of that
-//! of zeta both together, which add up.
+//! and zeta (1 - 2 zeta w tau)^(-1/2) times as large. No motion distinguishes the two. So zeta w tau is part of the standard
+//! deviations; for zeta both effects add up.
 
 use nalgebra::SVector;
 
@@ -15,14 +15,14 @@ use crate::sensing::{Fit, TERMS};
 
 /// Half a step of the servo over the sample period: motion boards close their loops about ten times for each setpoint.
 const SERVO_LATE: f64 = 0.05;
-/// Nothing tells the delay better than this, samples: setpoints that come in steps are no lines.
+/// Smallest standard deviation of the delay, samples: setpoints in steps are no lines.
 const LEAST_DELAY: f64 = 2.5e-3;
-/// How many times longer than others the residuals are alike of which the integral action is told: 48 ms in place of 8, as long as the
-/// slow strokes take to turn (measured: 2.4 times the scatter on servos within 30 %).
+/// Correlation time of the residuals that determine the integral action, relative to the others: 48 ms instead of 8, the
+/// time of a reversal of the slow strokes (measured: 2.4 times the scatter on servos within 30 %).
 const SLOW: f64 = 6.0;
 
-/// What the factors of x'' = w^2 e + 2 zeta w e' - w^2 t r' + (w^2 / T_i) integral of e say, t later than `delay` samples, with
-/// standard deviations; none if the servo does not go where it should, or a number is none.
+/// Quantities that the factors of x'' = w^2 e + 2 zeta w e' - w^2 t r' + (w^2 / T_i) integral of e give, t later than `delay` samples, with
+/// standard deviations; none if the servo does not follow, or a number is not finite.
 pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured> {
     let m = of_factors(p, fit, delay)?;
     let (braked_late, lines) = (braked_late(p, &m), (m.slide_bandwidth * p.sample_period).powi(2) / 12.0);
@@ -35,7 +35,7 @@ pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured
     })
 }
 
-/// Share by which a servo that computes in steps of its own has a larger natural frequency, and damping.
+/// Relative increase of natural frequency and damping of a servo that computes in its own steps.
 pub fn braked_late(p: &Parameters, m: &Measured) -> f64 {
     m.slide_damping * m.slide_bandwidth * SERVO_LATE * p.sample_period
 }
@@ -83,7 +83,7 @@ mod tests {
     use crate::sensing::ServoEstimator;
 
     const P: Parameters = Parameters::START;
-    /// A number of a measurement and its standard deviation.
+    /// A value of a measurement and its standard deviation.
     type Word = fn(&Measured) -> [f64; 2];
     const WORDS: [Word; 4] = [
         |m| [m.slide_bandwidth, m.slide_bandwidth_std],
@@ -92,7 +92,7 @@ mod tests {
         |m| [m.io_delay, m.io_delay_std],
     ];
 
-    /// What 200 rad/s, the damping 0.6, an integral time of 0.1 s and 1.5 samples more than told are in the regression.
+    /// Factors of the regression for 200 rad/s, damping 0.6, an integral time of 0.1 s and 1.5 samples more than configured.
     fn factors() -> SVector<f64, TERMS> {
         SVector::from([4e4, 240.0, -60.0, 0.0, 4e5, 0.0, 0.0])
     }
@@ -128,7 +128,7 @@ mod tests {
         }
     }
 
-    /// What is found of a servo whose setpoint goes along many sines, read with this noise (m).
+    /// Result for a servo whose setpoint is a sum of many sines, measured with this noise (m).
     fn found(noise: f64, seed: u64) -> Measured {
         const FINE: u32 = 100;
         const SINES: [[f64; 2]; 4] = [[7.0, 0.0], [45.0, 1.0], [130.0, 2.0], [260.0, 3.0]];
@@ -157,12 +157,12 @@ mod tests {
     #[test]
     fn the_deviation_covers_the_scatter_of_the_estimates() {
         let all: Vec<Measured> = (0..24).map(|seed| found(3e-7, seed)).collect();
-        for (word, truth) in WORDS.iter().zip([220.0, 0.6, 8.0, 1.0]) {
+        for (word, expected) in WORDS.iter().zip([220.0, 0.6, 8.0, 1.0]) {
             let mean = |i: usize| all.iter().map(|m| word(m)[i]).sum::<f64>() / 24.0;
             let scatter = (all.iter().map(|m| (word(m)[0] - mean(0)).powi(2)).sum::<f64>() / 23.0).sqrt();
-            println!("{truth}: mean {}, scatter {scatter}, told {}", mean(0), mean(1));
-            assert!((0.7..5.0).contains(&(mean(1) / scatter)), "{truth}: {} {scatter}", mean(1));
-            assert!((mean(0) / truth - 1.0).abs() < 0.02, "{truth}: {}", mean(0));
+            println!("{expected}: mean {}, scatter {scatter}, reported {}", mean(0), mean(1));
+            assert!((0.7..5.0).contains(&(mean(1) / scatter)), "{expected}: {} {scatter}", mean(1));
+            assert!((mean(0) / expected - 1.0).abs() < 0.02, "{expected}: {}", mean(0));
         }
     }
 }

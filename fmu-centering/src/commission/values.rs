@@ -1,4 +1,4 @@
-//! The parameters that a commission derives, and whether what it has measured can be used.
+//! Parameters that a commissioning run derives, and whether its result can be used.
 
 use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
@@ -35,15 +35,15 @@ impl Values {
         [("slide.bandwidth", self.bandwidth), ("io_delay", f64::from(self.io_delay))]
     }
 
-    /// Those with what was measured; who told no bandwidth, for no feed-forward, gets none.
+    /// Values with the measured results; a configured bandwidth of 0, for no feed-forward, stays 0.
     pub fn derived(self, measured: &Measured) -> Self {
         let bandwidth = if self.bandwidth > 0.0 { measured.slide_bandwidth } else { 0.0 };
         Self { bandwidth, io_delay: whole_delay(measured.io_delay) }
     }
 
-    /// Whether a measurement is sure enough, and of a servo that this controller can work with. The slowest one is all that the checks
-    /// of the parameters ask of what is derived. `shift` (samples) is what its
-    /// last round has found of the delay that the round before had not. What steps of the servo leave refuses nothing: it acts as it was found.
+    /// Whether a measurement is certain, and of a servo that this controller can work with. The slowest servo is the only
+    /// condition that the checks of the parameters impose on derived values. `shift` (samples) is the change of the delay in the
+    /// last round. The effect of servo steps rejects nothing: the servo acts as identified.
     pub fn accept(&self, p: &Parameters, m: &Measured, shift: f64) -> bool {
         sure(m.slide_bandwidth, m.slide_bandwidth_std, STD_MAX.hypot(braked_late(p, m)))
             && m.io_delay_std.max(shift.abs()) <= DELAY_STD_MAX

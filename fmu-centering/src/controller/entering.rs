@@ -1,4 +1,4 @@
-//! What happens once, when a state begins: a motion, a push, a new centering, the way back.
+//! Actions at the start of a state: a motion, a push, a new cycle, the return.
 
 use control_blocks::Reaction;
 
@@ -10,7 +10,7 @@ use crate::machine::Events;
 use crate::monitoring::{DriveMonitor, EarlyContact, ProbeTrial};
 
 impl Controller {
-    /// What happens once, when `state` begins.
+    /// Actions at the start of `state`.
     pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, launch: Option<Launch>) {
         if self.state == State::Commission && !self.identification.finished {
             self.identification.abort();
@@ -28,7 +28,7 @@ impl Controller {
                 self.motion.start(self.sample.slide);
                 self.progress.restart();
                 self.drive = DriveMonitor::default();
-                // what an approach has told is not what is measured now
+                // results of an approach are not those of this run
                 (self.servo, self.probe_delay) = Default::default();
                 self.identification.begin(p, &mut self.motion);
             }
@@ -50,7 +50,7 @@ impl Controller {
                 self.motion.release();
                 self.centered = Some(self.clock.time(p));
             }
-            // at once, or the slide would brake until the next beat
+            // immediately: otherwise the slide would brake until the next period
             State::Follow => {
                 self.probe_delay.begin();
                 self.follower.update(p, &self.calm);
@@ -59,7 +59,7 @@ impl Controller {
         }
     }
 
-    /// Goes back to where the approach began, if anything drives the slide.
+    /// Returns to the start of the approach, if the slide is driven.
     pub(super) fn leave(&mut self, p: &Parameters) {
         match self.fault.reaction() {
             Reaction::Retract | Reaction::Stop => self.motion.retreat(p),
@@ -67,7 +67,7 @@ impl Controller {
         }
     }
 
-    /// Forgets the last centering and begins a new one.
+    /// Discards the last cycle and starts a new one.
     pub(super) fn restart(&mut self, p: &Parameters) {
         self.motion.start(self.sample.slide);
         self.law.restart(p);
@@ -80,7 +80,7 @@ impl Controller {
         (self.report, self.started, self.centered) = (PushReport::START, self.clock.time(p), None);
     }
 
-    /// Begins a push.
+    /// Starts a push.
     fn launch(&mut self, p: &Parameters, launch: Option<Launch>) {
         let Some(launch) = launch else { return };
         if let Some(end) = launch.end {
@@ -93,7 +93,7 @@ impl Controller {
         self.report.lead_angle = launch.lead;
     }
 
-    /// Retracts at once after a push; where the probe has lost the ring, nobody knows how far, and the slide stops.
+    /// Retracts immediately after a push; if the probe has lost the ring, the distance is unknown and the slide stops.
     pub(super) fn retract(&mut self, p: &Parameters) {
         if self.sample.probe < p.probe.contact {
             return self.motion.release();

@@ -2,7 +2,7 @@ use super::*;
 
 const P: Parameters = Parameters::START;
 
-/// A controller in `state` whose probe reads so much, m.
+/// A controller in `state` with this probe position, m.
 fn reading(state: State, probe: f64) -> Controller {
     let mut controller = Controller::new(&P).unwrap();
     controller.motion.place(0.1, true);
@@ -15,7 +15,7 @@ fn reading(state: State, probe: f64) -> Controller {
 #[test]
 fn a_probe_that_touches_by_just_so_much_has_the_ring() {
     for (probe, touches) in [(P.probe.contact, true), (0.999 * P.probe.contact, false)] {
-        // after a push the slide goes back from a ring, and stops where there is none
+        // after a push the slide retracts from a ring, and stops if there is none
         let mut pushed = reading(State::Settle, probe);
         pushed.retract(&P);
         assert_eq!(pushed.motion.moving(), touches, "{probe} m");

@@ -1,4 +1,4 @@
-//! What is wrong in a sample, the fault that is in force, and the test of the probe before `Centered`.
+//! Faults of a sample, the active fault, and the test of the probe before `Centered`.
 
 use control_blocks::Reaction;
 
@@ -16,12 +16,12 @@ const TRIAL_VELOCITY: f64 = 0.01;
 const TRIAL_REST: f64 = 0.03;
 
 impl Controller {
-    /// Whether the slide is where it was told to be; in `Idle`, at rest, a hand may move it.
+    /// Whether the slide must follow its setpoint; in `Idle`, at rest, it may be moved by hand.
     pub(super) fn watched(&self, p: &Parameters) -> bool {
         self.state != State::Idle || !self.motion.resting(p)
     }
 
-    /// What may move the machine until the next sample.
+    /// Possible causes of motion until the next sample.
     pub(super) fn freedom(&self, p: &Parameters) -> Freedom {
         match self.state {
             State::Idle if !self.watched(p) => Freedom::Hand,
@@ -30,7 +30,7 @@ impl Controller {
         }
     }
 
-    /// The gravest fault of this sample.
+    /// The fault of the highest severity in this sample.
     pub(super) fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
         let frozen = reading.fresh && self.frozen.update(p, self.phase(), &self.sample, turned) && self.state.active();
         let pushing = self.state == State::Push;
@@ -39,13 +39,13 @@ impl Controller {
         }
         let hit = pushing && self.early_contact.met(p).is_some();
         let astray = pushing && self.law.astray(p);
-        // a ring that was found is further away by no more than the probe gives way
+        // a ring that was found moves away by at most the stroke of the probe
         let slack = if self.state == State::Approach { 0.0 } else { p.probe.stroke };
         let travel = p.approach.travel_max + slack;
         let view = Watched {
             state: self.state,
             probe: self.calm.probe,
-            // on the way to its speed nothing can come to an end
+            // during the ramp of the table no state can end
             turned: if self.table.steady(p) { turned } else { 0.0 },
             speed: self.spindle.speed(),
             surface: self.follower.surface(),
@@ -59,7 +59,7 @@ impl Controller {
         }
         let longest = if commission { plan::time(p) } else { cycle_time(p, view.speed) };
         let late = (centering || commission) && self.progress.samples() > u64::from(p.ticks(longest));
-        // strokes are for a probe that nothing touches
+        // strokes require a free probe
         let rejected = commission && (self.identification.rejected || self.calm.probe > p.probe.contact);
         let found = [
             (self.long_step && (self.state.active() || commission)).then_some(Fault::LongStep),
@@ -74,7 +74,7 @@ impl Controller {
         most_severe(&found)
     }
 
-    /// How slide and ring move against each other.
+    /// Relative motion of slide and ring.
     fn phase(&self) -> Phase {
         match self.state {
             State::Push => Phase::Push,
@@ -83,7 +83,7 @@ impl Controller {
         }
     }
 
-    /// A later fault may ask for a safer end.
+    /// A later fault may require a reaction of higher severity.
     pub(super) fn escalate(&mut self, p: &Parameters, fault: Option<Fault>) {
         if let Some(fault) = fault.filter(|fault| fault.reaction() > self.fault.reaction())
             && self.state == State::Fault
@@ -98,7 +98,7 @@ impl Controller {
         self.state != State::Fault || self.fault.reaction() != Reaction::DriveOff
     }
 
-    /// Takes what the way to the ring has told of the servo, and judges whether the law can work with it.
+    /// Uses the servo as identified during the approach, and checks whether the control law can work with it.
     pub(super) fn judge_servo(&mut self, p: &Parameters, events: &mut Events) {
         if self.state != State::Follow || !events.settled {
             return;
@@ -109,15 +109,15 @@ impl Controller {
         }
     }
 
-    /// Bandwidth of the servo with which strokes are planned, rad/s: as found on the way to the ring where that is sure and no
-    /// commission is in force, else as the parameters in force have it.
+    /// Bandwidth of the servo with which strokes are planned, rad/s: as identified during the approach, if that is certain and no
+    /// result of a commissioning run is active; otherwise that of the active parameters.
     pub(super) fn bandwidth(&self, p: &Parameters) -> f64 {
         let commissioned = p.commission.apply && self.commissioned();
         let found = self.servo.filter(|servo| servo.sure() && p.learns_servo() && !commissioned);
         found.map_or(p.slide.bandwidth, |servo| servo.bandwidth)
     }
 
-    /// What is known of the machine: by a commission, or without a good one by the way to the ring.
+    /// Measured values of the machine: of a commissioning run, or without a good one of the approach.
     pub(super) fn measured(&self) -> Measured {
         match self.servo.filter(|_| !self.commissioned()) {
             Some(servo) => Measured {
@@ -130,7 +130,7 @@ impl Controller {
         }
     }
 
-    /// Moves the slide out and in, and judges what the probe has answered.
+    /// Moves the slide out and in, and evaluates the response of the probe.
     pub(super) fn confirm(&mut self, p: &Parameters, events: &mut Events) {
         if self.state != State::Confirm || !self.motion.arrived(p, TRIAL_REST) {
             return;
@@ -143,7 +143,7 @@ impl Controller {
         }
     }
 
-    /// A place of that test, less what the ring has turned towards the probe.
+    /// A position of that test, minus the motion of the ring towards the probe.
     pub(super) fn note_trial(&mut self) {
         let turned = self.estimate.map_or(0.0, |ring| ring.center.along(self.spindle.angle()));
         self.trial.note(self.sample.slide, self.calm.probe - turned);

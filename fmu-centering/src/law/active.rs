@@ -1,4 +1,4 @@
-//! The law that the parameters choose.
+//! The control law that the parameters select.
 
 use std::ops::{Deref, DerefMut};
 
@@ -9,17 +9,17 @@ use crate::law::centering::CenteringLaw;
 use crate::paper::PaperLaw;
 use crate::predictive::PredictiveLaw;
 
-/// One of the two; it stands for the law that it holds.
+/// One of the two control laws; calls are forwarded to it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum ActiveLaw {
-    /// The paper's.
+    /// Published.
     Paper(Box<PaperLaw>),
     /// The default.
     Predictive(Box<PredictiveLaw>),
 }
 
 impl ActiveLaw {
-    /// The law before its first sample.
+    /// State before the first sample.
     pub fn new(p: &Parameters) -> Self {
         match p.law {
             Law::Paper => Self::Paper(Box::default()),

@@ -1,4 +1,4 @@
-//! What a law of centering sees in a sample, and what it answers.
+//! Interface of a control law: its observations in a sample and its results.
 
 use control_blocks::Trajectory;
 
@@ -7,7 +7,7 @@ use crate::interface::{Fault, Parameters, State};
 use crate::motion::Motion;
 use crate::sensing::{Due, Sample};
 
-/// What a law sees in one sample.
+/// Observations of a control law in one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Observation {
     /// State of the controller.
@@ -22,13 +22,13 @@ pub struct Observation {
     pub sample: Sample,
     /// Setpoint of the slide.
     pub setpoint: Trajectory,
-    /// Bandwidth of the servo of the slide, as told or found, rad/s.
+    /// Bandwidth of the slide servo, configured or measured, rad/s.
     pub bandwidth: f64,
-    /// Whether the probe was found to tell later than the slide.
+    /// Whether the probe was found to be delayed relative to the slide.
     pub late: bool,
 }
 
-/// A push that begins.
+/// A push that starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Launch {
     /// Travel of the slide, m.
@@ -41,12 +41,12 @@ pub struct Launch {
     pub end: Option<f64>,
 }
 
-/// What the model of the ring says about the next step.
+/// Conclusion from the model of the ring for the next step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The ring is centered.
     Centered,
-    /// It needs a push.
+    /// A push is needed.
     Push,
     /// More data are needed.
     Measure,
@@ -54,12 +54,12 @@ pub enum Verdict {
     Unresolved,
 }
 
-/// The estimate of the ring, if there is one, and what to do.
+/// The estimate of the ring, if there is one, and the next step.
 pub type Conclusion = (Option<Estimate>, Verdict);
 
-/// A law that measures the ring and plans pushes.
+/// A control law measures the ring and plans pushes.
 pub trait CenteringLaw {
-    /// Forgets everything, in place.
+    /// Resets everything, in place.
     fn restart(&mut self, p: &Parameters);
 
     /// Takes a sample.
@@ -68,7 +68,7 @@ pub trait CenteringLaw {
     /// Whether the data suffice for a model.
     fn collected(&self) -> bool;
 
-    /// Estimate and verdict, in the samples in which the law makes them.
+    /// Estimate and verdict, in the samples in which they are computed.
     ///
     /// # Errors
     /// The fault that prevents a model.
@@ -77,16 +77,16 @@ pub trait CenteringLaw {
     /// The push, in the sample of its launch.
     fn launch(&mut self, p: &Parameters, now: &Observation) -> Option<Launch>;
 
-    /// What happens once, when `state` begins.
+    /// Actions at the start of `state`.
     fn enter(&mut self, p: &Parameters, state: State, now: &Observation);
 
     /// Setpoint of a push that is not left to the motion.
     fn press(&mut self, p: &Parameters, now: &Observation) -> Option<Trajectory>;
 
-    /// Whether the surface is not where the model says while the slide goes to push it.
+    /// Whether the surface differs too much from the model while the slide approaches for a push.
     fn astray(&self, p: &Parameters) -> bool;
 
-    /// How far the setpoint of a push is beyond its stroke on purpose, m.
+    /// Intended excess of the setpoint over the stroke of a push, m.
     fn ahead(&self) -> f64;
 
     /// Whether the stroke of the push is over.

@@ -1,4 +1,4 @@
-//! Whether the slide does what its setpoint says: following error, and what its cause is.
+//! Following error of the slide, and its cause.
 
 use control_blocks::{Consecutive, Following, Frozen, Response, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -6,30 +6,30 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 use crate::sensing::RESOLUTION;
 
-/// Time over which the share of the motion is taken, s (our choice: longer than the lag of a servo, and shorter than a
-/// slide that nothing drives needs to the limit).
+/// Time over which the gain ratio of the motion is computed, s (default: longer than the lag of a servo, and shorter than the
+/// time in which a slide without drive reaches the limit).
 const MEMORY: f64 = 0.02;
-/// Least motion in that time for which a share means something, m.
+/// Minimum motion in that time for a meaningful ratio, m.
 const EXCITED: f64 = 1e-6;
-/// Share of the following error that an encoder which stands has not answered.
+/// Fraction of the following error without a response of a frozen encoder.
 const UNANSWERED: f64 = 0.5;
-/// A slide with a smaller share goes backwards; one with less than the other is weak.
+/// A slide with a smaller gain ratio moves backwards; one below the second value is weak.
 const BACKWARDS: f64 = -0.2;
 const WEAK: f64 = 0.5;
-/// Share of `limits.following_error` that a slide may be beside a setpoint that stands (our choice: 50 um; 0.7 N of the probe are
+/// Fraction of `limits.following_error` allowed at a constant setpoint (default: 50 um; 0.7 N of the probe are
 /// 12 um on the slowest servo).
 const AT_REST: f64 = 0.05;
-/// Time for which it may be farther, s (our choice: 20 times 1 / w of the slowest servo).
+/// Time for which it may be larger, s (default: 20 times 1 / w of the slowest servo).
 const REST_TIME: f64 = 0.25;
 
-/// Setpoint and slide beside each other; by default before the first sample.
+/// Comparison of setpoint and slide; by default before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct DriveMonitor {
     following: Following,
     before: Option<Place>,
     frozen: Frozen,
     response: Response,
-    /// samples with a setpoint that stands, and the slide beside it
+    /// samples with a constant setpoint, and the slide off it
     beside: Consecutive,
     error: f64,
     allowed: f64,
@@ -43,8 +43,8 @@ struct Place {
 }
 
 impl DriveMonitor {
-    /// Takes the last setpoint and the position of the slide (m) that may answer it; `ahead` (m) is how far the setpoint is
-    /// beyond the ring on purpose.
+    /// Adds the last setpoint and the slide position (m) that responds to it; `ahead` (m) is the intended distance of the setpoint
+    /// beyond the ring.
     pub fn update(&mut self, p: &Parameters, setpoint: &Trajectory, ahead: f64, slide: f64) {
         if self.before.is_none() {
             self.following = Following::resting(setpoint.position);
@@ -70,24 +70,24 @@ impl DriveMonitor {
         self.error
     }
 
-    /// How large that may be, m.
+    /// Limit of the following error, m.
     pub fn allowed(&self) -> f64 {
         self.allowed
     }
 
-    /// Share of its setpoint that the slide has moved lately; 1 if that was not enough to tell.
+    /// Ratio of recent slide travel to commanded travel; 1 if the motion was too small.
     pub fn share(&self, p: &Parameters) -> f64 {
         // the smallest sum of squares for this way: evenly in all samples
         let samples = MEMORY / p.sample_period;
         self.response.share(EXCITED.powi(2) / samples).unwrap_or(1.0)
     }
 
-    /// How many samples the slide has been within the resolution of where it is.
+    /// Number of samples for which the slide has been at rest within the resolution.
     pub fn still(&self) -> u32 {
         self.frozen.still()
     }
 
-    /// The cause of too large an error.
+    /// The cause of an error above the limit.
     pub fn fault(&self, p: &Parameters) -> Option<Fault> {
         if self.error.abs() <= self.allowed {
             return None;
@@ -111,7 +111,7 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// The first fault, and the error (m) at that time, of a slide told to go at 0.1 m/s for 0.3 s.
+    /// The first fault, and the error (m) at that time, of a slide commanded to move at 0.1 m/s for 0.3 s.
     fn found(slide: impl Fn(f64) -> f64) -> Option<(Fault, f64)> {
         let mut drive = DriveMonitor::default();
         (0..300u32).find_map(|k| {
@@ -155,7 +155,7 @@ mod tests {
         assert_eq!(drive.fault(&P), Some(Fault::FollowingError));
     }
 
-    /// Monitor of a slide that does `share` of its setpoint of 0.1 mm a sample, and then `then` of it.
+    /// Monitor of a slide with the gain ratio `share` at 0.1 mm a sample, and then the ratio `then`.
     fn moved(share: f64, samples: u32, then: f64, later: u32) -> DriveMonitor {
         let mut drive = DriveMonitor::default();
         let (mut told, mut slide) = (0.0, 0.0);

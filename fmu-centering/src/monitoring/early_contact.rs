@@ -1,14 +1,14 @@
-//! A ring that the pusher has met before it should: `probe.at_pusher` is told too large.
+//! Early contact of the pusher with the ring: `probe.at_pusher` is configured too large.
 //!
-//! In a stroke the probe goes in until the pusher touches. A ring that is hit on the way runs ahead of the slide, and the probe comes
-//! out again although the slide still goes in; a jammed probe stays, and one of another scale goes in. Nothing tells the hit
-//! before it has happened, and what the ring has got by then no stop takes back; but where the probe was is where the pusher is.
+//! In a stroke the probe is deflected until the pusher touches. A ring that is hit early moves ahead of the slide, and the probe
+//! extends although the slide still moves in; a jammed probe stays, and one of another scale moves in. The hit cannot be detected
+//! before it has happened, and no stop reduces its effect; but the probe position at the hit is that of the pusher.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// A probe has come out if it has by more, m (our choice: five times the coarsest resolution).
+/// Extension of the probe above which it is detected, m (default: five times the coarsest resolution).
 const OUT: f64 = 1e-4;
 
 /// The probe in the last stroke, m; by default before the first.
@@ -19,12 +19,12 @@ pub struct EarlyContact {
 }
 
 impl EarlyContact {
-    /// Takes the place (m) of the probe in a stroke, without single spikes.
+    /// Adds the position (m) of the probe in a stroke, without single spikes.
     pub fn update(&mut self, probe: f64) {
         (self.deepest, self.now) = (self.deepest.max(probe), probe);
     }
 
-    /// Where the probe was when the pusher met the ring (m), if it has come out since and that was nearer to the told place of the
+    /// Position of the probe (m) at the hit, if the probe has extended since and the position was nearer to the configured one of the
     /// pusher than to that of following.
     pub fn met(&self, p: &Parameters) -> Option<f64> {
         let out = self.deepest - self.now > OUT && self.deepest > 0.5 * (p.null() + p.probe.at_pusher);

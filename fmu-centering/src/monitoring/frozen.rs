@@ -1,8 +1,8 @@
-//! A probe that keeps its value although it cannot: a jammed probe would else look like a ring that is centered.
+//! Frozen probe: a jammed probe looks like a centered ring.
 //!
-//! In a stroke and its retract the slide moves far against the ring, so the probe must answer by more than the coarsest
-//! resolution. While it follows, the probe is to stay where it is: there only one that shows its last bit can be told
-//! from a jammed one, which flickers by that bit at most. What neither shows is found by the test before `Centered`.
+//! In a stroke and its retract the slide moves far relative to the ring, so the probe must respond by more than the coarsest
+//! resolution. While following, the probe stays at its position: there only a probe that shows its last bit is distinguished
+//! from a jammed one, which flickers by at most that bit. The test before `Centered` detects the remaining cases.
 
 use std::f64::consts::TAU;
 
@@ -12,36 +12,36 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::sensing::{RESOLUTION, Sample};
 
-/// Motion of the slide on the ring that must change what the probe reads while following, m (ten times the coarsest
-/// resolution); and in a stroke, where slide and surface may go side by side for 8 ms, at 0.12 m/s as they cross at 2.56 m/s2.
+/// Motion of the slide on the ring that must change the probe signal while following, m (ten times the coarsest
+/// resolution); and in a stroke, where slide and surface may move together for 8 ms, at 0.12 m/s as they cross at 2.56 m/s2.
 const MOVED: f64 = 10.0 * RESOLUTION;
 const MOVED_IN_STROKE: f64 = 1e-3;
-/// Uncertainty of the probe position at which the pusher touches, in a push and else, m (our choice).
+/// Uncertainty of the probe position at which the pusher touches, in a push and otherwise, m (default; of a careful set-up).
 pub const PRESSED_IN_PUSH: f64 = 1e-3;
 const PRESSED: f64 = 1e-4;
-/// Error of following beyond its dead zone that no surface keeps up, m (our choice: more than 15 mm at 45 rpm).
+/// Following error beyond the dead zone that no surface sustains, m (default: more than 15 mm at 45 rpm).
 const FAR: f64 = 5e-4;
-/// How far a ring that turns may push back a slide on its way out, m (our choice: 40 mm/s for the way of 0.1 s).
+/// Distance by which a turning ring may push back a slide that moves out, m (default: 40 mm/s for the travel of 0.1 s).
 const PUSHED_BACK: f64 = 5e-3;
-/// A value that stands for less is chance: three samples beside a surface of 80 mm/s, s (our choice).
+/// Time below which a constant value is chance, s (default: three samples at a surface of 80 mm/s).
 const STILL_TIME: f64 = 0.02;
-/// Turning (rad) in which an eccentric ring moves its surface by more than a last bit, also where it turns back.
+/// Rotation (rad) in which an eccentric ring moves its surface by more than a last bit, also at a reversal.
 const STANDS_TURN: f64 = 0.125 * TAU;
 /// Band of a last bit, in bits.
 const FLICKER: f64 = 1.5;
 /// Coarsest last bit that can be seen while following, m.
 const BIT_MAX: f64 = 6e-7;
-/// Coarsest last bit with which no ring reads the same for a whole revolution, m (our choice: none is as round and true).
+/// Coarsest last bit with which no ring gives the same value for a whole revolution, m (default: no ring is that round).
 const FINE: f64 = 1e-7;
 
-/// How slide and ring move against each other.
+/// Relative motion of slide and ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// The probe is held where it is.
     Follow,
-    /// The slide goes to the ring and pushes it.
+    /// The slide moves to the ring and pushes it.
     Push,
-    /// The slide goes away from the ring.
+    /// The slide moves away from the ring.
     Retract,
 }
 
@@ -50,28 +50,28 @@ pub enum Phase {
 pub struct FrozenProbe {
     monitor: Frozen,
     before: Option<Sample>,
-    /// surface that stands, held against the turning (rad) of the ring
+    /// surface without a change, compared with the rotation (rad) of the ring
     standing: Frozen,
-    /// turning since it moved, rad
+    /// rotation since it moved, rad
     turned: f64,
     /// smallest change that was ever read, m
     bit: f64,
 }
 
 impl Default for FrozenProbe {
-    /// Nothing read.
+    /// Before the first sample.
     fn default() -> Self {
         Self { monitor: Frozen::default(), standing: Frozen::default(), before: None, turned: 0.0, bit: f64::MAX }
     }
 }
 
 impl FrozenProbe {
-    /// Whether the surface stands while the ring turns: what is wrong with a model then is the probe.
+    /// Whether the surface does not change while the ring turns: a wrong model is then the fault of the probe.
     pub fn stands(&self) -> bool {
         self.standing.unanswered() > STANDS_TURN
     }
 
-    /// Takes a sample and the turning (rad) since the one before; whether the probe is broken.
+    /// Adds a sample and the rotation (rad) since the one before; whether the probe is frozen.
     pub fn update(&mut self, p: &Parameters, phase: Phase, sample: &Sample, turned: f64) -> bool {
         let before = self.before.replace(*sample).unwrap_or(*sample);
         let change = (sample.probe - before.probe).abs();
@@ -79,16 +79,16 @@ impl FrozenProbe {
             self.bit = self.bit.min(change);
         }
         self.standing.update(sample.tip(), turned, FLICKER * self.bit.clamp(BIT_MAX / FLICKER, RESOLUTION / FLICKER));
-        // a ring at the pusher goes with the slide, and without contact there is nothing to read
+        // a ring at the pusher moves with the slide, and without contact there is no signal
         let pressed = |distance: f64| sample.probe >= p.probe.at_pusher - distance;
-        // far from its place a probe comes back to it, by more than the coarsest resolution
+        // far from its position a probe returns to it, by more than the coarsest resolution
         let far = (p.null() - sample.probe).abs() > p.dead_zone() + FAR;
         let (band, limit, sees) = match phase {
             Phase::Push => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED_IN_PUSH)),
             Phase::Retract => (RESOLUTION, if pressed(PRESSED) { PUSHED_BACK } else { MOVED_IN_STROKE }, true),
             Phase::Follow if far => (RESOLUTION, MOVED_IN_STROKE, !pressed(PRESSED)),
             Phase::Follow if self.bit < BIT_MAX => (FLICKER * self.bit, MOVED, !pressed(PRESSED)),
-            // a coarse one may keep up with the surface for long: half of the way to the pusher
+            // a coarse one may not change for long: half of the travel to the pusher
             Phase::Follow => {
                 (RESOLUTION, (0.5 * (p.probe.at_pusher - p.null())).max(MOVED_IN_STROKE), !pressed(PRESSED))
             }
@@ -110,7 +110,7 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// Angle at which the probe counts as broken, in samples of 0.01 rad of a probe that has read steps of `bit` m.
+    /// Angle at which the probe is detected as frozen, in samples of 0.01 rad of a probe that has read steps of `bit` m.
     fn broken(bit: f64, sample: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
         broken_in(Phase::Follow, bit, sample)
     }
@@ -160,7 +160,7 @@ mod tests {
     fn far_from_its_place_even_a_coarse_probe_must_come_back() {
         let jammed = |probe: f64| broken_in(Phase::Follow, 5e-6, move |angle| (0.1 + 1e-3 * angle, probe));
         assert!(jammed(0.9e-3).is_some_and(|moved| moved < 1.1) && jammed(8.1e-3).is_some_and(|moved| moved < 1.1));
-        // else before the pusher meets the ring
+        // otherwise before the pusher meets the ring
         for probe in [1.1e-3, 4.5e-3] {
             let moved = jammed(probe).unwrap();
             assert!((moved - 7.75).abs() < 0.02, "{moved} mm");
@@ -200,13 +200,13 @@ mod tests {
         for probe in [0.0, P.probe.at_pusher - 3e-5, P.probe.at_pusher + 3e-5] {
             assert_eq!(broken_in(Phase::Push, 1e-7, |angle| (1e-3 * angle, probe)), None);
         }
-        // but not while the slide goes away
+        // but not while the slide moves away
         assert!(broken_in(Phase::Retract, 1e-7, |angle| (-1e-3 * angle, P.probe.at_pusher)).is_some());
     }
 
     #[test]
     fn one_that_flickers_by_more_than_its_last_bit_moves() {
-        // the finest last bit that counts is 0.4 um, the coarsest 13 um, and one and a half of it the band
+        // the finest relevant last bit is 0.4 um, the coarsest 13 um, and one and a half of it the band
         for (bit, flicker) in [(1e-9, 7e-7), (1e-3, 2.5e-5), (5e-6, 8e-6)] {
             let mut frozen = FrozenProbe { bit, ..FrozenProbe::default() };
             for k in 0..300 {
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn a_ring_at_the_pusher_may_push_the_slide_back_on_its_way_out() {
         let moved = |probe: f64| broken_in(Phase::Retract, 5e-6, move |angle| (-1e-3 * angle, probe)).unwrap();
-        // 5 mm at the pusher, else 1 mm
+        // 5 mm at the pusher, otherwise 1 mm
         assert!((moved(P.probe.at_pusher - 0.9e-4) - 5.0).abs() < 0.03);
         assert!((moved(P.probe.at_pusher - 1.1e-4) - 1.0).abs() < 0.03);
     }
@@ -243,7 +243,7 @@ mod tests {
             let sample = Sample { angle: 0.0, slide, probe };
             (frozen.update(&P, Phase::Follow, &sample, 0.0), k)
         };
-        // a live probe that shows steps of 0.1 and 0.5 um, and then stands while the slide moves by 0.2 mm
+        // a probe that shows steps of 0.1 and 0.5 um, and then does not change while the slide moves by 0.2 mm
         for k in 0..40 {
             assert!(!read(k, 0.1, 5e-3 + [0.0, 5e-7, 4e-7, 0.0][k as usize % 4]).0);
         }

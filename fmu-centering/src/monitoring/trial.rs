@@ -1,35 +1,35 @@
 //! The test of the probe before `Centered`: it must follow a small move of the slide, out and in again.
 //!
-//! With the places s and q of slide and probe at rest before, outside and after it, the probe has answered the share
-//! (q0 - 2 q1 + q2) / (s0 - 2 s1 + s2) of the move. The surface goes on turning meanwhile; what it moves evenly cancels.
+//! With the positions s and q of slide and probe at rest before, outside and after it, the gain ratio of the probe is
+//! (q0 - 2 q1 + q2) / (s0 - 2 s1 + s2). The surface continues to turn meanwhile; its even motion cancels.
 
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
-/// Places at which it is read.
+/// Number of positions.
 const PLACES: usize = 3;
-/// The probe must answer the whole move but this, and no more than it beside: errors of its scale, and what the surface
-/// of an eccentric ring moves unevenly (our choice).
+/// Tolerance of the gain ratio about 1: errors of the probe scale, and uneven motion of the surface of an eccentric
+/// ring (default).
 pub const SHARE_ERROR: f64 = 0.2;
 
-/// The places so far.
+/// The positions so far.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ProbeTrial(ArrayVec<[f64; 2], PLACES>);
 
 impl ProbeTrial {
-    /// Takes a place at rest: slide and probe, m.
+    /// Adds a position at rest: slide and probe, m.
     pub fn note(&mut self, slide: f64, probe: f64) {
         if !self.over() {
             self.0.push([slide, probe]);
         }
     }
 
-    /// Whether all places have been read.
+    /// Whether all positions are measured.
     pub fn over(&self) -> bool {
         self.0.is_full()
     }
 
-    /// Share of the move that the probe has answered, once it is over.
+    /// Gain ratio of the probe, once the move is over.
     pub fn share(&self) -> Option<f64> {
         let [a, b, c] = self.0.as_slice() else { return None };
         let turn = |i: usize| a[i] - 2.0 * b[i] + c[i];
@@ -38,7 +38,7 @@ impl ProbeTrial {
     }
 }
 
-/// Whether a probe with this share can be believed.
+/// Whether the gain ratio of a probe is acceptable.
 pub fn believable_share(share: f64) -> bool {
     (share - 1.0).abs() <= SHARE_ERROR
 }

@@ -9,7 +9,7 @@ use crate::sensing::Calm;
 const SETTLE_TIME: f64 = 0.1;
 
 impl Parameters {
-    /// Collapse of the probe while following, m.
+    /// Probe deflection while following, m.
     pub fn null(&self) -> f64 {
         match self.law {
             Law::Paper => self.probe.at_pusher - self.follow.gap,
@@ -25,32 +25,32 @@ impl Parameters {
         }
     }
 
-    /// Error of following that counts as settled (m), and for how long (s).
+    /// Following error of a settled probe (m), and the time for which it must persist (s).
     pub fn settling(&self) -> (f64, f64) {
         match self.law {
             Law::Paper => (self.follow.settle_band, SETTLE_TIME),
-            // the model takes the surface as it comes, the slide may move
+            // the model accepts any motion of the surface, and the slide may move
             Law::Default => (self.park.probe, 0.0),
         }
     }
 }
 
-/// Velocity law of the control loop; by default before its first beat.
+/// Velocity of following in the control loop; by default before its first period.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Follower {
-    /// tip position at the last beat, if the probe touched
+    /// tip position in the last period, if the probe touched
     tip: Option<f64>,
     surface: f64,
     velocity: f64,
 }
 
 impl Follower {
-    /// One beat of the control loop.
+    /// One period of the control loop.
     pub fn update(&mut self, p: &Parameters, calm: &Calm) {
         let tip = (calm.probe >= p.probe.contact).then_some(calm.tip);
         let before = std::mem::replace(&mut self.tip, tip);
         (self.surface, self.velocity) = (0.0, 0.0);
-        // a slide that chases a lost ring would crash into it when it comes back
+        // a slide that follows a lost ring would crash into it when the ring returns
         let Some(tip) = tip else { return };
         // the tip has the velocity of the surface, whatever the slide does
         self.surface = before.map_or(0.0, |before| (tip - before) * p.rates.control);
@@ -58,18 +58,18 @@ impl Follower {
         let beyond = error - error.clamp(-p.dead_zone(), p.dead_zone());
         if beyond != 0.0 || p.dead_zone() == 0.0 {
             let (most, limit) = (p.follow.velocity_max, p.slide.velocity_max);
-            // what the probe says is believed slowly: the surface may be nearer
+            // the probe signal is corrected slowly: the surface may be nearer
             let correction = (p.follow.gain * beyond).clamp(-most, most);
             self.velocity = (correction + self.surface).clamp(-limit, limit);
         }
     }
 
-    /// Velocity of the surface over the last beat, positive away from the pusher, m/s; 0 without contact.
+    /// Velocity of the surface over the last period, positive away from the pusher, m/s; 0 without contact.
     pub fn surface(&self) -> f64 {
         self.surface
     }
 
-    /// Velocity of the slide until the next beat, m/s.
+    /// Velocity of the slide until the next period, m/s.
     pub fn velocity(&self) -> f64 {
         self.velocity
     }
@@ -95,7 +95,7 @@ mod tests {
             setpoint.step(follower.velocity(), p.slide.acceleration_max, p.sample_period);
             slide.rotate_left(1);
             slide[delay] = setpoint.position;
-            // a way of 20 mm takes a second
+            // a travel of 20 mm takes a second
             if k > 2000 {
                 largest = largest.max((probe - p.null()).abs());
             }
@@ -140,7 +140,7 @@ mod tests {
     fn the_way_to_the_ring_is_slow_beside_the_surface() {
         let p = Parameters::PAPER;
         let mut follower = Follower::default();
-        // 10 mm before its place, on a surface that goes away by 30 mm/s
+        // 10 mm before its position, on a surface that moves away at 30 mm/s
         for k in 0..2 {
             follower.update(&p, &Calm { tip: 0.1 + 3e-4 * f64::from(k), probe: p.null() - 0.01 });
         }
@@ -175,18 +175,18 @@ mod tests {
     }
 
     #[test]
-    fn the_surface_is_what_the_tip_does_from_beat_to_beat_while_the_probe_touches() {
+    fn the_surface_is_what_the_tip_does_from_period_to_period_while_the_probe_touches() {
         let p = Parameters::PAPER;
         let mut follower = Follower::default();
         let contact = p.probe.contact;
-        let told = [(0.1, contact), (0.1002, contact), (0.1001, contact), (0.1, 0.999 * contact), (0.0999, contact)]
+        let found = [(0.1, contact), (0.1002, contact), (0.1001, contact), (0.1, 0.999 * contact), (0.0999, contact)]
             .map(|(tip, probe)| {
                 follower.update(&p, &Calm { tip, probe });
                 follower.surface()
             });
         // 100 Hz
-        for (told, expected) in told.into_iter().zip([0.0, 0.02, -0.01, 0.0, 0.0]) {
-            assert!((told - expected).abs() < 1e-9, "{told} m/s");
+        for (found, expected) in found.into_iter().zip([0.0, 0.02, -0.01, 0.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-9, "{found} m/s");
         }
         follower.update(&p, &Calm { tip: 0.0997, probe: 0.0 });
         assert_eq!((follower.surface(), follower.velocity()), (0.0, 0.0));

@@ -16,7 +16,7 @@ pub fn duration(distance: f64, velocity: f64, acceleration: f64) -> f64 {
     }
 }
 
-/// A trapezoidal move, in time from its begin; it may start with a velocity.
+/// A trapezoidal move, in time from its start; it may start with a velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trapezoid {
     start: Trajectory,
@@ -32,7 +32,7 @@ pub struct Trapezoid {
 impl Trapezoid {
     /// A move from `start` to rest at the position `end` m, with at most `velocity` m/s and `acceleration` m/s2.
     pub fn new(start: Trajectory, end: f64, velocity: f64, acceleration: f64) -> Self {
-        // who cannot stop before the end, stops behind it and comes back
+        // a move that cannot stop before the end stops after it and returns
         let stop = start.position + start.velocity * start.velocity.abs() / (2.0 * acceleration);
         let direction = if end >= stop { 1.0 } else { -1.0 };
         let (distance, initial) = (direction * (end - start.position), direction * start.velocity);
@@ -91,7 +91,7 @@ mod tests {
             assert!((now.velocity - before.velocity).abs() <= acceleration * dt * (1.0 + 1e-6) + 1e-12);
             assert!(now.velocity.abs() <= velocity.max(start.velocity.abs()) + 1e-12);
             let change = (now.velocity - before.velocity) / dt;
-            // but where one part goes over into the next
+            // except at the transition between two parts
             if now.acceleration == before.acceleration {
                 assert!((change - now.acceleration).abs() < 1e-6 * acceleration, "{k}: {now:?}, {change} m/s2");
             }

@@ -1,4 +1,4 @@
-//! Setpoint of the slide: follows a velocity, or moves to a place.
+//! Setpoint of the slide: follows a velocity, or moves to a position.
 
 use control_blocks::{Trajectory, stopping_distance};
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::motion::profile::Trapezoid;
 
-/// The setpoint and where it is going; by default nowhere yet.
+/// The setpoint and its target; by default without a target.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// The setpoint itself.
@@ -16,7 +16,7 @@ pub struct Motion {
     course: Option<Course>,
 }
 
-/// A move under way.
+/// The active move.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Course {
     profile: Trapezoid,
@@ -24,7 +24,7 @@ struct Course {
 }
 
 impl Motion {
-    /// Puts a setpoint that is at rest where the slide is, m; the first time in any case.
+    /// Sets a setpoint at rest to the slide position (m); the first time in any case.
     pub fn place(&mut self, position: f64, jumped: bool) {
         if !self.placed || (jumped && self.at_rest()) {
             self.setpoint = Trajectory { position, ..Trajectory::default() };
@@ -32,13 +32,13 @@ impl Motion {
         }
     }
 
-    /// Begins an approach at the measured position (m); a retreat under way turns round and keeps its home.
+    /// Starts an approach at the measured position (m); an active retract reverses and keeps its start position.
     pub fn start(&mut self, position: f64) {
         self.place(position, true);
         self.course = None;
     }
 
-    /// Begins a move to rest at `end` m with at most `velocity` m/s.
+    /// Starts a move to rest at `end` m with at most `velocity` m/s.
     pub fn go(&mut self, p: &Parameters, end: f64, velocity: f64) {
         self.go_gently(end, velocity, p.slide.acceleration_max);
     }
@@ -49,23 +49,23 @@ impl Motion {
         self.course = Some(Course { profile, ticks: 0 });
     }
 
-    /// Begins the way back to where the approach began.
+    /// Starts the return to the start of the approach.
     pub fn retreat(&mut self, p: &Parameters) {
         self.go(p, self.home, p.approach.velocity);
     }
 
-    /// Stands at the place of a slide (m) that nothing drives, which is not sent back from there.
+    /// Follows the position (m) of a slide without drive; the slide is not returned from there.
     pub fn yield_to(&mut self, position: f64) {
         self.setpoint = Trajectory { position, ..Trajectory::default() };
         (self.home, self.course) = (position, None);
     }
 
-    /// Ends a move: the setpoint has the velocity it is told.
+    /// Ends a move: the setpoint follows the commanded velocity.
     pub fn release(&mut self) {
         self.course = None;
     }
 
-    /// Moves the setpoint for one sample, with the velocity `target` (m/s) if no move is under way.
+    /// Moves the setpoint for one sample, with the velocity `target` (m/s) if no move is active.
     pub fn step(&mut self, p: &Parameters, target: f64) {
         let dt = p.sample_period;
         match &mut self.course {
@@ -84,7 +84,7 @@ impl Motion {
             .is_some_and(|course| f64::from(course.ticks) * p.sample_period >= course.profile.duration() + dwell)
     }
 
-    /// Whether a move is under way or has just ended.
+    /// Whether a move is active or has just ended.
     pub fn moving(&self) -> bool {
         self.course.is_some()
     }
@@ -97,7 +97,7 @@ impl Motion {
         self.setpoint.position + way - self.home >= travel
     }
 
-    /// Whether the setpoint stands, and no move will change that.
+    /// Whether the setpoint is at rest, and no move will change that.
     pub fn resting(&self, p: &Parameters) -> bool {
         self.at_rest() && (!self.moving() || self.arrived(p, 0.0))
     }
@@ -195,7 +195,7 @@ mod tests {
         let motion = approaching(200);
         let way = motion.setpoint.position - 0.3 + 0.12 * 1e-3 + 0.12 * 0.12 / 5.12;
         assert!(motion.beyond(&P, way - 1e-9) && !motion.beyond(&P, way + 1e-9));
-        // on the way back only the place counts
+        // during the return only the position matters
         let mut back = approaching(200);
         back.setpoint.velocity = -0.12;
         let way = back.setpoint.position - 0.3;

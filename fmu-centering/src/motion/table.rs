@@ -1,4 +1,4 @@
-//! The speed that the table is told to have, and whether it has it.
+//! Commanded speed of the table, and whether the table follows it.
 
 use control_blocks::{Consecutive, ramp_between};
 use serde::{Deserialize, Serialize};
@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::limits::spindle_acceleration;
 
-/// A table within this share of the speed that it was told turns evenly enough (our choice).
+/// Relative tolerance of the table speed (default; twice the oscillation of usual drives).
 pub const TOLERANCE: f64 = 0.05;
-/// Time in which the drive of the spindle comes after the end of the ramp, s (our choice).
+/// Time for the spindle drive to settle after the end of the ramp, s (default).
 const LAG_TIME: f64 = 1.0;
 
 /// Command to the drive of the spindle, where `spindle.speed` is not 0; at rest by default.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Table {
     setpoint: f64,
-    /// samples in a row since the ramp has ended, and of them with another speed
+    /// consecutive samples since the end of the ramp, and those with a wrong speed
     told: Consecutive,
     astray: Consecutive,
 }
@@ -35,17 +35,17 @@ impl Table {
         self.setpoint
     }
 
-    /// The measured speed is that which was told, or none was told.
+    /// The measured speed is the commanded one, or none is commanded.
     pub fn steady(&self, p: &Parameters) -> bool {
         p.spindle_speed == 0.0 || (self.settled(p) && self.astray.count() == 0)
     }
 
-    /// The table does not turn as told.
+    /// The table does not turn as commanded.
     pub fn disobeys(&self, p: &Parameters) -> bool {
         p.spindle_speed != 0.0 && self.astray.count() > p.ticks(LAG_TIME)
     }
 
-    /// All that the regression of the speed sees is behind the ramp.
+    /// The whole window of the speed regression is after the ramp.
     fn settled(&self, p: &Parameters) -> bool {
         self.told.count() > p.ticks(p.spindle_window)
     }
@@ -59,7 +59,7 @@ mod tests {
         Parameters { spindle_speed: 8.0, spindle_acceleration: 16.0, spindle_window: 0.2, ..Parameters::START }
     }
 
-    /// The table after so many samples, with the speed that `measured` makes of the setpoint.
+    /// The table after this number of samples, with the speed that `measured` computes from the setpoint.
     fn after(samples: u32, p: &Parameters, measured: impl Fn(f64) -> f64) -> Table {
         let mut table = Table::default();
         for _ in 0..samples {

@@ -1,4 +1,4 @@
-//! The moment of a push: the angle left crosses the lead angle.
+//! Launch of a push: the remaining angle crosses the lead angle.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use control_blocks::wrap;
 
-/// Sees an angle that is left become zero, once per revolution; by default it has seen nothing.
+/// Detects that a remaining angle becomes zero, once per revolution.
 ///
-/// A window around zero would not do: 20 rpm is exactly 300 control beats per turn, so that a ring can miss it in
+/// A window around zero is not sufficient: 20 rpm is exactly 300 control periods per revolution, so that a ring can miss it in
 /// every revolution.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Crossing {
@@ -16,7 +16,7 @@ pub struct Crossing {
 }
 
 impl Crossing {
-    /// Takes the angle left (rad, any turn); true when it has reached zero since the last call.
+    /// Adds the remaining angle (rad, modulo a revolution); true when it has reached zero since the last call.
     pub fn update(&mut self, left: f64) -> bool {
         let left = wrap(left);
         let before = self.left.replace(left);

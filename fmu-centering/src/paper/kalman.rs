@@ -7,7 +7,7 @@ const PROCESS_NOISE: f64 = 0.015e-6;
 /// Standard deviation sqrt(R) of one measurement, m (paper).
 const MEASUREMENT_NOISE: f64 = 0.03e-6;
 
-/// Estimate of a walking value; by default nothing is known.
+/// Estimate of a value with a random walk; by default unknown.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ScalarKalman {
     estimate: Option<f64>,

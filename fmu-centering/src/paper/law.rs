@@ -1,4 +1,4 @@
-//! The paper's law: one revolution of data, one sine, one push, and again.
+//! The published control law: one revolution of data, one sine, one push, repeated.
 
 use control_blocks::Trajectory;
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ use crate::paper::offset::{LastStroke, Learner};
 use crate::paper::plan::{LeadPlanner, Situation};
 use crate::sensing::{Despiker, Measurement};
 
-/// The law between two samples; by default before its first.
+/// State between two samples; by default before the first.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PaperLaw {
     despiker: Despiker,
@@ -95,7 +95,7 @@ impl CenteringLaw for PaperLaw {
 }
 
 impl PaperLaw {
-    /// Makes the model and learns from the last push.
+    /// Fits the model and learns from the last push.
     ///
     /// # Errors
     /// [`Fault::SpindleUneven`] when the data do not determine the model.

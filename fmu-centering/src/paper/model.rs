@@ -1,4 +1,4 @@
-//! The paper's model of the ring: from samples of the surface to the place of its center.
+//! The published model of the ring: from samples of the surface to the position of its center.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use crate::center::{Center, Estimate};
 use crate::paper::kalman::ScalarKalman;
 use crate::sine_fit::SineSums;
 
-/// The paper's model: Kalman filter, then a sine over one revolution, turned in either direction.
+/// The published model: Kalman filter, then a sine over one revolution, in either direction.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SineModel {
     filter: ScalarKalman,
@@ -18,7 +18,7 @@ pub struct SineModel {
 }
 
 impl SineModel {
-    /// Takes one sample of the collection loop: smoothed unwrapped spindle angle (rad), tip position (m).
+    /// Adds one sample of the collection loop: smoothed unwrapped spindle angle (rad), tip position (m).
     pub fn update(&mut self, angle: f64, tip: f64) {
         let filtered = self.filter.update(tip);
         self.sums.add(angle, filtered);
@@ -31,7 +31,7 @@ impl SineModel {
         self.range.is_some_and(|[low, high]| high - low >= TAU)
     }
 
-    /// The model of what was collected; none if that does not determine it.
+    /// The model of the collected samples; none if they do not determine it.
     pub fn estimate(&self) -> Option<Estimate> {
         let sine = self.sums.fit()?;
         Some(Estimate { center: Center::from_sine(&sine), mean: sine.mean, sigma: sine.sigma })

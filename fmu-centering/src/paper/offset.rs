@@ -1,4 +1,4 @@
-//! Self-modification: the offset P that the pushes teach, eq. 37 to 39.
+//! Self-modification: the offset P that is learned from the pushes, eq. 37 to 39.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,10 +10,10 @@ const GATE: f64 = 2e-4;
 /// Largest offset in either direction, m: a third of the usual eccentricity (default).
 const LIMIT: f64 = 3e-4;
 
-/// A ring that moved by less than this share of what was wished was not touched (paper).
+/// A ring that moved by less than this fraction of the desired distance was not touched (paper).
 const UNTOUCHED: f64 = 0.05;
 
-/// What is known of a push when it is over.
+/// Data of a completed push.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LastStroke {
     /// The ring before.
@@ -22,7 +22,7 @@ pub struct LastStroke {
     pub remaining: f64,
 }
 
-/// The offset so far.
+/// Learned offset.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Learner {
     offset: f64,

@@ -1,4 +1,4 @@
-//! Push plan: when to push, how far and how fast.
+//! Push plan: launch, distance and velocity.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::paper::crossing::Crossing;
 use crate::paper::push::{distance, lead_angle, velocity};
 use crate::sensing::Sample;
 
-/// What a planner sees in one tick.
+/// Inputs of the planner in one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'a> {
     /// The ring.
@@ -39,14 +39,14 @@ pub struct PlannedPush {
     pub lead: f64,
 }
 
-/// The paper's plan: planned anew at each control beat from the gap of this moment.
+/// The published plan: computed again in each control period from the present gap.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct LeadPlanner {
     crossing: Crossing,
 }
 
 impl LeadPlanner {
-    /// The push, in the control beat of its launch.
+    /// The push, in the control period of its launch.
     pub fn update(&mut self, p: &Parameters, now: &Situation) -> Option<PlannedPush> {
         let (b, r) = (now.estimate.center.eccentricity(), p.ring.radius);
         // eq. 29 with its sign put right: positive while following

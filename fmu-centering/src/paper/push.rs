@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use crate::interface::Push;
-/// Steps in which the lead angle is bracketed at most.
+/// Maximum number of steps that bracket the lead angle.
 const BRACKETS: f64 = 256.0;
-/// Halvings of the bracket: beyond the last digit.
+/// Halvings of the bracket: beyond the last digit of a double.
 const HALVINGS: u32 = 60;
 
 /// Travel d (m) of the slide that centers a ring of radius `r` and eccentricity `b` (m), begun at the angle `lead`

@@ -1,4 +1,4 @@
-//! When a stroke must begin so that it meets the ring in the right direction, and where it must end.
+//! Start of a stroke so that it meets the ring in the right direction, and its end.
 
 use std::f64::consts::TAU;
 
@@ -14,22 +14,22 @@ use crate::predictive::stroke::{Finish, SlideLimits, Stroke};
 
 /// Passes of the fixed point of angle and stroke: the line changes by micrometers over a stroke.
 const PASSES: usize = 3;
-/// Margin before the expected contact: standard deviations of what the contact is known to, and at least, m.
+/// Margin before the expected contact: in standard deviations of the contact, and the minimum, m.
 const STANDOFF: f64 = 3.0;
 const STANDOFF_MIN: f64 = 2e-6;
 /// Longest time for the standoff, s.
 const CREEP_TIME: f64 = 0.15;
-/// A launch may be so late, rad: that share of the push goes astray, which is cheaper than a revolution.
+/// Largest delay of a launch, rad: that fraction of the push is lost, which is cheaper than a revolution.
 const LATE: f64 = 0.1;
-/// Deceleration that ends a stroke at once, m/s2.
+/// Deceleration that ends a stroke immediately, m/s2.
 const BLOW: f64 = 1e9;
 
-/// What a launch is planned from.
+/// Inputs of the plan of a launch.
 #[derive(Clone, Copy, Debug)]
 pub struct AimInput<'a> {
     /// The ring.
     pub ring: &'a RingModel,
-    /// What has been learned.
+    /// Learned values.
     pub learned: &'a LearnedParameters,
     /// Spindle angle now, rad.
     pub angle: f64,
@@ -43,7 +43,7 @@ pub struct AimInput<'a> {
     pub horizon: f64,
 }
 
-/// A stroke that begins now.
+/// A stroke that starts now.
 #[derive(Clone, Debug)]
 pub struct PlannedStroke {
     /// The stroke.
@@ -52,20 +52,20 @@ pub struct PlannedStroke {
     pub distance: f64,
     /// Velocity at contact, m/s.
     pub velocity: f64,
-    /// Angle that the spindle turns from the begin to the end, rad.
+    /// Rotation of the spindle from the start to the end, rad.
     pub lead: f64,
     /// Spindle angle at the end, rad.
     pub angle: f64,
 }
 
-/// How the ring is to be moved.
+/// Type of motion of the ring.
 struct PlannedApproach {
     meeting: FirstContact,
     finish: Finish,
     ending: Ending,
 }
 
-/// The stroke, if it must begin before the next plan.
+/// The stroke, if it must start before the next plan.
 pub fn aim(p: &Parameters, input: &AimInput, tap: Option<f64>) -> Option<PlannedStroke> {
     let approach = tap.map_or_else(|| push(p, input), |speed| blow(p, input, speed));
     let (mut angle, mut wait) = (input.angle, 0.0);
@@ -110,7 +110,7 @@ fn push(p: &Parameters, input: &AimInput) -> PlannedApproach {
     PlannedApproach { meeting, finish, ending: Ending::Rest }
 }
 
-/// A blow.
+/// A tap.
 fn blow(p: &Parameters, input: &AimInput, speed: f64) -> PlannedApproach {
     let mut meeting = contact(p, input).blow(input.ring.eccentricity());
     if !p.stroke.phase_plan {
@@ -132,7 +132,7 @@ fn plan(p: &Parameters, input: &AimInput, approach: &PlannedApproach, angle: f64
     Stroke::plan(&input.setpoint, line + zero, slow, &approach.finish, &limits)
 }
 
-/// Time until the stroke must begin, s; it ends in a sample, so that all strokes are sampled alike.
+/// Time until the stroke must start, s; it ends in a sample, so that all strokes are sampled alike.
 fn wait_for(p: &Parameters, input: &AimInput, approach: &PlannedApproach, stroke: &Stroke) -> f64 {
     let center = Rotation2::new(input.angle) * input.ring.center();
     let turn = input.speed.signum() * (approach.meeting.direction() - center.y.atan2(center.x));

@@ -1,4 +1,4 @@
-//! The model of a ring of any form: as many orders as a revolution can tell, fitted one pass a sample.
+//! The model of a ring of any form: all orders that a revolution determines, fitted one pass per sample.
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -9,22 +9,22 @@ use crate::predictive::refit::{Purpose, Refit};
 use crate::predictive::ring_estimate::{Gaussian, RingEstimate};
 use crate::predictive::ring_line::{ANY, GROUND, Vector};
 
-/// Least share of the measurements that count as free: the assumptions hold the states, too.
+/// Minimum fraction of free measurements: the prior also constrains the states.
 const FREE: f64 = 0.5;
 
-/// What is known of a ring of any form, and what was before the measurements of the history.
+/// Estimate of a ring of any form, and its prior before the stored measurements.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AnyForm {
-    /// By now; the assumptions until the first fit is made.
+    /// Present estimate; the prior until the first fit.
     pub estimate: RingEstimate<ANY>,
     before: Prior,
-    /// the fit that is under way
+    /// the active fit
     refit: Option<Refit>,
 }
 
 impl AnyForm {
-    /// Of a ring whose center was taken to be near `center` (table frame, m), within `sigma` (m) in each coordinate, before what
-    /// has made a ground ring of the state `ground`; begins its first fit.
+    /// Of a ring whose center was near `center` (table frame, m), within `sigma` (m) in each coordinate, before the measurements
+    /// that gave a ground ring of the state `ground`; starts its first fit.
     pub fn new(assumed: Assumptions, center: Vector2<f64>, sigma: f64, ground: &Vector<GROUND>) -> Self {
         let mut any = Self::assumed(assumed, center, sigma);
         let mut linear = Vector::<ANY>::zeros();
@@ -33,28 +33,28 @@ impl AnyForm {
         any
     }
 
-    /// Nothing known but the assumptions and about where the center is.
+    /// Only the prior and the approximate center are known.
     fn assumed(assumed: Assumptions, center: Vector2<f64>, sigma: f64) -> Self {
         let estimate = RingEstimate::new(assumed, center, sigma);
         Self { before: Prior::of(&estimate.now), estimate, refit: None }
     }
 
-    /// The fit that is under way.
+    /// The active fit.
     pub fn fitting(&self) -> Option<Purpose> {
         self.refit.as_ref().map(|refit| refit.purpose)
     }
 
-    /// Begins to take in the history again, from what is known by now.
+    /// Starts to evaluate the stored measurements again, from the present estimate.
     pub fn begin(&mut self, purpose: Purpose) {
         self.refit = Some(Refit::new(purpose, self.estimate.now.mean));
     }
 
-    /// Later measurements are not kept: no fit has them all.
+    /// Later measurements are not stored: no fit uses all of them.
     pub fn give_up(&mut self) {
         self.refit = None;
     }
 
-    /// Makes the next pass of the fit over angles (rad) and measurements (m); what is known changes with the last.
+    /// Makes the next pass of the fit over angles (rad) and measurements (m); the estimate changes with the last pass.
     pub fn advance(&mut self, history: &[(f64, f64)]) {
         let Some(mut refit) = self.refit.take() else { return };
         let last = refit.last();

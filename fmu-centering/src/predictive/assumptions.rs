@@ -1,4 +1,4 @@
-//! What is assumed of a ring before it is measured.
+//! Prior of a ring before it is measured.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::predictive::ring_line::Vector;
 /// Standard deviation of b0 before the first measurement, m: anywhere on the slide.
 const LINE_SIGMA: f64 = 0.1;
 
-/// What is assumed before and between the measurements.
+/// Prior before and between the measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Assumptions {
     /// Radius of the ring, m.
@@ -20,7 +20,7 @@ pub struct Assumptions {
     pub form: f64,
     /// Innovations beyond this many standard deviations are dirt.
     pub gate: f64,
-    /// So many rejected measurements in a row mean that the model is wrong, not the measurements.
+    /// Number of consecutive rejected measurements after which the model is wrong, not the measurements.
     pub rejections_max: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Kinematics of a push: where the ring must be when the pusher meets it, so that it ends at the center.
+//! Kinematics of a push: the ring position at contact from which the push ends at the center.
 //!
 //! World frame, pusher from +x. The ring turns with the table; while it is pushed, it slips over the table along the
 //! force of the pusher, which acts along the normal and, by friction, against the turning surface:
@@ -8,7 +8,7 @@
 //! c_x + sqrt(r^2 - c_y^2) = r + d(t)                                   while they touch
 //! ```
 //!
-//! d is what is left of the stroke. It is integrated backwards from the center, where every good push ends; a pusher
+//! d is the remaining stroke. It is integrated backwards from the center, where every good push ends; a pusher
 //! that dwells does not center, since (0, c_y) slides in equilibrium.
 
 use nalgebra::Vector2;
@@ -18,7 +18,7 @@ use crate::predictive::stroke::Finish;
 /// Steps of the integration for the time that the stroke alone would take.
 const STEPS: u32 = 64;
 
-/// Where and when the pusher meets the ring.
+/// Position and time of the contact of pusher and ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstContact {
     /// Center of the ring in the world frame, m.
@@ -41,12 +41,12 @@ pub struct Contact {
     pub radius: f64,
     /// Speed of the spindle, rad/s, signed.
     pub speed: f64,
-    /// Lateral ratio mu: how far the ring slips across the push per slip along it, against the rotation.
+    /// Lateral ratio mu: slip of the ring across the push over slip along it, against the rotation.
     pub lateral: f64,
 }
 
 impl Contact {
-    /// The meeting at the eccentricity (m) from which a stroke with this finish ends at the center.
+    /// The contact at the eccentricity (m) from which a stroke with this finish ends at the center.
     pub fn meeting(&self, eccentricity: f64, finish: &Finish) -> FirstContact {
         let step = finish.time(eccentricity) / f64::from(STEPS);
         let mut before = FirstContact { center: Vector2::zeros(), time: 0.0 };
@@ -64,7 +64,7 @@ impl Contact {
         before
     }
 
-    /// The meeting for a blow that moves the ring at once.
+    /// The contact for a tap that moves the ring immediately.
     pub fn blow(&self, eccentricity: f64) -> FirstContact {
         let direction = self.speed.signum() * self.lateral.atan();
         let (sine, cosine) = direction.sin_cos();

@@ -1,11 +1,11 @@
-//! What is believed about one number: a mean and a standard deviation, sharpened by each measurement.
+//! Estimate of one value: a mean and a standard deviation, updated by each measurement.
 
 use serde::{Deserialize, Serialize};
 
-/// Share of a surprise that may be a change of the number itself, so that it is learned anew and not averaged away.
+/// Fraction of an innovation that may be a change of the value itself, so that it is learned again and not averaged.
 const DRIFT: f64 = 0.3;
 
-/// Gaussian belief.
+/// Gaussian estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GaussianEstimate {
     /// Most likely value.
@@ -15,12 +15,12 @@ pub struct GaussianEstimate {
 }
 
 impl GaussianEstimate {
-    /// A belief before any measurement.
+    /// Estimate before any measurement.
     pub const fn new(mean: f64, sigma: f64) -> Self {
         Self { mean, sigma }
     }
 
-    /// The belief after a measurement with the standard deviation `sigma`.
+    /// The estimate after a measurement with the standard deviation `sigma`.
     #[must_use]
     pub fn after(&self, measured: f64, sigma: f64) -> Self {
         let surprise = measured - self.mean;

@@ -1,4 +1,4 @@
-//! The model of a ground ring, whose form has only low orders: all measurements are taken in again within a sample.
+//! The model of a ground ring, whose form has only low orders: all measurements are evaluated again within a sample.
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -7,25 +7,25 @@ use crate::predictive::assumptions::Assumptions;
 use crate::predictive::ring_estimate::{Gaussian, Known, RingEstimate};
 use crate::predictive::ring_line::{GROUND, Tangent};
 
-/// Passes over the history at a time.
+/// Passes over the stored measurements at a time.
 const PASSES: usize = 4;
 
-/// What is known of a ground ring, and what was before the measurements of the history.
+/// Estimate of a ground ring, and its prior before the stored measurements.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GroundRing {
-    /// By now.
+    /// Present estimate.
     pub estimate: RingEstimate<GROUND>,
     before: Gaussian<GROUND>,
 }
 
 impl GroundRing {
-    /// Nothing known but the assumptions.
+    /// Only the prior is known.
     pub fn new(assumed: Assumptions) -> Self {
         let estimate = RingEstimate::new(assumed, Vector2::zeros(), assumed.center);
         Self { before: estimate.now.clone(), estimate }
     }
 
-    /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit; misfits of
+    /// Evaluates the stored measurements again, linearized at the present estimate, then with less weight for misfits; misfits of
     /// `rough` times the noise are no dirt.
     pub fn fit(&mut self, rough: f64, history: &[(f64, f64)]) {
         let Self { estimate, before } = self;
@@ -48,7 +48,7 @@ impl GroundRing {
         }
     }
 
-    /// Where the center was taken for before the measurements (table frame, m), and how surely, m.
+    /// Center before the measurements (table frame, m), and its standard deviation, m.
     pub fn told(&self) -> (Vector2<f64>, f64) {
         (self.before.mean.fixed_rows::<2>(1).into_owned(), self.before.root.row(1).norm())
     }

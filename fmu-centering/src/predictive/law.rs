@@ -1,4 +1,4 @@
-//! The default law: every sample sharpens a model of the ring, and a push begins as soon as that is sharp enough.
+//! The default control law: every sample improves a model of the ring, and a push starts as soon as the model is certain.
 
 use std::f64::consts::TAU;
 
@@ -18,47 +18,47 @@ use crate::predictive::press::{Goal, Press};
 use crate::predictive::ring_model::RingModel;
 use crate::sensing::{Despiker, Measurement};
 
-/// Time after a push until the ring lies still, s.
+/// Time after a push until the ring is at rest, s.
 const REST: f64 = 0.03;
-/// Measurements in a row beyond the gate that mean that the ring has moved.
+/// Consecutive measurements beyond the gate after which the ring has moved.
 const REJECTIONS_MAX: u32 = 5;
 /// Spread of the center after a push: relative to the push, and at least, m.
 const SPREAD: f64 = 0.3;
 const SPREAD_MIN: f64 = 5e-6;
-/// Least share of a push that must have been done to feel the ring.
+/// Minimum fraction of a push for a valid measurement of the contact.
 const FELT: f64 = 0.3;
-/// Error of the surface on the way to the ring with which no stroke goes on: relative to the eccentricity, more than
-/// twice the `expert.estimator.certainty` of a push, and at least, m (what a probe seems to be off that is 10 ms late).
+/// Error of the surface before the contact above which a stroke stops: relative to the eccentricity, more than
+/// twice the `expert.estimator.certainty` of a push, and the minimum, m (the apparent error of a probe that is 10 ms late).
 const ASTRAY: f64 = 0.5;
 const ASTRAY_MIN: f64 = 1.5e-3;
 /// Largest distance for a tap, in deflections of the servo (default; a farther ring is pushed first).
 const TAP_REACH: f64 = 1.5;
-/// Turning (in revolutions) after which more measurements of the same places tell nothing new.
+/// Rotation (revolutions) after which more measurements of the same positions give no new information.
 const TURNS: f64 = 1.05;
 /// A slower spindle never brings the ring to the pusher, rad/s: nothing is divided by less.
 const STANDING: f64 = 1e-9;
 
-/// The law between two samples.
+/// State between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PredictiveLaw {
     despiker: Despiker,
     seen: Option<Measurement>,
     ring: RingModel,
     learned: LearnedParameters,
-    /// the stroke under way
+    /// the active stroke
     press: Option<Press>,
     /// the last push, until the next one
     last_push: Option<LastPush>,
-    /// samples until the ring lies still
+    /// samples until the ring is at rest
     rest: u32,
     /// spindle angle of the first measurement since the ring was moved
     since: Option<f64>,
-    /// angle turned since then, rad
+    /// rotation since then, rad
     turned: f64,
 }
 
 impl PredictiveLaw {
-    /// The law before its first sample.
+    /// State before the first sample.
     pub fn new(p: &Parameters) -> Self {
         Self {
             despiker: Despiker::default(),
@@ -186,7 +186,7 @@ impl CenteringLaw for PredictiveLaw {
         }
     }
 
-    /// How much deeper than calibrated a push goes, m.
+    /// Excess of a push over the calibrated depth, m.
     fn offset(&self) -> f64 {
         let learned = &self.learned;
         learned.contact.mean + learned.deflection.mean + learned.recoil.mean
@@ -194,7 +194,7 @@ impl CenteringLaw for PredictiveLaw {
 }
 
 impl PredictiveLaw {
-    /// What the contact tells is learned, and the center is where it should be, more or less.
+    /// Learns from the contact; the center is then near its target.
     fn end_stroke(&mut self, p: &Parameters) {
         let (Some(press), Some(last_push)) = (self.press.take(), &mut self.last_push) else { return };
         let spread = SPREAD * last_push.eccentricity + SPREAD_MIN;
@@ -214,13 +214,13 @@ impl PredictiveLaw {
         self.rest = p.ticks(REST);
     }
 
-    /// What is known of the ring.
+    /// Estimate of the ring.
     fn estimate(&self, sigma: f64) -> Estimate {
         let center = self.ring.center();
         Estimate { center: Center { x: center.x, y: center.y }, mean: self.ring.mean_line(), sigma }
     }
 
-    /// What to do next.
+    /// Next step.
     fn verdict(&self, p: &Parameters, speed: f64, sigma: f64, certain: bool) -> Verdict {
         let (eccentricity, full) = (self.ring.eccentricity(), self.turned >= TAU);
         if full && eccentricity + p.estimator.margin * sigma <= p.tolerance {
@@ -239,7 +239,7 @@ impl PredictiveLaw {
         }
     }
 
-    /// What has been learned, with the last push.
+    /// Learned values including the last push.
     fn relearned(&self, p: &Parameters) -> LearnedParameters {
         self.last_push
             .as_ref()
@@ -254,7 +254,7 @@ impl PredictiveLaw {
     }
 }
 
-/// What the parameters say of the ring before it is measured.
+/// Prior of the ring from the parameters.
 fn assumptions(p: &Parameters) -> Assumptions {
     Assumptions {
         radius: p.ring.radius,

@@ -1,4 +1,4 @@
-//! What the pushes of one centering teach about this ring and this machine.
+//! Values of ring and machine that are learned from the pushes of one cycle.
 
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -20,25 +20,25 @@ const CONTACT_SCATTER: f64 = 3e-7;
 const DEFLECTION_SCATTER: f64 = 0.1;
 const RECOIL_SCATTER: f64 = 2e-7;
 const LATERAL_SCATTER: f64 = 0.02;
-/// Least share of the eccentricity that a push must remove to say something of its direction.
+/// Minimum fraction of the eccentricity that a push must remove to determine its direction.
 const MOVED: f64 = 0.3;
 
-/// Everything learned so far.
+/// Learned values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearnedParameters {
-    /// How much further than calibrated the probe collapses until the pusher touches, m.
+    /// Excess of the probe deflection at contact over the calibrated one, m.
     pub contact: GaussianEstimate,
-    /// How far the servo stays behind its setpoint when it pushes this ring, m.
+    /// Deflection of the servo from its setpoint when it pushes this ring, m.
     pub deflection: GaussianEstimate,
-    /// How far the ring comes back when the slide retracts, m; negative if it goes on.
+    /// Distance by which the ring returns when the slide retracts, m; negative if it continues.
     pub recoil: GaussianEstimate,
     /// Slip across the push per slip along it, against the rotation.
     pub lateral: GaussianEstimate,
-    /// Speed and distance of taps, once there was reason to guess.
+    /// Speed and distance of taps, once there is a first estimate.
     pub tap: Option<TapLaw>,
 }
 
-/// A push that is over, as far as its stroke tells.
+/// A completed push.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LastPush {
     /// Eccentricity before, m.
@@ -49,7 +49,7 @@ pub struct LastPush {
     pub sense: f64,
     /// Lateral ratio for which it was planned.
     pub lateral: f64,
-    /// What was done.
+    /// Type of push.
     pub kind: PushKind,
 }
 
@@ -86,7 +86,7 @@ impl LearnedParameters {
         }
     }
 
-    /// What is known with what the ring did, as the model of it now says.
+    /// Learned values including the motion of the ring according to the present model.
     #[must_use]
     pub fn after(&self, p: &Parameters, last_push: &LastPush, ring: &RingModel) -> Self {
         let mut learned = self.clone();
@@ -108,7 +108,7 @@ impl LearnedParameters {
         learned
     }
 
-    /// First guess of the law of taps, for a servo of the `bandwidth` rad/s.
+    /// First estimate of the tap law, for a servo of the `bandwidth` rad/s.
     pub fn prepare_tap(&mut self, p: &Parameters, bandwidth: f64) -> TapLaw {
         let guess = || {
             let servo = p.tap.slide_mass * bandwidth.powi(2);
@@ -118,7 +118,7 @@ impl LearnedParameters {
         *self.tap.get_or_insert_with(guess)
     }
 
-    /// Lateral ratio that explains where the ring went.
+    /// Lateral ratio that explains the motion of the ring.
     fn sideways(&self, last_push: &LastPush, left: Vector2<f64>, moved: f64, sigma: f64) -> GaussianEstimate {
         let ratio = last_push.lateral - last_push.sense * left.y / moved;
         let ratio = self.lateral.after(ratio, LATERAL_SCATTER.hypot(sigma / moved));

@@ -1,27 +1,27 @@
-//! Normal equations of weighted least squares with a prior, in deviations from the point of linearisation.
+//! Normal equations of weighted least squares with a prior, relative to the point of linearization.
 
 use serde::{Deserialize, Serialize};
 
 use crate::predictive::ring_estimate::{Gaussian, Matrix};
 use crate::predictive::ring_line::{ANY, Vector};
 
-/// What is known before the measurements: a mean, and the inverse of its covariance.
+/// Prior: a mean, and the inverse of its covariance.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Prior {
     mean: Vector<ANY>,
-    /// the lower triangle counts
+    /// only the lower triangle is used
     information: Matrix<ANY>,
 }
 
 impl Prior {
-    /// What is known, by a square root that is a lower triangle.
+    /// Prior from a lower triangular square root of the covariance.
     pub fn of(known: &Gaussian<ANY>) -> Self {
         let inverse = inverse(&known.root);
         Self { mean: known.mean, information: inverse.tr_mul(&inverse) }
     }
 }
 
-/// Sums of the normal equations, the lower triangle of what is symmetric.
+/// Sums of the normal equations; lower triangle of the symmetric matrix.
 #[derive(Clone, Debug)]
 pub struct NormalEquations {
     information: Matrix<ANY>,
@@ -31,19 +31,19 @@ pub struct NormalEquations {
 /// A solution.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Deviation from the point of linearisation.
+    /// Difference from the point of linearization.
     pub step: Vector<ANY>,
     /// A square root of the covariance.
     pub root: Matrix<ANY>,
 }
 
 impl NormalEquations {
-    /// The prior alone, at a point of linearisation.
+    /// The prior alone, at a point of linearization.
     pub fn new(prior: &Prior, linear: &Vector<ANY>) -> Self {
         Self { information: prior.information, product: prior.information * (prior.mean - linear) }
     }
 
-    /// Takes a measurement that is `innovation` more than at the point of linearisation; its `weight` is the inverse of its
+    /// Adds a measurement that is `innovation` more than at the point of linearization; its `weight` is the inverse of its
     /// variance.
     pub fn add(&mut self, innovation: f64, gradient: &Vector<ANY>, weight: f64) {
         self.product.axpy(weight * innovation, gradient, 1.0);

@@ -1,4 +1,4 @@
-//! The slide during a push: follows its stroke, yields nothing to friction, and stops when the surface is at its goal.
+//! The slide during a push: follows its stroke, compensates friction, and stops when the surface is at its target.
 
 use control_blocks::{SentCommands, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -7,31 +7,31 @@ use crate::interface::Parameters;
 use crate::predictive::stroke::Stroke;
 use crate::sensing::{LAG, Measurement};
 
-/// Gap that counts as contact, m.
+/// Gap below which there is contact, m.
 const CONTACT_GAP: f64 = 5e-7;
-/// A probe that has come out by more at the end of the stroke shows that the ring has left the pusher, m.
+/// Extension of the probe at the end of the stroke above which the ring has left the pusher, m.
 const APART: f64 = 1e-5;
 /// Largest error of the surface that is fed back, m.
 const ERROR_MAX: f64 = 5e-5;
-/// Limits of what feedback adds to the setpoint, m.
+/// Limits of the feedback on the setpoint, m.
 const CORRECTION: [f64; 2] = [-5e-5, 2e-3];
 /// Error of the surface at which a push has arrived, m.
 const ARRIVED: f64 = 1e-7;
-/// Time in which the expected deflection is given after contact, s.
+/// Time after contact in which the expected deflection is fed forward, s.
 const PRELOAD_TIME: f64 = 0.02;
 /// Time constant with which the deflection is measured, s.
 const SMOOTHING: f64 = 0.01;
 
-/// How a stroke ends.
+/// End of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Ending {
-    /// At rest, with the surface at its goal.
+    /// At rest, with the surface at its target.
     Rest,
-    /// With a blow; the slide springs back.
+    /// With an impact; the slide rebounds.
     Blow,
 }
 
-/// Where the surface should end, for the angle of this sample, and what is expected on the way.
+/// Target of the surface for the angle of this sample, and the expected values before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     /// Tip position, m.
@@ -42,7 +42,7 @@ pub struct Goal {
     pub deflection: f64,
 }
 
-/// A stroke under way.
+/// The active stroke.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Press {
     stroke: Stroke,
@@ -51,12 +51,12 @@ pub struct Press {
     contact: f64,
     /// of the servo, rad/s
     bandwidth: f64,
-    /// time of this sample from the begin of the stroke, s
+    /// time of this sample from the start of the stroke, s
     time: f64,
     correction: f64,
     /// preload and correction of the last setpoint, m
     ahead: f64,
-    /// setpoints on their way, less the feed-forward of acceleration, m; the newest first
+    /// setpoints in transit, minus the feed-forward of acceleration, m; the newest first
     sent: SentCommands,
     deflection: f64,
     /// largest deflection and probe position since contact, m
@@ -67,7 +67,7 @@ pub struct Press {
 }
 
 impl Press {
-    /// A stroke that begins in `wait` s and touches the ring `contact` s before its end, of a slide whose servo has the
+    /// A stroke that starts in `wait` s and touches the ring `contact` s before its end, of a slide whose servo has the
     /// `bandwidth` rad/s.
     pub fn new(stroke: Stroke, ending: Ending, contact: f64, wait: f64, bandwidth: f64) -> Self {
         let start = stroke.at(-wait).position;
@@ -110,7 +110,7 @@ impl Press {
         late >= longest || (late >= 0.0 && self.arrived)
     }
 
-    /// How far the setpoint is beyond the stroke, against what the ring does to the servo, m.
+    /// Distance of the setpoint beyond the stroke, to compensate the force of the ring, m.
     pub fn ahead(&self) -> f64 {
         self.ahead
     }
@@ -140,7 +140,7 @@ impl Press {
         self.correction = (self.correction + p.stroke.feedback * error * p.sample_period).clamp(low, high);
     }
 
-    /// Follows deflection and probe.
+    /// Updates deflection and probe.
     fn measure(&mut self, dt: f64, slide: f64, delay: usize, seen: &Measurement) {
         let deflection = self.sent.before(delay) - slide;
         self.deflection += dt / SMOOTHING * (deflection - self.deflection);
@@ -161,7 +161,7 @@ impl Press {
     }
 }
 
-/// What a position-velocity servo must be told in advance to accelerate, m.
+/// Feed-forward of a position-velocity servo for an acceleration, m.
 fn feed_forward(bandwidth: f64, acceleration: f64) -> f64 {
     if bandwidth > 0.0 { acceleration / bandwidth.powi(2) } else { 0.0 }
 }
@@ -174,7 +174,7 @@ mod tests {
     const P: Parameters = Parameters::START;
     const CONTACT: f64 = 0.08;
     const GOAL: Goal = Goal { line: 0.1, contact: 0.02, deflection: 0.0 };
-    /// Place of the stroke's end, m: the line of the goal with the probe at the pusher.
+    /// Position of the end of the stroke, m: the line of the target with the probe at the pusher.
     const END: f64 = 0.12;
 
     fn stroke() -> Stroke {
@@ -183,8 +183,8 @@ mod tests {
         Stroke::plan(&begin, END, 5e-4, &finish, &SlideLimits { velocity: 0.12, acceleration: 2.56 })
     }
 
-    /// Steps from the contact on with the surface `error` m before its place in the plan and the probe at `probe` m;
-    /// setpoint less stroke and feed-forward after each sample.
+    /// Steps from the contact on with the surface `error` m before its position in the plan and the probe at `probe` m;
+    /// setpoint minus stroke and feed-forward after each sample.
     fn added(goal: &Goal, samples: u32, error: f64, probe: f64) -> (Press, Vec<f64>) {
         let stroke = stroke();
         let wait = -(stroke.duration() - CONTACT) - 1e-6;

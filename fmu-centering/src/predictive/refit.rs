@@ -1,5 +1,5 @@
-//! All measurements since the ring was moved are taken in again, one pass over them at a time (Gauss-Newton): one pass
-//! of a model of any form is what a sample has time for.
+//! All measurements since the ring was moved are evaluated again, one pass at a time (Gauss-Newton): a sample has time for one
+//! pass of a model of any form.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,19 +8,19 @@ use crate::predictive::normal::{NormalEquations, Prior, Solution};
 use crate::predictive::ring_estimate::MISFIT_MAX;
 use crate::predictive::ring_line::{ANY, Vector, line};
 
-/// What a fit is for.
+/// Purpose of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Purpose {
-    /// The first one, from what a ground ring would be.
+    /// The first one, from the estimate of a ground ring.
     Widen,
-    /// From a model of any form that explains what was measured.
+    /// From a model of any form that explains the measurements.
     Refine,
     /// From one that does not, as the ring may be rough.
     Reconsider,
 }
 
 impl Purpose {
-    /// For each pass, how many times the noise misfits may have that are no dirt; at first all, where the model fits nothing yet.
+    /// For each pass, the limit of misfits without dirt in multiples of the noise; at first all, since the model fits nothing yet.
     fn passes(self) -> &'static [f64] {
         match self {
             Self::Widen | Self::Reconsider => &[f64::INFINITY, MISFIT_MAX, MISFIT_MAX, MISFIT_MAX],
@@ -32,30 +32,30 @@ impl Purpose {
 /// A fit between two passes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Refit {
-    /// What it is for.
+    /// Purpose.
     pub purpose: Purpose,
-    /// Where the geometry is linearised.
+    /// Point of linearization of the geometry.
     pub linear: Vector<ANY>,
     /// passes made
     made: usize,
 }
 
-/// What the last pass has found.
+/// Result of the last pass.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// What is known now, as a deviation from the point of linearisation.
+    /// Present estimate, relative to the point of linearization.
     pub solution: Solution,
-    /// Weighted squares of what was left at that point, in those of the noise.
+    /// Weighted squares of the residuals at that point, in those of the noise.
     pub squares: f64,
 }
 
 impl Refit {
-    /// Before the first pass, linearised at a state.
+    /// Before the first pass, linearized at a state.
     pub fn new(purpose: Purpose, linear: Vector<ANY>) -> Self {
         Self { purpose, linear, made: 0 }
     }
 
-    /// Whether only the last pass is left.
+    /// Whether only the last pass remains.
     pub fn last(&self) -> bool {
         self.made + 1 == self.purpose.passes().len()
     }
@@ -88,7 +88,7 @@ mod tests {
     const ASSUMED: Assumptions =
         Assumptions { radius: 0.05, noise: 1e-7, center: 5e-3, form: 2e-6, gate: 6.0, rejections_max: 5 };
 
-    /// What is assumed, and a revolution of a ring that is 0.2 mm off with a lobe of 3 um, as its own model has it.
+    /// The prior, and a revolution of a ring that is 0.2 mm off with a lobe of 3 um, as its own model has it.
     fn revolution() -> (Prior, Vector<ANY>, Vec<(f64, f64)>) {
         let told = RingEstimate::new(ASSUMED, Vector2::zeros(), ASSUMED.center);
         let mut state = Vector::zeros();

@@ -1,4 +1,4 @@
-//! An estimate of a ring by N states, sharpened by one measurement at a time.
+//! An estimate of a ring with N states, updated by one measurement at a time.
 
 use nalgebra::{Matrix2, SMatrix, Vector2};
 use serde::{Deserialize, Serialize};
@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 use crate::predictive::assumptions::Assumptions;
 use crate::predictive::ring_line::{Vector, form, line};
 
-/// Change of b0 and form on the way of the ring, relative (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
+/// Relative change of b0 and form by a motion of the ring (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
 const TURN: f64 = 1e-4;
 /// Relative uncertainty of the radius.
 const RADIUS: f64 = 0.02;
-/// Largest misfit of a ring that is only rough (our choice: 2 um with the noise of the default); beyond it was moved.
+/// Largest misfit of a ring that is only rough (default: 2 um with the default noise); beyond it the ring was moved.
 pub const MISFIT_MAX: f64 = 10.0;
 
-/// Of all states against all.
+/// Covariance of all states.
 pub type Matrix<const N: usize> = SMatrix<f64, N, N>;
 
 /// Mean of the state and a square root of its covariance, which cannot become indefinite.
@@ -26,12 +26,12 @@ pub struct Gaussian<const N: usize> {
 }
 
 impl<const N: usize> Gaussian<N> {
-    /// Variance of what a measurement with this gradient is expected to be.
+    /// Variance of the expected measurement with this gradient.
     pub fn spread(&self, gradient: &Vector<N>) -> f64 {
         self.root.tr_mul(gradient).norm_squared()
     }
 
-    /// Takes in a measurement that was `innovation` larger than expected (Potter's form of eq. 21 to 23).
+    /// Adds a measurement that was `innovation` larger than expected (Potter's form of eq. 21 to 23).
     pub fn update(&mut self, innovation: f64, gradient: &Vector<N>, noise: f64) {
         let seen = self.root.tr_mul(gradient);
         let spread = seen.norm_squared() + noise;
@@ -42,43 +42,43 @@ impl<const N: usize> Gaussian<N> {
     }
 }
 
-/// What is known of a ring, and where the geometry is linearised.
+/// Estimate of a ring, and the point of linearization.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RingEstimate<const N: usize> {
-    /// What was assumed.
+    /// The prior.
     pub assumed: Assumptions,
-    /// What is known by now.
+    /// Present estimate.
     pub now: Gaussian<N>,
-    /// Where the geometry is linearised.
+    /// Point of linearization of the geometry.
     pub linear: Vector<N>,
     /// Standard deviation of the measurements from their model, in that of the noise, at least 1.
     pub misfit: f64,
 }
 
-/// What an estimate tells, whatever its number of states, and how it takes a measurement.
+/// Interface of an estimate, for any number of states.
 pub trait Known {
-    /// b0: where the line of a round and centered ring is, m.
+    /// b0: position of the line of a round and centered ring, m.
     fn mean_line(&self) -> f64;
     /// Center of the ring in the table frame, m.
     fn center(&self) -> Vector2<f64>;
     /// Covariance of the center, m2.
     fn center_covariance(&self) -> Matrix2<f64>;
-    /// What y = s - q would be at `angle` (rad) with the center of the ring on the axis of the spindle, m.
+    /// Value of y = s - q at `angle` (rad) with the center of the ring on the spindle axis, m.
     fn centered_line(&self, angle: f64) -> f64;
-    /// What y = s - q is expected to be at `angle` (rad), m.
+    /// Expected value of y = s - q at `angle` (rad), m.
     fn line(&self, angle: f64) -> f64;
-    /// Standard deviation of what is measured from the model, in that of the noise, at least 1.
+    /// Standard deviation of the measurements from the model, in that of the noise, at least 1.
     fn misfit(&self) -> f64;
-    /// Whether the center is so near to the point of linearisation that the curvature of the circle does not matter.
+    /// Whether the center is so near to the point of linearization that the curvature of the circle does not matter.
     fn settled(&self) -> bool;
-    /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
+    /// Adds y = s - q (m) at the spindle angle (rad); false if it was rejected as dirt.
     fn observe(&mut self, angle: f64, y: f64) -> bool;
-    /// Linearises at what is known by now.
+    /// Linearizes at the present estimate.
     fn linearise(&mut self);
 }
 
 impl<const N: usize> RingEstimate<N> {
-    /// Of a ring whose center is near `center` (table frame, m), within `sigma` (m) in each coordinate; nothing else is known.
+    /// Of a ring whose center is near `center` (table frame, m), within `sigma` (m) in each coordinate; only the prior is known otherwise.
     pub fn new(assumed: Assumptions, center: Vector2<f64>, sigma: f64) -> Self {
         let mut mean = Vector::<N>::zeros();
         mean.fixed_rows_mut::<2>(1).copy_from(&center);
@@ -86,12 +86,12 @@ impl<const N: usize> RingEstimate<N> {
         Self { assumed, now: Gaussian { mean, root }, linear: mean, misfit: 1.0 }
     }
 
-    /// What y is at `angle` (rad) for a state near the point of linearisation, m, and its gradient.
+    /// Value of y at `angle` (rad) for a state near the point of linearization, m, and its gradient.
     pub fn expect(&self, angle: f64, state: &Vector<N>) -> (f64, Vector<N>) {
         line(self.assumed.radius, &self.linear, angle, state)
     }
 
-    /// Takes the misfit of a fit of `count` measurements, whose weighted squares are `squares` in those of the noise, for `free`
+    /// Uses the misfit of a fit of `count` measurements, whose weighted squares are `squares` in those of the noise, for `free`
     /// of them.
     pub fn note_misfit(&mut self, squares: f64, free: f64, count: usize) {
         let misfit = (squares / free).sqrt().clamp(1.0, MISFIT_MAX);
@@ -102,7 +102,7 @@ impl<const N: usize> RingEstimate<N> {
     /// The ring was moved: its center is now near `center` (table frame, m), within `sigma` (m) in each coordinate; false where
     /// rounding has left no covariance.
     ///
-    /// What was taken for b0 and form where the ring was is less sure here: it has turned a little, and the radius is
+    /// b0 and form are less certain at the new position: the ring has turned a little, and the radius is
     /// not known exactly.
     pub fn displaced(&mut self, center: Vector2<f64>, sigma: f64) -> bool {
         let way = (self.center() - center).norm();
@@ -125,17 +125,17 @@ impl<const N: usize> RingEstimate<N> {
         })
     }
 
-    /// From the point of linearisation to the center, m.
+    /// From the point of linearization to the center, m.
     pub fn step(&self) -> Vector2<f64> {
         Vector2::new(self.now.mean[1] - self.linear[1], self.now.mean[2] - self.linear[2])
     }
 
-    /// How far the circle leaves its tangent, m.
+    /// Distance of the circle from its tangent, m.
     pub fn bend(&self, step: &Vector2<f64>) -> f64 {
         step.norm_squared() / (2.0 * self.assumed.radius)
     }
 
-    /// What is left of the measurement beyond its gradient: the curvature of the circle over the doubt about c_y, m.
+    /// Residual of the measurement beyond its gradient: the curvature of the circle over the uncertainty of c_y, m.
     pub fn blur(&self, gradient: &Vector<N>) -> f64 {
         // c_y varies with the derivative of the gradient by the angle
         let side = Vector2::new(gradient[2], -gradient[1]);

@@ -1,4 +1,4 @@
-//! What the probe sees of a ring: eq. 4 for an eccentric ring with lobes, and its gradient.
+//! Measurement equation of a ring: eq. 4 for an eccentric ring with lobes, and its gradient.
 //!
 //! State: b0, center (c_x, c_y) in the table frame, cosine and sine of the form harmonics.
 
@@ -8,7 +8,7 @@ use nalgebra::SVector;
 pub const GROUND: usize = states(6);
 /// States of a model of a ring of any form, with harmonics up to 20.
 pub const ANY: usize = states(20);
-/// Largest c_y of a believable estimate, in radii.
+/// Largest c_y of a plausible estimate, in radii.
 const LEVER_MAX: f64 = 0.9;
 
 /// The state, or a gradient by it.
@@ -20,15 +20,15 @@ const fn states(highest: usize) -> usize {
 }
 
 /// y = b0 + r - (c_x + sqrt(R^2 - c_y^2)), eq. 4 with the center in the world frame, of a ring of `radius` m at the
-/// spindle angle (rad), for a state near the point of linearisation, and its gradient.
+/// spindle angle (rad), for a state near the point of linearization, and its gradient.
 pub fn line<const N: usize>(radius: f64, linear: &Vector<N>, angle: f64, state: &Vector<N>) -> (f64, Vector<N>) {
     let tangent = Tangent::new(radius, linear, angle);
     (tangent.at(linear, state), tangent.gradient)
 }
 
-/// That line at one spindle angle, linearised.
+/// That line at one spindle angle, linearized.
 pub struct Tangent<const N: usize> {
-    /// y of a round ring where it is linearised, less b0, m.
+    /// y of a round ring at the point of linearization, minus b0, m.
     round: f64,
     /// By the state.
     pub gradient: Vector<N>,
@@ -51,7 +51,7 @@ impl<const N: usize> Tangent<N> {
         Self { round: radius - along - root, gradient }
     }
 
-    /// y of a state near the point of linearisation, m.
+    /// y of a state near the point of linearization, m.
     pub fn at(&self, linear: &Vector<N>, state: &Vector<N>) -> f64 {
         let mut rest = state - linear;
         // b0 and form enter linearly
@@ -67,7 +67,7 @@ pub fn form<const N: usize>(state: &Vector<N>, phi: f64) -> f64 {
     (3..N).map(|i| state[i] * terms[i]).sum()
 }
 
-/// Cosine and sine of each harmonic of `phi` at their places in the state, the rest 0.
+/// Cosine and sine of each harmonic of `phi` at their indices in the state, the rest 0.
 fn harmonics<const N: usize>(phi: f64) -> Vector<N> {
     let mut terms = Vector::<N>::zeros();
     let (s1, c1) = phi.sin_cos();

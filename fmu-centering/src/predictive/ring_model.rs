@@ -1,13 +1,13 @@
-//! Recursive model of the ring: where its center is, how far the line of measurement, and what form it has.
+//! Recursive model of the ring: center, line of measurement and form.
 //!
 //! One scalar measurement y = s - q at a time, through the exact geometry (`ring_line`), so that a part of a revolution is
-//! enough once b0 and the form are known, and all angles count at once. The covariance says how much is known.
+//! enough once b0 and the form are known. The covariance states the uncertainty.
 //!
-//! The geometry is linearised at the present estimate, which is poor at first. So the measurements since the ring was
-//! last moved are kept, and all of them are taken in again at the better estimate now and then (Gauss-Newton).
+//! The geometry is linearized at the present estimate, which is poor at first. So the measurements since the last motion of the
+//! ring are stored, and all of them are evaluated again at the better estimate from time to time (Gauss-Newton).
 //!
-//! Most rings are ground: few orders of form are enough, and every order more makes a part of a revolution worth less. Where
-//! they do not explain what was measured, the ring is taken to have any form.
+//! Most rings are ground: few orders of form are enough, and with every order more a part of a revolution identifies less. If
+//! they do not explain the measurements, the model uses any form.
 
 use arrayvec::ArrayVec;
 use nalgebra::{Matrix2, Vector2};
@@ -20,21 +20,21 @@ use crate::predictive::refit::Purpose;
 use crate::predictive::ring_estimate::{Known, MISFIT_MAX};
 use crate::predictive::ring_line::{ANY, GROUND};
 
-/// Measurements kept: more than a revolution at 20 rpm and 66 Hz; later ones are taken in only once.
+/// Stored measurements: more than a revolution at 20 rpm and 66 Hz; later ones are used only once.
 const HISTORY: usize = 256;
-/// A ring that leaves its model by more than so many times the noise is no ground one (our choice: what was told may be wrong),
-/// if more than this share of the measurements does by more than so many times the noise: dirt has less of the surface.
+/// A ring is no ground one if its misfit exceeds the first value in multiples of the noise (default: the configured noise may be
+/// wrong), and if more than this fraction of the measurements exceeds the second value: dirt covers less of the surface.
 const WIDEN: f64 = 3.0;
 const COARSE: (f64, f64) = (0.25, 2.0);
-/// Least share of the measurements that a rough ring explains; else some of them belong to another place of the ring.
+/// Minimum fraction of the measurements that a rough ring explains; otherwise some belong to another position of the ring.
 const EXPLAINED: f64 = 0.9;
 
-/// What is known of the ring.
+/// Estimate of the ring.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RingModel {
     assumed: Assumptions,
     ground: GroundRing,
-    /// of any form, where a ground ring does not explain what was measured; in force from its first fit on
+    /// of any form, if a ground ring does not explain the measurements; active from its first fit on
     any: Option<AnyForm>,
     /// angles (rad) and measurements (m) since the ring was moved
     history: ArrayVec<(f64, f64), HISTORY>,
@@ -43,18 +43,18 @@ pub struct RingModel {
 }
 
 impl RingModel {
-    /// Nothing known but the assumptions.
+    /// Only the prior is known.
     pub fn new(assumed: Assumptions) -> Self {
         let ground = GroundRing::new(assumed);
         Self { assumed, ground, any: None, history: ArrayVec::new_const(), rejections: 0, late: false }
     }
 
-    /// Notes whether the probe tells later than the slide: what it leaves then is no form.
+    /// Stores whether the probe is delayed relative to the slide: its residuals are then no form.
     pub fn note_late(&mut self, late: bool) {
         self.late = late;
     }
 
-    /// Takes in y = s - q (m) at the spindle angle (rad); false if it was taken for dirt.
+    /// Adds y = s - q (m) at the spindle angle (rad); false if it was rejected as dirt.
     pub fn observe(&mut self, angle: f64, y: f64) -> bool {
         let waited = self.waits();
         if !self.history.is_full() {
@@ -74,8 +74,8 @@ impl RingModel {
         true
     }
 
-    /// Takes in the history again, linearised at what is known by now, then with less weight for what does not fit;
-    /// does nothing if later measurements are not kept, or if there are none yet. A model of any form only begins it.
+    /// Evaluates the stored measurements again, linearized at the present estimate, then with less weight for misfits;
+    /// does nothing if later measurements are not stored, or if there are none yet. A model of any form only starts it.
     pub fn refine(&mut self) {
         if self.history.is_empty() || self.history.is_full() {
             return;
@@ -92,7 +92,7 @@ impl RingModel {
         }
     }
 
-    /// Makes the next pass of a fit that is under way, or begins one that may explain why so many measurements were rejected;
+    /// Makes the next pass of the active fit, or starts one that may explain the rejected measurements;
     /// false where none does: the ring was moved.
     pub fn advance(&mut self) -> bool {
         if self.history.is_full() {
@@ -115,7 +115,7 @@ impl RingModel {
         }
     }
 
-    /// Whether what is in force may be about to change: too much was rejected, or a ring of any form is tried.
+    /// Whether the active model may change: too many measurements were rejected, or a ring of any form is tried.
     pub fn undecided(&self) -> bool {
         self.lost() || self.tried()
     }
@@ -124,7 +124,7 @@ impl RingModel {
         self.any.as_ref().is_some_and(|any| any.fitting() == Some(Purpose::Widen))
     }
 
-    /// Later measurements are not kept, so that no fit has them all.
+    /// Later measurements are not stored, so that no fit uses all of them.
     fn give_up(&mut self) {
         if self.tried() {
             self.any = None;
@@ -133,7 +133,7 @@ impl RingModel {
         }
     }
 
-    /// Whether a ground ring leaves its model by more than noise and dirt do; a few measurements fit any model.
+    /// Whether a ground ring has a larger misfit than noise and dirt explain; a few measurements fit any model.
     fn coarse(&self) -> bool {
         let ring = &self.ground.estimate;
         let far = COARSE.1 * self.assumed.noise;
@@ -141,19 +141,19 @@ impl RingModel {
         self.history.len() > 2 * ANY && ring.misfit > WIDEN && beyond() as f64 > COARSE.0 * self.history.len() as f64
     }
 
-    /// Whether more form may explain anything: what a late probe tells is none, and a round ring has none.
+    /// Whether more form may explain the misfit: neither a delayed probe nor a round ring has more form.
     fn widens(&self) -> bool {
         self.assumed.form > 0.0 && !self.late
     }
 
-    /// Begins to try whether a ring of any form explains what was measured; a few measurements are explained by any.
+    /// Starts to test whether a ring of any form explains the measurements; a few measurements are explained by any form.
     fn widen(&mut self) {
         let (center, sigma) = self.ground.told();
         let tell = self.history.len() > 2 * GROUND && self.widens();
         self.any = tell.then(|| AnyForm::new(self.assumed, center, sigma, &self.ground.estimate.now.mean));
     }
 
-    /// Begins to find out whether a ring that has more form than assumed, or is rougher, explains what was rejected; false where
+    /// Starts to test whether a ring with more form than assumed, or a rougher one, explains the rejected measurements; false if
     /// none can.
     fn reconsider(&mut self) -> bool {
         if self.history.is_full() {
@@ -166,20 +166,20 @@ impl RingModel {
         self.any.is_some() || self.roughen()
     }
 
-    /// Whether too much was rejected of a ring of which nothing was known before, and more measurements may tell that it has more
-    /// form than assumed: so few are explained by any roughness, too.
+    /// Whether too many measurements of an unknown ring were rejected, and more measurements may show that it has more
+    /// form than assumed: with so few, any roughness explains them, too.
     fn waits(&self) -> bool {
         let few = self.any.is_none() && self.history.len() <= 2 * GROUND;
         self.lost() && few && self.widens() && self.ground.told().1 >= self.assumed.center
     }
 
-    /// Whether a ground ring that is rougher than assumed explains what was rejected; it is taken for such a one then.
+    /// Whether a ground ring that is rougher than assumed explains the rejected measurements; the model is then that ring.
     fn roughen(&mut self) -> bool {
         self.ground.fit(MISFIT_MAX, &self.history);
         self.explains()
     }
 
-    /// Whether the model explains what was measured, but for dirt, and what was rejected, which then counts no longer.
+    /// Whether the model explains the measurements except dirt, and the rejected ones, whose count is then reset.
     fn explains(&mut self) -> bool {
         let known = self.known();
         let (noise, rejected) = (known.misfit() * self.assumed.noise, self.rejections as usize);
@@ -205,12 +205,12 @@ impl RingModel {
         self.history.clear();
     }
 
-    /// Whether so many measurements in a row were rejected that the model must be wrong.
+    /// Whether the number of consecutive rejected measurements shows that the model is wrong.
     pub fn lost(&self) -> bool {
         self.rejections > self.assumed.rejections_max
     }
 
-    /// What is in force.
+    /// The active model.
     fn known(&self) -> &dyn Known {
         match &self.any {
             Some(any) if !self.tried() => &any.estimate,
@@ -226,17 +226,17 @@ impl RingModel {
         }
     }
 
-    /// Standard deviation of what is measured from the model, in that of the noise, at least 1.
+    /// Standard deviation of the measurements from the model, in that of the noise, at least 1.
     pub fn misfit(&self) -> f64 {
         self.known().misfit()
     }
 
-    /// Whether the center is so near to the point of linearisation that the curvature of the circle does not matter.
+    /// Whether the center is so near to the point of linearization that the curvature of the circle does not matter.
     pub fn settled(&self) -> bool {
         self.known().settled()
     }
 
-    /// b0: where the line of a round and centered ring is, m.
+    /// b0: position of the line of a round and centered ring, m.
     pub fn mean_line(&self) -> f64 {
         self.known().mean_line()
     }
@@ -256,17 +256,17 @@ impl RingModel {
         self.center().norm()
     }
 
-    /// Standard deviation of the center in the direction in which it is known least, m.
+    /// Standard deviation of the center in its most uncertain direction, m.
     pub fn center_sigma(&self) -> f64 {
         self.center_covariance().symmetric_eigenvalues().max().max(0.0).sqrt()
     }
 
-    /// What y = s - q would be at `angle` (rad) with the center of the ring on the axis of the spindle, m.
+    /// Value of y = s - q at `angle` (rad) with the center of the ring on the spindle axis, m.
     pub fn centered_line(&self, angle: f64) -> f64 {
         self.known().centered_line(angle)
     }
 
-    /// What y = s - q is expected to be at `angle` (rad), m.
+    /// Expected value of y = s - q at `angle` (rad), m.
     pub fn line(&self, angle: f64) -> f64 {
         self.known().line(angle)
     }

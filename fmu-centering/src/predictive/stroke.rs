@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Velocity at which the servo settles after the fast part, if the contact is slower, m/s.
 const SETTLING_VELOCITY: f64 = 1e-3;
-/// Time in which it settles, s; the way in it is more than a slide overshoots whose servo is told 30 % too fast, 0.04 mm.
+/// Time in which it settles, s; the travel in it exceeds the overshoot of a slide whose servo is configured 30 % too fast, 0.04 mm.
 const SETTLING_TIME: f64 = 0.05;
 /// Deceleration from there to the contact velocity, m/s2.
 const EASE: f64 = 0.1;
@@ -28,7 +28,7 @@ impl Finish {
         Self { velocity: (deceleration * duration).min(velocity_max), deceleration }
     }
 
-    /// The same, but with at least `velocity` m/s where `distance` m are left.
+    /// The same, but with at least `velocity` m/s where `distance` m remain.
     pub fn at_least(self, velocity: f64, distance: f64) -> Self {
         if self.velocity >= velocity {
             self
@@ -51,7 +51,7 @@ impl Finish {
         (self.velocity * (time - 0.5 * braking), self.velocity)
     }
 
-    /// Time before the end (s) at which `distance` m are left.
+    /// Time before the end (s) at which `distance` m remain.
     pub fn time(&self, distance: f64) -> f64 {
         if distance <= self.braking() {
             return (2.0 * distance / self.deceleration).sqrt();
@@ -129,7 +129,7 @@ impl Stroke {
         self.end
     }
 
-    /// The reference `time` s after the begin: before it at constant velocity, after the end at rest.
+    /// The reference `time` s after the start: before it at constant velocity, after the end at rest.
     pub fn at(&self, time: f64) -> Trajectory {
         let velocity = self.parts[0].velocity;
         if time < 0.0 {

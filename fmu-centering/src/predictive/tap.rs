@@ -1,22 +1,22 @@
-//! Tapping: a heavy ring is not pushed but hit by the slide, which springs back.
+//! Tapping: a heavy ring is not pushed but hit by the slide, which rebounds.
 //!
-//! A soft servo stores the static friction and lets a heavy ring jump when it gives way, so a push cannot end finely.
-//! A blow does not press: the ring slides a distance that grows smoothly with the speed of the slide.
+//! A soft servo stores the static friction, and a heavy ring jumps when friction gives way, so a push cannot end precisely.
+//! An impact does not press: the ring slides a distance that grows smoothly with the speed of the slide.
 
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 
 use crate::limits::GRAVITY;
 
-/// Share of the speed that the contact gives back, plus 1 (derived: one damping ratio of 0.15).
+/// Coefficient of restitution of the contact, plus 1 (derived: one damping ratio of 0.15).
 const REBOUND: f64 = 1.6;
-/// Kinetic friction of steel on steel, for a first guess of the mass.
+/// Kinetic friction of steel on steel, for a first estimate of the mass.
 const FRICTION: f64 = 0.16;
-/// Relative standard deviation of both coefficients before the first blow.
+/// Relative standard deviation of both coefficients before the first tap.
 const GUESS: f64 = 0.5;
-/// Relative change of both coefficients from blow to blow.
+/// Relative change of both coefficients from tap to tap.
 const WALK: f64 = 0.05;
-/// Relative scatter of the speed of a blow.
+/// Relative scatter of the speed of a tap.
 const SCATTER: f64 = 0.03;
 
 /// The machine that hits.
@@ -30,7 +30,7 @@ pub struct Hammer {
     pub tip: f64,
 }
 
-/// Speed of the blow (m/s) that moves the ring by d (m): v0 + k sqrt(d), both coefficients learned.
+/// Speed of the tap (m/s) that moves the ring by d (m): v0 + k sqrt(d), both coefficients learned.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TapLaw {
     mean: Vector2<f64>,
@@ -38,7 +38,7 @@ pub struct TapLaw {
 }
 
 impl TapLaw {
-    /// First guess from the `deflection` (m) of the servo when it pushed this ring.
+    /// First estimate from the `deflection` (m) of the servo when it pushed this ring.
     pub fn guess(hammer: &Hammer, deflection: f64) -> Self {
         let friction = deflection * hammer.servo;
         let ring = friction / (FRICTION * GRAVITY);
@@ -56,7 +56,7 @@ impl TapLaw {
         self.mean.dot(&terms(d))
     }
 
-    /// The law after a blow with `speed` (m/s) has moved the ring by `d` (m), known to `sigma` (m).
+    /// The tap law after a tap with `speed` (m/s) has moved the ring by `d` (m), known to `sigma` (m).
     #[must_use]
     pub fn after(&self, speed: f64, d: f64, sigma: f64) -> Self {
         let terms = terms(d);
@@ -81,7 +81,7 @@ fn terms(d: f64) -> Vector2<f64> {
 mod tests {
     use super::*;
 
-    /// 8 kg on a servo of 40 Hz before 70 kg, whose kinetic friction of 109.8 N bends it by 0.217 mm.
+    /// 8 kg on a servo of 40 Hz before 70 kg, whose kinetic friction of 109.8 N deflects it by 0.217 mm.
     const HAMMER: Hammer = Hammer { mass: 8.0, servo: 505_323.745_335_775_14, tip: 5e6 };
     const DEFLECTION: f64 = 2.173_624_354_957_139_7e-4;
 

@@ -1,13 +1,13 @@
-//! Median of three samples: one bad sample is no contact, and no motion of the surface.
+//! Median of three samples: a single wrong sample is no contact, and no motion of the surface.
 //!
-//! One sample late, which following and contact can bear; the models of the ring see what was read.
+//! One sample late, which following and contact tolerate; the models of the ring use the unfiltered samples.
 
 use serde::{Deserialize, Serialize};
 
 /// Probe and surface without single spikes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Calm {
-    /// Collapse of the probe, m.
+    /// Deflection of the probe, m.
     pub probe: f64,
     /// Position of the measuring tip, m.
     pub tip: f64,
@@ -18,7 +18,7 @@ pub struct Calm {
 pub struct CalmFilter(Option<[Calm; 3]>);
 
 impl CalmFilter {
-    /// Takes what was read.
+    /// Adds a sample.
     pub fn update(&mut self, now: Calm) -> Calm {
         let [_, a, b] = self.0.unwrap_or([now; 3]);
         self.0 = Some([a, b, now]);

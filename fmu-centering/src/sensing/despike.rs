@@ -20,7 +20,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Collapse of the probe, m.
+    /// Deflection of the probe, m.
     pub fn probe(&self) -> f64 {
         self.slide - self.tip
     }

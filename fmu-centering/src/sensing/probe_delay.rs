@@ -1,9 +1,9 @@
-//! How much later than the slide the probe tells, found from a slide that brakes or starts in front of the ring.
+//! Delay of the probe relative to the slide, identified while the slide brakes or starts at the ring.
 //!
-//! The tip is the slide less the probe, and the place of the surface. A probe that is d samples late makes it the surface and
-//! x_k - x_(k-d) of a slide at x: all d are tried, exactly, for what a long delay leaves is no share of a velocity. A slide that is
-//! late makes it the same of a negative d, which is known some samples later. A surface that turns by a small angle is a parabola
-//! of time. A probe of another scale leaves a share of x, which is tried as well.
+//! The tip is the slide minus the probe, and thus the surface position. With a probe that is d samples late it is the surface plus
+//! x_k - x_(k-d) of a slide at x. All d are tried exactly, because the effect of a long delay is not proportional to a velocity. A
+//! delayed slide has a negative d, which is known some samples later. A surface that turns by a small angle is a parabola
+//! of time. A probe of another scale adds a fraction of x, which is tried as well.
 
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::sensing::reading::Sample;
 
-/// Longest window (s), and the turning (rad) in which a surface is a parabola: to 1 um at 1 mm of eccentricity.
+/// Longest window (s), and the rotation (rad) in which a surface is a parabola: to 1 um at 1 mm of eccentricity.
 const WINDOW: (f64, f64) = (0.2, 0.5);
-/// Most samples by which the slide and the probe may be late (our choice: 32 delays are tried; a slide that is later by more hardly
-/// keeps to `limits.following_error`).
+/// Largest delays of slide and probe in samples (default: 32 delays are tried; a slide with a longer delay hardly
+/// stays within `limits.following_error`).
 const EARLY: usize = 6;
 const LATEST: usize = 25;
 const DELAYS: usize = EARLY + 1 + LATEST;
@@ -23,24 +23,24 @@ const DELAYS: usize = EARLY + 1 + LATEST;
 const SURFACE: usize = 3;
 const TERMS: usize = 4;
 const FEWEST: f64 = 10.0;
-/// Fewest samples that tell what a delay between two would leave: of fewer the parabola through three of them goes below the noise.
+/// Minimum number of samples for a delay between two samples: with fewer, the parabola through three values falls below the noise.
 const BETWEEN: f64 = 40.0;
-/// Either is late by more than this share of a sample, and where that explains so many standard deviations of what it leaves more
-/// than any scale of the probe: a step of the probe leaves much more than noise, and is not late.
+/// A delay is reported above this fraction of a sample, if it explains the residuals by this number of standard deviations better
+/// than any scale of the probe: a step of the probe leaves much more than noise, and is no delay.
 const LATE: (f64, f64) = (0.5, 12.0);
-/// Less than this is never left, m: encoders have steps. Where more is left than the steps of a coarse probe leave, the surface has
+/// Smallest residual, m: encoders have steps. Larger residuals than those of a coarse probe come from
 /// lobes, which look like a delay by chance.
 const LEAST: f64 = 1e-8;
 const MOST: f64 = 1e-6;
 
-/// The sums of one window, and what the last one has told.
+/// The sums of one window, and the result of the last one.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ProbeDelay {
-    /// places of the slide (m) up to now and tips (m), where they were measured, in a circle, and where in it now is
+    /// slide positions (m) and tips (m) where they were measured, in a ring buffer, and the present index
     places: [f64; DELAYS],
     tips: [Option<f64>; DELAYS],
     now: usize,
-    /// turning (rad) in the window, while it is open
+    /// rotation (rad) in the window, while it is open
     turned: Option<f64>,
     first: Option<Sample>,
     /// samples since then, and those of them that were measured
@@ -56,13 +56,13 @@ pub struct ProbeDelay {
 }
 
 impl ProbeDelay {
-    /// Opens a window, for the probe touches and the slide moves.
+    /// Opens a window: the probe touches and the slide moves.
     pub fn begin(&mut self) {
         let Self { places, tips, now, late, .. } = *self;
         *self = Self { places, tips, now, late, turned: Some(0.0), ..Self::default() };
     }
 
-    /// Closes a window, at its end or as a push begins; what does not tell the delay changes nothing.
+    /// Closes a window, at its end or at the start of a push; data that do not determine the delay change nothing.
     pub fn end(&mut self, p: &Parameters) {
         let open = self.turned.take().is_some();
         if let Some(late) = self.told(p).filter(|_| open && f64::from(self.samples) >= FEWEST) {
@@ -70,7 +70,7 @@ impl ProbeDelay {
         }
     }
 
-    /// Takes a sample, `turned` rad after the one before; the probe counts where it was `measured` and not bridged.
+    /// Adds a sample, `turned` rad after the one before; the probe is used where it was `measured` and not bridged.
     pub fn update(&mut self, p: &Parameters, turned: f64, sample: &Sample, measured: bool) {
         self.now = (self.now + 1) % DELAYS;
         self.places[self.now] = sample.slide;
@@ -105,23 +105,23 @@ impl ProbeDelay {
         self.samples += 1;
     }
 
-    /// Where in the circle so many samples ago is.
+    /// Index in the ring buffer of the sample `ago` samples before.
     fn before(&self, samples: usize) -> usize {
         (self.now + DELAYS - samples) % DELAYS
     }
 
-    /// Time (s) by which the probe is later than the slide, where it is; negative where the slide is later.
+    /// Delay (s) of the probe relative to the slide, if there is one; negative if the slide is delayed.
     pub fn late(&self) -> Option<f64> {
         self.late
     }
 
-    /// Whether `late` s are the longest delay that is tried: the true one may be longer.
+    /// Whether `late` s are the longest delay that is tried: the actual one may be longer.
     pub fn longest(p: &Parameters, late: f64) -> bool {
         let tried = if late > 0.0 { LATEST } else { EARLY } as f64;
         late.abs() > (tried - LATE.0) * p.sample_period
     }
 
-    /// What the window tells, if it does.
+    /// Result of the window, if it has one.
     fn told(&self, p: &Parameters) -> Option<Option<f64>> {
         let all = self.information.cholesky()?.inverse();
         let surface = self.information.fixed_view::<SURFACE, SURFACE>(0, 0).clone_owned().cholesky()?.inverse();
@@ -147,7 +147,7 @@ impl ProbeDelay {
     }
 }
 
-/// Where the parabola through the least of some values and its neighbours is lowest, and its value there.
+/// Position and value of the minimum of the parabola through the smallest of some values and its neighbors.
 fn lowest(best: usize, value: impl Fn(usize) -> f64) -> (f64, f64) {
     if best == 0 || best + 1 == DELAYS {
         return (best as f64, value(best));
@@ -169,8 +169,8 @@ mod tests {
 
     use super::*;
 
-    /// What is told of a probe that is `late` samples later than the slide and has a `scale`, in front of a ring of 0.5 mm at 45 rpm,
-    /// by a slide that brakes from 80 mm/s.
+    /// Result for a probe that is `late` samples later than the slide and has a `scale`, at a ring of 0.5 mm at 45 rpm,
+    /// with a slide that brakes from 80 mm/s.
     fn told(late: i32, scale: f64, speed: f64) -> Option<f64> {
         // 4 m/s2 for 20 ms
         told_by(late, scale, speed, |k| 8e-4 - 2e-6 * (20.0 - k.min(20.0)).powi(2))
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_late_probe_or_slide_is_told_by_its_time() {
+    fn a_late_probe_or_slide_is_found_by_its_time() {
         assert_eq!(told(0, 1.0, 4.7), None);
         for late in [-6, -5, -3, -1, 1, 2, 5, 10, 20] {
             let seconds = told(late, 1.0, 4.7).unwrap();
@@ -207,14 +207,14 @@ mod tests {
         0.12 * time.min(0.0) - 1.28 * (brake - time.clamp(0.0, brake)).powi(2)
     }
 
-    /// One that goes back with 120 mm/s.
+    /// One that retracts with 120 mm/s.
     fn retracting(time: f64) -> f64 {
         -braking(0.0) - braking(0.12 / 2.56 - time.max(0.0))
     }
 
-    /// What is told, in samples of `period` s, of a ring with 20 waves of `lobe` m that turns by `speed` rad/s from `angle` rad on;
+    /// Result, in samples of `period` s, for a ring with 20 waves of `lobe` m that turns by `speed` rad/s from `angle` rad on;
     /// probe and slide have steps of 50 nm.
-    fn told_in_samples(period: f64, late: f64, speed: f64, lobe: [f64; 2], slide: fn(f64) -> f64) -> Option<f64> {
+    fn found_in_samples(period: f64, late: f64, speed: f64, lobe: [f64; 2], slide: fn(f64) -> f64) -> Option<f64> {
         let p = Parameters { sample_period: period, ..Parameters::START };
         let mut delay = ProbeDelay::default();
         let [lobe, angle] = lobe;
@@ -239,36 +239,36 @@ mod tests {
     fn slow_samples_tell_it_too_at_the_speeds_of_the_paper() {
         let slow = [1e-3, 3e-3, 5.5e-3, 6e-3, 6.6e-3, 8e-3, 0.01].map(|period| (2.1, period));
         for (speed, period) in slow.into_iter().chain([(4.7, 3e-3), (4.7, 6e-3), (4.7, 6.6e-3)]) {
-            assert_eq!(told_in_samples(period, 0.0, speed, [0.0, 1.0], braking), None, "{period}");
+            assert_eq!(found_in_samples(period, 0.0, speed, [0.0, 1.0], braking), None, "{period}");
             for late in [-6.0, -5.0, -2.0, -1.0, 1.0, 3.0, 8.0] {
-                let told = told_in_samples(period, late, speed, [0.0, 1.0], braking);
-                assert!(told.is_some_and(|samples| (samples - late).abs() < 0.35), "{period}: {late} {told:?}");
+                let found = found_in_samples(period, late, speed, [0.0, 1.0], braking);
+                assert!(found.is_some_and(|samples| (samples - late).abs() < 0.35), "{period}: {late} {found:?}");
             }
         }
     }
 
     #[test]
-    fn a_delay_between_two_samples_is_told_by_its_time() {
+    fn a_delay_between_two_samples_is_found_by_its_time() {
         for late in [-4.5, -1.5, -0.6, 0.7, 1.6, 2.5, 7.5] {
-            let told = told_in_samples(1e-3, late, 2.1, [0.0, 1.0], braking);
-            assert!(told.is_some_and(|samples| (samples - late).abs() < 5e-3), "{late} {told:?}");
+            let found = found_in_samples(1e-3, late, 2.1, [0.0, 1.0], braking);
+            assert!(found.is_some_and(|samples| (samples - late).abs() < 5e-3), "{late} {found:?}");
         }
-        assert_eq!([-0.4, 0.4].map(|late| told_in_samples(1e-3, late, 2.1, [0.0, 1.0], braking)), [None; 2]);
+        assert_eq!([-0.4, 0.4].map(|late| found_in_samples(1e-3, late, 2.1, [0.0, 1.0], braking)), [None; 2]);
     }
 
     #[test]
     fn lobes_of_the_surface_are_no_delay() {
         for lobe in [3e-6, 8e-6, 1.7e-5, 3e-5] {
             for k in 0..20 {
-                let told = told_in_samples(1e-3, 0.0, 4.7, [lobe, TAU / 400.0 * f64::from(k)], retracting);
+                let found = found_in_samples(1e-3, 0.0, 4.7, [lobe, TAU / 400.0 * f64::from(k)], retracting);
                 assert_eq!(told, None, "{lobe} {k}");
             }
         }
     }
 
-    /// What is told, in samples of `period` s, of a probe with a noise of `noise` m that is `late` samples later than a slide that
-    /// brakes, by a window of at most so many samples.
-    fn told_with_noise(period: f64, late: f64, noise: f64, longest: u32, seed: u64) -> Option<f64> {
+    /// Result, in samples of `period` s, for a probe with a noise of `noise` m that is `late` samples later than a slide that
+    /// brakes, with a window of at most this number of samples.
+    fn found_with_noise(period: f64, late: f64, noise: f64, longest: u32, seed: u64) -> Option<f64> {
         let p = Parameters { sample_period: period, ..Parameters::START };
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
         let (mut delay, speed) = (ProbeDelay::default(), 2.1);
@@ -298,40 +298,40 @@ mod tests {
     fn noise_of_the_probe_makes_no_delay_and_hides_none() {
         for noise in [3e-8, 2e-7, 5e-7] {
             for (late, seed) in quarters().zip(0..) {
-                let told = told_with_noise(1e-3, late, noise, 500, seed);
+                let found = found_with_noise(1e-3, late, noise, 500, seed);
                 // half a sample is the limit
-                assert!(told.is_some() == (late > 0.5) || late == 0.5, "{noise} {late} {told:?}");
-                assert!(told.is_none_or(|told| (told - late).abs() < 0.05), "{noise} {late} {told:?}");
+                assert!(found.is_some() == (late > 0.5) || late == 0.5, "{noise} {late} {found:?}");
+                assert!(found.is_none_or(|found| (found - late).abs() < 0.05), "{noise} {late} {found:?}");
             }
         }
-        // too much of it tells nothing
-        assert!(quarters().all(|late| told_with_noise(1e-3, late, 2e-6, 500, 7).is_none()));
-        // slow samples may tell nothing of a delay between two; what they tell is within a fifth
+        // with too much noise there is no result
+        assert!(quarters().all(|late| found_with_noise(1e-3, late, 2e-6, 500, 7).is_none()));
+        // slow samples may not determine a delay between two; a result is within a fifth
         for period in [2e-3, 3e-3, 5.5e-3, 8e-3, 0.01] {
             for (late, seed) in quarters().zip(0..) {
-                let told = told_with_noise(period, late, 5e-7, 500, seed);
-                assert!(late != late.round() || told.is_some() == (late > 0.5), "{period} {late} {told:?}");
-                assert!(told.is_none_or(|told| (told - late).abs() < 0.2), "{period} {late} {told:?}");
+                let found = found_with_noise(period, late, 5e-7, 500, seed);
+                assert!(late != late.round() || found.is_some() == (late > 0.5), "{period} {late} {found:?}");
+                assert!(found.is_none_or(|found| (found - late).abs() < 0.2), "{period} {late} {found:?}");
             }
         }
     }
 
     #[test]
-    fn a_short_window_with_noise_tells_no_other_delay() {
-        let (mut told, mut wrong) = (0, 0);
+    fn a_short_window_with_noise_gives_no_other_delay() {
+        let (mut known, mut wrong) = (0, 0);
         for longest in [15, 16, 17, 18, 20, 22, 26, 30, 34, 45] {
             for period in [1e-3, 2e-3, 3e-3, 5.5e-3, 0.01] {
                 for (k, noise) in [3e-8, 2e-7, 8e-7].into_iter().enumerate() {
                     for (late, seed) in quarters().zip(10 * k as u64..) {
-                        let found = told_with_noise(period, late, noise, longest, seed);
+                        let found = found_with_noise(period, late, noise, longest, seed);
                         assert!(found.is_none() || longest > 15, "{period} {noise} {late}");
-                        told += u32::from(found.is_some());
+                        known += u32::from(found.is_some());
                         wrong += u32::from(found.is_some_and(|found| (found - late).abs() > 0.55));
                     }
                 }
             }
         }
-        assert!(told > 500 && 500 * wrong < told, "{wrong} of {told}");
+        assert!(known > 500 && 500 * wrong < known, "{wrong} of {known}");
     }
 
     #[test]

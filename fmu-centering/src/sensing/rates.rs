@@ -1,4 +1,4 @@
-//! Loops slower than the tick: counted with integers, so that no beat is lost or added in any time.
+//! Loops slower than the control step: counted with integers, so that no period is lost or added over any time.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,28 +11,28 @@ impl Parameters {
     }
 }
 
-/// Share of a sample by which a beat may come early: times are rounded.
+/// Fraction of a sample by which a period may be early: times are rounded.
 const ROUNDING: f64 = 1e-6;
 
-/// Which loops run in this tick.
+/// Loops that run in this step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Due {
     /// Following and launching.
     pub control: bool,
     /// Collecting.
     pub collect: bool,
-    /// Modelling.
+    /// Model fit.
     pub model: bool,
 }
 
-/// Counts the ticks; all loops run in the first one.
+/// Counts the steps; all loops run in the first one.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Clock {
     ticks: u64,
 }
 
 impl Clock {
-    /// Which loops run in this tick.
+    /// Loops that run in this step.
     pub fn advance(&mut self, p: &Parameters) -> Due {
         let tick = self.ticks;
         self.ticks += 1;
@@ -43,13 +43,13 @@ impl Clock {
         Due { control: due(p.rates.control), collect: due(p.rates.collect), model: due(p.rates.model) }
     }
 
-    /// Time of this tick since the first, s.
+    /// Time of this step since the first, s.
     pub fn time(&self, p: &Parameters) -> f64 {
         (self.ticks - 1) as f64 * p.sample_period
     }
 }
 
-/// Beats after tick 0 up to and with `tick`, at `ratio` beats per tick.
+/// Periods after step 0 up to and including `tick`, at `ratio` periods per step.
 fn beats(tick: u64, ratio: f64) -> u64 {
     (tick as f64 * ratio + ROUNDING) as u64
 }

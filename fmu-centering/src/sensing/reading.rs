@@ -1,9 +1,9 @@
-//! Checks the inputs of a sample: what can be used, what stands in for the rest, and what is wrong with it.
+//! Checks the inputs of a sample: usable values, replacements for the others, and faults.
 //!
-//! A reading that is no number, or is where the machine cannot be, is bridged by the last believed one: it moves nothing,
-//! and it begins and ends nothing. Reach in one sample: three times the largest velocity of the slide (taps spring back),
-//! the fastest believable table, and for the probe what the slide has moved and the ring may move. A ring that is held
-//! goes with the table (eq. 2 and 5 with `ring.eccentricity_max`); one that is pushed may be anywhere around the axis, and
+//! A value that is not finite, or that the machine cannot have reached, is bridged by the last accepted one. It moves nothing
+//! and causes no transition. The reach in one sample is three times the largest velocity of the slide (taps rebound),
+//! the fastest plausible table, and for the probe the motion of the slide plus the possible motion of the ring. A ring that is
+//! held turns with the table (eq. 2 and 5 with `ring.eccentricity_max`); one that is pushed may be anywhere around the axis, and
 //! is hit at up to twice the speed of the slide.
 
 use control_blocks::{Consecutive, Edge, JumpGuard, Reach, believable, wrap};
@@ -13,7 +13,7 @@ use crate::interface::{Fault, Input, Parameters};
 use crate::limits::GRAVITY;
 use crate::sensing::calm::{Calm, CalmFilter};
 
-/// Angles beyond this lose their last digits, rad.
+/// Largest angle without loss of the last digits, rad.
 const ANGLE_MAX: f64 = 1e7;
 /// No slide of this kind is longer, m.
 const POSITION_MAX: f64 = 100.0;
@@ -43,10 +43,10 @@ impl Sample {
     }
 }
 
-/// What may move the machine until the next sample.
+/// Possible causes of motion until the next sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Freedom {
-    /// A hand: everything is believed that is a number.
+    /// By hand: every finite value is accepted.
     Hand,
     /// Spindle and slide; the ring is held by friction.
     Held,
@@ -54,20 +54,20 @@ pub enum Freedom {
     Pushed,
 }
 
-/// What is made of the inputs.
+/// Result of the checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// The encoders, or what stands in for them; none before the first numbers of all three.
+    /// The encoders, or their replacements; none before the first finite values of all three.
     pub sample: Option<Sample>,
-    /// All three are what has just been read.
+    /// All three are new measurements.
     pub fresh: bool,
-    /// Place of the probe without single spikes.
+    /// Position of the probe without single spikes.
     pub calm: Calm,
-    /// Slide position as it has just been read, if that is believable, m.
+    /// New slide position, if it is plausible, m.
     pub slide: Option<f64>,
-    /// First sample, or spindle or slide have been taken elsewhere while nobody watched.
+    /// First sample, or spindle or slide have been moved while they were not monitored.
     pub jumped: bool,
-    /// What is wrong with the readings.
+    /// Fault of the measurements.
     pub fault: Option<Fault>,
     /// `enable` is set.
     pub enabled: bool,
@@ -81,7 +81,7 @@ pub struct Reading {
     pub begin_commission: bool,
 }
 
-/// Remembers what one reading needs from the ones before; by default nothing, before the first sample.
+/// State between two samples; by default before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
     believed: Option<Sample>,
@@ -97,7 +97,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Reads one sample.
+    /// Checks one sample.
     pub fn read(&mut self, p: &Parameters, input: &Input, freedom: Freedom) -> Reading {
         let (start, reset) = (self.enable.rises(input.enable), self.reset.rises(input.reset_fault));
         let begin_commission = self.commission.rises(input.commission);
@@ -114,7 +114,7 @@ impl Reader {
         Reading { enabled, start, reset, commission, begin_commission, ..self.believe(p, &raw, freedom) }
     }
 
-    /// Bridges what the machine cannot have done.
+    /// Bridges implausible values.
     fn believe(&mut self, p: &Parameters, raw: &Sample, freedom: Freedom) -> Reading {
         let before = self.believed.unwrap_or(*raw);
         // the spindle turns for ever: its guard sees the angle from the last believed one
@@ -146,7 +146,7 @@ impl Reader {
 
     /// Collapse of the probe (m) to use, with the slide at `slide` m; `before` is the sample used last.
     ///
-    /// A probe that has lost the ring springs out at once, so that is believed when it lasts.
+    /// A probe that has lost the ring extends immediately, so this is accepted when it lasts.
     fn collapse(&mut self, p: &Parameters, raw: f64, before: &Sample, slide: f64, freedom: Freedom) -> f64 {
         let reach = collapsing(p, (slide - before.slide).abs(), freedom);
         let free = raw < 0.5 * p.probe.contact;
@@ -169,7 +169,7 @@ impl Reader {
     }
 }
 
-/// Takes a reading into its guard; whether it was believed only because a hand may have done it.
+/// Adds a measurement to its monitor; whether it was accepted only because the machine may be moved by hand.
 fn take(guard: &mut JumpGuard, raw: f64, reach: Reach, freedom: Freedom) -> bool {
     guard.update(raw, reach);
     let moved = freedom == Freedom::Hand && raw.is_finite() && guard.doubted() > 0;
@@ -188,7 +188,7 @@ fn sliding(p: &Parameters) -> Reach {
     Reach { motion: SLIDE_SPEED_RATIO * p.slide.velocity_max * p.sample_period, spread: RESOLUTION }
 }
 
-/// Reach of the probe while the slide goes by `slid` m.
+/// Reach of the probe while the slide moves by `slid` m.
 fn collapsing(p: &Parameters, slid: f64, freedom: Freedom) -> Reach {
     // twice the place of the axis of any ring, times the speed at which friction holds it there: more than eq. 5
     let held = |eccentricity: f64| 2.0 * (p.limits.friction * GRAVITY * eccentricity).sqrt();
@@ -209,7 +209,7 @@ mod tests {
         Input { spindle_angle: angle, slide_position: slide, probe_position: probe, ..Input::START }
     }
 
-    /// What is made of the probe or slide positions (m), read one after the other beside a slide and a spindle at rest.
+    /// Result for consecutive probe or slide positions (m), with slide and spindle at rest.
     fn read(inputs: &[Input]) -> Vec<Reading> {
         let mut reader = Reader::default();
         inputs.iter().map(|input| reader.read(&P, input, Freedom::Pushed)).collect()

@@ -1,16 +1,16 @@
-//! The servo of the slide, found from setpoint and encoder while both move anyway.
+//! The servo of the slide, identified from setpoint and encoder while both move anyway.
 //!
 //! A position-velocity servo accelerates its slide by x'' = w^2 e + 2 zeta w e' with e = r - x; a setpoint that acts t later
-//! or earlier than told adds b r' with b = -w^2 t. All four signals go through the same filter 1 / (1 + T p)^2, whose p
+//! or earlier than configured adds b r' with b = -w^2 t. All four signals go through the same filter 1 / (1 + T p)^2, whose p
 //! is that of the bilinear transform, so that derivatives are exact in the filter's own terms and no encoder is
 //! differentiated. Then x'' is linear in w^2, 2 zeta w and b: least squares with their covariance.
 //!
-//! More terms have numbers only where the motion was made for them, in a commission: an integral action adds w^2 / T_i times
-//! the integral of e. A delay other than told leaves r' of e, r'' of e', and r of that integral; and a reading that is off by a
-//! constant leaves 1. The fit takes the first terms or all of them.
+//! More terms are determined only by a motion made for them, in a commissioning run. Integral action adds w^2 / T_i times
+//! the integral of e. A wrong delay leaves r' of e, r'' of e', and r of that integral; a constant error of the position
+//! leaves 1. The fit uses the first terms or all of them.
 //!
-//! Residuals of filtered signals are alike for twice the time of the filter; they count as one. An integral action that the
-//! fit lacks enlarges them and with them the deviation: 2 % at an integral time of 50 ms.
+//! Residuals of filtered signals are correlated for twice the time of the filter; they are used as one. Integral action that the
+//! fit lacks increases them and with them the standard deviation: 2 % at an integral time of 50 ms.
 
 use control_blocks::{DELAY_MAX, SentCommands, Trajectory};
 use nalgebra::{SMatrix, SVector};
@@ -18,16 +18,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Law, Parameters};
 
-/// Time constant of the filter, s: a servo of 40 Hz (our choice; it weights, it does not bias).
+/// Time constant of the filter, s: a servo of 40 Hz (default; it weights and does not bias).
 const FILTER_TIME: f64 = 4e-3;
 /// Terms of the regression: e, e', r', r'', the integral of e, r, and a constant.
 pub const TERMS: usize = 7;
-/// Those of a motion that was not made for it.
+/// Terms for an ordinary motion.
 const FEW_TERMS: usize = 3;
-/// Most of the bandwidth that its standard deviation may be, for the bandwidth to count: feed-forward has twice that error.
+/// Largest relative standard deviation of a usable bandwidth: feed-forward has twice that error.
 const DEVIATION_MAX: f64 = 0.05;
 
-/// A signal behind two lags.
+/// A signal after two lags.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Filtered {
     once: f64,
@@ -35,7 +35,7 @@ struct Filtered {
 }
 
 impl Filtered {
-    /// Takes the mean of the signal over the last `dt` s.
+    /// Adds the mean of the signal over the last `dt` s.
     fn update(&mut self, mean: f64, dt: f64) {
         let ratio = 2.0 * FILTER_TIME / dt;
         let lag = |before: f64, mean: f64| ((ratio - 1.0) * before + 2.0 * mean) / (ratio + 1.0);
@@ -44,19 +44,19 @@ impl Filtered {
         self.twice = lag(self.twice, 0.5 * (before + self.once));
     }
 
-    /// Derivative of what comes out.
+    /// Derivative of the filtered signal.
     fn rate(&self) -> f64 {
         (self.once - self.twice) / FILTER_TIME
     }
 
-    /// The derivative of that, with the signal `now`.
+    /// Second derivative of the filtered signal, with the signal `now`.
     fn rate_of_rate(&self, now: f64) -> f64 {
         ((now - self.once) / FILTER_TIME - self.rate()) / FILTER_TIME
     }
 }
 
 impl Parameters {
-    /// Whether the law uses what is measured of the servo.
+    /// Whether the control law uses the measured servo.
     pub fn learns_servo(&self) -> bool {
         self.law == Law::Default && self.learn.servo && self.slide.bandwidth > 0.0
     }
@@ -67,12 +67,12 @@ impl Parameters {
 pub struct Servo {
     /// Natural frequency.
     pub bandwidth: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the natural frequency.
     pub deviation: f64,
 }
 
 impl Servo {
-    /// Whether it is known well enough to be used.
+    /// Whether it is certain enough to be used.
     pub fn sure(&self) -> bool {
         self.deviation <= DEVIATION_MAX * self.bandwidth
     }
@@ -88,7 +88,7 @@ pub struct Fit<const N: usize> {
 }
 
 impl<const N: usize> Fit<N> {
-    /// Natural frequency of the servo; none if it does not go where it should.
+    /// Natural frequency of the servo; none if it does not follow.
     pub fn servo(&self) -> Option<Servo> {
         let stiffness = self.value[0];
         if stiffness <= 0.0 {
@@ -103,9 +103,9 @@ impl<const N: usize> Fit<N> {
 /// Sums of the regression; by default before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ServoEstimator {
-    /// place from which all are counted and place of the sample before, m
+    /// reference position and position of the sample before, m
     places: Option<[f64; 2]>,
-    /// means of position (m) and velocity (m/s) over the sample that each setpoint rules
+    /// means of position (m) and velocity (m/s) over the sample of each setpoint
     sent: [SentCommands; 2],
     position: Filtered,
     velocity: Filtered,
@@ -120,7 +120,7 @@ pub struct ServoEstimator {
 }
 
 impl ServoEstimator {
-    /// Takes the last setpoint and the position of the slide (m) that may answer it, `delay` samples after that.
+    /// Adds the last setpoint and the slide position (m) that responds to it, `delay` samples later.
     pub fn update(&mut self, dt: f64, delay: f64, setpoint: &Trajectory, slide: f64) {
         let [start, before] = *self.places.get_or_insert_with(|| {
             self.sent[0] = SentCommands::resting(setpoint.position);
@@ -148,12 +148,12 @@ impl ServoEstimator {
         self.samples += 1;
     }
 
-    /// The servo, if the motion so far tells it at all.
+    /// The servo, if the motion so far identifies it.
     pub fn servo(&self, dt: f64) -> Option<Servo> {
         self.fit::<FEW_TERMS>(dt)?.servo()
     }
 
-    /// The first `N` terms, if the motion so far tells them apart.
+    /// The first `N` terms, if the motion so far determines them.
     pub fn fit<const N: usize>(&self, dt: f64) -> Option<Fit<N>> {
         let information = self.information.fixed_view::<N, N>(0, 0).into_owned();
         let product = self.product.fixed_rows::<N>(0).into_owned();
@@ -173,7 +173,7 @@ impl ServoEstimator {
     }
 }
 
-/// What was sent `delay` samples before the newest, also between two samples.
+/// Setpoint `delay` samples before the newest, also between two samples.
 fn between(sent: &SentCommands, delay: f64) -> f64 {
     let (whole, part) = (delay as usize, delay.fract());
     sent.before(whole) * (1.0 - part) + sent.before((whole + 1).min(DELAY_MAX)) * part
@@ -189,8 +189,8 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// A slide whose servo has the natural frequency `hertz`, damping 0.7 and an integral action of `integral` s, on the way to a ring: to
-    /// 5 mm/s at `slide.acceleration_max`, there, and to rest. What is found of it, read with 0.1 um of noise and a sample late.
+    /// A slide whose servo has the natural frequency `hertz`, damping 0.7 and an integral action of `integral` s, in an approach: to
+    /// 5 mm/s at `slide.acceleration_max`, and to rest. Result with 0.1 um of noise and one sample of delay.
     fn found(hertz: f64, integral: f64, seed: u64) -> Option<Servo> {
         const FINE: u32 = 50;
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
@@ -234,8 +234,8 @@ mod tests {
         let servos: Vec<Servo> = (0..24).map(|seed| found(40.0, 1e9, seed).unwrap()).collect();
         let mean = servos.iter().map(|servo| servo.bandwidth).sum::<f64>() / 24.0;
         let spread = (servos.iter().map(|servo| (servo.bandwidth - mean).powi(2)).sum::<f64>() / 23.0).sqrt();
-        let told = servos.iter().map(|servo| servo.deviation).sum::<f64>() / 24.0;
-        assert!((1.0..4.0).contains(&(told / spread)), "{told} {spread}");
+        let reported = servos.iter().map(|servo| servo.deviation).sum::<f64>() / 24.0;
+        assert!((1.0..4.0).contains(&(reported / spread)), "{reported} {spread}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Angle and speed of the spindle by regression: the encoder's quantum of 0.09 deg jitters both.
+//! Angle and speed of the spindle by regression: the encoder resolution of 0.09 deg causes jitter of both.
 
 use control_blocks::{AnchoredLine, Unwrapper};
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ impl Spindle {
         }
     }
 
-    /// Takes the next angle (rad, wrapped or not); the change since the last one.
+    /// Adds the next angle (rad, wrapped or not); the change since the last one.
     pub fn update(&mut self, raw: f64) -> f64 {
         let moved = self.unwrapper.step(raw);
         self.unwrapped = moved.map_or(raw, |moved| self.unwrapped + moved);
@@ -35,7 +35,7 @@ impl Spindle {
         moved.unwrap_or(0.0)
     }
 
-    /// Forgets all samples: the encoder has jumped.
+    /// Discards all samples: the encoder has jumped.
     pub fn restart(&mut self) {
         self.line.clear();
         self.unwrapper = Unwrapper::default();
@@ -46,7 +46,7 @@ impl Spindle {
         self.line.slope(1.0) / self.period
     }
 
-    /// Smoothed unwrapped angle now, rad: the end of the line, within one quantum of the encoder.
+    /// Smoothed unwrapped angle now, rad: the end of the line, within one step of the encoder.
     pub fn angle(&self) -> f64 {
         let (low, high) = (self.unwrapped - self.quantum, self.unwrapped + self.quantum);
         self.line.end().map_or(self.unwrapped, |end| end.clamp(low, high))

@@ -1,4 +1,4 @@
-//! The whole law on the quasi-static ring: it centers, in both directions, from everywhere.
+//! Complete cycles on the quasi-static ring, in both directions, from any start.
 
 use fmu_centering::interface::{Fault, Parameters, State};
 
@@ -9,7 +9,7 @@ use crate::run::Loop;
 fn centered(p: &Parameters, ring: Ring) -> Loop {
     let mut run = Loop::new(p, ring);
     let done = run.run_to(State::Centered, 90.0);
-    assert!(done, "{:?}, truly {} m", run.output, run.ring.eccentricity());
+    assert!(done, "{:?}, actual {} m", run.output, run.ring.eccentricity());
     run
 }
 
@@ -20,7 +20,7 @@ fn the_papers_law_centers_rings_up_to_0_6_mm() {
         let run = centered(&Parameters::PAPER, Ring::new(seed, eccentricity, phase));
         let true_eccentricity = run.ring.eccentricity();
         println!(
-            "{:.0} um: {:.1} s, {} pushes, overshoot {:.1} um, {:.2} um, truly {:.2} um",
+            "{:.0} um: {:.1} s, {} pushes, overshoot {:.1} um, {:.2} um, actual {:.2} um",
             1e6 * eccentricity,
             run.output.time_to_center,
             run.output.push.count,

@@ -1,21 +1,21 @@
-//! The state `Commission`: what it finds on machines that nobody has measured, and what it keeps to.
+//! The state `Commission`: results on unknown machines, and the bounds of the motion.
 
 use std::f64::consts::TAU;
 
 use fmu_centering::interface::{Fault, Input, Parameters, State};
 use rand::{RngExt, SeedableRng};
 
-use crate::ring::{Ring, Servo, TOLD};
+use crate::ring::{NOMINAL, Ring, Servo};
 use crate::run::Loop;
 
 const P: Parameters = Parameters::START;
 
-/// Asks for a commission and for nothing else.
+/// Requests only a commissioning run.
 fn ask(input: &mut Input) {
     (input.enable, input.commission) = (false, true);
 }
 
-/// Asks for nothing.
+/// Requests nothing.
 fn rest(input: &mut Input) {
     input.enable = false;
 }
@@ -27,7 +27,7 @@ fn machine(p: &Parameters, servo: Servo) -> Loop {
     Loop::new(p, ring)
 }
 
-/// Steps into the commission, and `time` s on.
+/// Steps into the commissioning run, and `time` s on.
 fn begin(run: &mut Loop, time: f64) {
     run.step_with(rest);
     run.step_with(ask);
@@ -38,7 +38,7 @@ fn begin(run: &mut Loop, time: f64) {
     }
 }
 
-/// Runs until the commission is over; how far the slide went, back and towards the ring, m.
+/// Runs until the end of the commissioning run; travel of the slide, back and towards the ring, m.
 fn commission(run: &mut Loop) -> [f64; 2] {
     begin(run, 0.0);
     let start = run.ring.slide();
@@ -52,7 +52,7 @@ fn commission(run: &mut Loop) -> [f64; 2] {
     reach
 }
 
-/// A servo that is not as told: bandwidth within 30 %, any delay from 0 to 2, other damping, with integral action or without.
+/// An off-nominal servo: bandwidth within 30 %, any delay from 0 to 2, other damping, with integral action or without.
 fn unknown(seed: u64) -> Servo {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
     Servo {
@@ -115,7 +115,7 @@ fn what_was_measured_is_used_on_request_and_kept_in_a_file() {
     for apply in [false, true] {
         let mut p = P;
         p.commission.apply = apply;
-        let mut run = machine(&p, Servo { frequency: 28.0, delay: 2, ..TOLD });
+        let mut run = machine(&p, Servo { frequency: 28.0, delay: 2, ..NOMINAL });
         commission(&mut run);
         let in_force = run.in_force();
         let expected = if apply { (28.0, 2) } else { (40.0, 1) };
@@ -123,16 +123,16 @@ fn what_was_measured_is_used_on_request_and_kept_in_a_file() {
         let folder = tempfile::tempdir().unwrap();
         p.commission.export = folder.path().join("found.json").to_str().unwrap().into();
         run.controller.export(&p).unwrap();
-        let told = std::fs::read_to_string(&p.commission.export).unwrap();
+        let file = std::fs::read_to_string(&p.commission.export).unwrap();
         let found = format!("\"slide.bandwidth\": {:e},", run.output.measured.slide_bandwidth);
-        assert!(told.contains(&found) && told.contains("\"io_delay\": 2"), "{told} {found}");
-        // with what was told the ring is not centered sooner
+        assert!(file.contains(&found) && file.contains("\"io_delay\": 2"), "{file} {found}");
+        // without the result the ring is not centered sooner
         let measured = run.output.measured;
         run.step_with(rest);
         let centered = run.run_to(State::Centered, run.time() + 30.0);
         assert!(centered || !apply, "{:?}", run.output);
         assert!(!centered || run.ring.eccentricity() < 2.65e-6);
-        // the way to the ring tells less
+        // the approach identifies less
         assert_eq!(run.output.measured, measured);
     }
 }
@@ -143,7 +143,7 @@ fn it_is_broken_off_by_commission_and_by_enable_into_rest_and_what_was_told() {
     p.commission.apply = true;
     for time in [0.01, 0.1, 1.0, 4.0] {
         for enable in [false, true] {
-            let mut run = machine(&p, Servo { frequency: 30.0, ..TOLD });
+            let mut run = machine(&p, Servo { frequency: 30.0, ..NOMINAL });
             let start = run.output.slide.position_setpoint;
             begin(&mut run, time);
             let mut before = run.output.slide.velocity_setpoint;
@@ -166,7 +166,7 @@ fn it_is_broken_off_by_commission_and_by_enable_into_rest_and_what_was_told() {
 fn a_good_one_that_is_followed_by_a_broken_one_counts_no_more() {
     let mut p = P;
     p.commission.apply = true;
-    let mut run = machine(&p, Servo { frequency: 30.0, ..TOLD });
+    let mut run = machine(&p, Servo { frequency: 30.0, ..NOMINAL });
     commission(&mut run);
     assert_ne!(run.in_force(), p);
     begin(&mut run, 1.0);
@@ -176,7 +176,7 @@ fn a_good_one_that_is_followed_by_a_broken_one_counts_no_more() {
 
 #[test]
 fn it_never_begins_by_itself_and_waits_for_rest() {
-    let mut run = machine(&P, TOLD);
+    let mut run = machine(&P, NOMINAL);
     for _ in 0..1000 {
         // true from the first sample on is no edge
         run.step_with(ask);
@@ -201,7 +201,7 @@ fn it_never_begins_by_itself_and_waits_for_rest() {
 
 #[test]
 fn a_table_is_not_turned_for_it_and_a_ring_that_is_met_ends_it() {
-    let mut run = machine(&Parameters { spindle_speed: 2.0, ..P }, TOLD);
+    let mut run = machine(&Parameters { spindle_speed: 2.0, ..P }, NOMINAL);
     begin(&mut run, 1.0);
     assert_eq!(run.output.spindle_speed_setpoint, 0.0);
     for _ in 0..20 {
@@ -217,7 +217,7 @@ fn a_table_is_not_turned_for_it_and_a_ring_that_is_met_ends_it() {
 fn a_bound_of_travel_and_of_acceleration_that_is_told_is_kept() {
     let mut p = P;
     (p.commission.travel, p.commission.acceleration) = (8e-4, 1.0);
-    let mut run = machine(&p, Servo { frequency: 35.0, ..TOLD });
+    let mut run = machine(&p, Servo { frequency: 35.0, ..NOMINAL });
     begin(&mut run, 0.0);
     let (mut most, mut before) = (0.0f64, run.output.slide.velocity_setpoint);
     while run.output.state == State::Commission {
@@ -236,7 +236,7 @@ fn a_bound_of_travel_and_of_acceleration_that_is_told_is_kept() {
 fn an_excitation_that_is_too_weak_is_rejected_with_its_numbers() {
     let mut p = P;
     p.commission.travel = 2e-7;
-    let mut run = machine(&p, TOLD);
+    let mut run = machine(&p, NOMINAL);
     commission(&mut run);
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::CommissionRejected));
     assert!(!run.output.measured.valid, "{:?}", run.output.measured);
@@ -244,7 +244,7 @@ fn an_excitation_that_is_too_weak_is_rejected_with_its_numbers() {
     assert!(run.output.drive_enable && run.output.slide.velocity_setpoint == 0.0);
     run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
-    // what was rejected does not stand beside what the way to the ring tells
+    // rejected values do not remain next to those of the approach
     run.step_with(rest);
     run.step();
     assert_eq!(run.output.state, State::Approach);
@@ -253,33 +253,33 @@ fn an_excitation_that_is_too_weak_is_rejected_with_its_numbers() {
 
 #[test]
 fn a_servo_that_is_not_the_one_that_was_meant_is_rejected() {
-    for (frequency, told) in [(40.0, 90.0), (40.0, 18.0)] {
+    for (frequency, configured) in [(40.0, 90.0), (40.0, 18.0)] {
         let mut p = P;
-        p.slide.bandwidth = TAU * told;
-        let mut run = machine(&p, Servo { frequency, ..TOLD });
+        p.slide.bandwidth = TAU * configured;
+        let mut run = machine(&p, Servo { frequency, ..NOMINAL });
         commission(&mut run);
-        assert_eq!(run.output.fault, Fault::CommissionRejected, "{told}: {:?}", run.output);
+        assert_eq!(run.output.fault, Fault::CommissionRejected, "{configured}: {:?}", run.output);
         assert!((run.output.measured.slide_bandwidth / TAU / frequency - 1.0).abs() < 0.01);
         assert_eq!(run.in_force(), p);
     }
 }
 
 #[test]
-fn a_servo_that_swings_or_creeps_is_rejected() {
+fn a_servo_that_oscillates_or_creeps_is_rejected() {
     for (damping, fault) in
         [(0.2, Fault::CommissionRejected), (0.3, Fault::None), (1.8, Fault::None), (2.2, Fault::CommissionRejected)]
     {
-        let mut run = machine(&P, Servo { damping, ..TOLD });
+        let mut run = machine(&P, Servo { damping, ..NOMINAL });
         commission(&mut run);
         assert_eq!(run.output.fault, fault, "{damping}: {:?}", run.output);
-        // a servo that creeps shows little of it in strokes that turn at the frequency of one that does not
+        // a servo that creeps shows little of it in strokes that reverse at the frequency of one that does not
         assert!((run.output.measured.slide_damping / damping - 1.0).abs() < 0.04, "{:?}", run.output.measured);
     }
 }
 
 #[test]
-fn a_drive_that_is_lost_or_turns_round_is_found_at_once() {
-    // in the first stroke there is no answer before it; later the slide has come half of its way and stands or turns
+fn a_drive_that_is_lost_or_turns_round_is_found_immediately() {
+    // in the first stroke there is no response before it; later the slide has moved half of its travel and stops or reverses
     for (time, lost, turned) in [
         (0.0, &[Fault::PositionFrozen, Fault::WeakDrive][..], &[Fault::DriveSign][..]),
         (
@@ -289,10 +289,10 @@ fn a_drive_that_is_lost_or_turns_round_is_found_at_once() {
         ),
     ] {
         for (share, faults) in [(0.0, lost), (-1.0, turned)] {
-            let mut run = machine(&P, TOLD);
+            let mut run = machine(&P, NOMINAL);
             begin(&mut run, time);
             let place = run.ring.slide();
-            run.ring.servo = Some(Servo { share, ..TOLD });
+            run.ring.servo = Some(Servo { share, ..NOMINAL });
             let until = run.time() + 1.0;
             while run.output.state == State::Commission && run.time() < until {
                 run.step_with(ask);
@@ -306,7 +306,7 @@ fn a_drive_that_is_lost_or_turns_round_is_found_at_once() {
 #[test]
 fn a_round_with_a_lost_reading_is_done_again_and_too_many_end_it() {
     let lose = |every: u32| {
-        let mut run = machine(&P, Servo { frequency: 33.0, ..TOLD });
+        let mut run = machine(&P, Servo { frequency: 33.0, ..NOMINAL });
         begin(&mut run, 0.0);
         let mut k = 0;
         while run.output.state == State::Commission {
@@ -335,7 +335,7 @@ fn every_other_reading_that_is_lost_ends_it_by_its_name() {
         (|input| input.spindle_angle = f64::NAN, Fault::SpindleLost),
     ];
     for (spoil, fault) in spoils {
-        let mut run = machine(&P, TOLD);
+        let mut run = machine(&P, NOMINAL);
         begin(&mut run, 1.0);
         run.spoil(|input| {
             ask(input);
@@ -350,7 +350,7 @@ fn state_bytes_continue_a_commission_bit_for_bit() {
     let mut p = P;
     p.commission.apply = true;
     for time in [0.05, 2.9, 5.0] {
-        let mut run = machine(&p, Servo { frequency: 45.0, ..TOLD });
+        let mut run = machine(&p, Servo { frequency: 45.0, ..NOMINAL });
         begin(&mut run, time);
         let mut copy = run.reloaded();
         while run.output.state == State::Commission {

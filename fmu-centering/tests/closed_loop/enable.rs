@@ -46,7 +46,7 @@ fn enable_again_on_the_way_back_begins_anew() {
     assert!(run.output.slide.position_setpoint.abs() < 1e-6, "{} m", run.output.slide.position_setpoint);
 }
 
-/// In `Fault` for a probe that told nonsense while waiting, and back at rest, with `enable` set all the time.
+/// In `Fault` after an invalid probe signal in `Wait`, back at rest, with `enable` set all the time.
 fn faulted() -> Loop {
     let mut run = running(&P, State::Wait);
     run.spoil(|input| input.probe_position = f64::NAN);
@@ -66,13 +66,13 @@ fn stands(run: &mut Loop, state: State, change: impl Fn(&mut Input)) {
 }
 
 #[test]
-fn nothing_moves_after_a_reset_until_enable_rises_anew() {
+fn nothing_moves_after_a_reset_until_enable_rises_again() {
     let mut run = faulted();
     stands(&mut run, State::Fault, |input| input.enable = false);
     stands(&mut run, State::Fault, |_| ());
     run.step_with(|input| input.reset_fault = true);
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
-    // enable stands, but has no edge
+    // enable is set, but has no edge
     stands(&mut run, State::Idle, |input| input.reset_fault = true);
     stands(&mut run, State::Idle, |_| ());
     stands(&mut run, State::Idle, |input| input.enable = false);

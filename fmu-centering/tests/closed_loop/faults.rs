@@ -1,4 +1,4 @@
-//! Faults on the ring: the named fault, and a safe way back.
+//! Faults on the ring: the fault that is raised, and a safe retract.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use crate::run::{Loop, finite, running};
 
 const P: Parameters = Parameters::PAPER;
 
-/// Steps to the fault and checks that the slide then goes back to where it started, without touching the ring again.
+/// Steps to the fault and checks that the slide then returns to its start, without touching the ring again.
 pub fn retreats(mut run: Loop, fault: Fault, within: f64) -> Loop {
     let limit = run.time() + within;
     assert!(run.run_to(State::Fault, limit), "{:?}", run.output);

@@ -1,8 +1,8 @@
-//! What would be silent without a monitor, on the default law: a broken encoder, a late job, a second fault.
+//! Faults that only monitors detect, with the default control law: a broken encoder, a late cycle, a second fault.
 
 use fmu_centering::interface::{Fault, Input, Parameters, State};
 
-use crate::ring::{AT_PUSHER, Ring, Servo, TOLD};
+use crate::ring::{AT_PUSHER, NOMINAL, Ring, Servo};
 use crate::run::{Loop, running};
 
 const P: Parameters = Parameters::START;
@@ -238,7 +238,7 @@ fn a_servo_that_is_too_slow_has_a_name_where_it_is_learned() {
         let mut p = P;
         p.learn.servo = learned;
         let mut ring = Ring::new(1, 5e-4, 0.5);
-        ring.servo = Some(Servo { frequency, ..TOLD });
+        ring.servo = Some(Servo { frequency, ..NOMINAL });
         let mut run = Loop::new(&p, ring);
         assert_eq!(run.run_to(State::Collect, 5.0), fault == none, "{:?}", run.output);
         assert_eq!(run.output.fault, fault, "{frequency} Hz, learned: {learned}");

@@ -1,8 +1,8 @@
 //! A ring on a spindle, a probe, a pusher and a slide: the plant of the integration tests, natively in Rust.
 //!
-//! Quasi-static: the ring lies still on the table but while the pusher moves it, and stays where the pusher leaves it.
+//! Quasi-static: the ring is at rest on the table except while the pusher moves it, and stays where the pusher leaves it.
 //! The table turns under the contact, the pusher drags the ring sideways by its own friction, and the slide yields
-//! by the friction of the ring before the ring moves. All values are our choice, of the paper's size.
+//! by the friction of the ring before the ring moves. All values are typical, of the size in the paper.
 
 use std::f64::consts::TAU;
 
@@ -19,7 +19,7 @@ const SUBSTEPS: u32 = 10;
 const DT: f64 = STEP / SUBSTEPS as f64;
 /// Time constant of the servo, s.
 const SERVO_TIME: f64 = 4e-3;
-/// Collapse of the probe at which the pusher touches, m.
+/// Probe deflection at which the pusher touches, m.
 pub const AT_PUSHER: f64 = 0.020;
 /// Distance of the pusher from a centered ring at the start, m.
 const START_GAP: f64 = 0.070;
@@ -41,14 +41,14 @@ pub struct Servo {
     pub integral: f64,
     /// Samples between a setpoint and its action, at most 3.
     pub delay: usize,
-    /// Share of the setpoint's motion that it takes.
+    /// Gain of the motion relative to the setpoint.
     pub share: f64,
     /// Its own steps in 0.1 ms.
     pub steps: u32,
 }
 
-/// One of 40 Hz as the controller is told.
-pub const TOLD: Servo = Servo { frequency: 40.0, damping: 0.7, integral: 0.0, delay: 1, share: 1.0, steps: 20 };
+/// A servo of 40 Hz as configured in the controller.
+pub const NOMINAL: Servo = Servo { frequency: 40.0, damping: 0.7, integral: 0.0, delay: 1, share: 1.0, steps: 20 };
 
 /// The machine at one instant.
 #[derive(Clone)]

@@ -45,7 +45,7 @@ impl Loop {
         p
     }
 
-    /// The same loop, with the law from its state bytes.
+    /// The same loop, with the controller from its state bytes.
     pub fn reloaded(&self) -> Self {
         let bytes = postcard::to_allocvec(&self.controller).unwrap();
         Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }

@@ -7,7 +7,7 @@ use crate::run::Loop;
 
 const P: Parameters = Parameters::PAPER;
 
-/// Continues a loop in `state` from its bytes beside itself, to the end of the centering.
+/// Continues a loop in `state` from its bytes and itself, to the end of the cycle.
 fn continued(p: &Parameters, state: State) {
     let mut run = Loop::new(p, Ring::new(1, 2e-4, 0.5));
     assert!(run.run_to(state, 60.0));

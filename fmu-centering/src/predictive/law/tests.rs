@@ -25,7 +25,7 @@ fn now(state: State, e: f64, angle: f64) -> Observation {
     }
 }
 
-/// Law that has seen that ring in 200 samples a revolution.
+/// Control law that has measured that ring in 200 samples a revolution.
 fn seen(e: f64, turns: f64) -> PredictiveLaw {
     let mut law = PredictiveLaw::new(&P);
     // the median is two samples late
@@ -106,7 +106,7 @@ fn a_ring_that_deflects_the_servo_is_tapped_over_short_ways() {
     assert_eq!([(1e-5, 1.6e-5), (7e-6, 5e-6)].map(|(deflection, e)| tapped(deflection, e)), [None; 2]);
 }
 
-/// Law in a stroke towards a ring `e` m off that has seen its surface `beside` m from the line of the model.
+/// Control law in a stroke towards a ring `e` m off that has measured its surface `beside` m from the line of the model.
 fn pressing(e: f64, beside: f64, probe: f64) -> PredictiveLaw {
     let mut law = seen(e, 1.01);
     law.press = Some(Press::new(Stroke::default(), Ending::Blow, 0.0, 0.0, P.slide.bandwidth));

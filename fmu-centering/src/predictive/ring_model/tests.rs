@@ -79,13 +79,13 @@ fn dirt_is_rejected_and_a_moved_ring_is_lost() {
     assert!(model.lost());
 }
 
-/// Takes a measurement and makes all passes of what it begins; false where the ring must have been moved.
+/// Adds a measurement and makes all passes of the fit that it starts; false if the ring must have been moved.
 fn take(model: &mut RingModel, angle: f64, y: f64) -> bool {
     model.observe(angle, y);
     settle(model)
 }
 
-/// Makes all passes of what is under way; false where the ring must have been moved.
+/// Makes all passes of the active fit; false if the ring must have been moved.
 fn settle(model: &mut RingModel) -> bool {
     (0..20).all(|_| model.advance())
 }
@@ -95,7 +95,7 @@ fn rough(k: u32) -> f64 {
     1.5e-7 * (2.399_963 * f64::from(k * k)).sin()
 }
 
-/// Model of a ring with one more lobe of so many waves after a revolution, and its center.
+/// Model of a ring with one more lobe of this number of waves after a revolution, and its center.
 fn lobed(waves: f64, lobe: f64, told: f64) -> (RingModel, Vector2<f64>) {
     let center = Vector2::new(2e-4, 1e-4);
     let mut model = RingModel::new(Assumptions { noise: told, ..ASSUMED });
@@ -117,12 +117,12 @@ fn lobed(waves: f64, lobe: f64, told: f64) -> (RingModel, Vector2<f64>) {
 #[test]
 fn a_lobe_of_any_order_to_twenty_is_form_and_no_noise() {
     for waves in [7.0, 9.0, 12.0, 16.0, 20.0] {
-        for told in [2e-7, 6e-7] {
-            let (model, center) = lobed(waves, 5e-6, told);
+        for noise in [2e-7, 6e-7] {
+            let (model, center) = lobed(waves, 5e-6, noise);
             let (error, sigma) = ((model.center() - center).norm(), model.center_sigma());
-            assert!(model.any.is_some(), "{waves}, {told}");
-            assert!(error < 4.0 * sigma && sigma < 1.2e-7, "{waves}, {told}: {error} of {sigma} m");
-            assert!(model.misfit() < 3.0, "{waves}, {told}: {}", model.misfit());
+            assert!(model.any.is_some(), "{waves}, {noise}");
+            assert!(error < 4.0 * sigma && sigma < 1.2e-7, "{waves}, {noise}: {error} of {sigma} m");
+            assert!(model.misfit() < 3.0, "{waves}, {noise}: {}", model.misfit());
         }
     }
 }
