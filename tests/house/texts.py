@@ -16,6 +16,7 @@ KINDS = ("page", "documentation", "message", "settings", "comment")
 
 FENCE = re.compile(r"^[ ]*(```+|~~~+)[^\n]*\n.*?^[ ]*\1[ ]*$", re.DOTALL | re.MULTILINE)
 CODE = re.compile(r"(`+)(?!`).+?(?<!`)\1(?!`)", re.DOTALL)
+FIELD = re.compile(r"\{[\w.\[\]]+(?::[^{}]*)?\}")
 LINK = re.compile(r"\]\([^)\s]*\)|<https?:[^>]*>|https?://\S+|\]\[[^\]\n]*\]")
 RUST = re.compile(
     r"""(?P<doc>//[/!](?!/)[^\n]*)|(?P<comment>//[^\n]*|/\*.*?\*/)"""
@@ -50,8 +51,8 @@ def blank(found: re.Match[str]) -> str:
 
 
 def prose(text: str) -> str:
-    """Text without code and link targets; the lines stay."""
-    return LINK.sub("]", CODE.sub(blank, FENCE.sub(blank, text)))
+    """Text without code, fields of a format and link targets; the lines stay."""
+    return LINK.sub("]", FIELD.sub(blank, CODE.sub(blank, FENCE.sub(blank, text))))
 
 
 def texts(file: Path) -> Iterator[Text]:
