@@ -13,6 +13,9 @@ use crate::project::Project;
 /// The table of a manifest that is for this program.
 const TABLE: &str = "fmu";
 
+/// End of the mark before what is generated from the declaration.
+pub const GENERATED: &str = ": generated from the interface -->";
+
 /// Texts for the page of an FMU.
 #[derive(Default)]
 pub struct Chapters {
@@ -57,7 +60,13 @@ pub fn read(package: &Package) -> Result<Chapters> {
         }
     };
     let chapters = |key: &str| chapters(package, &folder, &strings(&table[key]));
-    Ok(Chapters { quick_start, guide: format!("{body}{}", chapters("guide")?), results: chapters("results")? })
+    Ok(Chapters { quick_start, guide: format!("{}{}", introduction(body), chapters("guide")?), results: chapters("results")? })
+}
+
+/// The README without the sections that show the ports, which the page shows itself.
+fn introduction(readme: &str) -> String {
+    let has_ports = |section: &&str| section.contains(GENERATED);
+    readme.split("\n## ").filter(|section| !has_ports(section)).collect::<Vec<_>>().join("\n## ")
 }
 
 /// The named chapters, each after a blank line.
@@ -115,6 +124,12 @@ mod tests {
 
     const FILE: &str =
         "# On your machine\n\nFirst.\n\n## Before it moves, all\n\n```\n# a comment\n```\n\n## After\n\nLast.\n";
+
+    #[test]
+    fn sections_with_the_ports_are_left_out_of_the_introduction() {
+        let readme = format!("A spring.\n\n## Ports\n\nWire it.\n<!-- ports{GENERATED}\n\n## Limits\n\nNone.\n");
+        assert_eq!(introduction(&readme), "A spring.\n\n## Limits\n\nNone.\n");
+    }
 
     #[test]
     fn a_file_is_a_section_with_its_title_and_those_below_it() {

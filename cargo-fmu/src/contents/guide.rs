@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use pulldown_cmark::{CodeBlockKind, CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
-use super::chapters::{Chapters, QuickStart, slug};
+use super::chapters::{Chapters, GENERATED, QuickStart, slug};
 use super::markup::escaped;
 use super::sources::Outside;
 use super::state_chart;
@@ -22,8 +22,7 @@ pub const PLOT: &str = "run.svg";
 /// The first state in a chart of states.
 const BEGIN: &str = "begin";
 
-/// Marks around what is generated from the declaration, which the page shows itself.
-const GENERATED: &str = ": generated from the interface -->";
+/// Mark after what is generated from the declaration, which the page shows itself.
 const END: &str = "<!-- end of ";
 
 /// Prefix of the section names in the page.
