@@ -48,7 +48,7 @@ class ExpressionError(CosimError):
 
 
 class FmuError(CosimError):
-    """An FMU cannot be found, opened, initialised or stepped."""
+    """An FMU cannot be found, opened, initialized or stepped."""
 
 
 class PlantError(CosimError):
@@ -63,7 +63,7 @@ def unforeseen(error: BaseException) -> UnforeseenError:
     """Error for an unexpected exception."""
     words = " ".join(str(error).split())[:LONGEST] or "no message"
     failure = UnforeseenError(
-        f"unexpected error: {type(error).__name__}: {words}", "Show the origin with `-v`, and report the error."
+        f"unexpected error: {type(error).__name__}: {words}", "Show the origin with `-v` and report it."
     )
     failure.__cause__ = error
     return failure

@@ -123,7 +123,8 @@ def find_fmu(name: str, near: Path) -> Path:
     searched = ", ".join(f"`{shown(folder)}`" for folder in unique(folders))
     build = f"Build it with `cargo xtask fmu {brief(name.removeprefix('fmu-'))}`"
     raise FmuError(
-        f"the FMU `{brief(name)}.fmu` does not exist", f"{build}, or set {FMU_PATH_ENV}. Searched: {searched}."
+        f"the FMU `{brief(name)}.fmu` does not exist",
+        f"{build}, or set {FMU_PATH_ENV}. Searched: {searched}.",
     )
 
 

@@ -30,7 +30,7 @@ def executed(file: Path) -> Any:
 
 
 def write(notebook: Path, place: Path) -> None:
-    """Write the cells of an executed notebook with their outputs as Markdown; pictures are stored next to it."""
+    """Write the cells and outputs of an executed notebook as Markdown, with pictures next to it."""
     cells = json.loads(notebook.read_text("utf-8"))["cells"]
     place.write_text("\n\n".join(part for cell in cells for part in shown(cell, place)) + "\n", "utf-8")
 

@@ -14,7 +14,7 @@ from cosim.replay.renderer import Renderer
 
 LOOPS = ("centering", "deburr", "dob", "fts", "polish")
 SIZE = (264, 198)
-"""Width and height, pixels: three in a row on the page."""
+"""Width and height, pixels: three side by side."""
 FINER = 3
 """Rendered pixels per output pixel along a side."""
 

@@ -12,7 +12,7 @@ from cosim.pool.job import Bench, Job
 
 @dataclass(frozen=True)
 class RecordedJob(Job):
-    """A job that leaves files behind.
+    """A `Job` that writes files.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ KINDS = {
 """Files written for each scenario, and the start of such files."""
 
 Change = Callable[[str, RecordedJob], RecordedJob]
-"""Changes the job of a scenario, given by name."""
+"""Replaces the task of a scenario, given by name."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
     Parameters
     ----------
     change
-        Replaces the job of each scenario.
+        Replaces the task of each scenario.
 
     Raises
     ------

@@ -58,7 +58,7 @@ def verdicts_of(outcomes: Outcomes) -> list[Verdict]:
 
 
 def closing_line(outcomes: Outcomes) -> str:
-    """Number of passed criteria, and of scenarios that could not run."""
+    """Return the number of passed criteria, and of scenarios that could not run."""
     verdicts = verdicts_of(outcomes)
     line = f"{sum(verdict.passed for verdict in verdicts)} of {len(verdicts)} criteria passed"
     lost = sum(not isinstance(outcome, Result) for outcome in outcomes.values())

@@ -106,7 +106,8 @@ def compare(
         plots.check("trace" if other is None else command.kind_of(other), plot)
     if other is not None:
         if set_:
-            raise CosimError("`--set` cannot be combined with two files", "Use it with a scenario and its baseline.")
+            hint = "Use it with a scenario and its baseline."
+            raise CosimError("`--set` cannot be combined with two files", hint)
         found = command.compare(reference, other, allowed)
     else:
         found = with_baseline(reference, allowed, set_ or [], engine, quiet)

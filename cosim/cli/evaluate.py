@@ -17,9 +17,7 @@ from cosim.writing import write
 
 
 def evaluate(
-    trace: Annotated[
-        Path, Argument(metavar="TRACE", help=f"File of `cosim run --trace`: {listed(READ)}.")
-    ],
+    trace: Annotated[Path, Argument(metavar="TRACE", help=f"File of `cosim run --trace`: {listed(READ)}.")],
     loop: Loop,
     set_: Set = None,
     json: Json = None,
@@ -40,7 +38,8 @@ def evaluate(
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
     if trace.suffix not in READ and Path(loop).suffix in READ:
-        raise CosimError(f"`{trace}` is not a trace", f"Give the trace first: `cosim evaluate {loop} {trace}`.")
+        hint = f"Give the trace first: `cosim evaluate {loop} {trace}`."
+        raise CosimError(f"`{trace}` is not a trace", hint)
     check_outputs(json, None, None)
     from cosim.loop.evaluate import evaluate as evaluated
     from cosim.scenario.load import load
@@ -56,5 +55,5 @@ def evaluate(
 
 
 def judge() -> None:
-    """Renamed to `cosim evaluate`."""
+    """Raise an error that names `cosim evaluate`."""
     raise CosimError("`cosim judge` was renamed", "Use `cosim evaluate`.")

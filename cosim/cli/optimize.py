@@ -21,7 +21,7 @@ def optimize(
     out: Annotated[
         str | None, Option(metavar="FOLDER", help="Folder of the results; default `STUDY.optimize`.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Number of worker processes; default: one per core.")] = None,
+    workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
     engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
     again: Annotated[bool, Option("--again", help="Repeat runs that gave no result.")] = False,
     json: Annotated[bool, Option("--json", help="Print the best trial as JSON.")] = False,

@@ -59,7 +59,7 @@ def run(
 ) -> None:
     """Run a scenario and print its metrics and criteria.
 
-    The engines give bit-identical results. Default: native with `--seeds`, else reference.
+    The engines give bit-identical results. Default: native with `--seeds`, otherwise reference.
     """
     configure_logging(verbose, quiet)
     chosen = engines.checked(engine or ("reference" if seeds is None else "native"))

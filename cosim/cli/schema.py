@@ -57,7 +57,7 @@ def schema(
 
 
 def filled(file: File, loop: str) -> dict[str, Any]:
-    """Schema of scenarios with the settings of one scenario; its plant may be foreign code."""
+    """Return the schema of scenarios with the settings of one scenario; its plant may be foreign code."""
     if file != File.SCENARIO:
         raise CosimError("`--for` works only for the schema of scenarios", f"Omit `--for` or `{file}`.")
     with place(checked_limits(None, None, in_process=False)) as do:

@@ -14,17 +14,16 @@ from cosim.show.console import configure_logging, output, report
 from cosim.writing import write
 
 CLUSTER = (
-    "Dask scheduler: address, scheduler file, or security file with "
-    "address, ca, certificate and key for TLS."
+    "Dask scheduler: address, scheduler file, or security file with address, ca, certificate and key for TLS."
 )
 
 
 def sweep(
-    study: Annotated[Path, Argument(metavar="STUDY.toml", help="Study file: scenario, varied keys and design.")],
+    study: Annotated[Path, Argument(metavar="STUDY.toml", help="Scenario, varied keys and design.")],
     out: Annotated[
-        str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of the results; default `STUDY.sweep`.")
+        str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of results; default `STUDY.sweep`.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Number of worker processes; default: one per core.")] = None,
+    workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
     cluster: Annotated[str | None, Option(metavar="ADDRESS|FILE.json|FILE.toml", help=CLUSTER)] = None,
     engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
     again: Annotated[bool, Option("--again", help="Repeat runs that gave no result.")] = False,

@@ -36,9 +36,9 @@ def run_tests(
         ),
     ] = None,
     out: Annotated[
-        Path | None, Option("-o", "--out", metavar="FOLDER", help="Write table, results and plots into this folder.")
+        Path | None, Option("-o", "--out", metavar="FOLDER", help="Folder for table, results and plots.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Number of worker processes; default: one per core.")] = None,
+    workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
     engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
     timeout: Timeout = None,
     memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process.")] = None,
@@ -55,7 +55,10 @@ def run_tests(
     ] = None,
     study: Annotated[
         list[Path] | None,
-        Option(metavar="FILE.toml", help="A study for the report; its criteria do not count. May be repeated."),
+        Option(
+            metavar="FILE.toml",
+            help="A study for the report, without effect on the exit code. May be repeated.",
+        ),
     ] = None,
     document: Annotated[
         list[Path] | None,

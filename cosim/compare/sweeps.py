@@ -106,7 +106,7 @@ def matched(reference: list[Row], other: list[Row]) -> tuple[list[tuple[Row, Row
 
 
 def case_of(row: Row) -> str:
-    """Settings and seed of a run."""
+    """Return the settings and seed of a run."""
     return json.dumps([row.get("set"), row.get("seed")], sort_keys=True)
 
 

@@ -139,7 +139,7 @@ def locked(cache: Path) -> Iterator[None]:
 
 
 def usable(wanted: Path) -> Path:
-    """Requested folder if only this user owns and can write it; otherwise a temporary folder.
+    """Return the requested folder if only this user owns and can write it; otherwise a temporary folder.
 
     The next session runs code from the cache, so another user must not be able to write it.
     """

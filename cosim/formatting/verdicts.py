@@ -31,7 +31,7 @@ def cells(verdict: Verdict, names: Sequence[str], digits: int = 4) -> list[str]:
 
 
 def outcome(verdict: Verdict) -> str:
-    """Result of a criterion."""
+    """Return the result of a criterion."""
     return "passed" if verdict.passed else "FAILED"
 
 
@@ -52,7 +52,7 @@ def limits(verdict: Verdict) -> str:
 
 
 def counted(verdicts: Sequence[Verdict]) -> str:
-    """Number of passed criteria."""
+    """Return the number of passed criteria."""
     if not verdicts:
         return NOTHING_DEMANDED
     return f"{sum(verdict.passed for verdict in verdicts)} of {len(verdicts)} criteria passed"

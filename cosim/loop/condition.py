@@ -59,7 +59,7 @@ def number(value: Any) -> Symbol:
 
 
 def program(expression: Expression, columns: int) -> Program | None:
-    """Program of a condition over rows of a number of columns; None if it would not be bit-identical to numpy."""
+    """Program of a condition over rows; None if it would not be bit-identical to numpy."""
     symbols = [Symbol([("column", float(index))]) for index in range(columns)]
     try:
         found = expression(symbols)

@@ -76,7 +76,7 @@ def open_instances(
 
 
 def called(choice: FmuChoice) -> tuple[str, str, bool]:
-    """Description of an FMU in messages: name, file as in the scenario, whether it is the only one."""
+    """Return the texts of an FMU in messages: name, file as in the scenario, whether it is the only one."""
     return choice.name, choice.fmu, choice.alone
 
 

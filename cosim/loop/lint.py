@@ -57,7 +57,7 @@ def unlike(wire: Wire, session: Session) -> str:
 
 
 def unit_of(end: str, session: Session) -> str:
-    """Unit at one end of a wire; empty if unknown."""
+    """Return the unit at one end of a wire; empty if unknown."""
     side, _, name = end.partition(".")
     if fmu := next((fmu for fmu in session.fmus if fmu.name == side), None):
         return fmu.file.variables[name].unit

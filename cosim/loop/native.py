@@ -1,4 +1,4 @@
-"""The native engine: the steps of the reference engine in compiled code, bit-identical and with the same errors."""
+"""The native engine: the steps of the reference engine in compiled code, with identical bits and errors."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class NativeTrigger:
 
 @dataclass(frozen=True)
 class NativeFmu:
-    """Addresses of an initialised FMU."""
+    """Addresses of an initialized FMU."""
 
     component: int
     set: list[Call]
@@ -88,7 +88,7 @@ def obstacle(plant: Any) -> str:
 
 
 def controller(fmu: Instance) -> NativeFmu:
-    """Function addresses of an FMU, from FMPy's handle of its library."""
+    """Return the function addresses of an FMU, from FMPy's handle of its library."""
 
     def function(name: str) -> int:
         return ctypes.cast(getattr(fmu.slave.dll, name), ctypes.c_void_p).value or 0

@@ -107,7 +107,7 @@ class Place:
         self.at(Stage.NONE)
 
     def who(self) -> str:
-        """The FMU or plant whose code runs; empty if neither."""
+        """Return the FMU or plant whose code runs; empty if neither."""
         stage = self.page.stage
         fmu, plant = self.names()
         return (
@@ -121,7 +121,7 @@ class Place:
         )
 
     def ran(self) -> str:
-        """The FMU or plant of this run; empty if there is none."""
+        """Return the FMU or plant of this run; empty if there is none."""
         return " or ".join(name for name in self.names() if name)
 
     def names(self) -> tuple[str, str]:

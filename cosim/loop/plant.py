@@ -29,7 +29,7 @@ class Channel(Protocol):
     """A measurement, command or ground-truth signal of a plant.
 
     The harness applies `noise` (standard deviation), `quantum` (resolution, 0 is continuous), `minimum` and
-    `maximum` to readings and commands. A command may have a `start` (default 0): its value
+    `maximum` to measurements and commands. A command may have a `start` (default 0): its value
     while nothing drives it.
     """
 

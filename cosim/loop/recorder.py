@@ -16,7 +16,6 @@ from cosim.loop.plant import Plant, one_each
 from cosim.trace.columns import Columns
 from cosim.warned import warn_once
 
-
 LOCALS_MAX = 256
 """Local variables of an FMU that are recorded without a request; models of other tools may have thousands."""
 
@@ -36,7 +35,7 @@ class Recorder:
     Parameters
     ----------
     fmus
-        Initialised instances: undriven inputs are recorded with their start value.
+        Initialized instances: undriven inputs are recorded with their start value.
     plant
         The plant.
     steps
@@ -95,7 +94,7 @@ class Recorder:
         return row
 
     def room(self, k: int) -> int:
-        """Make room for the row of step `k`; returns the first step after it that needs room again."""
+        """Provide space for the row of step `k`; return the next step that needs new space."""
         if k == self.full:
             self.hand_over(len(self.table))
         return self.full

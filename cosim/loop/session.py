@@ -242,7 +242,7 @@ class Session(Closing):
 
 
 def checked_seed(seed: Any) -> int:
-    """Valid seed of the noise.
+    """Return the valid seed of the noise.
 
     Raises
     ------

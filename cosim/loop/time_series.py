@@ -151,7 +151,7 @@ def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
 
 
 def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]:
-    """Indices of the time and of the requested column; of two columns the one that is not the time."""
+    """Return indices of the time and of the requested column; of two columns the one that is not the time."""
     if twice := next((name for name in names if name and names.count(name) > 1), ""):
         raise ScenarioError(
             f"`{paths.shown(file)}` has two columns `{twice}`", "Give each column its own name."

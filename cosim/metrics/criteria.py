@@ -183,7 +183,7 @@ def check_units(
 
 
 def unit_of(metric: Metric, expression: Expression) -> str:
-    """Unit of a metric: its own, or that of its expression; empty if unknown."""
+    """Return the unit of a metric: its own, or that of its expression; empty if unknown."""
     return metric.unit or expression.unit or PLAIN
 
 

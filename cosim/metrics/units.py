@@ -15,7 +15,7 @@ SCALES = {
     "N": ("N", 1.0), "mN": ("N", 1e-3), "kN": ("N", 1e3), "A": ("A", 1.0), "mA": ("A", 1e-3),
     "V": ("V", 1.0), "mV": ("V", 1e-3), "W": ("W", 1.0), "J": ("J", 1.0),
 }  # fmt: skip
-"""SI unit and number of each unit: `5 * um` is 5e-6, `depth / um` is the depth in micrometres."""
+"""SI unit and number of each unit: `5 * um` is 5e-6, `depth / um` is the depth in micrometers."""
 PLAIN = ""
 """Unit of a number without known unit, which may also be a fraction or percent."""
 ONE = "1"
@@ -36,7 +36,7 @@ ALONE = {"percentile": (0,), "hold": (0,), "at": (0,), "where": (1, 2), "Mod": (
 
 
 def unit_of(what: str, units: Sequence[str | None]) -> str | None:
-    """Unit of a result; None if unknown.
+    """Return the unit of a result; None if unknown.
 
     Plain numbers can be added to every quantity: in `depth - 1e-6` the number is in the unit of the depth.
 
@@ -65,7 +65,7 @@ def unit_of(what: str, units: Sequence[str | None]) -> str | None:
 
 
 def common(units: Sequence[str | None]) -> str | None:
-    """Unit of a sum; None if its terms have different or unknown units."""
+    """Return the unit of a sum; None if its terms have different or unknown units."""
     found = set(units) - {PLAIN, ONE}
     if not found:
         return ONE if ONE in units else PLAIN
@@ -74,14 +74,14 @@ def common(units: Sequence[str | None]) -> str | None:
 
 
 def product(left: str | None, right: str | None) -> str | None:
-    """Unit of a product with a plain number; `100 * ratio` may be in percent."""
+    """Return the unit of a product with a plain number; `100 * ratio` may be in percent."""
     if left in (PLAIN, ONE):
         return PLAIN if right == ONE else right
     return left if right in (PLAIN, ONE) else None
 
 
 def quotient(left: str | None, right: str | None) -> str | None:
-    """Unit of a quotient by a plain number; a quotient of equal units is a plain number: `depth / um`."""
+    """Return the unit of a quotient; a quotient of equal units is a plain number: `depth / um`."""
     if left is not None and left == right:
         return PLAIN
     return product(left, right) if right in (PLAIN, ONE) else None

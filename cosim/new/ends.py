@@ -48,7 +48,7 @@ def channels(found: tuple[Channel, ...]) -> list[Described]:
 
 
 def channel_note(found: Channel) -> str:
-    """Unit, range and description of a channel."""
+    """Return the unit, range and description of a channel."""
     limits = limits_text(found.minimum, found.maximum)
     return one_line(", ".join(part for part in (found.unit, limits, found.description) if part))
 

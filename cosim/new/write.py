@@ -56,7 +56,7 @@ def head(draft: Draft) -> Iterator[str]:
     names = [f"controller.{end.end.name}" for end in undriven(draft.inputs, draft.readings)]
     names += [f"plant.{end.end.name}" for end in undriven(draft.commanded, draft.commands)]
     if names:
-        yield "# undriven inputs; remove the `# ` and keep those in the list that shall keep their start value"
+        yield "# undriven: remove the `# `; the list names inputs that keep their start value"
         yield f"# idle = [{', '.join(map(quoted, names))}]"
     yield ""
     yield "[loop]"

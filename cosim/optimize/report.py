@@ -25,7 +25,7 @@ from cosim.sweep.varied import Vary
 from cosim.writing import naming
 
 AT_END = 0.01
-"""Fraction of a range within which a value counts as its end."""
+"""Fraction of a range within which a value is regarded as its end."""
 
 
 def unit_of(variants: Variants) -> str:
@@ -76,7 +76,7 @@ def verdict(variants: Variants, trials: Sequence[Trial]) -> Text:
         return Text(f"no trial passed all criteria: {nearest(variants, trials)}; {counts}", style="bold red")
     if objective.trace:
         off = math.sqrt(found.score.value)
-        what = f"{MISFIT} {number(found.score.value)}: distance {number(100.0 * off, 3)} % of a standard deviation"
+        what = f"{MISFIT} {number(found.score.value)}: {number(100.0 * off, 3)} % of a standard deviation"
     else:
         value = text(found.score.value, unit_of(variants))
         what = f"{objective.direction.removesuffix('ize')}um of {objective.metric}: {value}"
@@ -109,7 +109,7 @@ def at_end(vary: Vary, value: Any) -> bool:
 
 
 def to_json(variants: Variants, trials: Sequence[Trial]) -> str:
-    """Return the best trial and counts as strict JSON."""
+    """Return the best trial and is taken as strict JSON."""
     found = best(variants.problem, trials)
     objective = variants.problem.objective
     content = {

@@ -129,7 +129,7 @@ def spawn(page: int, relay: bool) -> Child:
 
 
 def ending(code: int | None) -> str:
-    """Description of the end of a process from its return code; None if it is alive."""
+    """Return the description of the end of a process from its return code; None if it is alive."""
     if code is None:
         return "it does not answer"
     if code >= 0:

@@ -63,8 +63,8 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
     Raises
     ------
     CosimError
-        Dask is not installed, the address is invalid, no scheduler or worker answers, the scheduler was lost and
-        did not come back, or the workers lack the package `cosim`.
+        Dask is not installed, the address is invalid, no scheduler or worker answers, the scheduler was
+        lost, or the workers lack the package `cosim`.
     """
     distributed, batches, lines = dask(), Batches(iter(jobs)), Lines()
     client, patience = connect(distributed, address), WORKERS_TIMEOUT
@@ -150,7 +150,7 @@ def finished(
 
 
 class ClusterSize:
-    """Threads of all Dask workers; workers can join and leave; `patience` is the maximum time in s without any."""
+    """Threads of the Dask workers, which can join and leave; `patience` is the longest time (s) without any."""
 
     def __init__(self, client: Any, patience: float) -> None:
         self.client = client

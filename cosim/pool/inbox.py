@@ -16,7 +16,7 @@ class Inbox(Closing):
         self.jobs: queue.SimpleQueue[Numbered | None] = queue.SimpleQueue()
 
     def put(self, job: Numbered) -> None:
-        """Add a job."""
+        """Add an entry."""
         self.jobs.put(job)
 
     def __iter__(self) -> Iterator[Numbered]:

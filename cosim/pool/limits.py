@@ -28,7 +28,7 @@ class Limits:
     timeout
         Maximum wall time in s; None for no limit.
     memory
-        Maximum memory of the worker process in bytes, including about 80 MB before the run; None for no limit.
+        Maximum memory of the worker process in bytes, with about 80 MB before the run; None for no limit.
     process_per_run
         Whether every run has a separate process.
     keys

@@ -86,7 +86,7 @@ def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
 
 
 def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
-    """Next job for any thread; None at the end."""
+    """Next entry for any thread; None at the end."""
     iterator: Iterator[Numbered] = iter(jobs)
     lock = threading.Lock()
 

@@ -149,7 +149,7 @@ def run_each(
 
 
 def ordered(jobs: Sequence[Job], workers: int | None, limits: Limits | None = None) -> Generator[Outcome]:
-    """Run the jobs and yield their outcomes in order; closing it drops the runs that were not started.
+    """Execute the runs and yield their outcomes in order; closing it drops the runs that were not started.
 
     One worker without limits is this process.
     """

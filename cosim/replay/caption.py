@@ -28,13 +28,13 @@ def lines(recorded: Recorded) -> list[Line]:
 
 
 def states(recorded: Recorded) -> list[str]:
-    """Changing columns of enumerations, states first."""
+    """Return changing columns of enumerations, states first."""
     moving = [name for name in recorded.items if name in recorded.columns and np.ptp(recorded.columns[name])]
     return sorted(moving, key=lambda name: not name.endswith(".state"))[:MAX_STATES]
 
 
 def state(recorded: Recorded, name: str) -> Line:
-    """Name of the item in a row."""
+    """Name of the item at a row."""
     column = recorded.columns[name]
     items = {number: item for item, number in recorded.items[name].items()}
     label = name.partition(".")[2]
@@ -52,13 +52,13 @@ def numbers(recorded: Recorded) -> list[Line]:
 
 
 def moving_truths(recorded: Recorded) -> list[str]:
-    """Changing ground-truth signals of the plant, without coordinates."""
+    """Return changing ground-truth signals of the plant, without coordinates."""
     known = [n for n in recorded.columns if n.startswith("plant.") and not n.startswith("plant.qpos")]
     return [name for name in known if np.ptp(recorded.columns[name]) > 0.0]
 
 
 def quantity(recorded: Recorded, name: str, unit: str = "", scale: float = 1.0) -> Line:
-    """Value of a column in a row, with a unit prefix or in the unit of its panel.
+    """Value of a column at a row, with a unit prefix or in the unit of its panel.
 
     Changes below a thousandth of the maximum are not shown, to avoid flicker.
     """

@@ -17,7 +17,7 @@ from cosim.trace.columns import Array
 ENLARGE = "enlarge"
 """Name of the MJCF text that lists them."""
 SMALL = (1e-4, 1e-2)
-"""Range of motions that are enlarged, relative to the machine size: smaller ones are noise, larger ones visible."""
+"""Range of enlarged motions, relative to the machine size: smaller ones are noise, larger ones visible."""
 SEEN = 0.05
 """Amplitude of an enlarged motion, relative to the machine size, or in rad."""
 

@@ -27,7 +27,7 @@ RECORD = "loop.record_qpos=true"
 
 
 def unmoved(row: int, enlarged: Enlarged) -> None:
-    """A machine without parts that are only drawn."""
+    """Do nothing, for a machine without parts that are only drawn."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Recorded:
     Parameters
     ----------
     scenario
-        Scenario of the run; its plant is drawn.
+        Scenario of the run, whose plant is shown.
     seed
         Seed of the run, for random initial values without coordinates.
     columns
@@ -54,12 +54,12 @@ class Recorded:
 
 
 def of_result(scenario: Scenario, result: Result) -> Recorded:
-    """Recorded run of a result."""
+    """Return the recorded run of a result."""
     return Recorded(scenario, result.seed, result.columns, result.units, result.items)
 
 
 def of_trace(scenario: Scenario, trace: StoredTrace) -> Recorded:
-    """Recorded run of a file; the default seed is that of the scenario."""
+    """Return the recorded run of a file; the default seed is that of the scenario."""
     seed = trace.about.get("seed")
     seed = seed if type(seed) is int and seed >= 0 else scenario.loop.seed
     return Recorded(scenario, seed, trace.data, trace.units, trace.items)

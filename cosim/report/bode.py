@@ -56,7 +56,7 @@ class Response:
         return min(found, key=lambda one: abs(one.value), default=None)
 
     def gain_margin(self) -> Margin | None:
-        """Minimum factor above 1 by which the gain can increase until it is 1 at -180 degrees; None without one."""
+        """Minimum factor above 1 from the gain at -180 degrees to 1; None without one."""
         frequency, gain, phase = self.dense()
         # the distance from -180 degrees jumps where it is half a turn
         away = np.remainder(phase, 2.0 * np.pi) - np.pi
@@ -69,7 +69,7 @@ class Response:
 
 
 def crossings(values: Array) -> list[int]:
-    """Indices after which the sign changes."""
+    """Return indices after which the sign changes."""
     return [int(i) for i in np.flatnonzero(np.diff(np.sign(values)))]
 
 

@@ -148,7 +148,7 @@ def view(
 def limited(
     chart: Chart, drawn: Sequence[Line], limits: Limits
 ) -> tuple[list[tuple[float, str]], list[tuple[float, str]]]:
-    """Limits on the plotted columns, as positions of `x` and as values, unless they would make the chart flat."""
+    """Limits on the plotted columns, as positions of `x` and as values, unless they flatten the chart."""
     found = dict.fromkeys(
         (chart.scale * limit, label)
         for name in chart.y

@@ -88,9 +88,9 @@ def few(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
-    """Amplitudes by frequency in Hz, or by waves per revolution over an angle, of whole revolutions without the mean.
+    """Amplitudes by frequency in Hz, or by waves per revolution over an angle, without the mean.
 
-    Both use the longest interval without a gap.
+    An angle is cut to whole revolutions. Both use the longest interval without a gap.
     """
     if not chart.x:
         rows = unbroken(mask & np.isfinite(y))

@@ -19,7 +19,7 @@ VIDEO_SECONDS = 5.0
 
 @dataclass(frozen=True)
 class ToldJob(RecordedJob):
-    """A job that writes a chapter of the report.
+    """A `Job` that writes a chapter of the report.
 
     Parameters
     ----------

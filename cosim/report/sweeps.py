@@ -68,7 +68,7 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
 
 
 def short(found: Summary) -> str:
-    """Number of passed runs, or of completed runs without criteria."""
+    """Return the number of passed runs, or of completed runs without criteria."""
     if found.passed is None:
         return f"{found.rows} runs"
     return f"{found.statuses['passed']} of {found.wanted} runs passed"

@@ -146,7 +146,7 @@ def check_signal(signal: Signal, fail: Fail) -> None:
     if len(signal.times) != len(signal.values):
         fail(
             key,
-            f"has {len(signal.times)} `times` and {len(signal.values)} `values`, which must be equal in number",
+            f"has {len(signal.times)} `times` and {len(signal.values)} `values`, but needs equal numbers",
         )
     if not signal.times or signal.times[0] != 0.0:
         fail(f"{key}.times", "must start with 0.0")

@@ -36,7 +36,7 @@ class Loop:
     record_qpos
         Whether the trace also holds MuJoCo's `qpos`, `plant.qpos.<joint>`, for a replay of the run.
     record_locals
-        Whether the trace holds the local variables of the FMUs; where left out, those of an FMU with at most 256.
+        Whether the trace holds the local variables of the FMUs; default: those of an FMU with at most 256.
     stop_when
         Condition over the current row of the trace that ends the run early; empty for none.
     """
@@ -63,7 +63,7 @@ class Loop:
         return -(-self.steps // self.record_every)
 
     def every(self, step: float | None) -> int:
-        """Number of communication steps in one step of an FMU, whose `step` in s may be None for the same step."""
+        """Return the number of communication steps in one `step` (s) of an FMU; 1 for None."""
         return 1 if step is None else round(step / self.step)
 
 
@@ -129,7 +129,7 @@ class Wire:
     Parameters
     ----------
     source
-        `plant.<measurement>` or `controller.<output>`; with several FMUs the name of the FMU replaces `controller`.
+        `plant.<measurement>` or `controller.<output>`; with several FMUs their name in place of `controller`.
     to
         `controller.<input>` or `plant.<command>`.
     noise
@@ -238,9 +238,10 @@ class Chart:
         `split`. `share`: cumulative fraction of the rows over `y`. `roc`: for each threshold the fraction of
         rows of the second part above it, over that of the first part. `array`: last row of the columns
         `y[1]`, `y[2]`, ... over those of `x`. `map`: sum of `weight` in each cell of the plane of `x` and
-        one `y`, relative to the largest sum. `bode`: open loop of a measured frequency response with crossover
-        and margins, from the last row of the columns `y[1]`, `y[2]`, ... of two `y` (gain, and phase in rad)
-        over those of `x`. `field`: maps of a user function of all `y`, relative to the largest value.
+        one `y`, relative to the largest sum. `bode`: open loop of a measured frequency response with
+        crossover and margins, from the last row of the columns `y[1]`, `y[2]`, ... of two `y` (gain, and
+        phase in rad) over those of `x`. `field`: maps of a user function of all `y`, relative
+        to the largest value.
     x, y
         Expressions over the columns; for `array` and `bode` the names of the columns without their numbers.
     parts
@@ -251,13 +252,13 @@ class Chart:
     weight
         Expression summed by a `map`.
     function
-        Function of a `field` as `module:name`. Its arguments are the values of each `y` as an array. It returns
-        for each map, by name, the edges of its cells along x and y and their values, shape (y, x).
+        Function of a `field` as `module:name`. Its arguments are the values of each `y` as an array. It
+        returns for each map, by name, the edges of its cells along x and y and their values, shape (y, x).
     closed
         Whether the response of a `bode` is that of the closed loop T, whose open loop is T / (1 - T).
     error
-        Expression of the distance of a `path` to the left of its nominal path, in the unit of `x` and `y`. The
-        chart shows the nominal path and the enlarged error.
+        Expression of the distance of a `path` to the left of its nominal path, in the unit of `x` and `y`.
+        The chart shows the nominal path and the enlarged error.
     split
         Expression; each of its values makes a line of a `path` or `polar`, and a point of `peaks`.
     split_name
@@ -365,7 +366,7 @@ class Scenario:
         return self.file.parent
 
     def origin(self, key: str) -> str:
-        """File or override with the value of a key, for messages; `NAME.fmu` is that of one of several FMUs."""
+        """File or override that set a key, for messages; `NAME.fmu` is that of one of several FMUs."""
         if any(key.startswith(f"{choice.name}.") for choice in self.fmu):
             key = f"fmu.{key}"
         return overrides.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"

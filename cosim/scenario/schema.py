@@ -45,7 +45,7 @@ def described(kind: Any) -> dict[str, Any]:
 
 
 def explained(text: str, unit: str) -> dict[str, Any]:
-    """Description and unit."""
+    """Return the description and unit."""
     has_unit = unit in ("", "1") or re.search(rf" {re.escape(unit)}(\W|$)", text)
     text = text if has_unit else f"{text} ({unit})".lstrip()
     return {"description": text} if text else {}

@@ -35,7 +35,7 @@ CAUSALITIES = {
 
 
 def scenario(found: Scenario, fmus: Sequence[Instance], plant: Plant) -> RenderableType:
-    """Description of one closed loop."""
+    """Return the description of one closed loop."""
     loop = found.loop
     head = Text()
     head.append(f"{found.name}: {found.title}\n", style="bold")
@@ -217,7 +217,7 @@ def criteria_table(verdicts: list[Verdict]) -> Table:
 
 
 def pass_text(verdict: Verdict) -> Text:
-    """Result of a criterion, in color."""
+    """Return the result of a criterion, in color."""
     return Text(outcome(verdict), style="green" if verdict.passed else "bold red")
 
 
@@ -229,7 +229,7 @@ def summary(found: Result) -> Text:
 
 
 def speed(found: Result) -> str:
-    """Simulated time, and the wall time of a run."""
+    """Return the simulated time, and the wall time of a run."""
     if not found.wall_s:
         return f"{number(found.simulated_s)} s evaluated from a stored trace"
     ratio = found.simulated_s / found.wall_s

@@ -38,7 +38,7 @@ def marked(scenario: Scenario, result: Result) -> Marked:
 
 
 def events(scenario: Scenario, result: Result) -> list[tuple[float, str]]:
-    """Times and texts of events: injected faults with their targets, and faults reported by an FMU."""
+    """Return times and texts of events: injected faults with their targets, and faults reported by an FMU."""
     began = zip(scenario.inject, result.injected, strict=False)
     found = [(t, f"fault injected: {entry.to}") for entry, t in began if t is not None]
     times = result.columns["time"]

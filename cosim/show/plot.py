@@ -116,7 +116,7 @@ def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:
 
 
 def unit_of(panel: Panel, result: Result, most: float) -> DisplayUnit:
-    """Unit and scale of a panel.
+    """Return the unit and scale of a panel.
 
     Its own unit, otherwise the first display unit of its columns, otherwise a prefix according to `most`, the
     largest absolute value.

@@ -64,9 +64,9 @@ def system(
 def connects(owner: str, variable: Any, ports: Ports) -> bool:
     """Whether a variable of an FMU has a connector.
 
-    Texts have none: masters cannot connect them, and OMSimulator rejects the file. Inputs and enumerations have
-    one only if connected: FMPy gives an undriven input the value of another input, libcosim ends the process
-    at an enumeration, and Ecos does not support them.
+    Texts have none: masters cannot connect them, and OMSimulator rejects the file. Inputs and enumerations
+    have one only if connected: FMPy gives an undriven input the value of another input, libcosim ends the
+    process at an enumeration, and Ecos does not support them.
     """
     if variable.causality not in ("input", "output") or variable.type == "String":
         return False

@@ -28,7 +28,7 @@ def grid(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
 
 
 def latin_hypercube(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
-    """Latin hypercube: the range of each key has `samples` intervals of equal probability, each sampled once."""
+    """Latin hypercube: `samples` intervals of equal probability for each key, each sampled once."""
     sampler = quasi_monte_carlo().LatinHypercube(len(varied), rng=generator(seed))
     return points(varied, sampler.random(samples))
 

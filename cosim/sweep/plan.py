@@ -146,7 +146,7 @@ class Plan:
         return Setting(files, kind, places, leaves, sum(parts) + total(things(scenario, files, made)))
 
     def merged(self, case: Case, index: int) -> overrides.Overrides:
-        """Merged tables of one case."""
+        """Return the merged tables of one case."""
         merged = self.base.copy()
         for key, value in case.items():
             overrides.assign(merged, key, value, f"{self.origin}, case {index}")

@@ -92,7 +92,7 @@ def plant_of(name: str, folder: Path) -> tuple[Any, str]:
 
 
 def sources(kind: Any, folder: Path) -> list[Path]:
-    """Files of a plant's class and its bases, and of their imports from their folder or that of the scenario."""
+    """Files of a plant's class and its bases, and of their imports from their or the scenario's folder."""
     modules = [sys.modules.get(base.__module__) for base in kind.__mro__]
     files = {Path(file).resolve() for module in modules if (file := getattr(module, "__file__", None))}
     files |= {found for file in files if not is_installed(file) for found in imported(file, folder)}

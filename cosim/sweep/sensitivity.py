@@ -1,9 +1,9 @@
 """Sensitivity of each metric to each varied key: rank correlation, and Sobol indices if possible.
 
-Sobol indices divide the variance of a metric among the keys. The first-order index is the fraction that vanishes
-if one key is known, `S_i = V[E[f | x_i]] / V[f]`; the total index the fraction that remains if all others are
-known, `T_i = E[V[f | all but x_i]] / V[f]`. They follow from a design of two independent sets of points, A
-and B, and for each key the set A with the values of that key from B (AB_i). As f(B) and f(AB_i) share only
+Sobol indices divide the variance of a metric among the keys. The first-order index is the fraction that
+vanishes if one key is known, `S_i = V[E[f | x_i]] / V[f]`; the total index the fraction that remains if all
+others are known, `T_i = E[V[f | all but x_i]] / V[f]`. They follow from a design of two independent sets of points,
+A and B, and for each key the set A with the values of that key from B (AB_i). As f(B) and f(AB_i) share only
 x_i, their covariance is V[E[f | x_i]]; as f(A) and f(AB_i) share all but x_i, half the mean square of their
 difference is E[V[f | all but x_i]].
 
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 FEWEST_RUNS = 10
 """Minimum number of results; with fewer the interval would be nearly -1 .. 1."""
 RESAMPLES = 400
-"""Number of bootstrap samples; the ends of a 95 % interval are then accurate to about a tenth of its width."""
+"""Number of bootstrap samples; the ends of a 95 % interval are then accurate to a tenth of its width."""
 INTERVAL = (0.025, 0.975)
 
 

@@ -157,7 +157,7 @@ class Store(Closing):
 
 
 def folder_of(out: str | Path | None, otherwise: Path) -> Path:
-    """Requested folder of results, or the default.
+    """Return the requested folder of results, or the default.
 
     Raises
     ------

@@ -121,7 +121,7 @@ def study_schema() -> dict[str, Any]:
 
 
 def read_cases(file: Path, fail: Fail) -> Sequence[dict[str, Any]]:
-    """Cases of a CSV file; values are TOML or else texts, an empty cell is not set."""
+    """Cases of a CSV file; values are TOML or texts, an empty cell is not set."""
     if not paths.is_file(file):
         fail(
             "design.file",

@@ -134,7 +134,7 @@ def rows(plan: Plan, store: Store) -> Iterator[Row]:
 
 
 def places(plan: Plan) -> dict[str, tuple[str, str]]:
-    """Columns of the table: name, and location of the value in a row (part, key)."""
+    """Columns of the table: name, and location of its value within a row (part, key)."""
     keys = dict.fromkeys(key for case in plan.cases for key in case)
     return {
         **{name: ("", name) for name in ("run", "case", "seed", "status", "reason")},

@@ -65,7 +65,7 @@ def verdict(found: Summary) -> Text:
 
 
 def criteria_table(scenario: Scenario, found: Summary) -> RenderableType:
-    """Number of passed runs of each criterion."""
+    """Return the number of passed runs of each criterion."""
     table = plain_table("criterion", "passed in", "claim")
     for entry in scenario.criterion:
         table.add_row(Text(entry.id), f"{found.held[entry.id]} of {found.results}", Text(entry.claim))

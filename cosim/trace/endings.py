@@ -30,7 +30,7 @@ def streams(file: Path) -> bool:
 
 
 def streamed(file: Path) -> Path:
-    """Checked file for a trace that is written during the run.
+    """Return the checked file for a trace that is written during the run.
 
     Raises
     ------

@@ -24,7 +24,9 @@ def report(
             autocompletion=complete.loops,
         ),
     ] = None,
-    out: Annotated[Path, Option("-o", "--out", metavar="FILE.html", help="Output file.")] = Path("report.html"),
+    out: Annotated[Path, Option("-o", "--out", metavar="FILE.html", help="Output file.")] = Path(
+        "report.html"
+    ),
     study: Annotated[
         list[Path] | None,
         Option(metavar="FILE.toml", help="A study, as for `cosim sweep`. May be repeated."),
@@ -37,7 +39,7 @@ def report(
     videos: Annotated[
         bool, Option(help="Whether to add a video of each controller's first scenario (extra `replay`).")
     ] = True,
-    workers: Annotated[int | None, Option(min=1, help="Number of worker processes; default: one per core.")] = None,
+    workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
     engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
     timeout: Timeout = None,
     memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process.")] = None,

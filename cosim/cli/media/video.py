@@ -28,7 +28,7 @@ def video(
     camera: Annotated[
         str,
         Option(
-            help="Camera of the MJCF. Default: `closeup` with `overview` in a corner, or a view of everything."
+            help="Camera of the MJCF. Default: `closeup` with `overview` in a corner, or an overall view."
         ),
     ] = "",
     enlarge: Enlarge = None,
@@ -38,17 +38,17 @@ def video(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Make a video of a run; no screen is needed.
+    """Make a video of a run.
 
-    It shows the machine, the time, the state and key numbers. The trace must hold
-    MuJoCo's coordinates. The picture states its speed and enlarged motions. Example:
+    No screen is needed. The video shows the machine, the time, the state, key numbers,
+    the playback speed and enlarged motions. The trace must hold MuJoCo's coordinates.
 
     \b
         cosim run dob --set loop.record_qpos=true --trace dob.npz
         cosim video dob.npz -o dob.mp4
 
     The same in one step: `cosim video dob -o dob.mp4`. Requires the extra `replay`.
-    """
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
     from cosim.replay import video_file
 

@@ -85,7 +85,7 @@ class Connector:
         self.channels = {channel.name: (i, channel) for i, channel in enumerate(plant.commands)}
 
     def links(self) -> Links:
-        """Build all connections; the FMUs must be initialized, because their outputs initialize the delays."""
+        """Build all connections of initialized FMUs, whose outputs initialize the delays."""
         connections = {name: Connection() for name in (*self.fmus, PLANT)}
         for wire in self.scenario.wire:
             with concerning(f"wire.{wire.to}"):
@@ -161,7 +161,7 @@ class Connector:
             return Drive(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
 
     def course(self, signal: Signal) -> tuple[Any, Any]:
-        """Times and values of a signal; each value is checked against the type of its target."""
+        """Return times and values of a signal; each value is checked against the type of its target."""
         if not signal.file:
             return signal.times, [self.number(signal.to, value) for value in signal.values]
         found = read(find(signal.file, self.scenario.folder), signal.column)

@@ -40,7 +40,7 @@ class FaultEffect:
     held: float = 0.0
 
     def __call__(self, value: float, k: int, since: float) -> float:
-        """Changed value in step `k`, which is `since` steps after the first.
+        """Return the changed value in step `k`, which is `since` steps after the first.
 
         Before the first step `since` is negative: the value is only observed, the return value unused.
         """
@@ -109,7 +109,7 @@ def effect(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> F
 
 
 def steps_of(entry: Injection, loop: Loop) -> int:
-    """Number of steps of an injection; without an end it lasts to the end of the run."""
+    """Return the number of steps of an injection; without an end it lasts to the end of the run."""
     if entry.duration is not None:
         return max(1, first_step(entry.duration, loop.step))
     if entry.to_time is None or entry.from_time is None:
@@ -118,7 +118,7 @@ def steps_of(entry: Injection, loop: Loop) -> int:
 
 
 def delay_of(entry: Injection, loop: Loop) -> int:
-    """Number of steps from the row for which `when` is true to the first step; at least 1."""
+    """Return the number of steps from the row for which `when` is true to the first step; at least 1."""
     return max(1, first_step(entry.after, loop.step))
 
 
