@@ -44,7 +44,7 @@ int main(void) {
         in.enable = k > 100;
         /* in the order of the block */
         const double reals_in[] = {in.position, in.spindle_speed};
-        const int integers_in[] = {in.position_valid, in.enable, in.commission, in.teach, in.reset_fault};
+        const int integers_in[] = {in.position_valid, in.enable, in.commission, in.calibrate, in.reset_fault};
         fmu_dob_modelica_step(block, reals_in, integers_in, seen, numbers);
         if (!fmu_dob_step(plain, &in, &out) || out.current != seen[0] || (int)out.state != numbers[0])
             return 1;
