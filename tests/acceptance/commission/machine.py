@@ -1,4 +1,4 @@
-"""What the studies of the five commissions have in common."""
+"""Common parts of the studies of the commissioning runs."""
 
 from __future__ import annotations
 
@@ -10,5 +10,5 @@ class Machine(studies.Machine):
 
     @property
     def applied(self) -> bool:
-        """Whether it uses what was measured."""
+        """Whether it uses the measured values."""
         return bool(self.changes["controller.commission.apply"])
