@@ -23,8 +23,8 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
     check_derived(p)
 }
 
-/// All checks except those whose parameters a commissioning run cannot change: it knows the longest delay at which the loop
-/// is stable.
+/// All checks except those whose parameters a commissioning run cannot change: it knows the longest delay at which the
+/// loop is stable.
 ///
 /// # Errors
 /// When a parameter does not fit the others.
@@ -164,7 +164,7 @@ fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
 
 fn commission_force(p: &Parameters) -> Result<(), ParameterError> {
     let (most, least) = (p.stage.force_constant * p.stage.current_max, p.guard_force);
-    let hint = "A larger force saturates the current, a smaller one does not hold the stage against disturbances.";
+    let hint = "A larger force saturates the current; a smaller one cannot compensate disturbances.";
     let force = Parameter::new("commission.force", plan::force(p), "N", hint);
     force.must_be((least..most).contains(&plan::force(p)), || {
         format!("`0`, or from `{least} N`, `guard.force`, to below `{most} N`, the largest force of the drive")

@@ -1,4 +1,4 @@
-//! One sample of the whole law: read, estimate, decide, move, act, report.
+//! One control step: measure, estimate, decide, plan, control, report.
 
 mod judging;
 mod transitions;
@@ -31,7 +31,7 @@ use crate::spans::Spans;
 /// the positive direction; only [`Reader`] and the outputs know `approach.direction`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Controller {
-    /// samples since the initialisation
+    /// samples since initialization
     samples: u64,
     spans: Spans,
     /// the communication step that begins is longer than a sample
@@ -54,7 +54,7 @@ pub struct Controller {
     /// samples of the present state at constant speed
     ticks: u32,
     fault: Fault,
-    /// an edge of `enable` waits for a stage at rest
+    /// a pending edge of `enable` waits for a stage at rest
     enable_pending: WaitingRequest,
     /// an edge of `commission` does
     commission_pending: WaitingRequest,
@@ -65,7 +65,7 @@ pub struct Controller {
     waiting: bool,
     contact: Option<DetectedContact>,
     motion: Motion,
-    /// tracking error as the drive went off, m
+    /// tracking error when the drive was switched off, m
     error_at_power_off: f64,
     numbers: Numbers,
     integrator: Integrator,
@@ -118,12 +118,12 @@ impl Controller {
         self.long_step = true;
     }
 
-    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    /// Puts the active values of the commissioning run into the parameters; call it before each sample.
     pub fn bring_into_force(&mut self, p: &mut Parameters) {
         self.identification.put(p);
     }
 
-    /// Writes what the last good commission derives into the file `commission.export`.
+    /// Writes the derived parameters of the last successful commissioning run into the file `commission.export`.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -131,7 +131,7 @@ impl Controller {
         export_commission(&p.commission.export, &self.identification.derived())
     }
 
-    /// Writes what the last good calibration has learned into the file `calibration.export`.
+    /// Writes the bias of the last successful calibration cycle into the file `calibration.export`.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -139,8 +139,8 @@ impl Controller {
         export_values("calibration.export", &p.calibration.export, &self.calibration.derived())
     }
 
-    /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`], but for the tunable
-    /// ones, which count at the moment when an approach begins and of a contact.
+    /// One sample. The parameters must be those of [`Controller::new`] with [`Controller::bring_into_force`], except
+    /// the tunable ones, which are sampled when an approach starts and at a contact.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         if self.identification.take_renewed() {
             self.renew(p);
@@ -160,7 +160,7 @@ impl Controller {
         self.long_step = false;
     }
 
-    /// Other values are in force: the same motion and current, told by them.
+    /// Other values are active: converts the estimates, for the same motion and current.
     fn renew(&mut self, p: &Parameters) {
         let ratio = p.stage.force_constant / self.observer.force_constant();
         self.observer = self.observer.renewed(p);
@@ -180,7 +180,8 @@ impl Controller {
         self.known >= self.spans.tracked
     }
 
-    /// Whether the stage has come to rest as the reference has, so far that the observer has forgotten how; one without a drive may stand anywhere.
+    /// Whether the stage has come to rest as the reference has, so long that it has no effect on the observer; always
+    /// true without a drive.
     fn has_come_to_rest(&self) -> bool {
         self.off() || self.monitors.rest.lasts(self.spans.forgotten)
     }
@@ -293,7 +294,7 @@ impl Controller {
         }
     }
 
-    /// Moves the reference; with the drive off it lies where the stage is.
+    /// Moves the reference; with the drive off it follows the stage.
     fn follow(&mut self, p: &Parameters, reading: &Reading) {
         let cruised = self.motion.reference.acceleration == 0.0 && !self.motion.at_rest();
         match reading.position {
@@ -304,14 +305,14 @@ impl Controller {
             }
             position => self.motion.step(p, self.state, position.is_some(), self.waiting),
         }
-        // the drive is judged by its last braking, far from the workpiece
+        // the drive is evaluated by its last deceleration, far from the workpiece
         if self.state == State::Retract && cruised && self.motion.reference.acceleration != 0.0 {
             self.monitors.drive.begin();
         }
     }
 
-    /// Servo: acceleration, force, current; nothing while the drive is off. While a lost position is bridged there is no
-    /// feedback: feed-forward, and the last disturbance or integral, which is held, as it bears the weight.
+    /// Servo: acceleration, force, current; nothing while the drive is off. While a lost position is bridged there is
+    /// no feedback: feed-forward, and the last disturbance or integral, which is held, because it carries the weight.
     fn act(&mut self, p: &Parameters, reading: &Reading) -> f64 {
         if self.off() {
             return self.amplifier.send(0.0);

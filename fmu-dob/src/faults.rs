@@ -35,7 +35,8 @@ pub struct Symptoms<'a> {
     pub diverged: u32,
     /// Consecutive samples with a disturbance beyond its limit.
     pub overloaded: u32,
-    /// While the velocity is unknown: the second difference of the position is larger than any force of this machine explains.
+    /// While the velocity is unknown: the second difference of the position is larger than any force of this machine
+    /// explains.
     pub bent: bool,
     /// Ratio of measured to commanded acceleration of the stage, where it is known.
     pub gain_ratio: Option<f64>,

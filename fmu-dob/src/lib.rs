@@ -1,6 +1,7 @@
 //! Sensorless contact detection of a micro tool with a disturbance observer (Kakinuma and Nagakari, 2017), as an FMU.
 //!
-//! [`interface`] declares the variables; [`controller::Controller`] is the control law in plain Rust, independent of FMI.
+//! [`interface`] declares the variables; [`controller::Controller`] is the control law in plain Rust, independent of
+//! FMI.
 #![forbid(unsafe_code)]
 
 mod calibration;

@@ -1,12 +1,12 @@
-//! Limits beyond which the machine is not what the controller takes it for.
+//! Limits of an off-nominal machine.
 
 use crate::interface::Parameters;
 
-/// Least limit of the following error (m), and how many times the error of the hardest acceleration it is.
+/// Minimum limit of the following error (m), and its ratio to the error of the hardest acceleration.
 const FOLLOWING: (f64, f64) = (20e-6, 3.0);
 
-/// Largest distance (m) from the reference, besides what the stage is late: `limits.following_error`, or three times what the
-/// late velocity makes of the hardest acceleration.
+/// Maximum distance (m) from the reference, in addition to the lag: `expert.limits.following_error`, or three times the
+/// error of the delayed velocity at the hardest acceleration.
 pub fn following_limit(p: &Parameters) -> f64 {
     if p.limits.following_error > 0.0 {
         return p.limits.following_error;
@@ -15,13 +15,13 @@ pub fn following_limit(p: &Parameters) -> f64 {
     f64::max(FOLLOWING.0, FOLLOWING.1 * braking)
 }
 
-/// Hardest acceleration of a job, m/s2.
+/// Hardest acceleration of a cycle, m/s2.
 fn hardest(p: &Parameters) -> f64 {
     p.retract.deceleration.max(p.approach.acceleration)
 }
 
-/// Largest disturbance (N): `limits.disturbance`, or the larger of half the force of the drive and of `guard.force` with
-/// the force of the hardest acceleration.
+/// Maximum disturbance (N): `expert.limits.disturbance`, or the larger of half the force of the drive and of
+/// `guard.force` with the force of the hardest acceleration.
 pub fn disturbance_limit(p: &Parameters) -> f64 {
     if p.limits.disturbance > 0.0 {
         return p.limits.disturbance;
@@ -29,8 +29,8 @@ pub fn disturbance_limit(p: &Parameters) -> f64 {
     f64::max(0.5 * p.stage.force_constant * p.stage.current_max, p.guard_force + p.stage.mass * hardest(p))
 }
 
-/// Largest second difference (m) of readings of the stage: what `limits.disturbance` and the drive make together of a sample, and
-/// four readings that are `limits.jump` off.
+/// Maximum second difference (m) of the position: by disturbance and drive together in a sample, and by four errors of
+/// `limits.jump`.
 pub fn bend_limit(p: &Parameters) -> f64 {
     let force = disturbance_limit(p) + p.stage.force_constant * p.stage.current_max;
     force / p.stage.mass * p.sample_period * p.sample_period + 4.0 * p.limits.jump

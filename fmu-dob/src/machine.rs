@@ -8,45 +8,46 @@ impl State {
         matches!(self, Self::Approach | Self::Learn | Self::Detect | Self::Confirm)
     }
 
-    /// Whether a job is going on.
+    /// Whether a cycle is active.
     pub fn at_work(self) -> bool {
         self.approaching() || matches!(self, Self::Contact | Self::Retract)
     }
 
-    /// Whether an approach or a commission may begin.
+    /// Whether an approach or a commissioning run may start.
     pub fn waits(self) -> bool {
         matches!(self, Self::Idle | Self::Done)
     }
 }
 
-/// What happened in one sample.
+/// Events of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// An approach is asked for, see [`control_blocks::WaitingRequest`].
+    /// An approach is requested, see [`control_blocks::WaitingRequest`].
     pub begin: bool,
-    /// A commission is asked for, see [`control_blocks::WaitingRequest`].
+    /// A commissioning run is requested, see [`control_blocks::WaitingRequest`].
     pub commission: bool,
-    /// A calibration is asked for, see [`control_blocks::WaitingRequest`].
+    /// A calibration cycle is requested, see [`control_blocks::WaitingRequest`].
     pub calibrate: bool,
     /// A touch of a calibration has just ended.
     pub calibration: bool,
-    /// The calibration has come to its end, or is broken off.
+    /// The calibration cycle has ended or is aborted.
     pub calibrated: bool,
-    /// The commission is to be broken off.
+    /// The commissioning run is aborted.
     pub break_off: bool,
-    /// The commission has come to its end.
+    /// The commissioning run has ended.
     pub commissioned: bool,
     /// `enable` is set.
     pub enabled: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
-    /// The position is valid, the velocity known, and the reference at rest for as long as the stage takes to come to rest, or the drive off.
+    /// The position is valid, the velocity known, and the reference at rest for as long as the stage takes to come to
+    /// rest, or the drive off.
     pub restful: bool,
     /// Something is wrong.
     pub fault: Option<Fault>,
     /// Contact, from its source.
     pub contact: Option<ContactSource>,
-    /// Something looks like a contact and is to be touched again.
+    /// A contact is suspected and is touched a second time.
     pub suspected: bool,
     /// The second touch is over, without a contact.
     pub dismissed: bool,
@@ -54,7 +55,7 @@ pub struct Events {
     pub elapsed: bool,
     /// The reference no longer moves towards the workpiece.
     pub turned: bool,
-    /// The retreat is complete, and in a job the force behind it known.
+    /// The retract is complete, and in a cycle the force after it is known.
     pub retreated: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What the stage shall do, and the current that makes it do so.
+//! Reference of the stage, and the servo that follows it.
 
 pub mod depth_limit;
 pub mod reference;

@@ -1,4 +1,4 @@
-//! Checks the inputs of a sample: what can be used, and what is wrong with the rest.
+//! Checks the inputs of a sample: usable values, and the reason why others are rejected.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -8,53 +8,55 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Input, Parameters};
 use crate::monitoring::recent::RecentReadings;
 
-/// No machine has a longer axis, m.
+/// Maximum plausible position, m.
 const POSITION_MAX: f64 = 1e3;
-/// No spindle is faster, rad/s.
+/// Maximum plausible spindle speed, rad/s.
 const SPEED_MAX: f64 = 1e5;
-/// A reading stands while it is within this many steps of the encoder, one of them a last bit that flickers.
+/// A position within this many encoder steps has not changed; one of them is a toggling last bit.
 const STANDS: f64 = 1.5;
-/// Shares of `limits.frozen`: what a reading may leave unanswered to prove a contact, and how far a stage follows its reference.
+/// Fractions of `limits.frozen`: maximum motion without a change in evidence for a contact, and distance within which a
+/// stage follows its reference.
 const ALIVE: f64 = 1.0 / 3.0;
 const WITH_IT: f64 = 4.0;
-/// Longest quarter turn of a spindle for which a slow stage may stand, s.
+/// Maximum quarter revolution of a spindle for which a slow stage may be at rest, s.
 const STANDSTILL: f64 = 1.5e-3;
-/// A reading counts up to this share of `limits.jump` from where it is expected, so that a bad sample that is just believed
-/// leaves the good ones after it within `limits.jump`: 0.5 of it, and what the velocity that it makes adds in a sample.
+/// A position is used in full up to this fraction of `limits.jump` from its prediction. A bad sample that is just
+/// accepted then leaves the good ones after it within `limits.jump`: half of it, plus the effect of its velocity error
+/// in a sample.
 const COUNTS: f64 = 0.5;
-/// Share of a spindle's speed within which readings of it may differ, and the least such difference, rad/s.
+/// Relative spread of the measured spindle speed, and its minimum, rad/s.
 const SPEED_SPREAD: (f64, f64) = (0.02, 1.0);
 
 /// Why there is no position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Loss {
-    /// The encoder says so, or the number is none.
+    /// The encoder reports it, or the value is no number.
     #[default]
     Invalid,
-    /// It stands although the stage must have moved.
+    /// It does not change although the stage must have moved.
     Frozen,
     /// The stage cannot be there.
     Jumps,
 }
 
-/// What the model of the stage says about the position of this sample, towards the workpiece.
+/// Prediction of the position of this sample by the model of the stage, towards the workpiece.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Expected {
     /// Motion since the last sample by the observer, m.
     pub motion: f64,
-    /// The same where a reading is lost, and none has corrected the observer, m.
+    /// The same where the position is lost and the observer is not corrected, m.
     pub bridged: f64,
-    /// What it cannot foresee, m in a sample.
+    /// Unpredictable motion, m in a sample.
     pub unforeseen: f64,
     /// The reference until now, m.
     pub reference: f64,
     /// Motion of the reference since the last sample, m.
     pub asked: f64,
-    /// By how much the stage may be behind the reference, m.
+    /// Tolerated lag of the stage, m.
     pub behind: f64,
-    /// How far besides it may be from it, m.
+    /// Additional distance from the reference, m.
     pub diverged: f64,
-    /// A stage that was ahead of its reference may stand until that has come by.
+    /// A stage ahead of its reference may be at rest until the reference has caught up.
     pub may_wait: bool,
     /// The spindle must be steady.
     pub steady_spindle: bool,
@@ -83,34 +85,34 @@ pub struct Reading {
     pub reset: bool,
     /// The position is there for the first time, or again after too long.
     pub found: bool,
-    /// Samples in a row with a spindle speed that is no number, or out of any plausible range.
+    /// Consecutive samples with a spindle speed that is no number or out of range.
     pub invalid: u32,
-    /// Samples in a row without a position.
+    /// Consecutive samples without a position.
     pub lost: u32,
     /// Why the last of them had none.
     pub loss: Loss,
-    /// By how many samples those that jumped are late, if the encoder says again what it has said.
+    /// Delay of the jumped positions in samples, if the encoder repeats earlier values.
     pub late: Option<u32>,
-    /// The position answers the motion of the reference.
+    /// The position follows the motion of the reference.
     pub alive: bool,
-    /// Believed positions in a row, lost samples between them left out, that counted in full.
+    /// Consecutive positions that were used in full, without the lost samples between them.
     pub whole: u32,
-    /// Samples in a row with a spindle speed that cannot be.
+    /// Consecutive samples with an implausible spindle speed.
     pub spindle_lost: u32,
 }
 
-/// Remembers what one reading needs from the ones before; by default nothing, before the first sample.
+/// State of the input checks between samples; the default is that before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
     known: bool,
     lost: Consecutive,
     loss: Loss,
-    /// a sample had no reading since the last position
+    /// a sample had no position since the last one
     gap: bool,
     invalid: Consecutive,
     whole: Consecutive,
     standing: Frozen,
-    /// The last readings as they came.
+    /// The last positions as measured.
     pub recent: RecentReadings,
     position: JumpGuard,
     spindle_speed: JumpGuard,
@@ -129,7 +131,7 @@ impl Parameters {
 }
 
 impl Reader {
-    /// Reads one sample.
+    /// Checks one sample.
     pub fn read(&mut self, p: &Parameters, input: &Input, expected: &Expected) -> Reading {
         let position_good = believable(input.position, POSITION_MAX);
         let speed_good = believable(input.spindle_speed, SPEED_MAX);
@@ -165,19 +167,20 @@ impl Reader {
         }
     }
 
-    /// How long (s) a slow stage may stand that a flute or the unbalance has stopped: a quarter turn of the spindle, at most [`STANDSTILL`].
+    /// Time (s) for which a flute or the unbalance may stop a slow stage: a quarter revolution of the spindle, at most
+    /// [`STANDSTILL`].
     pub fn standstill(&self) -> f64 {
         let speed = self.spindle_speed.believed().map_or(0.0, f64::abs);
         if speed > 0.0 { (FRAC_PI_2 / speed).min(STANDSTILL) } else { 0.0 }
     }
 
-    /// The motion that the position has not answered is forgotten, when it is no longer controlled for instance.
+    /// Discards the motion without a change of the position, for example when the stage is no longer controlled.
     pub fn forgive(&mut self) {
         self.standing.clear();
     }
 
-    /// The given position if the stage can be there, nearer to where it is expected if it counts only in part; after too
-    /// long without one any is taken.
+    /// The given position if the stage can be there, shifted towards its prediction if it is only partly used; after a
+    /// long loss any position is accepted.
     fn believe(&mut self, p: &Parameters, given: Option<f64>, e: &Expected, anew: bool) -> Option<f64> {
         if anew {
             self.position.clear();
@@ -191,8 +194,8 @@ impl Reader {
         let near = e.behind + e.diverged + WITH_IT * p.limits.frozen;
         let stands = given.filter(|_| !jumped).is_some_and(|z| {
             let error = e.reference - z;
-            // a stage that was diverged may truly stand, as one that was ahead in a stroke does until its reference has come by;
-            // and what has jumped may come by where it was
+            // a stage off its reference may actually be at rest, as one ahead in a stroke until its reference has caught up;
+            // and a position that jumped may pass its old value
             let ahead = (self.standing.missed() - error) * self.standing.missed().signum();
             let with_it = near + e.asked.abs() * (1.0 + f64::from(p.io_delay));
             let waits = if e.may_wait && ahead > with_it { ahead } else { 0.0 };
@@ -223,7 +226,7 @@ impl Reader {
         None
     }
 
-    /// The last spindle speed that can be; at any other time than a job every speed can.
+    /// The last plausible spindle speed; outside of a cycle every speed is plausible.
     fn spindle(&mut self, p: &Parameters, given: f64, expected: &Expected) -> f64 {
         if !expected.steady_spindle && given.is_finite() {
             self.spindle_speed.clear();

@@ -15,9 +15,9 @@ const FOUND: f64 = 10.0;
 pub struct Spans {
     /// Until the velocity of a stage that has just been found is known.
     pub tracked: u32,
-    /// Until the observer has forgotten an acceleration.
+    /// Until an acceleration has no effect on the observer.
     pub forgotten: u32,
-    /// Until observer and detector have forgotten a bad reading.
+    /// Until a bad position has no effect on observer and detector.
     pub memory: u32,
 }
 

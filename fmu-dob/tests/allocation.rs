@@ -1,4 +1,4 @@
-//! No sample allocates: not in any state of a job, with any detector or the paper's law, nor in any fault.
+//! No sample allocates: in no state, with no detector or control law, and in no fault.
 
 #[expect(dead_code, reason = "the closed loop uses more of it")]
 #[path = "closed_loop/run.rs"]

@@ -1,17 +1,18 @@
 //! The bias: travel between first touch and detection, as a function of the approach speed.
 //!
-//! After the touch the force grows by K v. While the filter remembers all of it, the energy of its answer grows with t^7, so that a
-//! contact is found after t ~ (K v)^(-2/7) and v t ~ v^(5/7), and delays add v t_0. Slower than that it grows with t alone,
-//! and v t ~ 1 / v. Between both the bias hardly depends on v: b(v) = b_0 + b_1 (v / v_1)^(5/7) + b_2 / v, v_1 = 100 um/s.
+//! After the touch the force grows by K v. While the filter stores all of it, the energy of its response grows with
+//! t^7, so that a contact is found after t ~ (K v)^(-2/7) and v t ~ v^(5/7), and delays add v t_0. Slower than that it
+//! grows with t alone, and v t ~ 1 / v. Between both the bias hardly depends on v: b(v) = b_0 + b_1 (v / v_1)^(5/7) +
+//! b_2 / v, v_1 = 100 um/s.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Contact, Parameters};
 
-/// Speeds of a calibration, in equal ratios: two more than the bias has parts.
+/// Speeds of a calibration cycle, in equal ratios: two more than the bias has parts.
 pub const SPEEDS: usize = 5;
 
-/// v_1, the speed at which the fast part is told, m/s.
+/// v_1, the speed at which the fast part is specified, m/s.
 const FAST_VELOCITY: f64 = 1e-4;
 /// Power of the speed with which the fast part grows.
 const FAST_POWER: f64 = 5.0 / 7.0;

@@ -1,29 +1,32 @@
-//! How hard a touch presses, by the momentum that it takes from the stage.
+//! Force of a touch, by the momentum that it takes from the stage.
 //!
-//! A fast touch is over before the observer has felt it, and hides behind the force of the turn. But the stage has a momentum less behind it: with
-//! P = int (F_t - F_0) dt of the thrust F_t beside what held the stage before, F_0, a stage that came at v and goes at v' now has taken
-//! J = g P - M_n (v' - v) - B int (v' - v) dt from the work. A commission has found g, by which the thrust is other than told, and the friction B; without
-//! one the swing of the stage after the turn tells g, as the slope of the line of momentum over P, and B is 0. Force over depth x is J / int x dt.
+//! A fast touch ends before the observer shows its force, and the braking force hides the rest. The momentum of the
+//! stage shows it. With P = int (F_t - F_0) dt of the thrust F_t relative to the holding force F_0 before, a stage that
+//! arrived at v and moves at v' has lost J = g P - M_n (v' - v) - B int (v' - v) dt to the workpiece. A commissioning
+//! run identifies g, the ratio of actual to nominal thrust, and the friction B. Without it g is the slope of the
+//! momentum over P while the stage oscillates after the reversal, and B is 0. The force over the depth x is J / int x
+//! dt.
 
 use control_blocks::ticks;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Measured, Parameters};
 
-/// Time constant of what holds the stage before, s.
+/// Time constant of the holding force before the touch, s.
 const BEFORE: f64 = 0.01;
-/// The momentum is taken in this time after the contact was found, s: it is gone, and the stage still swings.
+/// The momentum is evaluated in this time after the detection, s: the contact has ended, and the stage still
+/// oscillates.
 const AFTER: [f64; 2] = [2e-3, 6e-3];
-/// The largest force over the largest depth is so many times what all of the touch says, as one flute touches before the other: measured 1.2 at 300 um/s
-/// and 1.3 at 130 um/s, for tools whose flutes reach 0.1 to 0.3 um apart.
+/// Ratio of maximum force over maximum depth to the mean of the touch, because one flute touches before the other:
+/// measured 1.2 at 300 um/s and 1.3 at 130 um/s, for tools whose flutes differ by 0.1 to 0.3 um.
 const FLUTES: f64 = 1.25;
-/// Least divisor: far below a nanometre for a sample, m s, and the square of the slowest speed, m2/s2.
+/// Minimum divisor: far below a nanometer for a sample, m s, and the square of the slowest speed, m2/s2.
 const LEAST: f64 = 1e-20;
 
-/// What is known of the drive and the stage beside the parameters.
+/// Drive and stage as measured, in addition to the parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Drive {
-    /// Thrust over that of the parameters.
+    /// Ratio of the measured to the configured thrust.
     pub gain: Option<f64>,
     /// How much later than `io_delay` samples the current acts, without its loop, s.
     pub late: f64,
@@ -32,7 +35,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// By a good commission, or nothing.
+    /// By a successful commissioning run, otherwise unknown.
     pub fn of(p: &Parameters, measured: &Measured) -> Self {
         if !measured.valid {
             return Self { gain: None, late: 0.0, damping: 0.0 };
@@ -45,12 +48,12 @@ impl Drive {
     }
 }
 
-/// One touch after the other; by default none.
+/// Force of consecutive touches; by default none.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Press {
     /// thrust before the touch, N
     before: f64,
-    /// thrust beside that behind the current loop, N
+    /// thrust relative to that, downstream of the current loop, N
     acting: f64,
     /// P, N s
     push: f64,
@@ -67,8 +70,8 @@ pub struct Press {
 }
 
 impl Press {
-    /// Takes how deep (m) the tool is behind the place of the work, less than zero before, where it was read, with the current that acted (A), and
-    /// whether the contact was found in an approach at `velocity` m/s.
+    /// Takes the depth (m) of the tool below the surface, negative before it, where the position is known, with the
+    /// current that acted (A), and whether the contact was found in an approach at `velocity` m/s.
     pub fn update(
         &mut self,
         p: &Parameters,
@@ -79,7 +82,7 @@ impl Press {
         found: bool,
     ) {
         let thrust = p.stage.force_constant * acted;
-        // the reading after a lost one brings the way of both
+        // the position after a lost one contains the motion of both samples
         let depth = depth.unwrap_or(self.depth);
         if !found && (depth <= 0.0 || self.since > 0) {
             let before = self.before + (thrust - self.before) * p.sample_period / BEFORE;
@@ -96,7 +99,7 @@ impl Press {
             self.area += depth.max(0.0) * dt;
             self.deepest = self.deepest.max(depth);
         } else if self.since <= to {
-            // in the middle of the sample, where its motion tells the speed
+            // in the middle of the sample, where its motion gives the speed
             let push = self.push + impulse * (0.5 - drive.late / dt);
             let momentum = p.stage.mass * moved / dt + drive.damping * (self.away + 0.5 * moved);
             let terms = [1.0, push, momentum, push * push, push * momentum];
@@ -128,7 +131,8 @@ pub struct Hardness {
 }
 
 impl Hardness {
-    /// Takes the largest force (N) of a touch at `velocity` m/s; whether that is so `fast` that force over speed says something by itself.
+    /// Takes the maximum force (N) of a touch at `velocity` m/s; `fast`: its ratio of force and speed is significant by
+    /// itself.
     pub fn push(&mut self, velocity: f64, force: f64, fast: bool) {
         self.products += velocity * force;
         self.squares += velocity * velocity;
@@ -158,7 +162,8 @@ mod tests {
 
     use super::*;
 
-    /// A touch of a stage that is held against `weight` N, and whose drive does `gain` times what is told behind its current loop.
+    /// A touch of a stage with a holding force of `weight` N, whose drive has `gain` times the configured thrust after
+    /// its current loop.
     #[derive(Clone, Copy, Debug)]
     struct Touch {
         velocity: f64,
@@ -172,12 +177,12 @@ mod tests {
     }
 
     impl Touch {
-        /// What a commission finds.
+        /// Result of a commissioning run.
         fn drive(&self) -> Drive {
             Drive { gain: Some(self.gain), late: 0.0, damping: self.damping }
         }
 
-        /// Its force by what is known of the drive, and the true one, on work that both flutes touch at once, N.
+        /// Its estimated force, and the actual one, on a workpiece that both flutes touch simultaneously, N.
         fn forces(&self, press: &mut Press, drive: &Drive) -> [f64; 2] {
             let p = Parameters::START;
             let (dt, mass, fine) = (p.sample_period, p.stage.mass, p.sample_period / 50.0);

@@ -1,4 +1,4 @@
-//! A calibration as the controller sees it: which touch is next, what was learned, and which bias is in force.
+//! The calibration cycle: the next touch, the result, and the active bias.
 
 use control_blocks::{InForce, SIGNIFICANT, ticks};
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use crate::calibration::spread::Spread;
 use crate::interface::{Approach, Calibrated, Measured, Parameters};
 use crate::monitoring::rest::SETTLING;
 
-/// One calibration after the other.
+/// Consecutive calibration cycles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CalibrationRun {
     /// What was learned.
@@ -19,15 +19,15 @@ pub struct CalibrationRun {
     pub active: bool,
     /// All touches are made, and what they say cannot be used.
     pub rejected: bool,
-    /// The fastest speed that `calibration.force_max` bears (m/s), where that is too slow to calibrate.
+    /// The fastest speed that `calibration.force_max` allows (m/s), where that is too slow to calibrate.
     pub bearable: Option<f64>,
     broken: bool,
-    /// samples for which the stage still stands before the next touch
+    /// samples for which the stage stays at rest before the next touch
     pause: u32,
     series: TouchSeries,
     press: Press,
     bias: InForce<Bias>,
-    /// how sure the bias in force is, where it was calibrated
+    /// uncertainty of the active bias, where it was calibrated
     spread: Option<Spread>,
 }
 
@@ -77,7 +77,7 @@ impl CalibrationRun {
         self.over() || self.rejected
     }
 
-    /// Ends; one that has not come to a good end leaves what was told.
+    /// Ends; an unsuccessful cycle restores the configured bias.
     pub fn end(&mut self) {
         if self.active && !self.calibrated.valid {
             self.bias.restore();
@@ -86,28 +86,29 @@ impl CalibrationRun {
         self.active = false;
     }
 
-    /// The next approach: that of the parameters, no faster than was calibrated with `calibration.force_max`, and in a calibration at the speed that is next.
+    /// The next approach: that of the parameters, no faster than was calibrated with `calibration.force_max`, and in a
+    /// calibration at the speed that is next.
     pub fn approach(&self, p: &Parameters) -> Approach {
         let touch = self.active && !self.ended();
         let velocity = if touch { self.series.velocity() } else { self.job_velocity(p) };
         Approach { velocity, ..p.approach }
     }
 
-    /// The approach after the touch that is being made: the next one of the calibration, or that of a job behind it.
+    /// The approach after the current touch: the next one of the cycle, or a normal one after it.
     pub fn approach_after(&self, p: &Parameters) -> Approach {
         let after = self.series.after(p).filter(|_| !self.ended());
         Approach { velocity: after.unwrap_or_else(|| self.job_velocity(p)), ..p.approach }
     }
 
-    /// Speed of a job, m/s; behind a calibration that may still fail the one that is told.
+    /// Speed of a normal approach, m/s; after a calibration that may still fail the configured one.
     fn job_velocity(&self, p: &Parameters) -> f64 {
         let limited = p.calibration.force_max > 0.0 && (self.calibrated.valid || !self.active);
         let limit = self.spread.filter(|_| limited).map(|spread| spread.fastest());
         limit.map_or(p.approach.velocity, |fastest| p.approach.velocity.min(fastest))
     }
 
-    /// One sample at `position` m, towards the work, or while that is lost, with the current that acted (A), on a machine of which a commission may have
-    /// measured something: how hard the touch presses, where that is asked for.
+    /// Takes one sample at `position` m, towards the workpiece, if it is known, with the current that acted (A), and
+    /// evaluates the force of the touch with a force limit; `measured` is the result of a commissioning run, if any.
     pub fn feel(&mut self, p: &Parameters, measured: &Measured, position: Option<f64>, acted: f64, found: bool) {
         if self.active && p.calibration.force_max > 0.0 {
             let depth = position.map(|position| position - p.direction() * p.calibration.position);
@@ -122,7 +123,8 @@ impl CalibrationRun {
         rested
     }
 
-    /// Takes a contact (m, towards the work) of the approach that has just ended, with a spindle at `spindle_speed` rad/s.
+    /// Takes a contact (m, towards the work) of the approach that has just ended, with a spindle at `spindle_speed`
+    /// rad/s.
     pub fn take(&mut self, p: &Parameters, measured: &Measured, contact: f64, spindle_speed: f64) {
         let late = contact - p.direction() * p.calibration.position;
         self.series.take(p, late, self.press.force(&Drive::of(p, measured)));
@@ -138,17 +140,19 @@ impl CalibrationRun {
         }
     }
 
-    /// Least and largest mean bias of a speed, m.
+    /// Minimum and maximum mean bias of a speed, m.
     pub fn extremes(&self) -> [f64; 2] {
         self.series.extremes(0)
     }
 
-    /// The bias in force: what was calibrated where `calibration.apply` says so, else what the parameters tell now, as they are tunable.
+    /// The active bias: the calibrated one with `calibration.apply`, otherwise that of the parameters, which are
+    /// tunable.
     pub fn bias(&self, p: &Parameters) -> Bias {
         if self.bias.as_told() { Bias::of(p) } else { self.bias.now() }
     }
 
-    /// Standard deviation (m) of the place that a touch at `velocity` m/s tells with the bias in force; 0 where that was not calibrated.
+    /// Standard deviation (m) of the position measured by a touch at `velocity` m/s with the active bias; 0 without
+    /// calibration.
     pub fn deviation(&self, velocity: f64) -> f64 {
         self.spread.map_or(0.0, |spread| spread.at(velocity))
     }
@@ -159,8 +163,9 @@ impl CalibrationRun {
         [constant, fast, slow, ("calibration.velocity_max", self.calibrated.velocity_max)]
     }
 
-    /// Judges what all touches say. Where they are not sure and no more are to be made, the slowest speed is left out: on soft work a slow
-    /// touch is found when noise lets it, and the bias at the others may be sure without it.
+    /// Evaluates all touches. If they are too uncertain and no more are allowed, the slowest speed is left out: on a
+    /// soft workpiece the detection of a slow touch depends on the noise, and the bias at the other speeds may be
+    /// certain without it.
     fn conclude(&mut self, p: &Parameters) {
         let series = &self.series;
         let can_be = |slowest| {
@@ -190,8 +195,8 @@ fn sure(p: &Parameters, calibrated: &Calibrated) -> bool {
     calibrated.scatter <= p.limits.touch_scatter && calibrated.std <= p.calibration.std_max
 }
 
-/// Whether the bias is one that can be: none is found before the touch, beyond what place and scatter explain, nor so late that the
-/// work is too soft.
+/// Whether the bias is one that can be: none is found before the touch, beyond what place and scatter explain, nor so
+/// late that the work is too soft.
 fn possible(p: &Parameters, calibrated: &Calibrated, [least, most]: [f64; 2]) -> bool {
     least >= -SIGNIFICANT * calibrated.std && most <= p.limits.bias
 }

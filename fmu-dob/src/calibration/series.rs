@@ -1,7 +1,7 @@
-//! The touches of a calibration: at which speed each is, and what all of them say about the bias.
+//! The touches of a calibration cycle: the speed of each one, and the bias that follows from all of them.
 //!
-//! It goes through all speeds and then again, so that work which a touch dents shows as scatter. On hard work the first round lowers the speeds
-//! that are still to come to what `calibration.force_max` bears.
+//! All speeds are touched in turn, so that a workpiece which a touch dents shows as scatter. On a hard workpiece the
+//! first round lowers the remaining speeds to those that `calibration.force_max` allows.
 
 use std::array;
 use std::f64::consts::TAU;
@@ -15,49 +15,51 @@ use crate::calibration::press::Hardness;
 use crate::calibration::spread::Spread;
 use crate::interface::{Calibrated, Parameters};
 
-/// Least ratio of the fastest speed to the slowest.
+/// Minimum ratio of the fastest speed to the slowest.
 pub const RATIO: f64 = 3.0;
 
-/// A stage may be so many times heavier than told, and each force as many times larger.
+/// Tolerated ratio of actual to configured mass; each force is larger by the same ratio.
 const HEAVIER: f64 = 1.3;
-/// So many times harder than one touch at a speed others may press there, as the flutes lie at another angle.
+/// Safety factor for other touches at the same speed: the flutes are at another angle.
 const SCATTER: f64 = 1.2;
-/// So many times harder than slower ones tell a touch may press: where those met the flutes at an angle at which they hardly cut.
+/// Safety factor on the extrapolated force: earlier touches may have hit the flutes where they hardly cut.
 const FASTER: f64 = 1.6;
-/// Where touches are given up again, the next are slower than what is bearable by this share, so that this comes to an end.
+/// If touches are discarded a second time, the next speeds are lower than the allowed one by this factor, so that the
+/// cycle ends.
 const AGAIN: f64 = 0.9;
 
-/// What the three parts leave out at a speed, as deviation, m: the likeliest beside the scatter of the five means of 29 machines whose mass
-/// and thrust constant are wrong by up to 30 %, on work of 0.1 to 2 N/um.
+/// Model error of the three parts at a speed, standard deviation, m: the most likely value in addition to the scatter
+/// of the five means, on 29 machines whose mass and thrust constant are wrong by up to 30 %, with workpieces of 0.1 to
+/// 2 N/um.
 const LEFT_OUT: f64 = 6e-9;
 
-/// Share of a turn of the spindle for which the stage stands longer before each touch of a round than before one of the round before. The touches between
-/// two that a flute holds add up: up to four of them come 0.4 to 1.6 turns later in each round, so that five rounds spread evenly over the half of a
-/// turn with two flutes.
+/// Fraction of a spindle revolution by which the pause before each touch grows from round to round. The pauses between
+/// two touches at the same flute add up: up to four of them shift each round by 0.4 to 1.6 revolutions, so that five
+/// rounds are distributed evenly over the half revolution of two flutes.
 const LATER: f64 = 0.4;
-/// A turn that takes longer is not waited for, s.
+/// A longer revolution is not waited for, s.
 const TURN_MAX: f64 = 0.1;
 
-/// Degrees of freedom with which the scatter of all speeds counts beside that of one: more than one, or two touches have no variance, and few, as one
-/// speed may scatter several times as much as the others.
+/// Degrees of freedom of the pooled scatter in the scatter of one speed: more than one, because two touches have no
+/// variance, and few, because one speed may scatter several times as much as the others.
 const POOLED: f64 = 2.0;
 
-/// So many of the slowest speeds a conclusion may leave out: one more are left than the bias has parts.
+/// Number of slowest speeds that may be left out: one more speed remains than the bias has parts.
 pub const SLOWER_MAX: usize = SPEEDS - 4;
 
-/// Touches at each speed at most.
+/// Maximum number of touches at each speed.
 fn most(p: &Parameters) -> u32 {
     p.calibration.touches.max(p.calibration.touches_max).unsigned_abs()
 }
 
-/// Touches so far.
+/// Touches of one calibration cycle so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TouchSeries {
     /// the slowest first, m/s
     speeds: [f64; SPEEDS],
-    /// those that count
+    /// those that are used
     touches: u32,
-    /// those at speeds that were given up
+    /// those at discarded speeds
     given_up: u32,
     /// rounds beyond `expert.calibration.touches`
     more: u32,
@@ -66,7 +68,7 @@ pub struct TouchSeries {
 }
 
 impl TouchSeries {
-    /// None so far, and the speeds of the parameters.
+    /// No touches so far, and the speeds of the parameters.
     pub fn new(p: &Parameters) -> Self {
         let slowest = p.calibration.velocity_min;
         Self {
@@ -89,12 +91,12 @@ impl TouchSeries {
         self.speeds[self.next()]
     }
 
-    /// Lowers the speeds of the first round that are still to come, where the next touch would press harder than `calibration.force_max`, and the fastest
-    /// where that has come near it; the force grows as the speed. Those that were touched and are slower than what is bearable stay. What is no faster than any
-    /// calibration needs is touched in any case.
+    /// Lowers the remaining speeds of the first round where the next touch would exceed `calibration.force_max`, and
+    /// the fastest one where the last touch has come near it; the force is proportional to the speed. Touched speeds
+    /// below the limit are kept. Speeds that every calibration needs are touched in any case.
     ///
     /// # Errors
-    /// When that leaves too little of the range: the fastest speed that is bearable, m/s.
+    /// When that leaves too little of the range: the fastest allowed speed, m/s.
     pub fn lower(&mut self, p: &Parameters) -> Result<(), f64> {
         let (next, least) = (self.touches as usize, RATIO * p.calibration.velocity_min);
         let speed = self.speeds[next.min(SPEEDS - 1)];
@@ -127,47 +129,49 @@ impl TouchSeries {
         (!last).then(|| self.speeds[(self.next() + 1) % SPEEDS])
     }
 
-    /// How long (s) the stage stands before the next touch, at `spindle_speed` rad/s. A slow touch is found where a flute cuts, and all that
-    /// follows takes equally long: without this each speed would touch at one angle of the spindle, and its mean be wrong by what that makes.
+    /// Pause (s) at rest before the next touch, at `spindle_speed` rad/s. A slow touch is detected where a flute cuts,
+    /// and the rest of the cycle takes equally long. Without the pause each speed would touch at one spindle angle, and
+    /// its mean would have a constant error.
     pub fn pause(&self, spindle_speed: f64) -> f64 {
         let round = f64::from(self.touches / SPEEDS as u32);
         if TAU < TURN_MAX * spindle_speed.abs() { (LATER * round).fract() * TAU / spindle_speed.abs() } else { 0.0 }
     }
 
-    /// Whether all speeds were touched as often as they are to be.
+    /// Whether all rounds are complete.
     pub fn over(&self, p: &Parameters) -> bool {
         self.touches >= SPEEDS as u32 * (p.calibration.touches.unsigned_abs() + self.more)
     }
 
-    /// Touches at all speeds once more, if that may be; whether it may.
+    /// Starts one more round at all speeds, if allowed; returns whether it is.
     pub fn once_more(&mut self, p: &Parameters) -> bool {
         let may = self.touches() + SPEEDS as u32 <= SPEEDS as u32 * most(p);
         self.more += u32::from(may);
         may
     }
 
-    /// Takes how far (m) behind the first touch a contact was found at [`Self::velocity`], and how hard (N) it pressed.
+    /// Takes the bias (m) of a touch at [`Self::velocity`], and its force (N).
     pub fn take(&mut self, p: &Parameters, late: f64, force: f64) {
         self.hardness.push(self.velocity(), force, self.velocity() >= RATIO * p.calibration.velocity_min);
         self.late[self.next()].push(late);
         self.touches += 1;
     }
 
-    /// Least and largest mean of a speed, from speed `slowest` on, m.
+    /// Minimum and maximum mean of a speed, from speed `slowest` on, m.
     pub fn extremes(&self, slowest: usize) -> [f64; 2] {
         self.late[slowest..].iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], late| {
             [least.min(late.mean()), most.max(late.mean())]
         })
     }
 
-    /// What the touches from speed `slowest` on say of the bias, and how far a place that one more touch tells may be off. The scatter s of a speed is
-    /// its own with as much weight as it has degrees of freedom, and that of all these speeds with [`POOLED`], as few touches scatter little by
-    /// chance. That of a mean of n is s / n^(1/2), beside what the three parts leave out; where they leave more than both unexplained, they are less
-    /// sure. A touch has at least the deviation of an encoder's step. At a slower speed the bias is as unsure as the three parts are there, and as far off
-    /// as its touches were.
+    /// The bias from the touches from speed `slowest` on, and the uncertainty of a position measured by one more touch.
+    /// The scatter s of a speed combines its own, weighted by its degrees of freedom, with the pooled one, weighted by
+    /// [`POOLED`], because few touches may scatter little by chance. The mean of n touches has s / n^(1/2), in addition
+    /// to the model error of the three parts. Larger residuals widen the uncertainty of the parts. A touch has at least
+    /// the standard deviation of an encoder step. At a slower speed the uncertainty is that of the three parts there,
+    /// plus the residual of its touches.
     ///
     /// # Errors
-    /// When they do not tell the three parts apart.
+    /// When the three parts cannot be distinguished.
     pub fn conclude(&self, p: &Parameters, slowest: usize) -> Result<(Calibrated, Spread), NoEstimate> {
         let touches = f64::from(self.touches / SPEEDS as u32);
         let step = p.stage.encoder_resolution / 12f64.sqrt();
@@ -178,9 +182,9 @@ impl TouchSeries {
         let squares: [f64; SPEEDS] =
             array::from_fn(|i| POOLED * if i < slowest { own[i] } else { pooled } + freedom * own[i]);
         let likely = squares.map(|squares| (squares / (POOLED + freedom)).sqrt());
-        // what one more touch does is Student's: the mean of what its variance may be
+        // the result of one more touch has Student's distribution: the mean of its possible variance
         let touch = squares.map(|squares| (squares / (POOLED + freedom - 2.0)).sqrt());
-        // parts in units of what they give at the speed in the middle
+        // parts in units of their values at the middle speed
         let units = Bias::parts_at((self.speeds[0] * self.speeds[SPEEDS - 1]).sqrt());
         let parts = |i: usize| SVector::from(Bias::parts_at(self.speeds[i])).component_div(&SVector::from(units));
         let found = least_squares(SVector::zeros(), SPEEDS - slowest, |k, value| {
@@ -217,13 +221,13 @@ impl TouchSeries {
     }
 }
 
-/// Speed `i` of `n` behind `from` (m/s), which lie in equal ratios, the last at `to`.
+/// Speed `i` of `n` after `from` (m/s) in equal ratios, the last at `to`.
 fn between(from: f64, to: f64, i: usize, n: usize) -> f64 {
     from * (to / from).powf(i as f64 / n as f64)
 }
 
 impl Calibrated {
-    /// The bias that was calibrated.
+    /// The calibrated bias.
     pub fn parts(&self) -> Bias {
         Bias { constant: self.bias, fast: self.bias_fast, slow: self.bias_slow }
     }

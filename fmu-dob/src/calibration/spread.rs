@@ -1,4 +1,4 @@
-//! How far the place that one touch tells may be off, by its speed.
+//! Uncertainty of the position measured by one touch, as a function of its speed.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,15 +21,15 @@ impl Spread {
         self.speeds[SPEEDS - 1]
     }
 
-    /// Standard deviation (m) of the place that a touch at `velocity` m/s tells: its variance goes evenly with the
-    /// logarithm of the speed from one that was calibrated to the next, and stays beyond them.
+    /// Standard deviation (m) of the position measured by a touch at `velocity` m/s: the variance is interpolated over
+    /// the logarithm of the speed between calibrated speeds, and constant beyond them.
     pub fn at(&self, velocity: f64) -> f64 {
         let faster = self.speeds.iter().position(|speed| *speed >= velocity).unwrap_or(SPEEDS - 1).max(1);
         let [from, to] = [faster - 1, faster];
-        let share = (velocity / self.speeds[from]).ln() / (self.speeds[to] / self.speeds[from]).ln();
-        let share = share.clamp(0.0, 1.0);
+        let fraction = (velocity / self.speeds[from]).ln() / (self.speeds[to] / self.speeds[from]).ln();
+        let fraction = fraction.clamp(0.0, 1.0);
         let variance = |i: usize| self.touch[i].powi(2) + self.bias[i].powi(2);
-        ((1.0 - share) * variance(from) + share * variance(to)).sqrt()
+        ((1.0 - fraction) * variance(from) + fraction * variance(to)).sqrt()
     }
 }
 

@@ -1,6 +1,7 @@
-//! The motion of a commission: back to a centre, excite there, return, and four strokes at the approach speed.
+//! The motion of a commissioning run: retract to a center, excite there, return, and four strokes at the approach
+//! speed.
 //!
-//! It never goes beyond where it began, towards the workpiece.
+//! It never moves beyond its start position, towards the workpiece.
 
 use control_blocks::{PeriodicSpectra, Quintic, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -18,12 +19,12 @@ enum Phase {
     Strokes,
 }
 
-/// What has just been reached.
+/// Milestone of this sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Milestone {
     /// Nothing new.
     None,
-    /// The excitation is over: the response can be told.
+    /// The excitation is over: the response can be identified.
     Excited,
     /// The strokes are over, and the stage is back.
     Finished,
@@ -71,8 +72,8 @@ impl Experiment {
         matches!(self.phase, Phase::Back | Phase::Excite)
     }
 
-    /// Motion (m) of the reference that a living stage may leave unanswered at its turns: those of the excitation, or that of a stroke
-    /// or way back whose reference speeds up or brakes with `acceleration` (m/s2).
+    /// Tolerated motion (m) of the reference without a change of the position at its reversals: those of the
+    /// excitation, or that of a stroke or return whose reference changes its speed with `acceleration` (m/s2).
     pub fn unanswered(&self, acceleration: f64) -> f64 {
         if self.exciting() { self.plan.unanswered() } else { acceleration.abs() * TURN * TURN }
     }
@@ -100,7 +101,7 @@ impl Experiment {
         }
     }
 
-    /// Takes what this sample has read (m) and sent (A), and goes on.
+    /// Takes position (m) and current (A) of this sample, and continues.
     pub fn observe(
         &mut self,
         p: &Parameters,

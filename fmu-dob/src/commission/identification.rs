@@ -1,4 +1,4 @@
-//! The commission as the controller sees it: what moves, what was found, and which values are in force.
+//! The commissioning run: its motion, its result, and the active values.
 
 use control_blocks::{InForce, Trajectory, bearable_delays};
 use serde::{Deserialize, Serialize};
@@ -10,12 +10,12 @@ use crate::commission::values::{Values, acceptable};
 use crate::interface::{ForceOutput, Measured, Parameters};
 use crate::motion::stability::longest_delay;
 
-/// One commission after the other.
+/// Consecutive commissioning runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Identification {
     /// The present or last experiment.
     pub experiment: Experiment,
-    /// What was measured.
+    /// Measured values.
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,
@@ -48,14 +48,15 @@ impl Identification {
         (self.rejected, self.finished) = (false, false);
     }
 
-    /// Ends before its end: what was told counts.
+    /// Aborts the run: the configured values are restored.
     pub fn break_off(&mut self) {
         self.values.restore();
         self.measured.valid = false;
     }
 
-    /// Puts the values in force in place of those that the parameters have; what was found since the last sample only if the
-    /// parameters with it fit each other. The response is in force for the strokes, so that the noise is that of the law with it.
+    /// Puts the values in force in place of those that the parameters have; what was found since the last sample only
+    /// if the parameters with it fit each other. The response is active during the strokes, so that the noise is that
+    /// of the control law with it.
     pub fn put(&mut self, p: &mut Parameters) {
         if let Some(found) = self.values.take_proposed() {
             found.put(p);
@@ -77,7 +78,7 @@ impl Identification {
         self.values.take_renewed()
     }
 
-    /// Names and values of what a good commission derives.
+    /// Names and values of the parameters that a successful run derives.
     pub fn derived(&self) -> [(&'static str, f64); 9] {
         self.values.derived().entries()
     }
@@ -87,12 +88,12 @@ impl Identification {
         self.held
     }
 
-    /// The same current means another force: `ratio` is the new thrust constant over the one before.
+    /// The same current is another force: `ratio` is the new thrust constant over the previous one.
     pub fn rescale(&mut self, ratio: f64) {
         self.held *= ratio;
     }
 
-    /// Takes what this sample has read (m), sent (A) and estimated.
+    /// Takes position (m), current (A) and estimates of this sample.
     pub fn observe(
         &mut self,
         p: &Parameters,

@@ -1,9 +1,10 @@
 //! Noise of position and force at the approach speed, stroke by stroke.
 //!
-//! The fourth difference of the position has 1 + 16 + 36 + 16 + 1 = 70 times the variance of white noise, and nothing of a motion
-//! that is slower than some hundred samples. What adds up are variances, so the mean of the strokes is theirs. The scatter s of n strokes
-//! tells how sure it is, as far as so few of them tell that: Student's distribution of n - 1 degrees has (n - 1) / (n - 3) times the variance
-//! s^2 / n. The root of a variance V that is known to d is known to (V + d)^(1/2) - V^(1/2).
+//! The fourth difference of the position has 1 + 16 + 36 + 16 + 1 = 70 times the variance of white noise, and nothing
+//! of a motion that is slower than some hundred samples. Variances are additive, so the strokes are averaged as
+//! variances. The scatter s of n strokes gives the uncertainty of the mean: Student's distribution of n - 1 degrees of
+//! freedom has (n - 1) / (n - 3) times the variance s^2 / n. The root of a variance V with standard deviation d has the
+//! standard deviation (V + d)^(1/2) - V^(1/2).
 
 use control_blocks::{AllanVariance, Welford, of_walk_and_white, ticks, walk_and_white};
 use serde::{Deserialize, Serialize};
@@ -17,9 +18,9 @@ const BLOCKS: [f64; 3] = [0.01, 0.025, 0.05];
 const FOURTH: f64 = 70.0;
 /// Sum of the squares of its autocorrelation.
 const ALIKE: f64 = 12_870.0 / (FOURTH * FOURTH);
-/// Most that a block in the middle may tell of what is not explained, as the logarithm of a variance.
+/// Maximum of the unexplained part in the middle block, as the logarithm of a variance.
 const UNEXPLAINED_MAX: f64 = 10.0;
-/// What is told of each stroke, as variances: noise of position and force, walk of the force, sigma of the slope.
+/// Results of each stroke, as variances: noise of position and force, random walk of the force, sigma of the slope.
 const NUMBERS: usize = 4;
 const POSITION: usize = 0;
 const WHITE: usize = 1;
@@ -96,8 +97,8 @@ impl Noise {
         (self.fourth, self.slope, self.allan) = Default::default();
     }
 
-    /// Noise of the position, m. Fourth differences of white noise are alike to C(8, 4 + k) / 70, so that the variance of n of them is known
-    /// to (2 / n sum over k of the squares)^(1/2) of it; that sum is C(16, 8) / 70^2.
+    /// Noise of the position, m. Fourth differences of white noise are alike to C(8, 4 + k) / 70, so that the variance
+    /// of n of them is known to (2 / n sum over k of the squares)^(1/2) of it; that sum is C(16, 8) / 70^2.
     pub fn position(&self) -> Measure {
         let variance = self.strokes[POSITION].mean();
         root(variance, variance * (2.0 * ALIKE / self.fourths.max(1.0)).sqrt())
@@ -128,7 +129,8 @@ impl Noise {
         walk_and_white((self.blocks[0], short), (self.blocks[2], long))
     }
 
-    /// A number of the force, less sure by the share of the variance of the block in the middle that walk and white do not explain.
+    /// A value of the force; the part of the middle variance that random walk and white noise do not explain widens its
+    /// uncertainty.
     fn explained(&self, number: usize) -> Measure {
         let variances = self.variances.each_ref().map(Welford::mean);
         let (walk, white) = self.walk_and_white(variances);

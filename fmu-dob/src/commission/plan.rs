@@ -1,15 +1,16 @@
-//! How far, how hard and how long the commission moves, from its bounds.
+//! Amplitude, force and time of the commissioning run, from its bounds.
 //!
-//! While it excites, the stage is held by a proportional-derivative servo alone: nothing that relies on a model. With a drive
-//! g times as strong as told its open loop is g (2 w s + w^2) / s^2 exp(-s tau) at the bandwidth w and the damping 1, where tau
-//! are delay, half a sample, current loop and velocity estimate. Its gain is 1 at w sqrt(2 g^2 + sqrt(4 g^4 + g^2)), 4.03 w for
-//! g = 2, with the phase margin atan(8.06) - 4.03 w tau: 83 degrees less the 0.35 rad that w = 0.35 / (4.03 tau) leaves to
-//! the delays, so 63 degrees. A weaker drive crosses earlier, with less of both; at g = 1/2 the damping is still 0.7.
+//! During the excitation a proportional-derivative servo alone holds the stage, without any model. With a drive g times
+//! as strong as configured its open loop is g (2 w s + w^2) / s^2 exp(-s tau) at the bandwidth w and the damping 1,
+//! where tau is the sum of delay, half a sample, current loop and velocity estimate. Its gain is 1 at w sqrt(2 g^2 +
+//! sqrt(4 g^4 + g^2)), 4.03 w for g = 2, with the phase margin atan(8.06) - 4.03 w tau: 83 degrees minus the 0.35 rad
+//! that w = 0.35 / (4.03 tau) leaves to the delays, so 63 degrees. A weaker drive crosses earlier, with less of both;
+//! at g = 1/2 the damping is still 0.7.
 //!
-//! Between reference and position the servo has the gain T = g (s^2 + 2 w s + w^2) / (s^2 + 2 g w s + g w^2), at most 2 for g from
-//! 1/2 to 2, and between the force of the reference on the told stage and that of the drive T / g, which is at most 2.2 at
-//! its slow tones and 1 at the quick ones that make most of it. So a reference that keeps half of travel and force keeps them
-//! whole for every such g.
+//! Between reference and position the servo has the gain T = g (s^2 + 2 w s + w^2) / (s^2 + 2 g w s + g w^2), at most 2
+//! for g from 1/2 to 2. Between the force of the reference on the nominal stage and that of the drive it has T / g, at
+//! most 2.2 at the slow tones and 1 at the fast ones that dominate. A reference within half of travel and force
+//! therefore keeps both bounds for every such g.
 
 use control_blocks::{
     Excitation, ExcitationTimes, Multisine, QUINTIC_ACCELERATION, RATIO_MAX, bearable_delays, commission_time,
@@ -30,22 +31,22 @@ const PERIODS: u32 = 12;
 const TIMES: ExcitationTimes = ExcitationTimes { ramp: 0.5, settle: 0.5, rest: 0.2 };
 /// Strokes at the approach speed, back and forth.
 pub const STROKES: u32 = 4;
-/// The travel is longer than a stroke by this share, and at least so long (m): on less, of the slowest approaches, the excitation tells
-/// no delay of a stage whose noise is that of the defaults. With more, faults of theirs would go farther than 50 um.
+/// Ratio of the travel to a stroke, and minimum travel (m): with less, for the slowest approaches, the excitation does
+/// not identify the delay of a stage with the default noise. With more, their faults would move farther than 50 um.
 const TRAVEL: (f64, f64) = (1.2, 45e-6);
-/// Share of the drive's force that the excitation may take if nothing else is told.
+/// Fraction of the drive force that the excitation may use by default.
 const DRIVE_SHARE: f64 = 0.5;
-/// A stage of another mass than told stands at its turns while the reference still moves, at most for this time, s.
+/// Maximum time at a reversal for which a stage of another mass is at rest while the reference moves, s.
 pub const TURN: f64 = 1e-3;
 
-/// The motions of a commission.
+/// The motions of a commissioning run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
-    /// Excitation around its centre.
+    /// Excitation around its center.
     pub excitation: Excitation,
-    /// Way from the start back to the centre, m.
+    /// Distance from the start to the center, m.
     pub back: f64,
-    /// Time of that way, s.
+    /// Time of that motion, s.
     pub way_time: f64,
     /// Strokes: speed and acceleration of the approach.
     pub approach: Approach,
@@ -79,7 +80,7 @@ impl Plan {
         RATIO_MAX * self.excitation.sines.reach()
     }
 
-    /// Motion (m) of the excitation that a living stage may leave unanswered at its turns.
+    /// Tolerated motion (m) of the excitation without a change of the position at its reversals.
     pub fn unanswered(&self) -> f64 {
         self.excitation.sines.velocity_max() * TURN
     }
@@ -112,24 +113,24 @@ pub fn stroke(p: &Parameters) -> f64 {
     velocity * velocity / acceleration + velocity * cruise
 }
 
-/// Farthest way back (m): `commission.travel`, or a stroke and some more, and what the excitation needs.
+/// Maximum travel (m): `commission.travel`, or a stroke with a margin, and at least that of the excitation.
 pub fn travel(p: &Parameters) -> f64 {
     told_or(p.commission.travel, || f64::max(TRAVEL.0 * stroke(p), TRAVEL.1))
 }
 
-/// Largest force (N) beside that which holds the stage: `commission.force`, or that of the hardest braking, at most half of
-/// the drive's and at least the guard's.
+/// Maximum force (N) in addition to the holding force: `commission.force`, or that of the hardest braking, at most half
+/// of that of the drive and at least that of the guard.
 pub fn force(p: &Parameters) -> f64 {
     let drive = p.stage.force_constant * p.stage.current_max;
     told_or(p.commission.force, || (p.stage.mass * p.retract.deceleration).min(DRIVE_SHARE * drive).max(p.guard_force))
 }
 
-/// Longest commission (s): `commission.time`, or what its motions take and some more.
+/// Maximum time of the run (s): `expert.commission.time`, or that of its motions with a margin.
 pub fn time(p: &Parameters) -> f64 {
     commission_time(p.commission.time, || least_time(p))
 }
 
-/// Time (s) that the motions of a commission take.
+/// Time (s) of the motions of a commissioning run.
 pub fn least_time(p: &Parameters) -> f64 {
     Plan::new(p).duration()
 }
@@ -143,7 +144,7 @@ mod tests {
 
     const RATIOS: [f64; 4] = [0.5, 0.7, 1.0, 2.0];
 
-    /// T at the frequency `omega` over the bandwidth, for a drive `g` times as strong as told.
+    /// T at the frequency `omega` over the bandwidth, for a drive `g` times as strong as configured.
     fn closed(g: f64, omega: f64) -> f64 {
         let s = Complex::new(0.0, omega);
         let servo = s * 2.0 + 1.0;

@@ -1,4 +1,4 @@
-//! Thrust, delay, friction and stiffness from the answer to the excitation.
+//! Thrust, delay, friction and stiffness from the response to the excitation.
 //!
 //! With the current U and the position Y of a tone at the frequency w the stage obeys
 //!
@@ -6,9 +6,9 @@
 //! (-w^2 + j w b + c) Y = g L U,   L = exp(-j w T_s (d + 1/2)) sinc(w T_s / 2) / (1 + j w / w_i),
 //! ```
 //!
-//! g = K_t / M, b = B / M, c = C / M, the delay d in samples, a held command and the current loop. Mass and thrust alone leave
-//! no trace, only their ratio does; so `stage.mass` is believed, and all forces are those of a stage of that mass. Each tone has
-//! its variance, that of the left side less the right; the four unknowns are those of least weighted squares.
+//! g = K_t / M, b = B / M, c = C / M, the delay d in samples, a held command and the current loop. Mass and thrust
+//! are not observable, only their ratio; `stage.mass` is used as configured, and all forces are those of a stage of that mass. Each tone
+//! has the variance of the left side minus the right; the four unknowns follow from weighted least squares.
 
 use control_blocks::{
     Estimate, HARMONICS, NoEstimate, Observation, PeriodicSpectra, SpectralLine, TONES, least_squares,
@@ -21,12 +21,13 @@ use crate::interface::Parameters;
 /// Unknowns g, d, b, c.
 pub type Unknowns = SVector<f64, 4>;
 
-/// Ripple of a thrust over the pitch of its magnets, of which a short way tells one value: 1 % is usual, 2^(-1/2) of it as deviation.
+/// Ripple of the thrust over the magnet pitch, of which a short travel shows one value: 1 % is usual, 2^(-1/2) of it as
+/// standard deviation.
 const RIPPLE: f64 = 0.007;
-/// Deviation of the lag of a current loop that is told within 30 %, evenly: 0.3 / 3^(1/2).
+/// Relative standard deviation of the lag of a current loop that is known to 30 %, uniformly: 0.3 / 3^(1/2).
 const LOOP_SPREAD: f64 = 0.17;
 
-/// No tone counts as known better than to this share: what the model leaves out.
+/// Minimum relative uncertainty of a tone: the model error.
 const LEAST_DEVIATION: f64 = 1e-4;
 
 /// The stage at one frequency.
@@ -76,7 +77,7 @@ pub fn ripple(force_constant: f64) -> f64 {
     RIPPLE * force_constant.abs()
 }
 
-/// Standard deviation of the delay (samples) that the current loop leaves: its lag counts as delay where it is not as told.
+/// Standard deviation of the delay (samples) by the current loop: an error of its lag appears as delay.
 pub fn loop_spread(p: &Parameters) -> f64 {
     LOOP_SPREAD / (p.stage.current_bandwidth * p.sample_period)
 }
@@ -84,7 +85,7 @@ pub fn loop_spread(p: &Parameters) -> f64 {
 /// The unknowns that explain the excitation best, with their covariance.
 ///
 /// # Errors
-/// When it does not tell them apart.
+/// When they cannot be distinguished.
 pub fn response(p: &Parameters, plan: &Plan, spectra: &PeriodicSpectra) -> Result<Estimate<4>, NoEstimate> {
     let frequencies = plan.excitation.sines.frequencies();
     let tones: [Tone; TONES] = std::array::from_fn(|i| Tone::new(p, frequencies[i], spectra.line(i)));
@@ -110,7 +111,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// The stage at `omega` rad/s: its motion over the current that is sent (m/A), and how far (rad) it is behind.
+    /// The stage at `omega` rad/s: its motion over the commanded current (m/A), and its phase lag (rad).
     fn answer(p: &Parameters, x: Unknowns, omega: f64) -> [f64; 2] {
         let (push, damping, half) = (x[3] - omega * omega, omega * x[2], 0.5 * omega * p.sample_period);
         let loop_ratio = omega / p.stage.current_bandwidth;
@@ -118,7 +119,8 @@ mod tests {
         [ratio, damping.atan2(push) + half * (2.0 * x[1] + 1.0) + loop_ratio.atan()]
     }
 
-    /// What is found of a stage with these unknowns, from its answer to the excitation with `noise` (m) on the position.
+    /// What is found of a stage with these unknowns, from its answer to the excitation with `noise` (m) on the
+    /// position.
     fn found(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<4>, NoEstimate> {
         let plan = Plan::new(p);
         let answers = plan.excitation.sines.frequencies().map(|omega| (omega, answer(p, x, omega)));
@@ -144,7 +146,7 @@ mod tests {
         for truth in [[1.1, 0.0, 1.0, 4.0], [2.0, 1.0, 0.0, 0.0], [3.6, 2.6, 5.0, -30.0]] {
             let value = found(&p, Unknowns::from(truth), 0.0, 1).unwrap().value;
             let spread = [1e-6, 1e-4, 1e-3, 1e-2];
-            (0..4).for_each(|i| assert!((value[i] - truth[i]).abs() < spread[i], "{truth:?}: {value}"));
+            (0..4).for_each(|i| assert!((value[i] - expected[i]).abs() < spread[i], "{expected:?}: {value}"));
         }
     }
 

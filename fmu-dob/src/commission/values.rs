@@ -1,4 +1,4 @@
-//! The parameters that a commission derives, and how.
+//! The parameters that a commissioning run derives.
 
 use control_blocks::{RATIO_MAX, SIGNIFICANT, significant_or, sure, whole_delay, within_factor};
 
@@ -6,7 +6,8 @@ use crate::commission::response::loop_spread;
 use crate::interface::{Measured, Parameters};
 use serde::{Deserialize, Serialize};
 
-/// `guard.force` over the standard deviation of the force, as the defaults have it, and over the cogging of the longest approach.
+/// `guard.force` over the standard deviation of the force, as the defaults have it, and over the cogging of the longest
+/// approach.
 const GUARD: (f64, f64) = (20.0, 2.0);
 /// `limits.residual_force` over `guard.force`, as the defaults have it.
 const RESIDUAL_FORCE: f64 = 0.5;
@@ -14,10 +15,10 @@ const RESIDUAL_FORCE: f64 = 0.5;
 const SLOPE_SIGMA: f64 = 5.0;
 /// `limits.jump` over the noise of the position, as the defaults have it: half of it, which counts, is eight sigma.
 const JUMP: f64 = 17.0;
-/// The guard may grow to this many times what was told.
+/// Maximum ratio of the derived to the configured guard.
 const GUARD_GROWTH: f64 = 3.0;
 
-/// All parameters that a commission derives.
+/// All parameters that a commissioning run derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     pub force_constant: f64,
@@ -85,9 +86,10 @@ impl Values {
         self.with_response(measured).with_noise(p, measured)
     }
 
-    /// Those with the noise that was measured; what is not significant stays as it is. The limit of the noise only gets tighter.
+    /// Those with the measured noise; insignificant values keep the configured ones. The limit of the noise only gets
+    /// tighter.
     fn with_noise(self, p: &Parameters, m: &Measured) -> Self {
-        // so short a way tells little of the cogging farther on: what was told is not undercut
+        // a short travel shows little of the cogging farther on: at least the configured value
         let guard_force = guard(p, m).max(self.guard_force);
         Self {
             guard_force,
@@ -101,30 +103,30 @@ impl Values {
         }
     }
 
-    /// Whether the noise is one in which a touch is felt, by these limits as they were told: one that is there to refuse noise does
-    /// not grow with it, in one commission or in many.
+    /// Whether a touch can be detected in this noise, by the configured limits: a limit that rejects noise does not
+    /// grow with it, in one run or in many.
     pub fn quiet(&self, p: &Parameters, m: &Measured) -> bool {
         m.slope_sigma <= self.slope_sigma_max && guard(p, m) <= GUARD_GROWTH * self.guard_force
     }
 }
 
-/// Force (N) of the guard that this noise, and what is sure of this cogging, never reach.
+/// Force (N) of the guard that this noise, and the significant part of this cogging, never reach.
 pub fn guard(p: &Parameters, m: &Measured) -> f64 {
     let stiffness = (m.stiffness.abs() - SIGNIFICANT * m.stiffness_std).max(0.0);
     f64::max(GUARD.0 * m.force_sigma, GUARD.1 * stiffness * p.approach.travel_max)
 }
 
-/// Whether a response is sure enough, and one that this controller can hold: `told` is what it took for the thrust constant,
-/// `longest` the longest delay at which its loop is stable. The lag of the current loop is in the whole either way, so what it
-/// leaves to the delay beside the noise refuses nothing.
-pub fn acceptable(p: &Parameters, told: f64, longest: i32, m: &Measured) -> bool {
+/// Whether the response is certain enough and can be controlled: `expected` is the assumed thrust constant, `longest`
+/// the longest delay at which the loop is stable. The lag of the current loop is part of the sum either way, so its
+/// contribution to the uncertainty of the delay does not cause a rejection.
+pub fn acceptable(p: &Parameters, expected: f64, longest: i32, m: &Measured) -> bool {
     sure(m.force_constant, m.force_constant_std, p.commission.std_max)
         && m.io_delay_std <= p.commission.delay_std_max.hypot(loop_spread(p))
-        && within_factor(m.force_constant, told, RATIO_MAX)
+        && within_factor(m.force_constant, expected, RATIO_MAX)
         && (0..=longest).contains(&delay(m))
 }
 
-/// The delay in whole samples. No machine answers before it is asked: what is below none by no more than it may be wrong is none.
+/// The delay in whole samples. No machine responds before its command: an insignificant negative delay is 0.
 fn delay(m: &Measured) -> i32 {
     let none = m.io_delay < 0.0 && -m.io_delay <= SIGNIFICANT * m.io_delay_std;
     if none { 0 } else { whole_delay(m.io_delay) }
@@ -134,7 +136,7 @@ fn delay(m: &Measured) -> i32 {
 mod tests {
     use super::*;
 
-    /// A good measurement of a machine a fifth stronger than told.
+    /// A successful measurement of a machine a fifth stronger than configured.
     const GOOD: Measured = Measured {
         valid: true,
         force_constant: 24.0,

@@ -1,4 +1,4 @@
-//! What a sample says: where the stage must be, what is wrong, and whether it touches.
+//! Evaluation of a sample: expected position, faults and contact.
 
 use control_blocks::ticks;
 
@@ -13,18 +13,18 @@ use crate::monitoring::rest_force::RestForce;
 use crate::motion::travel::{calibration_travel, lasted, learn_limit};
 use crate::reading::{Expected, Reading};
 
-/// Something holds the stage above this share of `guard.force`.
+/// Above this fraction of `guard.force` something holds the stage.
 const HELD: f64 = 0.25;
-/// Changes of the inertial force to its other side that a stable loop has as it comes to rest.
+/// Reversals of the inertial force in a stable loop that comes to rest.
 const OVERSHOOTS: u32 = 2;
 
 impl Controller {
-    /// Whether all that the detector remembers are readings that counted in full.
+    /// Whether all positions in the memory of the detector were used in full.
     fn trusted(&self, reading: &Reading) -> bool {
         reading.whole > self.spans.memory
     }
 
-    /// What the observer and the reference say about the position to come.
+    /// The next position as predicted by observer and reference.
     pub(super) fn expect(&self, p: &Parameters) -> Expected {
         let commanded = self.observer.acceleration(self.amplifier.acted(p));
         let steady = matches!(self.state, State::Learn | State::Detect);
@@ -51,15 +51,16 @@ impl Controller {
         }
     }
 
-    /// Motion (m) that a stage may leave unanswered at an approach speed so low that a push of the guard's force stops it on less than
-    /// `limits.frozen`, M v^2 < 2 F `limits.frozen`: it stands for a quarter turn of the spindle.
+    /// Motion (m) that a stage may leave unanswered at an approach speed so low that a push of the guard's force stops
+    /// it on less than `limits.frozen`, M v^2 < 2 F `limits.frozen`: it stands for a quarter turn of the spindle.
     fn held(&self, p: &Parameters) -> f64 {
         let velocity = self.motion.reference.velocity;
         let slow = p.stage.mass * velocity * velocity < 2.0 * p.guard_force * p.limits.frozen;
         if slow { velocity.abs() * self.reader.standstill() } else { 0.0 }
     }
 
-    /// Motion (m) that a commission lets a stage that is not what was told leave unanswered at its turns.
+    /// Tolerated motion (m) without a change of the position at the reversals of a commissioning run, for an
+    /// off-nominal stage.
     fn unanswered(&self) -> f64 {
         let acceleration = self.motion.reference.acceleration;
         if self.state == State::Commission { self.identification.experiment.unanswered(acceleration) } else { 0.0 }
@@ -76,8 +77,8 @@ impl Controller {
         self.state.approaching() || self.state == State::Commission
     }
 
-    /// Whether the disturbance is beyond what the machine can have, and in a commission beyond its force and the guard's beside the
-    /// one that holds the stage.
+    /// Whether the disturbance exceeds its limit, or in a commissioning run its force plus that of the guard, relative
+    /// to the holding force.
     fn overloaded(&self, p: &Parameters) -> bool {
         let disturbance = self.force.disturbance;
         let excess = (disturbance - self.identification.held()).abs();
@@ -85,7 +86,7 @@ impl Controller {
             || self.state == State::Commission && excess > plan::force(p) + p.guard_force
     }
 
-    /// Monitors of the drive, of a stage at rest and of the job; what a lost position would say is no news.
+    /// Monitors of the drive, of a stage at rest and of the cycle; a lost position gives no new information.
     pub(super) fn watch(&mut self, p: &Parameters, reading: &Reading) {
         let watching = !self.off();
         let following = following_limit(p) + self.motion.late(p) + self.diverged();
@@ -122,7 +123,7 @@ impl Controller {
         }
     }
 
-    /// The gravest fault of this sample.
+    /// The fault of highest severity in this sample.
     pub(super) fn find_fault(&self, p: &Parameters, elapsed: bool, settled: bool, reading: &Reading) -> Option<Fault> {
         let (state, monitors) = (self.state, &self.monitors);
         let learning = state == State::Learn;
@@ -152,7 +153,7 @@ impl Controller {
         faults::find(p, &symptoms)
     }
 
-    /// How long the job or the commission takes so far, s.
+    /// Time of the cycle or the commissioning run so far, s.
     pub(super) fn lasted(&self, p: &Parameters) -> f64 {
         lasted(p, self.monitors.job.samples())
     }
@@ -162,12 +163,12 @@ impl Controller {
         if self.state == State::Commission { plan::time(p) } else { self.motion.cycle_limit }
     }
 
-    /// Whether a calibration that goes on would end at the longest travel, short of the work.
+    /// Whether the next touch of a calibration would end at the maximum travel, before the workpiece.
     fn too_short(&self, p: &Parameters) -> bool {
         !self.calibration.over() && p.approach.travel_max < calibration_travel(p)
     }
 
-    /// Change of the force from before the contact to behind the retract, N.
+    /// Change of the force from before the contact to after the retract, N.
     pub(super) fn residual_force(&self) -> f64 {
         self.monitors.relief.mean() - self.guard.before()
     }
@@ -189,7 +190,7 @@ impl Controller {
         self.state == State::Approach && self.ticks == self.spans.forgotten && !held
     }
 
-    /// Contact by the armed detector or by the guard; a position that stands proves nothing.
+    /// Contact by the armed detector or by the guard; a frozen position proves nothing.
     pub(super) fn find_contact(&mut self, p: &Parameters, reading: &Reading) -> Option<ContactSource> {
         if !self.state.approaching() || self.waiting || !reading.alive {
             return None;
@@ -201,7 +202,7 @@ impl Controller {
             _ => 0.0,
         };
         let guarded = self.guard.exceeded(p, acceleration, self.force.notched);
-        // a contact pushes, it does not jump: what has counted only in part may not look like one
+        // a contact pushes, it does not jump: partly used positions are no evidence
         if !self.trusted(reading) {
             self.detector.clear();
         } else if self.armed(p) && (self.detector.test() || self.touched_twice(p, reading)) {

@@ -1,4 +1,4 @@
-//! What happens once, when a state begins.
+//! Actions at the start of a state.
 
 use control_blocks::{Progress, Reaction};
 
@@ -16,7 +16,7 @@ use crate::motion::travel::retract_between;
 use crate::reading::Reading;
 
 impl Controller {
-    /// What happens once, when `state` begins.
+    /// Actions at the start of `state`.
     pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         if self.state == State::Commission && !self.identification.finished {
             self.identification.break_off();
@@ -83,7 +83,7 @@ impl Controller {
         }
     }
 
-    /// Marks where the retreat begins, as far back as the next approach needs to arm its detector.
+    /// Sets the start of the retract, far enough that the next approach can arm its detector.
     pub(super) fn depart(&mut self, p: &Parameters) {
         if self.calibration.active {
             self.motion.go_back(retract_between(p, &self.calibration.approach_after(p)));
@@ -92,13 +92,13 @@ impl Controller {
         }
     }
 
-    /// What a touch has calibrated may change what comes next, or end the calibration, which may be broken off in a retreat, too: that may need farther back to arm
-    /// than what was next.
+    /// A touch may change the next approach, or end the calibration cycle, which may also be aborted in a retract: the
+    /// next approach may then need a longer distance to arm than planned.
     pub(super) fn depart_farther(&mut self, p: &Parameters) {
         self.motion.go_farther_back(retract_between(p, &self.calibration.approach(p)));
     }
 
-    /// Forgets the last approach and begins a new one at rest at `position` m.
+    /// Discards the last approach and starts a new one at rest at `position` m.
     fn restart(&mut self, p: &Parameters, position: f64) {
         self.motion.start(p, position, &self.calibration.approach(p));
         self.deviation.clear();
@@ -108,7 +108,7 @@ impl Controller {
         (self.monitors.relief, self.monitors.job) = (RestForce::default(), Progress::default());
     }
 
-    /// Names the fault and ends what must not go on.
+    /// Sets the fault and stops the motion.
     pub(super) fn stop(&mut self, p: &Parameters, fault: Fault, reading: &Reading) {
         self.fault = fault;
         self.numbers.residual_force = self.residual_force();
@@ -129,7 +129,7 @@ impl Controller {
         }
     }
 
-    /// After a reset: a stage that nothing held is brought to rest, and the drive's answer of the run before tells nothing.
+    /// After a reset: a free stage is brought to rest, and the previous response of the drive is discarded.
     fn recover(&mut self, reading: &Reading) {
         if let (Reaction::DriveOff, Some(position)) = (self.fault.reaction(), reading.position) {
             self.motion.reseat(position, self.observer.velocity());

@@ -1,6 +1,7 @@
 //! One number for each age in samples, the youngest first, that grow older without being moved.
 //!
-//! They are a window that slides down a buffer of twice its length: it is copied once in as many samples as there are ages.
+//! They are a window that slides down a buffer of twice its length: it is copied once in as many samples as there are
+//! ages.
 
 use serde::{Deserialize, Serialize};
 

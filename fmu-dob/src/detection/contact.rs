@@ -1,4 +1,4 @@
-//! Contact position: the encoder at the detection (paper), and what a calibration touch makes of it.
+//! Contact position: the encoder at the detection (paper), and its correction by the calibrated bias.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,9 +13,9 @@ pub struct DetectedContact {
     pub position: f64,
     /// Travel from the first touch to the detection, m, as calibrated; late but repeatable.
     pub bias: f64,
-    /// Standard deviation of the first touch that they tell, m; 0 where nothing tells it.
+    /// Standard deviation of the estimated first touch, m; 0 without calibration.
     pub deviation: f64,
-    /// Time of the detection since the initialisation, s.
+    /// Time of the detection since initialization, s.
     pub time: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Both detectors behind one type: each learns its noise before contact and then tests every sample.
+//! Both detectors in one type: each learns its noise before contact and then tests every sample.
 
 use control_blocks::ticks;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,9 @@
-//! Generalised likelihood ratio: how well a contact that began n samples ago explains the innovations since.
+//! Generalized likelihood ratio: how well a contact that started n samples ago explains the innovations since then.
 //!
-//! T_n is the correlation of the innovations with what a ramp of force would have made of them since then. In white noise its
-//! variance is E_n sigma^2, with the energy E_n of that response. No machine is so good: interpolation of the encoder, floor and wobble are
-//! slow. So the variance of each T_n is learned as well, and the larger of both counts: L = T_n^2 / (2 var T_n).
+//! T_n is the correlation of the innovations with the response to a force ramp since then. In white noise its variance
+//! is E_n sigma^2, with the energy E_n of that response. Real noise is not white: interpolation of the encoder, floor
+//! and wobble are slow. The variance of each T_n is therefore learned as well, and the larger one is used: L = T_n^2 /
+//! (2 var T_n).
 
 use serde::{Deserialize, Serialize};
 
@@ -69,14 +70,14 @@ impl OnsetBank {
         self.built == self.template.len()
     }
 
-    /// Forgets all innovations and what was learned.
+    /// Discards all innovations and the learned variances.
     pub fn reset(&mut self) {
         self.clear();
         self.squares.fill(0.0);
         self.seen = 0;
     }
 
-    /// Forgets all innovations.
+    /// Discards all innovations.
     pub fn clear(&mut self) {
         self.correlation.clear();
     }
@@ -92,7 +93,8 @@ impl OnsetBank {
         });
     }
 
-    /// Weighs the ages by what was learned, with the standard deviation `sigma` (m) of the innovation and the alarm level `threshold` of L.
+    /// Weighs the ages by what was learned, with the standard deviation `sigma` (m) of the innovation and the alarm
+    /// level `threshold` of L.
     pub fn arm(&mut self, sigma: f64, threshold: f64) {
         let count = (self.seen + 1).saturating_sub(self.correlation.count()).max(1) as f64;
         for ((weight, energy), squares) in self.weight.iter_mut().zip(&self.energy).zip(&self.squares) {
@@ -101,7 +103,8 @@ impl OnsetBank {
         self.level.iter_mut().zip(&self.weight).for_each(|(level, weight)| *level = (threshold / weight).sqrt());
     }
 
-    /// Takes one more innovation (m); whether L of contact sign is above the alarm level at any age. T_n says so by itself, at half of the cost.
+    /// Takes one more innovation (m); whether L of contact sign is above the alarm level at any age. T_n says so by
+    /// itself, at half of the cost.
     pub fn update(&mut self, innovation: f64) -> bool {
         let mut above = false;
         correlate(&mut self.correlation, &self.template, innovation, &self.level, |t, level| above |= t > *level);
@@ -156,7 +159,7 @@ mod tests {
         bank
     }
 
-    /// A bank that has learned from nothing but white noise of `SIGMA`.
+    /// A bank that has learned from white noise of `SIGMA` only.
     fn ready_bank() -> OnsetBank {
         let mut bank = empty_bank();
         bank.arm(SIGMA, LEVEL);

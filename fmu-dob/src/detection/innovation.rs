@@ -1,4 +1,4 @@
-//! What the Kalman filter did not expect, against its learned noise.
+//! Innovation of the Kalman filter, with its learned noise.
 
 use control_blocks::Welford;
 use serde::{Deserialize, Serialize};
@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 use crate::detection::kalman::KalmanFilter;
 use crate::interface::Parameters;
 
-/// An innovation counts as this many standard deviations at most: one bad sample alone is no contact.
+/// An innovation is limited to this many standard deviations: one bad sample alone is no contact.
 const INNOVATION_MAX: f64 = 4.0;
 
-/// Kalman innovation, normalised by its learned standard deviation.
+/// Kalman innovation, normalized by its learned standard deviation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Innovation {
     filter: KalmanFilter,
     noise: Welford,
     value: f64,
-    /// what counts of it at most, m
+    /// limit of the innovation, m
     most: f64,
 }
 
@@ -25,12 +25,13 @@ impl Innovation {
         Self { filter: KalmanFilter::new(p), noise: Welford::default(), value: 0.0, most: 0.0 }
     }
 
-    /// Takes a position (m; none if it is lost), the current that acted since the last one (A) and the spindle speed (rad/s).
+    /// Takes a position (m; none if it is lost), the current that acted since the last one (A) and the spindle speed
+    /// (rad/s).
     pub fn update(&mut self, position: Option<f64>, acted: f64, spindle_speed: f64) {
         self.value = self.filter.update(position, acted, spindle_speed);
     }
 
-    /// The innovation (m) without what only a bad sample could be.
+    /// The limited innovation (m).
     pub fn limited(&self) -> f64 {
         self.value.clamp(-self.most, self.most)
     }

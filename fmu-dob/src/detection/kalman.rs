@@ -31,7 +31,7 @@ pub struct KalmanFilter {
     sample_period: f64,
     force_constant: f64,
     harmonics: usize,
-    /// share of the current step that is left at the end of a sample, and on average over it
+    /// fraction of a current step that remains at the end of a sample, and on average over it
     lag: [f64; 2],
     current: f64,
     tuned_speed: f64,
@@ -134,7 +134,7 @@ impl KalmanFilter {
         (predicted[0], predicted - self.gain * predicted[0])
     }
 
-    /// Mean current over the last sample behind a first-order current loop.
+    /// Mean current over the last sample after a first-order current loop.
     fn mean_current(&mut self, command: f64) -> f64 {
         let step = self.current - command;
         self.current = command + step * self.lag[0];

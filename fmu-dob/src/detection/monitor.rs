@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::detection::threshold::Statistics;
 use crate::interface::{Parameters, ThresholdOutput};
 
-/// Consecutive samples above the threshold that are a contact, as in the paper: with more the depth grows by 10 nm each.
+/// Consecutive samples above the threshold that are a contact, as in the paper: with more the depth grows by 10 nm
+/// each.
 pub const ROW: u32 = 3;
 
 /// A signal, its statistics before contact, its threshold and the number of consecutive samples above it.

@@ -1,8 +1,9 @@
 //! Two-stage touch: an uncertain contact is touched a second time.
 //!
-//! A workpiece that yields at a few mN shows no more than that step of the force, however deep the tool cuts: the disturbance soon drifts
-//! as far. A second touch at the same position shows the step once more, with independent noise, so both log-likelihood ratios add up.
-//! A lower level for the first touch only costs time, because noise rarely looks like a contact twice at one position.
+//! A workpiece that yields at a few mN shows no more than that step of the force, however deep the tool cuts: the
+//! disturbance soon drifts as far. A second touch at the same position shows the step once more, with independent
+//! noise, so both log-likelihood ratios add up. A lower level for the first touch only costs time, because noise rarely
+//! looks like a contact twice at one position.
 
 use control_blocks::ticks;
 use serde::{Deserialize, Serialize};
@@ -67,7 +68,8 @@ impl TwoStageTouch {
         self.suspicion.is_some_and(|first| position - first.position > reach(velocity))
     }
 
-    /// Distance to retract from here (m) before the second touch: acceleration, settling of the filter, travel to the contact.
+    /// Distance to retract from here (m) before the second touch: acceleration, settling of the filter, travel to the
+    /// contact.
     pub fn retract_distance(&self, approach: &Approach, position: f64) -> f64 {
         let Approach { velocity, acceleration, .. } = *approach;
         let deeper = self.suspicion.map_or(0.0, |first| position - first.position);
@@ -76,8 +78,8 @@ impl TwoStageTouch {
     }
 }
 
-/// Maximum distance (m) between both touches of one contact: the first continues for a while and leaves a mark, and the second
-/// takes as long to be detected.
+/// Maximum distance (m) between both touches of one contact: the first continues for a while and leaves a mark, and the
+/// second takes as long to be detected.
 fn reach(velocity: f64) -> f64 {
     SCATTER + 2.0 * velocity * DWELL
 }

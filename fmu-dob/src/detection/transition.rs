@@ -22,7 +22,7 @@ pub struct Transition {
     harmonics: [Harmonic; HARMONICS_MAX],
 }
 
-/// A harmonic: by default one that stands still and does nothing.
+/// A harmonic: by default of frequency zero and without effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Harmonic {
     /// motion (m) and velocity (m/s) that 1 N of it adds in a sample

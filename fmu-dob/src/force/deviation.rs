@@ -34,7 +34,7 @@ impl MovingDeviation {
         deviation
     }
 
-    /// Forgets all forces.
+    /// Discards all forces.
     pub fn clear(&mut self) {
         self.past.fill(0.0);
         (self.next, self.count, self.sum) = (0, 0, 0.0);

@@ -4,15 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Observer, Parameters, Stage};
 
-/// The observer has forgotten an acceleration after this many times 1 / `observer.bandwidth`: exp(-6) is left.
+/// An acceleration has no effect on the observer after this many times 1 / `observer.bandwidth`: exp(-6) remains.
 const FORGOTTEN: f64 = 6.0;
 
-/// Time (s) until the observer has forgotten an acceleration.
+/// Time (s) until an acceleration has no effect on the observer.
 pub fn forgetting(p: &Parameters) -> f64 {
     FORGOTTEN / p.observer.bandwidth
 }
 
-/// Velocity-form disturbance observer, discretised by backward Euler.
+/// Velocity-form disturbance observer, discretized by backward Euler.
 ///
 /// With Q(s) = g / (s + g) and v = g_v s / (s + g_v) z the filtered eq. 1 is
 /// F = Q [K_tn I + g M_n v] - g M_n v. Backward Euler keeps both low-passes and their gains
@@ -56,7 +56,7 @@ impl DisturbanceObserver {
         }
     }
 
-    /// The observer of another nominal stage: at the same place, with what the present current now means as a force.
+    /// The observer of another nominal stage, at the same position, with the force of the present current.
     pub fn renewed(&self, p: &Parameters) -> Self {
         let new = Self::new(p);
         let force = self.force() * new.force_constant / self.force_constant;
@@ -69,12 +69,12 @@ impl DisturbanceObserver {
         self.force_constant
     }
 
-    /// The same with what it remembers: filtered position (m) and filtered force (N).
+    /// The same with its state: filtered position (m) and filtered force (N).
     pub fn with_memory(&self, [position_filter, force_filter]: [f64; 2]) -> Self {
         Self { position_filter, force_filter, ..self.clone() }
     }
 
-    /// What it remembers: filtered position (m) and filtered force (N).
+    /// Its state: filtered position (m) and filtered force (N).
     pub fn memory(&self) -> [f64; 2] {
         [self.position_filter, self.force_filter]
     }
@@ -89,7 +89,8 @@ impl DisturbanceObserver {
         self.force_filter += self.force_share * (input - self.force_filter);
     }
 
-    /// Bridges a sample without a position, in which the current `acted` acted (A): the stage is where the nominal one is.
+    /// Bridges a sample without a position, in which the current `acted` acted (A): the stage is where the nominal one
+    /// is.
     pub fn coast(&mut self, acted: f64) {
         let position = self.position_filter + self.velocity / self.velocity_gain;
         self.update(position + self.nominal_motion(self.acceleration(acted)), acted);
@@ -103,13 +104,14 @@ impl DisturbanceObserver {
         self.force_filter = force + self.momentum_gain * velocity;
     }
 
-    /// Motion (m) in a sample of T_s at an acceleration of `a` (m/s2): v T_s + a (T_s^2 / 2 + T_s / g_v), where v is late by
-    /// the 1 / g_v of its filter.
+    /// Motion (m) in a sample of T_s at an acceleration of `a` (m/s2): v T_s + a (T_s^2 / 2 + T_s / g_v), where v is
+    /// late by the 1 / g_v of its filter.
     pub fn motion(&self, acceleration: f64) -> f64 {
         self.velocity * self.sample_period + acceleration * self.leverage
     }
 
-    /// The same where no reading corrects it: v is late by what all the accelerations until now have made of the nominal stage.
+    /// The same where no reading corrects it: v is late by what all the accelerations until now have made of the
+    /// nominal stage.
     pub fn nominal_motion(&self, acceleration: f64) -> f64 {
         (self.velocity + self.lag + 0.5 * acceleration * self.sample_period) * self.sample_period
     }
@@ -119,8 +121,8 @@ impl DisturbanceObserver {
         (self.force_constant * acted - self.force()) / self.mass
     }
 
-    /// What an acceleration of 1 m/s2 that is not foreseen adds to the motion of a sample, m: T_s^2 / 2, and T_s / g_v by the
-    /// velocity that the filter does not yet show.
+    /// What an acceleration of 1 m/s2 that is not foreseen adds to the motion of a sample, m: T_s^2 / 2, and T_s / g_v
+    /// by the velocity that the filter does not yet show.
     pub fn leverage(&self) -> f64 {
         self.leverage
     }

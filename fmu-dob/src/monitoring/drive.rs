@@ -1,22 +1,23 @@
-//! How much of the commanded force accelerates the stage: the sign and the strength of the drive.
+//! Ratio of measured to commanded acceleration: the sign and the strength of the drive.
 //!
-//! The observer's disturbance is what the thrust of the current does not turn into acceleration, so Q [K_tn I] - F is the
-//! inertial force M_n z'' behind both low-passes. Held against the thrust behind the same low-passes it tells the drive.
-//! Both lose what is steady: a weight takes thrust for ever and accelerates nothing. At an `approach.velocity` below some
-//! 60 um/s the start of the defaults is too faint to tell anything; the drive is then judged behind the retract alone.
+//! The disturbance estimate is the part of the thrust that does not accelerate the stage, so Q [K_tn I] - F is the
+//! inertial force M_n z'' after both low-passes. Its ratio to the thrust after the same low-passes is the gain ratio of
+//! the drive. Both signals are high-pass filtered: a weight takes thrust permanently and accelerates nothing. At an
+//! `approach.velocity` below about 60 um/s the default acceleration is too small to evaluate; the drive is then
+//! evaluated after the retract only.
 
 use control_blocks::Response;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// What is older is forgotten, and taken for steady, s.
+/// Time constant of the high-pass: older values are treated as steady, s.
 const MEMORY: f64 = 0.1;
-/// Least root of the sum of squares of the thrust that tells something, in `guard.force`: the noise of the force is a
-/// quarter of that limit at most, so that the share is known to 0.1.
+/// Minimum root of the sum of squares of the thrust for an evaluation, in `guard.force`: the noise of the force is at
+/// most a quarter of that limit, so that the ratio is known to 0.1.
 const EXCITATION: f64 = 2.5;
 
-/// The drive's answer.
+/// Response of the drive.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DriveResponse {
     force_share: f64,
@@ -30,7 +31,7 @@ pub struct DriveResponse {
     answers: [f64; 2],
     steady: [f64; 2],
     response: Response,
-    /// a reading since the begin did not count in full
+    /// a position since the start was only partly used
     doubted: bool,
 }
 
@@ -53,8 +54,8 @@ impl DriveResponse {
         }
     }
 
-    /// Takes the thrust of the current that acted (N) and the disturbance that the observer made of it (N) with a reading that
-    /// counted in full, or else one that is none of the drive's doing.
+    /// Takes the thrust of the current that acted (N) and the disturbance estimate (N); `whole`: the position was used
+    /// in full, otherwise it may differ for another reason than the drive.
     pub fn update(&mut self, thrust: f64, disturbance: f64, whole: bool) {
         self.doubted |= !whole;
         self.thrust += self.force_share * (thrust - self.thrust);
@@ -67,18 +68,18 @@ impl DriveResponse {
         self.response.update(modelled, measured, self.memory);
     }
 
-    /// A motion begins: what is now is the steady part, and what was is forgotten.
+    /// A motion starts: the present values are the steady part, and the past is discarded.
     pub fn begin(&mut self) {
         (self.steady, self.response, self.doubted) = (self.answers, Response::default(), false);
     }
 
-    /// Force (N) that accelerates the stage, behind the low-passes of the observer.
+    /// Force (N) that accelerates the stage, after the low-passes of the observer.
     pub fn inertia(&self) -> f64 {
         self.answers[1]
     }
 
-    /// Share of the thrust that accelerates the stage; none while too little was commanded. Readings in doubt tell no weak
-    /// drive, for they show too little motion themselves, but one that goes the wrong way.
+    /// Ratio of measured to commanded acceleration; none while too little was commanded. Partly used positions do not
+    /// show a weak drive, because they reduce the motion themselves, but they show one that pushes the wrong way.
     pub fn share(&self) -> Option<f64> {
         self.response.share(self.least).filter(|share| !self.doubted || *share < 0.0)
     }
@@ -89,7 +90,8 @@ mod tests {
     use super::*;
     use crate::force::observer::DisturbanceObserver;
 
-    /// Share after a push to and fro on a stage that does `strength` of what it is told, under a weight of 3 N.
+    /// Ratio after a push in both directions on a stage with `strength` times the commanded force, under a weight of 3
+    /// N.
     fn share(strength: f64, amplitude: f64) -> Option<f64> {
         let p = Parameters::START;
         let (mut observer, mut drive) = (DisturbanceObserver::new(&p), DriveResponse::new(&p));

@@ -1,9 +1,11 @@
-//! A reading that lives wherever the stage stands, by noise that is told in motion and at rest.
+//! Detects whether the noise of the encoder changes its value wherever the stage is, from samples in motion and at
+//! rest.
 //!
-//! At the edge of a step the least noise changes the last bit, and elsewhere none. The second difference of three readings in a row is noise but for
-//! the acceleration, which is nothing in a sample: rounding alone makes it at most two steps. One in fifty beyond that is a noise of three tenths of a
-//! step at least, of which a reading stays at one number for 300 samples with 1e-13, wherever it is. A reading that is held for some samples, as by an
-//! importer with a longer step, jumps in motion: only what changes in both samples counts.
+//! At the edge of a step the smallest noise changes the last bit, and elsewhere none does. The second difference of
+//! three consecutive samples is noise plus the negligible acceleration of a sample: rounding alone makes it at most two
+//! steps. One sample in fifty beyond that shows a noise of at least three tenths of a step. With this noise the value
+//! stays equal for 300 samples with a probability of 1e-13, at any position. A value that is held for some samples, as
+//! by an importer with a longer step, jumps in motion: only changes in both samples are counted.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,22 +13,22 @@ use crate::interface::Parameters;
 
 /// A second difference beyond this is more than rounding, in steps.
 const ROUNDING: f64 = 2.5;
-/// Share of the readings by which one lives, and how many tell it.
+/// Fraction of the samples that shows noise, and number of evaluated samples.
 const LIVES: f64 = 0.02;
 const TOLD: f64 = 1000.0;
 
-/// What the readings have said so far; by default nothing.
+/// Evidence of noise so far; by default none.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Life {
-    /// the last two readings in a row, m
+    /// the last two consecutive positions, m
     before: [Option<f64>; 2],
     share: f64,
-    /// It lives, wherever the stage stands.
+    /// The value has noise wherever the stage is.
     pub anywhere: bool,
 }
 
 impl Life {
-    /// Takes a reading (m) at rest or at a steady speed, none elsewhere.
+    /// Takes a position (m) at rest or at a steady speed, none otherwise.
     pub fn update(&mut self, p: &Parameters, position: Option<f64>) {
         if let ([Some(first), Some(second)], Some(third)) = (self.before, position) {
             let changes = first != second && second != third;
@@ -46,7 +48,8 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// Whether a reading with so much noise (steps) lives, of a stage that moves by `speed` steps in a sample and is read every `held` samples.
+    /// Whether noise (steps) is detected on a stage that moves by `speed` steps per sample and is measured every `held`
+    /// samples.
     fn lives(noise: f64, speed: f64, held: u32) -> bool {
         let (mut random, mut life, mut reading) = (rand_pcg::Pcg64Mcg::seed_from_u64(23), Life::default(), 0.0);
         for k in 0..100_000 {

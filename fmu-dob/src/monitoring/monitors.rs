@@ -10,7 +10,7 @@ use crate::monitoring::rest::Rest;
 use crate::monitoring::rest_force::RestForce;
 use crate::monitoring::swing::Swing;
 
-/// What is watched beside the law.
+/// Monitors next to the control law.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Monitors {
     /// The drive's answer.
@@ -19,17 +19,17 @@ pub struct Monitors {
     pub life: Life,
     /// The reading at rest.
     pub rest: Rest,
-    /// The reading lives wherever the stage stands, and now does not.
+    /// The position has shown noise wherever the stage is, and now does not change.
     pub standing: bool,
-    /// The force behind the retract.
+    /// Force after the retract.
     pub relief: RestForce,
     /// What is left of a motion.
     pub swing: Swing,
-    /// Samples in a row too far from the reference.
+    /// Consecutive samples too far from the reference.
     pub diverged: Consecutive,
-    /// Samples in a row with too large a disturbance.
+    /// Consecutive samples with too large a disturbance.
     pub overloaded: Consecutive,
-    /// The whole job.
+    /// Time of the cycle.
     pub job: Progress,
 }
 

@@ -1,31 +1,31 @@
-//! Numbers that are told with a fault.
+//! Details of a fault for the log.
 
 use serde::{Deserialize, Serialize};
 
-/// What the monitors know of a sample, for the log.
+/// Details of the monitors in one sample, for the log.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Numbers {
     /// The contact that the force guard has found.
     pub late: Option<LateContact>,
-    /// Change of the force from before the contact to behind the retract, N.
+    /// Change of the force from before the contact to after the retract, N.
     pub residual_force: f64,
     /// Largest distance from the reference when the drive went off, m.
     pub following_limit: f64,
     /// Thrust constant in force when the fault was found, N/A.
     pub force_constant: f64,
-    /// Swings of the stage, in a row.
+    /// Consecutive oscillations of the stage.
     pub swings: u32,
-    /// Samples by which the readings are late.
+    /// Delay of the position, samples.
     pub late_by: u32,
-    /// Second difference of the last readings, m; 0 where they jumped.
+    /// Second difference of the last positions, m; 0 where they jumped.
     pub bend: f64,
-    /// Least and largest mean bias of a speed in a calibration, m.
+    /// Minimum and maximum mean bias of a speed in a calibration cycle, m.
     pub biases: [f64; 2],
-    /// Fastest speed that `calibration.force_max` bears, where that is too slow to calibrate, m/s.
+    /// Fastest speed that `calibration.force_max` allows, where that is too slow to calibrate, m/s.
     pub bearable: Option<f64>,
-    /// How long the job or the commission took, s.
+    /// Time of the cycle or of the commissioning run, s.
     pub lasted: f64,
-    /// How long it may, s.
+    /// Limit of that time, s.
     pub time_limit: f64,
 }
 
@@ -62,8 +62,8 @@ pub struct LateContact {
 pub enum Unseen {
     /// It was not armed.
     Unarmed,
-    /// A reading that it remembers did not count in full.
+    /// A position in its memory was only partly used.
     Doubted,
-    /// It was armed, and missed it.
+    /// It was armed, and missed the contact.
     Missed,
 }

@@ -1,29 +1,29 @@
-//! The last readings as they came: what they say of a link that has fallen behind, and of a scale that is not the told one.
+//! The last positions as measured: they show a link that has fallen behind, and a wrong scale.
 //!
-//! From the moment when a position comes n samples late, each of the next n is one that was read before, noise and all; any
-//! other jump back makes other noise. One by just n samples of motion repeats a noise of half a step by chance, in half of the
-//! samples.
+//! When the position is suddenly n samples late, each of the next n values repeats an earlier one including its noise;
+//! any other jump back has other noise. A jump by exactly n samples of motion repeats a noise of half a step by chance
+//! in half of the samples.
 //!
-//! The second difference of two steps is force: no machine bends its path by more than the strongest one makes of a sample.
-//! It needs no velocity, so that it tells noise in the wrong unit from a true disturbance in the first samples. One bad sample is in three
-//! of them: the fourth largest counts, once more than twice as many are known.
+//! The second difference is force: no machine changes its path by more than its maximum force per sample. It needs no
+//! velocity, so it distinguishes noise in the wrong unit from a real disturbance in the first samples. One bad sample
+//! is in three differences: the fourth largest is used once more than twice as many are known.
 
 use serde::{Deserialize, Serialize};
 
-/// How many readings are kept.
+/// Number of stored positions.
 const KEPT: usize = 32;
-/// Least repeated readings in a row that are no chance.
+/// Minimum number of consecutive repeated values that is significant.
 const LEAST: u32 = 3;
 /// Second differences that one bad sample is in.
 const SPIKE: usize = 3;
 
-/// The last readings, the newest first, with those that repeat.
+/// The last positions, the newest first, and those that repeat.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RecentReadings {
     readings: [f64; KEPT],
     /// where in the ring the next one goes
     next: usize,
-    /// by its bit, each delay by which all readings since the jump were read before
+    /// one bit per delay by which all positions since the jump were measured before
     delays: u32,
 }
 
@@ -34,7 +34,8 @@ impl Default for RecentReadings {
 }
 
 impl RecentReadings {
-    /// Takes a reading (m; NaN where there is none), the `doubted`th in a row where the stage cannot be; 0: where it can.
+    /// Takes a position (m; NaN if there is none), the `doubted`th consecutive one where the stage cannot be; 0: a
+    /// plausible one.
     pub fn update(&mut self, reading: f64, doubted: u32) {
         if doubted == 0 {
             self.delays = u32::MAX << LEAST;
@@ -52,12 +53,13 @@ impl RecentReadings {
         self.readings[(self.next + KEPT - samples) % KEPT]
     }
 
-    /// By how many samples the last readings are late, `doubted` of them in a row where the stage cannot be; none if they are not.
+    /// Delay (samples) of the last positions, of which `doubted` consecutive ones are implausible; none if they are not
+    /// late.
     pub fn late(&self, doubted: u32) -> Option<u32> {
         (doubted >= LEAST && self.delays != 0).then(|| self.delays.trailing_zeros())
     }
 
-    /// Largest second difference of the readings (m); once more than six are known, beside those of one bad sample.
+    /// Largest second difference of the positions (m); once more than six are known, without those of one bad sample.
     pub fn bend(&self) -> f64 {
         let bend = |k| self.before(k) - 2.0 * self.before(k + 1) + self.before(k + 2);
         let (mut largest, mut known) = ([0.0_f64; SPIKE + 1], 0);
@@ -81,7 +83,7 @@ mod tests {
         1e-9 * f64::from(10 * k + k * k % 7 % 3)
     }
 
-    /// Delay that is told at each of eight samples that are `late`, after the first 40 that were not.
+    /// Detected delay at each of eight samples that are `late`, after the first 40 that were not.
     fn told(late: u32, offset: f64) -> Vec<Option<u32>> {
         let mut recent = RecentReadings::default();
         (0..40).for_each(|k| recent.update(place(k), 0));

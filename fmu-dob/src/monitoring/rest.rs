@@ -1,9 +1,9 @@
-//! A reading that stands at rest: noise that was there and is gone.
+//! A position that is frozen at rest: its noise was there and is gone.
 //!
-//! Nothing is asked of a stage at rest, so only the last bits tell that its encoder lives. That they have changed tells little: at the
-//! edge of a step the stage itself makes them flicker, and half a step farther on it leaves them at one number. A reading that is known
-//! to live wherever the stage stands ([`super::life`]) is asked for it from the first sample of a rest on: of its noise
-//! [`ROW`] equal samples are no chance, and so is `limits.rest_time` where that is longer.
+//! The reference does not move at rest, so only the last bits show that the encoder works. Their change alone proves
+//! little: at the edge of a step the stage itself toggles them, and half a step farther they stay constant. An encoder
+//! that is known to show noise wherever the stage is ([`super::life`]) must show it from the first sample at rest:
+//! [`ROW`] equal samples are then significant, and so is `expert.limits.rest_time` where that is longer.
 
 use control_blocks::{Frozen, ticks};
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ use crate::interface::Parameters;
 pub const SETTLING: f64 = 20.0;
 /// Equal samples that noise of three tenths of a step makes with 1e-13.
 pub const ROW: u32 = 300;
-/// A change is more than this share of a step.
+/// Minimum change, as a fraction of a step.
 const CHANGE: f64 = 0.5;
 
 /// The reading since the stage rests.
@@ -35,12 +35,13 @@ impl Rest {
         self.lasts(ticks(SETTLING / p.servo.bandwidth, p.sample_period))
     }
 
-    /// Whether it has lasted for more than so many samples.
+    /// Whether it has lasted for more than that many samples.
     pub fn lasts(&self, samples: u32) -> bool {
         self.samples > samples
     }
 
-    /// Takes one position at rest (m) of a reading that `lives` wherever the stage stands, or may not; whether it should and stands.
+    /// Takes one position at rest (m); `lives`: the encoder shows noise wherever the stage is. Returns whether it
+    /// should and is frozen.
     pub fn update(&mut self, p: &Parameters, position: f64, lives: bool) -> bool {
         self.samples = self.samples.saturating_add(1);
         self.still.update(position, 0.0, CHANGE * p.stage.encoder_resolution);
@@ -53,7 +54,7 @@ impl Rest {
 mod tests {
     use super::*;
 
-    /// Samples until a reading that lives, or may not, is told to stand; it changes by a step every `every` samples.
+    /// Samples until the position is detected as frozen; it changes by a step every `every` samples.
     fn told(p: &Parameters, lives: bool, every: u32) -> Option<u32> {
         let mut rest = Rest::default();
         (0..5000).find(|k| rest.update(p, 1e-9 * f64::from(k / every), lives))

@@ -1,4 +1,4 @@
-//! The force of a stage that stands: its mean, once the observer has settled.
+//! Mean force of a stage at rest, once the observer has settled.
 
 use control_blocks::{Welford, ticks};
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use crate::interface::Parameters;
 
 /// The observer has settled after this many times 1 / `observer.bandwidth`: exp(-6) of a force is left.
 const SETTLING: f64 = 6.0;
-/// Time of the mean, s: five turns of a spindle at 30 000 rpm.
+/// Time of the mean, s: five revolutions of a spindle at 30 000 rpm.
 const TIME: f64 = 0.01;
 
 /// The mean, sample by sample.

@@ -1,8 +1,10 @@
-//! A stage that swings although its reference does not accelerate: a loop that is hardly stable, below the limits of its current.
+//! A stage that oscillates although its reference does not accelerate: a loop at the limit of stability, below the
+//! current limit.
 //!
-//! The inertial force of such a stage is noise, a quarter of `guard.force` at most, and for a while the ringing of its structure.
-//! Both are quick: a side that lasts for less than the 1 / g of the observer is none of the loop's. What is left of a motion
-//! goes through zero once or twice in a loop with the margins of the check, and twice a period for ever in one without.
+//! The inertial force of such a stage is noise, at most a quarter of `guard.force`, and temporarily the ringing of its
+//! structure. Both are fast: half a period shorter than the 1 / g of the observer is not caused by the loop. After a
+//! motion the force crosses zero once or twice in a loop with the margins of the check, and twice per period forever in
+//! an unstable one.
 
 use control_blocks::{Consecutive, Reversals, ticks};
 use serde::{Deserialize, Serialize};
@@ -13,10 +15,10 @@ use crate::motion::servo::SWING;
 /// Changes of the inertial force from beyond `guard.force` to beyond it the other way.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Swing {
-    /// samples that a side lasts at least, and of a swing at most
+    /// minimum samples of a half period, and maximum of an oscillation
     least: u32,
     most: u32,
-    /// samples in a row beyond `guard.force` on either side
+    /// consecutive samples beyond `guard.force` on either side
     beyond: [Consecutive; 2],
     reversals: Reversals,
     count: u32,
@@ -49,7 +51,7 @@ impl Swing {
         self.count > before
     }
 
-    /// Changes in a row.
+    /// Consecutive reversals.
     pub fn count(&self) -> u32 {
         self.count
     }
@@ -59,7 +61,8 @@ impl Swing {
 mod tests {
     use super::*;
 
-    /// Changes of side in 300 samples of a force that has `size` and changes its side every `half` samples, and those counted.
+    /// Changes of side in 300 samples of a force that has `size` and changes its side every `half` samples, and those
+    /// counted.
     fn swung(size: f64, half: u32) -> (usize, u32) {
         let p = Parameters::START;
         let mut swing = Swing::new(&p);

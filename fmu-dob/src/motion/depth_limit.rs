@@ -1,10 +1,10 @@
-//! How deep the tool goes even if the touch is seen at once.
+//! Depth of the tool if the touch is detected immediately.
 
 use control_blocks::stopping_distance;
 
 use crate::interface::Parameters;
 
-/// Least travel (m) between touch and standstill: v (1.5 + io_delay) T_s + v^2 / (2 a_stop).
+/// Minimum travel (m) between touch and standstill: v (1.5 + io_delay) T_s + v^2 / (2 a_stop).
 ///
 /// Half a sample of waiting, one of hold and the delay of the current, then braking; noise adds to it.
 pub fn depth_limit(p: &Parameters) -> f64 {

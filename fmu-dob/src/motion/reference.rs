@@ -13,7 +13,7 @@ pub struct Motion {
     pub reference: Trajectory,
     /// The tunable parameters of this approach.
     pub approach: Approach,
-    /// Longest job with it, s.
+    /// Maximum time of a cycle with it, s.
     pub cycle_limit: f64,
     /// Motion of the reference in the last sample, m.
     pub asked: f64,
@@ -59,7 +59,7 @@ impl Motion {
         self.retreat_to = self.retreat_to.min(self.retreat_from - way);
     }
 
-    /// Goes on from another position (m) and velocity (m/s), with the same way still to retreat.
+    /// Continues from another position (m) and velocity (m/s), with the same distance still to retract.
     pub fn reseat(&mut self, position: f64, velocity: f64) {
         let moved = position - self.reference.position;
         (self.retreat_from, self.retreat_to) = (self.retreat_from + moved, self.retreat_to + moved);
@@ -77,7 +77,8 @@ impl Motion {
         (self.retreat_from, self.retreat_to) = (f64::INFINITY, f64::INFINITY);
     }
 
-    /// Moves the reference for one sample; without a valid position it only stops, and an approach that must wait stands.
+    /// Moves the reference for one sample; without a valid position it only stops, and a waiting approach stays at
+    /// rest.
     pub fn step(&mut self, p: &Parameters, state: State, valid: bool, wait: bool) {
         let (velocity, acceleration) = match state {
             State::Approach if wait => (0.0, self.approach.acceleration),
@@ -105,7 +106,7 @@ impl Motion {
         self.reference = reference;
     }
 
-    /// How far (m) the stage may be behind the reference, because the current acts late: v (1 + io_delay) T_s.
+    /// Lag (m) of the stage, because the current acts late: v (1 + io_delay) T_s.
     pub fn late(&self, p: &Parameters) -> f64 {
         self.reference.velocity.abs() * (1.0 + f64::from(p.io_delay)) * p.sample_period
     }
@@ -115,12 +116,12 @@ impl Motion {
         self.reference.velocity == self.approach.velocity
     }
 
-    /// Whether the reference stands still.
+    /// Whether the reference is at rest.
     pub fn at_rest(&self) -> bool {
         self.reference.velocity == 0.0
     }
 
-    /// Whether the reference stands still behind its retreat.
+    /// Whether the reference is at rest after its retract.
     pub fn retreated(&self, p: &Parameters) -> bool {
         self.at_rest() && !self.way_left(p)
     }

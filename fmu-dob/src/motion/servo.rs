@@ -13,7 +13,7 @@ pub fn acceleration(servo: &Servo, reference: &Trajectory, position: f64, veloci
         + 2.0 * servo.damping * omega * (reference.velocity - velocity)
 }
 
-/// Two changes from one side to the other belong together within this time, s: an unstable loop swings faster.
+/// Two reversals within this time belong together, s: an unstable loop oscillates faster.
 pub const SWING: f64 = 0.05;
 
 /// Smallest step of the current command, A.
@@ -26,7 +26,7 @@ fn quantise(current: f64, limit: f64, step: f64) -> f64 {
     (current.clamp(-limit, limit) / step).round() * step
 }
 
-/// Integral action in place of the disturbance compensation; stands still while the current is limited.
+/// Integral action instead of the disturbance compensation; it is held while the current is limited.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Integrator {
     acceleration: f64,
@@ -47,14 +47,14 @@ impl Integrator {
     }
 }
 
-/// Remembers which currents were sent, and for how long they were at the limit.
+/// Stores the commanded currents, and the time at the limit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Amplifier {
     /// smallest step, limit, and what is sent there, A
     step: f64,
     limit: f64,
     most: f64,
-    /// samples of a swing
+    /// samples of an oscillation
     swing: u32,
     sent: SentCommands,
     limited: Consecutive,
@@ -78,7 +78,7 @@ impl Amplifier {
         }
     }
 
-    /// The quantised and limited current (A) that acted during the last sample, `io_delay` samples late.
+    /// The quantized and limited current (A) that acted during the last sample, `io_delay` samples late.
     pub fn acted(&self, p: &Parameters) -> f64 {
         self.sent.before(p.io_delay as usize)
     }
@@ -92,17 +92,17 @@ impl Amplifier {
         sent
     }
 
-    /// Changes in a row of the current from one limit to the other.
+    /// Consecutive reversals of the current from limit to limit.
     pub fn reversals(&self) -> u32 {
         self.swings
     }
 
-    /// Forgets what the current did at its limits.
+    /// Discards the history of the current at its limits.
     pub fn forget(&mut self) {
         (self.limited, self.reversals, self.swings) = (Consecutive::NONE, Reversals::default(), 0);
     }
 
-    /// Samples in a row with the current at its limit.
+    /// Consecutive samples with the current at its limit.
     pub fn limited(&self) -> u32 {
         self.limited.count()
     }

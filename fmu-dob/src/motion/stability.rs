@@ -1,9 +1,9 @@
 //! Whether the servo over its observer is stable on the nominal stage, before anything moves.
 //!
 //! Without its limits the loop is linear: one sample is x' = A x with x = (position, velocity, current, memory of the
-//! observer, integral, currents on their way), and column i of A is what a sample makes of the i-th unit vector. The loop
-//! is stable while all eigenvalues of A lie inside the unit circle. It must be so with a margin: with a drive that is
-//! stronger than told, and one sample of delay more.
+//! observer, integral, delayed currents), and column i of A is the response of a sample to the i-th unit vector. The
+//! loop is stable while all eigenvalues of A are inside the unit circle. A margin is required: a drive that is
+//! stronger, and one sample more delay, than configured.
 
 use control_blocks::{DELAY_MAX, Trajectory};
 use nalgebra::DMatrix;
@@ -12,9 +12,9 @@ use crate::force::observer::DisturbanceObserver;
 use crate::interface::Parameters;
 use crate::motion::servo;
 
-/// A drive as much stronger than told must be stable, too: 30 % of thrust or mass.
+/// Required gain margin over the configured drive: 30 % of thrust or mass.
 const GAIN_MARGIN: f64 = 1.3;
-/// So many more samples of delay must be stable, too.
+/// Required margin of the delay, samples.
 const DELAY_MARGIN: usize = 1;
 /// Position, velocity, current, two of the observer, integral.
 const OWN: usize = 6;
@@ -26,13 +26,13 @@ pub fn spectral_radius(p: &Parameters) -> f64 {
     radius(p, GAIN_MARGIN, p.io_delay as usize + DELAY_MARGIN)
 }
 
-/// Longest delay (samples) up to `most` that the loop can be told and keep the margins, for it keeps them as it is told.
+/// Longest configured delay (samples) up to `most` with which the loop keeps the margins.
 pub fn longest_delay(p: &Parameters, most: usize) -> i32 {
     let stable = |io_delay: &i32| spectral_radius(&Parameters { io_delay: *io_delay, ..p.clone() }) < 1.0;
     (p.io_delay + 1..=most.min(DELAY_MAX) as i32).take_while(stable).last().unwrap_or(p.io_delay)
 }
 
-/// The same of a drive `gain` times as strong as told that acts `delay` samples late, not less than told.
+/// The same of a drive `gain` times as strong as configured, with a delay of `delay` samples, not less than configured.
 pub fn radius(p: &Parameters, gain: f64, delay: usize) -> f64 {
     let order = OWN + delay + 1;
     let observer = DisturbanceObserver::new(p);

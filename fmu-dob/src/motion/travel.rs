@@ -1,4 +1,4 @@
-//! Ways and times of a job.
+//! Distances and times of a cycle.
 
 use control_blocks::stopping_distance;
 
@@ -6,31 +6,32 @@ use crate::detection::detector::Detector;
 use crate::detection::touch;
 use crate::interface::{Approach, Parameters};
 
-/// The retract is longer than the way to arm by this share, for what the surface and the stop may differ.
+/// Ratio of the retract to the travel that arms the detector: reserve for the surface and the stop.
 const RETRACT_SPARE: f64 = 1.2;
-/// A job may take longer than its ways and times need by this share and this time, s.
-const JOB_SPARE: (f64, f64) = (1.25, 1.0);
+/// Reserve of the maximum cycle time: factor, and time in s.
+const CYCLE_SPARE: (f64, f64) = (1.25, 1.0);
 
-/// A first touch in the air is not seldom, and its second one takes a fifth of a second: the way there takes this much longer.
+/// First touches in air are frequent, and each second touch takes 0.2 s: the approach takes longer by this factor.
 const TOUCHED_AGAIN: f64 = 2.0;
 
-/// Way (m) until the detector is armed, v^2 / (2 a) + v (t_settle + t_learn).
+/// Travel (m) until the detector is armed, v^2 / (2 a) + v (t_settle + t_learn).
 pub fn arming_travel(p: &Parameters, approach: &Approach) -> f64 {
     let v = approach.velocity;
     stopping_distance(v, approach.acceleration) + v * (p.learn.settle_time + p.learn.time)
 }
 
-/// Distance of the retract (m): `retract.distance`, or what lets the next approach arm before it touches.
+/// Distance of the retract (m): `retract.distance`, or that with which the next approach is armed before it touches.
 pub fn retract_distance(p: &Parameters, approach: &Approach) -> f64 {
     if p.retract.distance > 0.0 { p.retract.distance } else { RETRACT_SPARE * arming_travel(p, approach) }
 }
 
-/// Distance of the retract (m) from a touch of a calibration: `next` is armed there, however short `retract.distance` is.
+/// Distance of the retract (m) from a touch of a calibration: `next` is armed there, however short `retract.distance`
+/// is.
 pub fn retract_between(p: &Parameters, next: &Approach) -> f64 {
     retract_distance(p, next).max(RETRACT_SPARE * arming_travel(p, next))
 }
 
-/// Longest learning (s): `limits.learn_time`, or twice `learn.time` and what the filters need to settle.
+/// Maximum time of learning (s): `expert.limits.learn_time`, or twice `learn.time` and the settling of the filters.
 pub fn learn_limit(p: &Parameters) -> f64 {
     if p.limits.learn_time > 0.0 {
         return p.limits.learn_time;
@@ -38,7 +39,7 @@ pub fn learn_limit(p: &Parameters) -> f64 {
     2.0 * p.learn.time + Detector::settling(p) as f64 * p.sample_period
 }
 
-/// Longest job (s): `limits.cycle_time`, or what its ways and times need and some more.
+/// Maximum time of a cycle (s): `limits.cycle_time`, or that of its motions and times with a reserve.
 pub fn cycle_limit(p: &Parameters, approach: &Approach) -> f64 {
     if p.limits.cycle_time > 0.0 {
         return p.limits.cycle_time;
@@ -47,16 +48,16 @@ pub fn cycle_limit(p: &Parameters, approach: &Approach) -> f64 {
     let again = if p.touch.confirm { TOUCHED_AGAIN } else { 1.0 };
     let there = again * travel_max / velocity + velocity / acceleration + p.learn.settle_time + learn_limit(p);
     let back = (travel_max + retract_distance(p, approach)) / p.retract.velocity;
-    JOB_SPARE.0 * (there + back) + JOB_SPARE.1
+    CYCLE_SPARE.0 * (there + back) + CYCLE_SPARE.1
 }
 
-/// How long (s) so many samples take; `limits.cycle_time` may be longer than a 32-bit count.
+/// Time (s) of a number of samples; `limits.cycle_time` may be longer than a 32-bit count.
 pub fn lasted(p: &Parameters, samples: u64) -> f64 {
     samples as f64 * p.sample_period
 }
 
-/// Travel (m) that each touch of a calibration needs: from behind one to the next at the fastest speed, found as late as it may be,
-/// and to a stop.
+/// Travel (m) of each touch of a calibration cycle: from one touch to the next at the fastest speed, with the maximum
+/// bias, and to a stop.
 pub fn calibration_travel(p: &Parameters) -> f64 {
     let fastest = Approach { velocity: p.calibration.velocity_max, ..p.approach };
     let dwell = if p.touch.confirm { touch::DWELL } else { 0.0 };
@@ -69,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ways_and_times_of_the_defaults() {
+    fn distances_and_times_of_the_defaults() {
         let mut p = Parameters::START;
         let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-9, "{value} {expected}");
         // 100 um/s for 0.75 s, and 0.1 um to get there

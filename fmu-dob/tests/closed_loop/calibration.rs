@@ -43,7 +43,8 @@ fn calibrate(run: &mut Loop) {
     }
 }
 
-/// Touches once at a speed (um/s); how far (m) the told first touch is behind the work, as found and less the bias.
+/// Touches once at a speed (um/s); returns the distance (m) of the contact from the surface, as detected and without
+/// the bias.
 fn touch(run: &mut Loop, speed: f64) -> [f64; 2] {
     run.parameters.approach.velocity = 1e-6 * speed;
     (0..200).for_each(|_| run.step_with(rest));
@@ -76,13 +77,13 @@ fn a_taught_bias_tells_the_first_touch_at_speeds_that_were_and_were_not_taught()
         run.parameters.retract.distance = 3e-4;
         for speed in [10.0, 35.0, 170.0, 300.0] {
             let [found, told] = touch(&mut run, speed);
-            println!("{seed}: {speed} um/s, {:.1} nm behind, {:.1} nm with the bias", 1e9 * found, 1e9 * told);
+            println!("{seed}: {speed} um/s, {:.1} nm late, {:.1} nm with the bias", 1e9 * found, 1e9 * told);
             assert!(found > 1e-7, "{found} m");
             errors.push(told / run.output.contact_position_std);
         }
     }
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
-    println!("{rms:.2} of the deviations that are told");
+    println!("{rms:.2} of the reported standard deviations");
     assert!((0.3..1.7).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0), "{rms} {errors:?}");
 }
 
@@ -110,7 +111,7 @@ fn a_commission_after_a_teaching_leaves_the_bias_in_force_and_the_places_as_sure
         }
     }
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
-    println!("{rms:.2} of the deviations that are told");
+    println!("{rms:.2} of the reported standard deviations");
     assert!((0.3..1.7).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0), "{rms} {errors:?}");
 }
 

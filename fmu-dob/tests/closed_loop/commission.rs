@@ -1,4 +1,4 @@
-//! The state `Commission`: what it finds on machines that nobody has measured, and what it keeps to.
+//! The state `Commission`: its results on unknown machines, and its bounds.
 
 use fmu_dob::interface::{DetectorKind, Fault, Input, Parameters, State};
 use rand::{RngExt, SeedableRng};
@@ -9,7 +9,7 @@ use crate::slide::SPINDLE_SPEED;
 /// Longest commission, s.
 const LIMIT: f64 = 30.0;
 
-/// Asks for a commission and for nothing else.
+/// Requests a commissioning run only.
 fn ask(input: &mut Input) {
     (input.enable, input.commission) = (false, true);
 }
@@ -19,7 +19,7 @@ fn rest(input: &mut Input) {
     input.enable = false;
 }
 
-/// Steps into the commission, and `time` s on.
+/// Steps into the commissioning run, and `time` s on.
 fn begin(run: &mut Loop, time: f64) {
     (0..200).for_each(|_| run.step_with(rest));
     while run.output.state != State::Commission {
@@ -32,7 +32,7 @@ fn begin(run: &mut Loop, time: f64) {
     }
 }
 
-/// Runs until the commission is over; how far the stage went, to and fro.
+/// Runs until the end of the commissioning run; returns the travel of the stage in both directions.
 fn commission(run: &mut Loop) -> [f64; 2] {
     begin(run, 0.0);
     let start = run.slide.place();
@@ -46,7 +46,7 @@ fn commission(run: &mut Loop) -> [f64; 2] {
     reach
 }
 
-/// A machine that is not what the controller was told: mass and thrust within 30 %, any delay from 0 to 2, other noise.
+/// An off-nominal machine: mass and thrust within 30 %, any delay from 0 to 2, other noise.
 fn unknown(p: &Parameters, seed: u64) -> Loop {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
     let mut run = Loop::new(p, seed, NO_WORKPIECE);
@@ -59,7 +59,7 @@ fn unknown(p: &Parameters, seed: u64) -> Loop {
     run
 }
 
-/// Thrust constant that goes with the told mass.
+/// Thrust constant for the nominal mass.
 fn thrust(run: &Loop) -> f64 {
     19.4 * run.slide.strength * 10.0 / run.slide.mass
 }

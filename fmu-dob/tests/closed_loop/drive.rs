@@ -94,7 +94,7 @@ fn the_reference_lies_where_the_stage_is_while_the_drive_is_off() {
     assert!(way.abs() > 1e-4, "{way} m");
 }
 
-/// A loop in `Retract` whose drive then is `late` samples late and has `strength`, run until the job ends.
+/// A loop in `Retract` whose drive then is `late` samples late and has `strength`, run until the cycle ends.
 fn late_on_the_way_back(current_max: f64, late: usize, strength: f64) -> Loop {
     let mut p = Parameters::START;
     p.stage.current_max = current_max;

@@ -1,15 +1,15 @@
-//! Readings that are lost for a few samples, anywhere in a job, and what comes behind them.
+//! Positions that are lost for a few samples anywhere in a cycle, and the samples after them.
 
 use fmu_dob::interface::{DetectorKind, Fault, Input, Parameters, State};
 
 use crate::run::{Loop, NO_WORKPIECE};
 
-/// Loses `samples` readings.
+/// Loses `samples` positions.
 fn lose(run: &mut Loop, samples: u32) {
     (0..samples).for_each(|_| run.step_with(|input| input.position_valid = false));
 }
 
-/// Steps until the job is done or a fault is told, for `time` s at most; the fault.
+/// Steps until the cycle is done or a fault is reported, for at most `time` s; returns the fault.
 fn told(run: &mut Loop, time: f64) -> Fault {
     let limit = run.time() + time;
     while !matches!(run.output.state, State::Done | State::Fault) && run.time() < limit {
@@ -18,7 +18,8 @@ fn told(run: &mut Loop, time: f64) -> Fault {
     run.output.fault
 }
 
-/// Loops at places of a whole job: each sample from the contact to the end, each tenth as the approach begins, few at a constant speed.
+/// Loops at positions of a complete cycle: each sample from the contact to the end, each tenth at the start, few at a
+/// constant speed.
 fn places(mut run: Loop) -> Vec<Loop> {
     let mut places = Vec::new();
     for k in 0.. {
@@ -71,7 +72,7 @@ fn more_may_be_lost_where_the_limit_says_so() {
     }
 }
 
-/// What `lie` makes of the readings behind a gap of `lost` in `Detect`, for `samples`.
+/// Positions changed by `lie` after a gap of `lost` in `Detect`, for `samples`.
 fn behind_a_gap(detector: DetectorKind, lost: u32, samples: u32, mut lie: impl FnMut(&mut Input, &[f64])) -> Loop {
     let mut run = Loop::new(&Parameters { detector, ..Parameters::START }, 71, NO_WORKPIECE);
     assert!(run.run_to(State::Detect, 3.0));

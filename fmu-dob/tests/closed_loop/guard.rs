@@ -1,4 +1,4 @@
-//! The force guard beside the detector, and what it is not to take for a contact.
+//! The force guard in addition to the detector, and forces that are no contact.
 
 use fmu_dob::interface::{ContactSource, Fault, Parameters, State};
 use fmu_dob::monitoring::numbers::Unseen;
@@ -17,7 +17,7 @@ fn the_cogging_of_the_whole_travel_is_no_contact() {
     }
 }
 
-/// The guard stops the approach, and behind the retract that is no `Done`.
+/// The guard stops the approach, and the cycle does not end in `Done` after the retract.
 fn caught_and_told(run: &mut Loop) {
     assert!(run.run_to(State::Contact, 3.0), "{:?}", run.output);
     assert_eq!(run.output.contact_source, ContactSource::ForceGuard);

@@ -1,4 +1,4 @@
-//! Whatever comes in, what goes out is finite and within the limits.
+//! The outputs are finite and within the limits for any inputs.
 
 use fmu_dob::controller::Controller;
 use fmu_dob::interface::{Input, Output, Parameters, State};

@@ -1,4 +1,4 @@
-//! How a job begins, is ended, and begins again.
+//! Start, end and restart of a cycle.
 
 use fmu_dob::interface::{ContactSource, Fault, Parameters, State};
 

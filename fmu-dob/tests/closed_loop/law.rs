@@ -1,4 +1,4 @@
-//! `law = Paper` is the paper's law by one parameter.
+//! `law = Paper` selects the published control law by one parameter.
 
 use fmu_dob::interface::{DetectorKind, Law, Parameters, State, ThresholdMode};
 

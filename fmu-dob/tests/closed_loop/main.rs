@@ -1,4 +1,5 @@
-//! The controller in closed loop with a slide: tracking, detection, noise, faults, the paper's law, state bytes.
+//! The controller in closed loop with a slide: tracking, detection, noise, faults, the published control law, state
+//! bytes.
 
 mod calibration;
 mod commission;

@@ -38,7 +38,8 @@ fn automatic_alpha_does_not_alarm() {
     assert_eq!(false_alarms(&Parameters::START, 600_000, 0.25), 0);
 }
 
-/// Touches at four speeds by turns, each on a slide with its own noise, for `hours`; how many, and how many were stopped early.
+/// Touches at four speeds by turns, each on a slide with its own noise, for `hours`; how many, and how many were
+/// stopped early.
 fn touches(first_seed: u64, hours: f64) -> (usize, usize) {
     let (mut time, mut count, mut early) = (0.0, 0, 0);
     while time < hours * HOUR {

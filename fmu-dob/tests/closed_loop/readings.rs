@@ -1,4 +1,4 @@
-//! Readings that lie: frozen, jumping, drifting; and what the controller says of them.
+//! Faulty positions: frozen, jumping, drifting; and the reported faults.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ fn running(p: &Parameters, seed: u64, state: State) -> Loop {
     run
 }
 
-/// Steps with a changed input until a fault or a contact; the way of the slide in that time, m.
+/// Steps with a changed input until a fault or a contact; returns the travel of the slide in that time, m.
 fn until_told(run: &mut Loop, samples: u32, mut change: impl FnMut(&mut Input)) -> f64 {
     let from = run.slide.place();
     let mut way: f64 = 0.0;

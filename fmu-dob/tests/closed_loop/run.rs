@@ -19,7 +19,7 @@ pub struct Loop {
     pub controller: Controller,
     /// The last outputs.
     pub output: Output,
-    /// Parameters of the law, those in force.
+    /// Active parameters of the controller.
     pub parameters: Parameters,
     steps: u32,
 }
@@ -70,7 +70,7 @@ impl Loop {
         self.output.state == state
     }
 
-    /// The same loop, with the law from its state bytes.
+    /// The same loop, with the controller from its state bytes.
     pub fn reloaded(&self) -> Self {
         let bytes = postcard::to_allocvec(&self.controller).unwrap();
         Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }

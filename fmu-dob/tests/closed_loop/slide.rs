@@ -57,7 +57,7 @@ pub struct Slide {
     pub push: f64,
     /// Contact force of the last substep, N.
     pub contact_force: f64,
-    /// Share of the thrust that the drive gives.
+    /// Fraction of the thrust that the drive supplies.
     pub strength: f64,
     /// Stiffness of the work at each flute, N/m.
     pub stiffness: f64,
@@ -144,7 +144,7 @@ impl Slide {
         }
     }
 
-    /// Force of the flute that is `short` m behind and at `phase` rad; the tilt lifts it once per turn.
+    /// Force of the flute that is shorter by `short` m, at `phase` rad; the tilt lifts it once per revolution.
     fn flute(&self, short: f64, phase: f64) -> f64 {
         let lift = short + TILT * (1.0 - (self.angle + phase).cos());
         self.stiffness * (self.position - self.surface - lift).max(0.0)

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 
-/// A calibration whose touches are as late (m) as `late` says, at a place of 50 um; with what it is afterwards.
+/// A calibration whose touches are `late` (m), at a surface position of 50 um; returns its state afterwards.
 fn calibrated(p: &Parameters, late: impl Fn(f64, u32) -> f64) -> CalibrationRun {
     let mut calibration = CalibrationRun::new(p);
     calibration.begin(p);
@@ -199,7 +199,8 @@ fn a_job_is_no_faster_than_was_taught_with_a_limit_of_the_force_and_is_in_force(
     }
 }
 
-/// A touch for so many samples, after which 10 kg stand without any thrust: F over v is 1.25 times their mass, over that time.
+/// A touch of that many samples, after which 10 kg are at rest without thrust: F over v is 1.25 times the mass over the
+/// time.
 fn touch(calibration: &mut CalibrationRun, p: &Parameters, samples: u32) {
     let place = p.direction() * p.calibration.position;
     calibration.feel(p, &Measured::START, Some(place - 1e-9), 0.0, false);

@@ -16,7 +16,8 @@ fn series(p: &Parameters, seed: u64, sigma: f64, left: f64) -> TouchSeries {
     series
 }
 
-/// A whole series whose touches at speed `i` are found later than the bias tells, and go to and fro about that: `late(i)` and its swing, m.
+/// A complete series whose touches at speed `i` are later than the bias by `late(i)` and alternate about that by a
+/// spread, m.
 fn to_and_fro(p: &Parameters, late: impl Fn(usize) -> [f64; 2]) -> TouchSeries {
     let mut series = TouchSeries::new(p);
     while !series.over(p) {
@@ -26,7 +27,7 @@ fn to_and_fro(p: &Parameters, late: impl Fn(usize) -> [f64; 2]) -> TouchSeries {
     series
 }
 
-/// Variance (m2) of four touches that go to and fro by `swing` m, with a step of the encoder.
+/// Variance (m2) of four touches that alternate by `swing` m, with a step of the encoder.
 fn variance(swing: f64) -> f64 {
     swing * swing * 4.0 / 3.0 + 1e-18 / 12.0
 }
@@ -164,7 +165,8 @@ fn the_extremes_are_means_of_a_speed() {
     assert!((least + 9.75e-8).abs() < 1e-15 && (most - 3.025e-7).abs() < 1e-15, "{least} {most}");
 }
 
-/// A series whose touches press as `force` says (N) of their speed (m/s), after the first round; or the error that ends it.
+/// A series whose touches press as `force` says (N) of their speed (m/s), after the first round; or the error that ends
+/// it.
 fn pressed(p: &Parameters, force: impl Fn(f64) -> f64) -> Result<TouchSeries, f64> {
     let mut series = TouchSeries::new(p);
     while series.touches < SPEEDS as u32 {
