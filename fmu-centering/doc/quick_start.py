@@ -2,7 +2,7 @@
 
     .venv/bin/python fmu-centering/doc/quick_start.py [FMU [PLOT.svg]]
 
-The table turns at 20 rpm. The slide is a position servo with a lag. The ring stays where the pusher leaves it.
+The table turns at 20 rpm. The slide is a position servo with a lag. The ring stays where it was pushed.
 """
 
 import sys
@@ -18,7 +18,7 @@ SPEED, LAG, STEP = tau / 3, 4e-3, 1e-3  # rad/s, s, s
 
 
 def run(path: str | Path) -> dict[str, np.ndarray]:
-    """Runs until the ring is centered; time (s), eccentricity of the plant (m), its estimate (m), slide (m), state."""
+    """Run until the ring is centered: time (s), eccentricity, its estimate and slide (m), state, fault."""
     description = read_model_description(str(path))
     vr = {variable.name: variable.valueReference for variable in description.modelVariables}
     fmu = FMU2Slave(guid=description.guid, unzipDirectory=extract(str(path)), instanceName="centering",
@@ -36,10 +36,11 @@ def run(path: str | Path) -> dict[str, np.ndarray]:
         world = center * complex(cos(SPEED * k * STEP), sin(SPEED * k * STEP))  # as the slide sees it
         surface = world.real + sqrt(RADIUS**2 - world.imag**2)
         probe = max(0.0, AT_PUSHER - (RADIUS + GAP - slide - surface))
-        fmu.setReal(inputs, [SPEED * k * STEP, slide, max(0.0, probe + noise.normal(0.0, 3e-8) * (probe > 0))])
+        measured = max(0.0, probe + noise.normal(0.0, 3e-8)) if probe > 0 else 0.0
+        fmu.setReal(inputs, [SPEED * k * STEP, slide, measured])
         fmu.setBoolean([vr["enable"]], [k >= 10])  # a rising edge starts the cycle
         fmu.doStep(currentCommunicationPoint=k * STEP, communicationStepSize=STEP)
-        slide += STEP * (command[1] + (command[0] - slide) / LAG)  # the command of the step before: `io_delay` is 1
+        slide += STEP * (command[1] + (command[0] - slide) / LAG)  # the last command: `io_delay` is 1
         push = probe - AT_PUSHER
         if push > 0:  # the pusher overlaps the ring: the ring moves away along its normal
             tilt = asin(world.imag / RADIUS)
@@ -56,24 +57,38 @@ def run(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def plot(result: dict[str, np.ndarray], path: str) -> None:
-    """Eccentricity, slide and state over time, as SVG."""
+    """Plot eccentricity, slide and state over time, as SVG."""
     import matplotlib
 
     matplotlib.use("svg")
     matplotlib.rcParams["svg.hashsalt"] = "fmu-centering"
     import matplotlib.pyplot as plt
 
-    thin = slice(None, None, max(1, len(result["time"]) // 600))
+    count = len(result["time"])
+    thin = np.unique([*range(0, count, max(1, count // 600)), count - 1])
     time = result["time"][thin]
     figure, axes = plt.subplots(3, 1, figsize=(7, 5), sharex=True, layout="constrained")
     axes[0].semilogy(time, 1e6 * result["eccentricity"][thin], label="plant")
-    axes[0].semilogy(time, 1e6 * np.maximum(result["estimate"][thin], 1e-8), label="measured")
+    axes[0].semilogy(
+        time, np.where(result["estimate"][thin] > 0, 1e6 * result["estimate"][thin], np.nan), label="measured"
+    )
     axes[0].axhline(2.5, color="gray", linestyle=":", label="tolerance")
     axes[0].set(ylabel="eccentricity in um", ylim=(0.1, 1e3))
     axes[0].legend(loc="lower left", ncols=3)
     axes[1].plot(time, 1e3 * result["slide"][thin])
     axes[1].set(ylabel="slide in mm")
-    names = "Idle Approach Follow Collect Model Wait Push Settle Confirm Centered".split()
+    names = [
+        "Idle",
+        "Approach",
+        "Follow",
+        "Collect",
+        "Model",
+        "Wait",
+        "Push",
+        "Settle",
+        "Confirm",
+        "Centered",
+    ]
     axes[2].step(time, result["state"][thin], where="post")
     axes[2].set(ylabel="state", xlabel="time in s", yticks=range(1, 11), yticklabels=names)
     axes[2].tick_params(axis="y", labelsize=7)

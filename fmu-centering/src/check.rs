@@ -57,9 +57,9 @@ fn trial(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "otherwise the probe cannot be tested before `Centered`";
     match p.law {
         Law::Default => Parameter::new("park.dead_zone", p.park.dead_zone, "m", hint)
-            .at_most(p.park.probe - least, "`park.probe` less `probe.contact` and 0.2 mm"),
+            .at_most(p.park.probe - minimum, "`park.probe` less `probe.contact` and 0.2 mm"),
         Law::Paper => Parameter::new("expert.follow.gap", p.follow.gap, "m", hint).at_most(
-            p.probe.at_pusher - least - p.follow.dead_zone,
+            p.probe.at_pusher - minimum - p.follow.dead_zone,
             "`probe.at_pusher` less `probe.contact`, `expert.follow.dead_zone` and 0.2 mm",
         ),
     }
@@ -73,7 +73,7 @@ fn following(p: &Parameters) -> Result<(), ParameterError> {
     let minimum = 3.0 * p.slide.acceleration_max / p.slide.bandwidth.powi(2);
     let hint = "otherwise every fast move raises a fault";
     Parameter::new("limits.following_error", p.limits.following_error, "m", hint)
-        .at_least(least, "three times `slide.acceleration_max` over the square of `slide.bandwidth`")
+        .at_least(minimum, "three times `slide.acceleration_max` over the square of `slide.bandwidth`")
 }
 
 fn approach_velocity(p: &Parameters) -> Result<(), ParameterError> {
@@ -241,7 +241,7 @@ mod tests {
             |p, over| p.push.velocity_max = rounded(p.slide.velocity_max, over),
             |p, over| {
                 let minimum = 3.0 * p.slide.acceleration_max / p.slide.bandwidth.powi(2);
-                p.limits.following_error = rounded(least, !over);
+                p.limits.following_error = rounded(minimum, !over);
             },
         ];
         for (k, change) in cases.into_iter().enumerate() {

@@ -65,7 +65,7 @@ impl ProbeDelay {
     /// Closes a window, at its end or at the start of a push; data that do not determine the delay change nothing.
     pub fn end(&mut self, p: &Parameters) {
         let open = self.turned.take().is_some();
-        if let Some(late) = self.told(p).filter(|_| open && f64::from(self.samples) >= FEWEST) {
+        if let Some(late) = self.result(p).filter(|_| open && f64::from(self.samples) >= FEWEST) {
             self.late = late;
         }
     }
@@ -122,7 +122,7 @@ impl ProbeDelay {
     }
 
     /// Result of the window, if it has one.
-    fn told(&self, p: &Parameters) -> Option<Option<f64>> {
+    fn result(&self, p: &Parameters) -> Option<Option<f64>> {
         let all = self.information.cholesky()?.inverse();
         let surface = self.information.fixed_view::<SURFACE, SURFACE>(0, 0).clone_owned().cholesky()?.inverse();
         let left = |delay: usize| {
@@ -171,7 +171,7 @@ mod tests {
 
     /// Result for a probe that is `late` samples later than the slide and has a `scale`, at a ring of 0.5 mm at 45 rpm,
     /// with a slide that brakes from 80 mm/s.
-    fn told(late: i32, scale: f64, speed: f64) -> Option<f64> {
+    fn found(late: i32, scale: f64, speed: f64) -> Option<f64> {
         // 4 m/s2 for 20 ms
         told_by(late, scale, speed, |k| 8e-4 - 2e-6 * (20.0 - k.min(20.0)).powi(2))
     }
@@ -194,9 +194,9 @@ mod tests {
 
     #[test]
     fn a_late_probe_or_slide_is_found_by_its_time() {
-        assert_eq!(told(0, 1.0, 4.7), None);
+        assert_eq!(found(0, 1.0, 4.7), None);
         for late in [-6, -5, -3, -1, 1, 2, 5, 10, 20] {
-            let seconds = told(late, 1.0, 4.7).unwrap();
+            let seconds = found(late, 1.0, 4.7).unwrap();
             assert!((seconds - 1e-3 * f64::from(late)).abs() < 2e-5, "{late}: {seconds} s");
         }
     }
@@ -261,7 +261,7 @@ mod tests {
         for lobe in [3e-6, 8e-6, 1.7e-5, 3e-5] {
             for k in 0..20 {
                 let found = found_in_samples(1e-3, 0.0, 4.7, [lobe, TAU / 400.0 * f64::from(k)], retracting);
-                assert_eq!(told, None, "{lobe} {k}");
+                assert_eq!(found, None, "{lobe} {k}");
             }
         }
     }
@@ -343,7 +343,7 @@ mod tests {
     #[test]
     fn a_probe_of_another_scale_or_none_is_not_late() {
         for scale in [0.0, 0.7, 1.3] {
-            assert_eq!(told(0, scale, 4.7), None, "{scale}");
+            assert_eq!(found(0, scale, 4.7), None, "{scale}");
         }
     }
 
@@ -374,8 +374,8 @@ mod tests {
 
     #[test]
     fn a_spindle_that_is_too_fast_for_a_parabola_tells_nothing() {
-        assert!(told(5, 1.0, 8.0).is_some());
-        assert_eq!(told(5, 1.0, 17.0), None);
+        assert!(found(5, 1.0, 8.0).is_some());
+        assert_eq!(found(5, 1.0, 17.0), None);
     }
 
     #[test]
