@@ -11,27 +11,30 @@ from .matrix import DONE, Matrix, Row
 # three times the feed of the scenario: the runs get shorter
 QUICK = ("controller.feed.velocity=0.006", "loop.duration=2.1")
 WHOLE = ("loop.duration=4.1",)
-"""The job to its end."""
+"""The complete cycle."""
 ROUND = ("controller.stick_slip.mode='Circular'",)
 SINKING = (0.0, *(0.8 + 0.05 * step for step in range(11)))
 """Times of steps of 10 um, s."""
 MIDWAY = {"when": 'controller.state == "Follow"', "after": 0.5}
 FORCE = "max(plant.contact_force)"
 BESIDE = "max(hypot(plant.axis_x - controller.desired.x, plant.axis_y - controller.desired.y))"
-HELD = "5 N and the ripple of the law"
+HELD = "5 N and the ripple of the control law"
 SEEN = (
-    "0.25 s of `expert.limits.frozen_time` at what the law then makes of 0.5 N too little: 45 um at 178 N/mm, and 5 N"
+    "0.25 s of `expert.limits.frozen_time` at the command for an error of 0.5 N: 45 um at 178 N/mm, and 5 N"
 )
-DEAD = "`limits.approach_depth` at 178 N/mm, and 2 N until it has turned round"
-TOUCH = "0.25 s of `expert.limits.frozen_time` at `approach.velocity`, 50 um of them in the air: 75 um at 178 N/mm"
-COAST = "`expert.limits.following_error`, 50 um of stick-slip, 0.59 mm coasting: 31 kg, 10 mm/s, 2 N, 100 N.s/m"
+DEAD = "`limits.approach_depth` at 178 N/mm, and 2 N until it has reversed"
+TOUCH = "0.25 s of `expert.limits.frozen_time` at `approach.velocity`, 50 um in the air: 75 um at 178 N/mm"
+COAST = (
+    "`expert.limits.following_error`, 50 um of stick-slip, 0.59 mm coasting: 31 kg, 10 mm/s, 2 N, 100 N.s/m"
+)
 
 
 def row(
     name: str, faults: str, *inject: Injection, most: float = 5.6, why: str = HELD, truth: str = FORCE,
-    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (), sequence: bool = False, undetectable: str = "",
+    changes: tuple[str, ...] = (), signals: tuple[Signal, ...] = (), sequence: bool = False,
+    undetectable: str = "",
 ) -> Row:  # fmt: skip
-    """One row; the largest true force counts if nothing else is said."""
+    """One row; the excursion is the largest true force by default."""
     unit = "m" if truth == BESIDE else "N"
     changed = (*QUICK, *changes)
     return Row(
@@ -54,27 +57,27 @@ SENSOR = (
         changes=WHOLE,
     ),
     row(
-        "force stands before the start",
+        "force frozen before the start",
         "ForceFrozen",
         Injection("controller.force.z", 0.0, frozen=True),
         most=0.0,
         why="nothing moves yet",
     ),
     row(
-        "force stands on the approach",
+        "force frozen on the approach",
         "ForceFrozen",
         Injection("controller.force.z", when='controller.state == "Approach"', after=0.3, frozen=True),
         most=14.0,
         why=TOUCH,
     ),
     row(
-        "force stands for 0.2 s about the touch",
+        "force frozen for 0.2 s around the touch",
         "ForceJump",
         Injection(
             "controller.force.z", when='controller.state == "Approach"', after=0.35, duration=0.2, frozen=True
         ),
         most=15.0,
-        why="0.2 s at `approach.velocity`, 20 um in the air, and 6 samples to tell it: 83 um at 178 N/mm",
+        why="0.2 s at `approach.velocity`, 20 um in the air, and 6 samples of detection: 83 um at 178 N/mm",
     ),
     row(
         "force flickers about its zero on the approach",
@@ -85,14 +88,14 @@ SENSOR = (
         why=DEAD,
     ),
     row(
-        "force stands where it has just touched",
+        "force frozen just after the touch",
         "ForceFrozen",
         Injection("controller.force.z", when='controller.state == "Settle"', frozen=True),
         most=6.0,
-        why="a way of `expert.limits.frozen` without an answer, and a band: 3.9 N at 178 N/mm",
+        why="`expert.limits.frozen` of travel without a response, and a band: 3.9 N at 178 N/mm",
     ),
     row(
-        "force stands on the path",
+        "force frozen on the path",
         "ForceFrozen",
         midway("controller.force.z", frozen=True),
         most=13.0,
@@ -103,8 +106,8 @@ SENSOR = (
         "",
         midway("controller.force.z", drop=0.9),
         most=8.3,
-        why="5 N, and what the law adds in the 10 ms for which a sample stands",
-        undetectable="a sensor of such a step stands as long by itself",
+        why="5 N, and the response of the control law during the 10 ms between two samples",
+        undetectable="a valid signal of this resolution is constant as long",
         changes=WHOLE,
     ),
     row(
@@ -113,9 +116,9 @@ SENSOR = (
         Injection("controller.force.y", 0.0, scale=-1.0),
         changes=WHOLE,
     ),
-    row("force stands at 4.5 N", "ForceFrozen", midway("controller.force.z", value=4.5), most=13.0, why=SEEN),
+    row("force frozen at 4.5 N", "ForceFrozen", midway("controller.force.z", value=4.5), most=13.0, why=SEEN),
     row(
-        "force stands at 4.5 N and flickers",
+        "force frozen at 4.5 N with noise",
         "ForceFrozen InvalidPath",
         midway("controller.force.z", value=4.5),
         midway("controller.force.z", noise=0.05),
@@ -124,13 +127,13 @@ SENSOR = (
         changes=("controller.feed.velocity=0.002", "loop.duration=4.0"),
     ),
     row(
-        "force stands at 4.5 N and flickers while the feed stands",
+        "force frozen at 4.5 N with noise while the feed is stopped",
         "ForceFrozen",
         Injection("controller.feed_override", 1.2, value=0.0),
         midway("controller.force.z", value=4.5),
         midway("controller.force.z", noise=0.05),
         most=13.0,
-        why="5 N, 3.6 N of `expert.limits.frozen` without an answer, and what the law adds until it stands",
+        why="5 N, 3.6 N of `expert.limits.frozen` without a response, and the motion until standstill",
     ),
     row(
         "force is 0",
@@ -167,8 +170,8 @@ SENSOR = (
         changes=WHOLE,
     ),
     row("20 times the noise", "NoisyForce", midway("controller.force.z", noise=1.0)),
-    row("half of the forces get lost", DONE, midway("controller.force.z", drop=0.5), changes=WHOLE),
-    row("force is no number", "ForceLost", midway("controller.force.x", value=float("nan"))),
+    row("half of the force samples lost", DONE, midway("controller.force.z", drop=0.5), changes=WHOLE),
+    row("force is not a number", "ForceLost", midway("controller.force.x", value=float("nan"))),
     row(
         "force at the end of its range",
         "Saturation ForceJump",
@@ -179,7 +182,7 @@ SENSOR = (
         "WrongStiffness",
         Injection("controller.force.z", 0.0, scale=0.35),
         most=15.5,
-        why="5 N over the share that is shown",
+        why="5 N over the measured ratio",
     ),
     row(
         "force shows half of itself from the path on",
@@ -187,7 +190,7 @@ SENSOR = (
         midway("controller.force.z", scale=0.5),
         most=11.2,
         why="5 N over the 0.45 that `expert.limits.stiffness_ratio` allows",
-        undetectable="a softer tip and a slope of the mold answer alike",
+        undetectable="a softer tip and a slope of the mold have the same response",
         changes=WHOLE,
     ),
     row(
@@ -200,7 +203,7 @@ SENSOR = (
         DONE,
         midway("controller.force.z", late=20),
         most=6.5,
-        why="5 N and the largest swing that is good",
+        why="5 N and the largest accepted oscillation",
         changes=WHOLE,
     ),
     row(
@@ -208,11 +211,11 @@ SENSOR = (
         "Oscillation",
         midway("controller.force.z", late=40),
         most=9.0,
-        why="5 N, and a swing that grows threefold in each half period",
+        why="5 N, and an oscillation that grows threefold in each half period",
         changes=WHOLE,
     ),
     row(
-        "slow sensor in a fast loop, drives as quick as told",
+        "slow sensor in a fast loop, nominal drives",
         "Oscillation",
         changes=(
             "plant.force_bandwidth=4.0",
@@ -221,19 +224,19 @@ SENSOR = (
             *WHOLE,
         ),
         most=13.0,
-        why="5 N, and a swing that grows threefold in each half period",
+        why="5 N, and an oscillation that grows threefold in each half period",
     ),
     row(
         "slow sensor in a fast loop",
-        # a force that is 40 ms late swings, and leaves 20 um unanswered within the same 50 ms; which is told
-        # first hangs on the noise: of 20 runs with drives of 0.9 to 1.05 the swing in 17, 12.6 N at most
+        # a force that is 40 ms late oscillates and does not respond to 20 um within the same 50 ms; the noise decides
+        # which fault is first: of 20 runs with drives of 0.9 to 1.05 the oscillation in 17, 12.6 N at most
         "Oscillation ForceFrozen",
         changes=("plant.force_bandwidth=4.0", "controller.impedance.bandwidth=100.0", *WHOLE),
         most=13.0,
-        why="5 N, and a swing that grows threefold in each half period",
+        why="5 N, and an oscillation that grows threefold in each half period",
     ),
     row(
-        "force turned half round",
+        "force rotated by half a revolution",
         "InvalidPath",
         Injection("controller.force.x", 0.0, scale=-1.0),
         Injection("controller.force.y", 0.0, scale=-1.0),
@@ -243,14 +246,14 @@ SENSOR = (
 
 ENCODERS = (
     row(
-        "encoder z stands on the approach",
+        "encoder z frozen on the approach",
         "PositionFrozen",
         Injection("controller.position.z", when='controller.state == "Approach"', frozen=True),
         most=0.0,
         why="0.2 mm above the mold",
     ),
     row(
-        "encoder x stands on the path",
+        "encoder x frozen on the path",
         "PositionFrozen",
         midway("controller.position.x", frozen=True),
         truth=BESIDE,
@@ -258,7 +261,7 @@ ENCODERS = (
         why=COAST,
     ),
     row(
-        "encoder y flickers in its last bit",
+        "encoder y frozen, its last bit flickers",
         "PositionFrozen",
         midway("controller.position.y", frozen=True),
         midway("controller.position.y", noise=0.4e-6),
@@ -279,7 +282,7 @@ ENCODERS = (
         "ForceError",
         midway("controller.position.z", offset=50e-6),
         most=10.5,
-        why="50 um at 178 N/mm are 9 N, less what the law takes back meanwhile, and 5 N",
+        why="50 um at 178 N/mm are 9 N, minus the correction by the control law, and 5 N",
         changes=WHOLE,
     ),
     row("encoder z with 10 um of noise", DONE, midway("controller.position.z", noise=10e-6), changes=WHOLE),
@@ -305,7 +308,7 @@ ENCODERS = (
         "Stroke",
         Injection("controller.position.y", 0.0, offset=0.16),
         most=0.0,
-        why="told in the first sample of the job: nothing moves",
+        why="detected in the first sample of the cycle: nothing moves",
     ),
     row(
         "encoder x 80 um off, 60 um allowed",
@@ -324,8 +327,10 @@ ENCODERS = (
         most=0.74e-3,
         why=COAST,
     ),
-    row("encoder z is no number", "PositionLost", midway("controller.position.z", value=float("nan"))),
-    row("a fifth of the places get lost", DONE, midway("controller.position.x", drop=0.2), changes=WHOLE),
+    row("encoder z is not a number", "PositionLost", midway("controller.position.z", value=float("nan"))),
+    row(
+        "a fifth of the position samples lost", DONE, midway("controller.position.x", drop=0.2), changes=WHOLE
+    ),
     row(
         "encoder x 20 ms late",
         "FollowingError",
@@ -368,14 +373,14 @@ DRIVES = (
         why=COAST,
     ),
     row(
-        "pulses z get lost",
+        "pulses z lost",
         "PositionFrozen",
         Injection("plant.pulses_z", 0.0, value=0.0),
         most=0.0,
-        why="it stands",
+        why="the axis is at rest",
     ),
     row(
-        "pulses x get lost on the path",
+        "pulses x lost on the path",
         "PositionFrozen FollowingError",
         midway("plant.pulses_x", value=0.0),
         truth=BESIDE,
@@ -383,27 +388,27 @@ DRIVES = (
         why=COAST,
     ),
     row(
-        "drive z runs down with 5 mm/s",
+        "drive z moves down at 5 mm/s",
         "DriveSign",
         midway("plant.pulses_z", value=-5.0),
         most=32.0,
         why="`expert.limits.following_error` at 178 N/mm, 5 N, and 8 kg with 5 mm/s: 6 N",
     ),
     row(
-        "drive x runs away with 20 mm/s",
+        "drive x moves away at 20 mm/s",
         "DriveSign FollowingError",
         midway("plant.pulses_x", value=20.0),
         truth=BESIDE,
         most=2.05e-3,
         why="`expert.limits.following_error`, 50 um of stick-slip, and 1.9 mm that 31 kg coast from 20 mm/s",
     ),
-    # on the way out the axis stands for 20 ms, as a weak drive does
+    # during the retract the axis rests for 20 ms, like a weak drive
     row(
         "pulses of z 20 ms late",
         "Oscillation WeakDrive",
         midway("plant.pulses_z", late=20),
         most=7.5,
-        why="5 N and a swing of twice `expert.limits.force_error`",
+        why="5 N and an oscillation of twice `expert.limits.force_error`",
         changes=WHOLE,
         sequence=True,
     ),
@@ -411,19 +416,19 @@ DRIVES = (
 
 REST = (
     row(
-        "stiffness told a third",
+        "stiffness configured as a third",
         "WrongStiffness UnstableLoop",
         changes=("controller.stiffness.nominal=55e3",),
     ),
     row(
-        "pulses told twice as long",
+        "pulses configured twice as large",
         "WeakDrive",
         changes=("controller.pulses.size=2e-6",),
         most=0.0,
         why="still above the mold",
     ),
     row(
-        "stiffness told half, damping for a loop three times as fast",
+        "stiffness configured as half, damping for a loop three times as fast",
         "UnstableLoop",
         changes=(
             "controller.stiffness.nominal=90e3",
@@ -438,12 +443,12 @@ REST = (
         changes=("controller.limits.surface_error=5e-5",),
     ),
     row(
-        "settling of more time than it may take",
+        "settling longer than its limit",
         "SettleTimeout",
         changes=("controller.expert.settle.time_max=0.05",),
     ),
     row(
-        "sensor of 25.5 N whose zero is 1.5 N off, and a step of the mold",
+        "sensor of 25.5 N with an offset of 1.5 N, and a step of the mold",
         "Saturation",
         Injection("controller.force.z", 0.0, offset=1.5),
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
@@ -452,7 +457,7 @@ REST = (
         why="the step of 0.15 mm at 178 N/mm, and 5 N",
     ),
     row(
-        "mold 0.6 mm beside",
+        "mold 0.6 mm off",
         "ForceError",
         changes=("plant.shift_x=6e-4",),
         most=9.0,
@@ -466,7 +471,7 @@ REST = (
         why="5 N, and a ramp to 3.5 N that is a fifth of 5 N root mean square over 0.2 s",
     ),
     row(
-        "mold 0.3 mm lower at once",
+        "mold suddenly 0.3 mm lower",
         "ContactLost",
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, -3e-4)),),
     ),
@@ -480,12 +485,12 @@ REST = (
         "estop on the path", "EmergencyStop", signals=(Signal("controller.estop", (0.0, 1.5), (False, True)),)
     ),
     row(
-        "feed stopped for ever",
+        "feed stopped permanently",
         "NoProgress",
         Injection("controller.feed_override", 1.2, value=0.0),
         changes=("controller.limits.cycle_time=1.6",),
     ),
-    row("override is no number", "InvalidInput", midway("controller.feed_override", value=float("nan"))),
+    row("override is not a number", "InvalidInput", midway("controller.feed_override", value=float("nan"))),
     row(
         "zero of the force sensor 5 N off",
         "TareRejected",
@@ -498,7 +503,7 @@ REST = (
         "LongStep",
         changes=("loop.step=2e-3", "loop.substeps=20"),
         most=0.0,
-        why="told in the first sample of the job: nothing moves",
+        why="detected in the first sample of the cycle: nothing moves",
     ),
     row(
         "a tip that bends more than the sweep is long",
@@ -511,7 +516,7 @@ REST = (
         ),
     ),
     row(
-        "a ball that sticks on a circle, which its tip follows",
+        "a ball that sticks on a circle, so that only the tip bends",
         "NoSliding",
         changes=(
             *ROUND,
@@ -521,7 +526,7 @@ REST = (
             "loop.duration=4.1",
         ),
         most=6.0,
-        why="5 N and the ripple of the law at the largest K_v",
+        why="5 N and the ripple of the control law at the largest K_v",
     ),
     row(
         "a circle, the force across the tip with the wrong sign",
@@ -530,10 +535,10 @@ REST = (
         Injection("controller.force.x", 0.0, scale=-1.0),
         changes=(*ROUND, *WHOLE),
         most=6.0,
-        why="5 N and the ripple of the law at the largest K_v",
+        why="5 N and the ripple of the control law at the largest K_v",
     ),
     row(
-        "drives of 20 N in a circle that takes 300 N",
+        "drives of 20 N for a circle that needs 300 N",
         "WeakDrive",
         truth=BESIDE,
         most=0.74e-3,
@@ -541,7 +546,7 @@ REST = (
         changes=(*ROUND, "plant.drive_force=20.0", "controller.stick_slip.velocity=0.02"),
     ),
     row(
-        "stopped on the way out",
+        "emergency stop during the retract",
         "ForceLimit EmergencyStop",
         signals=(
             Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),
@@ -552,7 +557,7 @@ REST = (
         sequence=True,
     ),
     row(
-        "encoder stands on the way out",
+        "encoder frozen during the retract",
         "ForceLimit PositionFrozen",
         Injection("controller.position.z", when='controller.state == "Fault"', frozen=True),
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
@@ -561,14 +566,14 @@ REST = (
         sequence=True,
     ),
     row(
-        "override lost on the way out",
+        "override lost during the retract",
         "ContactLost",
         Injection("controller.feed_override", when='controller.state == "Fault"', value=float("nan")),
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, -3e-4)),),
         sequence=True,
     ),
     row(
-        "enable falls and rises on the path",
+        "enable false and true again on the path",
         "NotAtStart",
         signals=(
             Signal(
@@ -580,7 +585,7 @@ REST = (
         changes=("loop.duration=2.5",),
     ),
     row(
-        "encoder lost on the way out",
+        "encoder lost during the retract",
         "ForceLimit PositionLost",
         Injection("controller.position.x", when='controller.state == "Fault"', value=float("nan")),
         signals=(Signal("plant.mold_lift", (0.0, 1.5), (0.0, 1.5e-4)),),
