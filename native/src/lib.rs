@@ -1,6 +1,6 @@
-//! Python module `machining_native`: what the plants and the engine of the harness have in native code.
+//! Python module `machining_native`: native code of the plants and of the engine of the harness.
 //!
-//! Both hand circuits to each other, so both must come out of one library.
+//! Both exchange circuits, so both must be in one library.
 
 #![forbid(unsafe_code)]
 #![cfg(feature = "extension-module")]

@@ -1,19 +1,19 @@
-//! Elements in the order in which they act, tied to places in memory.
+//! Elements in the order in which they act, connected to memory locations.
 
 use crate::element::Element;
 use crate::place::Place;
 
-/// What any stepper calls once per plant step.
+/// The function that a stepper calls once per plant step.
 #[derive(Default)]
 pub struct Circuit {
     elements: Vec<Wired>,
-    /// what outputs are added to, zero at the begin of a step
+    /// sums of outputs, zero at the start of a step
     sums: Vec<Place>,
     /// plant steps since the reset
     k: usize,
 }
 
-/// An element with its places and room for its numbers.
+/// An element with its locations and buffers.
 struct Wired {
     name: String,
     /// at time zero
@@ -27,7 +27,7 @@ struct Wired {
     written: Vec<f64>,
 }
 
-/// Why a circuit could not make a step.
+/// Reason why a circuit could not make a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StepError {
     /// A signal has no sample for this step.
@@ -36,7 +36,7 @@ pub enum StepError {
         element: String,
         /// name of its input
         input: &'static str,
-        /// samples that there are
+        /// number of samples
         steps: usize,
     },
     /// An input is NaN or infinite.
@@ -48,17 +48,17 @@ pub enum StepError {
         /// the value
         value: f64,
     },
-    /// The element says that the plant cannot go on.
+    /// The element reports that the plant cannot continue.
     Stopped {
         /// name of the element
         element: String,
-        /// its words
+        /// its message
         cause: String,
     },
 }
 
 impl Circuit {
-    /// Appends an element with one place for each of its ports.
+    /// Appends an element with one location for each of its ports.
     pub fn bind(&mut self, name: String, element: Box<dyn Element>, inputs: Vec<Place>, outputs: Vec<Place>) {
         self.sums.extend(outputs.iter().copied().filter(Place::adds));
         let steps = inputs.iter().map(Place::steps).min().unwrap_or(usize::MAX);
@@ -74,10 +74,10 @@ impl Circuit {
         }
     }
 
-    /// One plant step of `h` seconds: every element in order; places that are added to start at zero.
+    /// One plant step of `h` seconds: every element in order; locations with sums start at zero.
     ///
     /// # Errors
-    /// When an input is not finite or has ended, or when an element cannot go on.
+    /// When an input is not finite or has ended, or when an element cannot continue.
     pub fn step(&mut self, h: f64) -> Result<(), StepError> {
         self.sums.iter().for_each(Place::clear);
         for bound in &mut self.elements {
@@ -105,7 +105,7 @@ impl Wired {
         }
     }
 
-    /// Reads the inputs of plant step `k`; whether all are there and finite.
+    /// Reads the inputs of plant step `k`; returns whether all exist and are finite.
     fn take(&mut self, k: usize) -> bool {
         if k >= self.steps {
             return false;

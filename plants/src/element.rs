@@ -1,4 +1,4 @@
-//! What every element is.
+//! The trait of all elements.
 
 use dyn_clone::DynClone;
 
@@ -13,9 +13,9 @@ pub struct Ports {
 
 /// One block of a plant: it reads its inputs and writes its outputs once per plant step.
 ///
-/// The call at time `t` sees the inputs of `t`; its outputs act during `[t, t + h)`.
+/// The call at time `t` reads the inputs of `t`; its outputs act during `[t, t + h)`.
 ///
-/// A copy of an element that has made no step is its state at time zero: what cannot change needs no care for that.
+/// A copy of an element before its first step is its state at time zero.
 pub trait Element: DynClone + Send + Sync {
     /// Names of the inputs and outputs.
     fn ports(&self) -> Ports;
@@ -23,7 +23,7 @@ pub trait Element: DynClone + Send + Sync {
     /// One plant step of `h` seconds; `h = 0` writes the outputs of time zero.
     fn step(&mut self, inputs: &[f64], outputs: &mut [f64], h: f64);
 
-    /// Why the plant cannot go on after the last step, with value, limit and hint; the step then ends here.
+    /// Reason why the plant cannot continue after the last step, with value, limit and hint; the step then ends here.
     fn stop(&self) -> Option<String> {
         None
     }

@@ -1,8 +1,8 @@
-//! Native half of the MuJoCo plants: what MJCF cannot say, one element per file.
+//! Native half of the MuJoCo plants: elements beyond MJCF, one per file.
 //!
 //! An [`Element`] is a small block of a block diagram: numbers in, numbers out, one call per plant step.
-//! It knows neither MuJoCo nor Python. The module `python` (feature of the same name) ties inputs and outputs to
-//! places inside numpy arrays.
+//! It knows neither MuJoCo nor Python. The module `python` (feature of the same name) connects inputs and outputs to
+//! locations in numpy arrays.
 
 #![deny(unsafe_code)]
 

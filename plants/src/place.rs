@@ -1,16 +1,16 @@
-//! A place in memory that is read, set or added to.
+//! A memory location that is read, set or added to.
 
 use std::ptr::NonNull;
 
-/// Address of a number with what lies between it and its user: reads give `scale * memory + offset`.
+/// Address of a number with its scale and offset: reads give `scale * memory + offset`.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     pointer: NonNull<f64>,
     scale: f64,
     offset: f64,
-    /// 0: a fixed place, else a signal, whose sample of plant step k is `k * stride` further on
+    /// 0: a fixed location, otherwise a signal, whose sample of plant step k is `k * stride` further on
     stride: usize,
-    /// writes add to what is there
+    /// writes add to the stored value
     add: bool,
     /// plant steps for which there is a sample
     steps: usize,
@@ -22,11 +22,11 @@ unsafe impl Send for Place {}
 unsafe impl Sync for Place {}
 
 impl Place {
-    /// A place in a block of `count` numbers, of which `pointer` is the first that is used.
+    /// A location in a block of `count` numbers, of which `pointer` is the first that is used.
     ///
     /// # Safety
     /// The block can be read, and written if [`Place::put`] or [`Place::clear`] are called, as long as any copy of the
-    /// place is in use, and one thread at a time uses it.
+    /// location is in use, and one thread at a time uses it.
     pub unsafe fn new(
         pointer: NonNull<f64>,
         count: usize,
@@ -43,12 +43,12 @@ impl Place {
         self.steps
     }
 
-    /// Whether it is a signal, which nobody writes.
+    /// Whether it is a signal, which is never written.
     pub fn is_signal(&self) -> bool {
         self.stride != 0
     }
 
-    /// Whether writes add to what is there.
+    /// Whether writes add to the stored value.
     pub fn adds(&self) -> bool {
         self.add
     }

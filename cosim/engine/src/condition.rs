@@ -1,6 +1,6 @@
 //! A condition over the row of a step that ends the run.
 
-/// One operation of a condition in postfix notation. Truth is 1 and 0.
+/// One operation of a condition in postfix notation. True is 1, false is 0.
 #[derive(Clone, Copy, Debug)]
 pub enum Operation {
     /// puts a column of the row on the stack
@@ -14,7 +14,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    /// Operation by the name of numpy's function, exact in every bit; None where there is none.
+    /// Operation by the name of numpy's function, exact in every bit; None if there is none.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "negative" => Self::Unary(|a| -a),
@@ -69,7 +69,7 @@ impl Condition {
         (depth == 1).then_some(Self { program, stack })
     }
 
-    /// Whether it holds; what is not a number holds, as in Python.
+    /// Whether it is true; NaN is true, as in Python.
     pub(super) fn holds(&mut self, row: &[f64]) -> bool {
         let stack = &mut self.stack;
         stack.clear();

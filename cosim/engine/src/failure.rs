@@ -1,21 +1,21 @@
-//! Why a run ended.
+//! Reasons for the end of a run.
 
 use plants::StepError;
 
-/// Why a run ended.
+/// Reason for the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
     /// MuJoCo counted a warning
     Warning,
-    /// a reading of the plant is not finite
+    /// a measurement of the plant is not finite
     Sensed,
     /// a command of the plant is not finite
     Command,
-    /// an element of the plant
+    /// an element of the plant failed
     Element(StepError),
-    /// MuJoCo ended the step; its words
+    /// MuJoCo ended the step; its message
     MuJoCo(String),
-    /// a value on the wire of a reading is not finite
+    /// a value on the wire of a measurement is not finite
     Reading {
         /// number of the wire
         wire: usize,
@@ -33,9 +33,9 @@ pub enum Failure {
     Integer(f64),
     /// a function of the controller failed
     Call {
-        /// its number: those that set, `doStep`, those that get
+        /// its number: set calls, `doStep`, get calls
         call: usize,
-        /// what it returned
+        /// its status
         status: i32,
     },
 }

@@ -1,13 +1,13 @@
-//! What an injection does to the value that arrives.
+//! Effect of an injection on an arriving value.
 
 use crate::wire::Delay;
 
-/// What an injection does to the value that arrives.
+/// Effect of an injection on an arriving value.
 #[derive(Clone, Debug)]
 pub enum FaultEffect {
     /// the value is this number
     Value(f64),
-    /// the value stays what it was in the first step, which is held here
+    /// the value of the first step is held
     Frozen(f64),
     /// this is added
     Offset(f64),
@@ -17,18 +17,18 @@ pub enum FaultEffect {
     Ramp(f64),
     /// the number of the step is added
     Noise,
-    /// where the number of the step is not 0 the sample is lost, and the last one is held
+    /// if the number of the step is not 0, the sample is lost and the last one is held
     Drop(f64),
-    /// where the number of the step is not 0 the truth value is false
+    /// if the number of the step is not 0, the Boolean is false
     Lose,
-    /// the value is late
+    /// the value is delayed
     Late(Delay),
 }
 
 impl FaultEffect {
-    /// Value that arrives instead in step `k`, so many steps after the first; `sample` is the number of the step.
+    /// Changed value in step `k`, `since` steps after the first; `sample` is the number of the step.
     ///
-    /// Before the first step `since` is negative and the value is only seen: what is given back means nothing.
+    /// Before the first step `since` is negative: the value is only observed, the return value unused.
     pub(super) fn apply(&mut self, value: f64, k: usize, since: f64, sample: f64) -> f64 {
         let lost = since >= 0.0 && sample != 0.0;
         match self {
@@ -45,7 +45,7 @@ impl FaultEffect {
     }
 }
 
-/// The value that is held, which is the new one unless that is lost.
+/// The held value, which is the new one unless that is lost.
 fn hold(held: &mut f64, value: f64, lost: bool) -> f64 {
     if !lost {
         *held = value;

@@ -1,8 +1,8 @@
 //! Native engine: a closed loop of controller and plant by addresses and C functions, without Python.
 //!
-//! One step does what the reference loop of the harness does, in the same order and with the same arithmetic, so that
-//! both give the same bits. Time is `k * step`, never accumulated. Nothing here knows the layout of MuJoCo's structs.
-//! All that is unsafe is in [`ffi`].
+//! One step has the same order and the same arithmetic as the reference engine of the harness, so that the results are
+//! bit-identical. Time is `k * step`, never accumulated. Nothing here knows the layout of MuJoCo's structs.
+//! All unsafe code is in [`ffi`].
 
 #![deny(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! The wiring table of a closed loop: wires, signals and injections, tied to addresses.
+//! The wiring table of a closed loop: wires, signals and injections, connected to addresses.
 
 use crate::failure::Failure;
 use crate::fault::FaultEffect;
@@ -8,15 +8,15 @@ use crate::wire::{Delay, Shape};
 /// One wire.
 #[derive(Clone, Debug)]
 pub struct Link {
-    /// where its value comes from
+    /// source of its value
     pub source: Slot,
-    /// where it goes to
+    /// target
     pub target: Slot,
-    /// what happens in between
+    /// processing of the value
     pub shape: Shape,
     /// noise of every step
     pub noise: Option<Series>,
-    /// what makes it late
+    /// delay
     pub delay: Delay,
 }
 
@@ -25,31 +25,31 @@ pub struct Link {
 pub struct Drive {
     /// the samples
     pub course: Series,
-    /// where they go to
+    /// target
     pub target: Slot,
 }
 
-/// One injection: for so many steps from the one on that stands in `begin`, what arrives is changed.
+/// One injection: changes the arriving value for a number of steps, starting with the step in `begin`.
 #[derive(Clone, Debug)]
 pub struct Injection {
-    /// holds the first step, infinite before it is known
+    /// holds the first step; infinite while unknown
     pub begin: Slot,
     /// steps
     pub length: f64,
-    /// what happens to the value
+    /// effect on the value
     pub change: FaultEffect,
     /// a number of it for every step
     pub series: Option<Series>,
-    /// where
+    /// target
     pub target: Slot,
 }
 
 /// All connections of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Links {
-    /// takes the ideal readings of a step
+    /// receives the ideal measurements of a step
     pub sensed: Vec<Slot>,
-    /// wires from readings to inputs
+    /// wires from measurements to inputs
     pub readings: Vec<Link>,
     /// signals
     pub drives: Vec<Drive>,
@@ -64,7 +64,7 @@ pub struct Links {
 }
 
 impl Links {
-    /// Carries readings through their wires, then signals, then injections, into the inputs of the controller.
+    /// Applies wires, then signals, then injections to the inputs of the controller.
     pub(super) fn carry_readings(&mut self, k: usize) -> Result<(), Failure> {
         for (wire, link) in self.readings.iter_mut().enumerate() {
             link.carry(k, |value| Failure::Reading { wire, value })?;
@@ -75,7 +75,7 @@ impl Links {
         inject(&mut self.input_faults, k)
     }
 
-    /// Carries outputs of the controller through their wires, then injections, into the commands of the plant.
+    /// Applies wires, then injections to the commands of the plant.
     pub(super) fn carry_outputs(&mut self, k: usize) -> Result<(), Failure> {
         for (wire, link) in self.outputs.iter_mut().enumerate() {
             link.carry(k, |value| Failure::Output { wire, value })?;
@@ -92,7 +92,7 @@ impl Link {
     }
 }
 
-/// Applies the injections that are active; the others only see the values.
+/// Applies the active injections; the others only observe the values.
 fn inject(faults: &mut [Injection], k: usize) -> Result<(), Failure> {
     for fault in faults {
         #[allow(clippy::cast_precision_loss)]

@@ -6,21 +6,21 @@ use crate::condition::Condition;
 use crate::failure::Failure;
 use crate::ffi::{Bank, Slot, Table};
 
-/// Begins an injection some steps after the first row for which a condition holds.
+/// Starts an injection some steps after the first row for which a condition holds.
 #[derive(Debug)]
 pub struct Trigger {
     /// the condition
     pub condition: Condition,
     /// steps from that row on
     pub delay: f64,
-    /// takes the first step of the injection, infinite until then
+    /// receives the first step of the injection; infinite until then
     pub begin: Slot,
 }
 
-/// Table and what goes into a row: the time first, then, from column `start` on, the banks and the truths.
+/// Table and the contents of a row: the time first, then, from column `start` on, the banks and the ground truth.
 #[derive(Debug)]
 pub struct Log {
-    /// where the rows stand
+    /// the rows
     pub table: Table,
     /// column of the first value
     pub start: usize,
@@ -28,14 +28,14 @@ pub struct Log {
     pub banks: Vec<Bank>,
     /// steps between two rows
     pub every: usize,
-    /// ends the run with the row for which it holds
+    /// ends the run with the row for which it is true
     pub stop: Option<Condition>,
-    /// begin injections
+    /// triggers of injections
     pub triggers: Vec<Trigger>,
 }
 
 impl Log {
-    /// Fills the row of step `k`, if it has one, and looks which injections it begins.
+    /// Fills the row of step `k`, if it has one, and checks which injections start.
     pub(super) fn record(&mut self, k: usize, time: f64, truths: &[Place]) -> Result<(), Failure> {
         let Some(row) = self.row(k) else { return Ok(()) };
         let row = self.table.row(row);
@@ -56,7 +56,7 @@ impl Log {
         Ok(())
     }
 
-    /// Number of the row of step `k`, if it has one; a full table begins anew.
+    /// Number of the row of step `k`, if it has one; a full table starts again.
     fn row(&self, k: usize) -> Option<usize> {
         k.is_multiple_of(self.every).then(|| k / self.every % self.table.rows())
     }

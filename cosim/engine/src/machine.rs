@@ -1,4 +1,4 @@
-//! A plant after its reset: MuJoCo, and the places of its channels.
+//! A plant after its reset: MuJoCo, and the locations of its channels.
 
 use plants::{Circuit, Place};
 
@@ -14,17 +14,17 @@ pub struct Machine {
     pub timestep: f64,
     /// plant steps in one communication step
     pub substeps: usize,
-    /// places of the readings
+    /// locations of the measurements
     pub readings: Vec<Place>,
-    /// places of the commands
+    /// locations of the commands
     pub commands: Vec<Place>,
-    /// places of the truths
+    /// locations of the ground truth
     pub truths: Vec<Place>,
 }
 
 // no frame of these methods holds a value with a destructor while MuJoCo runs, see `Physics`
 impl Machine {
-    /// Takes ideal readings.
+    /// Reads ideal measurements.
     pub(super) fn sense(&self, sensing: &mut Circuit, sensed: &[Slot]) -> Result<(), Failure> {
         self.physics.first_half();
         if self.physics.warned() {
@@ -40,7 +40,7 @@ impl Machine {
         if finite { Ok(()) } else { Err(Failure::Sensed) }
     }
 
-    /// Sets the commands; they hold until the next call.
+    /// Sets the commands; they are held until the next call.
     pub(super) fn command(&self, commands: &[Slot]) -> Result<(), Failure> {
         if !commands.iter().all(|slot| slot.read().is_finite()) {
             return Err(Failure::Command);
@@ -51,7 +51,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Goes on by one communication step.
+    /// Advances by one communication step.
     pub(super) fn advance(&self, circuit: &mut Circuit) -> Result<(), Failure> {
         for substep in 0..self.substeps {
             if substep > 0 {

@@ -11,7 +11,7 @@ use crate::links::Links;
 use crate::log::Log;
 use crate::machine::Machine;
 
-/// A closed loop that goes on from step to step; without a controller the plant runs alone.
+/// A closed loop that is simulated step by step; without a controller the plant runs alone.
 pub struct Stepper {
     machine: Machine,
     controller: Option<Controller>,
@@ -19,7 +19,7 @@ pub struct Stepper {
     log: Option<Log>,
     /// communication step, s
     step: f64,
-    /// steps done; written through, because an error of MuJoCo leaves by `longjmp`
+    /// completed steps; written through, because an error of MuJoCo leaves by `longjmp`
     k: AtomicUsize,
     trap: Trap,
 }
@@ -37,15 +37,15 @@ impl Stepper {
         Self { machine, controller, links, log, step, k: AtomicUsize::new(0), trap }
     }
 
-    /// Steps done; the number of the step that failed.
+    /// Completed steps; the number of a failed step.
     pub fn steps(&self) -> usize {
         self.k.load(Ordering::Relaxed)
     }
 
-    /// Goes on until `until` steps are done, or tells that a row has ended the run; both circuits belong to the plant.
+    /// Runs until `until` steps are done, or returns whether a row ended the run; both circuits belong to the plant.
     ///
     /// # Errors
-    /// The first failure; the loop cannot go on after it.
+    /// The first failure; the loop cannot continue after it.
     pub fn run(&mut self, sensing: &mut Circuit, circuit: &mut Circuit, until: usize) -> Result<bool, Failure> {
         let Self { machine, controller, links, log, step, k, trap } = self;
         let mut outcome = None;

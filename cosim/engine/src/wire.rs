@@ -1,9 +1,9 @@
-//! What happens to a value between the plant and the controller.
+//! Processing of a value between the plant and the controller.
 
 /// Scale, offset, quantum and limits of a wire; quantum and limits act on the plant's side.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    /// a reading, else a command
+    /// true for a measurement, false for a command
     pub from_plant: bool,
     /// `to = scale * from + offset`
     pub scale: f64,
@@ -18,7 +18,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Value that leaves the wire, from the one that enters it and the noise of this step.
+    /// Output value of the wire, from the input value and the noise of this step.
     ///
     /// # Errors
     /// The value on the plant's side, when it is not finite.
@@ -47,7 +47,7 @@ impl Shape {
     }
 }
 
-/// Ring that gives back the value of some steps ago; before there is one, the first value.
+/// Ring buffer that returns the value of some steps before; at first the first value.
 #[derive(Clone, Debug)]
 pub struct Delay {
     ring: Vec<f64>,
@@ -62,7 +62,7 @@ impl Delay {
         Self { ring, primed }
     }
 
-    /// Stores the value of step `k` and gives the one of `steps` steps before.
+    /// Stores the value of step `k` and returns the one of `steps` steps before.
     pub fn pass(&mut self, value: f64, k: usize) -> f64 {
         if self.ring.is_empty() {
             return value;

@@ -10,7 +10,7 @@ use cosim_engine::{
 };
 use plants::{Circuit, Element, Place, Ports};
 
-/// model of the fake plant: x goes on by h u in the second half, the first half copies it to the sensor
+/// model of the fake plant: x continues by h u in the second half, the first half copies it to the sensor
 #[derive(Default)]
 struct FakePlant {
     x: f64,
@@ -107,7 +107,7 @@ unsafe extern "C-unwind" fn refuse(
 }
 
 unsafe extern "C" fn words(_: *const c_void, _: c_int) -> *const c_char {
-    c"mj_step1: told to fail\n".as_ptr()
+    c"mj_step1: requested failure\n".as_ptr()
 }
 
 /// All memory of a loop; boxed, so that it stays where it is.
@@ -210,7 +210,7 @@ fn run(stepper: &mut Stepper, until: usize) -> Result<bool, Failure> {
 
 #[test]
 fn the_controller_moves_first_and_sees_the_plant_of_its_time() {
-    // x goes on by 2 * 0.5 * u = -0.5 x
+    // x continues by 2 * 0.5 * u = -0.5 x
     let mut bench = start();
     let mut stepper = stepper(&mut bench, 0, 2, apply, None);
     assert_eq!(run(&mut stepper, 1), Ok(false));
@@ -283,7 +283,7 @@ fn what_is_not_finite_is_found_where_it_arises() {
 fn words_of_a_mujoco_error_come_back() {
     let mut bench = start();
     let refused = run(&mut stepper(&mut bench, 0, 1, refuse, None), 1);
-    assert_eq!(refused, Err(Failure::MuJoCo("mj_step1: told to fail".into())));
+    assert_eq!(refused, Err(Failure::MuJoCo("mj_step1: requested failure".into())));
 }
 
 #[derive(Clone)]

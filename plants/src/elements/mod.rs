@@ -1,4 +1,4 @@
-//! What MJCF cannot say, one element per file, by theme.
+//! Plant elements beyond MJCF, one per file, by theme.
 
 pub mod cutting;
 pub mod drive;

@@ -1,6 +1,6 @@
-//! Elements bound to places inside numpy arrays.
+//! Elements bound to locations in numpy arrays.
 //!
-//! A [`Cell`] keeps the buffer of its array exported, so the memory it points at neither moves nor goes away
+//! A [`Cell`] keeps the buffer of its array exported, so that its memory is neither moved nor freed
 //! while a [`Circuit`] uses it.
 
 use std::ptr::NonNull;
@@ -13,20 +13,20 @@ use crate::circuit::{Circuit, StepError};
 use crate::element::Element;
 use crate::place::Place;
 
-/// A place inside a numpy array that is read, set or added to.
+/// A location in a numpy array that is read, set or added to.
 ///
 /// Parameters
 /// ----------
 /// array : numpy.ndarray
-///     C-contiguous float64 array; it stays alive and cannot be resized as long as the cell lives.
+///     C-contiguous float64 array; it stays alive and cannot be resized while the cell exists.
 /// index : int
-///     Flat index of the place, or of its first sample if `stride` is not zero.
+///     Flat index of the location, or of its first sample if `stride` is not zero.
 /// scale, offset : float
 ///     Between the array and its user: reads `scale * array[i] + offset`, writes `scale * value + offset`.
 /// stride : int
-///     At plant step k the place is `index + k * stride`: 0 is a fixed place, 1 a signal (read only).
+///     At plant step k the location is `index + k * stride`: 0 is a fixed location, 1 a signal (read only).
 /// add : bool
-///     Writes add to the place; a circuit starts such places at zero in every step.
+///     Writes add to the location; a circuit starts such locations at zero in every step.
 ///
 /// Raises
 /// ------
@@ -37,7 +37,7 @@ use crate::place::Place;
 #[pyclass(frozen, module = "machining_native")]
 pub struct Cell {
     place: Place,
-    /// keeps the memory of the place exported
+    /// keeps the memory exported
     buffer: PyBuffer<f64>,
 }
 
@@ -64,7 +64,7 @@ impl Cell {
         // SAFETY: `index` is inside the buffer, whose items are contiguous f64.
         let pointer = unsafe { buffer.buf_ptr().cast::<f64>().add(index) };
         let pointer = NonNull::new(pointer).expect("a buffer with items has an address");
-        // SAFETY: the block is exported as long as the cell lives. numpy data has no lock of its own: as with any numpy
+        // SAFETY: the block is exported while the cell exists. numpy data has no lock of its own: as with any numpy
         // array, the caller lets one thread at a time step a plant, and cells of different plants share no memory.
         let place = unsafe { Place::new(pointer, count - index, (scale, offset), stride, add) };
         Ok(Self { place, buffer })
@@ -89,12 +89,12 @@ impl Cell {
 }
 
 impl Cell {
-    /// The place; its memory stays where it is as long as the cell lives.
+    /// The location; its memory stays where it is while the cell exists.
     pub fn place(&self) -> Place {
         self.place
     }
 
-    /// Checks that the place can be written.
+    /// Checks that the location can be written.
     ///
     /// # Errors
     /// `ValueError` for a signal or a read-only array.
@@ -106,12 +106,12 @@ impl Cell {
     }
 }
 
-/// An element that waits to be bound to a circuit.
+/// An element that is not yet bound to a circuit.
 #[pyclass(name = "Element", module = "machining_native")]
 pub struct PyElement(Option<Box<dyn Element>>);
 
 impl PyElement {
-    /// Hand an element to Python.
+    /// Convert an element to Python.
     pub(super) fn new(element: impl Element + 'static) -> Self {
         Self(Some(Box::new(element)))
     }
@@ -122,7 +122,7 @@ impl PyElement {
 #[derive(Default)]
 pub struct PyCircuit {
     circuit: Circuit,
-    /// keep the places of the circuit exported
+    /// keep the memory of the circuit exported
     cells: Vec<Py<Cell>>,
 }
 
@@ -141,7 +141,7 @@ impl From<StepError> for PyErr {
 }
 
 impl PyCircuit {
-    /// What native code steps.
+    /// The circuit for native code.
     pub fn circuit(&mut self) -> &mut Circuit {
         &mut self.circuit
     }
@@ -201,7 +201,7 @@ impl PyCircuit {
     /// IndexError
     ///     A signal has no sample for this step.
     /// RuntimeError
-    ///     An element says that the plant cannot go on.
+    ///     An element reports that the plant cannot continue.
     fn step(&mut self, h: f64) -> PyResult<()> {
         Ok(self.circuit.step(h)?)
     }

@@ -1,4 +1,4 @@
-//! Constructors of what cuts.
+//! Constructors of cutting elements.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ pub fn chip(nose: f64, depth_of_cut: f64, part_radius: f64, backward: bool) -> P
 /// End mill on a burr of bins from a distance m on: heights and thicknesses m.
 ///
 /// The mill is teeth, radius m, Pa per chip cross-section, N/m of engaged edge, largest chip m. The reaction is
-/// the shares of the tangential force against the travel and outward, and the reach of the tool m.
+/// the fractions of the tangential force against the travel and outward, and the reach of the tool m.
 /// distance, normal, across, tx, ty, tz, nx, ny, nz, spindle_speed, part -> torque, force, fx, fy, fz, feed,
 /// engagement, finish_low, finish_high, removed, left.
 ///
@@ -53,7 +53,7 @@ pub fn edge(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> Py
     Ok(PyElement::new(corner_edge(start, corner, end, radius)?))
 }
 
-/// Length of such an edge, m.
+/// Length of an edge, m.
 ///
 /// Raises
 /// ------
@@ -64,7 +64,7 @@ pub fn edge_length(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64
     Ok(corner_edge(start, corner, end, radius)?.length())
 }
 
-/// Cutting edge on a tilted tool (m, m, rad): angle -> retreat behind the longest point.
+/// Cutting edge on a tilted tool (m, m, rad): angle -> axial distance from the longest point.
 #[pyfunction]
 pub fn flute(shortfall: f64, tilt: f64, offset: f64) -> PyElement {
     PyElement::new(Flute::new(shortfall, tilt, offset))
@@ -77,15 +77,16 @@ pub fn plunge(stiffness: f64, chip: f64) -> PyElement {
     PyElement::new(Plunge::new(stiffness, chip))
 }
 
-/// Touch probe at a wall above an edge, all m: ways along the edge between which it stands, and its height; pretravel, travel and
-/// stiffnesses (N/m) of the spring and at its end: distance, normal, across, nx, ny, nz, part, probe -> contact, deflection, fx, fy, fz.
+/// Touch probe at a wall above an edge, all m: distances along the edge of its start and end, and its height; pretravel,
+/// travel and stiffnesses (N/m) of the spring and at its stop: distance, normal, across, nx, ny, nz, part, probe ->
+/// contact, deflection, fx, fy, fz.
 #[pyfunction]
 pub fn touch_probe(wall: (f64, f64, f64), probe: (f64, f64, f64, f64)) -> PyElement {
     let ((from, to, height), (pretravel, travel, spring, end)) = (wall, probe);
     PyElement::new(TouchProbe { wall: (from, to), height, pretravel, travel, stiffness: (spring, end) })
 }
 
-/// Part that a tool turns and a probe reads along some diameters, tool (radius, roughness) and part (radius, face), all m:
+/// Turned part that a probe measures along some diameters, tool (radius, roughness) and part (radius, face), all m:
 /// angle, lateral, depth, cutting, normal, probing, probe, turned, blank -> reading, angle.
 #[pyfunction]
 pub fn turned_part(tool: (f64, f64), probe_radius: f64, part: (f64, f64), diameters: usize) -> PyElement {

@@ -15,7 +15,7 @@ pub fn current_loop(bandwidth: f64) -> PyElement {
 
 /// Spindle with an induction motor: load -> speed, measured speed, torque of the motor, N.m and rad/s.
 ///
-/// The plate is synchronous and rated speed rad/s, rated power W, breakdown over rated torque, time constant s.
+/// The rating plate is synchronous and rated speed rad/s, rated power W, breakdown over rated torque, time constant s.
 #[pyfunction]
 pub fn induction_spindle(plate: (f64, f64, f64, f64, f64), friction: f64, lag: f64) -> PyElement {
     let (synchronous, rated_speed, rated_power, overload, time) = plate;
@@ -32,8 +32,8 @@ pub fn motion_board(stiffness: f64, damping: f64, force_limit: f64, period: f64,
 
 /// Positioner with pulses of `pulse` m that arrive in `tick` s: pulses, position, velocity, enable -> force, reference.
 ///
-/// The loops are position gain in 1/s, velocity gain in rad/s and its integral in 1/s; feedforward is share and
-/// bandwidth in rad/s; inertia in kg, the largest force in N.
+/// The loops are position gain in 1/s, velocity gain in rad/s and its integral in 1/s; feedforward is fraction and
+/// bandwidth in rad/s; inertia in kg, the maximum force in N.
 #[pyfunction]
 pub fn pulse_drive(
     loops: (f64, f64, f64),

@@ -5,9 +5,9 @@ use pyo3::prelude::*;
 use super::cells::PyElement;
 use crate::elements::friction::{Bristle, Foot, RollingFriction, Stribeck};
 
-/// Elasto-plastic friction of a part on a table (N, friction law, m, N/m, N.s/m, break-away share).
+/// Elasto-plastic friction of a part on a table (N, friction law, m, N/m, N.s/m, break-away ratio).
 ///
-/// vx, vy, yaw_rate -> fx, fy, torque, all in the frame of the table. The law is static coefficient, kinetic
+/// vx, vy, yaw_rate -> fx, fy, torque, all in the frame of the table. The friction law has static coefficient, kinetic
 /// coefficient and Stribeck speed in m/s.
 #[pyfunction]
 pub fn bristle(
@@ -23,13 +23,13 @@ pub fn bristle(
 
 /// Foot at `place` m on a part that slides, with a friction law: yaw, vx, vy, yaw_rate -> mu_1, mu_2.
 ///
-/// The law is static coefficient, kinetic coefficient and Stribeck speed in m/s.
+/// The friction law has static coefficient, kinetic coefficient and Stribeck speed in m/s.
 #[pyfunction]
 pub fn foot(place: (f64, f64), law: (f64, f64, f64)) -> PyElement {
     PyElement::new(Foot::new(place, stribeck(law)))
 }
 
-/// Friction of balls that roll, `friction` N at most, that turns over `distance` m after a reversal: velocity -> force.
+/// Friction of balls that roll, at most `friction` N, that changes over `distance` m after a reversal: velocity -> force.
 #[pyfunction]
 pub fn rolling_friction(friction: f64, distance: f64) -> PyElement {
     PyElement::new(RollingFriction::new(friction, distance))

@@ -13,11 +13,11 @@ pub fn rubbing() -> PyElement {
     PyElement::new(Rubbing::default())
 }
 
-/// Plane that touches a mold where it is nearest to a ball: x, y, z, lift -> place, quaternion, normal, contact
+/// Plane that touches a mold where it is nearest to a ball: x, y, z, lift -> position, quaternion, normal, contact
 /// point in the frame of the mold, distance.
 ///
-/// The base is curvature of cap and saddle in 1/m; dimples are x, y, depth, sigma and the step place, height, width,
-/// all m; beyond `rim` m there is no mold. It stands at `shift` m, turned by the rotation vector `tilt` rad.
+/// The base is curvature of cap and saddle in 1/m; dimples are x, y, depth, sigma and the step position, height, width,
+/// all m; beyond `rim` m there is no mold. Its pose is `shift` m and the rotation vector `tilt` rad.
 #[pyfunction]
 pub fn tangent_plane(
     base: (f64, f64),
@@ -35,14 +35,14 @@ pub fn tangent_plane(
 
 /// Height map of a surface after some strokes of a ball, row by row.
 ///
-/// The grid is place of its first row and column and their distance in m, points are lists of nominal height, true
+/// The grid is the position of its first row and column and their distance in m, points are lists of nominal height, true
 /// area and height. Strokes are x, y, z of the contact in m, load in N, distance in m. The abrasion is
 /// depth per pressure and distance in m2/N, modulus in Pa, radius in m, pressure per height in Pa/m.
 ///
 /// Raises
 /// ------
 /// ValueError
-///     The lists of the map differ in length, or their length is no square.
+///     The lists of the map differ in length, or their length is not a square number.
 #[pyfunction]
 pub fn wear(
     grid: (f64, f64),

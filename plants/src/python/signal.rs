@@ -32,13 +32,13 @@ pub fn latch() -> PyElement {
     PyElement::new(Latch::default())
 }
 
-/// Range in which the plant means something: value -> nothing; the step fails outside.
+/// Valid range of the plant: value -> nothing; the step fails outside.
 #[pyfunction]
 pub fn limit(quantity: String, unit: String, low: f64, high: f64, hint: String) -> PyElement {
     PyElement::new(Limit::new(quantity, unit, low, high, hint))
 }
 
-/// Periodic table of one turn, linear between its samples: angle -> value.
+/// Periodic table of one revolution, linear between its samples: angle -> value.
 ///
 /// Raises
 /// ------
@@ -67,7 +67,7 @@ pub fn product() -> PyElement {
     PyElement::new(Product)
 }
 
-/// Set-point that starts at `start` and changes by `rate` per second at most: target -> value.
+/// Setpoint that starts at `start` and changes by `rate` per second as a maximum: target -> value.
 #[pyfunction]
 pub fn slew(start: f64, rate: f64) -> PyElement {
     PyElement::new(Slew { rate, value: start })
@@ -78,7 +78,7 @@ pub fn slew(start: f64, rate: f64) -> PyElement {
 /// Raises
 /// ------
 /// ValueError
-///     More terms than a sum can have.
+///     Too many terms.
 #[pyfunction]
 pub fn summing_junction(terms: usize) -> PyResult<PyElement> {
     let limit = Sum::TERMS_MAX;

@@ -1,4 +1,4 @@
-//! Constructors of what stands on a turning table.
+//! Constructors of parts on a turning table.
 
 use pyo3::prelude::*;
 
@@ -6,7 +6,7 @@ use super::cells::PyElement;
 use super::signal::table;
 use crate::elements::table::{Outline, Tip, Turntable, Wrench};
 
-/// Round part with a table of its radius over one turn, m, met by the line y = 0.
+/// Round part with a table of its radius over one revolution, m, met by the line y = 0.
 ///
 /// cx, cy, vcx, vcy, orientation, turn_rate -> surface, normal_x, normal_y, vx, vy, phase.
 ///
@@ -27,7 +27,7 @@ pub fn tip(preload: f64, ramp: f64, stiffness: f64, damping: f64, friction: f64)
     PyElement::new(Tip { preload, ramp, stiffness, damping, friction })
 }
 
-/// Part on a turning table, seen from the room.
+/// Part on a turning table, in the world frame.
 ///
 /// angle, rate, x, y, yaw, vx, vy, yaw_rate, error_x, error_y -> cx, cy, vcx, vcy, orientation, turn_rate,
 /// eccentricity, slip_speed.

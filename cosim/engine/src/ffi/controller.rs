@@ -1,4 +1,4 @@
-//! A controller by its C functions, as FMI 2.0 names them.
+//! A controller by its C functions, with the names of FMI 2.0.
 
 use std::ffi::{c_int, c_uint, c_void};
 
@@ -9,7 +9,7 @@ pub type Move = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut c_v
 /// `fmi2DoStep`.
 pub type DoStep = unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int;
 
-/// the last status that lets a run go on
+/// the last status that permits a run to continue
 const WARNING: c_int = 1;
 const TRUE: c_int = 1;
 
@@ -20,13 +20,13 @@ pub struct Call {
     pub function: Move,
     /// value references
     pub references: *const c_uint,
-    /// how many values
+    /// number of values
     pub count: usize,
     /// the values
     pub values: *mut c_void,
 }
 
-/// An initialised instance.
+/// An initialized instance.
 #[derive(Clone, Debug)]
 pub struct Controller {
     component: *mut c_void,
@@ -41,10 +41,10 @@ unsafe impl Send for Controller {}
 unsafe impl Sync for Controller {}
 
 impl Controller {
-    /// What the functions call their component, calls that write the inputs, `fmi2DoStep`, calls that read the outputs.
+    /// Component of the functions, calls that write the inputs, `fmi2DoStep`, calls that read the outputs.
     ///
     /// # Safety
-    /// Functions, component and arrays are those of one live instance that nobody else uses meanwhile.
+    /// Functions, component and arrays are those of one live instance that no other code uses.
     pub unsafe fn new(component: *mut c_void, set: Vec<Call>, step: DoStep, get: Vec<Call>) -> Self {
         Self { component, set, step, get }
     }

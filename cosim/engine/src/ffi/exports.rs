@@ -1,6 +1,6 @@
-//! From arrays and addresses of Python to values and functions.
+//! Conversion of Python arrays and addresses to values and functions.
 //!
-//! Who calls Python's constructor of the stepper vouches for bare addresses.
+//! The caller of Python's constructor of the stepper guarantees valid bare addresses.
 
 use std::ffi::c_void;
 use std::mem::transmute;
@@ -16,7 +16,7 @@ use super::trap::{Apply, DeleteBatch, ErrorText, Functions, MakeBatch, Trap};
 use super::values::{Bank, Series, Slot, Table};
 use crate::python::rows::{CallRow, ControllerRow, MachineRow, PlaceRow};
 
-/// The arrays of a stepper, exported so that they neither move nor go away.
+/// The arrays of a stepper, exported so that they are neither moved nor freed.
 #[derive(Default)]
 pub struct Exports(Vec<Box<dyn Send + Sync>>);
 
@@ -36,7 +36,7 @@ impl Exports {
     /// Numbers, one per step.
     ///
     /// # Errors
-    /// When the array does not fit.
+    /// When the array is invalid.
     pub fn series(&mut self, array: &Bound<'_, PyAny>) -> PyResult<Series> {
         let (first, count) = self.array::<f64>(array)?;
         // SAFETY: inside an exported array.
@@ -46,7 +46,7 @@ impl Exports {
     /// Every number of an array.
     ///
     /// # Errors
-    /// When the array does not fit.
+    /// When the array is invalid.
     pub fn slots(&mut self, array: &Bound<'_, PyAny>) -> PyResult<Vec<Slot>> {
         let (first, count) = self.array::<f64>(array)?;
         // SAFETY: inside an exported array.
@@ -56,7 +56,7 @@ impl Exports {
     /// A whole array of numbers or integers.
     ///
     /// # Errors
-    /// When the array does not fit.
+    /// When the array is invalid.
     pub fn bank(&mut self, array: &Bound<'_, PyAny>) -> PyResult<Bank> {
         if let Ok((first, count)) = self.array::<f64>(array) {
             // SAFETY: an exported array.
@@ -70,7 +70,7 @@ impl Exports {
     /// One value of an array.
     ///
     /// # Errors
-    /// When the array does not fit or has no such item.
+    /// When the array is invalid or has no such item.
     pub fn slot(&mut self, row: &PlaceRow) -> PyResult<Slot> {
         if row.kind == "Real" {
             // SAFETY: inside an exported array.
@@ -93,7 +93,7 @@ impl Exports {
     /// An array of rows.
     ///
     /// # Errors
-    /// When the array does not fit.
+    /// When the array is invalid.
     pub fn table(&mut self, array: &Bound<'_, PyAny>) -> PyResult<Table> {
         let (rows, columns): (usize, usize) = array.getattr("shape")?.extract()?;
         let (first, _) = self.array::<f64>(array)?;
@@ -101,7 +101,7 @@ impl Exports {
         Ok(unsafe { Table::new(first, rows, columns) })
     }
 
-    /// An initialised controller.
+    /// An initialized controller.
     ///
     /// # Errors
     /// When an array does not fit or an address is 0.
@@ -132,7 +132,7 @@ impl Exports {
     /// MuJoCo's part of a plant.
     ///
     /// # Errors
-    /// When the counters are no integers or an address is 0.
+    /// When the counters are not integers or an address is 0.
     pub fn physics(&mut self, row: &MachineRow) -> PyResult<Physics> {
         let buffer = PyBuffer::<i32>::get(&row.warnings)?;
         let stride = usize::try_from(buffer.strides()[0])?;
@@ -154,10 +154,10 @@ fn address(number: usize) -> PyResult<usize> {
     if number == 0 { Err(PyValueError::new_err("the address 0")) } else { Ok(number) }
 }
 
-/// Where errors of MuJoCo are caught.
+/// Trap for errors of MuJoCo.
 ///
 /// # Errors
-/// When an address is 0, or MuJoCo's words.
+/// When an address is 0, or the message of MuJoCo.
 pub fn trap(row: &MachineRow) -> PyResult<Trap> {
     let [_, _, make, delete, apply, error] = row.functions;
     for number in row.functions {

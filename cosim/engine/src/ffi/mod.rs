@@ -1,6 +1,6 @@
-//! What belongs to others: their memory, and their C functions.
+//! Foreign memory and foreign C functions.
 //!
-//! Who makes one of these types vouches for its addresses, as long as any copy is in use, and for one thread at a time;
+//! The creator of one of these types guarantees valid addresses while any copy is in use, and use by one thread at a time;
 //! everything else is safe.
 
 mod controller;

@@ -2,7 +2,7 @@
 
 use std::ffi::{c_int, c_void};
 
-/// `mj_step1` or `mj_step2` with model and data. Errors leave it by `longjmp`.
+/// `mj_step1` or `mj_step2` with model and data. Errors exit by `longjmp`.
 pub type Half = unsafe extern "C-unwind" fn(*const c_void, *mut c_void);
 
 /// A model with its data.
@@ -25,8 +25,8 @@ impl Physics {
     /// `mj_step1`, `mj_step2`, an `mjModel`, its `mjData` and the counters of its warnings.
     ///
     /// # Safety
-    /// All addresses are those of one live plant that nobody else uses meanwhile. A frame that calls a half holds no
-    /// value with a destructor: MuJoCo leaves it in the middle by `longjmp`.
+    /// All addresses are those of one live plant that no other code uses. A frame that calls a half holds no
+    /// value with a destructor: MuJoCo may exit it by `longjmp`.
     pub unsafe fn new(
         first_half: Half,
         second_half: Half,

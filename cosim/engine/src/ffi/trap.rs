@@ -1,4 +1,4 @@
-//! A place where errors of MuJoCo are caught: it ends the process where nobody waits for them.
+//! Trap for errors of MuJoCo, which end the process if they are not caught.
 
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr::{self, NonNull};
@@ -31,11 +31,11 @@ pub struct Functions {
     pub delete: DeleteBatch,
     /// runs a function in it
     pub apply: Apply,
-    /// tells the error of a simulation
+    /// returns the error of a simulation
     pub error: ErrorText,
 }
 
-/// A batch of one simulation, whose own state is of no interest.
+/// A batch of one simulation, whose own state is not used.
 pub struct Trap {
     functions: Functions,
     batch: NonNull<c_void>,
@@ -47,10 +47,10 @@ unsafe impl Send for Trap {}
 unsafe impl Sync for Trap {}
 
 impl Trap {
-    /// A trap around a batch of `model`, best an empty one.
+    /// A trap around a batch of `model`, preferably an empty one.
     ///
     /// # Errors
-    /// MuJoCo's words.
+    /// The message of MuJoCo.
     ///
     /// # Safety
     /// `functions` are those of MuJoCo 4 and `model` is an `mjModel`.
@@ -72,7 +72,7 @@ impl Trap {
     /// Calls `work` on this thread.
     ///
     /// # Errors
-    /// Words of a MuJoCo error in it. `work` was left in the middle then: it must hold nothing with a destructor while
+    /// Message of a MuJoCo error in it. `work` is then left early: it must hold no value with a destructor while
     /// it calls MuJoCo.
     pub fn run<F: FnMut()>(&mut self, mut work: F) -> Result<(), String> {
         let (batch, argument) = (self.batch.as_ptr(), (&raw mut work).cast());

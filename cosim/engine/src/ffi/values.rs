@@ -1,4 +1,4 @@
-//! Values in memory: a single one, one per step, some side by side, a table; with the conversion between numbers and
+//! Values in memory: a single one, one per step, several adjacent ones, a table; with the conversion between numbers and
 //! the types of FMI.
 
 use std::ptr::NonNull;
@@ -37,7 +37,7 @@ impl Slot {
         Self(Kind::Integer(place))
     }
 
-    /// A truth value, 0 or 1.
+    /// A Boolean, 0 or 1.
     ///
     /// # Safety
     /// As for [`Slot::real`].
@@ -56,7 +56,7 @@ impl Slot {
         }
     }
 
-    /// Writes a number: rounded half to even for integers, anything but 0 is true.
+    /// Writes a number: rounded half to even for integers, nonzero is true.
     ///
     /// # Errors
     /// The value, when it does not fit into an integer of 32 bits.
@@ -73,7 +73,7 @@ impl Slot {
     }
 }
 
-/// Integer of a number, if it takes no more than 32 bits.
+/// Integer of a number, if it fits into 32 bits.
 fn whole(value: f64) -> Option<i32> {
     let rounded = value.round_ties_even();
     // NaN, too, is no integer
@@ -113,7 +113,7 @@ impl Series {
     }
 }
 
-/// Values of the controller that lie side by side.
+/// Values of the controller that are adjacent.
 #[derive(Clone, Copy, Debug)]
 pub struct Bank(Block);
 
@@ -137,7 +137,7 @@ impl Bank {
         Self(Block::Reals(first, count))
     }
 
-    /// As many integers, enumerations or truth values.
+    /// The same for integers, enumerations or Booleans.
     ///
     /// # Safety
     /// As for [`Bank::reals`].
@@ -145,7 +145,7 @@ impl Bank {
         Self(Block::Integers(first, count))
     }
 
-    /// How many.
+    /// Number of values.
     pub fn count(&self) -> usize {
         match self.0 {
             Block::Reals(_, count) | Block::Integers(_, count) => count,
@@ -155,7 +155,7 @@ impl Bank {
     /// Copies the values as numbers.
     ///
     /// # Panics
-    /// When there are not as many numbers.
+    /// When the numbers of values differ.
     pub fn copy_to(&self, numbers: &mut [f64]) {
         // SAFETY: by the contract of the constructors; nobody writes meanwhile.
         unsafe {
@@ -171,7 +171,7 @@ impl Bank {
     }
 }
 
-/// Rows of numbers, one after the other.
+/// Consecutive rows of numbers.
 #[derive(Debug)]
 pub struct Table {
     first: NonNull<f64>,
@@ -188,7 +188,7 @@ impl Table {
     /// A table whose first number is `first`.
     ///
     /// # Safety
-    /// `rows * columns` numbers can be read and written, by nobody else meanwhile, as long as the table is in use.
+    /// `rows * columns` numbers can be read and written exclusively as long as the table is in use.
     pub unsafe fn new(first: NonNull<f64>, rows: usize, columns: usize) -> Self {
         Self { first, rows, columns }
     }
@@ -198,7 +198,7 @@ impl Table {
         self.rows
     }
 
-    /// Numbers in a row.
+    /// Numbers per row.
     pub fn columns(&self) -> usize {
         self.columns
     }

@@ -1,4 +1,4 @@
-//! From the rows of Python to the parts of a stepper.
+//! Conversion of the Python rows to the parts of a stepper.
 
 use plants::Place;
 use plants::python::Cell;

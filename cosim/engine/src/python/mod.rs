@@ -1,4 +1,4 @@
-//! The stepper for Python: addresses come out of numpy arrays, ctypes and MuJoCo's bindings.
+//! The stepper for Python: addresses come from numpy arrays, ctypes and MuJoCo's bindings.
 
 mod build;
 pub(crate) mod rows;

@@ -1,5 +1,5 @@
-//! What the stepper takes from Python, read by the names of attributes: what a struct here asks for, an argument must
-//! have.
+//! Arguments of the stepper from Python, read by attribute names: an argument must have every field of its struct
+//! here.
 
 use plants::python::{Cell, PyCircuit};
 use pyo3::prelude::*;
@@ -21,7 +21,7 @@ pub struct MachineRow<'py> {
     pub truths: Vec<Py<Cell>>,
 }
 
-/// A function that moves values between a controller and an array.
+/// A function that transfers values between a controller and an array.
 #[derive(FromPyObject)]
 pub struct CallRow<'py> {
     pub function: usize,
@@ -29,7 +29,7 @@ pub struct CallRow<'py> {
     pub values: Bound<'py, PyAny>,
 }
 
-/// An initialised controller.
+/// An initialized controller.
 #[derive(FromPyObject)]
 pub struct ControllerRow<'py> {
     pub component: usize,
@@ -46,7 +46,7 @@ pub struct PlaceRow<'py> {
     pub kind: String,
 }
 
-/// What happens to a value on a wire.
+/// Processing of a value on a wire.
 #[derive(FromPyObject)]
 pub struct ShapeRow<'py> {
     pub from_plant: bool,
@@ -58,7 +58,7 @@ pub struct ShapeRow<'py> {
     pub maximum: f64,
 }
 
-/// Steps of delay, and the values that hold before the first.
+/// Delay in steps, and the values before the first step.
 #[derive(FromPyObject)]
 pub struct DelayRow {
     pub steps: usize,
@@ -90,7 +90,7 @@ pub struct FaultRow<'py> {
     pub target: PlaceRow<'py>,
 }
 
-/// What an injection does; `kind` says what the rest means.
+/// Effect of an injection; `kind` defines the meaning of the other fields.
 #[derive(FromPyObject)]
 pub struct FaultEffectRow<'py> {
     pub kind: String,
@@ -99,7 +99,7 @@ pub struct FaultEffectRow<'py> {
     pub delay: DelayRow,
 }
 
-/// A condition as in [`LogRow`], the steps from its row to the first step of an injection, and where that stands.
+/// A condition as in [`LogRow`], the steps from its row to the first step of an injection, and the location of that step.
 #[derive(FromPyObject)]
 pub struct TriggerRow<'py> {
     pub program: Vec<(String, f64)>,
@@ -119,7 +119,7 @@ pub struct LinksRow<'py> {
     pub command_faults: Vec<FaultRow<'py>>,
 }
 
-/// Table of the trace: time, then from column `start` on the banks and the truths, every so many steps; `stop` is a
+/// Table of the trace: time, then from column `start` on the banks and the ground truth, every few steps; `stop` is a
 /// condition as postfix of (`column`, number), (`number`, value) and (name of numpy's function, 0).
 #[derive(FromPyObject)]
 pub struct LogRow<'py> {

@@ -12,14 +12,14 @@ use crate::stepper::Stepper;
 
 /// A closed loop of a plant and a controller in native code.
 ///
-/// It does what the reference loop does, bit for bit. The arguments are read once, by their attributes.
+/// It is bit-identical to the reference engine. The arguments are read once, by their attributes.
 ///
 /// Parameters
 /// ----------
 /// machine : plants.base.machine.Machine
 ///     The plant, after its reset.
 /// controller : object or None
-///     Addresses of an initialised FMU; None runs the plant alone.
+///     Addresses of an initialized FMU; None runs the plant alone.
 /// links : object
 ///     Wires, signals and injections.
 /// log : object or None
@@ -27,12 +27,12 @@ use crate::stepper::Stepper;
 /// step : float
 ///     Communication step, s.
 /// substeps : int
-///     Plant steps in it.
+///     Plant steps per communication step.
 ///
 /// Raises
 /// ------
 /// ValueError, BufferError, AttributeError
-///     An array, an address or an attribute does not fit.
+///     An array, an address or an attribute is invalid.
 #[pyclass(name = "Stepper", module = "machining_native")]
 pub struct PyStepper {
     stepper: Stepper,
@@ -79,26 +79,26 @@ impl PyStepper {
         })
     }
 
-    /// Steps done; the number of the step that failed.
+    /// Completed steps; the number of a failed step.
     #[getter]
     fn k(&self) -> usize {
         self.stepper.steps()
     }
 
-    /// Go on until `until` steps are done, without the GIL.
+    /// Run until `until` steps are done, without the GIL.
     ///
     /// Returns
     /// -------
     /// (str, int, float) or None
-    ///     What ended the run, which one, and its value: `warning`, `sensed` and `command` are the plant's,
-    ///     `reading` and `output` are wires by number, `integer` is a value that does not fit, `call` is a function
-    ///     of the controller by number (set, doStep, get) with its status. The loop cannot go on then. `stop` is the
+    ///     Kind, number and value of the cause of the end: `warning`, `sensed` and `command` are the plant's,
+    ///     `reading` and `output` are wire numbers, `integer` is a value beyond 32 bits, `call` is a function
+    ///     of the controller by number (set, doStep, get) with its status. The loop cannot continue then. `stop` is the
     ///     condition of the log, after the step.
     ///
     /// Raises
     /// ------
     /// FloatingPointError, IndexError, RuntimeError
-    ///     As `Circuit.step`; RuntimeError is an error of MuJoCo, too.
+    ///     As `Circuit.step`; RuntimeError is also an error of MuJoCo.
     fn run(&mut self, py: Python<'_>, until: usize) -> PyResult<Option<(&'static str, usize, f64)>> {
         let (mut sensing, mut circuit) = (self.sensing.try_borrow_mut(py)?, self.circuit.try_borrow_mut(py)?);
         let (sensing, circuit, stepper) = (sensing.circuit(), circuit.circuit(), &mut self.stepper);

@@ -1,6 +1,6 @@
-//! Burr along an edge: what is left of it, bin by bin.
+//! Burr along an edge: the remaining burr, bin by bin.
 
-/// Height and thickness of a burr over the distance along its edge; heights go down as a tool passes.
+/// Height and thickness of a burr over the distance along its edge; heights decrease as a tool passes.
 #[derive(Clone, Debug)]
 pub struct Burr {
     /// distance of the first bin, m
@@ -9,9 +9,9 @@ pub struct Burr {
     pitch: f64,
     /// m
     thickness: Vec<f64>,
-    /// height that is left, negative where the tool has gouged, m
+    /// remaining height, negative after gouging, m
     left: Vec<f64>,
-    /// lowest and highest of the bins that a tool has passed, m
+    /// lowest and highest of the passed bins, m
     finish: [f64; 2],
 }
 
@@ -22,7 +22,7 @@ impl Burr {
         fits.then_some(Self { from, pitch, thickness, left: height, finish: [0.0; 2] })
     }
 
-    /// Height that is left and thickness at a distance, m; nothing beside the part.
+    /// Remaining height and thickness at a distance, m; zero outside of the part.
     pub fn at(&self, distance: f64) -> (f64, f64) {
         let bin = ((distance - self.from) / self.pitch).floor();
         let inside = bin >= 0.0 && bin < self.left.len() as f64;
@@ -31,7 +31,7 @@ impl Burr {
 
     /// A tool `deviation` m outside of the edge leaves the bins between two distances; returns the volume cut in m3.
     ///
-    /// A bin counts as passed when the tool has reached its end, or its begin when it goes backwards.
+    /// A bin is passed when the tool has reached its end, or its start when it moves backward.
     pub fn pass(&mut self, before: f64, now: f64, deviation: f64) -> f64 {
         let boundary = |distance: f64| ((distance - self.from) / self.pitch).floor().clamp(0.0, self.left.len() as f64);
         // a tool that goes forward has cut the bins behind it, one that goes back those before it
@@ -50,12 +50,12 @@ impl Burr {
         volume
     }
 
-    /// Lowest and highest height left by the passes so far, m.
+    /// Lowest and highest height after the passes so far, m.
     pub fn finish(&self) -> [f64; 2] {
         self.finish
     }
 
-    /// Volume that stands above the edge, m3.
+    /// Volume above the edge, m3.
     pub fn volume(&self) -> f64 {
         let sections = self.left.iter().zip(&self.thickness).map(|(left, thickness)| left.max(0.0) * thickness);
         self.pitch * sections.sum::<f64>()

@@ -1,4 +1,4 @@
-//! Chip of a round nose that turns a face: its cross-section against what the turn before has left.
+//! Chip of a round nose that turns a face: its cross-section against the surface of the previous revolution.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -10,10 +10,10 @@ const POINTS: usize = 64;
 
 /// Cross-section (m2) of the chip of a nose that advances across a face while the part turns.
 ///
-/// Where the nose comes from, the face is as deep as the bottom of the groove of the turn before; where it goes to, it
-/// still stands `depth_of_cut` m higher and has the same form. The nose takes what is above its own circle and was not
-/// taken by the one of the turn before: a crescent whose area is the depth of cut times the feed as long as the groove
-/// goes on as it was, and more where the tool is deeper than a turn ago. In the first turn after air and beyond the
+/// On the side already cut, the face is as deep as the groove of the previous revolution; on the uncut side it
+/// is still `depth_of_cut` m higher and has the same form. The nose removes the material above its own circle that was not
+/// removed in the previous revolution: a crescent whose area is the depth of cut times the feed as long as the groove
+/// is unchanged, and more where the tool is deeper than a revolution ago. In the first revolution after air and beyond the
 /// part there is no chip.
 #[derive(Clone, Debug)]
 pub struct Chip {
@@ -25,18 +25,18 @@ pub struct Chip {
     part_radius: f64,
     /// 1 for a part that turns forward, -1 for backward
     sense: f64,
-    /// angle in that sense, lateral place and depth of the nose over the last turn
+    /// angle in that sense, lateral position and depth of the nose over the last revolution
     turn: VecDeque<[f64; 3]>,
 }
 
 impl Chip {
-    /// A nose of `nose` m and a face that stands `depth_of_cut` m above the groove, up to `part_radius` m; the part
+    /// A nose of `nose` m and a face `depth_of_cut` m above the groove, up to `part_radius` m; the part
     /// turns backward where `backward` is set.
     pub fn new(nose: f64, depth_of_cut: f64, part_radius: f64, backward: bool) -> Self {
         Self { nose, depth_of_cut, part_radius, sense: if backward { -1.0 } else { 1.0 }, turn: VecDeque::new() }
     }
 
-    /// lateral place and depth of the nose a turn before `angle`, straight between the steps
+    /// lateral position and depth of the nose a revolution before `angle`, straight between the steps
     fn before(&mut self, angle: f64) -> Option<[f64; 2]> {
         let wanted = angle - TAU;
         while self.turn.get(1).is_some_and(|next| next[0] <= wanted) {
@@ -100,7 +100,7 @@ mod tests {
     const NOSE: f64 = 2e-3;
     const CUT: f64 = 1e-5;
 
-    /// Areas of the chip, 1000 steps a turn; `nose(turns)` is lateral place, depth and whether it cuts.
+    /// Areas of the chip, 1000 steps a revolution; `nose(turns)` is lateral position, depth and whether it cuts.
     fn turn(turns: u32, backward: bool, nose: impl Fn(f64) -> (f64, f64, f64)) -> Vec<f64> {
         let mut chip = Chip::new(NOSE, CUT, 0.05, backward);
         let step = |k: u32| {

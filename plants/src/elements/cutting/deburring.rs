@@ -1,27 +1,27 @@
-//! Tool and burr: load, reaction and what is left of the burr.
+//! Tool and burr: load, reaction and the remaining burr.
 
 use super::burr::Burr;
 use super::milling::Milling;
 use crate::element::{Element, Ports};
 
-/// Feed below which the reaction of a tool that hardly moves fades, m/s; a sudden change of sign would rattle.
+/// Feed below which the reaction of a slow tool fades, m/s; a sudden change of sign would rattle.
 const SLOW: f64 = 2e-3;
 
 /// How the reaction of the burr acts on the tool.
 #[derive(Clone, Copy, Debug)]
 pub struct Reaction {
-    /// against the direction of travel, share of the tangential force
+    /// against the direction of travel, relative to the tangential force
     pub along: f64,
-    /// outward, share of the tangential force
+    /// outward, relative to the tangential force
     pub outward: f64,
-    /// the tool cuts while its tip is at most so far above or below the edge, m
+    /// maximum distance of the tip above or below the edge for cutting, m
     pub reach: f64,
 }
 
 /// An end mill on the burr of an edge.
 ///
-/// Takes the place of the tip against the edge from [`Edge`](super::Edge). `part` is positive while the part lies there.
-/// In front of the tool stands what is left of the bin it is in; behind it the bins keep the deviation of the tool.
+/// Reads the position of the tip relative to the edge from [`Edge`](super::Edge). `part` is positive while
+/// the part is present. In front of the tool is the remaining burr of its bin; after it the bins keep the deviation of the tool.
 #[derive(Clone, Debug)]
 pub struct Deburring {
     burr: Burr,
@@ -31,14 +31,14 @@ pub struct Deburring {
     before: Option<f64>,
     /// volume cut so far, m3
     removed: f64,
-    /// volume that stands above the edge, m3
+    /// volume above the edge, m3
     left: f64,
-    /// how far the tool stands inside the part, if that is more than its diameter, m
+    /// depth of the tool inside the part, if more than its diameter, m
     crashed: Option<f64>,
 }
 
 impl Deburring {
-    /// A mill on a burr that no tool has touched.
+    /// A mill on an untouched burr.
     pub fn new(burr: Burr, mill: Milling, reaction: Reaction) -> Self {
         let left = burr.volume();
         Self { burr, mill, reaction, before: None, removed: 0.0, left, crashed: None }
@@ -122,7 +122,7 @@ mod tests {
         Deburring::new(burr, MILL, REACTION)
     }
 
-    /// Goes along the edge at 50 mm/s for 0.5 s; rows of outputs.
+    /// Moves along the edge at 50 mm/s for 0.5 s; rows of outputs.
     fn pass(deburring: &mut Deburring, normal: f64, across: f64, part: f64) -> Vec<[f64; 11]> {
         // back to the start through the air
         deburring.step(&[0.0; 11], &mut [0.0; 11], H);

@@ -9,12 +9,12 @@ type Vector = Vector3<f64>;
 /// lines that differ by less are one line, sine of the angle
 const STRAIGHT: f64 = 1e-9;
 
-/// Where a point is, seen from the edge: `foot`, `tangent` and `outward` belong to the nearest place of the edge.
+/// Position of a point relative to the edge: `foot`, `tangent` and `outward` are those of the nearest point of the edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Clearance {
-    /// path from the start to the nearest place, m
+    /// path from the start to the nearest point, m
     pub distance: f64,
-    /// how far the point is from the edge along `outward`, m
+    /// distance of the point from the edge along `outward`, m
     pub normal: f64,
     /// and along `tangent x outward` reversed, the side from which the corner turns left, m
     pub across: f64,
@@ -24,9 +24,9 @@ pub struct Clearance {
     pub outward: Vector,
 }
 
-/// Line, arc, line from `start` over `corner` to `end`; on the side of the corner's outside lies the burr.
+/// Line, arc, line from `start` over `corner` to `end`; the burr is on the outside of the corner.
 ///
-/// x, y, z of a point -> distance, normal, across, tangent and outward of its nearest place.
+/// x, y, z of a point -> distance, normal, across, tangent and outward of its nearest point.
 #[derive(Clone, Debug)]
 pub struct Edge {
     start: Vector,
@@ -43,7 +43,7 @@ pub struct Edge {
 }
 
 impl Edge {
-    /// An edge with a corner of `radius` m, or none if the lines are shorter than the arc takes away of them.
+    /// An edge with a corner of `radius` m, or none if the lines are too short for the arc.
     pub fn new(start: [f64; 3], corner: [f64; 3], end: [f64; 3], radius: f64) -> Option<Self> {
         let [start, corner, end] = [start, corner, end].map(Vector::from);
         let [first, second] = [corner - start, end - corner];
@@ -67,7 +67,7 @@ impl Edge {
         self.lengths.iter().sum()
     }
 
-    /// The nearest place of the edge.
+    /// The nearest point of the edge.
     pub fn place(&self, point: [f64; 3]) -> Clearance {
         let point = Vector::from(point);
         let [l1, l2, l3] = self.lengths;
@@ -81,7 +81,7 @@ impl Edge {
         nearest.1
     }
 
-    /// distance to a line that begins at `from`, and the place
+    /// distance to a line that starts at `from`, and the nearest point
     fn on_line(&self, point: Vector, from: Vector, line: usize, before: f64, length: f64) -> (f64, Clearance) {
         let tangent = self.lines[line];
         let along = (point - from).dot(&tangent).clamp(0.0, length);

@@ -1,15 +1,15 @@
-//! Axial place of one cutting edge on a tool that is tilted on its spindle.
+//! Axial position of one cutting edge on a tool that is tilted on its spindle.
 
 use crate::element::{Element, Ports};
 
-/// `retreat[m] = shortfall + tilt (1 - cos(angle + offset))`: how far the edge stays behind the longest point.
+/// `retreat[m] = shortfall + tilt (1 - cos(angle + offset))`: axial distance of the edge from the longest point.
 #[derive(Clone, Debug)]
 pub struct Flute {
     /// length missing against the longest edge, m
     shortfall: f64,
     /// axial run-out from the tilt, amplitude, m
     tilt: f64,
-    /// place of the edge on the circumference, rad
+    /// position of the edge on the circumference, rad
     offset: f64,
 }
 

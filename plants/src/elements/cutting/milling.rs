@@ -1,4 +1,4 @@
-//! Load of an end mill that takes away a burr.
+//! Load of an end mill that removes a burr.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ pub struct Milling {
     pub pressure: f64,
     /// force per engaged edge length, N/m
     pub edge_force: f64,
-    /// largest chip of one tooth, m: a tool that hardly turns rubs and does not bite deeper
+    /// largest chip of one tooth, m: a slow tool rubs and does not cut deeper
     pub chip_most: f64,
 }
 

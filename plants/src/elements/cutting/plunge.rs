@@ -1,26 +1,26 @@
-//! End mill that sinks into a face: every tooth cuts what the tooth before has left.
+//! End mill that sinks into a face: every tooth cuts the floor left by the tooth before.
 
 use std::f64::consts::TAU;
 
 use crate::element::{Element, Ports};
 
-/// Places of the floor on a turn.
+/// Points of the floor per revolution.
 const BINS: usize = 400;
 
-/// Two teeth, half a turn apart, on springs; each takes a chip from the floor under it.
+/// Two teeth, half a revolution apart, on springs; each takes a chip from the floor under it.
 ///
-/// A tooth at the depth `z` meets a floor at `f`. The spring `k` of tool, spindle and work and the chip, whose force
+/// A tooth at the depth `z` meets a floor at `f`. The spring `k` of tool, spindle and workpiece and the chip, whose force
 /// is `c` times its thickness, carry the same force: `F = k c / (k + c) (z - f)`, and the tooth leaves the floor `F / c`
 /// deeper. At a constant feed per tooth the chip in the end is that feed, and the force `c` times it, however deep.
 ///
-/// A place is cut when the tooth leaves it, so a tool that stands still only presses.
+/// A point is cut when the tooth leaves it, so a tool at rest only presses.
 #[derive(Clone, Debug)]
 pub struct Plunge {
-    /// tool, spindle and work in series, N/m
+    /// tool, spindle and workpiece in series, N/m
     stiffness: f64,
     /// force per thickness of the chip, N/m
     chip: f64,
-    /// depth of the face under every place, m
+    /// depth of the face under every point, m
     floor: Vec<f64>,
 }
 
@@ -30,7 +30,7 @@ impl Plunge {
         Self { stiffness, chip, floor: vec![0.0; BINS] }
     }
 
-    /// force of a tooth at `depth` that turns from `from` to `to`; the places that it leaves are cut
+    /// force of a tooth at `depth` that turns from `from` to `to`; the points that it leaves are cut
     fn tooth(&mut self, depth: f64, from: f64, to: f64) -> f64 {
         let bin = |angle: f64| (angle.rem_euclid(TAU) / TAU * BINS as f64) as usize % BINS;
         let (first, last) = (bin(from), bin(to));
@@ -69,7 +69,7 @@ mod tests {
 
     const K: f64 = 2e5;
     const C: f64 = 5e5;
-    /// a step is a fortieth of a turn: ten places
+    /// a step is a fortieth of a revolution: ten points
     const STEP: f64 = TAU / 40.0;
 
     fn step(plunge: &mut Plunge, depth: f64, second: f64, at: f64, turned: f64) -> [f64; 2] {

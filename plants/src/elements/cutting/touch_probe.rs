@@ -1,24 +1,24 @@
-//! A touch probe at the wall above an edge: a spring that gives way, and a contact.
+//! A touch probe at the wall above an edge: a spring and a contact.
 
 use crate::element::{Element, Ports};
 
-/// Wall and probe, all m but for the stiffnesses, N/m.
+/// Wall and probe, all m except the stiffnesses, N/m.
 #[derive(Clone, Copy, Debug)]
 pub struct TouchProbe {
-    /// the wall stands between these distances along the edge
+    /// the wall extends between these distances along the edge
     pub wall: (f64, f64),
     /// its height above the edge
     pub height: f64,
-    /// way from the touch to the contact
+    /// travel from the touch to the contact
     pub pretravel: f64,
-    /// way of the spring, beyond it the probe is at its end
+    /// travel of the spring; beyond it the probe is at its stop
     pub travel: f64,
-    /// stiffness of the spring, and of the probe at its end
+    /// stiffness of the spring, and of the probe at its stop
     pub stiffness: (f64, f64),
 }
 
 impl TouchProbe {
-    /// How far the wall holds the probe back, m.
+    /// Deflection of the probe by the wall, m.
     fn deflection(&self, distance: f64, normal: f64, across: f64) -> f64 {
         let (from, to) = self.wall;
         let beside = distance > from && distance < to && across > 0.0 && across < self.height;

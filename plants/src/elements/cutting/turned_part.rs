@@ -1,4 +1,4 @@
-//! Part on a lathe: the sections along some diameters that the tool leaves, and a probe that reads them.
+//! Part on a lathe: the sections along some diameters after cutting, and a probe that measures them.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use crate::element::{Element, Ports};
 /// Pitch of the section, m; the depth under a probe ball is wrong by less than 1 nm on flanks up to 60 degrees.
 const PITCH: f64 = 1e-6;
 
-/// Round tool, round probe and the blank they meet.
+/// Round tool, round probe and the blank.
 #[derive(Clone, Debug)]
 pub struct Shapes {
     /// radius of the tool nose, m
@@ -20,24 +20,24 @@ pub struct Shapes {
     pub face: f64,
     /// roughness that the material adds to each passage of the tool, standard deviation, m
     pub roughness: f64,
-    /// diameters that are kept
+    /// number of diameters
     pub diameters: usize,
 }
 
-/// Depth of a part along N diameters: number k at the spindle angles k pi / N (positive places) and half a turn on (negative
-/// places).
+/// Depth of a part along N diameters: number k at the spindle angles k pi / N (positive positions) and half a
+/// revolution further (negative positions).
 ///
-/// Twice a turn the tool passes a diameter, and while `cutting` is positive its nose takes away what is higher:
-/// `lateral` and `depth` place the centre of the nose from the spindle axis and into the part. While `probing` is
-/// positive, `reading` is the depth of the lowest point of a ball that rests at the place `probe` on the section which is
-/// nearest to the angle `turned` (rad), of which `angle` is the true one; otherwise both are 0. The spindle need not turn to it: the
-/// sections are kept as they were cut. While `blank` is positive the part is another one, not cut yet.
+/// Twice a revolution the tool passes a diameter, and while `cutting` is positive its nose removes all material above it:
+/// `lateral` and `depth` are the position of the center of the nose from the spindle axis and into the part. While
+/// `probing` is positive, `reading` is the depth of the lowest point of a ball that rests at the position `probe` on the
+/// section which is nearest to the angle `turned` (rad), of which `angle` is the true one; otherwise both are 0. The
+/// spindle need not turn to it: the sections stay as they were cut. While `blank` is positive the part is replaced by a new one.
 #[derive(Clone, Debug)]
 pub struct TurnedPart {
     shapes: Shapes,
-    /// depth at every place from `-part_radius` on, m, diameter after diameter
+    /// depth at every position from `-part_radius` on, m, diameter after diameter
     sections: Vec<Vec<f64>>,
-    /// angle, lateral place and depth of the step before
+    /// angle, lateral position and depth of the step before
     before: Option<[f64; 3]>,
 }
 
@@ -53,13 +53,13 @@ impl TurnedPart {
         PI / self.sections.len() as f64
     }
 
-    /// The diameter at the angle number `k`, and 1, or -1 where its negative places are.
+    /// The diameter at the angle number `k`, and 1, or -1 on its negative side.
     fn side(&self, k: f64) -> (usize, f64) {
         let k = k.rem_euclid(2.0 * self.sections.len() as f64) as usize;
         (k % self.sections.len(), if k < self.sections.len() { 1.0 } else { -1.0 })
     }
 
-    /// The tool moves to `now`; at each diameter on the way it passes it.
+    /// The tool moves to `now`; it passes each diameter on its path.
     fn cut(&mut self, now: [f64; 3], roughness: f64) {
         let Some(before) = self.before else { return };
         let pitch = self.pitch();
@@ -75,7 +75,7 @@ impl TurnedPart {
         self.pass(diameter, side * lateral, depth + roughness);
     }
 
-    /// The nose takes away what is higher than its lower half.
+    /// The nose removes all material above its lower half.
     fn pass(&mut self, diameter: usize, place: f64, depth: f64) {
         let nose = self.shapes.tool_radius;
         for i in self.within(place, nose) {
@@ -96,7 +96,7 @@ impl TurnedPart {
         rest.map_or(self.shapes.face, |centre| centre + ball)
     }
 
-    /// Indices of the places at most `reach` away.
+    /// Indices of the positions at most `reach` away.
     fn within(&self, place: f64, reach: f64) -> std::ops::Range<usize> {
         let index = |place: f64| (place + self.shapes.part_radius) / PITCH;
         // a cast from below zero gives zero
@@ -149,7 +149,7 @@ mod tests {
         diameters: 1,
     };
 
-    /// Turns the part with the tool at `nose(turns)`, 100 steps a turn.
+    /// Turns the part with the tool at `nose(turns)`, 100 steps a revolution.
     fn turn(part: &mut TurnedPart, turns: u32, nose: impl Fn(f64) -> [f64; 2]) {
         for k in 0..=100 * turns {
             let turned = f64::from(k) / 100.0;

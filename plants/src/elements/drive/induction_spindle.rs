@@ -1,4 +1,4 @@
-//! Spindle with an induction motor: torque by slip, and the speed that its pulse generator tells.
+//! Spindle with an induction motor: torque by slip, and the speed measured by its pulse generator.
 
 use crate::element::{Element, Ports};
 
@@ -7,9 +7,9 @@ use crate::element::{Element, Ports};
 pub struct InductionSpindle {
     /// speed without slip, rad/s
     synchronous: f64,
-    /// largest torque, N.m
+    /// maximum torque, N.m
     breakdown: f64,
-    /// slip at the largest torque
+    /// slip at the maximum torque
     breakdown_slip: f64,
     /// kg.m2
     inertia: f64,
@@ -21,7 +21,7 @@ pub struct InductionSpindle {
     measured: f64,
 }
 
-/// What stands on the plate of a motor, and how fast it answers.
+/// Data of the rating plate of a motor, and its time constant.
 #[derive(Clone, Copy, Debug)]
 pub struct RatingPlate {
     /// speed without slip, rad/s
@@ -30,7 +30,7 @@ pub struct RatingPlate {
     pub rated_speed: f64,
     /// W
     pub rated_power: f64,
-    /// largest torque over the rated one, more than 1
+    /// maximum torque over the rated one, more than 1
     pub overload: f64,
     /// time constant of the speed about the rated point, s
     pub time: f64,
@@ -68,7 +68,7 @@ impl InductionSpindle {
         2.0 * self.breakdown * slip * most / (slip * slip + most * most)
     }
 
-    /// how much torque a loss of speed brings, N.m.s/rad
+    /// torque per loss of speed, N.m.s/rad
     fn slope(&self, slip: f64) -> f64 {
         let (s, most) = (slip * slip, self.breakdown_slip * self.breakdown_slip);
         2.0 * self.breakdown / self.synchronous * self.breakdown_slip * (most - s) / ((s + most) * (s + most))

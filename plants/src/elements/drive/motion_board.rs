@@ -1,12 +1,12 @@
-//! Servo of one axis on a motion board: position and velocity setpoints arrive now and then, the loop runs fast.
+//! Servo of one axis on a motion board: position and velocity setpoints arrive at intervals, the loop runs fast.
 
 use crate::element::{Element, Ports};
 
 /// `force = limit(stiffness (e + integral of e / integral_time) + damping (v_ref - v))`, with `e = x_ref - x` and `x_ref`
-/// going on at the velocity setpoint. An integral time of 0 stands for no integral; at the limit it waits.
+/// going on at the velocity setpoint. An integral time of 0 disables the integral; at the limit it waits.
 ///
 /// A setpoint is new when it differs from the last one. From then on the reference moves at the velocity setpoint,
-/// for at most `period`; if no new one has come by then, it stands still.
+/// for at most `period`; without a new one it then stops.
 #[derive(Clone, Debug)]
 pub struct MotionBoard {
     /// force per position error, N/m
@@ -35,7 +35,7 @@ impl MotionBoard {
         Self { stiffness, damping, force_limit, period, integral_time, integral, setpoint, age }
     }
 
-    /// position and velocity that the axis should have now
+    /// desired position and velocity of the axis
     fn reference(&self) -> (f64, f64) {
         let (position, velocity) = self.setpoint;
         if self.age < self.period {

@@ -2,7 +2,7 @@
 
 use crate::element::{Element, Ports};
 
-/// What the amplifier of one axis knows.
+/// Parameters of the amplifier of one axis.
 #[derive(Clone, Copy, Debug)]
 pub struct DriveGains {
     /// position loop, 1/s
@@ -11,11 +11,11 @@ pub struct DriveGains {
     pub velocity: f64,
     /// integral of the velocity loop, 1/s
     pub integral: f64,
-    /// share of the commanded velocity that goes past the position loop
+    /// fraction of the commanded velocity that bypasses the position loop
     pub feedforward: f64,
-    /// bandwidth of that way, rad/s
+    /// bandwidth of that path, rad/s
     pub smoothing: f64,
-    /// mass that the velocity loop counts on, kg
+    /// mass assumed by the velocity loop, kg
     pub inertia: f64,
     /// largest force, N
     pub force: f64,
@@ -26,7 +26,7 @@ pub struct DriveGains {
 /// `v_ref = position (x_ref - x) + feedforward lag(v_command)`, then
 /// `force = inertia velocity (e + integral of integral e)` with `e = v_ref - v`, which stops integrating at its limit.
 /// While `enable` is 0 there is no force and pulses are lost; the amplifier clears its deviation counter, so that the axis
-/// stays where it is when `enable` comes back.
+/// keeps its position when `enable` returns.
 #[derive(Clone, Debug)]
 pub struct PulseDrive {
     gains: DriveGains,
@@ -34,7 +34,7 @@ pub struct PulseDrive {
     pulse: f64,
     /// time in which the pulses of a command arrive, s
     tick: f64,
-    /// position that was commanded, m
+    /// commanded position, m
     reference: f64,
     /// lagged velocity command, m/s
     smoothed: f64,

@@ -7,7 +7,7 @@ use crate::element::{Element, Ports};
 /// `angle` at the start of the step and `angle_next` at its end, rad in `[0, 2 pi)`, from `speed` in rad/s.
 #[derive(Clone, Debug)]
 pub struct Rotation {
-    /// where the shaft is, rad
+    /// present angle of the shaft, rad
     pub angle: f64,
 }
 

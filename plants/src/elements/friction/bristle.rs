@@ -34,7 +34,7 @@ impl Bristle {
         Self { load, law, radius, stiffness, damping, break_away, z: Vector3::zeros() }
     }
 
-    /// share of the motion that is plastic, for a deflection and a velocity
+    /// fraction of the motion that is plastic, for a deflection and a velocity
     fn plastic(&self, z: Vector3<f64>, v: Vector3<f64>, steady: f64) -> f64 {
         let (length, elastic) = (z.norm(), self.break_away * steady);
         if length <= elastic || z.dot(&v) <= 0.0 {

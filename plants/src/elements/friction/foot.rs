@@ -5,7 +5,7 @@ use crate::element::{Element, Ports};
 
 /// `mu = stribeck(slip speed of the foot)`, once for each tangent of a contact.
 ///
-/// The foot is at `place` on the part; the part moves with `vx`, `vy` and `yaw_rate` against the table.
+/// The foot is at the position `place` on the part; the part moves with `vx`, `vy` and `yaw_rate` against the table.
 #[derive(Clone, Debug)]
 pub struct Foot {
     /// on the part, from the origin of its motion, m

@@ -2,10 +2,10 @@
 
 use crate::element::{Element, Ports};
 
-/// `force' = -(friction / distance) (v + |v| force / friction)`: a spring at the reversal, `friction` in the end.
+/// `force' = -(friction / distance) (v + |v| force / friction)`: a spring at the reversal, finally `friction`.
 ///
 /// After a reversal the difference to the force of rolling falls to 1/e in every `distance`. The answer to a velocity
-/// that is held over the step is exact.
+/// constant over the step is exact.
 #[derive(Clone, Debug)]
 pub struct RollingFriction {
     /// force while it rolls, N
@@ -17,7 +17,7 @@ pub struct RollingFriction {
 }
 
 impl RollingFriction {
-    /// Friction of `friction` N in the end that changes over `distance` m, both positive.
+    /// Friction of `friction` N with a change over `distance` m, both positive.
     pub fn new(friction: f64, distance: f64) -> Self {
         Self { friction, distance, share: 0.0 }
     }

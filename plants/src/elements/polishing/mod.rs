@@ -1,4 +1,4 @@
-//! Polishing: molds as surfaces, a ball that touches them, and what it wears away.
+//! Polishing: molds as surfaces, a ball that touches them, and its wear.
 
 mod mold;
 mod rubbing;

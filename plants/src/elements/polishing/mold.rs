@@ -5,45 +5,45 @@ use nalgebra::Vector3;
 /// A Gaussian hollow.
 #[derive(Clone, Copy, Debug)]
 pub struct Dimple {
-    /// place of its centre, m
+    /// position of its center, m
     pub x: f64,
-    /// place of its centre, m
+    /// position of its center, m
     pub y: f64,
-    /// depth in its centre, m
+    /// depth in its center, m
     pub depth: f64,
-    /// distance from the centre at which 61 % of the depth are left, m
+    /// distance from the center at which 61 % of the depth are left, m
     pub sigma: f64,
 }
 
 /// A smooth rise across the mold, to both sides of which the surface is parallel.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// where it begins, m along x
+    /// start, m along x
     pub place: f64,
-    /// how high it is, m
+    /// height, m
     pub height: f64,
     /// length of the rise, m
     pub width: f64,
 }
 
-/// A surface `z(x, y)` with its axis along z and, but for a step, with its origin on the surface.
+/// A surface `z(x, y)` with its axis along z and, except for a step, with its origin on the surface.
 #[derive(Clone, Debug)]
 pub struct Mold {
     /// curvature of a concave spherical cap, 1/m
     cap: f64,
     /// curvature of a saddle, concave along x and convex along y, 1/m
     saddle: f64,
-    /// hollows besides
+    /// additional hollows
     dimples: Vec<Dimple>,
-    /// rise besides
+    /// additional rise
     step: Step,
-    /// distance from the axis to which the formula goes, m
+    /// distance from the axis up to which the formula is valid, m
     rim: f64,
     /// height of cap, saddle and dimples on the axis, m
     datum: f64,
 }
 
-/// Height of a surface at one place with its derivatives.
+/// Height of a surface at one position with its derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Local {
     /// height, m
@@ -72,7 +72,7 @@ impl Local {
         }
     }
 
-    /// Unit normal out of the material.
+    /// Unit normal pointing out of the material.
     pub fn normal(&self) -> Vector3<f64> {
         let length = (1.0 + self.zx * self.zx + self.zy * self.zy).sqrt();
         Vector3::new(-self.zx / length, -self.zy / length, 1.0 / length)
@@ -87,14 +87,14 @@ impl Mold {
         mold
     }
 
-    /// The surface at a place inside the rim.
+    /// The surface at a position inside the rim.
     pub fn at(&self, x: f64, y: f64) -> Local {
         let base = self.cap_at(x, y).plus(self.saddle_at(x, y)).plus(self.step.at(x));
         let sum = self.dimples.iter().fold(base, |sum, dimple| sum.plus(dimple.at(x, y)));
         Local { z: sum.z - self.datum, ..sum }
     }
 
-    /// The nearest place that is not beyond the rim.
+    /// The nearest position within the rim.
     pub fn inside(&self, place: [f64; 2]) -> [f64; 2] {
         let distance = place[0].hypot(place[1]);
         if distance > self.rim { place.map(|p| p * self.rim / distance) } else { place }

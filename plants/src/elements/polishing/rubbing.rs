@@ -1,13 +1,13 @@
-//! Bookkeeping of a contact that rubs: load, friction, and what polishing has added up.
+//! Bookkeeping of a contact that rubs: load, friction, and the accumulated polishing work.
 
 use nalgebra::Vector3;
 
 use crate::element::{Element, Ports};
 
-/// Splits the force of a contact at its normal and adds up what removal depends on.
+/// Splits the force of a contact at its normal and accumulates the quantities that determine the removal.
 ///
-/// While the contact carries load, `slid` is the way of the slip, `rubbed` the integral of load times slip speed
-/// (Preston) and `work` what friction has taken. `speed` is the slip speed, 0 without contact.
+/// While the contact carries load, `slid` is the slip distance, `rubbed` the integral of load times slip speed
+/// (Preston) and `work` the friction work. `speed` is the slip speed, 0 without contact.
 #[derive(Clone, Debug, Default)]
 pub struct Rubbing {
     /// m

@@ -5,12 +5,12 @@ use nalgebra::{Matrix3, Vector3};
 use super::mold::{Local, Mold};
 use crate::element::{Element, Ports};
 
-/// movement of the foot point that counts as none, m
+/// movement of the foot point that ends the iteration, m
 const EXACT: f64 = 1e-12;
-/// most iterations; three are enough for a ball that was near the foot point before
+/// maximum number of iterations; three are enough for a ball that was near the foot point before
 const ITERATIONS: u32 = 30;
 
-/// Where the mold stands in the room: `room = shift + rotation mold`.
+/// Pose of the mold in the world frame: `world = shift + rotation mold`.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     /// origin of the mold, m
@@ -41,10 +41,10 @@ impl Pose {
     }
 }
 
-/// Foot of the perpendicular from the centre of a ball to the mold, and the plane that touches the mold there.
+/// Foot of the perpendicular from the center of a ball to the mold, and the plane that touches the mold there.
 ///
-/// `lift` moves the mold along its axis. The plane is a place and a quaternion (w, x, y, z) in the room, its z axis
-/// the normal out of the material; the contact point is in the frame of the mold, `distance` from the centre.
+/// `lift` moves the mold along its axis. The plane is a position and a quaternion (w, x, y, z) in the world frame, its z
+/// axis the normal out of the material; the contact point is in the frame of the mold, `distance` from the center.
 #[derive(Clone, Debug)]
 pub struct TangentPlane {
     mold: Mold,
@@ -54,7 +54,7 @@ pub struct TangentPlane {
 }
 
 impl TangentPlane {
-    /// A mold somewhere in the room.
+    /// A mold with a pose in the world frame.
     pub fn new(mold: Mold, pose: Pose) -> Self {
         Self { mold, pose, foot: [0.0; 2] }
     }

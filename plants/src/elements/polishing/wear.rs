@@ -1,4 +1,4 @@
-//! Wear of a height map under a ball that rubs (Preston), where what stands out carries more pressure.
+//! Wear of a height map under a ball that rubs (Preston), where higher points carry more pressure.
 
 use std::ops::Range;
 
@@ -9,13 +9,13 @@ pub struct Abrasion {
     pub preston: f64,
     /// contact modulus, Pa
     pub modulus: f64,
-    /// radius of a ball on a plane that stands for ball and hollow, m
+    /// radius of the equivalent ball on a plane for ball and hollow, m
     pub radius: f64,
     /// pressure per height, Pa/m
     pub selectivity: f64,
 }
 
-/// One stroke of the ball: the middle of it and what happened along it.
+/// One stroke of the ball: its midpoint and its averages.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
     /// contact point, m
@@ -29,7 +29,7 @@ pub struct Stroke {
 /// Square map of heights along the normal of a surface.
 #[derive(Clone, Debug)]
 pub struct HeightMap {
-    /// place of the first row and of the first column, m
+    /// position of the first row and of the first column, m
     pub start: f64,
     /// distance of rows and of columns, m
     pub pitch: f64,
@@ -45,7 +45,7 @@ pub struct HeightMap {
 
 impl HeightMap {
     /// Wears the map by one stroke. The pressure is Hertz's plus `selectivity (h - mean)`, never negative, scaled to
-    /// the load; `patch` is room for it.
+    /// the load; `patch` is a buffer for it.
     pub fn rub(&mut self, abrasion: &Abrasion, stroke: &Stroke, patch: &mut Vec<(usize, f64)>) {
         let reach = (0.75 * stroke.load * abrasion.radius / abrasion.modulus).cbrt();
         patch.clear();

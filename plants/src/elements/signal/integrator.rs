@@ -1,11 +1,11 @@
-//! Integral of a value, such as the place of an axis from its velocity.
+//! Integral of a value, such as the position of an axis from its velocity.
 
 use crate::element::{Element, Ports};
 
 /// `integral += value h`; the integral at the start of the step acts during the step.
 #[derive(Clone, Debug)]
 pub struct Integrator {
-    /// what has been summed up
+    /// present integral
     pub integral: f64,
 }
 

@@ -1,23 +1,23 @@
-//! End of the range in which a plant means something.
+//! Limit of the valid range of a plant.
 
 use crate::element::{Element, Ports};
 
 /// Stops the plant when `value` is outside `low..=high`.
 #[derive(Clone, Debug)]
 pub struct Limit {
-    /// what the value is, with article
+    /// name of the value, with article
     quantity: String,
     unit: String,
     low: f64,
     high: f64,
-    /// what to do about it
+    /// remedy
     hint: String,
-    /// the value that was refused
+    /// the rejected value
     refused: Option<f64>,
 }
 
 impl Limit {
-    /// A limit of `quantity` in `unit` to the closed range from `low` to `high`, with a hint for who meets it.
+    /// A limit of `quantity` in `unit` to the closed range from `low` to `high`, with a hint.
     pub fn new(quantity: String, unit: String, low: f64, high: f64, hint: String) -> Self {
         Self { quantity, unit, low, high, hint, refused: None }
     }

@@ -4,17 +4,17 @@ use std::f64::consts::TAU;
 
 use crate::element::{Element, Ports};
 
-/// `value(angle)`: linear between samples that are spaced evenly over one turn.
+/// `value(angle)`: linear between samples that are spaced evenly over one revolution.
 ///
 /// Against a harmonic of order n the error is at most its amplitude times `(pi n / samples)^2 / 2`.
 #[derive(Clone, Debug)]
 pub struct Lookup {
-    /// samples of one turn, the first at zero
+    /// samples of one revolution, the first at zero
     samples: Vec<f64>,
 }
 
 impl Lookup {
-    /// A table of one turn, or none if there is no sample.
+    /// A table of one revolution, or none if there is no sample.
     pub fn new(samples: Vec<f64>) -> Option<Self> {
         (!samples.is_empty()).then_some(Self { samples })
     }

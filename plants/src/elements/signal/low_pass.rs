@@ -7,7 +7,7 @@ use crate::element::{Element, Ports};
 pub struct LowPass {
     /// rad/s
     pub bandwidth: f64,
-    /// where it stands
+    /// present value
     pub filtered: f64,
 }
 

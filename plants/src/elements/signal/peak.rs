@@ -9,7 +9,7 @@ pub struct Peak {
 }
 
 impl Peak {
-    /// A peak that has seen nothing.
+    /// A peak without values.
     pub fn new() -> Self {
         Self { maximum: f64::NEG_INFINITY }
     }

@@ -1,4 +1,4 @@
-//! Product of two values: a switch, a gain that moves.
+//! Product of two values: a switch, a variable gain.
 
 use crate::element::{Element, Ports};
 

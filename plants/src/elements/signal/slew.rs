@@ -1,13 +1,13 @@
-//! Set-point that cannot jump: a drive's ramp.
+//! Setpoint with a limited rate: the ramp of a drive.
 
 use crate::element::{Element, Ports};
 
-/// `value` goes to `target` at `rate` per second at most; the value at the start of the step acts during the step.
+/// `value` moves to `target` at `rate` per second at most; the value at the start of the step acts during the step.
 #[derive(Clone, Debug)]
 pub struct Slew {
     /// largest change per second
     pub rate: f64,
-    /// where it stands
+    /// present value
     pub value: f64,
 }
 

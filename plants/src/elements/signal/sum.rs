@@ -1,4 +1,4 @@
-//! Summing junction; signs and units are the business of the cells it is bound to.
+//! Summing junction; signs and units are set in the cells it is bound to.
 
 use crate::element::{Element, Ports};
 
@@ -11,7 +11,7 @@ pub struct Sum {
 }
 
 impl Sum {
-    /// Most terms of one sum.
+    /// Maximum number of terms of one sum.
     pub const TERMS_MAX: usize = NAMES.len();
 
     /// A junction of `terms` inputs, or none if there are more than [`Self::TERMS_MAX`].

@@ -1,4 +1,4 @@
-//! Parts that rest on a turning table, probed and pushed from the room.
+//! Parts that rest on a turning table, probed and pushed from outside.
 
 mod outline;
 mod tip;

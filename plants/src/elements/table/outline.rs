@@ -3,13 +3,13 @@
 use crate::element::{Element, Ports};
 use crate::elements::signal::Lookup;
 
-/// passes of the fixed point: each takes the error down by the slope of the outline over its radius
+/// passes of the fixed point: each reduces the error by the slope of the outline over its radius
 const PASSES: usize = 3;
 
-/// Where the line `y = 0` meets the far side (+x) of the part: place, outward normal, velocity of the material.
+/// Where the line `y = 0` meets the far side (+x) of the part: position, outward normal, velocity of the material.
 ///
 /// `surface = cx + sqrt(R(phase)^2 - cy^2)` with the radius `R` of the part at `phase = direction - orientation`.
-/// The part must reach the line: `|cy| < R`, else the outputs are not finite.
+/// The part must reach the line: `|cy| < R`, otherwise the outputs are not finite.
 #[derive(Clone, Debug)]
 pub struct Outline {
     /// radius over the angle of the part, m

@@ -4,20 +4,20 @@ use crate::element::{Element, Ports};
 
 /// slip speed below which friction is mostly viscous, m/s
 const SLIP: f64 = 1e-3;
-/// least share of the normal force that presses the tip back, so that a tip that jams stays finite
+/// minimum fraction of the normal force that presses the tip back, so that a jammed tip stays finite
 const JAM: f64 = 0.1;
 
-/// Force of a tip on a surface, and how far the surface has driven the tip back.
+/// Force of a tip on a surface, and the displacement of the tip by the surface.
 ///
-/// The tip comes from +x and gives way along the line `y = 0`. Where the surface would be beyond it,
+/// The tip comes from +x and yields along the line `y = 0`. Where the surface would be beyond it,
 /// `collapse = surface - tip > 0`, it presses along the line with
 /// `preload min(1, collapse / ramp) + stiffness collapse + damping collapse'`, and never pulls. The surface answers
-/// with the normal force that takes, and rubs with `friction` times that force against its motion.
+/// with the necessary normal force, and rubs with `friction` times that force against its motion.
 #[derive(Clone, Debug)]
 pub struct Tip {
     /// force at first touch, N
     pub preload: f64,
-    /// collapse at which the preload is there, m
+    /// collapse at which the full preload acts, m
     pub ramp: f64,
     /// N/m
     pub stiffness: f64,

@@ -1,8 +1,8 @@
-//! A part that rests on a turning table, seen from the room.
+//! A part that rests on a turning table, in the world frame.
 
 use crate::element::{Element, Ports};
 
-/// Place and velocity of the centre of the part in the room, from its place `x`, `y`, `yaw` on the table.
+/// Position and velocity of the center of the part in the world frame, from its position `x`, `y`, `yaw` on the table.
 ///
 /// The axis of the table is displaced by `error_x`, `error_y` (error motion of the spindle), without its velocity.
 #[derive(Clone, Copy, Debug)]

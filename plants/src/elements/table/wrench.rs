@@ -1,10 +1,10 @@
-//! Force in the room on a part that rests on a turning table, as forces on the joints of both.
+//! Force in the world frame on a part that rests on a turning table, as forces on the joints of both.
 
 use crate::element::{Element, Ports};
 
-/// Joint forces of `fx`, `fy` at the point `(place, 0)` of the room.
+/// Joint forces of `fx`, `fy` at the point `(place, 0)` of the world frame.
 ///
-/// `x`, `y` and `torque` act on the part in the frame of the table, about its centre `(cx, cy)`; `table` is the
+/// `x`, `y` and `torque` act on the part in the frame of the table, about its center `(cx, cy)`; `table` is the
 /// torque on the table, which carries the part.
 #[derive(Clone, Copy, Debug)]
 pub struct Wrench;
