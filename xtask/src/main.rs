@@ -8,7 +8,7 @@ use xtask::bench::effort::Effort;
 use xtask::workspace::Workspace;
 use xtask::{bench, clients, demo, fmu, new, plain_c, release_set, setup, test, wheel};
 
-/// Builds, demonstrates, tests and measures the project. Steps that are up to date are skipped.
+/// Build, demonstrate, test and measure the project. Steps that are up to date are skipped.
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
 struct Cli {
@@ -18,49 +18,49 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Make `.venv` with the pinned Python requirements and build the native code of plants and engine
+    /// Install the pinned Python requirements into `.venv` and build the native module
     Setup,
-    /// Make a controller with its plant, scenario and tests from a template
+    /// Create a controller with its plant, scenario and tests from a template
     New {
-        /// Such as `trial`: makes `fmu-trial`, `plants/trial.py`, `scenarios/trial.toml` and their tests
+        /// Name, such as `trial`: creates `fmu-trial`, `plants/trial.py`, `scenarios/trial.toml` and their tests
         name: String,
     },
-    /// Build and pack the FMUs into `target/fmu/`
+    /// Build the FMUs into `target/fmu/`
     Fmu {
-        /// Controllers to build, such as `dob` or `fmu-dob`; all of them when none is named
+        /// Controllers, such as `dob` or `fmu-dob` [default: all]
         names: Vec<String>,
-        /// Put libraries for Linux on x86-64 and ARM and for Windows into each, below `target/release-set/`
+        /// Include libraries for Linux (x86-64, ARM) and Windows; write to `target/release-set/`
         #[arg(long)]
         release_set: bool,
     },
-    /// Build the controllers as static libraries with headers, for programs without FMI, into `target/c/`
+    /// Build the controllers as C libraries with headers into `target/c/`
     C {
-        /// Controllers to build, such as `dob` or `fmu-dob`; all of them when none is named
+        /// Controllers, such as `dob` or `fmu-dob` [default: all]
         names: Vec<String>,
-        /// Also write them as blocks of a Modelica package, below `target/modelica/`
+        /// Also write a Modelica package into `target/modelica/`
         #[arg(long)]
         modelica: bool,
     },
-    /// Run every closed loop and print the acceptance table; results land in `target/demo/`
+    /// Run every closed loop and print the acceptance table; write results to `target/demo/`
     Demo,
-    /// Prove the project: rustfmt, clippy, cargo test, ruff, mypy, pytest, the short form of bench
+    /// Run all fast checks: rustfmt, clippy, cargo test, ruff, mypy, pytest, short benchmarks
     Test {
-        /// Instead prove the release set on the platforms that it is for, under Wine and QEMU
+        /// Test the release set under Wine and QEMU instead
         #[arg(long)]
         platforms: bool,
-        /// Instead run the FMUs in importers of others that take minutes to build
+        /// Run the FMUs in other importing tools instead, which takes minutes to build
         #[arg(long, conflicts_with = "platforms")]
         clients: bool,
     },
-    /// Measure the FMUs and both engines; results land in `target/bench/`
+    /// Measure the cost of FMUs and engines; write results to `target/bench/`
     Bench {
-        /// Only show that everything can be measured; the numbers mean little
+        /// Only check that every benchmark runs; the numbers are not meaningful
         #[arg(long)]
         short: bool,
-        /// Scenarios to measure instead of all closed loops, such as `dob/30` or a file
+        /// Scenarios, such as `dob/30` or a file [default: all closed loops]
         scenarios: Vec<String>,
     },
-    /// Build one wheel with harness, plants, FMUs and scenarios into `target/wheel/`
+    /// Build a wheel with harness, plants, FMUs and scenarios into `target/wheel/`
     Wheel,
 }
 
@@ -75,7 +75,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs one command; false when it ran to its end and something does not hold.
+/// Runs one command; false when it completed and a check failed.
 fn run(command: &Command) -> Result<bool> {
     let workspace = Workspace::load()?;
     match command {

@@ -1,6 +1,6 @@
 //! `cargo xtask new`: a controller with its plant, scenario and tests from `templates/controller`.
 //!
-//! Only the files of the template are made, and two lists get an entry; nothing is overwritten.
+//! It creates the files of the template and adds an entry to two lists. It overwrites nothing.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,14 +9,14 @@ use anyhow::{Context, Result, bail, ensure};
 
 const TEMPLATE: &str = "templates/controller";
 
-/// Words that no module may be called: keywords of Rust, then those of Python.
+/// Names that are not allowed: keywords of Rust, then those of Python.
 const KEYWORDS: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \
                         final fn for gen if impl in let loop macro match mod move mut override priv pub ref return \
                         self static struct super trait true try type typeof unsafe unsized use virtual where while \
                         yield and assert class def del elif except finally from global import is lambda none nonlocal \
                         not or pass raise with";
 
-/// Files to write: where, and what is in them.
+/// Files to write: paths and contents.
 type Files = Vec<(PathBuf, String)>;
 
 /// A list in a file that names every controller or plant.
@@ -33,7 +33,7 @@ const PLANTS: List = List { file: "plants/__init__.py", begin: "PLANTS = {\n", e
 /// Makes the controller `name` in the checkout `root`, and prints the next steps.
 ///
 /// # Errors
-/// When the name is no name for a controller, or when something of that name exists.
+/// When the name is not allowed, or when a file of that name exists.
 pub fn run(root: &Path, name: &str) -> Result<()> {
     let files = made(root, name)?;
     let lists = listed(root, name)?;
@@ -43,15 +43,15 @@ pub fn run(root: &Path, name: &str) -> Result<()> {
         fs::create_dir_all(folder).with_context(|| format!("cannot make `{}`", folder.display()))?;
         fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
-    println!("{}", told(name));
+    println!("{}", next_steps(name));
     Ok(())
 }
 
-fn told(name: &str) -> String {
+fn next_steps(name: &str) -> String {
     format!(
-        "made `fmu-{name}/`: variables in `src/interface.rs`, the control law in `src/controller.rs`\n\
-         made `plants/{name}.py`, `.xml`, `_parameters.py`, `scenarios/{name}.toml`, `tests/acceptance/test_{name}.py`\n\
-         entered in `{}` and `{}`\n\
+        "created `fmu-{name}/`: variables in `src/interface.rs`, the control law in `src/controller.rs`\n\
+         created `plants/{name}.py`, `.xml`, `_parameters.py`, `scenarios/{name}.toml`, `tests/acceptance/test_{name}.py`\n\
+         added to `{}` and `{}`\n\
          \n\
          next:\n\
          cargo xtask fmu {name}\n\
@@ -61,7 +61,7 @@ fn told(name: &str) -> String {
     )
 }
 
-/// The files of the template under the name.
+/// Files of the template with the name filled in.
 fn made(root: &Path, name: &str) -> Result<Files> {
     let class = camel_case(name);
     let template = root.join(TEMPLATE);
@@ -77,16 +77,16 @@ fn made(root: &Path, name: &str) -> Result<Files> {
 }
 
 fn refuse_existing(root: &Path, name: &str, files: &Files) -> Result<()> {
-    // a folder of the plants would hide the module of the same name
+    // a folder in `plants` would hide the module of the same name
     let folders = [PathBuf::from(format!("fmu-{name}")), Path::new("plants").join(name)];
     let mut paths = folders.iter().chain(files.iter().map(|(path, _)| path));
     match paths.find(|path| root.join(path).exists()) {
-        Some(path) => bail!("`{}` exists, and nothing is overwritten\nhint: take another name", path.display()),
+        Some(path) => bail!("`{}` exists, and nothing is overwritten\nhint: Use another name.", path.display()),
         None => Ok(()),
     }
 }
 
-/// Where a file of the template belongs in the checkout.
+/// Path of a file of the template in the checkout.
 fn target(relative: &Path, name: &str) -> Result<PathBuf> {
     if let Ok(inside) = relative.strip_prefix("crate") {
         return Ok(Path::new(&format!("fmu-{name}")).join(inside));
@@ -96,7 +96,7 @@ fn target(relative: &Path, name: &str) -> Result<PathBuf> {
         "plant.py" | "plant.xml" | "plant_parameters.py" => format!("plants/{}", file.replacen("plant", name, 1)),
         "scenario.toml" => format!("scenarios/{name}.toml"),
         "acceptance.py" => format!("tests/acceptance/test_{name}.py"),
-        _ => bail!("`{TEMPLATE}/{}` has no place in a controller", relative.display()),
+        _ => bail!("`{TEMPLATE}/{}` does not belong to a controller", relative.display()),
     }
     .into())
 }
@@ -111,22 +111,22 @@ fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Checks that the name is valid for a crate, a Python module and, in camel case, a type that differs from the template's.
+/// Checks that the name is valid for a crate and a Python module, and that its type name is new.
 fn check(name: &str, template: &Files) -> Result<()> {
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     ensure!(
         name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(plain),
-        "`{name}` is no name for a controller\nhint: lower-case letters, digits and `_`, a letter first, such as `feed_drive`"
+        "`{name}` is no name for a controller\nhint: Use lower-case letters, digits and `_`, a letter first, such as `feed_drive`."
     );
     ensure!(
         KEYWORDS.split_whitespace().all(|word| word != name),
-        "`{name}` is no name for a controller: a keyword of Rust or Python\nhint: take another word"
+        "`{name}` is no name for a controller: a keyword of Rust or Python\nhint: Use another name."
     );
     let class = camel_case(name);
     let taken = |text: &str| text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == class);
     ensure!(
         !template.iter().any(|(_, text)| taken(text)),
-        "`{name}` is no name for a controller: `{class}` means something else in its files\nhint: take another word"
+        "`{name}` is no name for a controller: `{class}` means something else in its files\nhint: Use another name."
     );
     Ok(())
 }
@@ -136,7 +136,7 @@ fn camel_case(name: &str) -> String {
     name.split('_').filter(|word| !word.is_empty()).map(capital).collect()
 }
 
-/// The lists with the new controller.
+/// Lists with the new controller.
 fn listed(root: &Path, name: &str) -> Result<Files> {
     let entries =
         [(&MEMBERS, format!("\"fmu-{name}\"")), (&PLANTS, format!("    \"{name}\": \"{}\"", camel_case(name)))];
@@ -150,7 +150,7 @@ fn listed(root: &Path, name: &str) -> Result<Files> {
 }
 
 impl List {
-    /// The file with one entry more, in alphabetical order.
+    /// Returns the file with an additional entry, in alphabetical order.
     fn with(&self, text: &str, entry: &str) -> Option<String> {
         let Self { begin, end, separator, .. } = self;
         let (head, rest) = text.split_once(begin)?;
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn a_name_is_that_of_a_crate_and_of_a_python_module() {
         for name in ["", "2d", "Trial", "two-words", "a b", "a.b", "../up", "größe", "_trial"] {
-            assert!(refusal(name).contains("hint: lower-case letters"), "{name}");
+            assert!(refusal(name).contains("hint: Use lower-case letters"), "{name}");
         }
         for name in ["match", "loop", "lambda", "none"] {
             assert!(refusal(name).contains("a keyword of Rust or Python"), "{name}");

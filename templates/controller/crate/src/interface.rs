@@ -122,14 +122,14 @@ mod variables {
         #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-6..=10.0, start = 0.1, essential, source = "default; motion of the scenario")]
         pub velocity_max: f64,
         /// Time of a stop after enable has become false
-        #[var(unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "default; half of the maximum deceleration")]
+        #[var(unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "default; a gentle stop")]
         pub stop_time: f64,
     }
 
     /// Position servo.
     pub struct Servo {
         /// Bandwidth of the position servo
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.1..=1e4, start = 15.0 * TAU, essential, source = "default; half of the limit for one sample of delay")]
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.1..=1e4, start = 15.0 * TAU, essential, source = "default; three quarters of its limit")]
         pub bandwidth: f64,
         /// Damping ratio of the position servo
         #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "default; no overshoot")]
@@ -145,7 +145,7 @@ mod variables {
         #[var(unit = METRE as "um", range = 1e-9..=0.1, start = 2e-5, source = "default; 20 steps of the encoder")]
         pub band: f64,
         /// Time within the band before Done
-        #[var(unit = SECOND as "ms", range = 0.0..=10.0, start = 0.05, source = "default; some periods of the servo")]
+        #[var(unit = SECOND as "ms", range = 0.0..=10.0, start = 0.05, source = "default; about one period of the servo")]
         pub time: f64,
     }
 
