@@ -141,6 +141,8 @@ class Wire:
         after its source needs at least 1.
     minimum, maximum
         Limits.
+    stream
+        Name of the random numbers of `noise`, `to` where left out: a wire whose target was renamed keeps its noise.
     """
 
     source: str = field(metadata={"key": "from"})
@@ -152,6 +154,7 @@ class Wire:
     delay: int = 0
     minimum: float | None = limited(NOT_NAN, None)
     maximum: float | None = limited(NOT_NAN, None)
+    stream: str = ""
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -118,3 +119,12 @@ def test_the_first_step_of_a_grid_time_is_its_index(k: int, step: float) -> None
 def test_a_signal_holds_each_value_from_its_time_on() -> None:
     times, values = (0.0, 0.002, 0.0025), [1.0, 2.0, 3.0]
     assert sample(times, values, 0.001, 5).tolist() == [1.0, 1.0, 2.0, 3.0, 3.0]
+
+
+def test_a_stream_keeps_the_noise_of_a_renamed_target() -> None:
+    old, new = (Wire(source="plant.x", to=to, noise=1.0) for to in ("controller.a", "controller.b"))
+    kept = replace(new, stream=old.to)
+    old_noise, new_noise, kept_noise = (noise(wire, PLAIN, 7, 5) for wire in (old, new, kept))
+    assert old_noise is not None and new_noise is not None and kept_noise is not None
+    assert np.array_equal(old_noise, kept_noise)
+    assert not np.array_equal(old_noise, new_noise)

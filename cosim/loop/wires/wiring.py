@@ -81,7 +81,7 @@ def noise(wire: Wire, channel: Channel, seed: int, steps: int) -> NDArray[np.flo
     deviation = channel.noise if wire.noise is None else wire.noise
     if deviation == 0.0:
         return None
-    return np.random.default_rng(child(seed, f"wire.{wire.to}")).normal(0.0, deviation, steps)
+    return np.random.default_rng(child(seed, f"wire.{wire.stream or wire.to}")).normal(0.0, deviation, steps)
 
 
 def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.float64] | None) -> Shape:
