@@ -32,7 +32,9 @@ mod variables {
         /// The slide is too far from its setpoint
         #[reaction(DriveOff)]
         #[detection("The absolute following error exceeds `limits.following_error`")]
-        #[hint("Check that the slide moves freely. Reduce `motion.velocity_max`, or increase `limits.following_error`.")]
+        #[hint(
+            "Check that the slide moves freely. Reduce `motion.velocity_max`, or increase `limits.following_error`."
+        )]
         FollowingError,
         /// The position is NaN, infinite or out of range
         #[reaction(DriveOff)]
