@@ -2,10 +2,10 @@
 
 The machine is that of Nagata, Mizobuchi, Tani, Hase, Haga, Watanabe and Habib, "Stick-Slip Motion Control
 for an Orthogonal-Type Robot" (2010). The paper gives strokes, pulses of 1 um, 1 ms, 178 N/mm, the ball of
-1 mm and the width of the mold, but no mass, servo, friction or force. Those are our choice.
+1 mm and the width of the mold, but no mass, servo, friction or force. Those are choices with a source.
 
-The room has z up and its origin where the axis of a mold that is not misplaced meets its surface. Joints are
-at zero where the ball is at the start. Forces are those on the tool.
+The world frame has z up and its origin where the axis of a mold without misalignment meets its surface.
+Joints are at zero where the ball is at the start. Forces are those on the tool.
 """
 
 import math
@@ -28,7 +28,7 @@ AXES = ("x", "y", "z")
 
 
 class OrthogonalRobot(Plant):
-    """The machine. Channels: three encoders and a force sensor in, pulses out; see the tables below."""
+    """The machine. Channels: three encoders, a force sensor and pulses; see the tables below."""
 
     Parameters: ClassVar[type] = OrthogonalRobotParameters
     wires: ClassVar[tuple[str, ...]] = (
@@ -40,35 +40,33 @@ class OrthogonalRobot(Plant):
     )  # fmt: skip
 
     def name_channels(self, p: OrthogonalRobotParameters) -> None:
-        """Name them, with the noise, resolution and limits that the parameters say."""
+        """Name the channels, with noise, resolution and limits of the parameters."""
         check_together(p)
         self.readings = (
-            *vector("position", "m", "Encoders: centre of the ball if the tip did not give way",
+            *vector("position", "m", "Encoders: center of the ball without the bend of the tip",
                      quantum=p.encoder_resolution),
             *vector("force", "N", "Force sensor: force on the tool, weight of the tip included",
                      noise=p.force_noise, quantum=p.force_resolution),
         )  # fmt: skip
         self.commands = (
             *vector("pulses", "1", "Pulses of this tick", quantum=1.0),
-            Channel("enable", "1", "Servo on; 0 takes the force from the motors, the axes coast", start=1.0),
-            Channel("mold_lift", "m", "How far the mold is lifted along its axis"),
+            Channel("enable", "1", "Servo on; 0 switches the motors off, the axes coast", start=1.0),
+            Channel("mold_lift", "m", "Lift of the mold along its axis"),
         )
         self.truths = (
             Channel("contact_force", "N", "Normal force of the mold on the ball, last plant step"),
             *vector("friction", "N", "Friction of the mold on the ball, last plant step"),
             Channel("sliding_speed", "m/s", "Speed of the ball along the mold while they touch"),
-            Channel("slid", "m", "Way of that motion"),
-            Channel(
-                "rubbed", "N.m", "Integral of normal force times sliding speed: what Preston's law needs"
-            ),
-            Channel("friction_work", "J", "Work of the friction"),
-            *vector("contact", "m", "Place of the mold next to the ball, in the frame of the mold"),
-            *vector("normal", "1", "Unit normal of the mold there, out of the material"),
-            Channel("gap", "m", "From ball to mold, negative when they are pressed into each other"),
-            *vector("ball", "m", "Centre of the ball"),
+            Channel("slid", "m", "Sliding distance of the ball"),
+            Channel("rubbed", "N.m", "Integral of normal force times sliding speed, for Preston's law"),
+            Channel("friction_work", "J", "Work of the friction force"),
+            *vector("contact", "m", "Point of the mold next to the ball, in the frame of the mold"),
+            *vector("normal", "1", "Unit normal of the mold next to the ball, out of the material"),
+            Channel("gap", "m", "Distance from ball to mold, negative under load"),
+            *vector("ball", "m", "Center of the ball"),
             *vector("axis", "m", "Encoder position without resolution"),
-            *vector("reference", "m", "Where the pulses say the axis should be"),
-            Channel("stiffness", "N/m", "Of tip and contact in series, along z"),
+            *vector("reference", "m", "Position commanded by the pulses"),
+            Channel("stiffness", "N/m", "Stiffness of tip and contact in series, along z"),
         )
 
     def shape(self, spec: Any, p: OrthogonalRobotParameters) -> None:
@@ -94,7 +92,7 @@ class OrthogonalRobot(Plant):
             tip.damping[0] = 2.0 * p.tip_damping * math.sqrt(stiffness * p.tip_mass)
         if p.sensor_turn != 0.0:
             spec.site("sensor").quat = math.cos(0.5 * p.sensor_turn), 0.0, 0.0, math.sin(0.5 * p.sensor_turn)
-        # encoders show the centre of a ball that hangs
+        # encoders show the center of a ball that hangs
         spec.joint("tip_z").springref = -p.tip_mass * spec.option.gravity[2] / p.tip_stiffness
 
     def _shape_contact(self, spec: Any) -> None:
@@ -121,15 +119,15 @@ class OrthogonalRobot(Plant):
         return self.parameters.start_x, self.parameters.start_y, self.parameters.start_z
 
     def dress(self, spec: Any, p: OrthogonalRobotParameters, shown: Mapping[str, Array]) -> None:
-        """Lay the mold under the ball."""
+        """Show the mold under the ball."""
         looks.dress(spec, p, shown)
 
     def draw(self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]) -> None:
-        """Show where the ball has rubbed."""
+        """Show the polished path."""
         looks.draw(self, shown, row)
 
     def begin(self, steps: int) -> None:
-        """Bind the elements; nothing is random here but what the harness adds to the readings."""
+        """Bind the elements; only the noise that the harness adds to the measurements is random."""
         self._drives()
         self._sensor()
         self._contact()
@@ -142,7 +140,7 @@ class OrthogonalRobot(Plant):
         feedforward = p.feedforward, TURN * p.feedforward_bandwidth
         masses = self._masses()
         for i, axis in enumerate(AXES):
-            # an axis carries those after it
+            # an axis carries all following axes
             inertia = sum(masses[i:]) + p.tip_mass + p.screw_mass
             drive = _native.pulse_drive(loops, feedforward, inertia, p.drive_force, p.pulse, p.pulse_period)
             state = [Cell(self.data.qpos, i), Cell(self.data.qvel, i)]
@@ -160,7 +158,7 @@ class OrthogonalRobot(Plant):
             self.circuit.bind(f"force_{axis}", filtered, [force], [self.wire(f"force_{axis}")])
 
     def _contact(self) -> None:
-        # before the plane moves on: the force belongs to the last one
+        # before the plane moves: the force belongs to the previous plane
         inputs = [*self._cells_of("contact"), *self._wires("normal"), *self._cells_of("velocity")]
         sums = [self.wire(name) for name in ("speed", "slid", "rubbed", "work")]
         outputs = [self.wire("load"), *self._wires("friction"), *sums]
@@ -168,7 +166,7 @@ class OrthogonalRobot(Plant):
         p = self.parameters
         if p.friction_ratio > 1.0:
             law = (p.friction_ratio * p.friction, p.friction, p.stribeck_speed)
-            # a foot without a place: its slip is that of the ball
+            # a foot without a position: its slip is that of the ball
             still, velocity = self.constant(0.0), self.wire("speed")
             coefficients = [Cell(self.model.pair_friction, i) for i in range(2)]
             slip = [still, velocity, still, still]

@@ -1,7 +1,7 @@
-"""Polishing by robots that nobody has measured: `studies/polish-commission.toml`, before and after.
+"""Polishing by unmeasured robots: `studies/polish-commission.toml`, before and after the run.
 
-Half of the robots use what the commission has measured, the other half what they were told.
-`pytest -m full -rP` runs the whole study and prints the tables of `fmu-polish/README.md`.
+Half of the robots use the measured values, the other half the configured ones.
+`pytest -m full -rP` runs the whole study and prints the tables of `docs/results/polish.md`.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ CONTACT = 1.2e6
 
 
 class Machine(machine.Machine):
-    """A robot of the study and how it ended."""
+    """A robot of the study and its result."""
 
     def truth(self, name: str) -> float:
-        """Value of the plant that a metric measures."""
+        """Ground truth of the plant for a metric."""
         change = self.changes
         tip = float(change["plant.tip_stiffness"])
         return {
@@ -43,22 +43,22 @@ class Machine(machine.Machine):
 
 
 def machines(few: tuple[int, int] | None = None) -> list[Machine]:
-    """Robots of the study, or so many that are drawn anew with a seed."""
+    """Robots of the study, or this number of robots that are sampled with another seed."""
     return [Machine(one.changes, one.result) for one in studies.machines("polish-commission", few)]
 
 
 def relative(found: Sequence[Machine], name: str) -> np.ndarray:
-    """Compare what was measured of every robot with the truth: their ratio, less 1."""
+    """Relative errors of the measured values of all robots."""
     return np.array([one[name] / one.truth(name) - 1.0 for one in found])
 
 
 def absolute(found: Sequence[Machine], name: str) -> np.ndarray:
-    """Compare what was measured of every robot with the truth: their difference."""
+    """Absolute errors of the measured values of all robots."""
     return np.array([one[name] - one.truth(name) for one in found])
 
 
 def ends(found: Sequence[Machine]) -> dict[str, dict[str, float]]:
-    """How the robots ended, apart by whether they use what was measured."""
+    """Results of the robots, separated by the use of the measured values."""
     rows = {}
     for row, applied in (("told", False), ("applied", True)):
         those = [one for one in found if one.applied is applied]
@@ -75,7 +75,7 @@ def ends(found: Sequence[Machine]) -> dict[str, dict[str, float]]:
 
 
 def measures(found: Sequence[Machine]) -> dict[str, float]:
-    """How true is what was measured, on the robots that told it."""
+    """Errors of the measured values, on the robots that have them."""
     told = [one for one in found if one["stiffness"] > 0.0]
     rows: dict[str, float] = {"machines": len(told), "seconds": max(one["commissioned"] for one in found)}
     for name in ("stiffness", "lateral_stiffness", "friction", "drive_gain", "feedforward"):
@@ -88,7 +88,7 @@ def measures(found: Sequence[Machine]) -> dict[str, float]:
 
 
 def hold(found: Sequence[Machine], least: float) -> dict[str, dict[str, float]]:
-    """Hold the robots against the demand; what they ended with."""
+    """Check the requirements for the robots; return their results."""
     rows = ends(found)
     print(rows, measures(found))
     assert rows["applied"]["good"] >= least * rows["applied"]["machines"]
@@ -111,7 +111,7 @@ def hold(found: Sequence[Machine], least: float) -> dict[str, dict[str, float]]:
 
 
 def hold_deviations(found: Sequence[Machine]) -> None:
-    """Hold the claimed standard deviations against the errors of what was measured."""
+    """Compare the reported standard deviations with the errors of the measured values."""
     names = (
         "stiffness",
         "lateral_stiffness",
@@ -139,8 +139,8 @@ def test_the_whole_study() -> None:
     store.measured("polish-measured", "found", **measures(found))
 
 
-def test_a_sensor_that_counts_two_axes_the_other_way_is_found_and_used() -> None:
-    # y and z swapped, where a robot that is told nothing of it presses the wrong way
+def test_a_sensor_with_two_inverted_axes_is_identified_and_used() -> None:
+    # y and z inverted: a robot with the nominal mounting presses in the wrong direction
     changes = (
         "wire.controller.force.y.scale=-1",
         "wire.controller.force.z.scale=-1",

@@ -1,4 +1,4 @@
-"""Even and wanted depth on every mold: whole cavities, polished along CL data whose feed dwells."""
+"""Even and mapped depth on every mold: whole cavities, polished along CL data with a feed that dwells."""
 
 import tempfile
 from functools import cache
@@ -45,7 +45,7 @@ def polished(mold: str, seed: int, planned: bool) -> Surface:
 
 
 def hollows() -> DepthMap:
-    """Return a map that wants 0.7 to 1.6 of a depth: a slope along x and a hollow of 0.4 mm."""
+    """Return a map of 0.7 to 1.6 of a depth: a slope along x and a hollow of 0.4 mm."""
     axis = np.linspace(-2e-3, 2e-3, 81)
     x, y = np.meshgrid(axis, axis)
     hollow = np.exp(-((x + 0.5e-3) ** 2 + (y - 0.4e-3) ** 2) / (2.0 * 0.4e-3**2))
@@ -65,7 +65,7 @@ def test_depth_is_even_on_every_mold(mold: str) -> None:
 
 
 @pytest.mark.parametrize("mold", MOLDS)
-def test_depth_is_what_a_map_wants(mold: str) -> None:
+def test_depth_follows_a_map(mold: str) -> None:
     even, planned = (
         mismatch(polished(mold, seed, planned=seed != 64_001), hollows(), 0.2e-3, 1.6e-3)
         for seed in (64_001, 64_002)

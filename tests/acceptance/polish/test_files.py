@@ -1,4 +1,4 @@
-"""CL files that no CAM should write are refused before anything moves, with line and reason."""
+"""Malformed CL files are rejected before any motion, with line and reason."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -87,7 +87,7 @@ def refused(file: Path) -> str:
 
 
 @pytest.mark.parametrize("case", MALFORMED)
-def test_a_malformed_file_is_refused_with_line_and_reason(case: str, tmp_path: Path) -> None:
+def test_a_malformed_file_is_rejected_with_line_and_reason(case: str, tmp_path: Path) -> None:
     change, line = MALFORMED[case]
     file = tmp_path / "path.cls"
     lines = (RESOURCES / "led-short.cls").read_text(encoding="ascii").splitlines()
@@ -98,7 +98,7 @@ def test_a_malformed_file_is_refused_with_line_and_reason(case: str, tmp_path: P
     assert f"line {line}" in told
 
 
-def test_binary_junk_is_refused(tmp_path: Path) -> None:
+def test_binary_junk_is_rejected(tmp_path: Path) -> None:
     file = tmp_path / "path.cls"
     file.write_bytes(bytes(range(256)) * 100)
     told = refused(file)
@@ -106,5 +106,5 @@ def test_binary_junk_is_refused(tmp_path: Path) -> None:
     assert "line" in told
 
 
-def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
+def test_a_missing_file_is_rejected(tmp_path: Path) -> None:
     assert "path.file" in refused(tmp_path / "no.cls")

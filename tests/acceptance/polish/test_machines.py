@@ -1,6 +1,6 @@
-"""Polishing by robots that are not nominal: ten times the feed on molds askew, tips that are soft across.
+"""Polishing by off-nominal robots: ten times the feed on tilted molds, tips that are soft across.
 
-The default run takes a few machines of a seed of its own, `pytest -m full -rP` the whole studies.
+The default run uses a few machines with another seed, `pytest -m full -rP` the whole studies.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ pytestmark = pytest.mark.acceptance
 FEW = (3, 93_001)
 """Machines of the default run, and their seed; no study has it."""
 SLIDES = 4.25e-3
-"""Slowest sliding at the end of a path, m/s: 2.5 times as fast as the centre of the ball, 1.7 mm/s."""
+"""Slowest sliding at the end of a path, m/s: 2.5 times as fast as the center of the ball, 1.7 mm/s."""
 LONGER: Case = {"controller.stick_slip.half_period_max": 20}
 
 
 def fast(found: Sequence[Machine]) -> dict[str, float]:
-    """Hold that the contact is kept and the force even; what was found."""
+    """Check that the contact is kept and the force even; return the numbers."""
     deviation = np.array([one["force_deviation"] for one in found])
     least = min(one["force_least"] for one in found)
     assert all(one["done"] for one in found)
@@ -38,7 +38,7 @@ def fast(found: Sequence[Machine]) -> dict[str, float]:
 
 
 def lateral(found: Sequence[Machine]) -> dict[str, float]:
-    """Hold that nothing slides too little without a word; what was found."""
+    """Check that no ball slides too little undetected; return the numbers."""
     ended = [one for one in found if one["named"]]
     warned = [one for one in ended if one["warned"]]
     rest = [one["gain"] for one in found if not one["named"]]
@@ -82,7 +82,7 @@ def test_a_hundred_tips_that_are_soft_across(sweep: str) -> None:
 def test_a_hundred_tips_that_are_soft_across_in_longer_half_periods() -> None:
     found = lateral(machines("polish-lateral", changes=LONGER))
     measured("polish-lateral", "longer", **found)
-    # the first second or two of a soft tip are those in which it is found that it slides too little
+    # in the first second or two of a soft tip the controller detects that it slides too little
     assert found["slid"] >= 75
     assert found["other"] <= 20
     assert found["gain_least"] >= 2.0

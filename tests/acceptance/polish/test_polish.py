@@ -19,7 +19,7 @@ from ..samples.runs import WORKERS
 
 pytestmark = pytest.mark.acceptance
 
-# nothing was tuned on these seeds
+# no parameter was tuned on these seeds
 CASES = tuple(range(63_001, 63_031))
 FEW = CASES[:3]
 
@@ -30,7 +30,7 @@ CAVITY: Changes = ("controller.path.file='led.cls'", "loop.duration=75.0")
 ASKEW: Changes = (
     "plant.shift_x=5e-5", "plant.shift_y=5e-5", "plant.shift_z=7e-5", "plant.tilt_x=0.034906585",
 )  # fmt: skip
-"""The mold is set up 0.1 mm and 2 degrees askew."""
+"""The mold is off by 0.1 mm and 2 degrees."""
 
 
 def on(surface: str) -> Changes:
@@ -42,7 +42,7 @@ def run(name: str, *changes: str) -> Run:
     return polish(name, *changes)
 
 
-# the law in the loop
+# the control law in the loop
 
 
 def test_the_normal_velocity_follows_the_impedance_model() -> None:
@@ -50,14 +50,14 @@ def test_the_normal_velocity_follows_the_impedance_model() -> None:
     here = run("polish/impedance").during("Follow")
     velocity, error = rows["controller.velocity.normal"][here], rows["controller.force.error"][here]
     keep = math.exp(-damping / mass * 1e-3)
-    # eq. 4: too little force goes into the surface, against the normal
+    # eq. 4: too little force moves into the surface, against the normal
     wanted = keep * velocity[:-1] + (keep - 1.0) * error[1:] / damping
     np.testing.assert_allclose(velocity[1:], wanted, rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("surface", SURFACES)
-def test_the_stick_slip_vector_is_square_to_normal_and_feed(surface: str) -> None:
-    # without position feedback three velocities are left
+def test_the_stick_slip_vector_is_orthogonal_to_normal_and_feed(surface: str) -> None:
+    # without position feedback three velocities remain
     unfed = [f"controller.expert.position.select.{axis}=false" for axis in "xyz"]
     done = run("polish/impedance", *on(surface), *unfed, "loop.duration=2.5")
     here, rows = done.during("Follow"), done.rows
@@ -76,7 +76,7 @@ def test_the_stick_slip_vector_is_square_to_normal_and_feed(surface: str) -> Non
     np.testing.assert_allclose(np.sum(across * tangent, axis=1), 0.0, atol=1e-9)
 
 
-# the paper level, with the force law as printed
+# the level of the paper, with the force control as printed
 
 
 def test_without_stick_slip_the_force_is_stable() -> None:
@@ -103,7 +103,7 @@ def test_with_stick_slip_the_ball_slides_three_times_as_far() -> None:
 
 
 def robots(runs: list[Run]) -> None:
-    """Hold the paper level against robots and molds that are not nominal."""
+    """Check the level of the paper on off-nominal robots and molds."""
     print(worst(runs))
     for number, one in enumerate(runs):
         print(number, one)
@@ -116,26 +116,26 @@ def robots(runs: list[Run]) -> None:
     assert min(one.gain for one in runs) >= 2.3
 
 
-def test_three_robots_with_the_law_as_printed() -> None:
+def test_three_robots_with_the_control_law_as_printed() -> None:
     robots(sample("polish/impedance", FEW))
 
 
 @pytest.mark.full
-def test_thirty_robots_with_the_law_as_printed() -> None:
+def test_thirty_robots_with_the_control_law_as_printed() -> None:
     robots(sample("polish/impedance", CASES))
 
 
-# the default law
+# the default controller
 
 
 def refined(runs: list[Run]) -> None:
-    """Hold the default law against robots and molds that are not nominal."""
+    """Check the default controller on off-nominal robots and molds."""
     robots(runs)
     assert max(one.force_error for one in runs) <= 0.35
     assert min(one.least for one in runs) > 2.5
 
 
-def test_the_default_mode_takes_the_ripple_out() -> None:
+def test_the_default_mode_removes_the_ripple() -> None:
     done = run("polish")
     print(done)
     assert done.done
@@ -154,7 +154,7 @@ def test_thirty_robots_in_default_mode() -> None:
 
 
 @pytest.mark.full
-def test_the_whole_cavity_on_a_mold_set_up_askew() -> None:
+def test_the_whole_cavity_on_a_misaligned_mold() -> None:
     done = run("polish", *CAVITY, *ASKEW)
     print(done)
     estimate = [1e6 * done.last(f"misalignment.{axis}") for axis in "xyz"]
@@ -176,7 +176,7 @@ def faultless(seeds: range) -> float:
     return sum(float(result.metrics["time"].value) for result in results) / 3600.0
 
 
-def test_three_jobs_without_a_false_fault() -> None:
+def test_three_cycles_without_a_false_fault() -> None:
     assert faultless(range(66_001, 66_004)) > 0.007
 
 
@@ -187,7 +187,7 @@ def test_ten_hours_without_a_false_fault() -> None:
     assert hours >= 10.0
 
 
-def test_ten_times_the_feed_on_a_mold_set_up_askew() -> None:
+def test_ten_times_the_feed_on_a_misaligned_mold() -> None:
     done = run("polish/20-mm-s")
     print(done)
     assert done.done
@@ -198,9 +198,9 @@ def test_ten_times_the_feed_on_a_mold_set_up_askew() -> None:
 @pytest.mark.parametrize("stiffness", [100e3, 209e3, 300e3])
 def test_the_stiffness_is_estimated_within_a_tenth(stiffness: float) -> None:
     done = run("polish", f"plant.tip_stiffness={stiffness}", "loop.duration=1.5")
-    told, true = done.last("stiffness.estimate"), float(done.rows["plant.stiffness"][-1])
-    print(f"{told:.0f} N/m told, {true:.0f} N/m true")
-    assert told == pytest.approx(true, rel=0.1)
+    estimate, true = done.last("stiffness.estimate"), float(done.rows["plant.stiffness"][-1])
+    print(f"{estimate:.0f} N/m estimated, {true:.0f} N/m true")
+    assert estimate == pytest.approx(true, rel=0.1)
 
 
 # other forces, feeds and surfaces
@@ -229,11 +229,11 @@ def test_other_surfaces(name: str, surface: str) -> None:
     assert done.gain >= 3.0
 
 
-# cusps: ratios of a removal model, not micrometres that were measured on steel
+# cusps: ratios of a removal model, not micrometers measured on steel
 
 
 def polished(done: Run, mold: str = "led", passes: float = 1.0, cusps: str = "raster") -> Surface:
-    """Polish a milled surface with what a run did to it, so many times."""
+    """Polish a milled surface with the removal of a run, repeated."""
     surface = Surface(MOLDS[mold], cusps=cusps)  # type: ignore[arg-type]
     here = done.during("Follow")
     x, y, slid, rubbed = (
@@ -246,7 +246,7 @@ def polished(done: Run, mold: str = "led", passes: float = 1.0, cusps: str = "ra
 
 
 def cusps_left(plain: Run, moved: Run, inner: float, outer: float) -> dict[str, float]:
-    """Hold what stick-slip motion is worth: in the same time, and for the same removed volume; tell it."""
+    """Check the effect of the stick-slip motion: in the same time, and for the same removed volume."""
     without, within = polished(plain), polished(moved)
     passes = within.volume / without.volume
     repeated = polished(plain, passes=passes)
@@ -266,12 +266,12 @@ def cusps_left(plain: Run, moved: Run, inner: float, outer: float) -> dict[str, 
     return {"before": 1e6 * before, **mean, **worst_of}
 
 
-def test_stick_slip_takes_the_cusps_away() -> None:
+def test_stick_slip_removes_the_cusps() -> None:
     cusps_left(run("polish/no-stick-slip"), run("polish"), 0.1e-3, 0.5e-3)
 
 
 @pytest.mark.full
-def test_stick_slip_takes_the_cusps_of_the_whole_cavity_away() -> None:
+def test_stick_slip_removes_the_cusps_of_the_whole_cavity() -> None:
     cavity = run("polish/no-stick-slip", *CAVITY), run("polish", *CAVITY)
     measured("polish", "cusps", **cusps_left(*cavity, 0.2e-3, 1.6e-3))
 
@@ -285,12 +285,12 @@ def test_removal_per_length_stays_when_feed_and_stick_slip_grow_together() -> No
     assert left[1] == pytest.approx(left[0], rel=0.1)
 
 
-# an honest negative: what a vibration is worth by its frequency
+# a negative result: the effect of a vibration by its frequency
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("velocity", [2e-3, 5e-3, 10e-3, 20e-3, 40e-3])
-def test_a_sign_that_flips_in_every_sample_does_nothing(velocity: float) -> None:
+def test_a_sign_that_changes_in_every_sample_has_no_effect(velocity: float) -> None:
     done = run("polish/500-hz", f"controller.stick_slip.velocity={velocity}")
     print(f"{1e3 * velocity:g} mm/s: gain {done.gain:.4f}")
     assert done.gain == pytest.approx(1.0, abs=0.02)

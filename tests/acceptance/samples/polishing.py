@@ -1,4 +1,4 @@
-"""Robots and molds that are not nominal, drawn from a seed, and what a polishing run was worth."""
+"""Off-nominal robots and molds, sampled from a seed, and the quality of a polishing run."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Columns = Any
 Changes = tuple[str, ...]
 
 RAMP = 0.3
-"""Time after the begin of the feed from which forces and errors count, s."""
+"""Time after the start of the feed from which forces and errors are evaluated, s."""
 WINDOW = 50
 """Samples over which position errors are averaged: a multiple of the period of the stick-slip motion."""
 
 
 def drawn(seed: int) -> Changes:
-    """Draw a robot and a mold; the controller stays as it is."""
+    """Sample a robot and a mold; the controller keeps its values."""
     random = np.random.default_rng(seed)
     direction, lean = random.normal(size=3), random.uniform(0.0, math.tau)
     shift = random.uniform(0.0, 1e-4) * direction / np.linalg.norm(direction)
@@ -47,7 +47,7 @@ def drawn(seed: int) -> Changes:
 
 @dataclass(frozen=True)
 class Run:
-    """One polishing run; forces are true normal forces unless said."""
+    """One polishing run; forces are true normal forces unless stated otherwise."""
 
     result: cosim.Result
     target: float = 5.0
@@ -67,7 +67,7 @@ class Run:
 
     @cached_property
     def follow(self) -> NDArray[np.bool_]:
-        """Rows that count: the path is followed, and the feed has begun."""
+        """Evaluated rows: the path is followed, and the feed has started."""
         here = self.during("Follow")
         begin = self.rows["time"][here][0] if here.any() else math.inf
         counted: NDArray[np.bool_] = here & (self.rows["time"] > begin + RAMP)
@@ -75,7 +75,7 @@ class Run:
 
     @cached_property
     def force(self) -> Array:
-        """True normal force while it counts, N."""
+        """True normal force in the evaluated rows, N."""
         force: Array = self.rows["plant.contact_force"][self.follow]
         return force
 
@@ -92,22 +92,22 @@ class Run:
 
     @property
     def settle(self) -> float:
-        """From the first touch to the begin of the feed, s."""
+        """From the first touch to the start of the feed, s."""
         return float(self.result.metrics["settle"].value)
 
     @property
     def overshoot(self) -> float:
-        """Largest force beyond the target before the feed begins, N."""
+        """Largest force above the target before the feed starts, N."""
         return float(self.rows["plant.contact_force"][self.during("Settle")].max() - self.target)
 
     @property
     def force_error(self) -> float:
-        """Force error that the controller sees, rms, N."""
+        """Force error of the controller, rms, N."""
         return rms(self.rows["controller.force.error"][self.follow])
 
     @property
     def least(self) -> float:
-        """Smallest force from the begin of the feed, N."""
+        """Smallest force from the start of the feed, N."""
         return float(self.rows["plant.contact_force"][self.during("Follow")].min())
 
     @property
@@ -122,7 +122,7 @@ class Run:
 
     @property
     def gain(self) -> float:
-        """Way that the ball slides in contact over its path without stick-slip motion."""
+        """Sliding distance of the ball in contact over the length of its path."""
         here = self.during("Follow")
         path = np.linalg.norm(
             np.diff([self.rows[f"controller.desired.{axis}"][here] for axis in "xyz"]), axis=0
@@ -131,7 +131,7 @@ class Run:
         return float((slid[-1] - slid[0]) / path.sum())
 
     def last(self, output: str) -> float:
-        """Value of an output in the end."""
+        """Value of an output at the end."""
         return float(self.rows[f"controller.{output}"][-1])
 
     def __str__(self) -> str:
@@ -140,7 +140,7 @@ class Run:
         return (
             f"{'done' if self.done else self.fault}, settle {self.settle:.3f} s, "
             f"over {self.overshoot:.2f} N, N {self.force.mean():.2f} +- {self.force.std():.3f} "
-            f"({self.force.min():.2f} .. {self.force.max():.2f}), least {self.least:.2f} N, "
+            f"({self.force.min():.2f} .. {self.force.max():.2f}), minimum {self.least:.2f} N, "
             f"rms {self.force_error:.3f} N, lateral {1e6 * self.lateral:.1f} um, gain {self.gain:.2f}"
         )
 
@@ -165,18 +165,18 @@ def sample(name: str, seeds: Sequence[int], *changes: str) -> list[Run]:
 
 
 def worst(runs: Sequence[Run]) -> str:
-    """Say what the worst of the runs were worth."""
-    told = {
+    """Summarize the worst values of the runs."""
+    found = {
         "settle": max(run.settle for run in runs),
         "over": max(run.overshoot for run in runs),
         "sd median": float(np.median([run.force.std() for run in runs])),
         "sd": max(float(run.force.std()) for run in runs),
         "rms": max(run.force_error for run in runs),
-        "least": min(run.least for run in runs),
-        "most": max(float(run.force.max()) for run in runs),
+        "minimum": min(run.least for run in runs),
+        "maximum": max(float(run.force.max()) for run in runs),
         "lateral um": 1e6 * max(run.lateral for run in runs),
-        "gain least": min(run.gain for run in runs),
+        "gain minimum": min(run.gain for run in runs),
     }
     return f"{sum(run.done for run in runs)} of {len(runs)} done; " + ", ".join(
-        f"{name} {value:.3f}" for name, value in told.items()
+        f"{name} {value:.3f}" for name, value in found.items()
     )
