@@ -100,7 +100,7 @@ pub fn least_time_constant(p: &Parameters, bandwidth: f64) -> f64 {
     5.0 * learned(p) / bandwidth
 }
 
-/// Number of harmonics that are learned together; a quick one counts as several.
+/// Number of harmonics that are learned together; a quick one is worth several.
 fn learned(p: &Parameters) -> f64 {
     let quicker = if p.feedforward_adaptive && p.feedforward_harmonics > 0 { QUICKER } else { 0.0 };
     p.afc.cancelled.iter().count() as f64 + quicker

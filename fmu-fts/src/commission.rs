@@ -1,5 +1,5 @@
-//! The machine measured by its own controller: the experiment of an identification under a loop that every such machine
-//! bears, what its response tells of the arm, and what is made of it.
+//! The commissioning run: the experiment of an identification under a loop that is stable on every machine of the class, the arm
+//! that its response identifies, and the derived parameters.
 
 pub mod arm;
 pub mod plan;

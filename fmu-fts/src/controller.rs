@@ -1,4 +1,4 @@
-//! One sample of the whole law: read, decide, refer, act, report.
+//! One control step: measure, decide, plan, control, report.
 
 mod deciding;
 mod entering;
@@ -49,7 +49,7 @@ pub struct Controller {
     watch: Watch,
     feed: FeedWatch,
     job: Progress,
-    /// time and limit (s) of a job that takes too long
+    /// time and limit (s) of a task that takes too long
     late: Option<[f64; 2]>,
     /// the last command, N.m
     torque: f64,
@@ -57,20 +57,20 @@ pub struct Controller {
     tracker: Tracker,
     /// slide position at which the arm came onto the path, m
     joined: f64,
-    /// motion of the hub that is wanted
+    /// reference motion of the hub
     motion: Trajectory,
     recursion: Recursion,
-    /// the response is new and not told yet
+    /// the response is new and not reported yet
     response: Option<FrequencyResponse>,
     /// that of `response.file`
-    told_response: Option<FrequencyResponse>,
+    file_response: Option<FrequencyResponse>,
     identification: Identification,
     commissioning: CommissioningRun,
     /// `commission` and `enable` in the last sample
     before: Option<[bool; 2]>,
     /// an edge of `commission` waits for an arm at rest
     commission_asked: WaitingRequest,
-    /// the arm is held by the compensator of the commission
+    /// the arm is held by the compensator of the commissioning run
     slow: bool,
     calibration: Calibrator,
 }
@@ -115,7 +115,7 @@ impl Controller {
             recursion: Recursion::default(),
             identification,
             response: Some(tables.response.unwrap_or(known)),
-            told_response: tables.response,
+            file_response: tables.response,
             commissioning: CommissioningRun::new(p),
             before: None,
             commission_asked: WaitingRequest::default(),
@@ -129,12 +129,12 @@ impl Controller {
         self.long_step = true;
     }
 
-    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    /// Puts the results of a commissioning run into the parameters if `commission.apply` is true; before each sample.
     pub fn bring_into_force(&self, p: &mut Parameters) {
         self.commissioning.put(p);
     }
 
-    /// Writes what the last good commission derives into the file `commission.export`.
+    /// Writes the derived parameters of the last successful run into the file `commission.export`.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -190,11 +190,11 @@ impl Controller {
     fn renew(&mut self, p: &Parameters) {
         self.compensator = shape(&p.into()).0;
         self.tracker.renew(p, LoopModel::new(p, self.compensator));
-        let told = self.told_response.filter(|_| self.commissioning.as_told());
-        told.iter().for_each(|measured| self.tracker.take(p, measured));
+        let nominal = self.file_response.filter(|_| self.commissioning.configured());
+        nominal.iter().for_each(|measured| self.tracker.take(p, measured));
         let Self { tracker, identification, .. } = self;
         identification.expect(p, |omega| expected(tracker, omega));
-        self.response = Some(told.unwrap_or_else(|| tracker.response().tabulated(p.identify.grid.iter())));
+        self.response = Some(nominal.unwrap_or_else(|| tracker.response().tabulated(p.identify.grid.iter())));
     }
 
     /// Whether the arm is on the path: the end of the table may be the end of the cut.
@@ -202,23 +202,23 @@ impl Controller {
         matches!(self.state, State::Ready | State::Track)
     }
 
-    /// Whether the arm has come to rest beside the path.
+    /// Whether the arm is at rest off the path.
     fn stands(&self, p: &Parameters) -> bool {
-        self.tracker.gone(p) && self.motion.velocity == 0.0 && !self.swinging()
+        self.tracker.gone(p) && self.motion.velocity == 0.0 && !self.oscillating()
     }
 
-    /// Whether the arm swings to be measured.
-    fn swinging(&self) -> bool {
-        self.identification.swinging() || self.commissioning.experiment.swinging()
+    /// Whether the arm oscillates for a measurement.
+    fn oscillating(&self) -> bool {
+        self.identification.oscillating() || self.commissioning.experiment.oscillating()
     }
 
-    /// Ends a swing.
-    fn stop_swing(&mut self) {
+    /// Ends an oscillation.
+    fn stop_oscillation(&mut self) {
         self.identification.stop();
         self.commissioning.experiment.stop();
     }
 
-    /// Times (s) of an identification, and the longest of a commission.
+    /// Times (s) of an identification, and of the longest commissioning run.
     fn measurements(&self) -> [f64; 2] {
         [self.identification.duration(), self.commissioning.limit()]
     }
@@ -237,13 +237,13 @@ impl Controller {
         LastMotion { velocity: self.reader.arm_velocity(p), answer: self.watch.answer(p) }
     }
 
-    /// What the next sample is judged by.
+    /// Monitors this sample for the faults of the next one.
     fn monitor(&mut self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, learning: bool) {
         let sample = Sample {
             wanted: wanted.motion.position,
             arm_angle: reading.arm_angle,
             torque,
-            swinging: self.swinging(),
+            oscillating: self.oscillating(),
             learning,
             rms: self.tracker.last_turn().rms,
             spindle_speed: self.spindle.speed,
@@ -282,7 +282,7 @@ impl Controller {
     }
 }
 
-/// What a swing at `omega` (rad/s) is expected to do.
+/// Expected response to an oscillation at `omega` (rad/s).
 fn expected(tracker: &Tracker, omega: f64) -> Expected {
     Expected {
         response: tracker.response().at(omega),

@@ -1,6 +1,6 @@
 //! Rotary fast tool servo that turns toric lenses (Ludwick, Chargin, Calzaretta and Trumper, 1999), as an FMU.
 //!
-//! This file is the FMU: its facts and the calls into the law. [`controller::Controller`] is the law, plain Rust that
+//! This file is the FMU: its facts and the calls into the control law. [`controller::Controller`] is the control law, plain Rust that
 //! knows nothing of FMI; [`interface`] holds every variable.
 #![forbid(unsafe_code)]
 
@@ -59,7 +59,7 @@ impl Model for Controller {
         let before = vars.output.measured.valid;
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        // a fault is told with what counts from now on
+        // a fault message shows the parameters that are active from now on
         self.bring_into_force(&mut vars.in_force);
         if vars.output.measured.valid && !before {
             // a machine does not stop because a file cannot be written

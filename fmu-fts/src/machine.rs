@@ -22,7 +22,7 @@ impl Default for Request {
 }
 
 impl Request {
-    /// The job of this sample: `mode` while `enable` is true.
+    /// The task of this sample: `mode` while `enable` is true.
     pub fn read(&mut self, input: &Input) -> Mode {
         let asked = if input.enable { input.mode } else { Mode::Idle };
         self.renewed = asked != self.asked;
@@ -43,7 +43,7 @@ impl Request {
 }
 
 impl State {
-    /// Whether a commission may begin.
+    /// Whether a commissioning run may start.
     pub fn waits(self) -> bool {
         matches!(self, Self::Idle | Self::Done)
     }
@@ -60,11 +60,11 @@ pub struct Events {
     pub at_rest: bool,
     /// Something else is asked for.
     pub renewed: bool,
-    /// A commission is asked for.
+    /// A commissioning run is requested.
     pub commission: bool,
-    /// The commission is to be broken off.
-    pub break_off: bool,
-    /// The commission has come to its end.
+    /// The commissioning run is to be aborted.
+    pub abort: bool,
+    /// The commissioning run is complete.
     pub commissioned: bool,
     /// Angle and speed of the arm are known.
     pub arm_known: bool,
@@ -83,8 +83,8 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
         (State::Fault, _) => State::Fault,
         (State::Idle, Mode::Idle) if !events.commission => State::Idle,
         _ if events.fault.is_some() => State::Fault,
-        (State::Commission, _) if !events.break_off && !events.commissioned => State::Commission,
-        // who asks for both gets the job
+        (State::Commission, _) if !events.abort && !events.commissioned => State::Commission,
+        // a mode has priority over a commissioning run
         (State::Idle, Mode::Idle) if events.arm_known && events.at_rest => State::Commission,
         (State::Idle, Mode::Idle) => State::Idle,
         (State::Done, _) if events.commission && !events.renewed && events.at_rest => State::Commission,
@@ -92,7 +92,7 @@ pub fn next(state: State, mode: Mode, events: &Events) -> State {
         (_, Mode::Idle) => State::Retract,
         (State::Done, _) if !events.renewed => State::Done,
         (State::Ready | State::Track, Mode::Approach | Mode::Track) if events.cut_over => State::Done,
-        // nothing begins from a place that is not known
+        // nothing starts from an unknown position
         (State::Idle, _) if !events.arm_known => State::Idle,
         (_, Mode::Hold) => State::Hold,
         (_, Mode::Identify) => State::Identify,
@@ -117,7 +117,7 @@ mod tests {
         at_rest: true,
         renewed: false,
         commission: false,
-        break_off: false,
+        abort: false,
         commissioned: false,
         arm_known: true,
         spindle_known: true,
@@ -126,7 +126,7 @@ mod tests {
     };
 
     #[test]
-    fn without_a_job_the_arm_is_let_go_only_where_it_stands() {
+    fn without_a_task_the_arm_is_released_only_at_rest() {
         let moving = Events { at_rest: false, ..NOTHING };
         for state in WORKING.iter().chain(&[State::Done, State::Retract]) {
             assert_eq!(next(*state, Mode::Idle, &NOTHING), State::Idle);
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn on_the_way_out_faults_count_and_another_job_may_begin() {
+    fn during_the_retract_faults_act_and_another_task_may_start() {
         let moving = Events { at_rest: false, ..NOTHING };
         let broken = Events { fault: Some(Fault::PositionLost), ..moving };
         assert_eq!(next(State::Retract, Mode::Idle, &broken), State::Fault);
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_job_is_asked_for_by_the_mode_while_enabled() {
+    fn the_mode_requests_a_task_while_enabled() {
         let mut request = Request::default();
         let mut read = |enable: bool, mode: Mode| request.read(&Input { enable, mode, ..Input::START });
         assert_eq!(read(false, Mode::Track), Mode::Idle);
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_spent_begins_anew_by_another_mode_or_another_enable() {
+    fn a_spent_request_starts_again_with_another_mode_or_enable() {
         for again in [(true, Mode::Hold), (false, Mode::Track)] {
             let mut request = Request::default();
             let mut read = |(enable, mode): (bool, Mode)| request.read(&Input { enable, mode, ..Input::START });
@@ -238,13 +238,13 @@ mod tests {
             );
             assert_eq!(state.waits(), begins, "{state:?}");
         }
-        // not before the arm is known, not in a fault, and who asks for both gets the job
+        // not before the arm is known, not in a fault, and a mode has priority
         assert_eq!(next(State::Idle, Mode::Idle, &Events { arm_known: false, ..asked }), State::Idle);
         assert_eq!(next(State::Done, Mode::Track, &Events { at_rest: false, ..asked }), State::Done);
         assert_eq!(next(State::Idle, Mode::Idle, &Events { fault: Some(Fault::LongStep), ..asked }), State::Fault);
         assert_eq!(next(State::Idle, Mode::Hold, &Events { renewed: true, ..asked }), State::Hold);
         assert_eq!(next(State::Done, Mode::Hold, &Events { renewed: true, ..asked }), State::Hold);
-        for end in [Events { break_off: true, ..NOTHING }, Events { commissioned: true, ..NOTHING }] {
+        for end in [Events { abort: true, ..NOTHING }, Events { commissioned: true, ..NOTHING }] {
             assert_eq!(next(State::Commission, Mode::Idle, &end), State::Idle);
             assert_eq!(next(State::Commission, Mode::Idle, &Events { at_rest: false, ..end }), State::Retract);
         }
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_of_the_table_is_the_end_of_the_cut_until_something_else_is_asked_for() {
+    fn the_end_of_the_table_is_the_end_of_the_cut_until_another_request() {
         let over = Events { cut_over: true, ..NOTHING };
         for mode in [Mode::Approach, Mode::Track] {
             for state in [State::Ready, State::Track] {
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn holding_modes_act_at_once() {
+    fn holding_modes_act_immediately() {
         for state in WORKING {
             assert_eq!(next(*state, Mode::Hold, &NOTHING), State::Hold);
             assert_eq!(next(*state, Mode::Identify, &NOTHING), State::Identify);

@@ -1,4 +1,4 @@
-//! Motions of the arm beside the path.
+//! Motions of the arm off the path.
 
 pub mod ending;
 pub mod hold;

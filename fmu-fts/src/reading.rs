@@ -1,6 +1,6 @@
-//! Checks the inputs of a sample: what can be used, and what stands in for the rest.
+//! Checks the inputs of a sample and replaces those that are missing.
 //!
-//! `limits.lost_samples` of an axis may be lost in a row, and no more than one of three for long.
+//! `limits.lost_samples` consecutive samples of an axis may be missing, and at most one of three for long.
 
 mod axis;
 pub mod bounds;
@@ -17,7 +17,7 @@ pub use axis::Loss;
 /// Time in which a torque may still act, s: half a period of 250 Hz.
 const RECENT: f64 = 2e-3;
 
-/// The usable inputs: those of this sample, or what stands in for them.
+/// The usable inputs: those of this sample, or their replacements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// Encoder angle b of the arm, rad.
@@ -32,10 +32,10 @@ pub struct Reading {
     pub cutting: bool,
 }
 
-/// What of the readings of a sample is missing.
+/// Missing inputs of a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Missing {
-    /// So many readings of the arm are lost that nothing stands in for them any more.
+    /// Too many samples of the arm are missing to replace them.
     pub arm: Option<Loss>,
     /// The same for the spindle.
     pub spindle: Option<Loss>,
@@ -45,7 +45,7 @@ pub struct Missing {
     pub hold: bool,
 }
 
-/// Remembers the last readings; by default none.
+/// Stores the last inputs; by default none.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
     arm: GuardedAxis,
@@ -88,7 +88,7 @@ impl Reader {
         &self.missing
     }
 
-    /// Whether every reading of this sample is one, and the velocities are known.
+    /// Whether all inputs of this sample are valid and the velocities are known.
     pub fn known(&self) -> bool {
         self.arm_known() && self.spindle_known()
     }
@@ -109,13 +109,13 @@ impl Reader {
         self.spindle.known() && self.slide.known()
     }
 
-    /// Whether two readings of the spindle have told its speed and no third has confirmed it yet.
+    /// Whether two samples of the spindle have given a speed that no third has confirmed yet.
     pub fn spindle_begins(&self) -> bool {
         self.spindle.begins()
     }
 
-    /// Believes the next readings of spindle and slide that were lost; where no path is followed there is time for it.
-    pub fn begin_anew(&mut self) {
+    /// Accepts the next samples of spindle and slide after a loss, while no path is followed.
+    pub fn restart(&mut self) {
         for (axis, missing) in [(&mut self.spindle, self.missing.spindle), (&mut self.slide, self.missing.slide)] {
             if missing.is_some() {
                 *axis = GuardedAxis::default();
@@ -124,7 +124,7 @@ impl Reader {
     }
 
     /// The same for the arm; where the loop is open.
-    pub fn begin_arm_anew(&mut self) {
+    pub fn restart_arm(&mut self) {
         if self.missing.arm.is_some() {
             self.arm = GuardedAxis::default();
         }
@@ -204,13 +204,13 @@ mod tests {
     }
 
     #[test]
-    fn a_first_sample_that_is_wrong_is_forgotten() {
+    fn a_wrong_first_sample_is_discarded() {
         let p = Parameters::START;
         let bads: [fn(&mut Input); 6] = [
             |i| i.arm_angle += 0.1,
             |i| i.arm_angle = f64::NAN,
             |i| i.spindle_angle -= 1.0,
-            // as if it stood, and then turned twice as fast
+            // as if at rest, and then with twice the speed
             |i| i.spindle_angle += 6.283e-3,
             |i| i.slide_position -= 0.02,
             |i| i.slide_position = f64::NAN,
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn an_encoder_that_only_jumps_from_its_first_sample_on_is_told() {
+    fn an_encoder_that_only_jumps_from_its_first_sample_on_is_detected() {
         let (p, mut reader) = (Parameters::START, Reader::default());
         for k in 0..40 {
             let arm_angle = 0.1 * (1.7 * f64::from(k)).sin();
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hub_that_full_torque_accelerates_without_its_tool_is_believed() {
+    fn a_hub_that_full_torque_accelerates_without_its_tool_is_accepted() {
         let p = Parameters::START;
         let most = (7.0 + disturbance(&p)) / (p.servo.inertia * (1.0 - p.tip.inertia));
         for (share, missing) in [(0.99, None), (1.3, Some(Loss::Jump))] {
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_that_are_held_over_several_samples_are_told_at_once() {
+    fn inputs_that_are_held_over_several_samples_are_detected_immediately() {
         assert_eq!(found_in_steps_of(1), Missing::default());
         for held in 2..12 {
             assert_eq!(found_in_steps_of(held).spindle, Some(Loss::Frozen), "{held}");
@@ -315,28 +315,28 @@ mod tests {
 
     #[test]
     fn one_of_three_readings_may_be_lost_for_ever_every_second_may_not() {
-        for (every, told) in [(6, None), (3, None), (2, Some(Loss::Invalid))] {
+        for (every, detected) in [(6, None), (3, None), (2, Some(Loss::Invalid))] {
             let (p, mut reader) = (Parameters::START, Reader::default());
             for k in 0..3000 {
                 let lost = k > 100 && k % every == 0;
                 let input = Input { arm_angle: if lost { f64::NAN } else { on_path(k).arm_angle }, ..on_path(k) };
                 reader.read(&p, &input, 0.4);
             }
-            assert_eq!(reader.missing().arm, told, "every {every}");
+            assert_eq!(reader.missing().arm, detected, "every {every}");
         }
     }
 
     #[test]
     fn every_second_reading_may_be_lost_for_less_than_four_milliseconds() {
         let (p, mut reader) = (Parameters::START, Reader::default());
-        let told = (0..3000).find(|&k| {
+        let detected = (0..3000).find(|&k| {
             let lost = k > 100 && k % 2 == 0;
             let input = Input { arm_angle: if lost { f64::NAN } else { on_path(k).arm_angle }, ..on_path(k) };
             reader.read(&p, &input, 0.4);
             reader.missing().arm.is_some()
         });
-        // the 18th: a good one between gives back a half, and three times three may be lost
-        assert_eq!((told, p.limits.lost_samples), (Some(102 + 34), 3));
+        // the 18th: a good sample between them restores a half, and three times three may be missing
+        assert_eq!((detected, p.limits.lost_samples), (Some(102 + 34), 3));
     }
 
     #[test]
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn spindle_and_slide_that_were_lost_are_believed_anew_where_they_are_and_only_then() {
+    fn lost_spindle_and_slide_are_accepted_again_only_after_a_restart() {
         let p = Parameters::START;
         let elsewhere = |k: u32| {
             let now = on_path(k);
@@ -361,7 +361,7 @@ mod tests {
             let (mut reader, _, _) = after(600, 10, |i| (i.spindle_angle, i.slide_position) = (f64::NAN, f64::NAN));
             assert_eq!((reader.missing().spindle, reader.missing().slide), (Some(Loss::Invalid), Some(Loss::Invalid)));
             if anew {
-                reader.begin_anew();
+                reader.restart();
             }
             for k in 610..620 {
                 let reading = reader.read(&p, &elsewhere(k), 0.4);
@@ -373,10 +373,10 @@ mod tests {
     }
 
     #[test]
-    fn what_was_lost_is_believed_anew_where_it_is() {
+    fn a_lost_arm_is_accepted_again_after_a_restart() {
         let p = Parameters::START;
         let (mut reader, _, _) = after(600, 10, |i| i.arm_angle += 0.5);
-        reader.begin_arm_anew();
+        reader.restart_arm();
         let there = Input { arm_angle: 0.5, ..on_path(610) };
         for _ in 0..2 {
             assert_eq!(reader.read(&p, &there, 0.0).arm_angle, 0.5);

@@ -1,4 +1,4 @@
-//! What stands behind the texts among the parameters: lists of numbers, and tables in files.
+//! Contents of the text parameters: lists of numbers, and tables in files.
 
 pub mod json_table;
 

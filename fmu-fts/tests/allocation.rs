@@ -1,4 +1,4 @@
-//! No sample allocates: not in a job, under either law, when it is broken off, nor in any fault.
+//! No sample allocates: not in a task, under either control law, when it is aborted, nor in any fault.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fmu_fts::controller::Controller;
@@ -38,7 +38,7 @@ impl Bench {
 }
 
 #[test]
-fn no_sample_of_a_job_allocates_under_either_law() {
+fn no_sample_of_a_task_allocates_under_either_law() {
     for parameters in [Parameters::START, Parameters::PAPER] {
         let mut bench = Bench::new(parameters);
         bench.run(Mode::Hold, 1000, |_, _| ());
@@ -56,7 +56,7 @@ fn no_sample_of_a_job_allocates_under_either_law() {
 fn neither_a_whole_identification_nor_a_fit_allocates() {
     let mut p = Parameters::START;
     p.identify.grid = "100, 200".parse().unwrap();
-    // the arm of the bench swings without a torque
+    // the arm of the bench oscillates without a torque
     p.limits.arm_spread = 0.1;
     let mut bench = Bench::new(p);
     bench.run(Mode::Identify, 12_000, |_, _| ());
@@ -92,7 +92,7 @@ fn neither_the_form_of_a_lens_nor_its_correction_allocates() {
 fn neither_a_whole_commission_nor_what_it_brings_into_force_allocates() {
     for apply in [true, false] {
         let mut p = Parameters::START;
-        // the arm of the bench goes where it is told without a torque
+        // the arm of the bench follows its reference without a torque
         (p.commission.apply, p.limits.arm_spread, p.limits.drive_gain_ratio) = (apply, 0.1, 0.0);
         let mut bench = Bench::new(p);
         bench.run(Mode::Idle, 10, |_, _| ());
@@ -109,14 +109,14 @@ fn neither_a_whole_commission_nor_what_it_brings_into_force_allocates() {
 }
 
 #[test]
-fn an_error_that_grows_from_turn_to_turn_allocates_nothing() {
+fn an_error_that_grows_from_revolution_to_revolution_allocates_nothing() {
     let mut p = Parameters::START;
     // the arm of the bench does nothing for its torque
     p.limits.disturbance = 1.0;
     p.limits.following_error = 1e-2;
     let mut bench = Bench::new(p);
     bench.run(Mode::Track, 5000, |_, _| ());
-    // 1047 samples a turn, a quarter more in each
+    // 1047 samples per revolution, a quarter more in each
     bench.run(Mode::Track, 15_000, |k, input| {
         let wave = (2.0 * input.spindle_angle).sin();
         input.arm_angle += 2e-4 * 1.25_f64.powf(f64::from(k.min(7000)) / 1047.0) * wave;

@@ -1,8 +1,8 @@
 //! Calibration in place: collects what was cut and what the probe says of it, fits, and keeps the record of the tool.
 //!
-//! While `calibration_cut` is set the tool cuts the part; afterwards `probe_capture` stores readings of the probe, the
-//! first at its rising edge and more while it stays set and the probe moves on; `calibration_solve` fits them. All readings
-//! on one flat are averaged: cut and read the same stretch of it, and the arm may wander meanwhile. A lens was cut before, when
+//! While `calibration_cut` is true the tool cuts the part. Afterwards `probe_capture` stores probe samples: the first at its
+//! rising edge and more while the probe moves on; `calibration_solve` fits them. All samples on one flat are averaged: cut and
+//! probe the same zone of it, because the arm may drift. A lens was cut before, when
 //! the path was followed last, with the correction that it had then.
 
 use std::f64::consts::PI;
@@ -25,9 +25,9 @@ use crate::tracking::phasors::Phasors;
 
 /// Samples that can be stored.
 const SAMPLES_MAX: usize = 512;
-/// The slide stands still while a toroid is cut, m.
+/// Largest travel of the slide at rest while a toroid is cut, m.
 const TRAVEL_MAX: f64 = 1e-5;
-/// The arm stands still while a flat is cut, rad.
+/// Largest motion of the arm at rest while a flat is cut, rad.
 const SWING_MAX: f64 = 1e-3;
 /// No probe reads more, m.
 const READING_MAX: f64 = 1e3;
@@ -50,7 +50,7 @@ pub struct Calibrator {
     mode: Mode,
     cut: Cut,
     flats: Store<Flat>,
-    /// Readings that the newest flat is the mean of.
+    /// Samples averaged for the newest flat.
     readings: u32,
     points: Store<ProbePoint>,
     lens: Store<FormReading>,
@@ -100,8 +100,8 @@ impl Calibrator {
         }
     }
 
-    /// One sample in a state of calibration; `now` is what arm and slide do, `path` what was followed last. A change of the mode
-    /// begins anew.
+    /// One sample in a calibration state; `now`: motion of arm and slide, `path`: the path followed last. A change of the mode
+    /// restarts.
     pub fn step(&mut self, p: &Parameters, input: &Input, now: Moment, path: &PathTable) {
         if std::mem::replace(&mut self.mode, input.mode) != input.mode {
             self.begin();
@@ -113,7 +113,7 @@ impl Calibrator {
             self.cut.add(now);
         }
         let rising = self.capture.rises(input.probe_capture);
-        // a reading that is no number has not moved on
+        // an invalid sample has no travel
         let moved = (input.probe_lateral - self.stored_at).abs() >= p.probe.pitch;
         if rising || (input.probe_capture && moved) {
             self.store(p, input, path);
@@ -125,7 +125,7 @@ impl Calibrator {
         }
     }
 
-    /// Outside of the calibration: the next step begins anew.
+    /// Outside of the calibration: the next step restarts.
     pub fn rest(&mut self) {
         self.mode = Mode::Idle;
         self.lens_fitted = false;
@@ -195,7 +195,7 @@ impl Calibrator {
         }
     }
 
-    /// Keeps a reading of a part that was cut for it, or says why not.
+    /// Stores a sample of a part that was cut for it, or reports why not.
     fn keep(&mut self, p: &Parameters, mode: Mode, point: ProbePoint) -> Option<Status> {
         let flat = mode == Mode::CalibrateFlats;
         let Some(cut) = self.cut.mean() else { return Some(Status::NoCut) };
@@ -212,13 +212,13 @@ impl Calibrator {
         (!kept).then_some(Status::Full)
     }
 
-    /// Keeps a reading of a lens, or says why not.
+    /// Stores a sample of a lens, or reports why not.
     fn keep_lens(&mut self, p: &Parameters, input: &Input, path: &PathTable) -> Option<Status> {
         let &Input { probe_lateral: lateral, probe_depth: depth, probe_angle: angle, .. } = input;
         if !believable(angle, ANGLE_MAX) {
             return Some(Status::InvalidProbe);
         }
-        // beyond the axis lies what was cut half a turn later
+        // beyond the axis is the surface that was cut half a revolution later
         let (side, angle) = if lateral < 0.0 { (-1.0, angle + PI) } else { (1.0, angle) };
         let radii = [p.tool.nose_radius[p.tool.index()], p.probe.radius];
         let found = contact(path, radii, lateral.abs(), Phasors::new(angle, HIGHEST).from_zero());
@@ -257,7 +257,7 @@ impl Calibrator {
         fitted.unwrap_or_else(Status::from)
     }
 
-    /// What is no error of the form, or not sure, corrects nothing.
+    /// A result that is no form error, or is uncertain, corrects nothing.
     fn fit_form(&mut self, p: &Parameters) -> Result<Status, NoEstimate> {
         let accuracy = FormAccuracy { depth: p.probe.depth_std, lateral: p.probe.lateral_std, axis: p.probe.cusp_std };
         let found = form::fit(self.lens.samples(), self.cut_with.as_ref(), &accuracy)?;
@@ -306,12 +306,12 @@ impl From<NoEstimate> for Status {
     }
 }
 
-/// Whether a reading of the probe or of the spindle under it (m, rad) is one.
+/// Whether a sample of the probe or of the spindle (m, rad) is valid.
 fn believable(reading: f64, most: f64) -> bool {
     reading.abs() <= most
 }
 
-/// Angle (rad) by which the tool stays behind the encoder when the arm carries a torque (N.m): the thrust of the cut.
+/// Angle (rad) by which the tool lags the encoder when the arm carries a torque (N.m): the thrust of the cut.
 fn wind_up(p: &Parameters, torque: f64) -> f64 {
     let stiffness = p.tip.inertia * p.servo.inertia * p.tip.frequency * p.tip.frequency;
     if stiffness > 0.0 { torque / stiffness } else { 0.0 }

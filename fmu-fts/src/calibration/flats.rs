@@ -1,8 +1,8 @@
 //! Calibration flats: zero of the arm angle from the depths of flats cut at several arm angles.
 //!
 //! Eq. (1) of the paper, R_a sin(b_0 + b_i) = p_i - K with K = R_t + p_0, fits arm length, arm zero and K together. The
-//! arm length of the toroid enters with its standard deviation: taken as exact it would spoil b_0 by
-//! (dR_a / R_a) cot(b_0 + b), which is without limit where the arm stands square to the spindle.
+//! arm length of the toroid enters with its standard deviation: as an exact value it would change b_0 by
+//! (dR_a / R_a) cot(b_0 + b), without limit where the arm is square to the spindle.
 
 use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::SVector;
@@ -43,7 +43,7 @@ pub struct FlatAccuracy {
 type ArmUnknowns = SVector<f64, 3>;
 
 /// Fits the arm and the root mean square of the residuals (m), with `known.length` and `known.length_std` from the
-/// toroid; `known.zero` only tells the half turn in which the arm is.
+/// toroid; `known.zero` only selects the half revolution of the arm.
 ///
 /// # Errors
 /// Says why there is no estimate.
@@ -101,7 +101,7 @@ mod tests {
     const LENGTH: f64 = 0.080_003;
     const ZERO: f64 = 0.052_4;
     const ACCURACY: FlatAccuracy = FlatAccuracy { depth: 65e-9, arm_angle: 0.25e-6 };
-    /// What the machine is believed to be before the flats, with the arm length of a toroid from 30 to 60 degrees.
+    /// Assumed machine before the flats, with the arm length of a toroid from 30 to 60 degrees.
     const KNOWN: ArmEstimate = ArmEstimate { length: LENGTH, zero: 0.05, length_std: 0.35e-6, zero_std: 0.01 };
 
     /// `count` flats with b_0 + b from `low` to `high` degrees.
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn the_residual_is_the_root_mean_square_of_what_the_fit_leaves() {
-        // to and fro by 1 um, which three parameters hardly follow over 30 flats
+        // alternating by 1 um, which three parameters hardly follow over 30 flats
         let mut rough = flats(30.0, 60.0, 30);
         rough.iter_mut().enumerate().for_each(|(i, flat)| flat.depth += if i % 2 == 0 { 1e-6 } else { -1e-6 });
         let (_, residual) = fit(&rough, &KNOWN, &ACCURACY).unwrap();
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn the_other_end_of_the_arm_is_half_a_turn_away() {
+    fn the_other_end_of_the_arm_is_half_a_revolution_away() {
         let mut other = flats(30.0, 60.0, 15);
         other.iter_mut().for_each(|flat| flat.arm_angle -= std::f64::consts::PI);
         let known = ArmEstimate { zero: KNOWN.zero + std::f64::consts::PI, ..KNOWN };
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_or_equal_flats_are_refused() {
+    fn too_few_or_equal_flats_are_rejected() {
         assert_eq!(fit(&flats(30.0, 60.0, 2), &KNOWN, &ACCURACY), Err(NoEstimate::TooFew));
         assert_eq!(fit(&[Flat { arm_angle: 0.7, depth: 0.07 }; 9], &KNOWN, &ACCURACY), Err(NoEstimate::NotObservable));
         let mut random = Pcg64Mcg::seed_from_u64(1);

@@ -1,12 +1,12 @@
 //! Form of a cut lens: what the path of the next one is to be corrected by.
 //!
-//! A reading is as deep as the path says, and besides zero + g E(x, theta) - c s, where E is what the lens is deeper than the path,
-//! taken along the path, g the share of it that the part sees, c the place of the spindle axis on the scale of the probe and s the slope of
-//! the section. E is a [`Correction`] with the sign reversed, without its constant, which no probe tells from its zero. What was
+//! A measurement equals the depth of the path plus zero + g E(x, theta) - c s. E is the error of the lens along the path, g the
+//! fraction of it seen on the part, c the position of the spindle axis on the scale of the probe, and s the slope of the section.
+//! E is a [`Correction`] with the sign reversed, without its constant, which cannot be separated from the probe zero. A lens that was
 //! cut with a correction C needs C - E: that is what is fitted, so that a second lens corrects the first.
 //!
-//! The probe is as uncertain as it is told, or as the readings scatter about the fit. What a coefficient does not exceed its standard
-//! deviation by is not cut: it counts with 1 - (3 sigma / c)^2, and not at all below three of them.
+//! The uncertainty is that of the probe, or the scatter about the fit if it is larger. A coefficient c with the standard deviation
+//! sigma is multiplied by 1 - (3 sigma / c)^2, and ignored below three sigma.
 
 use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Complex, SVector};
@@ -19,16 +19,16 @@ use crate::tracking::phasors::Phasors;
 const DOUBT: f64 = 3.0;
 /// Cosines and sines.
 const WAVES: usize = 2 * HIGHEST_CORRECTED + 1;
-/// Coefficients, of which the constant is the zero of the probe, and the place of the spindle axis.
+/// Coefficients, of which the constant is the probe zero, and the position of the spindle axis.
 const UNKNOWNS: usize = WAVES * POLYNOMIALS + 1;
 
-/// Readings that a fit needs at least.
+/// Smallest number of samples for a fit.
 pub const READINGS_MIN: usize = UNKNOWNS + 1;
 
-/// Coefficients and the place of the spindle axis.
+/// Coefficients and the position of the spindle axis.
 type FormUnknowns = SVector<f64, UNKNOWNS>;
 
-/// One reading on a lens.
+/// One sample on a lens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FormReading {
     /// Slide position at which it was cut, m.
@@ -37,7 +37,7 @@ pub struct FormReading {
     pub angle: f64,
     /// Depth that was read less that of the path, m.
     pub excess: f64,
-    /// Share of a depth of the path that the part sees.
+    /// Fraction of a depth of the path that is seen on the part.
     pub gain: f64,
     /// Slope of the section to the lateral position of the probe.
     pub slope: f64,
@@ -50,22 +50,22 @@ pub struct FormAccuracy {
     pub depth: f64,
     /// Of a lateral position.
     pub lateral: f64,
-    /// Of the place of the spindle axis on the scale of the probe.
+    /// Standard deviation of the spindle axis on the scale of the probe.
     pub axis: f64,
 }
 
-/// What the readings tell.
+/// Result of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FormEstimate {
     /// Correction of the next path.
     pub correction: Correction,
     /// Standard deviation of its depth, root mean square over what was probed, m.
     pub std: f64,
-    /// Error of the form of this lens: what of the readings is smooth, root mean square without the mean, m.
+    /// Form error of this lens: rms of the smooth part of the samples, without the mean, m.
     pub error: f64,
     /// Largest depth of the correction where it was probed, m.
     pub largest: f64,
-    /// Root mean square of what the readings are beside it, m.
+    /// Rms of the residuals, m.
     pub residual: f64,
 }
 
@@ -90,7 +90,7 @@ pub fn fit(
         Some(reading) => {
             let sigma = accuracy.depth.hypot(reading.slope * accuracy.lateral);
             let row = row(reading, &span);
-            Observation { residual: (row.dot(value) - wanted(reading, cut_with)) / sigma, gradient: row / sigma }
+            Observation { residual: (row.dot(value) - needed(reading, cut_with)) / sigma, gradient: row / sigma }
         }
         // what is known of the axis beforehand
         None => {
@@ -109,7 +109,7 @@ pub fn fit(
         std: (1..UNKNOWNS - 1).map(|i| found.sigma(i).powi(2) * power(i)).sum::<f64>().sqrt(),
         error: rms(&|reading| error(reading, cut_with, &whole) - mean),
         largest: readings.iter().map(|reading| depth(&correction, reading).abs()).fold(0.0, f64::max),
-        residual: rms(&|reading| row(reading, &span).dot(&found.value) - wanted(reading, cut_with)),
+        residual: rms(&|reading| row(reading, &span).dot(&found.value) - needed(reading, cut_with)),
         correction,
     })
 }
@@ -119,23 +119,23 @@ fn certainty(value: f64, sigma: f64) -> f64 {
     if value.abs() > DOUBT * sigma { 1.0 - (DOUBT * sigma / value).powi(2) } else { 0.0 }
 }
 
-/// What the next path needs by a reading, with its zero, m.
-fn wanted(reading: &FormReading, cut_with: Option<&Correction>) -> f64 {
+/// Correction that a sample needs, with the probe zero, m.
+fn needed(reading: &FormReading, cut_with: Option<&Correction>) -> f64 {
     reading.gain * cut_with.map_or(0.0, |correction| depth(correction, reading)) - reading.excess
 }
 
-/// Error of the form at a reading, m.
+/// Form error at a sample, m.
 fn error(reading: &FormReading, cut_with: Option<&Correction>, needed: &Correction) -> f64 {
     cut_with.map_or(0.0, |correction| depth(correction, reading)) - depth(needed, reading)
 }
 
-/// Depth of a correction at a reading, m.
+/// Depth of a correction at a sample, m.
 fn depth(correction: &Correction, reading: &FormReading) -> f64 {
     let phasors = Phasors::new(reading.angle, HIGHEST_CORRECTED);
     correction.depth(reading.slide_position, phasors.from_zero())
 }
 
-/// Derivatives of [`wanted`] to the unknowns: wave after wave its polynomials, then the place of the axis.
+/// Derivatives of [`needed`] with respect to the unknowns: for each wave its polynomials, then the position of the axis.
 fn row(reading: &FormReading, span: &[f64; 2]) -> FormUnknowns {
     let basis = legendre(place(span, reading.slide_position));
     let phasors = Phasors::new(reading.angle, HIGHEST_CORRECTED);
@@ -181,7 +181,7 @@ mod tests {
     const SPAN: [f64; 2] = [0.04, 0.043];
     const ACCURACY: FormAccuracy = FormAccuracy { depth: 65e-9, lateral: 30e-9, axis: 1e-4 };
 
-    /// What an arm and a place of the lens that are wrong by micrometres make, m.
+    /// Form error (m) of an arm and a lens position that are off by micrometers.
     fn wrong() -> Correction {
         let mut coefficients = [[Complex::default(); POLYNOMIALS]; HIGHEST_CORRECTED + 1];
         coefficients[0][1] = Complex::new(-3e-7, 0.0);
@@ -191,7 +191,7 @@ mod tests {
         Correction { span: SPAN, coefficients }
     }
 
-    /// Readings at `angles` angles of the near side, and at as many of the far one, of a lens that errs by `wrong`.
+    /// Samples at `angles` angles of the near side, and at as many of the far side, of a lens with the error `wrong`.
     fn readings(wrong: &Correction, angles: i32, noise: f64, random: &mut Pcg64Mcg) -> Vec<FormReading> {
         let normal = Normal::new(0.0, noise).unwrap();
         let mut readings = Vec::new();
@@ -206,7 +206,7 @@ mod tests {
                 gain: 0.99,
                 slope,
             };
-            // the axis is 20 um beside the zero of the scale
+            // the axis is 20 um off the zero of the scale
             reading.excess += reading.gain * depth(wrong, &reading) - 2e-5 * slope + normal.sample(random);
             readings.push(reading);
         }
@@ -228,7 +228,7 @@ mod tests {
     fn what_is_smooth_is_corrected_without_zero_and_axis_of_the_probe() {
         let mut random = Pcg64Mcg::seed_from_u64(3);
         let found = fit(&readings(&wrong(), 16, 1e-12, &mut random), None, &ACCURACY).unwrap();
-        // what is in doubt is left out: of a coefficient c less than 9 s^2 / c
+        // uncertain parts are omitted: less than 9 s^2 / c of a coefficient c
         assert!(left(&found.correction, &wrong()) < 3e-8, "{:e}", left(&found.correction, &wrong()));
         let nothing = Correction { span: SPAN, coefficients: Default::default() };
         assert!((found.error / left(&wrong(), &nothing) - 1.0).abs() < 0.05, "{:e}", found.error);
@@ -258,7 +258,7 @@ mod tests {
     fn the_deviation_is_the_scatter_and_noise_is_not_cut() {
         let mut random = Pcg64Mcg::seed_from_u64(1999);
         let nothing = Correction { span: SPAN, coefficients: Default::default() };
-        // 0.3 um of a cut in place of the 65 nm that are told
+        // 0.3 um of a cut instead of the nominal 65 nm
         let (mut ratio, mut cut) = (0.0, 0.0);
         for _ in 0..40 {
             let found = fit(&readings(&nothing, 16, 3e-7, &mut random), None, &ACCURACY).unwrap();
@@ -272,13 +272,13 @@ mod tests {
     }
 
     #[test]
-    fn too_few_readings_angles_or_places_are_refused() {
+    fn too_few_samples_angles_or_positions_are_rejected() {
         let mut random = Pcg64Mcg::seed_from_u64(5);
         let all = readings(&wrong(), 16, 6e-8, &mut random);
         assert_eq!(fit(&all[..UNKNOWNS], None, &ACCURACY).map(|_| ()), Err(NoEstimate::TooFew));
         let circle: Vec<_> = all.iter().map(|reading| FormReading { slide_position: 0.04, ..*reading }).collect();
         assert_eq!(fit(&circle, None, &ACCURACY).map(|_| ()), Err(NoEstimate::NotObservable));
-        // eight angles do not tell the fourth harmonic apart
+        // eight angles do not resolve the fourth harmonic
         let few = readings(&wrong(), 8, 6e-8, &mut random);
         match fit(&few, None, &ACCURACY) {
             Ok(found) => assert!(found.std > 1e-3, "{:e}", found.std),

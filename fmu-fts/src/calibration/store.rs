@@ -1,4 +1,4 @@
-//! Room for samples, made once and never moved or enlarged.
+//! Storage for samples with a fixed capacity.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,12 +10,12 @@ pub struct Store<T> {
 }
 
 impl<T: Copy> Store<T> {
-    /// An empty store for `size` samples; `blank` fills the room.
+    /// An empty store for `size` samples; `blank` fills the memory.
     pub fn new(size: usize, blank: T) -> Self {
         Self { room: vec![blank; size], count: 0 }
     }
 
-    /// Keeps one sample more; false when there is no room.
+    /// Stores one more sample; false when the store is full.
     pub fn push(&mut self, sample: T) -> bool {
         let place = self.room.get_mut(self.count);
         let fits = place.is_some();
@@ -36,7 +36,7 @@ impl<T: Copy> Store<T> {
         &self.room[..self.count]
     }
 
-    /// Forgets all samples.
+    /// Removes all samples.
     pub fn clear(&mut self) {
         self.count = 0;
     }

@@ -9,7 +9,7 @@ use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Matrix3, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// One reading of the probe on the toroid.
+/// One sample of the probe on the toroid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProbePoint {
     /// Lateral position l, m; negative on the other side of the cusp.
@@ -25,11 +25,11 @@ pub struct ProbeAccuracy {
     pub depth: f64,
     /// Of the lateral position.
     pub lateral: f64,
-    /// Of the place of the cusp, where the lateral position should be 0; above 0.
+    /// Standard deviation of the cusp position, where the lateral position should be 0; above 0.
     pub cusp: f64,
 }
 
-/// The arc and how sure it is, m.
+/// The arc and its standard deviations, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
     /// Radius R_a + R_t - R_p.
@@ -176,7 +176,7 @@ mod tests {
         let unsure = ProbeAccuracy { cusp: 1e-3, ..ACCURACY };
         let one = arc(30.0, 60.0, 100);
         let mut both = [one.clone(), mirrored(&one)].concat();
-        // the lateral position counts from a place 0.2 mm beside the cusp
+        // the lateral position starts 0.2 mm off the cusp
         both.iter_mut().for_each(|point| point.lateral += 2e-4);
         let found = fit(&both, &unsure).unwrap();
         assert!((found.distance - DISTANCE).abs() < 1e-11, "{:e}", found.distance - DISTANCE);
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_arc_is_refused() {
+    fn points_that_are_no_arc_are_rejected() {
         assert_eq!(fit(&[], &ACCURACY), Err(NoEstimate::NotObservable));
         assert_eq!(fit(&arc(30.0, 60.0, 3), &ACCURACY), Err(NoEstimate::TooFew));
         let flat: Vec<_> = (0..50).map(|i| ProbePoint { lateral: 0.02 + 1e-4 * f64::from(i), depth: 1e-3 }).collect();

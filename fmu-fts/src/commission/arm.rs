@@ -1,4 +1,4 @@
-//! Inertia, friction, delay and flexure from the response that a commission has measured.
+//! Inertia, friction, delay and flexure from the response measured in a commissioning run.
 //!
 //! With the torque U and the angle B of the hub at the frequency w, and N and D of the flexure as in [`crate::servo::flexure`],
 //!
@@ -6,18 +6,18 @@
 //! (-w^2 J D / N + j w b + j 4 F (1 + j w t) / (pi |B|)) B = H e^(-j w d T_s) U,
 //! ```
 //!
-//! J: inertia, b: viscous friction, F: dry friction, whose torque has the fundamental 4 F / pi whatever the amplitude is, t: how long
-//! before the speed it turns round, d: samples of delay beyond the told ones, H: hold, current loop and told delay, those of the told arm.
-//! Over the response of the told arm, and times N without any pole, it is linear in nearly all of the eight unknowns, F t one of them. Gain of
-//! the drive and inertia leave no trace but their ratio: so the torque is believed, and J, b and F are those that go with it. A delay
-//! of the encoder turns the phase as one of the command does: only their sum leaves a trace.
+//! J: inertia, b: viscous friction, F: dry friction, whose torque has the fundamental 4 F / pi at any amplitude, t: lead of its
+//! reversal over that of the speed, d: samples of delay beyond the nominal ones, H: hold, current loop and delay of the nominal arm.
+//! Relative to the response of the nominal arm, and multiplied by N, it has no pole and is linear in nearly all of the eight unknowns
+//! (F t is one of them). Only the ratio of drive gain and inertia is observable: J, b and F are relative to the commanded torque. A delay
+//! of the encoder rotates the phase like one of the command: only their sum is observable.
 //!
-//! How sure a point is, of its value: what the model leaves out; a reading with the deviation s, of which the mean of n samples leaves
-//! s sqrt(2 / n) in B, and as much of the response of the arm, for the loop answers noise by its sensitivity; and the phase of dry
-//! friction. A small swing has friction like that of a spring, and friction itself bends a slow one: without a loop, its harmonics turn
-//! the speed round early by the sum of 1 / n^2 over the odd n from 3 on, times the share that friction has of the torque.
+//! The relative standard deviation of a point has three parts: the model error; encoder noise s, of which the mean of n samples leaves
+//! s sqrt(2 / n) in B, and as much of the response of the arm, because the loop responds to noise by its sensitivity; and the phase
+//! of dry friction. At small amplitudes friction is elastic, and friction distorts a slow oscillation: without a loop, its harmonics reverse
+//! the speed early by the sum of 1 / n^2 over the odd n from 3 on, times the ratio of friction to torque.
 //!
-//! The flexure as it is told is one observation more, of little weight: an arm that is told rigid stays rigid. Another is t = 0.
+//! The nominal flexure is one more observation of small weight: a rigid arm stays rigid. Another observation is t = 0.
 
 use std::f64::consts::PI;
 
@@ -29,26 +29,26 @@ use crate::servo::flexure::{Shape, gradient};
 use crate::servo::nominal::Nominal;
 use crate::servo::response::{FrequencyResponse, Point};
 
-/// J / J_told, d, w_t / told, z, m, b T / J_told and F T^2 / J_told with the unit of time T below, and F t
+/// J / J_nominal, d, w_t / nominal, z, m, b T / J_nominal and F T^2 / J_nominal with the unit of time T below, and F t
 /// as F with the unit of t below.
 pub type Unknowns = SVector<f64, 8>;
 
 /// Standard deviation of what the model leaves out of a point, of its value.
 const POINT_SIGMA: f64 = 1e-3;
-/// Amplitude (rad) below which dry friction is none: bearings give way like springs before they slide, by some micrometres.
+/// Amplitude (rad) below which friction is elastic: bearings give way by some micrometers before they slide.
 const PRESLIDING: f64 = 1e-4;
-/// What friction turns the speed round early by, over its share of the torque: pi^2 / 8 - 1.
+/// Early reversal of the speed by friction, over the ratio of friction to torque: pi^2 / 8 - 1.
 const BENT: f64 = PI * PI / 8.0 - 1.0;
-/// Standard deviation of the time t by which dry friction turns round before the speed, s; and the least friction that does, as F.
+/// Standard deviation of the lead t of the reversal of dry friction, s; and the smallest friction that has one, as F.
 const TURN: (f64, f64) = (1e-4, 1e-3);
 /// Fits, each with the weights of the arm that the one before has found.
 const FITS: u32 = 3;
-/// Standard deviations of frequency, damping and inertia of the flexure as they are told.
-const TOLD_SIGMA: [f64; 3] = [0.5, 0.05, 0.5];
+/// Standard deviations of frequency, damping and inertia of the nominal flexure.
+const NOMINAL_SIGMA: [f64; 3] = [0.5, 0.05, 0.5];
 /// Unit of time in which all unknowns are of the order of 1, s.
 const UNIT: f64 = 0.1;
 
-/// What a commission knows of the arm, and the standard deviations of it.
+/// Result of a commissioning run for the arm, with standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundArm {
     /// Inertia, kg.m2.
@@ -67,7 +67,7 @@ pub struct FoundArm {
     pub share: [f64; 2],
 }
 
-/// A measured point: the response over the told rigid arm, the amplitude of the hub (rad), and the standard deviation of that.
+/// A measured point: the response relative to the nominal rigid arm, the amplitude of the hub (rad), and its standard deviation.
 struct Swing {
     omega: f64,
     over_rigid: Complex<f64>,
@@ -76,7 +76,7 @@ struct Swing {
 }
 
 /// What a response is compared with.
-struct Told<'a> {
+struct Nominals<'a> {
     plan: &'a Plan,
     shape: Shape,
 }
@@ -84,39 +84,39 @@ struct Told<'a> {
 /// The arm that explains a response best.
 ///
 /// # Errors
-/// When it does not tell the unknowns apart.
+/// When it does not determine the unknowns.
 pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<FoundArm, NoEstimate> {
-    let told = Told::new(plan);
-    let mut found = told.fit(response, told.start())?;
+    let nominal = Nominals::new(plan);
+    let mut found = nominal.fit(response, nominal.start())?;
     for _ in 1..FITS {
-        found = told.fit(response, found.value)?;
+        found = nominal.fit(response, found.value)?;
     }
-    Ok(told.arm(&found))
+    Ok(nominal.arm(&found))
 }
 
-impl<'a> Told<'a> {
+impl<'a> Nominals<'a> {
     fn new(plan: &'a Plan) -> Self {
-        Self { plan, shape: Shape::told(&plan.told) }
+        Self { plan, shape: Shape::nominal(&plan.nominal) }
     }
 
-    /// The unknowns as they are told.
+    /// The nominal values of the unknowns.
     fn start(&self) -> Unknowns {
-        let Nominal { servo, tip, .. } = &self.plan.told;
+        let Nominal { servo, tip, .. } = &self.plan.nominal;
         let [inertia, viscous, dry] = [1.0, servo.viscous_friction * UNIT, servo.dry_friction * UNIT * UNIT];
         Unknowns::from([inertia, 0.0, 1.0, tip.damping, tip.inertia, viscous / servo.inertia, dry / servo.inertia, 0.0])
     }
 
     /// The fit with the weights of the arm `at`, from there on.
     fn fit(&self, response: &FrequencyResponse, at: Unknowns) -> Result<Estimate<8>, NoEstimate> {
-        let (points, told) = (response.points(), self.start());
-        let [frequency, damping, share] = TOLD_SIGMA;
+        let (points, nominal) = (response.points(), self.start());
+        let [frequency, damping, share] = NOMINAL_SIGMA;
         let known = [(2, frequency), (3, damping), (4, share), (7, at[6].abs().max(TURN.1))];
         least_squares(at, 2 * points.len() + known.len(), |i, x| {
             if let Some(beyond) = i.checked_sub(2 * points.len()) {
                 let (unknown, sigma) = known[beyond];
                 let mut gradient = Unknowns::zeros();
                 gradient[unknown] = sigma.recip();
-                return Observation { residual: (x[unknown] - told[unknown]) / sigma, gradient };
+                return Observation { residual: (x[unknown] - nominal[unknown]) / sigma, gradient };
             }
             let swing = self.swing(&points[i / 2]);
             let deviation = self.deviation(&swing, &at);
@@ -134,15 +134,15 @@ impl<'a> Told<'a> {
         Swing { omega: point.frequency, over_rigid, amplitude: amplitude * point.magnitude, noise }
     }
 
-    /// N times (e^(-j w d T_s) times the told arm over the measured one, less the found arm), over the told rigid one.
+    /// N times (e^(-j w d T_s) times the nominal arm over the measured one, less the found arm), relative to the nominal rigid arm.
     fn residual(&self, swing: &Swing, x: &Unknowns) -> Complex<f64> {
         let &[inertia, delay, frequency, damping, share, viscous, dry, turned] = &x.data.0[0];
-        let (omega, servo) = (swing.omega, &self.plan.told.servo);
+        let (omega, servo) = (swing.omega, &self.plan.nominal.servo);
         let [zero, pole] = self.shape.zero_and_pole(omega, [frequency, damping, share]);
         let drag = Complex::new(dry, omega * TURN.0 * turned) * dry_drag(swing) + viscous / (omega * UNIT);
-        let told = 1.0 - Complex::I * servo.viscous_friction / (omega * servo.inertia) * self.shape.rigid(omega);
-        let late = Complex::from_polar(1.0, -omega * self.plan.told.sample_period * delay);
-        late * told * zero - swing.over_rigid * (pole * inertia - zero * drag * Complex::I)
+        let nominal = 1.0 - Complex::I * servo.viscous_friction / (omega * servo.inertia) * self.shape.rigid(omega);
+        let late = Complex::from_polar(1.0, -omega * self.plan.nominal.sample_period * delay);
+        late * nominal * zero - swing.over_rigid * (pole * inertia - zero * drag * Complex::I)
     }
 
     /// Standard deviation of each part of it.
@@ -156,7 +156,7 @@ impl<'a> Told<'a> {
     }
 
     fn arm(&self, found: &Estimate<8>) -> FoundArm {
-        let Nominal { servo, tip, io_delay, .. } = &self.plan.told;
+        let Nominal { servo, tip, io_delay, .. } = &self.plan.nominal;
         let scaled = |i: usize, unit: f64| [unit * found.value[i], unit * found.sigma(i)];
         let [late, deviation] = scaled(1, 1.0);
         FoundArm {
@@ -171,7 +171,7 @@ impl<'a> Told<'a> {
     }
 }
 
-/// Fundamental of the dry friction F = 1 over the torque of the told rigid arm.
+/// Fundamental of the dry friction F = 1 over the torque of the nominal rigid arm.
 fn dry_drag(swing: &Swing) -> f64 {
     let slow = swing.omega * UNIT;
     4.0 / (PI * swing.amplitude * slow * slow)
@@ -185,7 +185,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// The machine as it is told, after `change`.
+    /// The nominal machine after `change`.
     fn machine(change: impl FnOnce(&mut Parameters)) -> Nominal {
         let mut p = Parameters::START;
         change(&mut p);
@@ -203,7 +203,7 @@ mod tests {
             let omega = std::f64::consts::TAU * tone.frequency() / truth.sample_period;
             let (arm, compensator) = (model.arm(omega), model.open(omega) / model.arm(omega));
             // hold, current loop and delay of this machine: its response over that of the arm without them
-            let shape = Shape::told(truth);
+            let shape = Shape::nominal(truth);
             let stiff = -truth.servo.inertia * omega * omega / shape.rigid(omega)
                 + Complex::I * omega * truth.servo.viscous_friction;
             let (mut open, mut amplitude) = (model.open(omega), 0.0);
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn every_unknown_is_found_far_from_what_was_told() {
+    fn every_unknown_is_found_far_from_its_nominal_value() {
         let plan = Plan::new(&Parameters::START);
         for (inertia, dry, frequency, delay, share, damping) in [
             (1.4e-3, 0.015, 0.75, 2, 0.5, 0.014),
@@ -264,9 +264,9 @@ mod tests {
             (|arm| arm.damping, tip.damping),
             (|arm| arm.share, tip.inertia),
         ] {
-            let told = all.iter().map(|arm| of(arm)[1]).sum::<f64>() / all.len() as f64;
+            let nominal = all.iter().map(|arm| of(arm)[1]).sum::<f64>() / all.len() as f64;
             let scatter = all.iter().map(|arm| (of(arm)[0] - expected).powi(2)).sum::<f64>() / all.len() as f64;
-            let ratio = scatter.sqrt() / told;
+            let ratio = scatter.sqrt() / nominal;
             assert!((0.7..1.3).contains(&ratio), "{expected}: {ratio}");
         }
     }
@@ -294,11 +294,11 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_as_unsure_as_model_reading_and_phase_of_friction_together() {
+    fn the_uncertainty_of_a_point_combines_model_noise_and_phase_of_friction() {
         let plan = Plan::new(&Parameters::START);
-        let (told, servo) = (Told::new(&plan), plan.told.servo);
+        let (nominal, servo) = (Nominals::new(&plan), plan.nominal.servo);
         for (omega, amplitude) in [(30.0, 1e-3), (60.0, 1e-3), (60.0, 1e-4), (60.0, 0.02), (200.0, 0.01)] {
-            let mut x = told.start();
+            let mut x = nominal.start();
             x[6] = 0.01 / servo.inertia * UNIT * UNIT;
             // 10 mN.m over what accelerates the arm
             let drag = 4.0 * 0.01 / (PI * amplitude) / (servo.inertia * omega * omega);
@@ -307,14 +307,14 @@ mod tests {
             for noise in [0.0, 3.0] {
                 let swing = Swing { omega, over_rigid: Complex::ONE, amplitude, noise: noise * amplitude };
                 let expected = POINT_SIGMA.hypot(noise).hypot(drag * small.hypot(bent));
-                let deviation = told.deviation(&swing, &x);
+                let deviation = nominal.deviation(&swing, &x);
                 assert!((deviation / expected - 1.0).abs() < 1e-3, "{omega} {amplitude}: {deviation} {expected}");
             }
         }
     }
 
     #[test]
-    fn few_tones_tell_nothing() {
+    fn few_tones_determine_nothing() {
         let plan = Plan::new(&Parameters::START);
         assert!(find(&plan, &FrequencyResponse::EMPTY).is_err());
         let one = FrequencyResponse::from_model(&[300.0], |omega| plan.model.closed(omega));

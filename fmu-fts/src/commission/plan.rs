@@ -1,16 +1,16 @@
-//! How far, how hard and how long a commission moves, under which loop.
+//! Travel, torque and duration of a commissioning run, and the loop that holds the arm.
 //!
 //! The arm is held by the lead-lag of the position loop with so low a crossover w_c that it is stable with g = 1/2 to 2 times
-//! the acceleration for a torque, a flexure of 0.7 to 1.43 times the frequency and half the damping, and two samples more of delay
-//! than told. A rigid arm with the lead of 4 has the open loop g |L|, |L| = 1 at w_c; it crosses at w_c times 0.6 to 1.7, with
+//! the acceleration per torque, a flexure of 0.7 to 1.43 times the frequency and half the damping, and two samples more of delay.
+//! A rigid arm with the lead of 4 has the open loop g |L|, |L| = 1 at w_c; it crosses at w_c times 0.6 to 1.7, with
 //! atan(4 x) - atan(x / 4) - atan(1 / 10 x), 50 degrees and more, less the delays: w_c = 0.3 / (1.7 tau) leaves them 17
 //! degrees. Beyond its crossover |L| is at most 4 (w_c / w)^2, and at its pole w_p the flexure makes m / (2 z sqrt(1 - m)) of it: the w_c at
 //! which the whole is 1/2 with g = 2 leaves a factor 2 of gain whatever the phase is.
 //!
 //! Each tone is so large that travel, torque and following error keep their bounds on every machine of that class: with the
 //! largest |T|, |K (1 - T)| and |1 - T| of them. About the flexure the torque is what bends it at its resonance half as far as full
-//! torque does at rest, twice as far with g = 2 and half the damping, even where that is less than `limits.disturbance`: the thrust of a cut
-//! is not there; slow tones alternate in size, so that dry and viscous friction tell apart.
+//! torque does at rest, twice as far with g = 2 and half the damping. It may be less than `limits.disturbance`, because the thrust of a
+//! cut is absent. Slow tones alternate in amplitude, which separates dry and viscous friction.
 
 use std::f64::consts::TAU;
 
@@ -25,13 +25,13 @@ use crate::servo::lead_lag::LeadLag;
 use crate::servo::loop_model::LoopModel;
 use crate::servo::nominal::Nominal;
 
-/// Frequency of the flexure over the told one; or its reciprocal.
+/// Largest ratio of the flexure frequency to the nominal one, or of its reciprocal.
 pub const FLEXURE_MAX: f64 = 1.43;
-/// Least damping of a flexure over the told one, and least of all.
+/// Smallest damping of a flexure over the nominal one, and smallest of all.
 const DAMPING: (f64, f64) = (0.5, 1e-3);
 /// Lead of the compensator; its lag is that of the position loop.
 const LEAD: f64 = 4.0;
-/// Largest crossing of a machine over that of the told one, and the phase (rad) that delays may take there.
+/// Largest crossing of a machine over the nominal one, and the phase (rad) that delays may take there.
 const CROSSING: f64 = 1.7;
 const PHASE: f64 = 0.3;
 /// Largest open loop beyond the crossing.
@@ -41,47 +41,47 @@ const SLOW: [(f64, f64); 8] =
     [(0.15, 1.0), (0.2, 0.5), (0.3, 1.0), (0.42, 0.5), (0.6, 1.0), (1.0, 1.0), (1.7, 1.0), (3.0, 1.0)];
 /// Quick tones over the frequency of the flexure.
 const QUICK: [f64; 16] = [0.25, 0.32, 0.4, 0.48, 0.56, 0.64, 0.72, 0.8, 0.88, 0.96, 1.04, 1.12, 1.2, 1.28, 1.36, 1.43];
-/// From this share on the tool may swing at its resonance.
+/// From this ratio on the tool may oscillate at its resonance.
 const BENDS_FROM: f64 = 0.44;
 /// Frequency that stands for the flexure of a rigid arm, rad/s; the highest tone, as a part of the sampling rate.
 const RIGID: f64 = TAU * 1200.0;
 const HIGHEST: f64 = 0.2;
 /// Time at a tone before it is measured, s: the integral of the slow loop.
 const SETTLE: f64 = 0.15;
-/// Part of `servo.torque_max` if nothing else is told.
+/// Default torque over `servo.torque_max`.
 const TORQUE_SHARE: f64 = 0.2;
 /// What a machine between those that are tried may do beyond them.
 const BETWEEN: f64 = 1.1;
 /// Part of `limits.following_error` that a tone may have.
 const ERROR_SHARE: f64 = 0.7;
 
-/// Loop and tones of a commission.
+/// Loop and tones of a commissioning run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
-    /// The machine as it was told.
-    pub told: Nominal,
-    /// The loop, of the arm as it was told.
+    /// The nominal machine.
+    pub nominal: Nominal,
+    /// The loop, for the nominal arm.
     pub model: LoopModel,
     /// The tones.
     pub tones: Vec<Tone>,
-    /// Standard deviation of a reading of the arm, rad: readings at rest are spread over six of it, `limits.arm_spread`.
+    /// Standard deviation of an arm angle, rad: angles at rest spread over six of them, `limits.arm_spread`.
     noise: f64,
 }
 
 impl Plan {
     /// The plan for these bounds.
     pub fn new(p: &Parameters) -> Self {
-        let told = Nominal::from(p);
-        let compensator = compensator(&told);
-        let machines = machines(&told, compensator);
-        let tones = tones(&told, crossover(&told)).map(|(omega, part)| tone(p, omega, part, &machines)).collect();
+        let nominal = Nominal::from(p);
+        let compensator = compensator(&nominal);
+        let machines = machines(&nominal, compensator);
+        let tones = tones(&nominal, crossover(&nominal)).map(|(omega, part)| tone(p, omega, part, &machines)).collect();
         let noise = p.limits.arm_spread / 6.0;
-        Self { told, model: LoopModel::new(told, compensator), tones, noise }
+        Self { nominal, model: LoopModel::new(nominal, compensator), tones, noise }
     }
 
     /// Amplitude (rad) of the set-point at the tone of this frequency (rad/s), and standard deviation of each part of what is measured.
     pub fn swing(&self, omega: f64) -> [f64; 2] {
-        let turns = omega * self.told.sample_period / TAU;
+        let turns = omega * self.nominal.sample_period / TAU;
         let near = |tone: &&Tone| (tone.frequency() / turns - 1.0).abs() < 1e-9;
         let of = |tone: &Tone| [tone.amplitude, self.noise * (2.0 / f64::from(tone.samples)).sqrt()];
         self.tones.iter().find(near).map_or([0.0; 2], of)
@@ -97,16 +97,16 @@ impl Plan {
 type Bearable = (LoopModel, Tip);
 
 /// The compensator that holds all of them.
-fn compensator(told: &Nominal) -> LeadLag {
-    let mut slow = *told;
+fn compensator(nominal: &Nominal) -> LeadLag {
+    let mut slow = *nominal;
     slow.servo.lead = LEAD;
-    LeadLag::new(slow, crossover(told))
+    LeadLag::new(slow, crossover(nominal))
 }
 
-/// Its crossover w_c on the arm as it was told, rad/s.
-fn crossover(told: &Nominal) -> f64 {
-    let Nominal { sample_period, servo, tip, .. } = told;
-    let late = (f64::from(told.loop_delay() + DELAY_SPREAD) + 0.5) * sample_period
+/// Crossover w_c of the compensator on the nominal arm, rad/s.
+fn crossover(nominal: &Nominal) -> f64 {
+    let Nominal { sample_period, servo, tip, .. } = nominal;
+    let late = (f64::from(nominal.loop_delay() + DELAY_SPREAD) + 0.5) * sample_period
         + servo.current_bandwidth.recip()
         + servo.roll_off.recip();
     let by_delay = PHASE / (CROSSING * late);
@@ -114,37 +114,37 @@ fn crossover(told: &Nominal) -> f64 {
     let by_wish = 0.25 * servo.bandwidth;
     let whole = (1.0 - tip.inertia).sqrt();
     let pole = tip.frequency / FLEXURE_MAX / whole;
-    let peak = RATIO_MAX * LEAD * tip.inertia / (2.0 * damping(told) * whole);
+    let peak = RATIO_MAX * LEAD * tip.inertia / (2.0 * damping(nominal) * whole);
     let by_flexure = if tip.frequency * tip.inertia > 0.0 { pole * (PEAK / peak).sqrt() } else { f64::INFINITY };
     by_delay.min(by_wish).min(by_flexure)
 }
 
-/// Least damping of the flexure.
-fn damping(told: &Nominal) -> f64 {
-    (DAMPING.0 * told.tip.damping).max(DAMPING.1)
+/// Smallest damping of the flexure.
+fn damping(nominal: &Nominal) -> f64 {
+    (DAMPING.0 * nominal.tip.damping).max(DAMPING.1)
 }
 
 /// Frequencies of the tones (rad/s) and the part of its full size that each has.
-fn tones(told: &Nominal, crossover: f64) -> impl Iterator<Item = (f64, f64)> {
-    let flexure = if told.tip.frequency > 0.0 { told.tip.frequency } else { RIGID };
+fn tones(nominal: &Nominal, crossover: f64) -> impl Iterator<Item = (f64, f64)> {
+    let flexure = if nominal.tip.frequency > 0.0 { nominal.tip.frequency } else { RIGID };
     let slow = SLOW.map(|(share, part)| (share * crossover, part));
     let quick = QUICK.map(|share| (share * flexure, 1.0));
-    let highest = HIGHEST * TAU / told.sample_period;
+    let highest = HIGHEST * TAU / nominal.sample_period;
     let above = slow[SLOW.len() - 1].0;
     slow.into_iter().chain(quick.into_iter().filter(move |(omega, _)| *omega > 1.05 * above && *omega <= highest))
 }
 
 /// The loop on machines at the edges of the class and between.
-fn machines(told: &Nominal, compensator: LeadLag) -> Vec<Bearable> {
+fn machines(nominal: &Nominal, compensator: LeadLag) -> Vec<Bearable> {
     let mut all = Vec::new();
     for ratio in [RATIO_MAX.recip(), 1.0, RATIO_MAX] {
-        for io_delay in [0, told.io_delay, told.io_delay + DELAY_SPREAD] {
+        for io_delay in [0, nominal.io_delay, nominal.io_delay + DELAY_SPREAD] {
             for step in -6..=6 {
-                let mut machine = Nominal { io_delay, ..*told };
+                let mut machine = Nominal { io_delay, ..*nominal };
                 machine.servo.inertia /= ratio;
                 machine.servo.viscous_friction = 0.0;
                 machine.tip.frequency *= FLEXURE_MAX.powf(f64::from(step) / 6.0);
-                machine.tip.damping = damping(told);
+                machine.tip.damping = damping(nominal);
                 all.push((LoopModel::new(machine, compensator), machine.tip));
             }
         }
@@ -203,7 +203,7 @@ pub fn time(p: &Parameters) -> f64 {
     commission_time(p.commission.time, || least_time(p))
 }
 
-/// Time (s) that the motions of a commission take.
+/// Time (s) of the motions of a commissioning run.
 pub fn least_time(p: &Parameters) -> f64 {
     Plan::new(p).experiment(p).duration()
 }
@@ -217,12 +217,12 @@ mod tests {
     use crate::servo::design::LoopMargins;
 
     /// Machines of the class that the plan was not made with.
-    fn others(told: &Nominal, mut each: impl FnMut(&Nominal)) {
+    fn others(nominal: &Nominal, mut each: impl FnMut(&Nominal)) {
         for ratio in [0.5, 0.6, 0.85, 1.3, 1.7, 2.0] {
-            for io_delay in 0..=told.io_delay + DELAY_SPREAD {
+            for io_delay in 0..=nominal.io_delay + DELAY_SPREAD {
                 for factor in [0.7, 0.83, 0.97, 1.13, 1.29, 1.43] {
                     for damping in [0.5, 1.0, 2.0] {
-                        let mut machine = Nominal { io_delay, ..*told };
+                        let mut machine = Nominal { io_delay, ..*nominal };
                         machine.servo.inertia /= ratio;
                         machine.tip.frequency *= factor;
                         machine.tip.damping *= damping;
@@ -238,8 +238,8 @@ mod tests {
         for (bandwidth, damping, delay) in [(230.0, 0.02, 1), (300.0, 0.02, 0), (100.0, 0.005, 3), (230.0, 0.1, 2)] {
             let mut p = Parameters::START;
             (p.servo.bandwidth, p.tip.damping, p.io_delay) = (TAU * bandwidth, damping, delay);
-            let (told, plan) = (Nominal::from(&p), Plan::new(&p));
-            others(&told, |machine| {
+            let (nominal, plan) = (Nominal::from(&p), Plan::new(&p));
+            others(&nominal, |machine| {
                 let margins = LoopMargins::of(machine, &LoopModel::new(*machine, *plan.model.compensator()), 0.0);
                 // 30 degrees, and a factor 2 that the peak leaves whatever its phase is
                 assert!(
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+    fn default_and_configured_bounds() {
         let mut p = Parameters::START;
         assert_eq!(travel(&p), 1.75e-3);
         assert!((torque(&p) - 1.4).abs() < 1e-12);
@@ -298,11 +298,12 @@ mod tests {
     }
 
     #[test]
-    fn tones_are_made_for_arms_that_are_softer_and_stiffer_than_they_were_told() {
-        let told = Nominal::from(&Parameters::START);
-        let all = machines(&told, compensator(&told));
+    fn tones_suit_arms_that_are_softer_and_stiffer_than_nominal() {
+        let nominal = Nominal::from(&Parameters::START);
+        let all = machines(&nominal, compensator(&nominal));
         for factor in [FLEXURE_MAX.recip(), 1.0, FLEXURE_MAX] {
-            let there = all.iter().filter(|(_, tip)| (tip.frequency / told.tip.frequency / factor - 1.0).abs() < 1e-9);
+            let there =
+                all.iter().filter(|(_, tip)| (tip.frequency / nominal.tip.frequency / factor - 1.0).abs() < 1e-9);
             // three inertias with three delays
             assert_eq!(there.count(), 9, "{factor}");
         }

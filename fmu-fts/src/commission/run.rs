@@ -1,4 +1,4 @@
-//! The commission as the controller sees it: what swings, what was found, and which values are in force.
+//! The commissioning run inside the controller: oscillation, results and active values.
 
 use control_blocks::{InForce, ticks};
 use serde::{Deserialize, Serialize};
@@ -14,23 +14,23 @@ use crate::servo::lead_lag::LeadLag;
 use crate::servo::loop_model::LoopModel;
 use crate::servo::nominal::Nominal;
 
-/// What is left of the bandwidth in each trial that does not leave enough margin, and the least of the wish.
+/// Ratio of the bandwidth of each trial to the one before, and the smallest ratio to the desired bandwidth.
 const NARROWER: f64 = 0.96;
 const BANDWIDTH_MIN: f64 = 0.3;
 
-/// Time in which a swinging arm must be seen to move, s: three tones, about the zero of the flexure the hub hardly does.
+/// Time in which an oscillating arm must be seen to move, s: three tones, because the hub hardly moves at the zero of the flexure.
 const STANDS: f64 = 1.2;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CommissioningRun {
-    /// The tones of the present or last commission.
+    /// The tones of the present or last run.
     pub experiment: Identification,
     /// What was measured.
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,
-    /// The commission has come to its end, and its result is good.
+    /// The run is complete and its result is good.
     pub finished: bool,
     plan: Plan,
     /// its longest time, s
@@ -38,7 +38,7 @@ pub struct CommissioningRun {
     values: InForce<Values>,
     /// those with the arm that was measured, whose bandwidth is being found
     candidate: Values,
-    /// last reading of the arm (rad), and the samples for which it has stood
+    /// last arm angle (rad), and the number of samples without a change
     angle: f64,
     still: u32,
 }
@@ -46,7 +46,7 @@ pub struct CommissioningRun {
 impl CommissioningRun {
     /// Nothing measured so far.
     pub fn new(p: &Parameters) -> Self {
-        let (plan, told) = (Plan::new(p), Values::of(p));
+        let (plan, nominal) = (Plan::new(p), Values::of(p));
         Self {
             experiment: plan.experiment(p),
             measured: Measured::START,
@@ -54,22 +54,22 @@ impl CommissioningRun {
             finished: false,
             plan,
             limit: plan::time(p),
-            values: InForce::new(told),
-            candidate: told,
+            values: InForce::new(nominal),
+            candidate: nominal,
             angle: 0.0,
             still: 0,
         }
     }
 
-    /// Begins at rest, under the loop of the arm as it was told.
+    /// Starts at rest, under the loop of the nominal arm.
     pub fn begin(&mut self) {
         self.experiment.restart();
         self.measured = Measured::START;
         (self.rejected, self.finished, self.still) = (false, false, 0);
     }
 
-    /// Ends before its end: what was told counts.
-    pub fn break_off(&mut self) {
+    /// Aborts: the configured values become active.
+    pub fn abort(&mut self) {
         self.values.restore();
         self.measured.valid = false;
     }
@@ -94,18 +94,18 @@ impl CommissioningRun {
         self.values.take_renewed()
     }
 
-    /// Whether what was told is in force.
-    pub fn as_told(&self) -> bool {
+    /// Whether the configured values are active.
+    pub fn configured(&self) -> bool {
         self.values.as_told()
     }
 
-    /// Names and values of what a good commission derives.
+    /// Names and values that a successful run derives.
     pub fn derived(&self) -> [(&'static str, f64); 8] {
         self.values.derived().entries()
     }
 
-    /// After a sample with the arm at `angle` (rad): once the swing is over the response tells the arm, and then, one trial in each
-    /// sample, the bandwidth. An arm that seems to stand tells nothing, and may be anywhere.
+    /// After a sample with the arm at `angle` (rad): once the oscillation is over, the response identifies the arm, and then, one trial per
+    /// sample, the bandwidth. An arm without a change of its angle identifies nothing.
     pub fn observe(&mut self, p: &Parameters, angle: f64) {
         let before = std::mem::replace(&mut self.angle, angle);
         self.still = if angle == before { self.still + 1 } else { 0 };
@@ -120,15 +120,15 @@ impl CommissioningRun {
         if let Ok(arm) = find(&self.plan, self.experiment.response()) {
             self.measured = measured(&arm);
         }
-        let told = self.values.told();
-        self.rejected = !acceptable(p, &told.nominal, &self.measured);
-        self.candidate = told.derived(&self.measured);
+        let nominal = self.values.told();
+        self.rejected = !acceptable(p, &nominal.nominal, &self.measured);
+        self.candidate = nominal.derived(&self.measured);
     }
 
-    /// The bandwidth that is wished, or the largest below it that leaves the margins, and for which the other parameters can be taken.
+    /// The desired bandwidth, or the largest below it that leaves the margins and suits the other parameters.
     fn shape(&mut self, p: &Parameters) {
         let (compensator, _) = shape(&self.candidate.nominal);
-        // the loop is designed with whole samples, and judged with the delay that it has
+        // the design uses whole samples; its margins use the measured delay
         let late = self.measured.io_delay - f64::from(self.candidate.nominal.io_delay);
         let model = LoopModel::new(self.candidate.nominal, compensator);
         let margins = LoopMargins::of(&self.candidate.nominal, &model, late);

@@ -1,4 +1,4 @@
-//! The parameters that a commission derives, and how.
+//! The parameters that a commissioning run derives.
 
 use control_blocks::{DELAY_MAX, DELAY_SPREAD, RATIO_MAX, significant_or, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use crate::commission::plan::FLEXURE_MAX;
 use crate::interface::{Measured, Parameters, Servo, Tip};
 use crate::servo::nominal::Nominal;
 
-/// All parameters that a commission derives.
+/// All parameters that a commissioning run derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     /// The machine of the loop with them.
@@ -59,20 +59,20 @@ impl Values {
     }
 }
 
-/// Longest delay (samples) that a commission can bear which was `told` of the machine.
-pub fn longest_delay(told: &Nominal) -> i32 {
-    (told.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32 - told.arm_delay)
+/// Longest delay (samples) that a commissioning run tolerates for the nominal machine `nominal`.
+pub fn longest_delay(nominal: &Nominal) -> i32 {
+    (nominal.io_delay + DELAY_SPREAD).min(DELAY_MAX as i32 - nominal.arm_delay)
 }
 
-/// Whether an arm was measured surely enough, and is one of those that the commission is for; `told` is the machine that it took
+/// Whether the result is certain enough and within the class of machines; `nominal` is the nominal machine that it
 /// for it.
-pub fn acceptable(p: &Parameters, told: &Nominal, m: &Measured) -> bool {
+pub fn acceptable(p: &Parameters, nominal: &Nominal, m: &Measured) -> bool {
     let share = p.commission.std_max;
-    within_factor(m.inertia, told.servo.inertia, RATIO_MAX)
+    within_factor(m.inertia, nominal.servo.inertia, RATIO_MAX)
         && sure(m.inertia, m.inertia_std, share)
-        && within_factor(m.tip_frequency, told.tip.frequency, FLEXURE_MAX)
+        && within_factor(m.tip_frequency, nominal.tip.frequency, FLEXURE_MAX)
         && sure(m.tip_frequency, m.tip_frequency_std, share)
-        && (0..=longest_delay(told)).contains(&whole_delay(m.io_delay))
+        && (0..=longest_delay(nominal)).contains(&whole_delay(m.io_delay))
         && m.io_delay_std <= p.commission.delay_std_max
 }
 
@@ -80,7 +80,7 @@ pub fn acceptable(p: &Parameters, told: &Nominal, m: &Measured) -> bool {
 mod tests {
     use super::*;
 
-    /// A good measurement of an arm a fifth heavier than told.
+    /// A good measurement of an arm a fifth heavier than nominal.
     const GOOD: Measured = Measured {
         valid: true,
         inertia: 9.6e-4,
@@ -102,10 +102,10 @@ mod tests {
     #[test]
     fn what_is_put_is_what_was_taken() {
         let mut p = Parameters::START;
-        let told = Values::of(&p);
-        told.put(&mut p);
+        let nominal = Values::of(&p);
+        nominal.put(&mut p);
         assert_eq!(p, Parameters::START);
-        let values = told.derived(&GOOD);
+        let values = nominal.derived(&GOOD);
         values.put(&mut p);
         assert_eq!(Values::of(&p), values);
         // the viscous friction is not significant, and no damping is negative
@@ -115,17 +115,17 @@ mod tests {
         let entries = values.entries();
         assert!(entries.contains(&("servo.inertia", 9.6e-4)) && entries.contains(&("io_delay", 2.0)));
         // nothing acts before it is sent
-        assert_eq!(told.derived(&Measured { io_delay: -0.4, ..GOOD }).nominal.io_delay, 0);
+        assert_eq!(nominal.derived(&Measured { io_delay: -0.4, ..GOOD }).nominal.io_delay, 0);
     }
 
     #[test]
     fn each_limit_is_the_last_value_that_is_accepted() {
-        let (p, told) = (Parameters::START, Nominal::from(&Parameters::START));
+        let (p, nominal) = (Parameters::START, Nominal::from(&Parameters::START));
         type Set = fn(&mut Measured, f64);
         let with = |set: Set, x: f64| {
             let mut m = GOOD;
             set(&mut m, x);
-            acceptable(&p, &told, &m)
+            acceptable(&p, &nominal, &m)
         };
         let limits: [(Set, f64, f64); 9] = [
             (|m, x| m.inertia_std = x, 1.92e-5, 1.93e-5),
@@ -141,6 +141,6 @@ mod tests {
         for (i, (set, last, first)) in limits.into_iter().enumerate() {
             assert_eq!((with(set, last), with(set, first)), (true, false), "{i}");
         }
-        assert!(!acceptable(&p, &told, &Measured::START));
+        assert!(!acceptable(&p, &nominal, &Measured::START));
     }
 }

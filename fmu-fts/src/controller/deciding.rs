@@ -9,7 +9,7 @@ use crate::path::feasibility::infeasible;
 use crate::reading::Reading;
 
 impl Controller {
-    /// What is asked for; while the arm is held for a commission, no job.
+    /// The requested mode; `Idle` while the arm is held for a commissioning run.
     fn asked(&mut self, input: &Input) -> Mode {
         let mode = self.request.read(input);
         if !self.slow {
@@ -34,7 +34,7 @@ impl Controller {
         }
         let [commission, enable] = self.edges(input);
         let asked = self.commission_asked.update(self.state.waits(), commission, input.commission);
-        // of a fault the last is told
+        // the message of a fault shows the last value
         if self.state != State::Fault {
             self.late = late(p, self.tracker.path(), self.measurements(), self.state, &self.job);
         }
@@ -44,7 +44,7 @@ impl Controller {
             at_rest: !self.ending.braking() && (!self.closed() || self.stands(p)),
             renewed: self.request.renewed(),
             commission: asked && self.reader.arm_velocity(p) == 0.0,
-            break_off: !input.commission || enable || self.request.renewed(),
+            abort: !input.commission || enable || self.request.renewed(),
             commissioned: self.commissioning.finished,
             arm_known: self.reader.arm_known(),
             spindle_known: self.spindle_known(p),
@@ -64,11 +64,11 @@ impl Controller {
             }
         }
         if !self.closed() {
-            self.reader.begin_arm_anew();
+            self.reader.restart_arm();
             self.slow = false;
         }
         if !self.closed() || self.tracker.gone(p) {
-            self.reader.begin_anew();
+            self.reader.restart();
         }
     }
 
@@ -89,7 +89,7 @@ impl Controller {
         }
     }
 
-    /// Whether a path can begin: a speed that is too much for it may be one of a bad reading, and waits for the next.
+    /// Whether a path can start: a speed above its limit may come from a bad sample, and waits for the next one.
     fn spindle_known(&self, p: &Parameters) -> bool {
         let doubtful = self.reader.spindle_begins() && infeasible(p, self.tracker.path(), self.spindle.speed);
         self.spindle.known() && self.reader.spindle_known() && !doubtful

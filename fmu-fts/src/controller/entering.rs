@@ -18,7 +18,7 @@ impl Controller {
         let fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);
         self.ending.begin(p, fault, closed && state == State::Fault, self.last_motion(p));
         if self.state == State::Commission && !self.commissioning.finished {
-            self.commissioning.break_off();
+            self.commissioning.abort();
         }
         if !closed || state == State::Commission {
             self.begin(p, reading.arm_angle);
@@ -28,7 +28,7 @@ impl Controller {
             State::Hold | State::Calibrate => self.leave(p, reading.hold_angle),
             State::Identify => {
                 self.leave(p, reading.hold_angle);
-                if !self.identification.swinging() {
+                if !self.identification.oscillating() {
                     self.identification.restart();
                 }
             }
@@ -39,7 +39,7 @@ impl Controller {
                 self.slow = true;
             }
             State::Retract if self.tracker.gone(p) => {
-                self.stop_swing();
+                self.stop_oscillation();
                 self.hold.stop(p);
             }
             State::Fault | State::Done | State::Retract => {
@@ -80,9 +80,9 @@ impl Controller {
         self.identification.restart();
     }
 
-    /// Off the path and out of a swing, to rest at `goal` (rad).
+    /// Off the path and out of an oscillation, to rest at `goal` (rad).
     fn leave(&mut self, p: &Parameters, goal: f64) {
-        self.stop_swing();
+        self.stop_oscillation();
         if self.tracker.arrived(p) {
             // nothing of what was held before is in the motion
             self.hold = HoldMotion::at(goal);

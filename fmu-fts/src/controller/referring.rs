@@ -1,4 +1,4 @@
-//! What the arm should do in a sample: held, on the path, on its way between both, or swinging to be measured.
+//! Reference of the arm in a sample: held, on the path, in transition, or oscillating for a measurement.
 
 use std::f64::consts::TAU;
 
@@ -45,10 +45,10 @@ impl Controller {
         wanted
     }
 
-    /// The motion beside the path.
+    /// The motion off the path.
     fn held(&mut self, p: &Parameters, reading: &Reading) -> Trajectory {
         match self.state {
-            State::Calibrate if reading.cutting && self.tracker.gone(p) && !self.identification.swinging() => {
+            State::Calibrate if reading.cutting && self.tracker.gone(p) && !self.identification.oscillating() => {
                 let motion = sweep(p, self.motion, reading.hold_angle);
                 // what comes after the cut begins here
                 self.hold.go(p, motion, reading.hold_angle);
@@ -64,17 +64,17 @@ impl Controller {
         Wanted { motion, depth: self.arm.depth(motion.position), set_point: motion.position }
     }
 
-    /// Once the arm holds its angle it swings about it, until the frequency response is complete and in use; what is broken
-    /// off fades.
+    /// Once the arm holds its angle it oscillates about it, until the frequency response is complete and in use; an aborted
+    /// oscillation fades.
     fn swing(&mut self, p: &Parameters, center: Trajectory, reading: &Reading) -> Trajectory {
         let measures = matches!(self.state, State::Identify | State::Commission);
         let ready = measures && self.hold.arrived(p) && self.tracker.gone(p);
         let experiment = if self.slow { &mut self.commissioning.experiment } else { &mut self.identification };
         let begins = ready && !experiment.done();
-        if begins && experiment.broken_off() {
+        if begins && experiment.aborted() {
             experiment.restart();
         }
-        if !begins && !experiment.swinging() {
+        if !begins && !experiment.oscillating() {
             return center;
         }
         let position = center.position + experiment.step(reading.arm_angle - center.position, self.recursion.saturated);

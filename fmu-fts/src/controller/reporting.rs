@@ -25,7 +25,7 @@ impl Controller {
         output.drive_gain_ratio = self.watch.share(p).unwrap_or(1.0);
         output.reference = ReferenceOutput { depth: wanted.depth, angle: wanted.motion.position };
         output.error = ErrorOutput {
-            // of a fault the last error is told
+            // the message of a fault shows the last error
             tracking: match self.state {
                 State::Fault if !self.closed() => self.watch.following_error(),
                 _ => self.arm.lever(reading.arm_angle) * behind,

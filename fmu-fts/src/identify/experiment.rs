@@ -1,8 +1,8 @@
-//! Frequency response in place: the position loop is swung with one sine after the other, and set-point and arm angle
+//! Frequency response on the machine: the position loop is excited with one sine after the other, and set-point and arm angle
 //! are correlated with it over whole periods.
 //!
-//! Friction falsifies small motions: the torque it takes does not shrink with them. So every frequency is measured with
-//! the amplitude of the job, as far as torque, acceleration and following error allow. A frequency at which the torque
+//! Friction biases small motions: its torque does not shrink with them. So every frequency is measured with
+//! the amplitude of the cut, as far as torque, acceleration and following error allow. A frequency at which the torque
 //! reaches its limit is left out.
 
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ pub struct Identification {
     tones: Vec<Tone>,
     glide: u32,
     settle: u32,
-    /// Present tone; behind the last one the arm comes to rest.
+    /// Present tone; after the last one the arm comes to rest.
     tone: usize,
     /// Samples of this tone so far.
     tick: u32,
@@ -40,13 +40,13 @@ pub struct Identification {
     angle: Complex<f64>,
     /// The torque has reached its limit in this tone.
     saturated: bool,
-    /// Broken off: amplitude (rad) and frequency (periods in a sample) from which the swing fades.
+    /// Aborted: amplitude (rad) and frequency (periods per sample) from which the oscillation fades.
     fading: Option<(f64, f64)>,
     response: FrequencyResponse,
 }
 
 impl Identification {
-    /// The experiment before its first sample; `expected` tells about what happens at a frequency (rad/s).
+    /// The experiment before its first sample; `expected` gives the approximate response at a frequency (rad/s).
     pub fn new(p: &Parameters, expected: impl Fn(f64) -> Expected) -> Self {
         let tones = p.identify.grid.iter().map(|omega| Tone::new(p, omega, &expected(omega))).collect();
         Self::of(p, tones, SETTLE_TIME)
@@ -85,20 +85,20 @@ impl Identification {
         (self.response, self.fading) = (FrequencyResponse::EMPTY, None);
     }
 
-    /// Breaks off: the swing fades within `identify.glide_time`.
+    /// Aborts: the oscillation fades within `GLIDE_TIME`.
     pub fn stop(&mut self) {
-        if self.swinging() && self.fading.is_none() {
+        if self.oscillating() && self.fading.is_none() {
             self.fading = Some(self.excitation());
             (self.tone, self.tick) = (self.tones.len(), 0);
         }
     }
 
-    /// Whether the set-point swings.
-    pub fn swinging(&self) -> bool {
+    /// Whether the set-point oscillates.
+    pub fn oscillating(&self) -> bool {
         self.elapsed > 0 && !self.over()
     }
 
-    /// One sample: takes the arm angle (rad) and gives the set-point (rad), both from the center of the swing;
+    /// One sample: takes the arm angle (rad) and gives the set-point (rad), both from the center of the oscillation;
     /// `saturated` says that the last torque was at its limit.
     pub fn step(&mut self, angle: f64, saturated: bool) -> f64 {
         self.saturated |= saturated;
@@ -120,8 +120,8 @@ impl Identification {
         f64::from(self.ticks()) * self.period
     }
 
-    /// Whether it was broken off and has faded.
-    pub fn broken_off(&self) -> bool {
+    /// Whether it was aborted and has faded.
+    pub fn aborted(&self) -> bool {
         self.over() && self.fading.is_some()
     }
 
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn it_takes_as_long_as_was_told_and_ends_at_rest() {
+    fn it_takes_its_calculated_duration_and_ends_at_rest() {
         let p = Parameters::START;
         let (identification, angles) = run(&p, |_, angle| angle);
         assert!((angles.len() as f64 * p.sample_period - duration(&p)).abs() < 1e-9);
@@ -349,11 +349,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_broken_off_fades_within_the_glide_time_and_measures_nothing_more() {
+    fn an_aborted_experiment_fades_within_the_glide_time_and_measures_nothing_more() {
         let p = Parameters::START;
         for after in [1, 100, 700, 3400, 3600, 9000] {
             let (mut identification, mut plant) = (experiment(&p), Loop::default());
-            assert!(!identification.swinging() && !identification.broken_off());
+            assert!(!identification.oscillating() && !identification.aborted());
             let mut swing = |identification: &mut Identification| {
                 let set_point = identification.step(plant.angle(), false);
                 plant.step(set_point);
@@ -366,7 +366,7 @@ mod tests {
             let glide = ticks(GLIDE_TIME, p.sample_period);
             for k in 0..glide {
                 assert!(
-                    identification.swinging() && !identification.broken_off() && !identification.done(),
+                    identification.oscillating() && !identification.aborted() && !identification.done(),
                     "{after} {k}"
                 );
                 // level at its begin, a half in the middle, level at its end
@@ -376,7 +376,7 @@ mod tests {
                     (identification.excitation().0 - left).abs() < 1e-12 && swing(&mut identification).abs() <= left
                 );
             }
-            assert!(identification.broken_off() && !identification.swinging() && !identification.done());
+            assert!(identification.aborted() && !identification.oscillating() && !identification.done());
             assert_eq!((swing(&mut identification), identification.response().points().len()), (0.0, measured));
         }
     }

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Part of the following error that is a fault which the swing may have.
+/// Largest error of the oscillation over the limit of the following error.
 const ERROR_SHARE: f64 = 0.7;
 
-/// Least time that is averaged, in whole periods, s: two periods of the lowest default frequency.
+/// Smallest averaging time, in whole periods, s: two periods of the lowest default frequency.
 const AVERAGE_TIME: f64 = 0.2;
 
 /// What is expected at a frequency.
@@ -57,7 +57,7 @@ impl Tone {
     }
 }
 
-/// Amplitude of the set-point (rad): the tool moves as in the job, or as far as the limits allow.
+/// Amplitude of the set-point (rad): the tool moves as in the cut, or as far as the limits allow.
 fn amplitude(p: &Parameters, omega: f64, expected: &Expected) -> f64 {
     let (identify, length) = (&p.identify, p.tool.arm_length[p.tool.index()]);
     let tool = identify.amplitude.min(identify.acceleration_max / (omega * omega));
@@ -104,7 +104,7 @@ mod tests {
     fn each_limit_counts_where_it_is_the_smallest() {
         let p = Parameters::START;
         let amplitude = |hertz: f64, t: f64| tone(&p, hertz, Complex::new(t, 0.0)).amplitude;
-        // the job at 10 Hz, half of 7 N.m at 100 Hz, a little more set-point where the loop lags
+        // the amplitude of the cut at 10 Hz, half of 7 N.m at 100 Hz, a little more set-point where the loop lags
         assert!((amplitude(10.0, 1.0) - 1.75e-3 / 0.08).abs() < 1e-12);
         assert!((amplitude(100.0, 1.0) - 3.5 / 8e-4 / (TAU * 100.0).powi(2)).abs() < 1e-12);
         assert!((amplitude(200.0, 0.9) - 3.5 / 8e-4 / (TAU * 200.0).powi(2) / 0.9).abs() < 1e-12);
@@ -113,7 +113,7 @@ mod tests {
         let mut gentle = p.clone();
         gentle.identify.acceleration_max = 1.0;
         assert!((tone(&gentle, 100.0, Complex::ONE).amplitude - 1.0 / 0.08 / (TAU * 100.0).powi(2)).abs() < 1e-12);
-        // a tool that swings four times as far as the hub
+        // a tool that oscillates four times as far as the hub
         let omega = TAU * 1e3;
         let bent = Expected { response: Complex::ONE, stiffness: p.servo.inertia * omega * omega, hub_over_tool: 0.25 };
         assert!((Tone::new(&p, omega, &bent).amplitude - 0.25 * 500.0 / 0.08 / (omega * omega)).abs() < 1e-12);

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use control_blocks::{ParameterError, whole_numbers};
 use serde::{Deserialize, Serialize};
 
-/// The highest harmonic that any part of the law knows.
+/// The highest harmonic of the controller.
 pub const HIGHEST: usize = 64;
 
 /// Harmonics between 1 and [`HIGHEST`].

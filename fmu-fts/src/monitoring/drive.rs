@@ -1,12 +1,11 @@
-//! What the drive does of what it is told: acceleration of the arm over that of the torque command.
+//! Gain of the drive: acceleration of the arm over that of the torque command.
 //!
-//! The second difference of three readings answers the mean of the two commands that acted between them,
+//! The second difference of three arm angles responds to the mean of the two commands that acted between them,
 //! y_k - 2 y_(k-1) + y_(k-2) = T_s^2 (u_(k-1-d) + u_(k-2-d)) / (2 J). Both sides lose what is slower than 20 ms, a thrust that
 //! only the torque balances, and what is faster than 200 Hz, where the arm is no rigid body and encoders are noisy.
 //!
-//! What the drive does now cannot wait for 200 Hz: within two milliseconds an arm is left behind whose drive has turned. Without that
-//! filter only a large torque tells it, one that stands above disturbances and above the noise of a second difference, sqrt(6)
-//! of that of a reading.
+//! The present gain cannot wait for 200 Hz: a reversed drive loses the arm within two milliseconds. Without that filter only a large
+//! torque identifies it: one above the disturbances and above the noise of a second difference, sqrt(6) times that of an arm angle.
 
 use std::f64::consts::TAU;
 
@@ -19,12 +18,12 @@ use crate::interface::Parameters;
 const SLOW: f64 = 0.02;
 /// Corner of what is too fast, rad/s.
 const FAST: f64 = TAU * 200.0;
-/// Time after which a motion is forgotten, s; and where only the cause counts.
+/// Time after which a motion is discarded, s; and the time in which only the cause is evaluated.
 const MEMORY: f64 = 0.01;
 const SHORT: f64 = 0.002;
 /// Time constant of what it does now, s: after a millisecond a seventh of what was before is left.
 const NOW: f64 = 5e-4;
-/// Deviations of a second difference, three of them, over the spread of readings at rest, six of theirs.
+/// Three standard deviations of a second difference, over the spread of angles at rest, six standard deviations.
 const NOISE: f64 = 3.0 * 2.449_489_742_783_178 / 6.0;
 
 /// A signal without its slow and its fast part.
@@ -47,18 +46,18 @@ impl Band {
     }
 }
 
-/// The commands on their way and the last readings.
+/// The commands in transit and the last arm angles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct DriveWatch {
     sent: SentCommands,
     readings: [Option<f64>; 2],
-    told: Band,
+    commanded: Band,
     done: Band,
     response: Response,
     now: Response,
     latest: Response,
     moving: Response,
-    /// the last share that `now` told, and the samples since
+    /// the last ratio of `now`, and the samples since
     seen: Option<(f64, u32)>,
 }
 
@@ -72,11 +71,11 @@ impl DriveWatch {
         let torques = self.sent.before(late) + self.sent.before((late + 1).min(DELAY_MAX));
         self.sent.send(torque);
         if let Some((before, earlier)) = before.zip(earlier) {
-            let [told_now, told] = self.told.update(0.5 * torques / p.servo.inertia, dt);
+            let [commanded_now, commanded] = self.commanded.update(0.5 * torques / p.servo.inertia, dt);
             let [done_now, done] = self.done.update((arm_angle - 2.0 * before + earlier) / (dt * dt), dt);
-            self.now.update(told_now, done_now, NOW / dt);
-            self.response.update(told, done, MEMORY / dt);
-            self.latest.update(told, done, SHORT / dt);
+            self.now.update(commanded_now, done_now, NOW / dt);
+            self.response.update(commanded, done, MEMORY / dt);
+            self.latest.update(commanded, done, SHORT / dt);
             if arm_angle != before {
                 self.moving = self.latest;
             }
@@ -96,13 +95,13 @@ impl DriveWatch {
         self.now.share(undisturbed(p, NOW).max(noise * noise))
     }
 
-    /// The last share that [`Self::now`] told, for `MEMORY` after it: a torque that takes the arm 1 mm from its path in that time
-    /// is not too small to tell one.
+    /// The last ratio of [`Self::now`], for `MEMORY` after it: a torque that moves the arm 1 mm off its path in that time
+    /// is large enough to give one.
     pub fn seen(&self) -> Option<f64> {
         self.seen.map(|(share, _)| share)
     }
 
-    /// The share that names the cause: that of `now` without its margin for noise, or the latest.
+    /// The ratio that identifies the cause: that of `now` without its margin for noise, or the latest.
     pub fn cause(&self, p: &Parameters) -> Option<f64> {
         self.now.share(undisturbed(p, NOW)).or(self.latest(p))
     }
@@ -119,8 +118,8 @@ impl DriveWatch {
         self.moving.share(SHORT / p.sample_period * least * least)
     }
 
-    /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could take the
-    /// share, at worst 1 - d / u, of a good drive below `expert.limits.drive_gain_ratio`.
+    /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could move the
+    /// ratio, at worst 1 - d / u, of a good drive below `expert.limits.drive_gain_ratio`.
     pub fn share(&self, p: &Parameters) -> Option<f64> {
         self.response.share(undisturbed(p, MEMORY))
     }
@@ -141,7 +140,7 @@ pub fn disturbance(p: &Parameters) -> f64 {
 mod tests {
     use super::*;
 
-    /// The share of a rigid arm with `gain` under a torque over the time, after 0.1 s.
+    /// The ratio of a rigid arm with `gain` under a torque over the time, after 0.1 s.
     fn share(gain: f64, torque: impl Fn(f64) -> f64, resolution: f64) -> Option<f64> {
         let (p, dt) = (Parameters::START, 1e-4);
         let mut watch = DriveWatch::default();
@@ -194,7 +193,7 @@ mod tests {
 
     #[test]
     fn a_disturbance_that_is_allowed_never_makes_a_good_drive_weak() {
-        // the command holds against the whole 0.21 N.m, beside a motion that it makes
+        // the command balances the whole 0.21 N.m, in addition to a motion
         for motion in [0.05, 0.1, 0.14, 0.2, 0.4] {
             let (p, dt, mut watch) = (Parameters::START, 1e-4, DriveWatch::default());
             let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
@@ -210,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn what_it_does_now_and_did_when_it_last_moved_is_told_of_more_torque_than_disturbances_have() {
+    fn the_present_and_the_last_moving_ratio_need_more_torque_than_the_disturbances() {
         let (p, dt) = (Parameters::START, 1e-4);
         for (torque, tells) in [(0.2, false), (5.0, true)] {
             let (mut watch, mut angle, mut velocity, mut before) = (DriveWatch::default(), 0.0, 0.0, 0.0);
@@ -230,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn what_it_does_now_is_told_of_more_torque_than_disturbances_and_noise_have() {
+    fn the_present_ratio_needs_more_torque_than_disturbances_and_noise() {
         // a torque that turns each millisecond
         let now = |p: &Parameters, gain: f64, torque: f64| {
             let (dt, mut watch) = (p.sample_period, DriveWatch::default());
@@ -250,7 +249,7 @@ mod tests {
             // after two milliseconds 2 % of what was before is left
             assert!(now(&p, gain, 5.0).is_some_and(|share| (share - gain).abs() < 0.07), "{gain}");
         }
-        // 0.21 N.m are 0.35 N.m for a share of 0.4; the spread of 20 um asks for 2.2 N.m
+        // 0.21 N.m are 0.35 N.m for a ratio of 0.4; the spread of 20 um requires 2.2 N.m
         assert_eq!([1.8, 2.9].map(|torque| now(&p, 1.0, torque).is_some()), [false, true]);
         p.limits.arm_spread = 1e-6;
         assert_eq!([0.3, 0.5].map(|torque| now(&p, 1.0, torque).is_some()), [false, true]);
@@ -260,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_torque_says_nothing() {
+    fn a_small_torque_gives_no_ratio() {
         assert_eq!(share(1.0, |t| 0.2 * (TAU * 20.0 * t).cos(), 1e-9), None);
         assert_eq!(share(0.0, |_| 5.0, 1e-9), None);
     }

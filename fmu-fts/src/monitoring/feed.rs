@@ -1,8 +1,8 @@
-//! Whether the slide goes on with its feed, turn by turn.
+//! Whether the slide keeps its feed, evaluated per revolution.
 //!
-//! Another drives the slide, and it may stand. Where `limits.feed` tells how far it goes in a turn, a reading that went with
-//! it for one turn and is more than half of it off in a later one stands, drifts or slips: half a feed a turn tells a
-//! slide that stands from one that goes, whatever the resolution below that.
+//! The slide has an external drive and may rest. `limits.feed` configures its travel per revolution. A position that moved with it for
+//! one revolution and is more than half of it off in a later one is frozen, drifts or slips. Half a feed per revolution distinguishes a
+//! slide at rest from one that moves, at any finer resolution.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ pub struct FeedWatch {
     /// where it began: spindle angle (rad) and slide position (m)
     begin: Option<(f64, f64)>,
     fed: bool,
-    /// way of a turn that was not right, m
+    /// travel of a revolution out of tolerance, m
     lost: Option<f64>,
 }
 
@@ -35,7 +35,7 @@ impl FeedWatch {
         }
     }
 
-    /// Way (m) of the first turn in which the slide, which went with its feed, did no more.
+    /// Travel (m) of the first revolution out of tolerance, after one with the feed.
     pub fn lost(&self) -> Option<f64> {
         self.lost
     }
@@ -45,7 +45,7 @@ impl FeedWatch {
 mod tests {
     use super::*;
 
-    /// The turn in which the slide is lost, with a feed of 10 um a turn.
+    /// The revolution in which the slide is lost, with a feed of 10 um per revolution.
     fn lost_in(feed: f64, position: impl Fn(f64) -> f64) -> Option<u32> {
         let (mut p, mut watch) = (Parameters::START, FeedWatch::default());
         p.limits.feed = feed;
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn one_that_stands_or_drifts_after_that_is_lost_within_two_turns() {
+    fn one_that_is_frozen_or_drifts_after_that_is_lost_within_two_revolutions() {
         for drift in [0.0, 0.3, 2.0] {
             let lost = lost_in(1e-5, |turns| 1e-5 * (turns.min(10.0) + drift * (turns - 10.0).max(0.0)));
             assert!(matches!(lost, Some(10..=12)), "{drift}: {lost:?}");

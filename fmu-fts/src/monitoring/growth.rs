@@ -1,19 +1,20 @@
 //! Whether the error grows from turn to turn: a cancellation or a cut that is not stable.
 //!
-//! What a stable loop is left with falls with its time constants, and noise is the same in every turn. A tool that goes
-//! into the part, or a step of another kind, is over within two turns. An error that rises in four to ten turns in a row,
-//! to twice what it was, by 1.05 to 4 in each, comes of itself: each turn cuts what the one before has left, and the
-//! harmonics learn it with the wrong phase. At another speed the path is another, too, and the turns begin anew. Below `expert.limits.tracking_error` nothing is said.
+//! The residual error of a stable loop decays with its time constants, and noise is the same in every revolution. A tool that enters
+//! the part, or a step of another kind, is over within two revolutions. An error that rises in four to ten consecutive revolutions,
+//! to twice its value, by 1.05 to 4 in each, is unstable: each revolution cuts the error of the one before, and the
+//! harmonics learn it with the wrong phase. Another speed means another path, and the count restarts. Below
+//! `expert.limits.tracking_error` there is no fault.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Least and largest number of turns in a row: an error that doubles over more of them goes with the path.
+/// Smallest and largest number of consecutive revolutions: an error that doubles over more of them follows the path.
 const TURNS: [u32; 2] = [4, 10];
 /// Growth over them.
 const GROWTH: f64 = 2.0;
-/// Least and largest growth in one turn: noise rises by less, a step of the path by more.
+/// Smallest and largest growth in one revolution: noise rises by less, a step of the path by more.
 const EACH: [f64; 2] = [1.05, 4.0];
 /// Largest change of the speed of the spindle over them.
 const STEADY: f64 = 0.01;
@@ -21,7 +22,7 @@ const STEADY: f64 = 0.01;
 /// The turns in which the error has risen; by default none.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct GrowthWatch {
-    /// error over the last turn, and where it began to rise, root mean square, m
+    /// error of the last revolution, and the error where it started to rise, root mean square, m
     last: f64,
     begin: f64,
     /// speed of the spindle there, rad/s
@@ -32,7 +33,7 @@ pub struct GrowthWatch {
 impl GrowthWatch {
     /// Takes the error over the last full turn (m, root mean square, 0 before the first) and the speed of the spindle (rad/s).
     pub fn update(&mut self, rms: f64, speed: f64) {
-        // the same until the next turn is full
+        // the value is constant until the next revolution is complete
         if rms == self.last {
             return;
         }
@@ -46,7 +47,7 @@ impl GrowthWatch {
         self.last = rms;
     }
 
-    /// Turns in a row in which it has risen, and the error where it began to (m, root mean square).
+    /// Consecutive revolutions with a rise, and the error at their start (m, root mean square).
     pub fn rise(&self) -> (u32, f64) {
         (self.turns, self.begin)
     }
@@ -61,7 +62,7 @@ impl GrowthWatch {
 mod tests {
     use super::*;
 
-    /// The first turn of 30, each of 100 samples, after which the error (um) is said to grow.
+    /// The first revolution of 30, each of 100 samples, after which the error (um) is growing.
     fn grows(error: impl Fn(i32) -> f64, speed: impl Fn(i32) -> f64) -> Option<i32> {
         let (p, mut watch) = (Parameters::START, GrowthWatch::default());
         (0..30).find(|turn| {
@@ -79,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn small_errors_and_short_rises_say_nothing() {
+    fn small_errors_and_short_rises_raise_no_fault() {
         assert_eq!(grows(|turn| (0.05 * 1.19_f64.powi(turn)).min(19.9), |_| 62.8), None);
         assert_eq!(grows(|turn| 20.1 * 1.19_f64.powi(turn.min(3)), |_| 62.8), None);
         assert_eq!(grows(|turn| 2.0 * 3.0_f64.powi(turn % 4), |_| 62.8), None);
@@ -88,11 +89,11 @@ mod tests {
     }
 
     #[test]
-    fn a_step_among_rising_turns_begins_anew() {
+    fn a_step_among_rising_revolutions_restarts_the_count() {
         assert_eq!(grows(|turn| 20.0 * 1.3_f64.powi(turn) * if turn < 3 { 1.0 } else { 3.2 }, |_| 62.8), Some(7));
         // less than four times is part of the growth
         assert_eq!(grows(|turn| 20.0 * 1.3_f64.powi(turn) * if turn < 3 { 1.0 } else { 3.0 }, |_| 62.8), Some(4));
-        // and it is told beyond the largest error alone
+        // and it is detected beyond the largest error alone
         assert_eq!(grows(|turn| 20.0 / 16.0 * 2.0_f64.powi(turn), |_| 62.8), Some(5));
     }
 
@@ -107,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_that_goes_with_the_radius_does_not_grow() {
+    fn an_error_that_follows_the_radius_does_not_grow() {
         let (p, mut watch) = (Parameters::START, GrowthWatch::default());
         for turn in 0..300 {
             watch.update(1e-4 * (1.0 + 0.01 * f64::from(turn)).powi(2), 62.8);
@@ -116,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn at_another_speed_the_turns_begin_anew() {
+    fn at_another_speed_the_count_restarts() {
         assert_eq!(grows(|turn| 20.0 * 1.19_f64.powi(turn), |turn| 62.8 * 1.02_f64.powi(turn)), None);
         assert_eq!(grows(|turn| 20.0 * 1.19_f64.powi(turn), |turn| 62.8 * 1.002_f64.powi(turn)), Some(4));
         assert_eq!(

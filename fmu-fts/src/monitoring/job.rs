@@ -1,4 +1,4 @@
-//! How long a job may last.
+//! Time limit of a task.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use crate::path::path_table::PathTable;
 /// The slowest feed of a cut, m/s.
 const SLOWEST: f64 = 1e-6;
 
-/// Time of a job that has taken longer than it may, and its limit, s: a cut, an identification of `identify` s, or a commission
+/// Time of a task beyond its limit, and the limit, s: a cut, an identification of `identify` s, or a commissioning run
 /// that may take `commission` s. Holding has no end.
 pub fn late(
     p: &Parameters,
@@ -19,11 +19,11 @@ pub fn late(
     state: State,
     job: &Progress,
 ) -> Option<[f64; 2]> {
-    let told = |usual: f64| if p.limits.cycle_time > 0.0 { p.limits.cycle_time } else { usual };
+    let limit = |usual: f64| if p.limits.cycle_time > 0.0 { p.limits.cycle_time } else { usual };
     let limit = match state {
-        State::Approach | State::Ready | State::Track => told(path.extent() / SLOWEST),
-        // before it, at most two turns to `hold_angle` and the way off the path
-        State::Identify => told(2.0 * (identify + p.approach_time + quintic_duration(2.0 * TAU, p.hold_speed))),
+        State::Approach | State::Ready | State::Track => limit(path.extent() / SLOWEST),
+        // before it, at most two revolutions to `hold_angle` and the motion off the path
+        State::Identify => limit(2.0 * (identify + p.approach_time + quintic_duration(2.0 * TAU, p.hold_speed))),
         State::Commission => commission,
         _ => return None,
     };
@@ -38,7 +38,7 @@ mod tests {
     use crate::path::kinematics::Arm;
 
     #[test]
-    fn a_job_may_last_as_long_as_is_told_or_twice_the_measurement() {
+    fn a_task_may_last_for_the_cycle_time_or_twice_the_measurement() {
         let mut p = Parameters::START;
         let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
         let limit = |p: &Parameters, state: State, time: f64| {
@@ -46,7 +46,7 @@ mod tests {
             (0..(time / p.sample_period) as u32).for_each(|_| job.count());
             late(p, &path, [1.0, 3.0], state, &job).map(|[_, limit]| limit)
         };
-        // 1 s of measurement, 0.3 s of approach, two turns on a quintic of 2 rad/s
+        // 1 s of measurement, 0.3 s of approach, two revolutions on a quintic of 2 rad/s
         let most = 2.0 * (1.3 + quintic_duration(2.0 * TAU, 2.0));
         assert_eq!(limit(&p, State::Identify, most - 0.01), None);
         assert_eq!(limit(&p, State::Identify, most + 0.01), Some(most));

@@ -1,6 +1,6 @@
-//! Whether the encoder of the arm lives: it must answer the wanted motion, and at rest the torque.
+//! Whether the arm encoder is valid: it must respond to the reference motion, and at rest to the torque.
 //!
-//! On a path a reading that lives leaves one anchor after the other; it stays at one only where it turns, late. At
+//! On a path a valid arm angle leaves one anchor after the other; it stays at one only at a reversal, late. At
 //! rest only a torque can move the arm: beyond twice the disturbances, from one sign to the other, it would accelerate
 //! with (|u - u_a| - 2 d) / J, u_a the torque at the anchor. The torque counts without what is faster than 50 Hz: the noise of
 //! an encoder makes torques that take the arm nowhere, 5 N.m at 3 kHz by 18 urad.
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::monitoring::drive::disturbance;
 
-/// Path at the tool that a living encoder may leave unanswered where it turns, m: the 500 Hz at 500 m/s2, which feedback
+/// Path at the tool without a response of a valid encoder at a reversal, m: the 500 Hz at 500 m/s2, which feedback
 /// alone hardly answers.
 const UNANSWERED: f64 = 5e-5;
 
@@ -34,7 +34,7 @@ pub struct LifeWatch {
 }
 
 impl LifeWatch {
-    /// Takes the wanted and the read angle (rad) and the torque (N.m) of a sample.
+    /// Takes the reference and the measured angle (rad) and the torque (N.m) of a sample.
     pub fn update(&mut self, p: &Parameters, wanted: f64, arm_angle: f64, torque: f64) {
         let (band, dt) = (p.limits.arm_spread, p.sample_period);
         let motion = wanted - self.wanted.replace(wanted).unwrap_or(wanted);
@@ -57,7 +57,7 @@ impl LifeWatch {
         length * angle / (UNANSWERED + length * p.limits.arm_spread)
     }
 
-    /// Samples for which the reading has stood.
+    /// Samples without a change of the arm angle.
     pub fn still(&self) -> u32 {
         self.by_path.still()
     }
@@ -81,39 +81,39 @@ mod tests {
     }
 
     #[test]
-    fn an_arm_that_follows_late_lives() {
+    fn an_arm_that_follows_late_is_valid() {
         // 100 um of following error at 1.75 mm and 20 Hz
         let path = |t: f64| 0.0219 * (125.7 * t).sin();
         assert!(most(path, |t| path(t) - 1.25e-3 * (125.7 * t).cos(), |_| 0.0) < 0.8);
     }
 
     #[test]
-    fn an_encoder_that_stands_or_flickers_is_told_by_the_path() {
+    fn an_encoder_that_is_frozen_or_flickers_is_detected_by_the_path() {
         let path = |t: f64| 0.004 * (125.7 * t).sin();
         assert!(most(path, |_| 0.0, |_| 0.0) > 1.0);
         assert!(most(path, |t| 7.5e-7 * ((1e4 * t) as i32 % 2) as f64, |_| 0.0) > 1.0);
     }
 
     #[test]
-    fn at_rest_a_torque_tells_after_the_time_in_which_it_would_move_the_arm() {
+    fn at_rest_a_torque_detects_it_after_the_time_in_which_it_would_move_the_arm() {
         let (p, mut watch) = (Parameters::START, LifeWatch::default());
         for (torque, sign) in [(2.0, 1.0), (5.0, -1.0)] {
             watch = LifeWatch { by_path: watch.by_path, ..LifeWatch::default() };
             (0..100).for_each(|_| watch.update(&p, 0.3, 0.3, 0.0));
-            let told = (0..1000).take_while(|_| {
+            let detected = (0..1000).take_while(|_| {
                 watch.update(&p, 0.3, 0.3, sign * torque);
                 watch.unanswered(&p, LENGTH) <= 1.0
             });
-            let told = told.count() as f64 * p.sample_period;
+            let detected = detected.count() as f64 * p.sample_period;
             // (|u| - 2 d) t^2 / 2 J, late by the low-pass of 50 Hz
             let angle = UNANSWERED / LENGTH + p.limits.arm_spread;
             let expected = (2.0 * angle * p.servo.inertia / (torque - 2.0 * disturbance(&p))).sqrt();
-            assert!(told > expected && told < expected + 1.5 / (TAU * 50.0), "{torque}: {told} {expected}");
+            assert!(detected > expected && detected < expected + 1.5 / (TAU * 50.0), "{torque}: {detected} {expected}");
         }
     }
 
     #[test]
-    fn at_rest_only_a_torque_beyond_the_disturbances_tells() {
+    fn at_rest_only_a_torque_beyond_the_disturbances_detects_it() {
         assert_eq!(most(|_| 0.3, |_| 0.3, |t| 0.2 * (100.0 * t).sin()), 0.0);
         assert_eq!(most(|_| 0.3, |_| 0.3, |t| 5.0 * (1.2e4 * t).sin()), 0.0);
         assert!(most(|_| 0.3, |_| 0.3, |t| t) > 1.0);

@@ -9,15 +9,15 @@ use crate::monitoring::growth::GrowthWatch;
 use crate::monitoring::life::LifeWatch;
 use crate::monitoring::numbers::Numbers;
 
-/// Below this share the arm accelerates against the torque.
+/// Below this ratio the arm accelerates against the torque.
 const AGAINST: f64 = -0.2;
 /// Below this one of the last milliseconds, too; a drive that is just off is taken for up to -0.4.
 const TURNED: f64 = -0.6;
-/// Time over which the samples at the limit are averaged, s: a turn at 600 rpm.
+/// Time over which the samples at the limit are averaged, s: a revolution at 600 rpm.
 const SATURATION_MEAN: f64 = 0.1;
 /// Time within which the torque of an unstable loop turns, s: 100 Hz and more.
 const REVERSAL: f64 = 5e-3;
-/// So many times; accelerating and braking is one.
+/// Number of changes; accelerating and braking is one.
 pub const REVERSALS: u32 = 8;
 /// Time constants of the cancellation within which its error becomes small: also after the tool has gone into the part.
 pub const SETTLED: f64 = 8.0;
@@ -31,11 +31,11 @@ pub struct Sample {
     pub arm_angle: f64,
     /// Torque command, N.m.
     pub torque: f64,
-    /// The swing of an identification lags behind what is wanted.
-    pub swinging: bool,
+    /// The oscillation of an identification lags its reference.
+    pub oscillating: bool,
     /// The cancellation learns.
     pub learning: bool,
-    /// Error over the last turn, root mean square, m.
+    /// Error of the last revolution, root mean square, m.
     pub rms: f64,
     /// Speed of the spindle, rad/s.
     pub spindle_speed: f64,
@@ -60,8 +60,8 @@ impl Watch {
     pub fn update(&mut self, p: &Parameters, length: f64, sample: &Sample) {
         let (dt, limit) = (p.sample_period, p.servo.torque_max);
         self.drive.update(p, sample.arm_angle, sample.torque);
-        // a swing of the identification is seen by the drive's share alone: the arm answers it late, or hardly
-        if sample.swinging {
+        // an oscillation of the identification is monitored by the drive gain only: the arm responds late, or hardly
+        if sample.oscillating {
             self.life = LifeWatch::default();
         }
         self.life.update(p, sample.wanted, sample.arm_angle, sample.torque);
@@ -108,13 +108,13 @@ impl Watch {
         Numbers { saturated: self.saturated, turns, begin, ..Numbers::START }
     }
 
-    /// Acceleration of the arm over that of the torque, where the torque is enough to tell.
+    /// Acceleration of the arm over that of the torque, if the torque is large enough.
     pub fn share(&self, p: &Parameters) -> Option<f64> {
         self.drive.share(p)
     }
 
-    /// What a torque is known to do to the arm: 1 if the drive obeyed when it was last seen, and nothing was seen against it
-    /// since; -1 if it has turned; 0 if neither is sure.
+    /// Known response of the arm to a torque: 1 if the drive responded when last observed, without a contradiction since;
+    /// -1 if it is reversed; 0 if neither is certain.
     pub fn answer(&self, p: &Parameters) -> f64 {
         let obeys = |share: f64| share >= p.limits.drive_gain_ratio;
         if self.drive.cause(p).is_some_and(|share| share < TURNED) {
@@ -123,12 +123,12 @@ impl Watch {
         f64::from(u8::from(self.drive.seen().is_some_and(obeys) && self.drive.latest(p).is_none_or(obeys)))
     }
 
-    /// The share that a fault of the drive is told with: that of 10 ms, or the latest where it is less.
+    /// The ratio for the message of a drive fault: that of 10 ms, or the latest if it is less.
     pub fn least_share(&self, p: &Parameters) -> f64 {
         [self.drive.share(p), self.drive.latest(p)].into_iter().flatten().reduce(f64::min).unwrap_or(1.0)
     }
 
-    /// Why the arm is behind: a fast path leaves its limit before a whole `MEMORY` tells what the drive does.
+    /// Cause of a following error: a fast path leaves its limit before a whole `MEMORY` has evaluated the drive.
     fn left_behind(&self, p: &Parameters) -> Fault {
         match self.drive.cause(p).filter(|share| *share < p.limits.drive_gain_ratio) {
             None => Fault::FollowingError,
@@ -138,7 +138,7 @@ impl Watch {
         }
     }
 
-    /// What a share of the torque means.
+    /// Fault of a drive with this ratio.
     fn drive_fault(&self, p: &Parameters, share: f64) -> Option<Fault> {
         if p.limits.drive_gain_ratio == 0.0 || share >= p.limits.drive_gain_ratio {
             return None;
@@ -166,13 +166,13 @@ mod tests {
         wanted: 0.0,
         arm_angle: 0.0,
         torque: 0.0,
-        swinging: false,
+        oscillating: false,
         learning: false,
         rms: 0.0,
         spindle_speed: 0.0,
     };
 
-    /// What is found after 0.5 s at full torque, of an arm that moves `behind` (rad) what is wanted.
+    /// Fault after 0.5 s at full torque, of an arm that lags its reference by `behind` (rad).
     fn at_full_torque(behind: f64) -> Option<Fault> {
         let (p, length, mut watch) = (Parameters::START, 0.08, Watch::default());
         for k in 0..5000 {
@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(at_full_torque(0.001), Some(Fault::Saturation));
     }
 
-    /// What is found after `time` s of learning in all samples but every `pause`th, with an error of `rms` (m) over a turn.
+    /// Fault after `time` s of learning in all samples except every `pause`th, with an error of `rms` (m) per revolution.
     fn learned(time: f64, pause: u32, rms: impl Fn(f64) -> f64) -> Option<Fault> {
         let (p, mut watch) = (Parameters::START, Watch::default());
         for k in 0..ticks(time, p.sample_period) {
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_that_grows_is_told_with_its_turns_and_where_it_began() {
+    fn a_growing_error_is_reported_with_its_revolutions_and_its_start() {
         let (p, mut watch) = (Parameters::START, Watch::default());
         for turn in 0..6 {
             let rms = 5e-6 * 1.5_f64.powi(turn);
@@ -284,14 +284,14 @@ mod tests {
     #[test]
     fn a_weak_drive_is_weak_and_one_that_has_just_turned_has_the_wrong_sign() {
         assert_eq!([1.0, 0.3, -1.0].map(driven), [None, Some(Fault::WeakDrive), Some(Fault::DriveSign)]);
-        // half of what is remembered is from before
+        // half of the stored motion is from before
         let p = Parameters::START;
         let first = (1..100).find_map(|k| turned(&p, -1.0, 1e-4 * f64::from(k)).find(&p, 0.08));
         assert_eq!(first, Some(Fault::DriveSign));
     }
 
-    /// What is found when an arm first stands, with a torque of 3 N.m at 80 Hz whose motion `seen` (rad) makes a reading from time (s)
-    /// and true angle, and whose drive is `lost` in the middle of a swing; friction brakes with 900 rad/s2.
+    /// First fault of an arm at rest, with a torque of 3 N.m at 80 Hz, whose measured angle is `seen` (rad) of time (s)
+    /// and actual angle, and whose drive is `lost` in the middle of a stroke; friction brakes with 900 rad/s2.
     fn standing(lost: bool, seen: impl Fn(f64, f64) -> f64) -> Option<Fault> {
         let (mut p, dt, mut watch) = (Parameters::START, Parameters::START.sample_period, Watch::default());
         p.limits.following_error = 1.0;
@@ -334,9 +334,9 @@ mod tests {
             assert!(answer(-1.0, after) <= 0.0, "{after} s");
         }
         assert_eq!([0.003, 0.007].map(|after| answer(-1.0, after)), [-1.0; 2]);
-        // a share of what it did is told with the fault, the least
-        let told = turned(&p, -1.0, 2e-3).least_share(&p);
-        assert!(told < TURNED && turned(&p, -1.0, 2e-3).share(&p).is_some_and(|share| share > 0.4), "{told}");
+        // the message shows the smallest ratio
+        let reported = turned(&p, -1.0, 2e-3).least_share(&p);
+        assert!(reported < TURNED && turned(&p, -1.0, 2e-3).share(&p).is_some_and(|share| share > 0.4), "{reported}");
         assert_eq!(Watch::default().least_share(&p), 1.0);
     }
 
@@ -374,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn a_share_of_nothing_is_a_frozen_reading_where_the_reading_stands() {
+    fn a_ratio_of_zero_is_a_frozen_position_if_the_angle_does_not_change() {
         let p = Parameters::START;
         for (speed, share, fault) in [
             (0.0, 0.05, Fault::PositionFrozen),

@@ -1,8 +1,8 @@
 //! How a fault ends: out of the part under control, or with the drive off.
 //!
-//! The arm has no brake. Where its drive obeys, a pulse of torque takes its last known speed v before the drive is off: the
-//! whole `servo.torque_max` for J |v| / T_max, over which it goes J v^2 / (2 T_max) further. An inertia that is told wrong
-//! by the share s leaves the speed s v. A drive that is seen to do the opposite gets the opposite pulse.
+//! The arm has no brake. If its drive responds, a pulse of torque removes its last known speed v before the drive is off: the
+//! whole `servo.torque_max` for J |v| / T_max, during which it moves J v^2 / (2 T_max). A relative error s of the inertia leaves
+//! the speed s v. A drive that is seen to be reversed gets the opposite pulse.
 
 use control_blocks::Reaction;
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ struct Pulse {
 pub struct LastMotion {
     /// Velocity, rad/s.
     pub velocity: f64,
-    /// What a torque was seen to do: 1 as it should, -1 the opposite, 0 not sure.
+    /// Observed response to a torque: 1 nominal, -1 reversed, 0 uncertain.
     pub answer: f64,
 }
 
@@ -61,7 +61,7 @@ impl Ending {
         }
     }
 
-    /// Lets go of an arm that stands out of the part.
+    /// Releases an arm that is at rest out of the part.
     pub fn release(&mut self) {
         self.retracting = false;
     }
@@ -150,11 +150,11 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_braked_is_off_at_once() {
+    fn an_arm_that_cannot_be_braked_is_off_immediately() {
         for fault in [Fault::DriveSign, Fault::WeakDrive, Fault::Oscillation, Fault::LongStep] {
             assert_eq!(ended(fault, true, 5.0), (vec![0.0; 200], 0), "{fault:?}");
         }
-        // an arm at rest, or one that nobody held
+        // an arm at rest, or one without control
         assert_eq!(ended(Fault::PositionLost, true, 0.0), (vec![0.0; 200], 0));
         assert_eq!(ended(Fault::PositionLost, false, 5.0), (vec![0.0; 200], 0));
         // an absurd speed

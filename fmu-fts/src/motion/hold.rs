@@ -1,11 +1,11 @@
-//! Motion to `hold_angle`: a quintic whenever the wanted angle changes, continuous from any motion.
+//! Motion to `hold_angle`: a quintic whenever the requested angle changes, continuous from any motion.
 
 use control_blocks::{Quintic, Trajectory, quintic_duration};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Least time in which a moving arm is stopped, s.
+/// Smallest time in which a moving arm is stopped, s.
 const STOP_TIME: f64 = 0.02;
 
 /// The motion in progress.
@@ -13,7 +13,7 @@ const STOP_TIME: f64 = 0.02;
 pub struct HoldMotion {
     quintic: Quintic,
     ticks: u32,
-    /// It stops an arm that was found moving: no other goal before it stands.
+    /// It stops an arm that was found moving: no other goal before it is at rest.
     stops: bool,
 }
 
@@ -53,7 +53,7 @@ impl HoldMotion {
         self.go(p, motion, goal);
     }
 
-    /// Reference (rad) of this sample; `goal` is the wanted angle.
+    /// Reference (rad) of this sample; `goal` is the requested angle.
     pub fn step(&mut self, p: &Parameters, goal: f64) -> Trajectory {
         if goal != self.quintic.goal() && !self.stops(p) {
             self.turn(p, goal);
@@ -61,7 +61,7 @@ impl HoldMotion {
         self.coast(p)
     }
 
-    /// Goes on to the angle that was wanted last.
+    /// Continues to the last requested angle.
     pub fn coast(&mut self, p: &Parameters) -> Trajectory {
         self.ticks = self.ticks.saturating_add(1);
         self.now(p)

@@ -8,7 +8,7 @@ use crate::path::fourier::{Fourier, angles};
 use crate::path::kinematics::Arm;
 use crate::path::surface::{Directions, ToolPath};
 
-/// A table has at most so many rows.
+/// Largest number of rows.
 const ROWS_MAX: usize = 2000;
 
 /// Harmonics of the depth over the slide position.
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_deeper_than_the_arm_reaches_is_refused() {
+    fn a_surface_deeper_than_the_arm_reaches_is_rejected() {
         let mut p = Parameters::START;
         (p.surface.depth_auto, p.surface.depth) = (false, 0.0795);
         let message = DepthTable::of_surface(&p).unwrap_err().to_string();
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn too_fine_a_grid_is_refused() {
+    fn too_fine_a_grid_is_rejected() {
         let mut p = Parameters::START;
         p.surface.kind = crate::interface::SurfaceKind::Wave;
         p.surface.outer_radius = 0.5;

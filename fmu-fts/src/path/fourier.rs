@@ -18,8 +18,8 @@ pub fn angles() -> impl Iterator<Item = f64> {
 
 /// Turns samples into harmonics and back.
 ///
-/// Both sums run along the tables, not along their own terms: neighbors are independent of each other, so that the
-/// processor computes several at once, and each is still summed in its order.
+/// Both sums run along the tables, not along their own terms: neighbors are independent, so that the
+/// processor computes several simultaneously, and each is still summed in its order.
 pub struct Fourier {
     /// e^(-j n theta), all harmonics of an angle, angle after angle
     by_angle: Vec<Complex<f64>>,

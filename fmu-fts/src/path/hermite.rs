@@ -16,7 +16,7 @@ pub fn continued(rows: &[Vec<Complex<f64>>]) -> Vec<Vec<Complex<f64>>> {
     all
 }
 
-/// Weights of four neighboring rows at the share `t` between the middle two.
+/// Weights of four neighboring rows at the fraction `t` between the middle two.
 pub fn weights(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2) + 1.0, 0.5 * (4.0 * t2 - 3.0 * t3 + t), 0.5 * (t3 - t2)]

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Parameters, Tool};
 
-/// Largest sine of phi that is computed: the arm never stands along the spindle.
+/// Largest sine of phi: the arm is never parallel to the spindle.
 const SINE_MAX: f64 = 0.999;
 /// Largest sine of phi on a path.
 const REACH: f64 = 0.99;
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_of_15_mm_moves_the_nose_sideways_by_1_42_mm() {
+    fn a_stroke_of_15_mm_moves_the_nose_sideways_by_1_42_mm() {
         let arm = Arm::new(&Parameters::START);
         let shift = arm.distance(0.04, 15e-3) - arm.distance(0.04, 0.0);
         assert!((shift - 1.42e-3).abs() < 1e-5, "{shift}");

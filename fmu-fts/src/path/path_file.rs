@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn every_malformed_table_is_refused_with_field_value_and_limit() {
+    fn every_malformed_table_is_rejected_with_field_value_and_limit() {
         let (good, zero) = ("[[0, 1e-3], [0, 1e-3], [0, 1e-3]]", "[[0, 0], [0, 0], [0, 0]]");
         let long = format!("[[{}]", vec!["0"; 66].join(","));
         let cases = [

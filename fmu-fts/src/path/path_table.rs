@@ -12,7 +12,7 @@ use crate::path::fourier::Fourier;
 use crate::path::hermite;
 use crate::path::kinematics::Arm;
 
-/// The table is used so far beyond its ends, in rows: a reading at the very end may err.
+/// Range beyond the ends of the table, in rows: a slide position at the very end may be noisy.
 const MARGIN: f64 = 0.1;
 
 /// The table with what follows from it.
@@ -148,8 +148,8 @@ impl PathTable {
         }
     }
 
-    /// Depth z (m) of the path as it was told, without a correction, and dz/dx, with e^(j n theta), n = 0 first.
-    pub fn told_depth(&self, slide_position: f64, phasors: &[Complex<f64>]) -> [f64; 2] {
+    /// Depth z (m) of the nominal path, without a correction, and dz/dx, with e^(j n theta), n = 0 first.
+    pub fn nominal_depth(&self, slide_position: f64, phasors: &[Complex<f64>]) -> [f64; 2] {
         let (neighbors, t) = self.neighbors(slide_position);
         let (weights, slopes) = (hermite::weights(t), hermite::slopes(t));
         let mut found = [0.0; 2];
@@ -161,7 +161,7 @@ impl PathTable {
         found
     }
 
-    /// The four rows about a slide position (m), and its share between the middle two.
+    /// The four rows about a slide position (m), and its fraction between the middle two.
     fn neighbors(&self, slide_position: f64) -> ([&[Complex<f64>]; 4], f64) {
         let last = (self.rows - 2) as f64;
         let place = ((slide_position - self.first) / self.step).clamp(-MARGIN, last + 1.0 + MARGIN);
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn the_angles_have_no_fewer_harmonics_than_the_depth_and_none_where_none_are_wanted() {
+    fn the_angles_have_no_fewer_harmonics_than_the_depth_or_none() {
         let mut p = Parameters::START;
         p.path.harmonics = 20;
         let table = DepthTable::of_surface(&p).unwrap();

@@ -1,7 +1,7 @@
 //! What a probe reads on the part that a path cuts: the nose of the tool and the ball of the probe roll on the same section.
 //!
 //! The section at one angle of the part is the envelope of the nose, so that the center of the ball moves on the curve that is R_t - R_p
-//! beside that of the center of the nose: with Z' the slope dz/drho of the latter and q = sqrt(1 + Z'^2) it is at
+//! from that of the center of the nose: with Z' the slope dz/drho of the latter and q = sqrt(1 + Z'^2) it is at
 //! rho - (R_t - R_p) Z' / q and z + (R_t - R_p) / q. The slope of both curves is the same there.
 
 use nalgebra::Complex;
@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-12;
 /// Steps of the search, each of which leaves a tenth of the error or less.
 const STEPS_MAX: usize = 30;
 
-/// A place on the section that the path cuts.
+/// A position on the section that the path cuts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Slide position at which the tool cuts it, m.
@@ -32,7 +32,7 @@ pub fn contact(path: &PathTable, [nose, ball]: [f64; 2], distance: f64, phasors:
     let (arm, beside) = (path.arm(), nose - ball);
     let mut slide_position = arm.slide_position(distance, 0.0);
     for _ in 0..STEPS_MAX {
-        let [depth, along] = path.told_depth(slide_position, phasors);
+        let [depth, along] = path.nominal_depth(slide_position, phasors);
         let tangent = arm.angle_tangent(depth);
         // drho/dx = -1 + tan(phi) dz/dx
         let slope = along / (tangent * along - 1.0);
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ball_rests_on_the_surface_that_is_asked_for() {
+    fn the_ball_rests_on_the_requested_surface() {
         let p = lens();
         let (path, nose) = (path(&p), p.tool.nose_radius[0]);
         for ball in [0.0, 1.5e-3, 4e-3] {

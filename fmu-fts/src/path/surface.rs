@@ -2,7 +2,7 @@
 //!
 //! The tool is flat-faced with a round nose in the radial plane. Its center lies R_t along the normal of the section:
 //! z = z_c - s + R_t (1 - 1/q), rho = rho_c - R_t s'/q with q = sqrt(1 + s'^2) at the point of contact rho_c. The arm
-//! moves sideways while it swings, rho = (x_0 - x) - R_a cos phi, so that the path belongs to the slide position.
+//! moves sideways with its depth, rho = (x_0 - x) - R_a cos phi, so that the path belongs to the slide position.
 
 use control_blocks::ParameterError;
 
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_blunt_tool_and_an_unreachable_rim_are_refused() {
+    fn a_blunt_tool_and_an_unreachable_rim_are_rejected() {
         let mut p = Parameters::START;
         p.surface.cross_curvature = 40.0;
         p.tool.nose_radius[0] = 0.03;
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nose_starts_in_the_middle_of_the_sag_or_where_it_is_told() {
+    fn the_nose_starts_in_the_middle_of_the_sag_or_at_its_configured_depth() {
         // a cylinder of 0.1325 m out to 30 mm: its sag falls to 0 across
         let surface = |cross_curvature: f64| crate::interface::Surface {
             base_curvature: 0.0,

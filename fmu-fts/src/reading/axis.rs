@@ -1,38 +1,38 @@
-//! One axis whose readings may be lost.
+//! One axis whose measurements may be missing or implausible.
 //!
-//! An axis has inertia: with the velocity v of its last two readings, n samples later it is at y + n v T_s, within
-//! n w + a T_s^2 n (n + 1) / 2 for the spread w of a reading and the acceleration a that may come. A reading elsewhere, none at
-//! all, and one that stands while the axis moves (v T_s > w) are lost; y + n v T_s stands in for them.
+//! An axis has inertia: with the velocity v of its last two samples, n samples later it is at y + n v T_s, within
+//! n w + a T_s^2 n (n + 1) / 2 for the spread w of a sample and the largest acceleration a. A sample outside of that, an invalid one,
+//! and one that is frozen while the axis moves (v T_s > w) are lost; y + n v T_s replaces them.
 //!
-//! Two readings make a velocity, the third confirms both. Until then each is believed and the velocity is taken anew, for the first
+//! Two samples give a velocity, the third confirms both. Until then each is accepted and the velocity is computed again, because the first
 //! may be the bad one.
 
 use control_blocks::{JumpGuard, Reach, believable, wrap};
 use serde::{Deserialize, Serialize};
 
-/// What a good reading gives back of a lost one: one of three may be lost for ever.
+/// Budget that a good sample restores: one of three samples may be lost forever.
 const REGAINED: f64 = 0.5;
-/// So many times what may be lost in a row may be lost in all: 4 ms of every second reading. Of readings lost by chance, one
-/// in fifty, four in a row come every 11 min, of one in a hundred every 3 h.
+/// Ratio of all lost samples to consecutive ones: 4 ms of every second sample. If one in fifty samples is lost at random, four
+/// consecutive ones occur every 11 min; with one in a hundred every 3 h.
 const IN_ALL: f64 = 3.0;
 
-/// Why a reading is lost.
+/// Why a sample is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Loss {
     /// It is no number, or absurd.
     Invalid,
     /// It is where the axis cannot be.
     Jump,
-    /// It stands while the axis moves.
+    /// It is frozen while the axis moves.
     Frozen,
 }
 
 /// How an axis can move.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
-    /// Largest believable reading.
+    /// Largest accepted value.
     pub most: f64,
-    /// Largest difference of two readings at rest.
+    /// Largest difference of two samples at rest.
     pub spread: f64,
     /// Largest velocity that is not foreseen, per sample.
     pub motion: f64,
@@ -40,50 +40,50 @@ pub struct Axis {
     pub change: f64,
     /// It may run already when it is read first.
     pub runs: bool,
-    /// Readings in a row that may be lost.
+    /// Consecutive samples that may be lost.
     pub lost: u32,
 }
 
-/// A reading with what is known of its axis; by default nothing.
+/// A measured axis with its state; by default unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GuardedAxis {
     guard: JumpGuard,
     raw: Option<f64>,
-    /// the last believed reading and the velocity that it and the one before give, per sample
+    /// the last accepted value, and the velocity from it and the one before, per sample
     last: Option<f64>,
     velocity: Option<f64>,
-    /// a reading was where the two before it said
+    /// a sample agreed with the two before it
     confirmed: bool,
     /// place and velocity can be used
     known: bool,
-    /// it was seen to move, and was read several times where it stood before
+    /// it has moved, and was sampled several times at rest before
     moved: bool,
     stood: bool,
-    /// samples since the last believed reading
+    /// samples since the last accepted one
     age: u32,
-    /// readings lost, less what the good ones gave back
+    /// lost samples, less those restored by good ones
     spent: f64,
-    /// the readings lost since the last believed one stand where that was
+    /// all samples lost since the last accepted one equal it
     standing: bool,
     loss: Option<Loss>,
 }
 
 impl GuardedAxis {
-    /// Takes a reading; gives the one to use.
+    /// Takes a sample; returns the value to use.
     pub fn update(&mut self, raw: f64, axis: &Axis) -> f64 {
-        // what is lost for good is not waited for with ever less doubt
+        // the tolerance must not grow forever after a permanent loss
         self.age = self.age.saturating_add(1).min(axis.lost + 1);
         let (velocity, n) = (self.velocity.unwrap_or_default(), f64::from(self.age));
         let (valid, again) = (believable(raw, axis.most), self.raw.replace(raw) == Some(raw));
         let stands = again && velocity.abs() > axis.spread && (self.confirmed || self.stood);
         self.guard.shift(velocity);
-        // two equal readings may be one that was read twice
+        // two equal samples may be one that was sampled twice
         let begins = self.velocity.is_none() || (axis.runs && !self.moved);
         let spread = n * axis.spread + 0.5 * axis.change * n * (n + 1.0);
-        // what was lost for good is not believed again before `begin_anew`
+        // after a permanent loss nothing is accepted before `restart`
         let given_up = self.exhausted(axis);
         let usable = valid && !stands && !given_up;
-        // a last bit may flicker, and all that is lost in a row must stand
+        // a last bit may flicker, and all consecutive lost samples must be frozen
         self.standing &= self.last.is_some_and(|last| (raw - last).abs() <= axis.spread);
         let raw = if usable { raw } else { f64::NAN };
         let reach = Reach { motion: axis.motion, spread };
@@ -129,27 +129,27 @@ impl GuardedAxis {
         if self.guard.doubted() == 0 { raw } else { used }
     }
 
-    /// Whether more readings are lost than may be.
+    /// Whether too many samples are lost.
     fn exhausted(&self, axis: &Axis) -> bool {
         self.guard.doubted() > axis.lost || self.spent > IN_ALL * f64::from(axis.lost)
     }
 
-    /// Why so many readings are lost, if they are.
+    /// Why too many samples are lost, if they are.
     pub fn lost(&self, axis: &Axis) -> Option<Loss> {
         self.loss.filter(|_| self.exhausted(axis))
     }
 
-    /// Whether place and velocity are known; of what runs already when two readings tell them, of what may rest when these agree.
+    /// Whether position and velocity are known: after two samples for an axis that may run already, otherwise after two equal ones.
     pub fn known(&self) -> bool {
         self.known
     }
 
-    /// Whether two readings have told them and no third has confirmed them yet.
+    /// Whether two samples have given them and no third has confirmed them yet.
     pub fn begins(&self) -> bool {
         self.velocity.is_some() && !self.confirmed
     }
 
-    /// Velocity that the last two believed readings give, per sample; 0 before there are two.
+    /// Velocity from the last two accepted samples, per sample; 0 before there are two.
     pub fn motion(&self) -> f64 {
         self.velocity.unwrap_or_default()
     }

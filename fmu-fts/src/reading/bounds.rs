@@ -1,4 +1,4 @@
-//! How each axis can move between two readings.
+//! Bounds on the motion of each axis between two samples.
 
 use crate::interface::Parameters;
 use crate::monitoring::drive::disturbance;
@@ -8,7 +8,7 @@ use crate::reading::axis::Axis;
 pub const ANGLE_MAX: f64 = 1e9;
 /// No machine has a longer axis, m.
 const POSITION_MAX: f64 = 1e3;
-/// Spread of slide readings, m: a hundred steps of 0.1 um.
+/// Spread of slide positions, m: a hundred steps of 0.1 um.
 const SLIDE_SPREAD: f64 = 1e-5;
 
 /// The hub alone, the flexure takes the arm with it later, under disturbances and the torque of the last milliseconds.
@@ -38,7 +38,7 @@ pub fn spindle(p: &Parameters) -> Axis {
     }
 }
 
-/// The slide is driven by another: its whole speed may come at once.
+/// An external drive moves the slide: its full speed may occur immediately.
 pub fn slide(p: &Parameters) -> Axis {
     Axis {
         most: POSITION_MAX,

@@ -1,4 +1,4 @@
-//! Design of the position loop: the crossover that gives the wanted bandwidth, and the margins it leaves.
+//! Design of the position loop: the crossover for the desired bandwidth, and the resulting margins.
 
 use control_blocks::{ParameterError, require};
 use nalgebra::Complex;
@@ -8,15 +8,15 @@ use crate::servo::lead_lag::LeadLag;
 use crate::servo::loop_model::{ArmPoint, LoopModel};
 use crate::servo::nominal::Nominal;
 
-/// Least phase margin, rad: 30 degrees.
+/// Smallest phase margin, rad: 30 degrees.
 const PHASE_MARGIN_MIN: f64 = 0.524;
-/// Least gain margin.
+/// Smallest gain margin.
 const GAIN_MARGIN_MIN: f64 = 2.0;
 /// Frequencies looked at, per octave.
 const PER_OCTAVE: i32 = 96;
 /// Frequencies looked at about the resonance of the arm, in its half widths: a peak is narrower than the grid.
 const ABOUT_PEAK: [f64; 9] = [-30.0, -8.0, -2.5, -0.8, 0.0, 0.8, 2.5, 8.0, 30.0];
-/// Least damping ratio for which that is done.
+/// Smallest damping ratio for which that is done.
 const DAMPING_MIN: f64 = 1e-6;
 /// Frequencies looked at: 16 octaves at the shortest sample period, and those about the resonance.
 const POINTS_MAX: usize = 16 * PER_OCTAVE as usize + 1 + ABOUT_PEAK.len();
@@ -195,7 +195,7 @@ mod tests {
             let points: Vec<f64> = Grid::new(&(&p).into(), &model).points().iter().map(|point| point.omega).collect();
             assert!(points.is_sorted() && points[0] <= TAU && *points.last().unwrap() == model.nyquist());
             assert!(points.windows(2).all(|pair| pair[1] / pair[0] < 2f64.powf(1.0001 / 96.0)));
-            // two inertias: the free arm swings faster than that on the locked hub, and is damped more
+            // two inertias: the free arm has a higher frequency than that on the locked hub, and more damping
             let peak = p.tip.frequency / (1.0 - p.tip.inertia).sqrt();
             let width = damping / (1.0 - p.tip.inertia).sqrt();
             for beside in [0.0, 0.8, 2.5, 8.0, 30.0] {
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn every_wished_bandwidth_is_met_or_refused() {
+    fn every_desired_bandwidth_is_met_or_rejected() {
         for frequency in [20.0, 60.0, 150.0, 230.0, 300.0] {
             let mut p = Parameters::START;
             p.servo.bandwidth = TAU * frequency;
@@ -270,7 +270,7 @@ mod tests {
             designed(&p).1.phase.to_degrees()
         });
         assert!(phases[0] > phases[1] && phases[1] > phases[2] && phases[2] > 38.0, "{phases:?}");
-        // a late reading is as bad as a late command, and refused with the margins where too little is left
+        // a late measurement has the effect of a late command, and is rejected with the margins if too little remains
         let late = |arm_delay: i32| design(&Parameters { io_delay: 0, arm_delay, ..Parameters::START });
         let mut p = Parameters::START;
         (p.io_delay, p.arm_delay) = (0, 2);

@@ -1,5 +1,4 @@
-//! Dry friction, told beforehand and fed forward: its torque turns with the wanted motion, at once, where feedback would have to
-//! find out.
+//! Dry friction, configured and fed forward: its torque reverses with the reference motion, without the delay of feedback.
 
 use control_blocks::Trajectory;
 
@@ -8,7 +7,7 @@ use crate::interface::Parameters;
 /// Below this speed the torque goes through zero with a slope, rad/s; so that a held arm is left in peace.
 const FRICTION_SPEED: f64 = 0.02;
 
-/// Torque (N.m) for a wanted motion of the hub as it is read, ahead by what reading and drive are late.
+/// Torque (N.m) for a reference motion of the hub, ahead by the delays of encoder and drive.
 pub fn dry_friction(p: &Parameters, motion: Trajectory) -> f64 {
     let servo = &p.servo;
     let late = (f64::from(p.loop_delay()) + 0.5) * p.sample_period + 1.0 / servo.current_bandwidth;

@@ -1,4 +1,4 @@
-//! The flexure between the encoder on the hub and the tool: told, or found in a measured response.
+//! The flexure between the encoder on the hub and the tool: nominal, or identified in a measured response.
 //!
 //! The encoder does not see the tool. But the hub answers the torque with
 //!
@@ -6,10 +6,10 @@
 //! G = N / D,   N = 1 - x^2 + 2 j z x,   D = 1 - (1 - m) x^2 + 2 j z x,   x = omega / omega_t
 //! ```
 //!
-//! over the rigid arm (m: part of the inertia beyond the flexure), with a zero where the tool swings against a hub that stands: the
+//! relative to the rigid arm (m: fraction of the inertia beyond the flexure), with a zero where the tool oscillates and the hub rests: the
 //! natural frequency omega_t of the arm on the locked hub, which is what tool and hub differ by. Neither the controller nor the
-//! inertia, the gain of the drive or a delay moves that zero. With the measured T the arm is T / ((1 - T) K), and G that over the
-//! told rigid arm. The fit is of `k e^(-j omega d) N - G D`, without poles, in the factor k, the delay d, omega_t, z and m.
+//! inertia, drive gain or delay moves that zero. With the measured T the arm is T / ((1 - T) K), and G is that relative to the
+//! nominal rigid arm. The fit is of `k e^(-j omega d) N - G D`, without poles, in the factor k, the delay d, omega_t, z and m.
 
 use control_blocks::{Observation, least_squares};
 use nalgebra::{Complex, SVector};
@@ -20,14 +20,14 @@ use crate::servo::loop_model::LoopModel;
 use crate::servo::nominal::Nominal;
 use crate::servo::response::{FrequencyResponse, Point};
 
-/// Up to this share of the natural frequency the flexure is compensated; above, as there.
+/// Up to this ratio to the natural frequency the flexure is compensated; above, as at this ratio.
 const SHARE_MAX: f64 = 0.7;
-/// From this share of the told frequency on the flexure is looked for: below, dry friction counts for more.
+/// From this ratio to the nominal frequency on the flexure is identified: dry friction dominates below.
 const LOOK_FROM: f64 = 0.3;
-/// The frequency found is believed with a standard deviation of this part, and this factor from the told one.
+/// Accepted standard deviation of the identified frequency, relative, and largest ratio to the nominal frequency.
 const SIGMA_MAX: f64 = 0.01;
 const FACTOR_MAX: f64 = 1.5;
-/// Standard deviation of a point, over that of the rigid arm: friction on a swing with half of the torque.
+/// Relative standard deviation of a point: friction on an oscillation with half of the torque.
 const POINT_SIGMA: f64 = 2e-3;
 
 /// Flexure of the arm on the locked hub.
@@ -37,13 +37,13 @@ pub struct Flexure {
     pub frequency: f64,
     /// Damping ratio z.
     pub damping: f64,
-    /// Standard deviation of the frequency, rad/s; 0 where it is told.
+    /// Standard deviation of the frequency, rad/s; 0 while it is nominal.
     pub sigma: f64,
 }
 
 impl Flexure {
-    /// As it is told.
-    pub fn told(p: &Parameters) -> Self {
+    /// The nominal flexure.
+    pub fn nominal(p: &Parameters) -> Self {
         Self { frequency: p.tip.frequency, damping: p.tip.damping, sigma: 0.0 }
     }
 
@@ -57,16 +57,16 @@ impl Flexure {
         (spring - share * share) / spring
     }
 
-    /// What a measured response of the position loop `model` tells of the flexure; none if it does not tell it well.
+    /// The flexure that a measured response of the position loop `model` identifies; none if it is uncertain.
     pub fn found(p: &Parameters, model: &LoopModel, measured: &FrequencyResponse) -> Option<Self> {
-        let told = Self::told(p);
-        let shape = Shape::told(&p.into());
-        let first = measured.points().partition_point(|point| point.frequency < LOOK_FROM * told.frequency);
+        let nominal = Self::nominal(p);
+        let shape = Shape::nominal(&p.into());
+        let first = measured.points().partition_point(|point| point.frequency < LOOK_FROM * nominal.frequency);
         let points = &measured.points()[first..];
-        if told.frequency == 0.0 || p.tip.inertia == 0.0 {
+        if nominal.frequency == 0.0 || p.tip.inertia == 0.0 {
             return None;
         }
-        let start = SVector::from([1.0, 0.0, 1.0, told.damping, p.tip.inertia]);
+        let start = SVector::from([1.0, 0.0, 1.0, nominal.damping, p.tip.inertia]);
         let found = least_squares(start, 2 * points.len(), |i, value| {
             let measured = shape.measured(model, &points[i / 2]);
             let residual = |value: &Value| {
@@ -79,51 +79,51 @@ impl Flexure {
         let ([_, _, factor, damping, _], sigma) = (found.value.data.0[0], found.sigma(2));
         let plausible = factor * FACTOR_MAX > 1.0 && factor < FACTOR_MAX && sigma < SIGMA_MAX * factor;
         plausible.then(|| Self {
-            frequency: factor * told.frequency,
+            frequency: factor * nominal.frequency,
             damping: damping.clamp(0.0, 0.5),
-            sigma: sigma * told.frequency,
+            sigma: sigma * nominal.frequency,
         })
     }
 }
 
-/// Factor k, delay d in samples, omega_t over the told one, z, m.
+/// Factor k, delay d in samples, omega_t over the nominal one, z, m.
 type Value = SVector<f64, 5>;
 
 /// What the response of the hub to the torque is compared with.
 pub struct Shape {
-    told: Flexure,
-    /// part of the inertia beyond the flexure, as told
+    nominal: Flexure,
+    /// fraction of the inertia beyond the flexure, nominal
     inertia: f64,
     period: f64,
 }
 
 impl Shape {
-    /// The flexure as it is told.
-    pub fn told(nominal: &Nominal) -> Self {
+    /// The nominal flexure.
+    pub fn nominal(nominal: &Nominal) -> Self {
         let Nominal { tip, sample_period, .. } = nominal;
-        let told = Flexure { frequency: tip.frequency, damping: tip.damping, sigma: 0.0 };
-        Self { told, inertia: tip.inertia, period: *sample_period }
+        let nominal = Flexure { frequency: tip.frequency, damping: tip.damping, sigma: 0.0 };
+        Self { nominal, inertia: tip.inertia, period: *sample_period }
     }
 
-    /// N and D at `omega` (rad/s), with the frequency in told ones.
+    /// N and D at `omega` (rad/s), with the frequency relative to the nominal one.
     pub fn zero_and_pole(&self, omega: f64, [frequency, damping, inertia]: [f64; 3]) -> [Complex<f64>; 2] {
-        if self.told.frequency == 0.0 {
+        if self.nominal.frequency == 0.0 {
             return [Complex::ONE; 2];
         }
-        let x = omega / (frequency * self.told.frequency);
+        let x = omega / (frequency * self.nominal.frequency);
         let spring = Complex::new(1.0, 2.0 * damping * x);
         [spring - x * x, spring - (1.0 - inertia) * x * x]
     }
 
-    /// The rigid arm over the told one, N / D.
+    /// The rigid arm over the nominal one, N / D.
     pub fn rigid(&self, omega: f64) -> Complex<f64> {
-        let [zero, pole] = self.zero_and_pole(omega, [1.0, self.told.damping, self.inertia]);
+        let [zero, pole] = self.zero_and_pole(omega, [1.0, self.nominal.damping, self.inertia]);
         zero / pole
     }
 
-    /// G as it was measured: the told one by the measured L over that of the loop as it is told.
+    /// Measured G: the nominal one times the measured L over that of the nominal loop.
     pub fn measured(&self, model: &LoopModel, point: &Point) -> Complex<f64> {
-        let [zero, pole] = self.zero_and_pole(point.frequency, [1.0, self.told.damping, self.inertia]);
+        let [zero, pole] = self.zero_and_pole(point.frequency, [1.0, self.nominal.damping, self.inertia]);
         let t = point.value();
         t / (1.0 - t) / model.open(point.frequency) * zero / pole
     }
@@ -159,7 +159,7 @@ mod tests {
 
     const GRID: [f64; 12] = [300.0, 360.0, 420.0, 500.0, 600.0, 800.0, 900.0, 1000.0, 1100.0, 1200.0, 1350.0, 1500.0];
 
-    /// The response of an arm that `change` tells, at these frequencies (Hz), seen by a controller that knows the nominal one.
+    /// The response of an arm after `change` at these frequencies (Hz), measured by a controller with the nominal one.
     fn found(grid: &[f64], change: impl FnOnce(&mut Parameters)) -> Option<Flexure> {
         let compensator = design(&Parameters::START).unwrap();
         let mut real = Parameters::START;
@@ -201,16 +201,16 @@ mod tests {
         let p = Parameters::START;
         let model = LoopModel::new(&p, design(&p).unwrap());
         let grid: Vec<f64> = [50.0, 100.0, 200.0, 300.0].iter().chain(&GRID).map(|hertz| TAU * hertz).collect();
-        let told = |low: f64| {
+        let nominal = |low: f64| {
             let seen = |omega: f64| model.closed(omega) * if omega < LOOK_FROM * p.tip.frequency { low } else { 1.0 };
             Flexure::found(&p, &model, &FrequencyResponse::from_model(&grid, seen)).unwrap()
         };
-        assert_eq!(told(0.5), told(1.0));
+        assert_eq!(nominal(0.5), nominal(1.0));
     }
 
     #[test]
-    fn a_response_that_does_not_tell_it_finds_nothing() {
-        // far below the zero, too few points, an arm that is not told to bend, and one that is twice as stiff
+    fn a_response_that_does_not_determine_it_identifies_nothing() {
+        // far below the zero, too few points, a rigid nominal arm, and one that is twice as stiff
         assert_eq!(found(&[300.0, 350.0, 400.0], |_| ()), None);
         assert_eq!(found(&[10.0, 100.0], |_| ()), None);
         assert_eq!(found(&GRID, |p| p.tip.frequency = TAU * 2400.0), None);
@@ -239,7 +239,7 @@ mod tests {
         for share in [0.1, 0.3, 0.69, -0.5] {
             // the tool is pulled by spring and damper alone: s^2 y = (w^2 + 2 d w s) (x - y)
             let (s, w) = (Complex::new(0.0, share * p.tip.frequency), p.tip.frequency);
-            let (hub, tool) = (Flexure::told(&p).hub_over_tool(share * w), Complex::new(1.0, 0.0));
+            let (hub, tool) = (Flexure::nominal(&p).hub_over_tool(share * w), Complex::new(1.0, 0.0));
             let pull = (s * 2.0 * p.tip.damping * w + w * w) * (hub - tool);
             assert!((pull / (s * s * tool) - 1.0).norm() < 1e-9, "{share}: {hub}");
         }
@@ -247,9 +247,9 @@ mod tests {
 
     #[test]
     fn negative_frequencies_are_mirrored_and_a_rigid_arm_does_not_bend() {
-        let told = Flexure::told(&Parameters::START);
-        assert_eq!(told.hub_over_tool(-2000.0), told.hub_over_tool(2000.0).conj());
-        let rigid = Flexure { frequency: 0.0, ..told };
+        let nominal = Flexure::nominal(&Parameters::START);
+        assert_eq!(nominal.hub_over_tool(-2000.0), nominal.hub_over_tool(2000.0).conj());
+        let rigid = Flexure { frequency: 0.0, ..nominal };
         assert_eq!(rigid.hub_over_tool(3000.0), Complex::ONE);
     }
 }

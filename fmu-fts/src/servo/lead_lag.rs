@@ -72,7 +72,7 @@ pub struct Recursion {
 }
 
 impl Recursion {
-    /// Torque (N.m) for an error (rad), at most `limit` (N.m); what was cut off is not remembered, so nothing winds up.
+    /// Torque (N.m) for an error (rad), at most `limit` (N.m); the recursion stores the limited torque, so nothing winds up.
     pub fn update(&mut self, k: &LeadLag, error: f64, limit: f64) -> f64 {
         let (b, a) = (&k.numerator, &k.denominator);
         let [e1, e2, e3] = self.errors;

@@ -1,6 +1,6 @@
 //! The position loop as designed: sampled arm with its flexure, current loop and delays under the lead-lag compensator.
 //!
-//! Each mode of the arm, behind the current loop, is sampled exactly with its zero-order hold; the arm is their sum.
+//! Each mode of the arm, downstream of the current loop, is sampled exactly with its zero-order hold; the arm is their sum.
 
 use nalgebra::{Complex, Matrix3, Matrix4, Vector3};
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ struct SampledMode {
 
 impl SampledMode {
     fn new(gain: f64, [a0, a1]: [f64; 2], current_bandwidth: f64, period: f64) -> Self {
-        // states: angle, velocity, torque behind the current loop; the last column is the command
+        // states: angle, velocity, torque of the current loop; the last column is the command
         #[rustfmt::skip]
         let continuous = Matrix4::new(
             0.0, 1.0, 0.0, 0.0,
@@ -101,7 +101,7 @@ impl LoopModel {
             |gain: f64, a: [f64; 2]| SampledMode::new(gain / servo.inertia, a, servo.current_bandwidth, sample_period);
         let rigid = mode(1.0, [0.0, servo.viscous_friction / servo.inertia]);
         let flexible = (tip.frequency > 0.0 && tip.inertia > 0.0).then(|| {
-            // two inertias: the locked arm swings at the zero of the hub's response, the free one at its pole
+            // two inertias: the locked arm resonates at the zero of the response of the hub, the free one at its pole
             let stiffening = 1.0 / (1.0 - tip.inertia);
             let squared = tip.frequency * tip.frequency * stiffening;
             mode(tip.inertia * stiffening, [squared, 2.0 * tip.damping * tip.frequency * stiffening])
@@ -186,13 +186,13 @@ mod tests {
         p.io_delay = 2;
         let omega = TAU * 400.0;
         let (mut angle, mut velocity, mut torque) = (0.0, 0.0, 0.0);
-        let (mut told, dt, mut sum) = ([0.0; 2], 1e-7, Complex::new(0.0, 0.0));
+        let (mut commands, dt, mut sum) = ([0.0; 2], 1e-7, Complex::new(0.0, 0.0));
         let mut drift = Vec::new();
         for k in 0..2000 {
             let phase = omega * 1e-4 * f64::from(k);
             drift.push((angle, Complex::new(phase.cos(), -phase.sin())));
-            let command = told[0];
-            told = [told[1], phase.cos()];
+            let command = commands[0];
+            commands = [commands[1], phase.cos()];
             for _ in 0..1000 {
                 torque += dt * p.servo.current_bandwidth * (command - torque);
                 velocity += dt * (torque - p.servo.viscous_friction * velocity) / p.servo.inertia;

@@ -13,7 +13,7 @@ pub struct Nominal {
     pub io_delay: i32,
     /// Samples from an angle of the arm to its reading.
     pub arm_delay: i32,
-    /// Arm, drive and what is wished of the loop.
+    /// Arm, drive and desired loop.
     pub servo: Servo,
     /// Flexure.
     pub tip: Tip,

@@ -36,7 +36,7 @@ impl FrequencyResponse {
         response
     }
 
-    /// Adds a frequency (rad/s) above all others; its phase is put within half a turn of the point before.
+    /// Adds a frequency (rad/s) above all others, with its phase within half a revolution of the point before.
     /// A point too many, of a lower frequency, or of no finite magnitude above 0 is left out.
     pub fn push(&mut self, frequency: f64, t: Complex<f64>) {
         let last = self.points().last().copied().unwrap_or(Point::REST);

@@ -20,7 +20,7 @@ struct ResponseFile {
     /// Hz, ascending.
     frequency_hz: Vec<f64>,
     magnitude: Vec<f64>,
-    /// rad, with or without jumps of whole turns.
+    /// rad, with or without jumps of whole revolutions.
     phase_rad: Vec<f64>,
 }
 
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn every_malformed_table_is_refused_with_field_value_and_limit() {
+    fn every_malformed_table_is_rejected_with_field_value_and_limit() {
         let file =
             |f: &str, m: &str, p: &str| format!(r#"{{"frequency_hz": {f}, "magnitude": {m}, "phase_rad": {p}}}"#);
         let many = format!("[{}]", (1..=33).map(|i| i.to_string()).collect::<Vec<_>>().join(","));

@@ -73,7 +73,7 @@ pub(crate) mod tests {
         read(place.path()).map_err(|error| error.to_string())
     }
 
-    /// `read` refuses each text with a message that begins with `start`, has the part that belongs to it, and a hint.
+    /// `read` rejects each text with a message that starts with `start`, contains its part, and has a hint.
     pub fn assert_refusals<T: Debug>(read: impl Fn(&str) -> Result<T, String>, start: &str, cases: &[(String, &str)]) {
         for (text, part) in cases {
             let message = read(text).unwrap_err();
@@ -97,7 +97,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn numbers_that_json_does_not_have_are_refused() {
+    fn numbers_that_json_does_not_have_are_rejected() {
         for text in
             ["[1, 2, NaN]", "[1, 2, 1e999]", "[1, 2]", "[1, 2, 3, 4]", "[1, 2, 3] 4", "", "[1, 2, null]", "\u{0}"]
         {

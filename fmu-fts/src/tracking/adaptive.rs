@@ -1,7 +1,7 @@
 //! Adaptive feedforward: learned is what the arm answers, not what the error amounts to.
 //!
 //! For the motion B the position loop, T = L / (1 + L), needs the set-point B / T = B + B / L; B / L is what makes the torque
-//! of the path. An arm whose torque or inertia is not the told one needs (1 + eps) B / L, with one eps for every radius, feed
+//! of the path. An arm with an off-nominal torque or inertia needs (1 + eps) B / L, with one eps for every radius, feed
 //! and speed. So each harmonic of the path gets
 //!
 //! ```text
@@ -15,8 +15,8 @@
 //! eps_n += w c / P_n,   xi_n += (1 - w) c,   w = (s M)^2 / ((s M)^2 + r^2),   M = J (n omega)^2 |B_n|
 //! ```
 //!
-//! where s is how wrong the torque M of the path may be, as a share, and r the torque of ripple and cut at one harmonic.
-//! On a path that stands, d(xi + eps P) = c: stability is that of the resonators. On one that changes, eps P follows at once
+//! where s is the relative uncertainty of the torque M of the path, and r the torque of ripple and cut at one harmonic.
+//! On a constant path, d(xi + eps P) = c: stability is that of the resonators. On a changing path, eps P follows immediately
 //! where a learned amplitude would be late by tau, for ever.
 //!
 //! Most of the path is in few harmonics. At first, when all of it is unknown, they learn quicker: w (1 + q |P_n|^2 / sum |P|^2),
@@ -30,9 +30,9 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::tracking::resonators::FADE;
 
-/// s: how wrong the torque of the path may be, as a share of it.
+/// s: relative uncertainty of the torque of the path.
 const SHARE: f64 = 0.25;
-/// r: torque of ripple, friction and cut at one harmonic, as a share of the largest torque.
+/// r: torque of ripple, friction and cut at one harmonic, relative to the largest torque.
 const RIPPLE: f64 = 1.5e-3;
 /// q at first: harmonics of `afc.tau` that the quicker learning of the strongest ones is worth.
 pub const QUICKER: f64 = 5.0;
@@ -127,7 +127,7 @@ impl AdaptiveFeedforward {
         strongest.map_or(1.0, |(_, learned)| 1.0 + learned.output(Complex::ONE))
     }
 
-    /// Forgets what was learned.
+    /// Discards what was learned.
     pub fn clear(&mut self) {
         self.learned.fill(Canceller::default());
         self.quicker = QUICKER;
@@ -142,7 +142,7 @@ mod tests {
 
     const PERIOD: f64 = 1e-4;
 
-    /// L of a double integrator that crosses over at 100 Hz, a little late; told, and with the drive of the gain `k`.
+    /// L of a double integrator that crosses over at 100 Hz, a little late; nominal, and with the drive gain `k`.
     fn open(omega: f64, k: f64) -> Complex<f64> {
         let s = Complex::new(0.0, omega / 628.0);
         k * (s * 2.0 + 1.0) / (s * s * 2.0) * Complex::cis(-omega * 3e-4)
@@ -214,14 +214,14 @@ mod tests {
     #[test]
     fn it_is_learned_quickly_at_first_and_with_tau_later() {
         for part in [1.0 / 6.0, 0.5, 1.0] {
-            // a small difference, so that the loop is as told
+            // a small difference, so that the loop is nominal
             let mut steady = Steady::new(1.001);
             steady.follow(part * steady.p.afc.tau, 500.0, |_| Complex::new(0.02, 0.01));
             let learned = (1.0 - steady.adaptive.torque_share()) / (1.0 - 1.0 / 1.001);
             let left = (-part - QUICKER * (1.0 - (-part).exp())).exp();
             assert!((learned - (1.0 - left)).abs() < 0.02, "{part}: {learned}");
         }
-        // what is forgotten is learned quickly again
+        // a discarded ratio is learned quickly again
         let mut steady = Steady::new(1.001);
         steady.follow(2.0, 500.0, |_| Complex::new(0.02, 0.01));
         steady.adaptive.clear();
@@ -236,7 +236,7 @@ mod tests {
         let alone = 0.5 * 0.02 * 0.3 * (1.0 - closed(500.0, 0.8) / closed(500.0, 1.0)).norm();
         let left = steady.follow(1.0, 500.0, |t| Complex::new(0.02 - 0.01 * t, 0.0));
         assert!(left < 2e-3 * alone, "{left} {alone}");
-        // at once at another speed
+        // immediately at another speed
         let without = 0.01 * (1.0 - closed(400.0, 0.8) / closed(400.0, 1.0)).norm();
         let left = steady.follow(0.02, 400.0, |_| Complex::new(0.01, 0.0));
         assert!(left < 0.01 * without, "{left} {without}");
@@ -295,7 +295,7 @@ mod tests {
             response,
             hub_over_tool: Complex::ONE,
         };
-        // too quick or not wanted, a loop that follows ideally, none that follows
+        // too fast or disabled, a loop that follows ideally, and none that follows
         for (response, gain) in
             [(Complex::I, None), (Complex::ONE, Some(Complex::ONE)), (Complex::ZERO, Some(Complex::ONE))]
         {

@@ -1,6 +1,6 @@
-//! Chooses the harmonics to be cancelled: those of the tracking error that come again with the same phase.
+//! Chooses the harmonics to be canceled: those of the tracking error that repeat with the same phase.
 //!
-//! What does not turn with the spindle has another phase in every turn; to learn it would only amplify it. Over some
+//! A disturbance that does not turn with the spindle has another phase in every revolution; learning would only amplify it. Over some
 //! turns the mean of a harmonic c is compared with its scatter s: it repeats if |mean c| > LEVEL s / sqrt(TURNS).
 
 use nalgebra::Complex;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::ERROR_HARMONICS;
 use crate::lists::harmonics::Harmonics;
 
-/// Turns that are judged together.
+/// Revolutions that are evaluated together.
 const TURNS: u32 = 8;
 /// Mean over its standard deviation; noise alone reaches it in one of 300 cases.
 const LEVEL: f64 = 3.0;
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_phase_that_runs_away_is_not_chosen() {
-        // 120 Hz at 580 rpm: 12.41 cycles in a turn
+        // 120 Hz at 580 rpm: 12.41 cycles per revolution
         let error = |n: usize, turn: f64| {
             Complex::from_polar(if n == 12 { 1e-6 } else { 1e-9 }, 0.41 * std::f64::consts::TAU * turn)
         };

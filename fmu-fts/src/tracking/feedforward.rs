@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// T is never taken for less, so that a loop that does not follow is not driven without limit.
 const RESPONSE_MIN: f64 = 0.02;
 
-/// What is added to the wanted angle, rad.
+/// Feedforward that is added to the reference angle, rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
     /// To the angle that the hub should have.
@@ -63,7 +63,7 @@ mod tests {
     use crate::tracking::phasors::Phasors;
 
     #[test]
-    fn a_shifted_harmonic_comes_out_as_wanted() {
+    fn a_shifted_harmonic_arrives_at_its_reference() {
         let (b, t, h) = (Complex::new(0.02, -0.01), Complex::new(0.9, -0.4), Complex::new(0.97, 0.001));
         let mut feedforward = HarmonicFeedforward::new(3);
         feedforward.tune(2, t, h);

@@ -23,9 +23,9 @@ use crate::interface::{Afc, Parameters};
 const RESPONSE_MIN: f64 = 0.05;
 /// What is left at each tuning of a harmonic that is not in use.
 pub const FADE: f64 = 0.9;
-/// Least harmonic of the path along which a state is carried, rad: 0.1 um at the tool.
+/// Smallest harmonic of the path along which a state is scaled, rad: 0.1 um at the tool.
 const PATH_MIN: f64 = 1e-6;
-/// Largest change of it from one tuning to the next: what is learned beside it, in step with the spindle, must not grow
+/// Largest change of it from one tuning to the next: what else is learned, in step with the spindle, must not grow
 /// faster than it is corrected, 2.4 ms / `afc.tau`.
 const CARRIED_MAX: f64 = 3e-3;
 
@@ -79,7 +79,7 @@ impl Resonators {
         self.states.iter().zip(phasors).map(|(state, phasor)| state.output(*phasor)).sum()
     }
 
-    /// Forgets what was learned.
+    /// Discards what was learned.
     pub fn clear(&mut self) {
         self.states.fill(Canceller::default());
     }
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_wanted_and_only_up_to_the_highest_frequency() {
+    fn only_selected_harmonics_and_only_up_to_the_highest_frequency() {
         let mut p = Parameters::PAPER;
         p.afc.frequency_max = 4000.0;
         // either way round
@@ -172,7 +172,7 @@ mod tests {
         };
         let path = Complex::new(0.01, 0.02);
         assert!((learned(path, path * 1.002) - 1.002).abs() < 1e-12);
-        // too much at once, or too little to be told
+        // too large a change, or too small a harmonic
         assert_eq!(learned(path, path * 1.01), 1.0);
         assert_eq!(learned(path * 1e-5, path * 1.002e-5), 1.0);
         assert_eq!(learned(Complex::default(), path), 1.0);

@@ -18,7 +18,7 @@ const BANDWIDTH: f64 = 20.0 * TAU;
 pub struct Spindle {
     samples: u8,
     unwrapper: Unwrapper,
-    /// the last readings, the newest first, rad
+    /// the last angles, the newest first, rad
     readings: SentCommands,
     /// Angle without wraps since the first sample, rad.
     pub angle: f64,

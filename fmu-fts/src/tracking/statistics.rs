@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::ERROR_HARMONICS;
 
-/// Error over one turn, m.
+/// Error over one revolution, m.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
     /// Root mean square.
@@ -18,7 +18,7 @@ pub struct Turn {
     pub amplitudes: [f64; ERROR_HARMONICS],
 }
 
-/// Harmonics c_n of Re sum c_n e^(j n theta) over one turn, n = 1 first, m.
+/// Harmonics c_n of Re sum c_n e^(j n theta) over one revolution, n = 1 first, m.
 pub type TurnHarmonics = [Complex<f64>; ERROR_HARMONICS];
 
 impl Turn {
@@ -46,7 +46,7 @@ impl Default for ErrorStatistics {
 
 impl ErrorStatistics {
     /// Adds an error (m) at the spindle angle without wraps (rad) with e^(j n theta), n = 1 first; gives the harmonics of
-    /// a turn that is full.
+    /// a complete revolution.
     pub fn add(&mut self, error: f64, angle: f64, phasors: &[Complex<f64>]) -> Option<TurnHarmonics> {
         let begin = *self.begin.get_or_insert(angle);
         let full = ((angle - begin).abs() >= TAU).then(|| self.sums.map(|sum| sum * (2.0 / self.count)));
@@ -104,14 +104,14 @@ mod tests {
     }
 
     #[test]
-    fn before_a_full_turn_there_is_nothing() {
+    fn before_a_full_revolution_there_is_nothing() {
         let (statistics, harmonics) = turned(999, 62.83, |_| 1.0);
         assert_eq!((statistics.last(), harmonics), (&Turn::ZERO, None));
         assert!(turned(1002, 62.83, |_| 1.0).0.last().rms > 0.99);
     }
 
     #[test]
-    fn at_rest_the_last_turn_stays() {
+    fn at_rest_the_last_revolution_stays() {
         assert_eq!(turned(5000, 0.0, |_| 1.0).0.last(), &Turn::ZERO);
     }
 }

@@ -71,7 +71,7 @@ impl Tracker {
         let highest = path.harmonics().max(feedforward).max(p.afc.cancelled.highest()).max(ERROR_HARMONICS);
         Self {
             response,
-            flexure: Flexure::told(p),
+            flexure: Flexure::nominal(p),
             feedforward: HarmonicFeedforward::new(feedforward),
             adaptive: AdaptiveFeedforward::new(p, if p.feedforward_adaptive { feedforward } else { 0 }),
             resonators: Resonators::new(p),
@@ -120,7 +120,7 @@ impl Tracker {
         }
     }
 
-    /// Whether harmonic `n` is one to be cancelled.
+    /// Whether harmonic `n` is to be canceled.
     fn cancels(&self, p: &Parameters, n: usize) -> bool {
         p.afc.cancelled.contains(n) && (!p.afc.automatic || self.chooser.chosen().contains(n))
     }
@@ -177,7 +177,7 @@ impl Tracker {
         }
     }
 
-    /// Forgets what cancellation and feedforward have learned.
+    /// Discards what cancellation and feedforward have learned.
     pub fn forget(&mut self) {
         self.resonators.clear();
         self.adaptive.clear();
@@ -209,7 +209,7 @@ impl Tracker {
         self.path.correct(correction);
     }
 
-    /// Takes a measured response of the position loop, and of the flexure what it tells.
+    /// Takes a measured response of the position loop, and the flexure that it identifies.
     pub fn take(&mut self, p: &Parameters, measured: &FrequencyResponse) {
         self.response.correct(measured);
         self.flexure = Flexure::found(p, self.response.model(), measured).unwrap_or(self.flexure);
@@ -218,7 +218,7 @@ impl Tracker {
     /// The loop is another: nothing of what was measured and learned of the one before counts.
     pub fn renew(&mut self, p: &Parameters, model: LoopModel) {
         self.response = LoopResponse::nominal(model);
-        self.flexure = Flexure::told(p);
+        self.flexure = Flexure::nominal(p);
         self.forget();
     }
 

@@ -1,4 +1,4 @@
-//! Motion onto the moving path and off it: the share of the path in the motion is a quintic of the time, the rest is held.
+//! Motion onto the moving path and off it: the fraction of the path in the motion is a quintic of the time, the rest is held.
 //!
 //! What is between a path and a held angle goes beyond neither: no overshoot, whatever the speed of the path. And the path
 //! keeps its feedforward while it fades, so that the arm follows.
@@ -11,7 +11,7 @@ use crate::interface::Parameters;
 /// How much of the path is in the motion, with its derivatives to the time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
-    /// Share of the path, 0 to 1.
+    /// Fraction of the path, 0 to 1.
     pub share: f64,
     /// First derivative, 1/s.
     pub first: f64,
@@ -35,7 +35,7 @@ impl Blend {
     }
 }
 
-/// Share of the path over the time; by default none.
+/// Fraction of the path over the time; by default none.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Transition {
     share: Quintic,

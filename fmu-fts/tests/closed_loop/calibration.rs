@@ -38,7 +38,7 @@ impl Bench {
         self.calibration.step(&self.p, &self.input, self.now, &self.path);
     }
 
-    /// Cuts for ten samples as the machine stands.
+    /// Cuts for ten samples with the machine at rest.
     fn cut(&mut self) {
         self.input.calibration_cut = true;
         (0..10).for_each(|_| self.step());
@@ -57,7 +57,7 @@ impl Bench {
         assert_eq!(self.calibration.status(), Status::Moved);
     }
 
-    /// One reading by a rising edge.
+    /// One sample by a rising edge.
     fn capture(&mut self, lateral: f64, depth: f64) {
         (self.input.probe_lateral, self.input.probe_depth) = (lateral, depth);
         for capture in [true, false] {
@@ -225,7 +225,7 @@ fn samples_that_cannot_be_used_are_left_out_and_say_why() {
 }
 
 #[test]
-fn an_arm_that_swings_cuts_no_flat() {
+fn an_arm_that_oscillates_cuts_no_flat() {
     let mut bench = Bench::new(Parameters::START, Mode::CalibrateFlats);
     bench.assert_moved(|now| now.arm_angle += 2e-3);
 }
@@ -239,7 +239,7 @@ fn a_fit_that_fails_says_why_and_keeps_the_record() {
         bench.cut();
         bench.capture(0.01, 0.05);
         assert_ne!(bench.solve(), Status::Solved);
-        // the same place again and again
+        // the same position repeatedly
         (0..30).for_each(|_| {
             bench.cut();
             bench.capture(0.01, 0.05);

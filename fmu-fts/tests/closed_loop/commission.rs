@@ -1,4 +1,4 @@
-//! The state `Commission`: what it finds on machines that nobody has measured, and what it keeps to.
+//! The state `Commission`: its results on unmeasured machines, and its bounds.
 
 use std::f64::consts::TAU;
 
@@ -10,12 +10,12 @@ use crate::run::Loop;
 
 /// Longest commission, s.
 const LIMIT: f64 = 20.0;
-/// The spindle stands, and the tool is in the air.
+/// The spindle is at rest, and the tool is in air.
 const STANDING: Build = Build { speed: |_| 0.0, cutting: [0.0; 3], ..Build::NOMINAL };
-/// An arm that is neither as heavy nor as stiff nor as quick as told.
+/// An arm with off-nominal inertia, stiffness and delay.
 const OTHER: Build = Build { gain: 0.75, flexure: 1000.0, damping: 0.016, coulomb: 0.012, delay: 2, ..STANDING };
 
-/// Asks for a commission and for nothing else.
+/// Requests only a commissioning run.
 fn ask(input: &mut Input) {
     (input.enable, input.mode, input.commission) = (false, Mode::Idle, true);
 }
@@ -25,7 +25,7 @@ fn rest(input: &mut Input) {
     (input.enable, input.mode) = (false, Mode::Idle);
 }
 
-/// Steps into the commission, and `time` s on.
+/// Steps into the commissioning run, and `time` s on.
 fn begin(run: &mut Loop, time: f64) {
     (0..200).for_each(|_| run.step_with(rest));
     run.step_with(ask);
@@ -36,7 +36,7 @@ fn begin(run: &mut Loop, time: f64) {
     }
 }
 
-/// Runs until the commission is over; the farthest way of the tool (m) and the largest torque (N.m).
+/// Runs until the commissioning run is over; the largest travel of the tool (m) and the largest torque (N.m).
 fn commission(run: &mut Loop) -> [f64; 2] {
     begin(run, 0.0);
     let (start, mut most) = (run.machine.tip_depth(), [0.0f64; 2]);
@@ -48,7 +48,7 @@ fn commission(run: &mut Loop) -> [f64; 2] {
     most
 }
 
-/// A machine within 30 % of what the controller is told: inertia and gain of the drive, of which the ratio counts.
+/// A machine within 30 % of nominal: inertia and drive gain, of which the ratio matters.
 fn unknown(seed: u64) -> Build {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
     let mut within = || random.random_range(0.7..1.3);
@@ -79,7 +79,7 @@ fn unknown_machines_are_measured_within_their_deviations() {
         assert!(way < 1.75e-3 && torque < 1.4, "{seed}: {way} {torque}");
         let [inertia, viscous, dry] = [8e-4, 2e-3, build.coulomb].map(|of| of / build.gain);
         let (delay, frequency) = (build.delay as f64, TAU * build.flexure);
-        // measured and its deviation, the truth, and the largest error and deviation
+        // measured value and its standard deviation, the ground truth, and the largest error and standard deviation
         for (measured, truth, most) in [
             ([m.inertia, m.inertia_std], inertia, [1e-3 * inertia, 2e-3 * inertia]),
             ([m.viscous_friction, m.viscous_friction_std], viscous, [0.03 * viscous, 0.5 * viscous]),
@@ -125,7 +125,7 @@ fn what_was_measured_is_used_on_request_and_the_lens_is_then_cut_as_ever() {
         (run.input.enable, run.input.mode) = (true, Mode::Track);
         run.run_to(15.0);
         let measured = run.measure(0.5);
-        println!("{apply}: {measured:.3?}, drive share {:.2}", run.output.path_torque_ratio);
+        println!("{apply}: {measured:.3?}, drive ratio {:.2}", run.output.path_torque_ratio);
         assert_eq!((run.output.state, run.output.fault), (State::Track, Fault::None));
         assert!(measured.rms < 0.6, "{apply}: {measured:?}");
         // the torque that the path takes is now the one that is expected
@@ -135,7 +135,7 @@ fn what_was_measured_is_used_on_request_and_the_lens_is_then_cut_as_ever() {
 
 #[test]
 fn a_delay_that_is_no_whole_number_of_samples_costs_the_bandwidth_that_it_must() {
-    // 0.4 samples of delay in the current loop that are told or not: the loop is the same
+    // 0.4 samples of delay in the current loop, configured or not: the loop is the same
     let bandwidths = [2000.0, 4000.0].map(|hertz| {
         let mut p = applied();
         (p.servo.current_bandwidth, p.commission.sensitivity_max) = (TAU * hertz, 1.45);
@@ -151,7 +151,7 @@ fn a_delay_that_is_no_whole_number_of_samples_costs_the_bandwidth_that_it_must()
 }
 
 #[test]
-fn it_is_broken_off_into_rest_and_what_was_told() {
+fn it_is_aborted_into_rest_and_the_configured_values() {
     type Break = fn(&mut Input);
     let ways: [Break; 3] = [
         |input| input.commission = false,
@@ -169,7 +169,7 @@ fn it_is_broken_off_into_rest_and_what_was_told() {
             };
             run.step_with(quiet);
             assert!(matches!(run.output.state, State::Retract | State::Idle), "{time}: {:?}", run.output.state);
-            // a swing fades in its glide, and nothing begins again without a new edge
+            // an oscillation fades in its glide, and nothing starts again without a new edge
             (0..3000).for_each(|_| run.step_with(quiet));
             assert_eq!((run.output.state, run.output.fault, run.output.torque), (State::Idle, Fault::None, 0.0));
             assert!(!run.output.measured.valid);
@@ -179,14 +179,14 @@ fn it_is_broken_off_into_rest_and_what_was_told() {
 }
 
 #[test]
-fn it_never_begins_by_itself_and_no_job_begins_after_it() {
+fn it_never_starts_by_itself_and_no_task_starts_after_it() {
     let mut run = Loop::new(&Parameters::START, &STANDING, 85);
     for _ in 0..1000 {
         // true from the first sample on is no edge
         run.step_with(ask);
         assert_eq!(run.output.state, State::Idle);
     }
-    // the arm holds, and a commission waits for `Idle`
+    // the arm holds, and a commissioning run waits for `Idle`
     let hold = |input: &mut Input| (input.enable, input.mode, input.commission) = (true, Mode::Hold, true);
     run.step_with(|input| (input.enable, input.mode) = (true, Mode::Hold));
     (0..100).for_each(|_| run.step_with(hold));
@@ -194,7 +194,7 @@ fn it_never_begins_by_itself_and_no_job_begins_after_it() {
 }
 
 #[test]
-fn it_begins_from_done_and_the_job_before_does_not_begin_again() {
+fn it_starts_from_done_and_the_task_before_does_not_start_again() {
     let mut run = Loop::new(&Parameters::START, &Build { cutting: [0.0; 3], ..Build::NOMINAL }, 86);
     run.run_to(0.6);
     assert_eq!(run.output.state, State::Track);
@@ -212,7 +212,7 @@ fn it_begins_from_done_and_the_job_before_does_not_begin_again() {
     assert_eq!(run.output.state, State::Commission, "{:?}", run.output.fault);
     (0..5000).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
-    // another job does
+    // another task does
     run.input.mode = Mode::Hold;
     run.step();
     assert_eq!(run.output.state, State::Hold);
@@ -237,7 +237,7 @@ fn another_commission_finds_the_same_again() {
 }
 
 #[test]
-fn what_is_not_sure_or_not_for_this_controller_is_rejected_with_its_numbers() {
+fn an_uncertain_or_unsuitable_result_is_rejected_with_its_values() {
     let unsure = |p: &mut Parameters| p.commission.std_max = 1e-6;
     let stiff = |p: &mut Parameters| p.commission.sensitivity_max = 1.3;
     type Change = fn(&mut Parameters);
@@ -284,7 +284,7 @@ fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
                 assert!(run.time() < LIMIT, "{:?}", run.output);
             }
             assert_eq!(run.output.fault, fault, "{time} {gain}");
-            // the share that was judged is told with it
+            // the message shows the evaluated ratio
             assert!(fault == Fault::CommissionRejected || run.output.numbers.share < 0.4, "{time} {gain}");
             // its travel of 1.75 mm and the following error of 1 mm
             let way = (run.machine.tip_depth() - place).abs();
@@ -293,7 +293,7 @@ fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
     }
 }
 
-/// Goes on with a commission for `time` s.
+/// Continues a commissioning run for `time` s.
 fn begin_over(run: &mut Loop, time: f64) {
     let until = run.time() + time;
     while run.time() < until {
@@ -347,7 +347,7 @@ fn a_lost_reading_now_and_then_does_not_matter_and_a_lost_encoder_ends_it() {
 }
 
 #[test]
-fn an_encoder_that_stands_where_swings_are_small_is_not_waited_for() {
+fn a_frozen_encoder_ends_the_run_where_oscillations_are_small() {
     let mut run = Loop::new(&Parameters::START, &OTHER, 94);
     begin(&mut run, 6.0);
     let (held, begin) = (run.input.arm_angle, run.time());

@@ -1,4 +1,4 @@
-//! Faults: the named fault, its safe end, finite outputs, whatever comes in.
+//! Faults: the named fault, its reaction, finite outputs, with any input.
 
 use control_blocks::Reaction;
 use fmu_fts::controller::Controller;
@@ -39,7 +39,7 @@ fn recovers(mut run: Loop, fault: Fault, torque: bool) {
         assert!(finite(&run.output));
         run.step();
     }
-    // a reset on the way out of the part would be lost
+    // a reset during the retract would be lost
     run.run_to(run.time() + if torque { 0.6 } else { 0.0 });
     reset(&mut run);
     for _ in 0..100 {
@@ -47,7 +47,7 @@ fn recovers(mut run: Loop, fault: Fault, torque: bool) {
         assert!(run.output.drive_enable);
         run.step();
     }
-    // another mode, or the same enabled anew
+    // another mode, or the same enabled again
     run.input.enable = run.input.mode != Mode::Hold;
     run.step();
     assert_eq!(run.output.state, State::Idle);
@@ -83,7 +83,7 @@ fn only_a_rising_edge_resets_a_fault() {
 }
 
 #[test]
-fn a_communication_step_that_is_too_long_is_told_in_its_first_sample() {
+fn a_communication_step_that_is_too_long_is_detected_in_its_first_sample() {
     for before in [0.0, 0.5] {
         let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 4);
         run.run_to(before);
@@ -98,7 +98,7 @@ fn a_communication_step_that_is_too_long_is_told_in_its_first_sample() {
 }
 
 #[test]
-fn a_fault_that_is_still_there_comes_again_with_the_next_job() {
+fn a_fault_that_persists_is_raised_again_with_the_next_task() {
     let fast = Build { speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
     let mut run = Loop::new(&Parameters::START, &fast, 4);
     run.run_to(0.01);
@@ -113,7 +113,7 @@ fn a_fault_that_is_still_there_comes_again_with_the_next_job() {
 }
 
 #[test]
-fn an_infeasible_path_is_refused_before_anything_moves() {
+fn an_infeasible_path_is_rejected_before_anything_moves() {
     let fast = Build { speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
     let mut run = Loop::new(&Parameters::START, &fast, 4);
     for _ in 0..100 {
@@ -169,7 +169,7 @@ fn an_arm_that_does_not_follow_is_a_fault() {
         run.step();
     }
     assert!(run.output.error.tracking.abs() < 150e-6);
-    // the error that was too large is told until the fault is reset
+    // the error is reported until the fault is reset
     for _ in 0..200 {
         run.step();
         assert!(run.output.drive_enable || run.output.error.tracking.abs() > 120e-6, "{}", run.output.error.tracking);

@@ -63,7 +63,7 @@ fn a_good_machine_is_not_made_worse_and_a_second_lens_not_again() {
         bench.correct(NOISE);
         let second = bench.form();
         println!(
-            "{:.3} um, then {:.3}, {:.3} um, told {:.3} um",
+            "{:.3} um, then {:.3}, {:.3} um, reported {:.3} um",
             1e6 * before,
             1e6 * first,
             1e6 * second,
@@ -76,7 +76,7 @@ fn a_good_machine_is_not_made_worse_and_a_second_lens_not_again() {
 }
 
 #[test]
-fn what_is_no_error_of_the_form_or_not_sure_corrects_nothing() {
+fn a_result_that_is_too_large_or_uncertain_corrects_nothing() {
     let mut bench = Bench::new(Parameters::START, Wrong { offset: -6e-4, ..LONG }, 4);
     bench.probe(NOISE);
     assert_eq!(bench.solve(), Status::TooLarge);
@@ -90,7 +90,7 @@ fn what_is_no_error_of_the_form_or_not_sure_corrects_nothing() {
 }
 
 #[test]
-fn a_probe_of_three_times_the_noise_corrects_no_worse_than_it_tells_or_is_unsure() {
+fn a_probe_of_three_times_the_noise_corrects_within_its_standard_deviation_or_is_uncertain() {
     let mut solved = 0;
     for seed in 200..212 {
         let mut bench = Bench::new(Parameters::START, LONG, seed);
@@ -134,7 +134,7 @@ fn every_fit_of_a_lens_is_one_also_with_the_same_result() {
 }
 
 #[test]
-fn of_one_side_alone_the_centre_is_as_unsure_as_the_axis_of_the_probe() {
+fn with_one_side_the_center_is_as_uncertain_as_the_axis_of_the_probe() {
     for (cusp_std, status) in [(1e-4, Status::Uncertain), (1e-7, Status::Solved)] {
         let mut p = Parameters::START;
         p.probe.cusp_std = cusp_std;
@@ -167,7 +167,7 @@ fn a_reading_that_cannot_be_one_of_the_lens_is_left_out() {
     assert_eq!((bench.calibration.status(), bench.calibration.report().samples), (Status::Full, 512));
 }
 
-/// A machine that has cut its lens 3 um too deep twice a turn, and its probe has seen that.
+/// A machine that has cut its lens 3 um too deep twice per revolution, and has probed it.
 fn probed(p: &Parameters) -> Loop {
     let mut run = Loop::new(p, &Build::NOMINAL, 8);
     run.input.mode = Mode::CalibrateForm;
@@ -177,7 +177,7 @@ fn probed(p: &Parameters) -> Loop {
     run
 }
 
-/// Probes a lens that is too deep by `excess` (m) twice a turn, and asks for the next.
+/// Probes a lens that is too deep by `excess` (m) twice per revolution, and requests the next.
 fn probe(run: &mut Loop, excess: f64) {
     run.input.mode = Mode::CalibrateForm;
     let p = &run.parameters;
@@ -201,7 +201,7 @@ fn probe(run: &mut Loop, excess: f64) {
     run.input.mode = Mode::Track;
 }
 
-/// How far the path is at most beside one that is deeper than told by `added` (m) twice a turn, m.
+/// Largest deviation of the path from one that is deeper than nominal by `added` (m) twice per revolution, m.
 fn beside(run: &mut Loop, added: f64) -> f64 {
     let p = &run.parameters;
     let path = PathTable::new(Arm::new(p), &DepthTable::of_surface(p).unwrap(), 24);
@@ -209,7 +209,7 @@ fn beside(run: &mut Loop, added: f64) -> f64 {
     for _ in 0..1000 {
         run.step();
         let Input { spindle_angle, slide_position, .. } = run.input;
-        let [told, _] = path.told_depth(slide_position, Phasors::new(spindle_angle, 64).from_zero());
+        let [told, _] = path.nominal_depth(slide_position, Phasors::new(spindle_angle, 64).from_zero());
         most = most.max((run.output.reference.depth - told - added * (2.0 * spindle_angle).cos()).abs());
     }
     most

@@ -10,7 +10,7 @@ use nalgebra::Complex;
 use crate::machine::{Build, RPM};
 use crate::run::Loop;
 
-/// Standing spindle, no friction, no cut, fine encoders: nothing but linear.
+/// Spindle at rest, no friction, no cut, fine encoders: linear.
 const LINEAR: Build =
     Build { coulomb: 0.0, ripple: 0.0, cutting: [0.0; 3], quantised: false, speed: |_| 0.0, ..Build::NOMINAL };
 
@@ -20,7 +20,7 @@ fn parameters(frequencies: &str) -> Parameters {
     p
 }
 
-/// Identifies at once; the run ends when the response is complete.
+/// Identifies immediately; the run ends when the response is complete.
 fn identified(p: &Parameters, build: &Build) -> Loop {
     let mut run = Loop::new(p, build, 9);
     run.input.mode = Mode::Identify;
@@ -67,7 +67,7 @@ fn a_machine_that_is_not_the_nominal_one_is_seen_as_it_is() {
 }
 
 #[test]
-fn the_nominal_response_is_told_before_any_is_measured() {
+fn the_nominal_response_is_reported_before_any_is_measured() {
     let p = Parameters::START;
     let mut run = Loop::new(&p, &LINEAR, 9);
     run.input.mode = Mode::Idle;
@@ -78,7 +78,7 @@ fn the_nominal_response_is_told_before_any_is_measured() {
 }
 
 #[test]
-fn feedforward_uses_the_response_at_once() {
+fn feedforward_uses_the_response_immediately() {
     // a fifth more torque per command, which feedforward alone does not know; in air
     let build = Build { gain: 1.2, coulomb: 0.0, ripple: 0.0, ..Build::NOMINAL };
     let p = parameters("10, 20, 40, 60, 80, 120, 160, 240");
@@ -96,7 +96,7 @@ fn feedforward_uses_the_response_at_once() {
 }
 
 #[test]
-fn broken_off_in_the_swing_it_goes_on_smoothly() {
+fn aborted_in_an_oscillation_it_continues_smoothly() {
     for (mode, state) in [(Mode::Hold, State::Hold), (Mode::Approach, State::Ready), (Mode::Identify, State::Identify)]
     {
         let p = parameters("20, 40, 80");
@@ -112,7 +112,7 @@ fn broken_off_in_the_swing_it_goes_on_smoothly() {
 }
 
 #[test]
-fn state_bytes_continue_in_the_swing() {
+fn state_bytes_continue_in_an_oscillation() {
     let p = parameters("20, 40, 80");
     let mut run = Loop::new(&p, &Build::NOMINAL, 9);
     run.input.mode = Mode::Identify;
@@ -127,8 +127,8 @@ fn state_bytes_continue_in_the_swing() {
 }
 
 #[test]
-fn the_tool_follows_though_its_flexure_is_told_wrong() {
-    // 500 Hz: told 10 % wrong, the tool is off by a twentieth of 50.7 um while the encoder is content
+fn the_tool_follows_with_an_off_nominal_flexure() {
+    // 500 Hz: 10 % off nominal, the tool is off by a twentieth of 50.7 um and the encoder does not show it
     for (gain, flexure, damping) in [(0.8, 1080.0, 0.01), (1.2, 1320.0, 0.03)] {
         let build = Build { gain, flexure, damping, cutting: [0.0; 3], ripple: 0.0, ..Build::NOMINAL };
         let mut p = parameters("20, 80, 230, 360, 430, 500, 570, 640, 720, 800, 900, 1000, 1100, 1150, 1200, 1250");
@@ -152,13 +152,13 @@ fn the_tool_follows_though_its_flexure_is_told_wrong() {
         assert!((response.tip_frequency / (TAU * flexure) - 1.0).abs() < 5e-3, "{}", response.tip_frequency / TAU);
         assert!(response.tip_frequency_std > 0.0);
         let left = tip(found);
-        println!("told {told:.3?}, found {left:.3?}");
+        println!("nominal {told:.3?}, found {left:.3?}");
         assert!(told.tip > 1.0 && left.tip < 0.2 && left.rms < 0.1, "{told:?} {left:?}");
     }
 }
 
 #[test]
-fn what_is_measured_and_held_has_no_end_and_is_measured_anew_with_the_next_job() {
+fn a_held_measurement_has_no_end_and_the_next_task_measures_again() {
     let mut p = parameters("40, 80");
     let mut run = identified(&p, &LINEAR);
     // so long as the measurement takes

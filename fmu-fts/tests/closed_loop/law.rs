@@ -1,4 +1,4 @@
-//! One parameter switches to the law of the paper.
+//! One parameter switches to the published control law.
 
 use fmu_fts::interface::{Law, Parameters};
 

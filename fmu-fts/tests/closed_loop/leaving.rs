@@ -18,7 +18,7 @@ fn cuts() -> [(Parameters, Build); 4] {
     [lens(|_| 600.0 * RPM, 0.03), lens(|_| 1200.0 * RPM, 0.03), lens(|_| 2400.0 * RPM, 0.03), wave]
 }
 
-/// Least and largest depth of the tool within `duration` s.
+/// Smallest and largest depth of the tool within `duration` s.
 fn range(run: &mut Loop, duration: f64) -> (f64, f64) {
     let (until, mut range) = (run.time() + duration, (f64::INFINITY, f64::NEG_INFINITY));
     while run.time() < until {
@@ -51,7 +51,7 @@ fn leaves_within_five_percent(arm: &Build) {
                 run.run_to(run.time() + 0.0061 * f64::from(phase));
                 run.input.mode = mode;
                 run.input.hold_angle = (middle / 0.08).asin() - 0.0523;
-                // before the swing of the identification begins
+                // before the oscillation of the identification starts
                 let (low, high) = range(&mut run, 0.3);
                 let kept = low > least - beyond && high < most + beyond;
                 assert!(kept, "{mode:?} {phase}: {low} {high}, path {least} {most}");
@@ -66,7 +66,7 @@ fn leaves_within_five_percent(arm: &Build) {
 }
 
 #[test]
-fn a_swing_that_is_broken_off_fades() {
+fn an_aborted_oscillation_fades() {
     let mut p = Parameters::START;
     p.identify.grid = "20, 60, 200".parse().unwrap();
     let mut begun = Loop::new(&p, &Build::NOMINAL, 11);
@@ -78,7 +78,7 @@ fn a_swing_that_is_broken_off_fades() {
         run.run_to(0.55 + 0.07 * f64::from(broken));
         run.input.mode = Mode::Hold;
         let (low, high) = range(&mut run, 0.3);
-        // the loop passes on up to 1.3 of a swing of 1.75 mm
+        // the loop passes on up to 1.3 of an amplitude of 1.75 mm
         assert!(low > held - 2.4e-3 && high < held + 2.4e-3, "{low} {high}, held {held}");
         run.input.mode = Mode::Identify;
         run.run_to(run.time() + 3.0);
@@ -180,7 +180,7 @@ fn what_is_switched_off_on_the_way_out_of_the_part_goes_on_and_is_let_go_there()
     run.input.enable = false;
     let high = range(&mut run, 0.4).1;
     assert!(high < least + 3.6e-3, "{high} {least}");
-    // enabled anew it stays where it is
+    // enabled again it stays where it is
     run.input.enable = true;
     for _ in 0..100 {
         run.step();
@@ -190,7 +190,7 @@ fn what_is_switched_off_on_the_way_out_of_the_part_goes_on_and_is_let_go_there()
 }
 
 #[test]
-fn a_job_that_is_switched_off_ends_out_of_the_part_under_control() {
+fn a_task_that_is_switched_off_retracts_out_of_the_part() {
     for (p, build) in cuts() {
         let mut run = Loop::new(&p, &build, 11);
         run.run_to(1.0);
@@ -312,7 +312,7 @@ fn an_arm_that_its_drive_leaves_behind_is_braked_where_that_was_seen_to_obey() {
 }
 
 #[test]
-fn an_arm_that_is_behind_without_a_torque_that_tells_its_drive_is_let_go() {
+fn an_arm_that_lags_without_enough_torque_to_evaluate_its_drive_is_released() {
     let (mut p, build) = cuts()[0].clone();
     p.limits.following_error = 120e-6;
     let mut run = Loop::new(&p, &build, 17);

@@ -1,4 +1,4 @@
-//! A lens of ideal geometry: cut by an arm that is not the told one, probed, corrected, cut again.
+//! A lens of ideal geometry: cut by an off-nominal arm, probed, corrected, cut again.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,12 +14,12 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
 
-/// Distances from the spindle axis (m) at which the lens is probed and judged.
+/// Distances from the spindle axis (m) at which the lens is probed and evaluated.
 const ZONE: [f64; 2] = [0.0275, 0.0295];
-/// Noise of a reading: what the cut leaves and the probe adds, m.
+/// Noise of a sample: residual of the cut and noise of the probe, m.
 pub const NOISE: f64 = 2e-7;
 
-/// Where the machine differs from what its controller is told.
+/// Differences of the machine from its configured geometry.
 #[derive(Clone, Copy)]
 pub struct Wrong {
     /// Arm length, m.
@@ -69,7 +69,7 @@ impl Bench {
         }
     }
 
-    /// Where the centre of the nose truly is: distance and depth, m.
+    /// Actual center of the nose: distance and depth, m.
     fn nose(&self, slide_position: f64, angle: f64) -> [f64; 2] {
         let Wrong { length, offset, angle: bent, late, .. } = self.wrong;
         let (told, mut row) = (self.path.arm(), self.path.row());
@@ -121,7 +121,7 @@ impl Bench {
         }
     }
 
-    /// All scans, the axis 15 um beside the zero of the scale.
+    /// All scans, the axis 15 um off the zero of the scale.
     pub fn probe(&mut self, noise: f64) {
         let normal = Normal::new(0.0, noise).unwrap();
         for k in 0..self.scans {

@@ -1,8 +1,8 @@
 //! A turning machine with a rotary fast tool servo: the plant of the closed loops, natively in Rust.
 //!
-//! Two inertias with a flexure behind a current loop, sampled exactly at 20 us; Coulomb friction on the hub, thrust of
-//! the part on the arm, ripple in step with the spindle, encoders with their resolution. Values are our choice, as those
-//! of the controller's nominal arm; the ripple is what leaves 1.2 um at the twelfth harmonic.
+//! Two inertias with a flexure downstream of a current loop, sampled exactly at 20 us; Coulomb friction on the hub, thrust of
+//! the part on the arm, ripple in step with the spindle, encoders with their resolution. The values were chosen like
+//! those of the nominal arm; the ripple leaves 1.2 um at the twelfth harmonic.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -14,7 +14,7 @@ use rand_pcg::Pcg64Mcg;
 
 /// Communication step, s.
 pub const STEP: f64 = 1e-4;
-/// rad/s of one turn per minute.
+/// rad/s of one revolution per minute.
 pub const RPM: f64 = TAU / 60.0;
 
 const SUBSTEPS: usize = 5;
@@ -38,9 +38,9 @@ pub struct Build {
     pub ripple: f64,
     /// Torque at 120 Hz whatever the spindle does, N.m.
     pub hum: f64,
-    /// Thrust on the tool, mean, twice a turn, noise, N.
+    /// Thrust on the tool, mean, twice per revolution, noise, N.
     pub cutting: [f64; 3],
-    /// Speed ripple of the spindle, rad/s, once and twelve times a turn.
+    /// Speed ripple of the spindle, rad/s, once and twelve times per revolution.
     pub spindle_ripple: [f64; 2],
     /// Spindle speed over the time, rad/s.
     pub speed: fn(f64) -> f64,
@@ -95,7 +95,7 @@ pub struct Machine {
     /// angles of hub and arm, their velocities, torque
     state: SVector<f64, 5>,
     pending: Vec<f64>,
-    /// readings of the arm on their way
+    /// arm angles in transit
     seen: VecDeque<f64>,
     noise: f64,
     time: f64,
@@ -103,7 +103,7 @@ pub struct Machine {
     slide: f64,
     /// The tool is in the part.
     pub in_part: bool,
-    /// Speed of the slide besides 10 um a turn, m/s.
+    /// Speed of the slide in addition to 10 um per revolution, m/s.
     pub feed: f64,
 }
 
@@ -133,7 +133,7 @@ impl Machine {
         }
     }
 
-    /// Readings of arm (rad), spindle (rad) and slide (m).
+    /// Measured arm (rad), spindle (rad) and slide (m).
     pub fn read(&self) -> [f64; 3] {
         let round = |x: f64, quantum: f64| if self.build.quantised { (x / quantum).round() * quantum } else { x };
         [round(self.seen[0], TAU / 8_388_608.0), round(self.spindle, TAU / 1_048_576.0), round(self.slide, 1e-7)]

@@ -23,7 +23,7 @@ fn idle_gives_no_torque() {
 }
 
 #[test]
-fn nothing_happens_before_it_is_enabled_and_a_job_begins_with_it() {
+fn nothing_happens_before_it_is_enabled_and_a_task_starts_with_it() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
     run.input.enable = false;
     run.run_to(0.01);
@@ -86,7 +86,7 @@ fn a_part_is_cut_at_constant_speed_and_the_tool_moves_freely_otherwise() {
 }
 
 #[test]
-fn what_the_harmonics_of_the_path_leave_out_is_told() {
+fn the_depth_that_the_harmonics_omit_is_reported() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 3);
     run.step();
     assert!(run.output.path_truncation > 0.0 && run.output.path_truncation < 10e-9, "{}", run.output.path_truncation);

@@ -112,7 +112,7 @@ fn the_whole_table_against_the_baseline() {
     against_the_baseline(&speeds, &[0.8, 1.0, 1.2], &[1080.0, 1200.0, 1320.0]);
 }
 
-/// A cut of 100 s with all noise on, a pause at rest in the middle, and the way out at the end; no fault in any sample.
+/// A cut of 100 s with all noise on, a pause at rest in the middle, and the retract at the end; no fault in any sample.
 fn worked(seed: u64) {
     const SPEEDS: [fn(f64) -> f64; 4] = [|_| 300.0 * RPM, |_| 600.0 * RPM, |_| 1200.0 * RPM, |_| 2400.0 * RPM];
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);

@@ -38,7 +38,7 @@ pub struct Measured {
     pub peak: f64,
     /// Root mean square of the error of the tool, without its mean.
     pub tip: f64,
-    /// Root mean square of the wanted depth, without its mean.
+    /// Root mean square of the reference depth, without its mean.
     pub path: f64,
     /// Largest torque, N.m.
     pub torque: f64,
@@ -94,7 +94,7 @@ impl Loop {
         self.steps += 1;
     }
 
-    /// The same loop, with the law from its state bytes.
+    /// The same loop, with the controller from its state bytes.
     pub fn reloaded(&self) -> Self {
         let bytes = postcard::to_allocvec(&self.controller).unwrap();
         Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }
@@ -105,7 +105,7 @@ impl Loop {
         self.machine.feed = speed;
     }
 
-    /// Swings the arm by `angle` (rad): from now on its encoder reads so much more.
+    /// Rotates the arm by `angle` (rad): from now on its encoder shows that much more.
     pub fn turn_arm(&mut self, angle: f64) {
         self.turned = angle;
     }

@@ -11,7 +11,7 @@ use nalgebra::{Complex, DMatrix, DVector, SVector};
 
 use crate::machine::{Build, RPM, STEP, sampled};
 
-/// States before the resonators: arm 5, command on its way 1, errors 3, torques 3.
+/// States before the resonators: arm 5, command in transit 1, errors 3, torques 3.
 const FIXED: usize = 12;
 
 /// Spectral radius of one sample of the loop on the arm `build` at a spindle speed (rad/s).
@@ -26,7 +26,7 @@ fn spectral_radius(p: &Parameters, build: &Build, speed: f64) -> f64 {
         .filter(|n| *n as f64 * speed <= p.afc.frequency_max)
         .map(|n| {
             let omega = n as f64 * speed;
-            // on a path that stands the feedforward learns as a resonator does: alone in the second harmonic, as much quicker as it can
+            // on a constant path the feedforward learns like a resonator: alone in the second harmonic, as fast as it can
             let quicker = if p.feedforward_adaptive && n == 2 { 1.0 + QUICKER } else { 1.0 };
             (Complex::from_polar(1.0, omega * STEP), quicker * gain_of(&p.afc, STEP, model.closed(omega)))
         })
@@ -34,7 +34,7 @@ fn spectral_radius(p: &Parameters, build: &Build, speed: f64) -> f64 {
     let size = FIXED + 2 * resonators.len();
     let sample = |x: &DVector<f64>| {
         let mut next = DVector::zeros(size);
-        // each resonator in the frame that stands: turn, learn, put out
+        // each resonator in the fixed frame: rotate, learn, output
         let (error, mut set_point) = (-x[0], 0.0);
         for (i, (turn, gain)) in resonators.iter().enumerate() {
             let at = FIXED + 2 * i;

@@ -17,7 +17,7 @@ fn same_seed_same_numbers() {
 #[test]
 fn state_bytes_continue_bit_for_bit() {
     let p = Parameters::START;
-    // while holding, on the way to the path, and while learning
+    // while holding, during the approach, and while learning
     for (mode, time) in [(Mode::Hold, 0.1), (Mode::Track, 0.1), (Mode::Track, 0.7)] {
         let mut run = Loop::new(&p, &Build::NOMINAL, 6);
         run.input.mode = mode;

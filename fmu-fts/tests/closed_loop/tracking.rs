@@ -98,7 +98,7 @@ fn without_compensation_the_flexure_bends_by_its_share_of_the_acceleration() {
 }
 
 #[test]
-fn an_arm_that_is_read_late_is_on_its_path_where_that_is_told() {
+fn an_arm_with_a_configured_delay_is_on_its_path() {
     for late in [1, 2] {
         let told = Parameters { arm_delay: late as i32, ..Parameters::START };
         let build = Build { arm_delay: late, ..Build::NOMINAL };
@@ -210,7 +210,7 @@ fn eq_3_as_printed_diverges_at_1200_rpm() {
 }
 
 #[test]
-fn a_cancellation_that_diverges_is_told_and_the_tool_leaves_the_part() {
+fn a_diverging_cancellation_is_detected_and_the_tool_leaves_the_part() {
     let mut run = Loop::new(&Parameters::PAPER, &at(|_| 1200.0 * RPM), 1);
     run.run_to(0.5);
     let mut lowest = f64::INFINITY;
@@ -226,7 +226,7 @@ fn a_cancellation_that_diverges_is_told_and_the_tool_leaves_the_part() {
 }
 
 #[test]
-fn a_disturbance_that_does_not_turn_with_the_spindle_is_not_cancelled() {
+fn a_disturbance_that_does_not_turn_with_the_spindle_is_not_canceled() {
     let build = Build { ripple: 0.0, hum: 6e-3, ..at(|_| 580.0 * RPM) };
     let (five, _) = tracked(&five(), &build, Layers::All, 2.5);
     let (all, _) = tracked(&Parameters::START, &build, Layers::All, 2.5);
@@ -238,7 +238,7 @@ fn either_tool_is_guided() {
     let mut p = Parameters::START;
     p.tool.selected = 2;
     let mut run = Loop::new(&p, &Build::NOMINAL, 1);
-    // the arm is swung by half a turn: its encoder counts on
+    // the arm is rotated by half a revolution: its encoder continues
     run.turn_arm(std::f64::consts::PI);
     run.run_to(2.5);
     assert!(run.measure(0.5).rms < 0.5);
@@ -248,7 +248,7 @@ fn either_tool_is_guided() {
 fn the_automatic_list_leaves_alone_what_does_not_repeat() {
     let mut automatic = Parameters::START;
     automatic.afc.automatic = true;
-    // 8 turns of looking before tau begins
+    // 8 revolutions of observation before tau starts
     assert!(tracked(&automatic, &Build::NOMINAL, Layers::All, 4.0).0.rms < 0.4);
     for (speed, without) in [(at(|_| 580.0 * RPM), 1.2), (at(|_| 598.0 * RPM), 0.9)] {
         let hum = Build { ripple: 0.0, hum: 6e-3, ..speed };
@@ -294,7 +294,7 @@ fn with_more_bandwidth_less_of_the_noise_of_the_cut_is_left() {
 /// 2400 rpm with a fifth less torque: feedforward alone leaves a sixth of the path, which shrinks as the slide goes in.
 const WEAK: Build = Build { gain: 0.8, flexure: 1080.0, speed: |_| 2400.0 * RPM, ..Build::NOMINAL };
 
-/// Error from `begin` s on, for 0.3 s, with a speed of the slide (m/s) besides 10 um a turn.
+/// Error from `begin` s on, for 0.3 s, with a speed of the slide (m/s) in addition to 10 um per revolution.
 fn on_a_weak_drive(adaptive: bool, feed: f64, begin: f64) -> Measured {
     let mut p = Parameters::START;
     p.surface.outer_radius = 0.032;
@@ -303,7 +303,7 @@ fn on_a_weak_drive(adaptive: bool, feed: f64, begin: f64) -> Measured {
     run.feed(feed);
     run.run_to(begin);
     let left = run.measure(0.3);
-    println!("feed {} um a turn, adaptive {adaptive}: {left:?}", 10.0 + 1e6 * feed / 40.0);
+    println!("feed {} um per revolution, adaptive {adaptive}: {left:?}", 10.0 + 1e6 * feed / 40.0);
     left
 }
 

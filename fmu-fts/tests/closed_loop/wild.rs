@@ -1,4 +1,4 @@
-//! Parameters anywhere in their ranges: refused with a reason, or a controller that stays finite.
+//! Parameters anywhere in their ranges: rejected with a reason, or a controller that stays finite.
 
 use fmu_fts::controller::Controller;
 use fmu_fts::interface::{Input, Mode, Output, Parameters, SurfaceKind};
