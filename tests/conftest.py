@@ -38,7 +38,7 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
 
 def tried(report: Any) -> Iterable[list[str]]:
     """Return the clients that a report is about: none for a test without the mark."""
-    return [told for name, told in getattr(report, "user_properties", []) if name == "client"]
+    return [reported for name, reported in getattr(report, "user_properties", []) if name == "client"]
 
 
 def table(cells: dict[tuple[str, str], dict[str, str]]) -> list[str]:

@@ -39,12 +39,12 @@ def deviation(name: str, *changes: str) -> float:
     return value(done, "force_deviation") if value(done, "done") else math.inf
 
 
-def test_what_each_part_of_the_law_of_polishing_is_worth() -> None:
+def test_what_each_part_of_the_polishing_controller_is_worth() -> None:
     askew = {}
     for name, changes in laws().items():
         askew[name] = deviation("polish/misaligned", *changes)
         measured(
-            "polish-parts", name, told=deviation("polish", *changes), askew=askew[name],
+            "polish-parts", name, reported=deviation("polish", *changes), askew=askew[name],
             fast=deviation("polish/20-mm-s", *changes), gain=value(run("polish", *changes), "gain"),
         )  # fmt: skip
     assert askew["turns"] < 0.5 * askew["plain"]
@@ -66,10 +66,10 @@ def test_patterns_that_are_computed_need_the_gain_and_identified_ones_do_not(tmp
     left: dict[str, dict[str, float]] = {"computed": {}, "identified": {}}
     for name, robot in ROBOTS.items():
         bank = tmp_path / f"{name}.bin"
-        told = run(
+        reported = run(
             "deburr/new-robot", *robot, "controller.learn.repetitions=0", f"controller.bank.export='{bank}'"
         )
-        assert value(told, "good") == 1.0
+        assert value(reported, "good") == 1.0
         patterns = {
             "computed": ("controller.bank.import=''", "controller.bank.compute=true"),
             "identified": (f"controller.bank.import='{bank}'",),

@@ -40,7 +40,7 @@ def test_the_fmu_warns_beyond_the_longest_step_with_which_its_loop_works(loop: L
 
 
 @loops
-def test_the_page_in_the_fmu_tells_the_longest_step(loop: Loop) -> None:
+def test_the_page_in_the_fmu_shows_the_longest_step(loop: Loop) -> None:
     with zipfile.ZipFile(find_fmu(f"fmu-{loop.name}", Path())) as fmu:
         page = fmu.read("documentation/index.html").decode()
     longest = document.limit(loop, document.read())

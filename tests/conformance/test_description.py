@@ -182,13 +182,13 @@ def test_the_documentation_is_well_formed_and_lists_every_variable(fmu: Fmu) -> 
     for category in elements(fmu, "LogCategories/Category"):
         assert category.attrib["name"] in cells
     # a struct of the declaration says what its parameters are about
-    told = {
+    reported = {
         "".join(head.itertext()): "".join(text.itertext())
         for part in page.iter()
         for head, text in pairwise(part)
         if (head.tag, text.tag) == ("h3", "p")
     }
-    assert told.get("limits", "").endswith("."), told
+    assert reported.get("limits", "").endswith("."), reported
 
 
 def test_the_block_shows_every_port_or_its_large_group(fmu: Fmu) -> None:
@@ -216,7 +216,7 @@ def test_the_page_names_nothing_that_is_not_in_the_fmu(fmu: Fmu) -> None:
     assert not [name for name in names if name not in packed and any([*f.glob(name)] for f in folders)]
 
 
-def test_the_page_tells_how_to_wire_and_to_set_up(fmu: Fmu) -> None:
+def test_the_page_shows_how_to_wire_and_to_set_up(fmu: Fmu) -> None:
     if fmu.file.stem == PROBE:
         pytest.skip("the probe has no guide")
     page = ElementTree.fromstring(read(fmu, "documentation/index.html"))
@@ -230,9 +230,9 @@ def test_the_page_tells_how_to_wire_and_to_set_up(fmu: Fmu) -> None:
     units: dict[str, str] = {}
     for name, _, unit, _ in (row for row in wires if row[0].tag == "td"):
         ports = ["".join(port.itertext()) for port in name.iter("code")]
-        told = (unit.text or "").split(", ")
+        reported = (unit.text or "").split(", ")
         # ports may share a unit
-        units.update(zip(ports, told if len(told) > 1 else told * len(ports), strict=True))
+        units.update(zip(ports, reported if len(reported) > 1 else reported * len(ports), strict=True))
     known = {v.name: v.unit or "-" for v in [*fmu.variables("input"), *fmu.variables("output")]}
     assert units == {name: known.get(name) for name in units}
     assert {*(v.name for v in fmu.variables("input")), "drive_enable"} <= set(units)

@@ -107,7 +107,7 @@ def resource_locations(fmu: Fmu) -> Iterator[bytes | None]:
     yield b"file:///tmp/%7B8c4e810f-3df3-4a00-8276-176fa3c9f000%7D/resources"
 
 
-def test_every_way_to_tell_the_resources_is_taken(fmu: Fmu) -> None:
+def test_every_form_of_the_resources_is_taken(fmu: Fmu) -> None:
     slave = slave_of(fmu)
     guid = fmu.description.guid.encode()
     for location in resource_locations(fmu):

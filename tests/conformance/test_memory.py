@@ -38,14 +38,14 @@ def test_no_fault_and_no_leak(fmu: Fmu, valgrind: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("fmu", [PROBE], indirect=True)
-def test_a_forgotten_instance_would_be_found(fmu: Fmu, valgrind: str, tmp_path: Path) -> None:
+def test_a_leaked_instance_would_be_found(fmu: Fmu, valgrind: str, tmp_path: Path) -> None:
     result = run(valgrind, compile_driver(tmp_path, without("    free_instance(two);\n")), fmu)
     assert result.returncode == 99
     assert "definitely lost" in result.stderr
 
 
 @pytest.mark.parametrize("fmu", [PROBE], indirect=True)
-def test_a_forgotten_state_goes_with_its_instance(fmu: Fmu, valgrind: str, tmp_path: Path) -> None:
+def test_a_leaked_state_goes_with_its_instance(fmu: Fmu, valgrind: str, tmp_path: Path) -> None:
     result = run(valgrind, compile_driver(tmp_path, without("    OK(free_state(from, &taken));\n")), fmu)
     assert (result.returncode, result.stdout, result.stderr) == (0, "done\n", "")
 

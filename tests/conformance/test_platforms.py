@@ -165,17 +165,17 @@ def deviation(home: NDArray[np.uint64], away: NDArray[np.uint64]) -> float:
 @pytest.mark.parametrize("loop", LOOPS)
 @pytest.mark.parametrize("name", [AARCH64, WIN64])
 def test_outputs_and_log_are_those_of_linux64(name: str, loop: str, folder: Path) -> None:
-    told = case(loop, folder)
-    home = told.replay(*program(LINUX64, folder), folder / "home")
-    away = told.replay(*program(name, folder), folder / "away")
+    reported = case(loop, folder)
+    home = reported.replay(*program(LINUX64, folder), folder / "home")
+    away = reported.replay(*program(name, folder), folder / "away")
     assert len(home.outputs) >= ROWS
-    reals = [f"controller.{v.name}" if v.type == "Real" else "" for v in told.outputs]
+    reals = [f"controller.{v.name}" if v.type == "Real" else "" for v in reported.outputs]
     # the program replays what happened in the loop
     for k, column_name in enumerate(reals):
-        if column_name in (told.trace.dtype.names or ()):
-            happened = np.asarray(told.trace[column_name], dtype=np.float64).view(np.uint64)
+        if column_name in (reported.trace.dtype.names or ()):
+            happened = np.asarray(reported.trace[column_name], dtype=np.float64).view(np.uint64)
             assert np.array_equal(home.outputs[: len(happened), k], happened), column_name
-    for k, v in enumerate(told.outputs):
+    for k, v in enumerate(reported.outputs):
         bound = (
             0.0
             if v.type != "Real" or loop in EXACT
@@ -191,9 +191,9 @@ def test_outputs_and_log_are_those_of_linux64(name: str, loop: str, folder: Path
 @pytest.mark.parametrize("loop", BY_EVENTS)
 @pytest.mark.parametrize("name", [LINUX64, AARCH64, WIN64])
 def test_events_give_the_samples_of_steps(name: str, loop: str, folder: Path) -> None:
-    told, (on, replays) = case(loop, folder), program(name, folder)
-    steps = told.replay(on, replays, folder / "steps")
-    events = told.replay(on, replays, folder / "events", "events")
+    reported, (on, replays) = case(loop, folder), program(name, folder)
+    steps = reported.replay(on, replays, folder / "steps")
+    events = reported.replay(on, replays, folder / "events", "events")
     assert np.array_equal(events.outputs, steps.outputs)
     assert events.log == steps.log
 

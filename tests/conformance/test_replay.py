@@ -90,12 +90,12 @@ def test_in_the_middle_of_a_state_of_a_closed_loop(loop: str, state: str, tmp_pa
     seen = zip(*(line.split() for line in lines), strict=True)
     for name, numbers in zip(reals, seen, strict=False):
         if f"controller.{name}" in (trace.dtype.names or ()):
-            told = [float.fromhex(number) for number in numbers]
-            assert told == trace[f"controller.{name}"][: len(lines)].tolist(), name
+            reported = [float.fromhex(number) for number in numbers]
+            assert reported == trace[f"controller.{name}"][: len(lines)].tolist(), name
 
 
 @pytest.mark.parametrize("loop", ["centering", "deburr", "dob", "fts", "polish"])
-def test_the_guide_tells_how_many_bytes_a_state_has(loop: str, tmp_path: Path) -> None:
+def test_the_guide_shows_how_many_bytes_a_state_has(loop: str, tmp_path: Path) -> None:
     scenario = cosim.load(loop)
     trace = cosim.run(scenario, engine="native").trace
     assert trace is not None

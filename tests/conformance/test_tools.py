@@ -23,10 +23,10 @@ def run(*command: str) -> subprocess.CompletedProcess[str]:
 def test_fmutool_finds_it_compliant(fmu: Fmu) -> None:
     program = need("fmutool", shutil.which("fmutool", path=Path(sys.executable).parent))
     result = run(program, "-input", str(fmu.file), "-check")
-    told = result.stdout + result.stderr
-    assert result.returncode == 0, told
-    assert "This FMU seems to be compliant with FMI-2.0." in told
-    assert "No semantic error against the FMI-2 standard." in told
+    reported = result.stdout + result.stderr
+    assert result.returncode == 0, reported
+    assert "This FMU seems to be compliant with FMI-2.0." in reported
+    assert "No semantic error against the FMI-2 standard." in reported
 
 
 @pytest.mark.client("libcosim", "runs it alone")

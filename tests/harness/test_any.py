@@ -181,19 +181,19 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("change", MISTAKES)
-def test_mistakes_are_told_with_the_nearest_name(crane: Path, change: str) -> None:
+def test_mistakes_give_an_error_with_the_nearest_name(crane: Path, change: str) -> None:
     with pytest.raises(CosimError, match=MISTAKES[change]):
         cosim.run(cosim.load("crane.toml", set=[change]))
 
 
-def test_a_file_without_named_sensors_is_told(crane: Path) -> None:
+def test_a_file_without_named_sensors_is_reported(crane: Path) -> None:
     text = (crane / "crane.xml").read_text().replace('name="position" ', "").replace('name="velocity" ', "")
     (crane / "crane.xml").write_text(text)
     with pytest.raises(CosimError, match=r"no reading `position`\nhint: it has no readings at all"):
         cosim.run(cosim.load("crane.toml"))
 
 
-def test_a_file_that_mujoco_refuses_is_told_with_its_line(crane: Path) -> None:
+def test_a_file_that_mujoco_rejects_names_its_line(crane: Path) -> None:
     text = (crane / "crane.xml").read_text().replace("damping=", "dampin=", 1)
     (crane / "crane.xml").write_text(text)
     message = r"MuJoCo cannot load `crane.xml`: .*'dampin'.*line 5\nhint: MuJoCo's XML reference"

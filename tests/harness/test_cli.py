@@ -92,7 +92,7 @@ def test_the_same_seed_gives_the_same_bytes_in_two_processes(write: Write, folde
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX pipes")
 @pytest.mark.parametrize("command", ["list", "show lag.toml", "run lag.toml --json -"])
-def test_a_reader_that_goes_away_causes_no_traceback(write: Write, command: str) -> None:
+def test_a_reader_that_closes_causes_no_traceback(write: Write, command: str) -> None:
     write(name="scenarios/lag.toml")
     write()
     variables = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -118,7 +118,7 @@ def test_list_shows_names_and_titles_and_survives_a_broken_file(write: Write) ->
     assert "warning: `scenarios/broken.toml` is not valid TOML" in done.stderr
 
 
-def test_show_tells_variables_parameters_and_wires(write: Write) -> None:
+def test_show_shows_variables_parameters_and_wires(write: Write) -> None:
     write("[controller.parameters]\ngain = 3.0\n")
     done = cosim("show", "lag.toml", "--set", "plant.pole=0.25", "--set", "wire.controller.in.noise=0.5")
     assert done.returncode == 0

@@ -156,7 +156,7 @@ UNITS = {
 
 
 @pytest.mark.parametrize(("text", "unit"), UNITS.items(), ids=UNITS.keys())
-def test_the_unit_is_told_where_it_is_clear(text: str, unit: str | None) -> None:
+def test_the_unit_is_reported_where_it_is_clear(text: str, unit: str | None) -> None:
     units = {"time": "s", "plant.x": "m", "controller.on": "", "controller.bias[1]": "1"}
     assert Expression(text, NAMES, "`metric`", units=units).unit == unit
 
@@ -217,13 +217,13 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("text", "message"), WRONG.items(), ids=[text[:40] or "empty" for text in WRONG])
-def test_what_the_language_does_not_have_is_refused_when_it_is_compiled(text: str, message: str) -> None:
+def test_what_the_language_does_not_have_is_rejected_when_it_is_compiled(text: str, message: str) -> None:
     with pytest.raises(ExpressionError, match=message) as caught:
         Expression(text, NAMES, "`metric.m.value`")
     assert caught.value.message.startswith("`metric.m.value` = `")
 
 
-def test_a_condition_of_another_length_is_refused() -> None:
+def test_a_condition_of_another_length_is_rejected() -> None:
     with pytest.raises(ExpressionError, match="cannot be computed"):
         evaluate("max(plant.x[plant.x[time > 0.05] > 0])")
 
@@ -276,7 +276,7 @@ def test_a_condition_on_a_row_knows_no_metric() -> None:
         Expression("metric.far > 1", NAMES, "`loop.stop_when`", rowwise=True)
 
 
-def test_metrics_that_are_made_of_each_other_are_refused() -> None:
+def test_metrics_that_are_made_of_each_other_are_rejected() -> None:
     metrics = (Metric("far", "metric.near + 1"), Metric("near", "metric.far - 1"))
     with pytest.raises(ExpressionError, match=r"each other: `metric\.(far|near)` <- `metric\."):
         compile_metrics(metrics, NAMES)

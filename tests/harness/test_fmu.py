@@ -41,20 +41,20 @@ def test_an_fmu_is_described(folder: Path) -> None:
     assert file.variables["mode"].items == (("Off", 1), ("Slow", 2), ("Fast", 4))
 
 
-def test_a_file_that_is_no_zip_is_refused(folder: Path) -> None:
+def test_a_file_that_is_no_zip_is_rejected(folder: Path) -> None:
     (folder / "bad.fmu").write_text("no zip")
     with pytest.raises(FmuError, match=r"`bad.fmu` is not an FMU: it is not a zip file\nhint: "):
         open_fmu(folder / "bad.fmu")
 
 
-def test_a_zip_without_description_is_refused(folder: Path) -> None:
+def test_a_zip_without_description_is_rejected(folder: Path) -> None:
     with zipfile.ZipFile(folder / "bad.fmu", "w") as empty:
         empty.writestr("readme.txt", "hello")
     with pytest.raises(FmuError, match=r"it holds no `modelDescription.xml`"):
         open_fmu(folder / "bad.fmu")
 
 
-def test_an_fmu_for_another_platform_is_refused(folder: Path) -> None:
+def test_an_fmu_for_another_platform_is_rejected(folder: Path) -> None:
     members = {"binaries/win32/probe.dll": b"", "binaries/darwin64/probe.dylib": b""}
     pack(folder / "bad.fmu", description(), members)
     expected = (
@@ -64,7 +64,7 @@ def test_an_fmu_for_another_platform_is_refused(folder: Path) -> None:
         open_fmu(folder / "bad.fmu")
 
 
-def test_an_fmu_for_model_exchange_is_refused(folder: Path) -> None:
+def test_an_fmu_for_model_exchange_is_rejected(folder: Path) -> None:
     exchange = ('<CoSimulation modelIdentifier="probe" canHandleVariableCommunicationStepSize="true"/>',
                 '<ModelExchange modelIdentifier="probe"/>')  # fmt: skip
     pack(folder / "bad.fmu", description(exchange), {LIBRARY: b""})
@@ -73,7 +73,7 @@ def test_an_fmu_for_model_exchange_is_refused(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("version", ["1.0", "3.0"])
-def test_an_fmu_of_another_version_is_refused(folder: Path, version: str) -> None:
+def test_an_fmu_of_another_version_is_rejected(folder: Path, version: str) -> None:
     pack(folder / "bad.fmu", description(('fmiVersion="2.0"', f'fmiVersion="{version}"')), {LIBRARY: b""})
     with pytest.raises(FmuError, match=rf"`bad.fmu` is an FMI {version} FMU, only FMI 2.0 is supported"):
         open_fmu(folder / "bad.fmu")
@@ -87,7 +87,7 @@ def test_an_fmu_of_another_version_is_refused(folder: Path, version: str) -> Non
         ('<Real unit="m" start="0"/>', '<Real unit="m"/>', "start value"),
     ],
 )
-def test_a_broken_description_is_refused_with_the_problem(
+def test_a_broken_description_is_rejected_with_the_problem(
     folder: Path, old: str, new: str, problem: str
 ) -> None:
     pack(folder / "bad.fmu", description((old, new)), {LIBRARY: b""})
@@ -98,26 +98,26 @@ def test_a_broken_description_is_refused_with_the_problem(
         open_fmu(folder / "bad.fmu")
 
 
-def test_the_problems_of_a_description_are_told_in_a_line_each(folder: Path) -> None:
+def test_the_problems_of_a_description_are_reported_in_a_line_each(folder: Path) -> None:
     twice = ('valueReference="1" causality="parameter"', 'valueReference="1" causality="parametr"')
     pack(folder / "bad.fmu", description(('causality="input"', 'causality="inpt"'), twice), {LIBRARY: b""})
     with pytest.raises(FmuError) as caught:
         open_fmu(folder / "bad.fmu")
-    told = caught.value.message.splitlines()[1:]
-    assert len([line for line in told if "'inpt'" in line]) == 4
-    assert len([line for line in told if "'parametr'" in line]) == 1
+    reported = caught.value.message.splitlines()[1:]
+    assert len([line for line in reported if "'inpt'" in line]) == 4
+    assert len([line for line in reported if "'parametr'" in line]) == 1
 
 
 def test_a_mistake_that_repeats_fills_no_screen(folder: Path) -> None:
     pack(folder / "bad.fmu", description(("<ScalarVariable", "<ScalarVariable wrong='1'")), {LIBRARY: b""})
     with pytest.raises(FmuError) as caught:
         open_fmu(folder / "bad.fmu")
-    told = caught.value.message.splitlines()[1:]
+    reported = caught.value.message.splitlines()[1:]
     more = description().count("<ScalarVariable ") - archive.MAX_PROBLEMS
-    assert (len(told), told[-1]) == (archive.MAX_PROBLEMS + 1, f"  and {more} more")
+    assert (len(reported), reported[-1]) == (archive.MAX_PROBLEMS + 1, f"  and {more} more")
 
 
-def test_a_library_that_cannot_be_loaded_is_refused_and_the_folder_put_back(folder: Path) -> None:
+def test_a_library_that_cannot_be_loaded_is_rejected_and_the_folder_put_back(folder: Path) -> None:
     pack(folder / "bad.fmu", description(), {LIBRARY: b"not a library"})
     file = open_fmu(folder / "bad.fmu")
     with pytest.raises(FmuError, match=r"`bad.fmu`: the library `.*` in it is not a Linux library\nhint: "):
@@ -125,7 +125,7 @@ def test_a_library_that_cannot_be_loaded_is_refused_and_the_folder_put_back(fold
     assert Path.cwd() == folder
 
 
-def test_a_library_without_a_function_is_refused(folder: Path, tmp_path: Path) -> None:
+def test_a_library_without_a_function_is_rejected(folder: Path, tmp_path: Path) -> None:
     source = tmp_path / "empty.c"
     source.write_text("int fmi2GetNothing(void) { return 0; }\n")
     library = tmp_path / "empty.so"
@@ -136,7 +136,7 @@ def test_a_library_without_a_function_is_refused(folder: Path, tmp_path: Path) -
         Instance(open_fmu(folder / "bad.fmu"), [], [])
 
 
-def test_an_fmu_that_does_not_instantiate_tells_why(folder: Path, probe_library: bytes) -> None:
+def test_an_fmu_that_does_not_instantiate_shows_why(folder: Path, probe_library: bytes) -> None:
     pack(folder / "bad.fmu", description(("probe-guid", "other-guid")), {LIBRARY: probe_library})
     with pytest.raises(FmuError, match=r"cannot instantiate the FMU `Probe`: wrong GUID"):
         Instance(open_fmu(folder / "bad.fmu"), [], [])
@@ -160,7 +160,7 @@ def test_values_of_every_type_are_set(write: Write) -> None:
     assert last(parameters(write, "controller.flag=1"), "flag_out") == 0.0
 
 
-def test_a_refused_parameter_is_explained(write: Write) -> None:
+def test_a_rejected_parameter_is_explained(write: Write) -> None:
     with pytest.raises(FmuError, match="the FMU has no variable `gian`\nhint: did you mean `gain`"):
         parameters(write, "controller.gian=1")
 
@@ -186,7 +186,7 @@ def test_fmus_are_found_by_path_and_environment(
     assert cosim.run(cosim.load(file)).simulated_s == 0.05
 
 
-def test_a_thousand_instances_leave_nothing_behind(folder: Path) -> None:
+def test_a_thousand_instances_leave_nothing(folder: Path) -> None:
     file = open_fmu(folder / "probe.fmu")
 
     def cycle() -> None:

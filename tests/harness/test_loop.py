@@ -132,7 +132,7 @@ value = 1
     assert np.flatnonzero(column(result, "controller.flag")).tolist() == [20]
 
 
-def test_start_values_come_back_after_an_injection_in_every_run(write: Write) -> None:
+def test_start_values_return_after_an_injection_in_every_run(write: Write) -> None:
     pulse = '[[inject]]\nto = "controller.{0}"\nfrom_time = 0.01\nto_time = {2}\nvalue = {1}\n'
     added = pulse.format("gain", 3.0, 0.02) + pulse.format("mode", 4, 1.0)
     with cosim.Session(cosim.load(write(added), set=["controller.gain=0.5"])) as session:
@@ -288,7 +288,7 @@ def test_nothing_is_called_after_a_fatal_error(write: Write) -> None:
             session.run()
 
 
-def test_a_session_goes_on_after_an_error(write: Write) -> None:
+def test_a_session_continues_after_an_error(write: Write) -> None:
     with cosim.Session(cosim.load(write(), set=["plant.fail_at=5"])) as session:
         for _ in range(2):
             with pytest.raises(PlantError, match=r"step 5"):
@@ -320,7 +320,7 @@ def test_messages_of_the_fmu_reach_the_log(write: Write, caplog: pytest.LogCaptu
     assert "Probe [logStatusError] failed on request at 0.02 s" in caplog.text
 
 
-def test_progress_is_told(write: Write) -> None:
-    told: list[tuple[int, int]] = []
-    cosim.run(cosim.load(write(), set=["loop.duration=1.2"]), progress=lambda k, n: told.append((k, n)))
-    assert told == [(0, 1200), (500, 1200), (1000, 1200)]
+def test_progress_is_reported(write: Write) -> None:
+    reported: list[tuple[int, int]] = []
+    cosim.run(cosim.load(write(), set=["loop.duration=1.2"]), progress=lambda k, n: reported.append((k, n)))
+    assert reported == [(0, 1200), (500, 1200), (1000, 1200)]

@@ -151,7 +151,7 @@ SHAPELESS = {
 
 
 @pytest.mark.parametrize("number", range(len(SHAPELESS)), ids=SHAPELESS)
-def test_what_has_not_the_shape_of_a_plant_is_told_in_one_message(
+def test_what_has_not_the_shape_of_a_plant_is_reported_in_one_message(
     write: Write, folder: Path, number: int
 ) -> None:
     text, message = list(SHAPELESS.items())[number]
@@ -162,7 +162,7 @@ def test_what_has_not_the_shape_of_a_plant_is_told_in_one_message(
         cosim.run(cosim.load(write(), set=[f"plant.name=shapeless{number}:P"]))
 
 
-def test_modules_of_one_name_beside_two_scenarios_are_two_plants(write: Write, folder: Path) -> None:
+def test_modules_of_one_name_next_to_two_scenarios_are_two_plants(write: Write, folder: Path) -> None:
     ends = []
     for name, pole in (("one", 0.5), ("two", 0.9)):
         file = write(name=f"{name}/lag.toml", added=END)

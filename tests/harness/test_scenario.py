@@ -179,7 +179,7 @@ def test_a_mistake_in_an_override_is_found_where_it_is_loaded(write: Write) -> N
         cosim.load(write(), set=["loop.dration=1"])
 
 
-def test_a_circle_of_files_is_refused(write: Write) -> None:
+def test_a_circle_of_files_is_rejected(write: Write) -> None:
     write(name="a.toml", text='extends = "b.toml"\n')
     write(name="b.toml", text='extends = "a.toml"\n')
     with pytest.raises(

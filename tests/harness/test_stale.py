@@ -49,7 +49,7 @@ def checkout(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def told(caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
+def reported(caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
     """Warnings so far, also after the command line has set up its own log in this process."""
     monkeypatch.setattr(logging.getLogger("cosim"), "propagate", True)
     caplog.set_level(logging.WARNING, "cosim")
@@ -90,17 +90,17 @@ def test_the_last_change_after_the_build_counts() -> None:
         ("other/src/deep/lib.rs", False),
     ],
 )
-def test_an_edit_of_what_an_fmu_is_built_from_is_told(
-    checkout: Path, told: Callable[[], list[str]], edited: str, matters: bool
+def test_an_edit_of_what_an_fmu_is_built_from_is_reported(
+    checkout: Path, reported: Callable[[], list[str]], edited: str, matters: bool
 ) -> None:
     edit(checkout / edited)
     stale.warn("probe", paths.find_fmu("probe", checkout))
     wanted = f"`target/fmu/probe.fmu` is older than `{edited}`: `cargo xtask fmu probe` builds it again"
-    assert told() == ([wanted] if matters else [])
+    assert reported() == ([wanted] if matters else [])
 
 
 @pytest.mark.parametrize("command", [["run", "--in-process"], ["show", "--in-process"]])
-def test_the_command_line_tells_it_in_one_line(
+def test_the_command_line_shows_it_in_one_line(
     write: Write,
     checkout: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -111,27 +111,29 @@ def test_the_command_line_tells_it_in_one_line(
     assert stderr_of(capsys, monkeypatch, *command, "lag.toml") == ""
     stale.warn.cache_clear()
     edit(checkout / "probe" / "src" / "deep" / "lib.rs")
-    told = stderr_of(capsys, monkeypatch, *command, "lag.toml")
-    assert told.startswith("warning: `target/fmu/probe.fmu` is older than `probe/src/deep/lib.rs`: ")
-    assert told.count("\n") == 1
+    reported = stderr_of(capsys, monkeypatch, *command, "lag.toml")
+    assert reported.startswith("warning: `target/fmu/probe.fmu` is older than `probe/src/deep/lib.rs`: ")
+    assert reported.count("\n") == 1
     stale.warn.cache_clear()
     given = ("--set", "controller.fmu=target/fmu/probe.fmu")
     assert stderr_of(capsys, monkeypatch, *command, "lag.toml", *given) == ""
     assert stderr_of(capsys, monkeypatch, *command, "lag.toml", "-q") == ""
 
 
-def test_an_fmu_without_sources_beside_it_is_never_old(checkout: Path, told: Callable[[], list[str]]) -> None:
+def test_an_fmu_without_sources_with_it_is_never_old(
+    checkout: Path, reported: Callable[[], list[str]]
+) -> None:
     edit(checkout / "probe" / "src" / "deep" / "lib.rs")
     shutil.copy(checkout / "target" / "fmu" / "probe.fmu", checkout / "probe.fmu")
     os.utime(checkout / "probe.fmu", (BUILT, BUILT))
     stale.warn("probe", checkout / "probe.fmu")
     shutil.rmtree(checkout / "probe")
     stale.warn("probe", checkout / "target" / "fmu" / "probe.fmu")
-    assert told() == []
+    assert reported() == []
 
 
-def test_a_broken_manifest_is_left_to_cargo(checkout: Path, told: Callable[[], list[str]]) -> None:
+def test_a_broken_manifest_is_left_to_cargo(checkout: Path, reported: Callable[[], list[str]]) -> None:
     (checkout / "probe" / "Cargo.toml").write_text("[dependencies")
     edit(checkout / "probe" / "Cargo.toml")
     stale.warn("probe", checkout / "target" / "fmu" / "probe.fmu")
-    assert "is older than `probe/Cargo.toml`" in told()[0]
+    assert "is older than `probe/Cargo.toml`" in reported()[0]

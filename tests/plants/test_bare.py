@@ -234,7 +234,7 @@ def test_a_servo_whose_gain_changes_still_holds_its_setpoint(write: Write) -> No
     assert column(plant, run(plant, 4000, servo=0.4), "hinge.position")[-1] == pytest.approx(0.4, abs=1e-3)
 
 
-def test_a_run_starts_where_it_is_told(write: Write) -> None:
+def test_a_run_starts_where_it_is_reported(write: Write) -> None:
     file = write()
     truths = run(build(file), 1)
     plant = build(file, keyframe="away", joint__slide__position=-0.2, joint__hinge__velocity=0.7)
@@ -265,13 +265,13 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("case", MISTAKES)
-def test_a_file_with_a_mistake_is_refused(write: Write, case: str) -> None:
+def test_a_file_with_a_mistake_is_rejected(write: Write, case: str) -> None:
     change, message = MISTAKES[case]
     with pytest.raises(PlantError, match=message):
         build(write(change))
 
 
-def test_wrong_parameters_are_refused(write: Write) -> None:
+def test_wrong_parameters_are_rejected(write: Write) -> None:
     file = write()
     with pytest.raises(ParameterError, match=r"`plant.joint.slide.damping` .* `-1` N.s/m, limit `0` to"):
         build(file, joint__slide__damping=-1.0)
@@ -281,7 +281,7 @@ def test_wrong_parameters_are_refused(write: Write) -> None:
         build(file, keyframe="none")
 
 
-def test_what_the_file_says_is_never_refused(write: Write) -> None:
+def test_what_the_file_says_is_never_rejected(write: Write) -> None:
     file = write(('stiffness="0.3"', 'stiffness="-0.3"'))
     plant = build(file)
     assert plant.model.jnt_stiffness[1] == -0.3

@@ -101,7 +101,7 @@ def test_a_file_holds_contact_points_and_unit_normals() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (("cube", "-"), "cube"),
         (("led", "-", "--spacing", "0"), "`0` is not a positive number"),
@@ -111,10 +111,10 @@ def test_a_file_holds_contact_points_and_unit_normals() -> None:
         (("led", "-", "--removal", "plants/README.md", "--sweep", "6e-3"), "no table"),
     ],
 )
-def test_nonsense_is_refused_with_a_reason(arguments: tuple[str, ...], told: str) -> None:
+def test_nonsense_is_rejected_with_a_reason(arguments: tuple[str, ...], reported: str) -> None:
     done = command(*arguments)
     assert done.returncode == 2
-    assert told in done.stderr
+    assert reported in done.stderr
     assert done.stdout == ""
 
 

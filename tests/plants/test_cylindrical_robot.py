@@ -191,7 +191,7 @@ def test_it_starts_above_the_edge_at_rest() -> None:
     assert np.ptp(rows["read_axis3_position"]) < 1e-9
 
 
-def test_an_edge_that_does_not_fit_is_refused_with_a_hint() -> None:
+def test_an_edge_that_does_not_fit_is_rejected_with_a_hint() -> None:
     with pytest.raises(ValueError, match=r"`0\.2` m\nhint: start, corner and end"):
         CylindricalRobot(CylindricalRobotParameters(edge_radius=0.2))
 
@@ -350,7 +350,7 @@ def test_the_gear_has_play(axis: int, reach: float) -> None:
         assert force == pytest.approx(stiffness * beyond / reach, rel=1e-9, abs=1e-12)
 
 
-def test_friction_behind_the_gear_bends_it_where_the_encoder_does_not_see_it() -> None:
+def test_friction_after_the_gear_bends_it_where_the_encoder_does_not_see_it() -> None:
     # 3 % of 600 N on the spring of the coupling, in either direction;
     # Dahl's model has reversed after some such distances
     plant = robot(reversal_friction=0.03, reversal_way=1e-4, coulomb_friction=0.0, coupling_damping=0.3)
@@ -387,7 +387,7 @@ def test_the_motor_cogs(axis: int, period: float, force: float) -> None:
     assert np.delete(waves, 2).max() < 1e-6 * force
 
 
-def test_noise_is_told_to_the_harness() -> None:
+def test_noise_is_reported_to_the_harness() -> None:
     readings = robot(encoder_noise=2.0, spindle_noise=0.5).readings
     assert [channel.noise for channel in readings[:3]] == [2.0 * TURN / 640_000, 5e-6, 1e-5]
     assert readings[6].noise == 0.5

@@ -68,7 +68,7 @@ def test_no_feed_leaves_its_bounds(path: tuple[Array, Array]) -> None:
     assert planned.max() >= 1.9 * FEED
 
 
-def test_a_map_is_linear_between_its_places_and_its_edge_goes_on(tmp_path: Path) -> None:
+def test_a_map_is_linear_between_its_points_and_its_edge_continues(tmp_path: Path) -> None:
     file = tmp_path / "depth.csv"
     file.write_text("y\\x,-1,0,2\n-1,1,2,4\n1,3,4,6\n", encoding="utf-8")
     points = np.array([[0.5, 0.0], [-0.5, 0.5], [-9.0, -9.0], [9.0, 0.0]]) * 1e-3
@@ -77,7 +77,7 @@ def test_a_map_is_linear_between_its_places_and_its_edge_goes_on(tmp_path: Path)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("", "no table"),
         ("y,0,1\n0,1,1\n1,1\n", "no table"),
@@ -90,10 +90,10 @@ def test_a_map_is_linear_between_its_places_and_its_edge_goes_on(tmp_path: Path)
         ("y,0,1\n0,0,0\n1,0,0\n", "all are 0"),
     ],
 )
-def test_a_map_that_is_none_is_refused(tmp_path: Path, text: str, told: str) -> None:
+def test_a_map_that_is_none_is_rejected(tmp_path: Path, text: str, reported: str) -> None:
     file = tmp_path / "depth.csv"
     file.write_text(text, encoding="utf-8")
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=reported):
         DepthMap.read(file)
 
 

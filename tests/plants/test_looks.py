@@ -70,7 +70,7 @@ def test_every_machine_has_its_cameras_and_a_light(stepped: Any) -> None:
     assert (model.geom_matid[visible] >= 0).all()
 
 
-def test_the_class_of_the_looks_stands_in_one_file() -> None:
+def test_the_class_of_the_looks_is_in_one_file() -> None:
     (folder,) = plants.__path__
     text = Path(folder, "looks", "workshop.xml").read_text()
     assert f'<default class="{LOOKS}">' in text

@@ -346,7 +346,7 @@ def test_squares_at_500_hertz_do_not_reach_the_mold_and_at_50_hertz_they_do() ->
     assert gain(10) > 2.0 * none
 
 
-def test_a_tip_that_is_soft_across_swings_less() -> None:
+def test_a_tip_that_is_soft_across_oscillates_less() -> None:
     assert gain(10, tip_lateral=0.25) < 0.7 * gain(10)
 
 
@@ -405,12 +405,12 @@ def test_wood_sticks_better_than_it_slides() -> None:
         assert share[300:].mean() < 0.2 * (1.02 + 0.9 * (ratio - 1.0))
 
 
-def test_a_turned_sensor_shows_the_same_force_in_its_own_axes() -> None:
+def test_per_revolutioned_sensor_shows_the_same_force_in_its_own_axes() -> None:
     # pressed and pulled along x
-    def told(k: int) -> tuple[float, float, float]:
+    def reported(k: int) -> tuple[float, float, float]:
         return (2.0 if k < 20 else 0.0, 0.0, 0.0)
 
-    straight, turned = (run(robot(**PRESSED, sensor_turn=turn), 300, told) for turn in (0.0, 0.5))
+    straight, turned = (run(robot(**PRESSED, sensor_turn=turn), 300, reported) for turn in (0.0, 0.5))
     force, shown = vector(straight, "force")[-1], vector(turned, "force")[-1]
     assert abs(force[0]) > 0.5
     rotation = np.array([[np.cos(0.5), np.sin(0.5)], [-np.sin(0.5), np.cos(0.5)]])

@@ -64,7 +64,7 @@ def test_a_plant_without_elements_runs(tmp_path: Path) -> None:
     assert plant.truth()[0] == pytest.approx(3.0 / 2.0 * 0.1, rel=1e-12)
 
 
-def test_rk4_is_refused(tmp_path: Path) -> None:
+def test_rk4_is_rejected(tmp_path: Path) -> None:
     with pytest.raises(PlantError, match=r"`RK4`(?s:.)*hint: use `implicitfast`"):
         ball(tmp_path, "RK4")
 
@@ -93,7 +93,7 @@ def test_channels_are_connected_by_name(tmp_path: Path) -> None:
         plant.connect({"y": Cell(plant.data.sensordata)}, {}, {})
 
 
-def test_a_default_outside_its_range_is_refused_where_it_stands() -> None:
+def test_a_default_outside_its_range_is_rejected_in_its_file() -> None:
     with pytest.raises(ParameterError, match=r"the default of `Mass`: value `-1` kg, limit `0` to `inf` kg"):
         parameter(-1.0, "kg", "Mass", 0.0, source="catalogue")
 
@@ -160,7 +160,7 @@ def test_a_circuit_names_the_input_that_is_not_finite() -> None:
         circuit.step(1e-3)
 
 
-def test_wrong_bindings_are_refused() -> None:
+def test_wrong_bindings_are_rejected() -> None:
     circuit, array = Circuit(), np.zeros(2)
     with pytest.raises(ValueError, match=r"element `loop`: `1` cells for the ports .*command.*noise"):
         circuit.bind("loop", current_loop(1.0), [Cell(array)], [Cell(array)])

@@ -111,7 +111,7 @@ def test_passes_keep_pressure_from_running_ahead_of_the_path() -> None:
     assert abs(slopes[1]) < 0.4 * slopes[0]
 
 
-def test_a_share_of_a_pass_removes_that_share() -> None:
+def test_a_fraction_of_a_pass_removes_that_fraction() -> None:
     whole, half = Surface(PLANE, PLAIN, radius=0.7e-3), Surface(PLANE, PLAIN, radius=0.7e-3)
     x, y = lines(0.2e-3, 50e-6)
     polish(whole, x, y)

@@ -148,7 +148,7 @@ def test_frequency_response_of_the_hub(frequency: float, error: float) -> None:
 
 
 @pytest.mark.parametrize("frequency", [100.0, 300.0, 500.0, 800.0])
-def test_the_tool_swings_further_than_the_hub_by_the_flexure(frequency: float) -> None:
+def test_the_tool_oscillates_further_than_the_hub_by_the_flexure(frequency: float) -> None:
     rows = run(arm(), 3000, lambda time: 0.5 * math.cos(TURN * frequency * time))
     hub, flexure = (wave(rows, column, frequency) for column in ("arm_angle", "flexure"))
     assert abs(1.0 + flexure / hub) == pytest.approx(1.0 / (1.0 - (frequency / 1200.0) ** 2), rel=3e-3)
@@ -246,7 +246,7 @@ def test_the_spindle_ramps_to_a_new_speed() -> None:
     assert turned == pytest.approx(math.pi * (20.0 * 1.5 + 10.0 * (0.5 + 0.5 - lag)), rel=1e-4)
 
 
-def test_the_slide_feeds_per_turn_and_moves_on_command() -> None:
+def test_the_slide_feeds_per_revolution_and_moves_on_command() -> None:
     rows = run(arm(2.0, feed=1e-5), 10_000)
     assert np.diff(rows["slide_position"][5000:]).mean() / TICK == pytest.approx(1e-4, rel=1e-6)
     plant = arm(2.0, slide_start=0.04, slide_acceleration=1.0)
@@ -311,7 +311,7 @@ CUT: dict[str, Any] = {
 }  # fmt: skip
 
 
-def test_a_flat_lies_a_nose_radius_below_the_nose_centre() -> None:
+def test_a_flat_lies_a_nose_radius_below_the_nose_center() -> None:
     plant = arm(2.0, **CUT, start_angle=0.7, slide_start=0.06, feed=5e-5)
     run(plant, 5000, cutting=1.0)
     edge = 0.15 - 0.06 - 0.08 * math.cos(0.7)
@@ -406,7 +406,7 @@ def test_there_is_no_chip_beyond_the_part() -> None:
 
 
 @pytest.mark.parametrize(("name", "place"), [("arm", 0), ("spindle", 1)])
-def test_a_grating_beside_its_axis_errs_once_a_turn(name: str, place: int) -> None:
+def test_a_grating_with_its_axis_errs_once_per_revolution(name: str, place: int) -> None:
     changes: dict[str, Any] = {f"{name}_eccentricity": 2e-5}
     plant = arm(**changes)
     joint = plant.model.joint("arm" if name == "arm" else "spindle").qposadr[0]
@@ -430,7 +430,7 @@ def test_the_ripple_has_four_orders_more() -> None:
         assert once_a_turn(ripple, angle, order) == pytest.approx(amplitude, abs=5e-5)
 
 
-def test_the_tool_stands_beside_the_axis_of_the_spindle() -> None:
+def test_the_tool_is_next_to_the_axis_of_the_spindle() -> None:
     plant = arm(tool_height=2e-5)
     plant.sense()
     assert truth(plant)["tip_height"] == pytest.approx(2e-5, abs=1e-15)

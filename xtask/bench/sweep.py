@@ -70,9 +70,9 @@ def cores(count: int, runs: int) -> Cores:
     """Do the runs in parallel processes."""
     command = [sys.executable, __file__, "core", str(runs)]
     processes = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(count)]
-    told = [process.communicate()[0] for process in processes]
+    reported = [process.communicate()[0] for process in processes]
     assert all(process.returncode == 0 for process in processes)
-    found = [Cores(*json.loads(text)) for text in told]
+    found = [Cores(*json.loads(text)) for text in reported]
     return Cores(sum(one.rate for one in found), mean(one.processor for one in found))
 
 

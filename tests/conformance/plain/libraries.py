@@ -114,13 +114,13 @@ def member(variable: ScalarVariable) -> str:
     return f"{name}[{int(number[:-1]) - 1}]" if bracket else name
 
 
-def value(variable: ScalarVariable, told: Any, identifier: str) -> str:
+def value(variable: ScalarVariable, reported: Any, identifier: str) -> str:
     """Return a value as C writes it."""
     if variable.type == "Enumeration":
-        return f"{identifier}_{variable.declaredType.name}_{told}"
+        return f"{identifier}_{variable.declaredType.name}_{reported}"
     if variable.type == "Boolean":
-        return "true" if told else "false"
-    return json.dumps(told) if variable.type == "String" else repr(told)
+        return "true" if reported else "false"
+    return json.dumps(reported) if variable.type == "String" else repr(reported)
 
 
 def driver(
@@ -141,8 +141,8 @@ def driver(
         columns=len(inputs),
         seen=len(outputs),
         parameters="\n".join(
-            f"    p.{member(known[name])} = {value(known[name], told, identifier)};"
-            for name, told in parameters.items()
+            f"    p.{member(known[name])} = {value(known[name], reported, identifier)};"
+            for name, reported in parameters.items()
         ),
         inputs="\n".join(
             f"        in.{member(v)} = {cast(v)}row[{i}]{zero[v.name]};" for i, v in enumerate(inputs)

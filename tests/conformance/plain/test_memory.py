@@ -22,9 +22,9 @@ def usage(command: list[str], given: bytes = b"") -> str:
     valgrind = need("valgrind", shutil.which("valgrind"))
     whole = [valgrind, "--leak-check=full", "--error-exitcode=9", *command]
     run = subprocess.run(whole, input=given, capture_output=True, check=False)
-    told = run.stderr.decode()
-    assert run.returncode == 0, told
-    return next(line.split("heap usage:")[1] for line in told.splitlines() if "heap usage:" in line)
+    reported = run.stderr.decode()
+    assert run.returncode == 0, reported
+    return next(line.split("heap usage:")[1] for line in reported.splitlines() if "heap usage:" in line)
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
@@ -49,7 +49,7 @@ def test_a_sample_allocates_nothing(name: str, tmp_path: Path) -> None:
     assert after(first + 5) == after(first + same)
 
 
-def test_what_is_freed_while_it_tells_lives_on(tmp_path: Path) -> None:
+def test_what_is_freed_while_it_shows_stays_valid(tmp_path: Path) -> None:
     source = tmp_path / "free.c"
     source.write_text(
         """

@@ -146,7 +146,7 @@ def lists(text: str) -> list[list[str]]:
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-def test_a_block_and_the_code_behind_it_have_one_order(name: str) -> None:
+def test_a_block_and_the_its_code_have_one_order(name: str) -> None:
     text = block_of(name).read_text()
     code = (PACKAGE / f"Resources/Include/fmu_{name}_modelica.h").read_text()
 
@@ -173,7 +173,7 @@ def test_a_block_and_the_code_behind_it_have_one_order(name: str) -> None:
         )
 
 
-def test_the_code_behind_a_block_does_the_samples_of_the_library(tmp_path: Path) -> None:
+def test_the_code_of_a_block_does_the_samples_of_the_library(tmp_path: Path) -> None:
     text = block_of("dob").read_text()
     reals, integers, texts, _, _ = lists(text)
     items = {

@@ -56,9 +56,9 @@ def fmpy(file: str, step: float, steps: int, outputs: list[tuple[str, str]]) -> 
     rows = simulate_ssp(file, stop_time=(steps - 0.5) * step, step_size=step, parameter_set=parameters)
     assert len(rows) == steps
     # what has no connector is not recorded
-    told = {parameter.name: parameter.value for parameter in parameters.parameters}
+    reported = {parameter.name: parameter.value for parameter in parameters.parameters}
     names = [f"{owner}.{name}" for owner, name in outputs]
-    return [float(rows[name][-1] if name in rows.dtype.names else told[name]) for name in names]
+    return [float(rows[name][-1] if name in rows.dtype.names else reported[name]) for name in names]
 
 
 def items(file: str) -> dict[str, dict[str, str]]:

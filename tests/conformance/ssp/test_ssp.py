@@ -90,15 +90,15 @@ def test_every_loop_is_a_package_by_the_schemas(loop: str, tmp_path: Path) -> No
     connectors = {connector.name for connector in controller.connectors}
     assert connectors
     assert not connectors & texts
-    told = {
+    reported = {
         connector.get("name"): [real.get("unit") for real in connector.iter(named("ssc:Real"))]
         for component in structure.iter(named("ssd:Component"))
         for connector in component.iter(named("ssd:Connector"))
         if component.get("name") == "controller"
     }
-    assert told == {name: [units[name]] if name in units else [] for name in connectors}
+    assert reported == {name: [units[name]] if name in units else [] for name in connectors}
     defined = {unit.get("name") for unit in structure.iter(named("ssc:Unit"))}
-    used = {unit for one in told.values() for unit in one if unit}
+    used = {unit for one in reported.values() for unit in one if unit}
     assert used
     assert used <= defined
     wired = {(c.endElement, c.endConnector) for c in system.connections}
@@ -264,7 +264,7 @@ def test_fmpy_closes_a_loop_with_a_mode_and_a_delay(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reported"),
     [
         (["loop.compute_delay=0"], "`loop.compute_delay` = 0"),
         (["loop.seed=2147483648"], "the seed 2147483648"),
@@ -274,10 +274,10 @@ def test_fmpy_closes_a_loop_with_a_mode_and_a_delay(tmp_path: Path) -> None:
         (["wire.plant.current.from=plant.position"], "`plant.position`"),
     ],
 )
-def test_what_a_package_cannot_tell_is_refused(changes: list[str], told: str, tmp_path: Path) -> None:
+def test_what_a_package_cannot_show_is_rejected(changes: list[str], reported: str, tmp_path: Path) -> None:
     with pytest.raises(CosimError) as caught:
         write("dob", changes, None, tmp_path / "dob.ssp")
-    assert told in caught.value.message
+    assert reported in caught.value.message
     assert not list(tmp_path.iterdir())
 
 
@@ -308,7 +308,7 @@ def between(**keys: object) -> str:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         (TWO + between(delay=0), "`delay` = 0"),
         (TWO + between(delay=2), "`delay` = 2"),
@@ -329,11 +329,11 @@ def between(**keys: object) -> str:
         (TWO.partition("[plant]")[0] + '[controller]\nfmu = "fmu-dob"\n', "without a plant"),
     ],
 )
-def test_what_no_connection_can_be_is_refused(text: str, told: str, tmp_path: Path) -> None:
+def test_what_no_connection_can_be_is_rejected(text: str, reported: str, tmp_path: Path) -> None:
     (tmp_path / "two.toml").write_text(text)
     with pytest.raises(CosimError) as caught:
         write(str(tmp_path / "two.toml"), [], None, tmp_path / "two.ssp")
-    assert told in caught.value.message
+    assert reported in caught.value.message
     assert [file.name for file in tmp_path.iterdir()] == ["two.toml"]
 
 

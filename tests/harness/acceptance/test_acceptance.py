@@ -111,12 +111,12 @@ def tested(tmp_path_factory: pytest.TempPathFactory, probe: Path) -> Iterator[Ac
         yield Acceptance(cosim("test", *arguments), folder)
 
 
-def test_the_table_tells_every_criterion_and_what_could_not_run(tested: Acceptance) -> None:
+def test_the_table_shows_every_criterion_and_what_could_not_run(tested: Acceptance) -> None:
     assert tested.done.stdout == TABLE
     assert (tested.folder / "out/acceptance.txt").read_text() == TABLE
 
 
-def test_what_could_not_run_is_told_and_stops_no_other(tested: Acceptance) -> None:
+def test_what_could_not_run_is_reported_and_stops_no_other(tested: Acceptance) -> None:
     assert tested.done.returncode == 2
     assert "lag: all 2 criteria hold; seed 1, " in tested.done.stderr
     errors = [line for line in tested.done.stderr.splitlines() if line.startswith("error: ")]
@@ -174,9 +174,9 @@ def test_exit_codes_are_those_of_run(
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["cosim", "test", *scenarios, "-q", "--json", "-"])
     assert app.status_of(app.app) == code
-    told = capsys.readouterr()
-    assert told.err == ""
-    assert [entry["scenario"] for entry in json.loads(told.out)] == [
+    reported = capsys.readouterr()
+    assert reported.err == ""
+    assert [entry["scenario"] for entry in json.loads(reported.out)] == [
         name.removeprefix("scenarios/").removesuffix(".toml") for name in scenarios
     ]
 
@@ -191,7 +191,7 @@ def test_scenarios_are_meant_by_name_file_and_pattern() -> None:
 
 
 @pytest.mark.usefixtures("tested")
-def test_two_files_of_one_name_are_refused() -> None:
+def test_two_files_of_one_name_are_rejected() -> None:
     with pytest.raises(CosimError, match="another file are both the scenario `lag`"):
         runner.run(["lag", "elsewhere/lag.toml"], runner.RunOptions())
 
@@ -221,6 +221,6 @@ def test_no_file_of_the_user_is_written_over(
     before = {place: place.read_text() for place in tmp_path.rglob("*.*")}
     monkeypatch.setattr(sys, "argv", ["cosim", "test", "lag", "lag/free", "--out", str(tmp_path)])
     assert app.status_of(app.app) == 2
-    told = capsys.readouterr().err
-    assert f"`{tmp_path / file}` would overwrite a file that is not {kind}" in told
+    reported = capsys.readouterr().err
+    assert f"`{tmp_path / file}` would overwrite a file that is not {kind}" in reported
     assert {place: place.read_text() for place in tmp_path.rglob("*.*")} == before

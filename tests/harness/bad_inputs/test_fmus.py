@@ -67,7 +67,7 @@ def test_a_library_that_ends_its_process_costs_its_own_row(lag: Path, broken_lib
     assert rows == {"probe.fmu": "passed"} | {f"{name}.fmu": "crashed" for name in fmus.CRASHES}
 
 
-def test_an_fmu_of_very_many_files_is_refused(
+def test_an_fmu_of_very_many_files_is_rejected(
     lag: Path, monkeypatch: pytest.MonkeyPatch, refuse: Refuse, broken_library: bytes
 ) -> None:
     monkeypatch.setattr(members, "MAX_FILES", 10)

@@ -56,8 +56,8 @@ def ends(lag: Path) -> dict[str, object]:
 def test_how_the_processor_calculates_is_put_back(
     defect: str, words: str, lag: Path, broken_library: bytes
 ) -> None:
-    processes, told, rows = neighbours(defect, lag, broken_library)
-    assert words in told, told
+    processes, reported, rows = neighbours(defect, lag, broken_library)
+    assert words in reported, reported
     assert [row["status"] for row in rows] == ["passed"] * 3
     assert rows[0]["metrics"] == rows[2]["metrics"] == ends(lag)
     assert processes == SAME
@@ -67,10 +67,11 @@ def test_how_the_processor_calculates_is_put_back(
 def test_what_belongs_to_the_process_is_left_to_the_run_that_changed_it(
     defect: str, what: str, lag: Path, broken_library: bytes
 ) -> None:
-    processes, told, rows = neighbours(defect, lag, broken_library)
+    processes, reported, rows = neighbours(defect, lag, broken_library)
     who = f"the FMU `{defect}.fmu` or the plant `counting:Counting`"
     assert (
-        f"warning: run 1, seed {rows[1]['seed']}: {who} changed the {what} of its process: the next" in told
+        f"warning: run 1, seed {rows[1]['seed']}: {who} changed the {what} of its process: the next"
+        in reported
     )
     assert [row["status"] for row in rows] == ["passed"] * 3
     assert processes == OTHER
@@ -97,7 +98,7 @@ def test_what_a_run_does_to_its_connection_or_files_is_its_own_row(
 
 
 @pytest.mark.parametrize("defect", ["reset_error", "reset_fatal"])
-def test_an_fmu_that_refuses_a_reset_runs_as_in_a_fresh_process(
+def test_an_fmu_that_rejects_a_reset_runs_as_in_a_fresh_process(
     defect: str, lag: Path, broken_library: bytes
 ) -> None:
     fmus.defect(defect)(lag / "refusing.fmu", broken_library)
@@ -128,5 +129,5 @@ def test_both_engines_put_back_how_the_processor_calculates(
     with cosim.Session(cart, engine=engine) as session:
         assert session.run().engine == engine
     assert not before.put_back()
-    told = "the FMU `rounding.fmu` or the plant `cart.xml` changed how the processor calculates"
-    assert told in caplog.text
+    reported = "the FMU `rounding.fmu` or the plant `cart.xml` changed how the processor calculates"
+    assert reported in caplog.text

@@ -87,7 +87,7 @@ def test_a_bad_scheduler_file_is_named(content: str | None, lag: Path, refuse: R
 
 @pytest.mark.usefixtures("lag")
 @pytest.mark.parametrize("options", [[], ["--json", "-"]])
-def test_a_full_disk_behind_the_output_is_named(options: list[str]) -> None:
+def test_a_full_disk_at_the_output_is_named(options: list[str]) -> None:
     command = [sys.executable, "-m", "cosim", "run", "lag.toml", *options]
     variables = {**os.environ, "PYTHONPATH": str(test_cli.ROOT)}
     with Path("/dev/full").open("w") as full:
@@ -121,7 +121,7 @@ def test_what_a_library_started_and_set_free_ends_with_the_command(lag: Path, br
 
 
 @pytest.mark.parametrize("name", ["numpy", "json", "random"])
-def test_a_file_named_as_a_package_harms_no_worker(name: str, lag: Path) -> None:
+def test_a_file_named_as_a_package_affects_no_worker(name: str, lag: Path) -> None:
     (lag / f"{name}.py").write_text("raise SystemExit('not the package')\n")
     (lag / "own.py").write_text("import probe_plants\n\n\nclass Own(probe_plants.Lag):\n    pass\n")
     # as the installed command starts, without the working directory in the search path of packages

@@ -78,7 +78,7 @@ def test_a_file_is_named_once(write: Write, folder: Path) -> None:
     assert second.startswith("error: `none.toml`: the scenario file `none.toml`")
 
 
-def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Write, folder: Path) -> None:
+def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_reported(write: Write, folder: Path) -> None:
     write(COMPLETE)
     (folder / "bad.toml").write_text(STUDY.format(7.0))
     done = called("check", "bad.toml", "none.toml", "lag.toml", "--json")
@@ -96,7 +96,7 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Wri
 
 
 @pytest.mark.parametrize(
-    ("added", "told"),
+    ("added", "reported"),
     [
         ("[controller.parameters]\ngian = 1.0\n", "no variable `gian`"),
         ("[controller.parameters]\ngain = 99.0\n", "the FMU refused"),
@@ -107,10 +107,10 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_told(write: Wri
         ('[[metric]]\nname = "m"\nvalue = "last(plant.y)"\n', "names `plant.y`"),
     ],
 )
-def test_what_a_run_would_refuse_is_found(write: Write, added: str, told: str) -> None:
+def test_what_a_run_would_reject_is_found(write: Write, added: str, reported: str) -> None:
     found = check(str(write(added)))
     assert found.error is not None
-    assert told in found.error.message
+    assert reported in found.error.message
 
 
 def test_undriven_ends_and_missing_demands_are_warnings(write: Write) -> None:
@@ -131,8 +131,8 @@ def test_undriven_ends_and_missing_demands_are_warnings(write: Write) -> None:
 
 def test_an_unknown_name_in_idle_is_a_warning(write: Write) -> None:
     text = SCENARIO.replace('"plant.extra"]', '"plant.extra", "plant.extras"]')
-    (told,) = check(str(write(COMPLETE, text=text))).warnings
-    assert told.startswith(
+    (reported,) = check(str(write(COMPLETE, text=text))).warnings
+    assert reported.startswith(
         "`idle` lists `plant.extras`, which is not a known input and no command; did you mean `plant."
     )
 
@@ -147,7 +147,7 @@ def test_a_start_value_a_signal_or_idle_is_an_answer(write: Write) -> None:
     assert check(str(write(COMPLETE, text=text))).warnings == []
 
 
-def test_a_wire_between_unlike_units_is_told_with_its_scale(write: Write) -> None:
+def test_a_wire_between_unlike_units_gives_an_error_with_its_scale(write: Write) -> None:
     file = write(COMPLETE)
     unlike = "`wire.controller.in` carries s from `plant.ramp` into m as it is"
     changed = load(file, set=["wire.controller.in.from=plant.ramp"])

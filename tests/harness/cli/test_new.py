@@ -129,7 +129,7 @@ def test_nothing_is_ever_overwritten(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (["none.fmu"], "the FMU file `none.fmu` does not exist"),
         (["probe.fmu", "none.xml"], "the MJCF file `none.xml` does not exist"),
@@ -139,10 +139,10 @@ def test_nothing_is_ever_overwritten(folder: Path) -> None:
         (["probe.fmu", "--out", "none/a.toml"], "cannot write `none/a.toml`: No such file"),
     ],
 )
-def test_mistakes_are_told_and_leave_no_file(arguments: list[str], told: str, folder: Path) -> None:
+def test_mistakes_are_reported_and_leave_no_file(arguments: list[str], reported: str, folder: Path) -> None:
     shutil.copy(DATA / "exiting.py", folder)
     before = set(Path().glob("**/*.toml"))
     done = called("new", *arguments)
     assert done.returncode == 2
-    assert told in done.stderr
+    assert reported in done.stderr
     assert set(Path().glob("**/*.toml")) == before

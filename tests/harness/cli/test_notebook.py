@@ -63,8 +63,8 @@ def test_without_pandas_the_message_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     result = cosim.run(cosim.load(write()))
-    told = r"needs pandas, which is not installed\nhint: install the extra: `.*\[frames\]`"
-    with pytest.raises(CosimError, match=told):
+    reported = r"needs pandas, which is not installed\nhint: install the extra: `.*\[frames\]`"
+    with pytest.raises(CosimError, match=reported):
         result.to_dataframe()
 
 

@@ -88,7 +88,7 @@ def test_examples_in_the_help_can_be_copied(command: str, line: str) -> None:
     assert line in [shown.strip() for shown in cosim(command, "--help").stdout.splitlines()]
 
 
-def test_a_sweep_tells_where_its_results_are(write: Write, folder: Path) -> None:
+def test_a_sweep_shows_where_its_results_are(write: Write, folder: Path) -> None:
     write("")
     (folder / "study.toml").write_text('scenario = "lag.toml"\ncase = [{}]\ndesign = {kind = "list"}\n')
     done = cosim("sweep", "study.toml", "--workers", "1", "--no-plots")

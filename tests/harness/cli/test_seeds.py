@@ -38,7 +38,7 @@ def test_seeds_are_ranges_and_lists(text: str, expected: list[int]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("", "no seed and no range"),
         ("1...4", "`1...4` is not a seed or range\nhint: give seeds as `1..20`"),
@@ -48,8 +48,8 @@ def test_seeds_are_ranges_and_lists(text: str, expected: list[int]) -> None:
         ("1..1000000000000", "more than 100000 seeds\nhint: a study"),
     ],
 )
-def test_what_is_no_seed_is_told(text: str, told: str) -> None:
-    with pytest.raises(CosimError, match=re.escape(told)):
+def test_what_is_no_seed_is_reported(text: str, reported: str) -> None:
+    with pytest.raises(CosimError, match=re.escape(reported)):
         seeds.parse(text)
 
 
@@ -64,7 +64,7 @@ def test_the_runs_are_those_of_single_seeds_in_one_list(write: Write) -> None:
     assert len(set(alone)) == 4
 
 
-def test_one_seed_that_fails_is_exit_code_1_and_the_table_tells_how_many(write: Write) -> None:
+def test_one_seed_that_fails_is_exit_code_1_and_the_table_shows_how_many(write: Write) -> None:
     scenario = api.load(write(NOISY.format(100)))
     numbers = sorted(api.run(scenario, seed).metrics["random"].value for seed in range(1, 6))
     write(NOISY.format((numbers[3] + numbers[4]) / 2.0))
@@ -75,7 +75,7 @@ def test_one_seed_that_fails_is_exit_code_1_and_the_table_tells_how_many(write: 
     assert [run["passed"] for run in json.loads(Path("runs.json").read_text())].count(False) == 1
 
 
-def test_runs_without_a_result_are_exit_code_2_and_are_told(write: Write) -> None:
+def test_runs_without_a_result_are_exit_code_2_and_are_reported(write: Write) -> None:
     write(NOISY.format(100))
     done = cosim("run", "lag.toml", "--seeds", "4..6", "--set", "plant.fail_at=3", "--json", "runs.json")
     assert done.returncode == 2
@@ -85,7 +85,7 @@ def test_runs_without_a_result_are_exit_code_2_and_are_told(write: Write) -> Non
 
 
 @pytest.mark.parametrize("option", [("--seed", "1"), ("--trace", "a.npz"), ("--plot", "a.svg")])
-def test_options_of_one_run_are_refused(write: Write, option: tuple[str, str]) -> None:
+def test_options_of_one_run_are_rejected(write: Write, option: tuple[str, str]) -> None:
     write()
     done = cosim("run", "lag.toml", "--seeds", "1..3", *option)
     assert done.returncode == 2

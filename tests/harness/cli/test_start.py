@@ -40,9 +40,9 @@ COMMANDS = {
 
 @pytest.mark.parametrize("code", COMMANDS)
 def test_nothing_heavy_is_imported_before_it_is_needed(code: str) -> None:
-    told = "import atexit, sys; atexit.register(lambda: print(*sys.modules, file=sys.stderr))\n"
+    reported = "import atexit, sys; atexit.register(lambda: print(*sys.modules, file=sys.stderr))\n"
     variables = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-c", told + code]
+    command = [sys.executable, "-c", reported + code]
     done = subprocess.run(command, capture_output=True, text=True, env=variables, check=True, cwd=ROOT)
     imported = set(done.stderr.split())
     assert "cosim" in imported

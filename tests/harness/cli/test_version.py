@@ -23,7 +23,7 @@ def completed(*words: str) -> list[str]:
     return done.stdout.split()
 
 
-def test_the_version_tells_what_computes_the_numbers() -> None:
+def test_the_version_shows_what_computes_the_numbers() -> None:
     done = cosim("--version")
     assert done.returncode == 0
     found = dict(line.split() for line in done.stdout.splitlines())
@@ -83,12 +83,12 @@ def test_completion_is_shown_and_installed(option: str, tmp_path: Path) -> None:
     done = cosim(option, "bash", **shell)
     assert (done.returncode, done.stderr) == (0, "")
     files = (*tmp_path.rglob("*.sh"), *tmp_path.rglob(".bashrc"))
-    told = done.stdout + "".join(file.read_text() for file in files)
-    assert "complete -o default -F _cosim_completion cosim" in told
+    reported = done.stdout + "".join(file.read_text() for file in files)
+    assert "complete -o default -F _cosim_completion cosim" in reported
 
 
 @pytest.mark.parametrize("option", ["--show-completion", "--install-completion"])
-def test_completion_for_a_shell_that_is_not_known_is_refused(
+def test_completion_for_a_shell_that_is_not_known_is_rejected(
     option: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for module in ("typer.completion", "typer._completion_shared"):

@@ -66,7 +66,7 @@ def test_a_trace_is_equal_to_itself_in_either_format(command: Run, write: Write)
 
 
 @pytest.mark.usefixtures("folder")
-def test_the_table_tells_column_deviation_time_and_tolerance(command: Run) -> None:
+def test_the_table_shows_column_deviation_time_and_tolerance(command: Run) -> None:
     bent = WAVE.copy()
     bent[40] += 3e-6
     save("a.npz", {"x": "m"}, time=TIME, x=WAVE, y=WAVE)
@@ -132,7 +132,7 @@ def test_another_grid_is_interpolated_and_whole_numbers_are_held(command: Run) -
 
 
 @pytest.mark.usefixtures("folder")
-def test_what_is_missing_or_means_something_else_is_told(command: Run) -> None:
+def test_what_is_missing_or_means_something_else_is_reported(command: Run) -> None:
     save("a.npz", {"x": "m"}, time=TIME, x=WAVE, gone=WAVE)
     save("b.npz", {"x": "mm"}, time=TIME[:50], x=WAVE[:50], new=WAVE[:50])
     code, answer = found(command, "a.npz", "b.npz")
@@ -222,7 +222,7 @@ def test_a_run_that_fails_is_no_baseline_and_leaves_the_one_before(
 
 
 @pytest.mark.usefixtures("folder")
-def test_the_json_of_an_update_tells_file_and_result(command: Run, write: Write) -> None:
+def test_the_json_of_an_update_shows_file_and_result(command: Run, write: Write) -> None:
     write(END)
     code, out, _ = command("compare", "lag.toml", "--update", "--json")
     answer = json.loads(out)

@@ -72,8 +72,8 @@ def test_a_limit_in_a_unit_needs_one_of_the_number(stored: Path) -> None:
         CosimError, match=r"`criterion.end.unit` is `mm`, `lag.csv` has no units.*`metric.top`"
     ):
         cosim.evaluate(scenario, found)
-    told = cosim.load("lag.toml", [*demand, "metric.top.unit=m"])
-    assert cosim.evaluate(told, found).criteria == result.criteria
+    reported = cosim.load("lag.toml", [*demand, "metric.top.unit=m"])
+    assert cosim.evaluate(reported, found).criteria == result.criteria
 
 
 def test_only_metrics_and_criteria_count(stored: Path) -> None:
@@ -85,7 +85,7 @@ def test_only_metrics_and_criteria_count(stored: Path) -> None:
     assert (run.passed, again.passed) == (True, False)
 
 
-def test_the_command_judges_without_a_run(stored: Path, folder: Path) -> None:
+def test_the_command_evaluates_without_a_run(stored: Path, folder: Path) -> None:
     (folder / "probe_plants.py").write_text("raise SystemExit('nothing is to be run')")
     command = [sys.executable, "-m", "cosim", "judge", "lag.npz", "lag.toml"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
@@ -107,7 +107,7 @@ def test_a_column_that_the_trace_does_not_have_is_named(stored: Path) -> None:
         cosim.evaluate(scenario, cosim.read_trace(stored))
 
 
-def test_a_trace_of_another_loop_is_told(
+def test_a_trace_of_another_loop_is_reported(
     stored: Path, folder: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (folder / "other.toml").write_text((folder / "lag.toml").read_text())
@@ -127,7 +127,7 @@ def test_a_trace_of_another_loop_is_told(
     ],
 )
 @pytest.mark.usefixtures("stored")
-def test_what_cannot_be_judged_is_one_sentence(
+def test_what_cannot_be_evaluated_is_one_sentence(
     arguments: list[str], problem: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["cosim", "judge", *arguments])
@@ -138,7 +138,7 @@ def test_what_cannot_be_judged_is_one_sentence(
     assert problem in err.splitlines()[0]
 
 
-def test_what_a_file_tells_wrongly_is_not_taken(stored: Path) -> None:
+def test_what_a_file_shows_wrongly_is_not_taken(stored: Path) -> None:
     trace = np.load(stored)["trace"]
     about = {"seed": "x", "simulated_s": [], "scenario": 3, "units": {"plant.x": 1}, "items": {"a": 2}}
     np.savez(stored, trace=trace, about=json.dumps(about))

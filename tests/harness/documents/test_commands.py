@@ -78,12 +78,12 @@ def test_a_command_is_understood(line: str) -> None:
     assert isinstance(group, typer.core.TyperGroup)
     name, command, rest = group.resolve_command(context, [*context._protected_args, *context.args])
     assert command is not None
-    told = command.make_context(name, rest, parent=context).params
-    assert told
-    select([word for word in told.get("scenarios") or () if "*" in word])
-    if (ROOT / "scenarios" / f"{told.get('loop', '')}".partition("/")[0]).with_suffix(".toml").is_file():
+    reported = command.make_context(name, rest, parent=context).params
+    assert reported
+    select([word for word in reported.get("scenarios") or () if "*" in word])
+    if (ROOT / "scenarios" / f"{reported.get('loop', '')}".partition("/")[0]).with_suffix(".toml").is_file():
         # connecting FMU and plant finds every wrong name and key
-        with cosim.Session(cosim.load(told["loop"], told["set_"])) as session:
+        with cosim.Session(cosim.load(reported["loop"], reported["set_"])) as session:
             lint.check(session)
 
 
@@ -161,14 +161,14 @@ def test_the_commands_of_a_page_run(
 @pytest.mark.parametrize(
     "line", [line for line in words.listed("cosim") if here(line) and fewer(line) != line]
 )
-def test_a_command_of_many_runs_does_as_it_stands(
+def test_a_command_of_many_runs_runs_unchanged(
     line: str, user: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COSIM_CACHE", str(user / "cache"))
     run(user, line)
 
 
-def test_what_runs_elsewhere_stands_on_a_page() -> None:
+def test_what_runs_elsewhere_is_on_a_page() -> None:
     lines = words.listed("cosim")
     assert [pattern for pattern in ELSEWHERE if not any(re.search(pattern, line) for line in lines)] == []
 
@@ -179,8 +179,8 @@ def test_the_steps_of_the_project_are_there() -> None:
     known = {name.lower() for name in re.findall(r"^    (\w+)", steps, re.MULTILINE)}
     named = {line.split()[2] for line in words.listed("cargo") if line.startswith("cargo xtask ")}
     assert named <= known
-    told = [one.split()[2] for one in words.mentioned("cargo") if one.startswith("cargo xtask ")]
-    assert [name for name in told if name.isalpha() and name.islower() and name not in known] == []
+    reported = [one.split()[2] for one in words.mentioned("cargo") if one.startswith("cargo xtask ")]
+    assert [name for name in reported if name.isalpha() and name.islower() and name not in known] == []
     modules = [line.split()[2] for line in (*words.listed("python"), *words.mentioned("python -m"))]
     assert [name for name in modules if find_spec(name) is None] == []
     folders = [line.split()[-1] for line in words.listed("pytest")]

@@ -32,7 +32,7 @@ def test_a_notebook_gives_what_it_shows(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["one-loop", "sweep"])
-def test_a_notebook_does_not_tell_where_it_ran(name: str) -> None:
+def test_a_notebook_does_not_show_where_it_ran(name: str) -> None:
     file = ROOT / f"examples/{name}.ipynb"
     assert str(ROOT) not in file.read_text("utf-8")
     stored = nbformat.read(file, as_version=4)

@@ -61,7 +61,7 @@ def test_another_step_takes_over_what_is_open(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         ('[[wire]]\nfrom = "plant.x"\nto = "controller.in"\n', "the scenario has no plant"),
         ('[[signal]]\nto = "plant.u"\ntimes = [0.0]\nvalues = [1.0]\n', "the scenario has no plant"),
@@ -70,11 +70,11 @@ def test_another_step_takes_over_what_is_open(write: Write) -> None:
         ('[[metric]]\nname = "x"\nvalue = "last(plant.x)"\n', "names `plant.x`"),
     ],
 )
-def test_what_needs_a_plant_says_so(write: Write, change: str, told: str) -> None:
+def test_what_needs_a_plant_says_so(write: Write, change: str, reported: str) -> None:
     text = ALONE.replace('to = "controller.in"\ntimes', 'to = "controller.gain"\ntimes').split("[[metric]]")[
         0
     ]
-    with pytest.raises(CosimError, match=told):
+    with pytest.raises(CosimError, match=reported):
         cosim.run(cosim.load(write(text=text + change)))
 
 

@@ -159,8 +159,10 @@ def test_a_condition_that_never_holds_is_warned_of(write: Write, caplog: pytest.
     with caplog.at_level(logging.WARNING, "cosim"):
         result = cosim.run(cosim.load(write("\n" + fault)))
     assert result.injected == (None,)
-    (told,) = caplog.messages
-    assert told.startswith("`lag.toml`: `inject.controller.in.when` = `time > 1` held too late or in no row")
+    (reported,) = caplog.messages
+    assert reported.startswith(
+        "`lag.toml`: `inject.controller.in.when` = `time > 1` held too late or in no row"
+    )
 
 
 def test_a_fault_that_changes_nothing_is_warned_of(write: Write, caplog: pytest.LogCaptureFixture) -> None:

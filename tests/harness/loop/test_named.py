@@ -82,7 +82,7 @@ def test_what_nothing_drives_is_warned_of(write: Write, caplog: pytest.LogCaptur
     assert "nothing drives `b.flag`: " in forgotten
 
 
-def test_an_error_tells_which_failed(write: Write) -> None:
+def test_an_error_shows_which_failed(write: Write) -> None:
     scenario = cosim.load(write(text=CHAIN), set=["b.fail_at=4"])
     with cosim.Session(scenario) as session:
         with pytest.raises(
@@ -93,7 +93,7 @@ def test_an_error_tells_which_failed(write: Write) -> None:
         assert (session.place.who(), session.place.when()) == ("the FMU `b`", "at t = 0.004 s (step 4)")
 
 
-def test_an_fmu_that_allows_one_instance_is_refused_twice(
+def test_an_fmu_that_allows_one_instance_is_rejected_twice(
     write: Write, folder: Path, probe_library: bytes
 ) -> None:
     description = (DATA / "probe.xml").read_text()
@@ -122,8 +122,8 @@ def test_check_finds_units_and_mistakes(write: Write, folder: Path, probe_librar
     small = small.replace('causality="output"><Real unit="m"', 'causality="output"><Real unit="mm"')
     pack(folder / "small.fmu", small, {library(): probe_library})
     with cosim.Session(cosim.load(file, set=["a.fmu=small"])) as session:
-        (told,) = lint.check(session)
-    assert told == "`wire.b.in` carries mm from `a.out` into m as it is; set `scale = 0.001`"
+        (reported,) = lint.check(session)
+    assert reported == "`wire.b.in` carries mm from `a.out` into m as it is; set `scale = 0.001`"
     found = check(str(write(text=CHAIN.replace('"a.out"', '"a.otu"'))))
     assert found.error is not None
     assert "the FMU `a` has no variable `otu`" in found.error.message

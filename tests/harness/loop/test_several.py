@@ -145,8 +145,8 @@ def test_runs_repeat_and_the_native_engine_leaves_it_to_the_reference_loop(
         first, again = session.run(), session.run()
     result = cosim.run(scenario, engine="native")
     assert result.engine == "reference"
-    told = [record.getMessage() for record in caplog.records if "reference loop" in record.getMessage()]
-    assert told == ["`ring` runs in the reference loop: the native engine takes a `[controller]`"]
+    reported = [record.getMessage() for record in caplog.records if "reference loop" in record.getMessage()]
+    assert reported == ["`ring` runs in the reference loop: the native engine takes a `[controller]`"]
     assert whole(first).tobytes() == whole(again).tobytes() == whole(result).tobytes()
 
 
@@ -163,7 +163,7 @@ def test_a_session_takes_over_the_instances_that_fit(write: Write) -> None:
     assert old["a"].closed
 
 
-def test_an_fmu_is_told_by_the_name_that_the_scenario_gives_it(write: Write) -> None:
+def test_an_fmu_is_reported_by_the_name_that_the_scenario_gives_it(write: Write) -> None:
     file = write()
     first = cosim.Session(cosim.load(file))
     with cosim.Session(cosim.load(file, set=["controller.fmu=./probe.fmu"]), previous=first) as second:

@@ -161,16 +161,16 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_a_broken_file_is_told_with_its_line(write: Write, file: Path, name: str) -> None:
-    text, told = BROKEN[name]
+def test_a_broken_file_names_its_line(write: Write, file: Path, name: str) -> None:
+    text, reported = BROKEN[name]
     file.write_bytes(text.encode() if isinstance(text, str) else text)
-    with pytest.raises(CosimError, match=told) as raised:
+    with pytest.raises(CosimError, match=reported) as raised:
         cosim.run(scenario(write))
     assert "`deep/s.toml`" in raised.value.message
 
 
 @pytest.mark.parametrize(
-    ("to", "added", "told"),
+    ("to", "added", "reported"),
     [
         ("controller.in", 'column = "c"\n', r"has no column `c`\nhint: Known names: `a`, `b c`"),
         ("controller.in", "times = [0.0]\nvalues = [1.0]\n", "cannot be combined with `times` and `values`"),
@@ -180,12 +180,12 @@ def test_a_broken_file_is_told_with_its_line(write: Write, file: Path, name: str
         ("controller.flag", 'column = "b c"\n', r"line 5: `controller.flag` is `-0.5`"),
     ],
 )
-def test_what_does_not_fit_is_told(write: Write, file: Path, to: str, added: str, told: str) -> None:
-    with pytest.raises(CosimError, match=told):
+def test_what_does_not_fit_is_reported(write: Write, file: Path, to: str, added: str, reported: str) -> None:
+    with pytest.raises(CosimError, match=reported):
         cosim.run(scenario(write, to, added=added))
 
 
-def test_a_missing_file_is_told(write: Write, file: Path) -> None:
+def test_a_missing_file_is_reported(write: Write, file: Path) -> None:
     with pytest.raises(CosimError, match=r"the file `none.csv` does not exist\nhint: looked in"):
         cosim.run(scenario(write, file="none.csv"))
 
@@ -204,16 +204,16 @@ def test_a_sweep_does_a_run_again_when_the_file_has_changed(write: Write, file: 
     assert {run.hash for run in Plan(study.load(cases)).runs}.isdisjoint(before)
 
 
-def test_a_signal_of_the_home_is_found_and_what_is_no_file_is_told(
+def test_a_signal_of_the_home_is_found_and_what_is_no_file_is_reported(
     write: Write, file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("HOME", str(file.parent))
     assert driven(write, 'column = "a"\n', file="~/x.csv")[0] == 1.0
-    for name, told in {
+    for name, reported in {
         "~nobody-at-all/x.csv": "does not exist",
         "x" * 300: "does not exist",
         "..": "is not a file",
         "/dev/zero": "is not a file",
     }.items():
-        with pytest.raises(CosimError, match=f"the file `{name[:100]}.*` {told}"):
+        with pytest.raises(CosimError, match=f"the file `{name[:100]}.*` {reported}"):
             driven(write, 'column = "a"\n', file=name)

@@ -294,10 +294,10 @@ def test_a_plant_in_python_runs_in_the_reference_loop_with_one_warning(
     ]
 
 
-def test_progress_is_told_alike(cart: Callable[..., Path]) -> None:
+def test_progress_is_reported_alike(cart: Callable[..., Path]) -> None:
     scenario = cosim.load(cart(), set=["loop.duration=1.2"])
-    told: dict[str, list[tuple[int, int]]] = {"reference": [], "native": []}
+    reported: dict[str, list[tuple[int, int]]] = {"reference": [], "native": []}
     for session in both(scenario):
         with session:
-            session.run(progress=lambda *step, engine=session.engine: told[engine].append(step))
-    assert told["native"] == told["reference"] == [(0, 1200), (500, 1200), (1000, 1200)]
+            session.run(progress=lambda *step, engine=session.engine: reported[engine].append(step))
+    assert reported["native"] == reported["reference"] == [(0, 1200), (500, 1200), (1000, 1200)]

@@ -136,7 +136,7 @@ def test_errors_of_the_plant_are_the_same(case: str, tmp_path: Path, monkeypatch
     assert re.search(words, expected[1])
 
 
-def test_a_session_goes_on_after_an_error_of_mujoco() -> None:
+def test_a_session_continues_after_an_error_of_mujoco() -> None:
     scenario = cosim.load("fts", set=["loop.duration=0.02"])
     reference, fast = both(scenario)
     with reference, fast:

@@ -11,7 +11,7 @@ MADE = ("machining_native.__all__", "machining_native.machining_native")
 """What the build adds to the module."""
 
 
-def test_the_stub_tells_the_module_as_it_is(tmp_path: Path) -> None:
+def test_the_stub_shows_the_module_as_it_is(tmp_path: Path) -> None:
     allowed = tmp_path / "allowed.txt"
     allowed.write_text("\n".join(MADE))
     stubtest = [sys.executable, "-m", "mypy.stubtest", "machining_native", "--concise"]

@@ -62,7 +62,7 @@ def test_a_run_that_ends_early_leaves_its_rows(cart: Cart, engine: Engine) -> No
         assert done.simulated_s == held.simulated_s < 0.03
 
 
-def test_the_file_tells_units_and_what_ran(cart: Cart) -> None:
+def test_the_file_shows_units_and_what_ran(cart: Cart) -> None:
     result = cosim.run(cosim.load(cart()), seed=5, stream="x.parquet")
     schema = parquet.read_schema("x.parquet")
     of_input, of_mode = (schema.field(f"controller.{name}").metadata for name in ("in", "mode"))
@@ -139,7 +139,7 @@ def test_what_cannot_be_streamed_is_said_before_the_run(cart: Cart) -> None:
             cosim.run(cosim.load(cart()), stream=name)
 
 
-def test_the_command_streams_plots_and_judges(
+def test_the_command_streams_plots_and_evaluates(
     cart: Cart, folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     cart(METRIC)

@@ -151,7 +151,7 @@ def test_values_integers_and_logarithmic_ranges(command: Run) -> None:
     assert labels == {"a", "b"}
 
 
-def test_a_search_that_is_stopped_anywhere_goes_on_to_the_same_trials(
+def test_a_search_that_is_stopped_anywhere_continues_to_the_same_trials(
     command: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     study('metric = "end"', trials=22, more="batch = 4")
@@ -217,10 +217,10 @@ def test_a_run_that_crashes_or_hangs_costs_its_trial_only(command: Run) -> None:
     )
     study('metric = "end"', GAIN + values + "[limits]\ntimeout = 2.0\n", trials=5, more="batch = 5")
     assert found(command)["best"]["set"]["controller.crash_at"] == -1
-    told = {(row[2], row[3]): row[-1] for row in history()[1:]}
-    assert "killed by SIGSEGV" in told["3", "-1"]
-    assert "no result within `limits.timeout` = `2` s" in told["-1", "3"]
-    assert told["-1", "-1"] == ""
+    reported = {(row[2], row[3]): row[-1] for row in history()[1:]}
+    assert "killed by SIGSEGV" in reported["3", "-1"]
+    assert "no result within `limits.timeout` = `2` s" in reported["-1", "3"]
+    assert reported["-1", "-1"] == ""
 
 
 def test_trials_do_not_depend_on_the_number_of_workers(command: Run, monkeypatch: pytest.MonkeyPatch) -> None:

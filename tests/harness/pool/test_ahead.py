@@ -53,7 +53,7 @@ def test_the_first_place_takes_it_and_holds_it_to_its_limits(write: Write, folde
     assert int(first) == started != int(second)
 
 
-def test_what_hinders_it_is_told_by_the_place(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_hinders_it_is_reported_by_its_location(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> None:
         raise BlockingIOError
 

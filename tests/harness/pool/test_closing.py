@@ -72,10 +72,10 @@ ENDINGS = {
 }
 
 
-@pytest.mark.parametrize(("changes", "told"), ENDINGS.values(), ids=ENDINGS)
-def test_what_goes_wrong_at_the_end_is_a_warning_and_costs_no_result(
+@pytest.mark.parametrize(("changes", "reported"), ENDINGS.values(), ids=ENDINGS)
+def test_what_goes_wrong_at_the_end_is_a_warning_and_loses_no_result(
     changes: list[str],
-    told: str,
+    reported: str,
     notes: Path,
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
@@ -85,7 +85,7 @@ def test_what_goes_wrong_at_the_end_is_a_warning_and_costs_no_result(
     monkeypatch.setattr(supervisor, "GRACE", 0.5)
     result = cosim.run(cosim.load("lag.toml", changes), isolated=True)
     assert result.simulated_s == pytest.approx(0.05)
-    assert any(message.startswith(told) for message in caplog.messages)
+    assert any(message.startswith(reported) for message in caplog.messages)
 
 
 def test_many_runs_close_each_plant_once(notes: Path) -> None:

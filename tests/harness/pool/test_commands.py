@@ -43,7 +43,7 @@ def test_a_crash_is_one_line(arguments: list[str], line: str) -> None:
     assert (done.returncode, done.stdout, done.stderr) == (2, "", f"error: {line}\n")
 
 
-def test_a_crash_in_a_check_costs_no_other_file() -> None:
+def test_a_crash_in_a_check_loses_no_other_file() -> None:
     done = cosim("check", "abort.toml", "exit.toml", "study.toml", "lag.toml", "-q")
     assert (done.returncode, done.stdout) == (2, "lag.toml: scenario, valid\n")
     assert done.stderr.splitlines() == [

@@ -159,7 +159,7 @@ def test_too_much_memory_is_one_line(megabytes: str, line: str) -> None:
 
 
 @pytest.mark.usefixtures("lag")
-def test_a_trace_that_is_too_large_for_the_limit_is_refused_at_once() -> None:
+def test_a_trace_that_is_too_large_for_the_limit_is_rejected_immediately() -> None:
     done = command.finished("--duration", "5000", "--memory", "300")
     assert done.returncode == 2
     assert done.stderr.startswith("error: a run of `loop.duration` = `5000` s does not fit into memory")
@@ -182,7 +182,7 @@ def test_what_the_fmu_logs_and_prints_reaches_stderr() -> None:
     assert "about to write to nowhere" in printed.stderr
 
 
-def test_a_large_trace_comes_back_whole(lag: Path) -> None:
+def test_a_large_trace_returns_whole(lag: Path) -> None:
     changes = ["loop.step=0.001", "loop.duration=30", "wire.plant.u.noise=0.1"]
     scenario = cosim.load(lag, changes)
     here, there = cosim.run(scenario), cosim.run(scenario, isolated=True)
@@ -198,15 +198,15 @@ def test_an_isolated_run_from_python(lag: Path) -> None:
     hanging = cosim.load(lag, ["controller.hang_at=3"])
     with pytest.raises(WorkerError, match=re.escape("no result within `timeout` = `0.5` s")):
         cosim.run(hanging, isolated=True, limits=Limits(0.5, keys=("timeout", "memory")))
-    told: list[tuple[int, int]] = []
+    reported: list[tuple[int, int]] = []
     scenario = cosim.load(lag, ["loop.duration=20"])
-    result = cosim.run(scenario, progress=lambda *steps: told.append(steps), isolated=True)
+    result = cosim.run(scenario, progress=lambda *steps: reported.append(steps), isolated=True)
     assert result.metrics == cosim.run(scenario).metrics
-    assert told
-    assert all(0 <= done <= steps == 20_000 for done, steps in told)
+    assert reported
+    assert all(0 <= done <= steps == 20_000 for done, steps in reported)
 
 
-def test_a_closed_session_refuses_to_run(lag: Path) -> None:
+def test_a_closed_session_rejects_to_run(lag: Path) -> None:
     session = cosim.Session(cosim.load(lag))
     session.run()
     session.close()
@@ -215,6 +215,6 @@ def test_a_closed_session_refuses_to_run(lag: Path) -> None:
         session.run()
 
 
-def test_limits_of_a_run_in_this_process_are_refused(lag: Path) -> None:
+def test_limits_of_a_run_in_this_process_are_rejected(lag: Path) -> None:
     with pytest.raises(CosimError, match="`limits` apply only to isolated runs\nhint: `isolated=True`"):
         cosim.run(lag, limits=Limits(timeout=1.0))

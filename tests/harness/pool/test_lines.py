@@ -16,7 +16,7 @@ Write = Callable[..., Path]
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_events_and_warnings_of_many_runs_are_told(
+def test_events_and_warnings_of_many_runs_are_reported(
     workers: int, write: Write, caplog: pytest.LogCaptureFixture
 ) -> None:
     scenario = cosim.load(write(), ["controller.warn_at=3"])
@@ -30,9 +30,9 @@ def test_events_and_warnings_of_many_runs_are_told(
     assert sorted(caplog.messages) == [f"run 0, seed 5: {odd}", f"run 1, seed 6: {odd}"]
     caplog.clear()
     cosim.run_many(scenario, [5, 6], workers, engine="reference")
-    (told,) = caplog.messages
-    assert told.endswith(odd)
-    assert told.startswith("run ")
+    (reported,) = caplog.messages
+    assert reported.endswith(odd)
+    assert reported.startswith("run ")
 
 
 def test_an_fmu_that_warns_in_every_step_does_not_flood(caplog: pytest.LogCaptureFixture) -> None:

@@ -45,7 +45,7 @@ def test_sessions_opened_in_several_threads_leave_the_working_directory(
 
 
 @pytest.mark.parametrize("error", [TypeError("what\nnow"), SystemExit(0), RecursionError(), MemoryError()])
-def test_what_nobody_foresaw_is_one_line_and_exit_code_2(
+def test_an_unexpected_error_is_one_line_and_exit_code_2(
     error: BaseException, write: Write, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def fail(*_: object) -> None:

@@ -54,7 +54,7 @@ def test_a_run_is_done_in_the_process_of_the_command(
 
 
 @pytest.mark.parametrize("option", ["--timeout", "--memory"])
-def test_an_option_that_cannot_be_kept_is_refused(
+def test_an_option_that_cannot_be_kept_is_rejected(
     option: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert call(monkeypatch, "run", "lag.toml", option, "100") == 2
@@ -71,11 +71,11 @@ def test_a_sweep_is_done_in_one_process_and_says_so(
     assert call(monkeypatch, "sweep", "study.toml", "--no-plots") == 0
     seen = capsys.readouterr()
     assert "2 of 2 runs" in seen.out
-    told = "warning: this system has no supervised worker processes: the runs are done in this one, "
-    assert f"{told}`limits.timeout` cannot be kept" in seen.err
+    reported = "warning: this system has no supervised worker processes: the runs are done in this one, "
+    assert f"{reported}`limits.timeout` cannot be kept" in seen.err
 
 
-def test_isolation_that_is_asked_for_is_refused() -> None:
+def test_isolation_that_is_asked_for_is_rejected() -> None:
     scenario = cosim.load("lag.toml")
     with pytest.raises(cosim.CosimError, match="cannot be isolated on this system"):
         cosim.run(scenario, isolated=True)

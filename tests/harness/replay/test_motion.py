@@ -39,7 +39,7 @@ def run(file: Path, *changes: str) -> Recorded:
         (8.4, 8.0, "nearly real time: 1.05 x"),
     ],
 )
-def test_a_film_tells_how_fast_it_is(last: float, seconds: float, words: str) -> None:
+def test_a_video_shows_how_fast_it_is(last: float, seconds: float, words: str) -> None:
     times = np.linspace(0.0, last, 1001)
     found = pace(times, seconds)
     assert found.words == words
@@ -59,7 +59,7 @@ def test_a_picture_shows_the_row_that_held_at_its_time() -> None:
     ("seconds", "begin", "end"),
     [(0.0, None, None), (math.inf, None, None), (3601.0, None, None), (1.0, 0.6, 0.4), (1.0, 0.0, 2.0)],
 )
-def test_a_time_that_is_none_is_told(seconds: float, begin: float | None, end: float | None) -> None:
+def test_a_time_that_is_none_is_reported(seconds: float, begin: float | None, end: float | None) -> None:
     with pytest.raises(CosimError, match=r"must be above 0|is outside of the run"):
         pace(np.linspace(0.0, 1.0, 11), seconds, begin, end)
 
@@ -105,17 +105,19 @@ def test_a_trace_without_coordinates_says_how_to_get_them(cart: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("shown", "kept", "told"),
+    ("shown", "kept", "reported"),
     [
         ("fts", "plant.", "no column `plant.qpos.spindle`"),
         ("dob", "plant.qpos.", "no column `plant.position`"),
         ("dob", "controller.", "no coordinates"),
     ],
 )
-def test_a_trace_of_another_loop_or_without_truths_is_told(shown: str, kept: str, told: str) -> None:
+def test_a_trace_of_another_loop_or_without_ground_truth_is_reported(
+    shown: str, kept: str, reported: str
+) -> None:
     result = cosim.run(cosim.load("dob", [*RECORD, "loop.duration=0.01"]))
     columns = {name: column for name, column in result.columns.items() if name.startswith(("time", kept))}
-    with pytest.raises(CosimError, match=told):
+    with pytest.raises(CosimError, match=reported):
         motion(Recorded(cosim.load(shown), 1, columns))
 
 
@@ -159,15 +161,16 @@ def test_far_from_home_a_motion_is_drawn_larger_where_it_is(cart: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "told"), [("slide", "no factor"), ("slide=0", "no factor"), ("slid=2", "did you mean `slide`")]
+    ("word", "reported"),
+    [("slide", "no factor"), ("slide=0", "no factor"), ("slid=2", "did you mean `slide`")],
 )
-def test_a_wrong_enlargement_is_told(word: str, told: str, cart: Path) -> None:
+def test_a_wrong_enlargement_is_reported(word: str, reported: str, cart: Path) -> None:
     with pytest.raises(CosimError) as caught:
         enlarge.given([word], motion(run(cart)))
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
 
 
-def test_a_picture_tells_time_state_and_key_numbers(cart: Path) -> None:
+def test_a_picture_shows_time_state_and_key_numbers(cart: Path) -> None:
     recorded = run(cart)
     lines = caption.lines(recorded)
     row = 150
@@ -181,7 +184,7 @@ def test_a_picture_tells_time_state_and_key_numbers(cart: Path) -> None:
     assert caption.written(lines, 50)[1] == "mode: Slow"
 
 
-def test_a_picture_tells_numbers_as_people_write_them() -> None:
+def test_a_picture_shows_numbers_as_people_write_them() -> None:
     column = np.array([9.64e-15, 0.01548, -2.5e-6])
     speed = np.array([0.0, 1847.3, 1840.0])
     of: Any = SimpleNamespace(

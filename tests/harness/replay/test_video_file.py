@@ -65,7 +65,7 @@ def test_the_free_camera_sees_all_of_it_before_a_background(cart: Path) -> None:
                 assert np.array_equal(picture[edge], sky[edge])
 
 
-def test_what_is_written_stands_above_where_no_player_hides_it() -> None:
+def test_what_is_written_is_above_where_no_player_hides_it() -> None:
     picture = np.full((120, 160, 3), 200, np.uint8)
     written = video_file.lettered(picture, ["t = 1 s", "state: Run"], ["real time"])
     changed = np.flatnonzero((written != picture).any(axis=(1, 2)))
@@ -80,7 +80,7 @@ def test_what_is_written_stands_above_where_no_player_hides_it() -> None:
 
 @pytest.mark.usefixtures("_drawing")
 @pytest.mark.parametrize("ending", video_file.ENDINGS)
-def test_a_film_has_its_pictures(ending: str, cart: Path, folder: Path) -> None:
+def test_a_video_has_its_pictures(ending: str, cart: Path, folder: Path) -> None:
     file = folder / f"cart{ending}"
     seen: list[tuple[int, int]] = []
     video_file.save(recorded(cart), SMALL, file, lambda done, total: seen.append((done, total)))
@@ -102,7 +102,7 @@ def test_a_film_has_its_pictures(ending: str, cart: Path, folder: Path) -> None:
 
 
 @pytest.mark.usefixtures("_drawing")
-def test_the_command_films_a_trace_or_a_scenario(cart: Path, folder: Path) -> None:
+def test_the_command_records_a_trace_or_a_scenario(cart: Path, folder: Path) -> None:
     options = ("--seconds", "0.2", "--size", "64x48")
     done = called("run", "cart.toml", "--set", "loop.record_qpos=true", "--trace", "cart.npz", "-q")
     assert done.returncode == 0, done.stderr
@@ -115,7 +115,7 @@ def test_the_command_films_a_trace_or_a_scenario(cart: Path, folder: Path) -> No
 
 
 @pytest.mark.usefixtures("_drawing", "cart")
-def test_a_page_holds_the_film(folder: Path) -> None:
+def test_a_page_holds_the_video(folder: Path) -> None:
     done = command("report", "cart.toml", "-o", "cart.html", "-q")
     assert (done.returncode, done.stdout) == (0, "wrote cart.html\n"), done.stderr
     page = html.fromstring((folder / "cart.html").read_text())
@@ -168,7 +168,7 @@ def test_what_cannot_draw_costs_the_picture_alone(folder: Path) -> None:
         (("cart.toml", "--enlarge", "x=2"), "no coordinate is named `x`"),
     ],
 )
-def test_what_cannot_be_filmed_is_one_message(
+def test_what_cannot_be_recorded_is_one_message(
     arguments: tuple[str, ...], message: str, cart: Path, folder: Path
 ) -> None:
     done = called("video", *arguments, "-q")
@@ -211,7 +211,7 @@ def test_an_mjcf_names_what_may_be_drawn_larger(cart: Path) -> None:
 
 
 @pytest.mark.usefixtures("_drawing")
-def test_a_camera_that_is_not_there_is_told(cart: Path) -> None:
+def test_a_camera_that_is_not_there_is_reported(cart: Path) -> None:
     with pytest.raises(CosimError, match="no camera `sid`") as caught:
         video_file.made(recorded(cart), Shot((64, 48), camera="sid"), ".webp")
     assert caught.value.hint == "did you mean `side`?"

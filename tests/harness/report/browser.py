@@ -103,9 +103,9 @@ async def asked(
         words = {"id": number, "method": method, "params": parameters, **session}
         await socket.write_message(json.dumps(words))
         while True:
-            told = await socket.read_message()
-            assert told is not None, "Chromium ended"
-            message = json.loads(told)
+            reported = await socket.read_message()
+            assert reported is not None, "Chromium ended"
+            message = json.loads(reported)
             if message.get("id") == number:
                 return message.get("result")
             url = message.get("params", {}).get("request", {}).get("url", "file:")

@@ -104,7 +104,7 @@ def test_without_a_response_there_is_no_chart() -> None:
         ({"y": ("a.m", "a.q")}, "names `a.q[1]`"),
     ],
 )
-def test_a_wrong_chart_is_refused(change: Any, words: str) -> None:
+def test_a_wrong_chart_is_rejected(change: Any, words: str) -> None:
     drawn = Plot(charts=(replace(CHART, **change),))
     scenario = Scenario("t", loop=Loop(step=1e-3, duration=1.0), controller=Controller("x"), plot=drawn)
     with pytest.raises(ScenarioError) as caught:

@@ -34,7 +34,7 @@ def test_a_path_has_a_line_for_each_value_of_its_split() -> None:
     assert y == pytest.approx((1e-3 * x) ** 2)
 
 
-def test_what_stands_still_is_left_out() -> None:
+def test_what_does_not_move_is_left_out() -> None:
     rounding = 1e-12 * np.sin(TIME)
     trace = traced(plant_x=1.0 + rounding, plant_y=2.0 + rounding, plant_z=TIME)
     assert lines(Chart("path", ("plant.y",), x="plant.x"), trace) == {}
@@ -49,7 +49,7 @@ def test_a_path_of_many_rows_keeps_its_peaks() -> None:
     assert y.max() == 50.0
 
 
-def test_a_path_of_many_rows_keeps_extremes_beside_what_is_no_number() -> None:
+def test_a_path_of_many_rows_keeps_extremes_next_to_what_is_no_number() -> None:
     away = np.where(np.arange(ROWS) == 1234, 50.0, 3.0)
     least = np.where(np.arange(ROWS) == 2345, 1.0, np.where(np.arange(ROWS) % 2, np.nan, 7.0))
     (x, y) = lines(Chart("path", ("plant.y",), x="plant.x"), traced(plant_x=away, plant_y=least))["plant.y"]
@@ -76,7 +76,7 @@ def test_a_spectrum_leaves_out_rows_without_an_angle() -> None:
 
 
 @pytest.mark.parametrize("kind", ["path", "map", "share", "spectrum", "peaks"])
-def test_a_chart_of_picked_rows_costs_no_other(kind: Any) -> None:
+def test_a_chart_of_picked_rows_loses_no_other(kind: Any) -> None:
     trace = traced(plant_x=TIME, plant_y=TIME**2)
     more: Any = (
         {"split": "plant.x"} if kind == "peaks" else {"x": "plant.x"} if kind in ("path", "map") else {}
@@ -84,13 +84,15 @@ def test_a_chart_of_picked_rows_costs_no_other(kind: Any) -> None:
     picked = Chart(kind, ("plant.y[plant.x > 1]",), title="Depth", **more)
     whole = Chart("path", ("plant.y",), x="plant.x", title="Way")
     of, found = result(trace, "max(plant.x)", maximum=4.0)
-    shown, (told,) = charts.views(replace(of, plot=Plot(charts=(picked, whole))), found)
+    shown, (reported,) = charts.views(replace(of, plot=Plot(charts=(picked, whole))), found)
     assert [chart["title"] for chart in shown] == ["Way"]
-    assert told.startswith("`plot.charts` `Depth` = `plant.y[plant.x > 1]` gives 2999 values for 4000 rows")
-    assert "hint: pick rows with `parts`" in told
+    assert reported.startswith(
+        "`plot.charts` `Depth` = `plant.y[plant.x > 1]` gives 2999 values for 4000 rows"
+    )
+    assert "hint: pick rows with `parts`" in reported
 
 
-def test_a_spectrum_over_an_angle_tells_waves_per_turn() -> None:
+def test_a_spectrum_over_an_angle_shows_waves_per_revolution() -> None:
     # the speed changes, the waves do not
     angle = 2.0 * np.pi * (5.3 * TIME + 0.2 * TIME**2)
     wave = 3.0 + 2.0 * np.cos(4.0 * angle + 0.3) + 0.5 * np.sin(12.0 * angle)
@@ -110,12 +112,12 @@ def test_a_spectrum_by_frequency_finds_the_amplitude_of_a_sine() -> None:
     assert y.max() == pytest.approx(0.25, rel=0.01)
 
 
-def test_less_than_a_turn_has_no_spectrum() -> None:
+def test_less_than_per_revolution_has_no_spectrum() -> None:
     trace = traced(plant_a=TIME, plant_e=TIME)
     assert lines(Chart("spectrum", ("plant.e",), x="plant.a"), trace) == {}
 
 
-def test_peaks_and_shares() -> None:
+def test_peaks_and_ratios() -> None:
     trace = traced(plant_e=np.where(TIME < 1.0, -9.0, TIME), plant_n=np.floor(TIME))
     x, y = lines(Chart("peaks", ("plant.e",), split="plant.n"), trace)["plant.e"]
     assert list(x) == [0.0, 1.0, 2.0, 3.0]
@@ -203,10 +205,10 @@ def test_a_map_sums_up_in_cells() -> None:
         (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "of the kind `array` takes no `parts`"),
     ],
 )
-def test_what_cannot_be_drawn_is_told(chart: Chart, message: str) -> None:
-    with pytest.raises(CosimError) as told:
+def test_what_cannot_be_drawn_is_reported(chart: Chart, message: str) -> None:
+    with pytest.raises(CosimError) as reported:
         drawable.check(scenario(chart), {"time": None, "plant.x": None})
-    assert message in str(told.value)
+    assert message in str(reported.value)
 
 
 @pytest.mark.filterwarnings("error")
@@ -225,7 +227,7 @@ def test_only_what_is_whole_in_the_trace_is_drawn_in_steps() -> None:
     assert [panel["lines"][0]["stepped"] for panel in shown] == [False, True]
 
 
-def test_panels_of_what_moves_tell_what_they_leave_out() -> None:
+def test_panels_of_what_moves_show_what_they_leave_out() -> None:
     trace = traced(**{f"plant_x{i}": (i + 1.0) * TIME for i in range(20)})
     units = {f"plant.x{i}": "m" if i < 12 else f"u{i}" for i in range(20)}
     made = plot.default_panels(trace, replace(result(trace, "max(plant.x0)")[1], units=units))
@@ -233,7 +235,7 @@ def test_panels_of_what_moves_tell_what_they_leave_out() -> None:
     assert [panel.title for panel in made] == ["and 4 more columns", "", "", "", "", "and 3 more units"]
 
 
-def test_lines_of_several_values_with_a_split_tell_both() -> None:
+def test_lines_of_several_values_with_a_split_show_both() -> None:
     trace = traced(plant_x=TIME, plant_y=TIME, plant_z=-TIME, plant_n=np.floor(TIME / 2.0))
     chart = Chart("path", ("plant.y", "plant.z"), x="plant.x", split="plant.n", split_name="push")
     assert list(lines(chart, trace)) == [f"plant.{y}, push {n}" for y in "yz" for n in (0, 1)]
@@ -271,7 +273,7 @@ def test_a_polar_chart_goes_around_its_middle() -> None:
     assert away.max() < int(circle) < polar.RADIUS
 
 
-def test_a_path_with_an_error_is_drawn_beside_where_it_should_be() -> None:
+def test_a_path_with_an_error_is_drawn_next_to_where_it_should_be() -> None:
     # a straight way to the upper right, 2 um to its left in the second half
     error = np.where(TIME < 2.0, 0.0, 2e-6)
     trace = traced(plant_x=TIME - error / 2**0.5, plant_y=TIME + error / 2**0.5, plant_e=error)
@@ -288,7 +290,7 @@ def test_a_path_with_an_error_is_drawn_beside_where_it_should_be() -> None:
     assert lines(replace(chart, x="plant.e * 0", y=("plant.e * 0",)), trace) == {}
 
 
-def test_whole_numbers_are_told_at_whole_numbers() -> None:
+def test_whole_numbers_are_reported_at_whole_numbers() -> None:
     trace = traced(plant_f=TIME, plant_n=np.floor(TIME))
     chart = Chart("peaks", ("plant.f",), split="plant.n")
     found = charts.view(chart, charts.lines(chart, trace, dict.fromkeys(trace)))

@@ -58,7 +58,7 @@ def named(tmp_path: Path, request: pytest.FixtureRequest) -> str:
     return name
 
 
-def test_a_function_beside_the_scenario_makes_the_maps(named: str, tmp_path: Path) -> None:
+def test_a_function_next_to_the_scenario_makes_the_maps(named: str, tmp_path: Path) -> None:
     (flat, deep), undrawn = views(replace(CHART, function=f"{named}:depths"), tmp_path)
     assert undrawn == []
     assert (flat["title"], deep["title"]) == ("Depth: flat", "Depth: deep")
@@ -78,23 +78,23 @@ def test_maps_without_anything_are_left_out(named: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("function", "told"),
+    ("function", "reported"),
     [
         ("broken", ("failed: ArithmeticError: no surface",)),
         ("turned", ("gives `deep` of the shapes [(4,), (3,), (3, 2)]", "values (m, n)")),
         ("depth", ("does not exist", "depths")),
     ],
 )
-def test_what_a_function_does_wrong_is_told_and_costs_the_chart(
-    function: str, told: tuple[str, ...], named: str, tmp_path: Path
+def test_what_a_function_does_wrong_is_reported_and_costs_the_chart(
+    function: str, reported: tuple[str, ...], named: str, tmp_path: Path
 ) -> None:
     drawn, (problem,) = views(replace(CHART, function=f"{named}:{function}"), tmp_path)
     assert drawn == []
     assert problem.startswith(f"`plot.charts` `Depth`: the function `{named}:{function}`")
-    assert all(text in problem for text in told)
+    assert all(text in problem for text in reported)
 
 
-def test_a_module_that_is_not_there_is_told_with_the_place(tmp_path: Path) -> None:
+def test_a_module_that_is_not_there_gives_an_error_with_its_location(tmp_path: Path) -> None:
     drawn, (problem,) = views(replace(CHART, function="no_such_module:f"), tmp_path)
     assert drawn == []
     assert "cannot be imported: ModuleNotFoundError" in problem

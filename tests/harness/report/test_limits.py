@@ -35,7 +35,7 @@ def test_limits_are_drawn_in_the_unit_of_the_metric(limits: Any, wanted: list[fl
     assert drawn(Criterion("a", "c", "m", unit="mm", **limits), "m") == pytest.approx(wanted)
 
 
-def test_a_limit_stands_beside_a_value_of_zero() -> None:
+def test_a_limit_is_next_to_a_value_of_zero() -> None:
     of, found = result(TRACE, "max(plant.x)", maximum=4.0)
     never = replace(
         found, metrics={"m": Measured("m", 0.0, "m")}, criteria=[Verdict(of.criterion[0], 0.0, "mm")]
@@ -61,7 +61,7 @@ def test_a_limit_on_a_single_value_of_a_column_is_one_on_the_column(value: str, 
     if wanted is None:
         assert found == {}
         return
-    assert [told for _, told in found["plant.x"]] == [told for _, told in wanted]
+    assert [reported for _, reported in found["plant.x"]] == [reported for _, reported in wanted]
     assert [limit for limit, _ in found["plant.x"]] == pytest.approx([limit for limit, _ in wanted])
 
 
@@ -70,8 +70,8 @@ def test_limits_faults_and_injections_are_marked_in_the_panels() -> None:
     of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3),)))
     (view,) = panels.views(of, found)
     assert view["events"] == [(0.5, "fault injected: plant.u"), (2.0, "Stuck")]
-    ((limit, told),) = view["panels"][0]["limits"]
-    assert (limit, told) == (pytest.approx(4.0), "depth <= 4 mm")
+    ((limit, reported),) = view["panels"][0]["limits"]
+    assert (limit, reported) == (pytest.approx(4.0), "depth <= 4 mm")
     assert view["panels"][0]["svg"].count('class="limit"') == 1
     # one far away would hide the line
     far = replace(found, criteria=[Verdict(replace(of.criterion[0], maximum=400.0), 2.0, "mm")])
@@ -84,8 +84,12 @@ def test_a_figure_marks_limits_and_events_too(tmp_path: Path) -> None:
     file = tmp_path / "plot.svg"
     plot.save(of, found, file)
     # matplotlib draws letters and leaves the text as a comment; the events are named once, in the first panel
-    told = [unescape(text).strip() for text in re.findall(r"<!-- (.*?) -->", file.read_text())]
-    assert [told.count(text) for text in ("depth <= 4 mm", "fault injected: plant.u", "Stuck")] == [2, 1, 1]
+    reported = [unescape(text).strip() for text in re.findall(r"<!-- (.*?) -->", file.read_text())]
+    assert [reported.count(text) for text in ("depth <= 4 mm", "fault injected: plant.u", "Stuck")] == [
+        2,
+        1,
+        1,
+    ]
 
 
 def test_a_limit_that_is_near_in_one_window_only_is_named(tmp_path: Path) -> None:
@@ -128,20 +132,20 @@ def test_a_chart_of_a_column_shows_its_limit(
     of, found = result(trace, "max(plant.x)", maximum=4.0)
     along: dict[str, Any] = {"x_scale": 1e3} if kind == "share" else {"scale": 1e3}
     chart = Chart(kind, ("plant.x",), **more, **along)
-    ((told,), undrawn) = charts.views(replace(of, plot=Plot(charts=(chart,))), found)
+    ((reported,), undrawn) = charts.views(replace(of, plot=Plot(charts=(chart,))), found)
     assert undrawn == []
-    assert [place for place, _ in told["marks"]] == pytest.approx(places)
-    assert [level for level, _ in told["levels"]] == pytest.approx(levels)
-    assert told["svg"].count("depth &lt;= 4 mm") == len(places) + len(levels)
+    assert [place for place, _ in reported["marks"]] == pytest.approx(places)
+    assert [level for level, _ in reported["levels"]] == pytest.approx(levels)
+    assert reported["svg"].count("depth &lt;= 4 mm") == len(places) + len(levels)
     # one far away would hide the line
     far = replace(found, criteria=[Verdict(replace(of.criterion[0], maximum=400.0), 2.0, "mm")])
-    ((told,), _) = charts.views(replace(of, plot=Plot(charts=(chart,))), far)
-    assert told["marks"] == told["levels"] == []
+    ((reported,), _) = charts.views(replace(of, plot=Plot(charts=(chart,))), far)
+    assert reported["marks"] == reported["levels"] == []
 
 
 def test_faults_beyond_the_last_mark_are_counted() -> None:
-    told = np.where(np.arange(ROWS) // 100 % 2 == 1, 3.0, 1.0)
-    of, found = result(traced(plant_x=TIME, controller_fault=told), "max(plant.x)", maximum=4.0)
+    reported = np.where(np.arange(ROWS) // 100 % 2 == 1, 3.0, 1.0)
+    of, found = result(traced(plant_x=TIME, controller_fault=reported), "max(plant.x)", maximum=4.0)
     marked = marks.marked(of, found)
     events = plot.inside(TIME, marked)
     told_as = ["Stuck", "Stuck", "Stuck", "fault injected: plant.u", "Stuck", "Stuck, and 15 more"]

@@ -115,22 +115,22 @@ def cells(table: Any) -> list[list[str]]:
     return [[cell.text_content() for cell in line.findall("td")] for line in table.iter("tr")][1:]
 
 
-def test_every_claim_stands_in_the_table_as_it_was_measured(page: Any, result: cosim.Result) -> None:
-    told = [["lag", *row(verdict, 3)] for verdict in result.criteria]
-    assert [line[-1] for line in told] == ["yes", "NO"]
+def test_every_claim_is_in_the_table_as_it_was_measured(page: Any, result: cosim.Result) -> None:
+    reported = [["lag", *row(verdict, 3)] for verdict in result.criteria]
+    assert [line[-1] for line in reported] == ["yes", "NO"]
     known = ("prediction", "our choice")
-    wanted = [[*line[:-1], source, line[-1]] for line, source in zip(told, known, strict=True)]
+    wanted = [[*line[:-1], source, line[-1]] for line, source in zip(reported, known, strict=True)]
     assert cells(page.get_element_by_id("table")) == wanted
     sources = [line.get("data-source") for line in page.get_element_by_id("table").iter("tr")][1:]
     assert sources == ["prediction", "choice"]
     assert "1 of 2 criteria passed" in page.text_content()
 
 
-def test_what_could_not_run_is_told(page: Any) -> None:
-    (told,) = page.find_class("error")
-    assert "broken could not run: " in told.text_content()
-    assert "durration" in told.text_content()
-    assert "hint: " in told.text_content()
+def test_what_could_not_run_is_reported(page: Any) -> None:
+    (reported,) = page.find_class("error")
+    assert "broken could not run: " in reported.text_content()
+    assert "durration" in reported.text_content()
+    assert "hint: " in reported.text_content()
 
 
 def test_texts_of_others_are_no_code(page: Any, made: Path) -> None:
@@ -150,7 +150,7 @@ def test_the_page_loads_nothing(page: Any) -> None:
     assert not re.search(r"url\(|@import", style.text)
 
 
-def test_a_page_is_small_beside_the_library(made: Path) -> None:
+def test_a_page_is_small_next_to_the_library(made: Path) -> None:
     text = (made / "page.html").read_text()
     assert len(text) - len(library()) < 400_000
 
@@ -182,20 +182,20 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
     assert b"plotly.js" in library[:2000]
 
 
-def test_a_plant_without_coordinates_has_no_film_and_says_why(page: Any) -> None:
+def test_a_plant_without_coordinates_has_no_video_and_says_why(page: Any) -> None:
     (note,) = page.find_class("note")
     assert "the plant probe_plants:Lag has no qpos" in note.text_content()
 
 
-def test_what_does_not_hold_is_told_first(page: Any) -> None:
+def test_what_does_not_hold_is_reported_first(page: Any) -> None:
     (missed,) = page.find_class("missed")
-    told = missed.text_content()
-    assert told.startswith("lag: it ends far away, ")
-    assert told.endswith("(limit >= 2 m)")
+    reported = missed.text_content()
+    assert reported.startswith("lag: it ends far away, ")
+    assert reported.endswith("(limit >= 2 m)")
     assert missed.find("a").get("href") == "#chapter-0"
 
 
-def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
+def test_a_study_and_a_document_are_on_the_page(page: Any) -> None:
     sweep = page.get_element_by_id("sweep-1")
     assert "2 of 2 runs: 2 failed" in sweep.text_content()
     criteria, metrics = (cells(table) for table in sweep.iter("table"))
@@ -220,7 +220,7 @@ def test_a_study_and_a_document_stand_on_the_page(page: Any) -> None:
         (("lag.toml", "--study", "typo.toml"), "`desing` is not a known key"),
     ],
 )
-def test_what_cannot_be_written_is_told_before_a_run(
+def test_what_cannot_be_written_is_reported_before_a_run(
     words: tuple[str, ...], message: str, folder: Path
 ) -> None:
     # it would take longer than the test
@@ -234,7 +234,7 @@ def test_what_cannot_be_written_is_told_before_a_run(
     assert (folder / "lag.html").read_text() == mine
 
 
-def test_what_cannot_be_drawn_is_told_before_the_run(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_drawn_is_reported_before_the_run(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(made)
     (made / "typo.toml").write_text(LAG.replace('columns = ["plant.x"]', 'columns = ["plant.xx"]'))
     for words in (("check",), ("report", "-o", "typo.html")):
@@ -246,7 +246,7 @@ def test_what_cannot_be_drawn_is_told_before_the_run(made: Path, monkeypatch: py
         )
 
 
-def test_a_failed_drawing_costs_no_verdict(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_drawing_loses_no_verdict(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(made)
     picked = LAG.replace('y = ["derivative(plant.x)"]', 'y = ["plant.x[time > 0.01]"]')
     picked += '\n[plot]\nzoom = "plant.x[time > 0.01] > plant.x"\n'
@@ -275,9 +275,9 @@ def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.
     cache = {"COSIM_CACHE": str(made / "cache")}
     plain = called(*words, **cache)
     more = ("--report", "tested.html", "--document", "faults.md", "--study", "study.toml", "--out", "out")
-    told = called(*words, *more, **cache)
-    assert (told.returncode, told.stdout) == (plain.returncode, plain.stdout) == (1, plain.stdout)
-    assert (made / "out/acceptance.txt").read_text() == told.stdout
+    reported = called(*words, *more, **cache)
+    assert (reported.returncode, reported.stdout) == (plain.returncode, plain.stdout) == (1, plain.stdout)
+    assert (made / "out/acceptance.txt").read_text() == reported.stdout
     page = html.fromstring((made / "tested.html").read_text())
     assert cells(page.get_element_by_id("table"))[0][:2] == ["lag", "it ends <b>near</b> zero"]
     assert page.find_class("document")

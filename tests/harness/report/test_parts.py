@@ -122,14 +122,14 @@ def encoded(content: bytes) -> str:
     return base64.b64encode(content).decode()
 
 
-def test_of_a_film_that_is_too_large_there_is_a_picture(tmp_path: Path) -> None:
+def test_a_video_that_is_too_large_becomes_a_picture(tmp_path: Path) -> None:
     (tmp_path / "a.mp4").write_bytes(bytes(book.MAX_VIDEO + 100_000))
     (tmp_path / "a.jpg").write_bytes(b"still")
-    told = "it has 1.1 MB, the limit is 1 MB\nhint: Make it with `cosim video`."
-    assert book.shown_video(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_film": told}
+    reported = "it has 1.1 MB, the limit is 1 MB\nhint: Make it with `cosim video`."
+    assert book.shown_video(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_film": reported}
 
 
-def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeypatch: Any) -> None:
+def test_one_scenario_of_each_loop_is_recorded(write: Callable[..., Path], monkeypatch: Any) -> None:
     write()
     scenario = cosim.load("lag.toml")
     result = cosim.run(scenario)
@@ -162,7 +162,7 @@ def test_one_scenario_of_each_loop_is_filmed(write: Callable[..., Path], monkeyp
     assert chapters == [{"name": name} for name in names[1:]]
 
 
-def test_nothing_is_run_for_a_film_that_cannot_be_drawn(
+def test_nothing_is_run_for_a_video_that_cannot_be_drawn(
     write: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def dark(size: tuple[int, int]) -> None:
@@ -178,7 +178,7 @@ def test_nothing_is_run_for_a_film_that_cannot_be_drawn(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="worker processes of Linux")
-def test_a_film_that_ends_its_process_costs_no_run(write: Callable[..., Path], folder: Path) -> None:
+def test_a_video_that_ends_its_process_loses_no_run(write: Callable[..., Path], folder: Path) -> None:
     write(text=SCENARIO.replace("probe_plants:Lag", "hostile_plants:EndInFilm"))
     shutil.copy(DATA / "hostile_plants.py", folder)
     done = command("report", "lag.toml", "-o", "lag.html", "-q")

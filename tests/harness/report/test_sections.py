@@ -52,7 +52,7 @@ def test_a_loop_has_its_scenarios_its_studies_and_its_documents() -> None:
         ([claim("done", number=False)], None),
     ],
 )
-def test_a_loop_is_told_by_a_number_that_a_paper_knows(claims: list[dict[str, Any]], wanted: Any) -> None:
+def test_a_loop_is_reported_by_a_number_that_a_paper_knows(claims: list[dict[str, Any]], wanted: Any) -> None:
     (part,) = sections.made([chapter("lag", *claims), chapter("lag/b", claim("other", paper="x"))], (), ())
     assert (part.headline or {}).get("claim") == wanted
 
@@ -63,9 +63,9 @@ def written(name: str, *claims: dict[str, Any]) -> dict[str, Any]:
     empty: dict[str, Any] = {
         key: [] for key in ("story", "fmus", "metrics", "settings", "injected", "charts", "views", "undrawn")
     }
-    told = {"measured": "2 um", "limit": "<= 3 um", "source": "our choice", "origin": "choice"}
+    reported = {"measured": "2 um", "limit": "<= 3 um", "source": "our choice", "origin": "choice"}
     more = {**texts, **empty, "passed": True, "film": "", "still": "eA=="}
-    return {**chapter(name, *({**told, **claim} for claim in claims)), **more}
+    return {**chapter(name, *({**reported, **claim} for claim in claims)), **more}
 
 
 def test_a_page_begins_with_cards_and_the_nominal_scenarios() -> None:
@@ -92,13 +92,13 @@ def test_a_page_begins_with_cards_and_the_nominal_scenarios() -> None:
 
 
 def test_words_have_code_and_emphasis_and_neither_links_nor_html() -> None:
-    told = page.words("`gain` is *large* [here](http://a.b) <b>x</b> and mu_static_max")
-    assert told == (
+    reported = page.words("`gain` is *large* [here](http://a.b) <b>x</b> and mu_static_max")
+    assert reported == (
         "<code>gain</code> is <em>large</em> [here](http://a.b) &lt;b&gt;x&lt;/b&gt; and mu_static_max"
     )
 
 
-def test_each_cell_of_a_document_tells_its_column(tmp_path: Path) -> None:
+def test_each_cell_of_a_document_shows_its_column(tmp_path: Path) -> None:
     file = tmp_path / "lag.md"
     file.write_text("# Faults\n\n| what | found |\n|---|---|\n| a `b` | c |\n\n| one |\n|---|\n| d |\n")
     found = page.document(file)

@@ -38,7 +38,9 @@ def test_a_command_that_nothing_drives_stays_at_its_start(
     trace = cosim.run(cosim.load(write(text=text))).trace
     assert trace is not None
     assert set(trace["plant.extra"]) == {1.0}
-    assert ["nothing drives `plant.extra` (stays at 1): wire" in told for told in caplog.messages] == [True]
+    assert [
+        "nothing drives `plant.extra` (stays at 1): wire" in reported for reported in caplog.messages
+    ] == [True]
     off = '[[inject]]\nto = "plant.extra"\nfrom_time = 0.01\nto_time = 0.02\nvalue = 0.0\n'
     trace = cosim.run(cosim.load(write(off, text=text))).trace
     assert trace is not None
@@ -66,7 +68,7 @@ LIMIT = END + entry("criterion", id="end", claim="It ends", metric="end")
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "reported"),
     [
         (FAULT.format(0.05, 0.06), "`inject.controller.in` from 0.05 s to 0.06 s reaches no step of the run"),
         (FAULT.format(0.0012, 0.0018), "reaches no step of the run, which ends at 0.05 s: it never starts"),
@@ -77,18 +79,20 @@ LIMIT = END + entry("criterion", id="end", claim="It ends", metric="end")
     ],
 )
 def test_what_has_no_effect_is_warned_of_in_runs_and_checks(
-    write: Write, caplog: pytest.LogCaptureFixture, content: str, told: str
+    write: Write, caplog: pytest.LogCaptureFixture, content: str, reported: str
 ) -> None:
     warn_once.cache_clear()
     scenario = cosim.load(write(content))
     cosim.run(scenario)
     messages = [record.getMessage() for record in caplog.records]
-    assert len(messages) == bool(told)
-    assert all(message.startswith("`lag.toml`: ") and told in message for message in messages)
+    assert len(messages) == bool(reported)
+    assert all(message.startswith("`lag.toml`: ") and reported in message for message in messages)
     with cosim.Session(scenario) as session:
-        warnings = [told for told in lint.check(session) if told.startswith(("`inject", "`criterion"))]
-    assert len(warnings) == bool(told)
-    assert told in "".join(warnings)
+        warnings = [
+            reported for reported in lint.check(session) if reported.startswith(("`inject", "`criterion"))
+        ]
+    assert len(warnings) == bool(reported)
+    assert reported in "".join(warnings)
 
 
 @pytest.mark.parametrize("name", ["centering", "deburr", "dob", "fts", "polish"])

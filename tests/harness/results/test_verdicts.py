@@ -79,7 +79,7 @@ def test_a_criterion_is_held_in_its_own_unit(write: Write) -> None:
     assert cosim.run(cosim.load(file, set=["criterion.end.unit=mm"])).passed is False
 
 
-def test_a_unit_that_does_not_fit_is_refused_before_the_run(write: Write) -> None:
+def test_a_unit_that_does_not_fit_is_rejected_before_the_run(write: Write) -> None:
     file = write(CRITERION)
     expected = r"--set criterion.end.*`criterion.end.unit` is `s`, `metric.end` is in `m`, which does not"
     with pytest.raises(ExpressionError, match=expected):

@@ -42,8 +42,8 @@ def test_every_scenario_of_the_project_fits(file: Path) -> None:
 @pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: file.relative_to(ROOT).as_posix())
 def test_no_two_metrics_of_a_scenario_are_described_alike(file: Path) -> None:
     metrics = tomllib.loads(file.read_text()).get("metric", [])
-    told = [metric["description"] for metric in metrics if metric.get("description")]
-    assert len(set(told)) == len(told)
+    reported = [metric["description"] for metric in metrics if metric.get("description")]
+    assert len(set(reported)) == len(reported)
 
 
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.name)
@@ -65,7 +65,7 @@ def test_every_study_of_the_project_fits(file: Path) -> None:
         ("plot.panels.0.columns", "plant.depth"),
     ],
 )
-def test_what_cosim_refuses_is_refused_by_the_schema(key: str, value: Any) -> None:
+def test_what_cosim_rejects_is_rejected_by_the_schema(key: str, value: Any) -> None:
     table = copy.deepcopy(DOB)
     *path, name = key.split(".")
     inner: Any = table

@@ -53,7 +53,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_what_is_no_address_is_told_at_once(text: str, folder: Path) -> None:
+def test_what_is_no_address_is_reported_immediately(text: str, folder: Path) -> None:
     content, problem = WRONG[text]
     if content is not None:
         (folder / text).write_text(content)
@@ -65,7 +65,7 @@ def test_what_is_no_address_is_told_at_once(text: str, folder: Path) -> None:
     )
 
 
-def test_what_is_no_scheduler_is_told_without_a_traceback(
+def test_what_is_no_scheduler_gives_an_error_without_a_traceback(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("cosim.pool.connection.CONNECT_TIMEOUT", 1.0)

@@ -49,7 +49,7 @@ def test_texts_have_items_and_runs_without_a_result_no_row() -> None:
     assert math.isnan(results(summarized(1e-7, 2e-7, 3e-7), known)["plant.workpiece"][1])
 
 
-def test_a_share_of_the_runs_of_a_text_is_drawn() -> None:
+def test_a_fraction_of_the_runs_of_a_text_is_drawn() -> None:
     known = columns(cosim.load("dob"), CASES)
     parts = ('controller.detector == "Glr"',)
     wanted = Chart("share", ("metric.depth",), parts=parts, names=("likelihood",), scale=1.0, x_scale=1e9)
@@ -84,12 +84,12 @@ y = ["metric.depth"]
         ("peaks", "plant.mass", ("`charts[0]`", "has no `split`")),
     ],
 )
-def test_a_chart_that_cannot_be_made_is_refused(
+def test_a_chart_that_cannot_be_made_is_rejected(
     kind: str, x: str, words: tuple[str, ...], tmp_path: Path
 ) -> None:
     file = tmp_path / "study.toml"
     file.write_text(STUDY.format(kind=kind, x=x))
     with pytest.raises(CosimError) as caught:
         check_charts(Plan(study.load(file)))
-    told = f"{caught.value.message} {caught.value.hint}"
-    assert all(word in told for word in words), told
+    reported = f"{caught.value.message} {caught.value.hint}"
+    assert all(word in reported for word in words), reported

@@ -29,7 +29,7 @@ COLUMNS: dict[str, tuple[list[Any], str, list[Any]]] = {
 }
 
 
-def test_values_come_back_with_their_types(tmp_path: Path) -> None:
+def test_values_return_with_their_types(tmp_path: Path) -> None:
     file = tmp_path / "summary.parquet"
     assert save_parquet({name: given for name, (given, _, _) in COLUMNS.items()}, file)
     table = parquet.read_table(file)

@@ -132,15 +132,15 @@ def test_a_sweep_survives_a_killed_worker_and_a_restarted_scheduler(
     cluster.kill_worker()
     sweep.wait_for(2 * runs // 5)
     cluster.restart(workers)
-    told = sweep.wait()
+    reported = sweep.wait()
     lines = sweep.results.read_text().splitlines()
     print(report(sweep, len(lines)))
 
     assert re.search(
-        "the Dask worker `tcp://127.0.0.1:[0-9]+` was lost: [0-9]+ runs are done once more", told
+        "the Dask worker `tcp://127.0.0.1:[0-9]+` was lost: [0-9]+ runs are done once more", reported
     )
-    assert "lost the Dask scheduler; the runs go on if it is back within 300 s" in told
-    assert "the Dask scheduler is back" in told
+    assert "lost the Dask scheduler; the runs go on if it is back within 300 s" in reported
+    assert "the Dask scheduler is back" in reported
     rows = [json.loads(line) for line in lines]
     assert sorted(row["run"] for row in rows) == list(range(runs))
     assert len({row["hash"] for row in rows}) == runs
@@ -161,7 +161,7 @@ def report(sweep: Sweep, rows: int) -> str:
     return f"{rows} rows after {time.monotonic() - sweep.began:.0f} s; rows and MB: {', '.join(shown)}"
 
 
-def test_a_scheduler_that_does_not_come_back_is_told_and_the_sweep_resumes(
+def test_a_scheduler_that_does_not_return_is_reported_and_the_sweep_resumes(
     write: Write, folder: Path, cluster: clusters.Cluster, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cluster.start()

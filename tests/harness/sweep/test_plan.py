@@ -26,7 +26,7 @@ def hashes(folder: Path, text: str) -> list[str]:
     return [run.hash for run in Plan(study.load(folder / "study.toml")).runs]
 
 
-def test_a_hash_tells_every_value_however_it_came_about(write: Write, folder: Path) -> None:
+def test_a_hash_shows_every_value_however_it_came_about(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     found = hashes(folder, studies.case_list(["title = 'other'", *CASES]))
     assert len(set(found)) == len(found)
@@ -95,7 +95,7 @@ def test_the_project_as_it_is_is_part_of_every_hash(
     assert hashes(folder, text) == found[-1]
 
 
-def test_a_wrong_value_is_told_with_its_case_however_late_it_comes(write: Write, folder: Path) -> None:
+def test_a_wrong_value_gives_an_error_with_its_case_however_late_it_comes(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     for wrong, problem in {
         "plant.pole = 9": r"case 30: `plant.pole` is `9.0`, it must be in 0 .. 1",

@@ -142,7 +142,7 @@ seeds = "repeat"
 """
 
 
-def test_a_sweep_tells_what_moves_its_metrics(write: Write, folder: Path) -> None:
+def test_a_sweep_shows_what_moves_its_metrics(write: Write, folder: Path) -> None:
     write(END)
     (folder / "s.toml").write_text(STUDY)
     command = [sys.executable, "-m", "cosim", "sweep", "s.toml", "--json"]
@@ -165,7 +165,7 @@ def test_a_sweep_tells_what_moves_its_metrics(write: Write, folder: Path) -> Non
     assert line.split() == ["sensitivity", "of", "controller.gain", "wire.plant.u.noise"]
 
 
-def test_indices_are_told_of_the_samples_that_are_whole(write: Write, folder: Path) -> None:
+def test_indices_are_reported_of_the_samples_that_are_whole(write: Write, folder: Path) -> None:
     write(END)
     (folder / "s.toml").write_text(STUDY)
     studies.sweep("s.toml")

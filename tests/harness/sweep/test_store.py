@@ -136,7 +136,7 @@ with Store(Path("list.sweep")) as store:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
-def test_a_full_disk_is_told_and_costs_no_row(write: Write, folder: Path) -> None:
+def test_a_full_disk_is_reported_and_loses_no_row(write: Write, folder: Path) -> None:
     file = write_study(write, folder, ["plant.pole = 0.1"])
     studies.sweep("list.toml")
     before = file.read_bytes()

@@ -82,7 +82,7 @@ def test_a_larger_study_does_only_what_is_new(study: Path, folder: Path) -> None
     assert len(after.splitlines()) == 18
 
 
-def test_another_fmu_makes_all_runs_anew(study: Path, folder: Path) -> None:
+def test_another_fmu_makes_all_runs_again(study: Path, folder: Path) -> None:
     studies.sweep("grid.toml")
     # a zip file may end with a comment: another file, the same FMU
     with (folder / "probe.fmu").open("r+b") as file:
@@ -114,7 +114,7 @@ def test_tables_hold_all_runs_and_traces_the_worst(study: Path, folder: Path) ->
     assert f"12 of 12 runs: {studies.statuses(study).count('passed')} passed" in done.stdout
 
 
-def test_plots_that_cannot_start_are_told_before_the_first_run(study: Path) -> None:
+def test_plots_that_cannot_start_are_reported_before_the_first_run(study: Path) -> None:
     command = [sys.executable, "-m", "cosim", "sweep", "grid.toml"]
     variables = studies.environment(MPLBACKEND="nope")
     done = subprocess.run(command, capture_output=True, text=True, env=variables, check=False)
@@ -139,7 +139,7 @@ def test_the_summary_as_json_counts_and_plots_are_drawn(study: Path, folder: Pat
     assert file.read_text().startswith("<?xml")
 
 
-def test_a_plot_that_cannot_be_made_costs_no_row(study: Path, folder: Path) -> None:
+def test_a_plot_that_cannot_be_made_loses_no_row(study: Path, folder: Path) -> None:
     with (folder / "lag.toml").open("a") as file:
         file.write('\n[[plot.panels]]\ncolumns = ["plant.y"]\n')
     traces = '\n[traces]\nworst = 1\nfailed = 0\nmetric = "end"\n'
@@ -154,12 +154,12 @@ def test_a_plot_that_cannot_be_made_costs_no_row(study: Path, folder: Path) -> N
     assert [file.suffix for file in (study / "traces").iterdir()] == [".npz"]
 
 
-def told(file: Path) -> list[str]:
+def reported(file: Path) -> list[str]:
     """Texts of a figure: matplotlib draws letters and leaves the text as a comment."""
     return [unescape(text).strip() for text in re.findall(r"<!-- (.*?) -->", file.read_text())]
 
 
-def test_a_plot_shows_texts_and_tells_what_it_leaves_out(
+def test_a_plot_shows_texts_and_shows_what_it_leaves_out(
     study: Path, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lowest = (
@@ -171,7 +171,7 @@ def test_a_plot_shows_texts_and_tells_what_it_leaves_out(
     monkeypatch.setattr(summary_tables, "MAX_KEYS", 2)
     monkeypatch.setattr(summary_tables, "MAX_METRICS", 1)
     cosim.sweep("grid.toml", plots=True)
-    texts = told(study / "summary.svg")
+    texts = reported(study / "summary.svg")
     assert "and 1 more metric, and 1 more key" in texts
     assert {"Slow", "Fast"} <= set(texts)
 
@@ -184,7 +184,7 @@ def test_cases_may_share_the_noise_of_their_repeats(study: Path, folder: Path) -
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-def test_ctrl_c_keeps_results_and_the_next_call_goes_on(write: Write, folder: Path) -> None:
+def test_ctrl_c_keeps_results_and_the_next_call_continues(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     cases = ["controller.gain = 0.1", "controller.hang_at = 3", "controller.gain = 0.2"]
     (folder / "list.toml").write_text(studies.case_list(cases))

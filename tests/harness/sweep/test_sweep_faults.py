@@ -73,12 +73,12 @@ def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path, 
     check_numbers(rows)
 
 
-def test_what_runs_log_is_told_with_the_run(write: Write, folder: Path, where: list[str]) -> None:
+def test_what_runs_log_gives_an_error_with_the_run(write: Write, folder: Path, where: list[str]) -> None:
     write(studies.MEASURED)
     (folder / "odd.toml").write_text(studies.case_list(["controller.gain = 0.3", "controller.warn_at = 3"]))
     done = studies.sweep("odd.toml", *where)
-    told = r"warning: run 1, seed [0-9]+: .*something is odd at 0\.003 s"
-    assert re.search(told, done.stderr), done.stderr
+    reported = r"warning: run 1, seed [0-9]+: .*something is odd at 0\.003 s"
+    assert re.search(reported, done.stderr), done.stderr
 
 
 def test_an_error_of_mujoco_costs_its_own_row(write: Write, folder: Path, where: list[str]) -> None:
@@ -96,7 +96,7 @@ def test_an_error_of_mujoco_costs_its_own_row(write: Write, folder: Path, where:
     assert "unknown joint type 99" in failed["reason"]
 
 
-def test_kill_9_of_a_worker_costs_no_run(write: Write, folder: Path, where: list[str]) -> None:
+def test_kill_9_of_a_worker_loses_no_run(write: Write, folder: Path, where: list[str]) -> None:
     process, worker, _ = stalled(write, folder, where)
     os.kill(worker, signal.SIGKILL)
     assert process.wait(60) == 0
@@ -139,7 +139,7 @@ def test_a_signal_without_a_name_costs_its_own_row(write: Write, folder: Path, w
     assert "the FMU `probe` crashed at t = 0.003 s (step 3): killed by signal 40" in crashed["reason"]
 
 
-def test_too_little_memory_for_any_run_is_told(write: Write, folder: Path) -> None:
+def test_too_little_memory_for_any_run_is_reported(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     (folder / "small.toml").write_text(studies.case_list(["controller.gain = 0.1"], "memory = 1.0"))
     studies.sweep("small.toml")

@@ -26,7 +26,7 @@ def save(file: str, names: tuple[str, ...] = NAMES) -> np.ndarray[tuple[int, int
 
 
 @pytest.mark.usefixtures("folder")
-def test_every_column_comes_back_in_every_bit() -> None:
+def test_every_column_returns_in_every_bit() -> None:
     table = save("x.mat")
     found = io.loadmat("x.mat")
     rows = [[str(cell[0]) if cell.size else "" for cell in row] for row in found["columns"]]
@@ -51,7 +51,7 @@ def test_long_names_that_begin_alike_stay_apart() -> None:
 
 
 @pytest.mark.usefixtures("folder")
-def test_a_trace_that_is_too_long_is_refused_before_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_trace_that_is_too_long_is_rejected_before_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     files.check_rows(Path("x.mat"), 268_435_455)
     files.check_rows(Path("x.parquet"), 268_435_456)
     with pytest.raises(CosimError, match=r"268435456 rows takes 2\.1 GB(?s:.*)`\.parquet` has no such limit"):

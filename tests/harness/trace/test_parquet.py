@@ -70,7 +70,7 @@ def test_what_is_no_trace_is_one_sentence(case: str) -> None:
 
 
 @pytest.mark.usefixtures("folder")
-def test_facts_that_are_no_table_are_refused() -> None:
+def test_facts_that_are_no_table_are_rejected() -> None:
     schema = pyarrow.schema([("time", pyarrow.float64())], {"cosim": "[1]"})
     parquet.write_table(pyarrow.table({"time": [0.0]}, schema=schema), "x.parquet")
     with pytest.raises(CosimError, match="is not a valid trace"):

@@ -71,7 +71,7 @@ def test_slide_follows_a_straight_line_of_setpoints_without_lag() -> None:
     assert peak == pytest.approx(0.5 / (plant.parameters.servo_bandwidth * math.sqrt(1.0 - 0.2**2)), rel=0.03)
 
 
-def test_error_motion_has_no_line_at_one_cycle_per_turn() -> None:
+def test_error_motion_has_no_line_at_one_cycle_per_revolution() -> None:
     plant = ring(eccentricity=0.0, spindle_error=0.3e-6, **ROUND)
     surface = run(plant, at_rest(0.0), 2.999)["surface"]
     lines = 2.0 * np.abs(np.fft.rfft(surface)) / len(surface)
@@ -98,7 +98,7 @@ def test_dirt_sticks_to_the_ring_and_only_the_probe_feels_it() -> None:
     assert traces[0]["surface"] == pytest.approx(traces[1]["surface"], abs=1e-12)
 
 
-def test_spikes_hit_their_share_of_the_readings() -> None:
+def test_spikes_hit_their_fraction_of_the_readings() -> None:
     plant = ring(6.0, spike_height=20e-6, spike_fraction=0.02, eccentricity=0.0, **FREE)
     trace = run(plant, strokes((0.05, 0.0), (0.8, 0.045)), 5.0)
     smooth = (
@@ -126,7 +126,7 @@ def test_the_form_has_seven_to_fourteen_waves() -> None:
     assert np.std(surface) == pytest.approx(3e-7, rel=1e-3)
 
 
-def test_the_speed_of_the_spindle_swings_some_times_a_turn() -> None:
+def test_the_speed_of_the_spindle_oscillates_some_times_per_revolution() -> None:
     plant = ring(6.0, spindle_ripple=5e-3, part_present=False)
     angle = run(plant, at_rest(0.0), 6.0)["spindle_angle"]
     # two revolutions: the angle oscillates by the ratio over the order
