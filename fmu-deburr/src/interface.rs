@@ -220,7 +220,7 @@ mod variables {
     }
     /// Inputs of one axis.
     pub struct AxisInput {
-        /// Encoder position of axis {n} (1 column, 2 height, 3 arm, 4 yaw, 5 pitch, 6 roll)
+        /// Encoder position of axis {n} in the order column, height, arm, yaw, pitch, roll
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX], accepts_nan)] pub position: f64,
     }
     /// Outputs; always finite.
@@ -471,7 +471,7 @@ mod variables {
         #[var(expert, start = LearningLaw::NormOptimal, paper = LearningLaw::Plain, source = "derived")] pub law: LearningLaw,
         /// Learned multiples of the programmed speed: 0.01 to 1, descending, up to 9
         #[var(start = "1.0 0.8 0.6 0.4 0.2", source = "paper")] pub speeds: String,
-        /// What `speeds` lists.
+        /// The values of the list.
         #[var(hidden, start = Speeds::PAPER)] pub factors: Speeds,
         /// Largest number of renewals of each pattern; 0 only identifies the drives
         #[var(range = 0..=100, start = 19, source = "paper")] pub repetitions: i32,

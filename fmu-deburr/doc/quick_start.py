@@ -1,0 +1,91 @@
+"""Runs the bundled path without and with patterns: `fmu-deburr` in a closed loop with six integrating axes.
+
+    .venv/bin/python fmu-deburr/doc/quick_start.py [FMU [PLOT.svg]]
+
+Each axis integrates its velocity command through a lag of 3.7 ms, one sample after the command. Nothing is cut.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+STEP, LAG, FINE = 0.01, 2 * 0.52 / 280, 50  # s, s (nominal drive), steps of the plant in a sample
+DRY_RUN, PLAYBACK, DONE, FAULT = 2, 4, 7, 8
+
+
+def run(path: str | Path) -> dict[str, np.ndarray]:
+    """Runs until the second `Done`; time (s), mode, state, fault, feed (m/s), control errors of axes 1 to 3 (rad, m, m)."""
+    description = read_model_description(str(path))
+    vr = {variable.name: variable.valueReference for variable in description.modelVariables}
+    fmu = FMU2Slave(guid=description.guid, unzipDirectory=extract(str(path)), instanceName="deburring",
+                    modelIdentifier=description.coSimulation.modelIdentifier)  # fmt: skip
+    fmu.instantiate()
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.setString([vr["bank.import"]], ["bank.bin"])
+    fmu.exitInitializationMode()
+    pulses = np.array(fmu.getReal([vr[f"axis{n}.pulse"] for n in range(1, 7)]))
+    positions = [vr[f"axis{n}.position"] for n in range(1, 7)]
+    outputs = [vr[f"axis{n}.velocity"] for n in range(1, 7)] + [vr["path.speed"]] + [vr[f"axis{n}.error"] for n in (1, 2, 3)]
+    place, speed, command, rows = np.array([-0.1, 0.02, 0.7, 0.0, 0.0, 0.0]), np.zeros(6), np.zeros(6), []
+    mode = DRY_RUN
+    for k in range(3000):
+        fmu.setReal(positions, list(np.floor(place / pulses) * pulses))  # encoders count whole pulses
+        fmu.setBoolean([vr["enable"]], [True])
+        fmu.setInteger([vr["mode"]], [mode])
+        fmu.doStep(currentCommunicationPoint=k * STEP, communicationStepSize=STEP)
+        for _ in range(FINE):
+            speed += STEP / FINE / LAG * (command - speed)  # the command of the step before: `io_delay` is 1
+            place = place + STEP / FINE * speed
+        found = fmu.getReal(outputs)
+        command = np.array(found[:6])
+        state, fault = fmu.getInteger([vr["state"], vr["fault"]])
+        rows.append((k * STEP, mode, state, fault, *found[6:]))
+        if state == FAULT or (state == DONE and mode == PLAYBACK):
+            break
+        if state == DONE:
+            mode = PLAYBACK  # a task starts when the mode changes
+    fmu.terminate()
+    fmu.freeInstance()
+    names = ("time", "mode", "state", "fault", "feed", "error1", "error2", "error3")
+    return dict(zip(names, np.array(rows).T, strict=True))
+
+
+def plot(result: dict[str, np.ndarray], path: str) -> None:
+    """Control error of axis 3, feed and state over time, as SVG."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    matplotlib.rcParams["svg.hashsalt"] = "fmu-deburr"
+    import matplotlib.pyplot as plt
+
+    thin = slice(None, None, max(1, len(result["time"]) // 600))
+    time, active = result["time"][thin], np.isin(result["state"], (5,))[thin]
+    figure, axes = plt.subplots(3, 1, figsize=(7, 5), sharex=True, layout="constrained")
+    error = np.where(active, np.maximum(np.abs(result["error3"][thin]), 5e-6), np.nan)
+    axes[0].semilogy(time, 1e3 * error)
+    axes[0].set(ylabel="error of axis 3 in mm")
+    for mode, label in ((DRY_RUN, "without patterns"), (PLAYBACK, "with patterns")):
+        middle = time[active & (result["mode"][thin] == mode)].mean()
+        axes[0].annotate(label, (middle, 0.2), ha="center")
+    axes[1].plot(time, 1e3 * result["feed"][thin])
+    axes[1].set(ylabel="feed in mm/s")
+    names = "Off Idle Approach Settle Run Stop Done".split()
+    axes[2].step(time, result["state"][thin], where="post")
+    axes[2].set(ylabel="state", xlabel="time in s", yticks=range(1, 8), yticklabels=names)
+    axes[2].tick_params(axis="y", labelsize=7)
+    figure.savefig(path, metadata={"Date": None})
+
+
+if __name__ == "__main__":
+    default = Path(__file__).parents[2] / "target/fmu/fmu-deburr.fmu"
+    found = run(sys.argv[1] if len(sys.argv) > 1 else default)
+    runs = {mode: (found["mode"] == mode) & (found["state"] == 5) for mode in (DRY_RUN, PLAYBACK)}
+    largest = [1e3 * np.abs(found["error3"][rows]).max() for rows in runs.values()]
+    print(f"state {found['state'][-1]:.0f} (Done is 7), fault {found['fault'][-1]:.0f} (None is 1), {found['time'][-1]:.2f} s, "
+          f"error of axis 3: {largest[0]:.3f} mm without patterns, {largest[1]:.3f} mm with patterns")  # fmt: skip
+    if len(sys.argv) > 2:
+        plot(found, sys.argv[2])
