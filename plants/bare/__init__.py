@@ -1,4 +1,4 @@
-"""A plant of any MJCF file: its channels and parameters are what the file names."""
+"""A plant from any MJCF file, with channels and parameters of its named elements."""
 
 from plants.bare.plant import Bare, fingerprint, load
 

@@ -1,4 +1,4 @@
-"""Channels of a bare MJCF: sensors, actuators and joints by name, in the units that MuJoCo can know."""
+"""Channels of a bare MJCF: sensors, actuators and joints by name, with the units known from MuJoCo."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
@@ -8,7 +8,7 @@ import mujoco
 from plants.base.plant import Channel, PlantError
 
 KINDS = {"slide": ("m", "m/s", "N"), "hinge": ("rad", "rad/s", "N.m"), "": ("", "", "")}
-"""Units of position, velocity and force along a joint, tendon or actuator, where MuJoCo can tell."""
+"""Units of position, velocity and force along a joint, tendon or actuator, if known."""
 SENSOR_UNITS = {
     "TOUCH": "N", "ACCELEROMETER": "m/s2", "VELOCIMETER": "m/s", "GYRO": "rad/s", "FORCE": "N",
     "TORQUE": "N.m", "MAGNETOMETER": "T", "RANGEFINDER": "m", "BALLQUAT": "1", "BALLANGVEL": "rad/s",
@@ -18,15 +18,15 @@ SENSOR_UNITS = {
     "SUBTREELINVEL": "m/s", "SUBTREEANGMOM": "N.m.s", "INSIDESITE": "1", "GEOMDIST": "m", "GEOMNORMAL": "1",
     "GEOMFROMTO": "m", "E_POTENTIAL": "J", "E_KINETIC": "J", "CLOCK": "s",
 }  # fmt: skip
-"""Units of the sensors that have one unit always, by MuJoCo's name of the type."""
+"""Units of the sensor types with a fixed unit, by MuJoCo's name of the type."""
 ALONG = {"JOINT": "joint", "TENDON": "tendon", "ACTUATOR": "actuator"}
-"""Sensors along something: `JOINTPOS`, `TENDONLIMITFRC`, ..., whose unit is that of the thing."""
+"""Sensors of a joint, tendon or actuator, such as `JOINTPOS`, with the unit of that element."""
 QUANTITIES = {"POS": 0, "VEL": 1, "FRC": 2}
 VECTOR, QUATERNION = "xyz", "wxyz"
 
 
 class BoundChannel(NamedTuple):
-    """A channel and where its value lies: `getattr(data, array)[place]`."""
+    """A channel and the location of its value: `getattr(data, array)[place]`."""
 
     channel: Channel
     array: str
@@ -34,7 +34,7 @@ class BoundChannel(NamedTuple):
 
 
 def readings(model: Any) -> tuple[BoundChannel, ...]:
-    """One reading for each component of each named sensor; its noise is the `noise` of the MJCF."""
+    """One measurement for each component of each named sensor; its noise is the `noise` of the MJCF."""
     return unique(one for i in range(model.nsensor) for one in sensor(model, i))
 
 
@@ -50,7 +50,7 @@ def truths(model: Any) -> tuple[BoundChannel, ...]:
         for i in range(model.njnt):
             yield from joint(model, i)
         for one in commands(model):
-            name, label = one.channel.name, "Command that acts now"
+            name, label = one.channel.name, "Command that acts in this step"
             yield BoundChannel(Channel(f"{name}.command", one.channel.unit, label), one.array, one.place)
         for i in range(model.nactuator):
             yield from force(model, i)
@@ -62,20 +62,20 @@ def truths(model: Any) -> tuple[BoundChannel, ...]:
 
 
 def unique(bound: Iterator[BoundChannel]) -> tuple[BoundChannel, ...]:
-    """All bound, whose channels must have different names."""
+    """Return all channels, which must have different names."""
     found: dict[str, BoundChannel] = {}
     for one in bound:
         if one.channel.name in found:
             raise PlantError(
                 f"two channels of the MJCF are called `{one.channel.name}`\n"
-                "hint: rename one of the sensors, joints or actuators"
+                "hint: Rename one of the sensors, joints or actuators."
             )
         found[one.channel.name] = one
     return tuple(found.values())
 
 
 def sensor(model: Any, i: int) -> Iterator[BoundChannel]:
-    """Components of a sensor; those of accelerations and forces are known at the end of a plant step only."""
+    """Components of a sensor; those of accelerations and forces are known only at the end of a plant step."""
     name, type_name = (
         model.sensor(i).name,
         mujoco.mjtSensor(model.sensor_type[i]).name.removeprefix("mjSENS_"),
@@ -90,7 +90,7 @@ def sensor(model: Any, i: int) -> Iterator[BoundChannel]:
 
 
 def actuator(model: Any, i: int) -> Iterator[BoundChannel]:
-    """List the controls of an actuator; one that takes none is passive."""
+    """List the controls of an actuator; a passive one has none."""
     count, first = int(model.actuator_ctrlnum[i]), int(model.actuator_ctrladr[i])
     for index, part in enumerate(components(model.actuator(i).name, count)):
         row = first + index
@@ -115,7 +115,7 @@ def force(model: Any, i: int) -> Iterator[BoundChannel]:
 def joint(model: Any, i: int) -> Iterator[BoundChannel]:
     """Position and velocity of a joint; a free or ball joint has vectors and a quaternion.
 
-    As in MuJoCo the velocity of a free joint is in the axes of the room, its angular velocity in its own.
+    As in MuJoCo the velocity of a free joint is in world axes, its angular velocity in body axes.
     """
     name, kind = model.joint(i).name, model.jnt_type[i]
     if not name:
@@ -140,7 +140,7 @@ def joint(model: Any, i: int) -> Iterator[BoundChannel]:
 
 
 def components(name: str, count: int, quaternion: bool = False) -> list[str]:
-    """Names of components: `v`, `v.x v.y v.z`, `q.w q.x q.y q.z`, else `v[1] ...`; none without a name."""
+    """Names of components: `v`, `v.x v.y v.z`, `q.w q.x q.y q.z`, or `v[1] ...`; none without name."""
     if not name:
         return []
     if count == 1:
@@ -151,7 +151,7 @@ def components(name: str, count: int, quaternion: bool = False) -> list[str]:
 
 
 def sensor_unit(model: Any, i: int, type_name: str) -> str:
-    """Tell the unit of a sensor, empty where MuJoCo cannot tell."""
+    """Return the unit of a sensor; empty if unknown."""
     kinds: dict[str, Callable[[Any, int], str]] = {
         "joint": joint_kind, "tendon": tendon_kind, "actuator": actuator_kind,
     }  # fmt: skip
@@ -168,7 +168,7 @@ def joint_kind(model: Any, i: int) -> str:
 
 
 def tendon_kind(model: Any, i: int) -> str:
-    """Kind of a tendon: of a slide if it runs through space, of its joints if they are alike."""
+    """Kind of a tendon: a slide for a spatial tendon, otherwise that of its joints if they are equal."""
     first, count = int(model.tendon_adr[i]), int(model.tendon_num[i])
     if model.wrap_type[first] != mujoco.mjtWrap.mjWRAP_JOINT:
         return "slide"
@@ -177,7 +177,7 @@ def tendon_kind(model: Any, i: int) -> str:
 
 
 def actuator_kind(model: Any, i: int) -> str:
-    """Kind of what an actuator moves directly; a gear may stand for any unit."""
+    """Kind of the element that an actuator drives directly; a gear can have any unit."""
     gear, target = model.actuator_gear[i], int(model.actuator_trnid[i, 0])
     if abs(gear[0]) != 1.0 or gear[1:].any():
         return ""
@@ -190,7 +190,7 @@ def actuator_kind(model: Any, i: int) -> str:
 
 
 def command_unit(model: Any, i: int) -> str:
-    """Tell the unit of a control: force of a motor, setpoint of a servo, else unknown."""
+    """Return the unit of a control: force of a motor, setpoint of a servo, otherwise unknown."""
     position, velocity, effort = KINDS[actuator_kind(model, i)]
     if model.actuator_gaintype[i] != mujoco.mjtGain.mjGAIN_FIXED:
         return ""
@@ -202,7 +202,7 @@ def command_unit(model: Any, i: int) -> str:
 
 
 def servo(model: Any, i: int) -> str:
-    """Tell what an actuator pulls to a setpoint: `position`, `velocity`, or empty for neither."""
+    """Return the setpoint kind of an actuator: `position`, `velocity`, or empty."""
     gain, bias = float(model.actuator_gainprm[i, 0]), model.actuator_biasprm[i]
     fixed = model.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_FIXED
     if not fixed or model.actuator_biastype[i] != mujoco.mjtBias.mjBIAS_AFFINE:

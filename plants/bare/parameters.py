@@ -1,4 +1,4 @@
-"""Parameters of a bare MJCF: the numbers of its named elements that a study wants to vary."""
+"""Parameters of a bare MJCF: numbers of its named elements that a study can vary."""
 
 import math
 from collections.abc import Iterator
@@ -18,22 +18,22 @@ COEFFICIENTS = {
 }
 """Units of the coefficients of a joint, tendon or servo."""
 Place = tuple[str, Any, float]
-"""Array of the model, index in it, and what the parameter is multiplied by there."""
+"""Array of the model, index, and factor of the parameter."""
 Term = tuple[str, tuple[Place, ...], str, str, float]
-"""A number of an actuator: last part of its key, places, unit, description and minimum."""
+"""A number of an actuator: last part of its key, locations, unit, description and minimum."""
 SOURCE = "the MJCF"
 INTEGRATORS = {
     name.removeprefix("mjINT_").lower(): kind
     for name, kind in mujoco.mjtIntegrator.__members__.items()
     if kind != mujoco.mjtIntegrator.mjINT_RK4
 }
-"""MuJoCo's integrators by their names in lower case; RK4 cannot be split at the sensors."""
+"""MuJoCo's integrators by their names in lower case; without RK4, which cannot be split at the sensors."""
 
 
 def parameters_of(model: Any) -> type:
-    """Dataclass of the parameters of a model; the defaults are what the MJCF says.
+    """Dataclass of the parameters of a model; the defaults are those of the MJCF.
 
-    The key of a field, such as `joint.slide.damping`, is in its metadata, and so is the place of its number.
+    The key of a field, such as `joint.slide.damping`, is in its metadata, with the location of its number.
     """
     entries = [
         *options(model),
@@ -55,7 +55,7 @@ def entry(
     minimum: float = -math.inf,
     places: tuple[Place, ...] = (),
 ) -> tuple[Any, Any]:
-    """Type and field of one parameter, which stands in all its places."""
+    """Type and field of one parameter, which is written to all its locations."""
     metadata = {
         "key": key, "unit": unit, "description": description, "source": SOURCE, "minimum": minimum,
         "maximum": math.inf, "places": places,
@@ -65,7 +65,7 @@ def entry(
 
 
 def one_of(key: str, default: str, description: str, names: tuple[str, ...]) -> tuple[Any, Any]:
-    """Type and field of a parameter that is one of some names; the default may be none of them."""
+    """Type and field of a parameter with a list of names; the default may be another one."""
     text = f"{description}, one of `{'`, `'.join(names)}`"
     item: Any = choice(default, text, names, SOURCE)
     kind: Any = Literal.__getitem__(names)
@@ -73,7 +73,7 @@ def one_of(key: str, default: str, description: str, names: tuple[str, ...]) -> 
 
 
 def options(model: Any) -> Iterator[tuple[Any, Any]]:
-    """Step, integrator, gravity and, if there are any, the keyframe to start from."""
+    """Step, integrator, gravity and, if there are any, the initial keyframe."""
     yield entry("timestep", float(model.opt.timestep), "s", "Plant step", 1e-9)
     integrator = next((name for name, kind in INTEGRATORS.items() if kind == model.opt.integrator), "rk4")
     yield one_of("integrator", integrator, "Integrator", tuple(INTEGRATORS))
@@ -84,7 +84,7 @@ def options(model: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def bodies(model: Any) -> Iterator[tuple[Any, Any]]:
-    """Masses of the named bodies that have one."""
+    """Masses of the named bodies with mass."""
     for i in range(1, model.nbody):
         name, mass = model.body(i).name, float(model.body_mass[i])
         if name and mass > 0.0:
@@ -108,10 +108,10 @@ def joints(model: Any) -> Iterator[tuple[Any, Any]]:
             yield entry(f"joint.{name}.{what}", value, COEFFICIENTS[kind][what], text, 0.0, at(array, index))
         if kind:
             unit = "m" if kind == "slide" else "rad"
-            text = f"Start position, else the keyframe's or {model.qpos0[model.jnt_qposadr[i]]:g}"
+            text = f"Start position; default: of the keyframe, or {model.qpos0[model.jnt_qposadr[i]]:g}"
             yield entry(f"joint.{name}.position", None, unit, text)
             yield entry(
-                f"joint.{name}.velocity", None, f"{unit}/s", "Start velocity, else the keyframe's or 0"
+                f"joint.{name}.velocity", None, f"{unit}/s", "Start velocity; default: of the keyframe, or 0"
             )
 
 
@@ -134,7 +134,7 @@ def geoms(model: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def actuators(model: Any) -> Iterator[tuple[Any, Any]]:
-    """Gears, gains and biases of the named actuators; a servo has what its MJCF calls `kp` and `kv`."""
+    """Gears, gains and biases of the named actuators; a servo has `kp` and `kv` as in its MJCF."""
     for i in range(model.nactuator):
         name, unit = model.actuator(i).name, KINDS[actuator_kind(model, i)][2]
         if not name:
@@ -165,7 +165,7 @@ def servo_terms(model: Any, i: int) -> list[Term]:
 
 
 def affine_terms(model: Any, i: int) -> list[Term]:
-    """Gain over control, and its slopes and those of the bias where they are affine."""
+    """Gain over control, and the slopes of an affine gain and bias."""
     units, terms = COEFFICIENTS[actuator_kind(model, i)], []
     affine = model.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_AFFINE
     if affine or model.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_FIXED:
@@ -183,12 +183,12 @@ def affine_terms(model: Any, i: int) -> list[Term]:
 
 
 def at(array: str, index: Any, factor: float = 1.0) -> tuple[Place, ...]:
-    """One place."""
+    """Return one location."""
     return ((array, index, factor),)
 
 
 def apply(parameters: Any, model: Any, data: Any) -> None:
-    """Write what differs from the MJCF into the model."""
+    """Write the changed parameters into the model."""
     placed = [item for item in fields(parameters) if item.metadata["places"]]
     changed = [item for item in placed if getattr(parameters, item.name) != item.default]
     for item in changed:
@@ -202,7 +202,7 @@ def apply(parameters: Any, model: Any, data: Any) -> None:
 
 
 def put(item: Field[Any], value: float, model: Any) -> None:
-    """Write one number to its places."""
+    """Write one number to its locations."""
     for array, index, factor in item.metadata["places"]:
         if array == "body_mass":
             model.body_inertia[index] *= value / model.body_mass[index]
@@ -210,7 +210,7 @@ def put(item: Field[Any], value: float, model: Any) -> None:
 
 
 def start(parameters: Any, model: Any, data: Any) -> None:
-    """Set the initial state: keyframe first, then the joints that were given one."""
+    """Set the initial state: keyframe first, then the given joints."""
     values = named(parameters)
     if keyframe := values.get("keyframe"):
         mujoco.mj_resetDataKeyframe(model, data, model.key(keyframe).id)

@@ -1,4 +1,4 @@
-"""A plant that is nothing but an MJCF file: its sensors are the readings, its actuators the commands."""
+"""A plant from only an MJCF file: its sensors are the measurements, its actuators the commands."""
 
 import hashlib
 import logging
@@ -17,12 +17,12 @@ log = logging.getLogger(__name__)
 
 
 class Bare(Plant):
-    """A plant made of one MJCF file; `load` makes the class for a file."""
+    """A plant from one MJCF file; `load` makes its class."""
 
     file: ClassVar[Path]
 
     def name_channels(self, p: Any) -> None:
-        """Take the sensors, actuators and joints of the MJCF, with its numbers as the parameters say."""
+        """Use the sensors, actuators and joints of the MJCF, with the numbers of the parameters."""
         apply(p, self.model, self.data)
         self.timestep = float(self.model.opt.timestep)
         self._readings = channels.readings(self.model)
@@ -47,7 +47,7 @@ class Bare(Plant):
         pass
 
     def begin(self, steps: int) -> None:
-        """Set the initial state and tie the channels to MuJoCo's arrays."""
+        """Set the initial state and connect the channels to MuJoCo's arrays."""
         start(self.parameters, self.model, self.data)
         self.connect(self._cells(self._readings), self._cells(self._commands), self._cells(self._truths))
 
@@ -71,7 +71,7 @@ def load(file: Path) -> type[Bare]:
 
 
 def fingerprint(file: Path) -> str:
-    """SHA-256 of the compiled model, in hexadecimal: files that the MJCF includes and meshes count as well.
+    """SHA-256 of the compiled model, in hexadecimal: includes included files and meshes.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def fingerprint(file: Path) -> str:
 
 
 def compiled(file: Path) -> Any:
-    """Compile an MJCF file; a number that is none is a mistake, which MuJoCo only warns of."""
+    """Compile an MJCF file; an invalid number is an error, although MuJoCo only warns."""
     heard: list[str] = []
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(heard.append)
@@ -101,7 +101,7 @@ def compiled(file: Path) -> Any:
             str(error).removeprefix("XML Error: ").removeprefix("Error: ").replace(":\n", ": ").split("\n")
         )
         problem = ", ".join(filter(None, lines))
-        hint = "hint: MuJoCo's XML reference lists the elements of an MJCF and their attributes"
+        hint = "hint: Check the elements and attributes in MuJoCo's XML reference."
         raise PlantError(f"MuJoCo cannot load `{file.name}`: {problem}\n{hint}") from None
     finally:
         mujoco.set_mju_user_warning(before)

@@ -1,1 +1,1 @@
-"""What every plant is made of: the class, its model in native code, names of the MJCF, parameters."""
+"""Base of all plants: the class, its native circuit, names of the MJCF, parameters."""

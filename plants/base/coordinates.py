@@ -11,7 +11,7 @@ SLIDE, FREE = mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_FREE
 def coordinates(model: Any) -> Iterator[tuple[str, str]]:
     """Name and unit of every number of `qpos`, in its order.
 
-    A joint has `qpos.<joint>`, or `qpos.<joint>[i]` where it has several numbers; those of a joint without a
+    A joint has `qpos.<joint>`, or `qpos.<joint>[i]` for several numbers; those of a joint without
     name are `qpos[i]`.
     """
     for number, start in enumerate(model.jnt_qposadr.tolist()):

@@ -1,4 +1,4 @@
-"""A plant as native code steps it: addresses of MuJoCo's functions, of its model and data, and the cells."""
+"""A plant for native code: addresses of MuJoCo's functions, model and data, and the cells."""
 
 import ctypes
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ import mujoco
 from machining_native import Cell, Circuit
 
 FUNCTIONS = ("mj_step1", "mj_step2", "mjb_makeBatch", "mjb_deleteBatch", "mjb_apply", "mjb_error")
-"""What the native stepper calls; the batch is where it catches MuJoCo's errors."""
+"""Functions that the native stepper calls; the batch catches MuJoCo's errors."""
 
 
 class NotNativeError(RuntimeError):
-    """A plant cannot be stepped by native code; the message says why."""
+    """A plant cannot be stepped by native code; the message has the reason."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ class Machine:
     warnings : numpy.ndarray
         Counters of MuJoCo's warnings.
     sensing, circuit : Circuit
-        Elements that act when readings are taken, and in every plant step.
+        Elements that act when measurements are taken, and in every plant step.
     readings, commands, truths : tuple of Cell
         The channels.
     owner : object
-        What the addresses belong to; kept alive.
+        Owner of the addresses; kept alive.
     """
 
     functions: list[int]
@@ -58,15 +58,15 @@ class Machine:
 
 @cache
 def functions() -> list[int]:
-    """Addresses of `FUNCTIONS` in the library that the bindings have loaded, whose profiler is switched off.
+    """Addresses of `FUNCTIONS` in the library of the bindings, with its profiler switched off.
 
-    The bindings give MuJoCo a clock that is read many times in a step, for `data.timer` alone: a step of a
-    small model takes up to twice as long.
+    The bindings give MuJoCo a clock for `data.timer`, which is read many times per step: a step of a small
+    model takes up to twice as long.
     """
     found = [path for folder in mujoco.__path__ for path in Path(folder).glob("*mujoco.*")]
     libraries = [path for path in found if {".so", ".dylib", ".dll"} & set(path.suffixes)]
     if not libraries:
-        raise NotNativeError("MuJoCo's library is not where its bindings are")
+        raise NotNativeError("MuJoCo's library is not next to its bindings")
     library = ctypes.CDLL(str(libraries[0]))
     try:
         ctypes.c_void_p.in_dll(library, "mjcb_time").value = None
@@ -77,12 +77,12 @@ def functions() -> list[int]:
 
 @cache
 def empty_model() -> Any:
-    """Model without anything in it."""
+    """Empty model."""
     return mujoco.MjModel.from_xml_string("<mujoco/>")
 
 
 def address(bound: Any) -> int:
-    """Address of the struct behind an object of the bindings."""
+    """Address of the struct of an object of the bindings."""
     if not hasattr(bound, "_address"):
-        raise NotNativeError(f"MuJoCo {mujoco.__version__} tells no address of `{type(bound).__name__}`")
+        raise NotNativeError(f"MuJoCo {mujoco.__version__} gives no address of `{type(bound).__name__}`")
     return int(bound._address)

@@ -1,4 +1,4 @@
-"""Things by name: what is not there is told with the name that comes nearest."""
+"""Elements by name; the error for an unknown name shows the closest one."""
 
 import contextlib
 import difflib
@@ -13,50 +13,50 @@ MJCF_ELEMENTS = {
         "numeric", "pair", "sensor", "site", "tendon", "text", "texture", "tuple",
     )},
 }  # fmt: skip
-"""Methods of `mujoco.MjSpec` that find an element by its name, and where it keeps them all."""
+"""Methods of `mujoco.MjSpec` that find an element by name, and its lists of elements."""
 
 
 class UnknownNameError(LookupError):
-    """There is nothing of that name."""
+    """The name is unknown."""
 
 
 def unknown(thing: str, name: str, choices: Iterable[str], otherwise: str = "") -> UnknownNameError:
-    """Error of a name that is not among the choices.
+    """Error of an unknown name.
 
     Parameters
     ----------
     thing : str
-        What it should be, and where.
+        Kind and location of the object.
     otherwise : str
-        More for the hint: what to do if the name is right.
+        Additional hint if the name is correct.
     """
     known = sorted(set(choices))
     near = difflib.get_close_matches(name, known, n=1)
-    listed = f"known here: `{'`, `'.join(known)}`" if known else ""
-    hint = "; ".join(filter(None, (f"did you mean `{near[0]}`?" if near else listed, otherwise)))
+    listed = f"Known names: `{'`, `'.join(known)}`." if known else ""
+    hint = " ".join(filter(None, (f"Use `{near[0]}`." if near else listed, otherwise)))
     return UnknownNameError(f"there is no {thing} `{name}`" + (f"\nhint: {hint}" if hint else ""))
 
 
 @contextlib.contextmanager
 def native_names(native: ModuleType) -> Iterator[None]:
-    """Tell an element that the native module lacks by its name."""
+    """Error of an element that the native module lacks."""
     try:
         yield
     except AttributeError as error:
         if error.obj is not native:
             raise
         elements = (key for key in dir(native) if key[0].islower())
-        new = "one that is new is built by `cargo xtask setup`"
+        new = "Build a new one with `cargo xtask setup`."
         raise unknown("native element", str(error.name), elements, new) from error
 
 
 class Mjcf:
-    """A `mujoco.MjSpec` whose elements must be there: `spec.body("rotr")` is an error, not None.
+    """A `mujoco.MjSpec` with required elements: `spec.body("rotr")` is an error, not None.
 
     Parameters
     ----------
     spec : mujoco.MjSpec
-        What is looked in; everything else goes to it unchanged.
+        The specification; all other calls are passed to it.
     file : str
         Name of its file, for messages.
     """

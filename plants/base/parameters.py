@@ -4,8 +4,8 @@ import math
 from dataclasses import Field, field, fields
 from typing import Any
 
-CHOSEN = "our choice"
-"""Source of a default that no paper gives."""
+CHOSEN = "default"
+"""Source of a default without a paper."""
 
 
 class ParameterError(ValueError):
@@ -29,11 +29,11 @@ def parameter(
     unit : str
         SI unit, `1` for a plain number and for a Boolean.
     description : str
-        What it is, in one sentence.
+        Description in one sentence.
     minimum, maximum : float
         Closed range of the value.
     source : str
-        Where the default comes from.
+        Source of the default.
 
     Raises
     ------
@@ -54,30 +54,30 @@ def parameter(
 
 
 def choice(default: str, description: str, options: tuple[str, ...], source: str = CHOSEN) -> Any:
-    """Field of a parameter dataclass that is one of some names.
+    """Field of a parameter dataclass with a list of names.
 
     Parameters
     ----------
     default : str
         Name for the nominal plant.
     description : str
-        What it is, in one sentence.
+        Description in one sentence.
     options : tuple of str
         The names.
     source : str
-        Where the default comes from.
+        Source of the default.
     """
     metadata = {"unit": "1", "description": description, "source": source, "options": options}
     return field(default=default, metadata=metadata)
 
 
 def check(parameters: Any, plant: str) -> None:
-    """Check what was set in a parameter dataclass against type and range; defaults are the plant's own.
+    """Check the values of a parameter dataclass against type and range.
 
     Raises
     ------
     ParameterError
-        The first field that does not fit: its name, value and limit.
+        The first invalid field: its name, value and limit.
     """
     for item in fields(parameters):
         name, value = item.metadata.get("key", item.name), getattr(parameters, item.name)

@@ -1,4 +1,4 @@
-"""What every plant is: an MJCF file, native elements for what MJCF cannot say, and named channels."""
+"""Base class of plants: an MJCF file, native elements beyond MJCF, and named channels."""
 
 import math
 import sys
@@ -23,35 +23,35 @@ from plants.base.parameters import check
 
 Array = NDArray[np.float64]
 STEPPED = ("sense", "command", "advance", "truth")
-"""Methods that native code does instead of Python."""
+"""Methods that native code replaces."""
 LOOKS = "looks"
-"""Class of the geoms, lights and cameras of an MJCF that are only looked at."""
+"""Class of the geoms, lights and cameras of an MJCF that are only drawn."""
 
 
 class PlantError(RuntimeError):
-    """A plant cannot go on: the message names plant, time and cause."""
+    """A plant cannot continue: the message names plant, time and cause."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """One reading, command or truth.
+    """One measurement, command or ground-truth signal.
 
     Parameters
     ----------
     name : str
-        Name, unique among the readings, among the commands and among the truths.
+        Name, unique among the measurements, the commands and the ground-truth signals.
     unit : str
         SI unit, `1` for a plain number.
     description : str
-        What it is, in one sentence.
+        Description in one sentence.
     noise : float
-        Readings: standard deviation of the noise that the harness adds before it quantises.
+        Measurements: standard deviation of the noise that the harness adds before it quantizes.
     quantum : float
         Resolution to which the harness rounds, 0 for none.
     minimum, maximum : float
         Limits that the harness applies.
     start : float
-        Commands: value from the reset on until the first command, and for good where nothing commands it.
+        Commands: value from the reset to the first command; permanent for an undriven command.
     """
 
     name: str
@@ -74,28 +74,28 @@ def vector(
 class Plant(ABC):
     """A MuJoCo model that is stepped by a harness: sense, command, advance.
 
-    A subclass lives in `<plant>.py` beside `<plant>.xml`. It names its channels in `readings`, `commands`
-    and `truths`, writes its parameters into the MJCF in `shape` (a `timestep` among them is there already),
-    and in `begin` draws what is random and ties every channel to a cell. One communication step is `sense`,
-    `command`, `advance`; `truth` describes the time of the last `sense`. Elements of `circuit` act in every
-    plant step; those of `sensing` act when readings are taken, for readings and truths that have to be
+    A subclass is in `<plant>.py`, next to `<plant>.xml`. It names its channels in `readings`, `commands`
+    and `truths`, and writes its parameters into the MJCF in `shape` (a parameter `timestep` is already set).
+    In `begin` it generates random values and connects every channel to a cell. One communication step is
+    `sense`, `command`, `advance`; `truth` describes the time of the last `sense`. Elements of `circuit` act
+    in every plant step. Elements of `sensing` act when measurements are taken, for signals that must be
     computed from the state of that instant.
 
-    A plant that is stepped has nothing that is only looked at: what the MJCF gives the class `looks` is taken
-    out of it, so that no step pays for it. `drawn` gives the same plant with all of it, and with what a
-    subclass adds in `dress` and moves in `draw`.
+    A stepped plant has no parts that are only drawn: elements of the MJCF class `looks` are removed to save
+    time. `drawn` returns the plant with these parts, and with those that a subclass adds in `dress` and
+    moves in `draw`.
 
     Parameters
     ----------
     parameters : dataclass, optional
-        An instance of the `Parameters` of the class, its defaults if left out.
+        An instance of the `Parameters` of the class; default: its defaults.
 
     Raises
     ------
     ParameterError
         A parameter has the wrong type or is outside its range.
     PlantError
-        The MJCF asks for the integrator RK4.
+        The MJCF selects the integrator RK4.
     """
 
     Parameters: ClassVar[type]
@@ -146,7 +146,7 @@ class Plant(ABC):
         if self.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
             raise PlantError(
                 f"plant `{self.name}`: integrator `RK4` cannot be split at the sensors\n"
-                "hint: use `implicitfast` in the <option> of the MJCF, or as `integrator` of a bare one"
+                "hint: Use `implicitfast` in the <option> of the MJCF, or as `integrator` of a bare MJCF."
             )
 
     # what a subclass says
@@ -156,30 +156,30 @@ class Plant(ABC):
         """Write the parameters `p` into the MJCF (`plants.base.names.Mjcf`) before it is compiled."""
 
     def name_channels(self, p: Any) -> None:  # noqa: B027
-        """Set `readings`, `commands` and `truths` where they depend on the parameters `p`."""
+        """Set `readings`, `commands` and `truths` if they depend on the parameters `p`."""
 
     @abstractmethod
     def begin(self, steps: int) -> None:
-        """Draw what is random, set the initial state, bind the elements and `connect` the channels.
+        """Generate random values, set the initial state, bind the elements and `connect` the channels.
 
         `steps` is the number of plant steps for which signals need a sample.
         """
 
     def dress(self, spec: Any, p: Any, shown: Mapping[str, Array]) -> None:  # noqa: B027
-        """Add what is only looked at and depends on the parameters `p` or on the truths of a run."""
+        """Add parts that are only drawn and depend on the parameters `p` or the ground truth of a run."""
 
     def draw(  # noqa: B027
         self, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]
     ) -> None:
-        """Move what is only looked at to a row of `shown`, after `qpos` is set.
+        """Move parts that are only drawn to a row of `shown`, after `qpos` is set.
 
-        `enlarged` takes the joint of a coordinate and a value of it, and gives the value that is drawn.
+        `enlarged` converts a value of a coordinate, given by joint, to the drawn value.
         """
 
     # what a subclass uses
 
     def stream(self, source: str) -> Generator:
-        """Random numbers of one named source; other sources do not shift them."""
+        """Random numbers of one named source, independent of other sources."""
         key = (*self._seed.spawn_key, zlib.crc32(source.encode()))
         return np.random.default_rng(SeedSequence(self._seed.entropy, spawn_key=key))
 
@@ -190,7 +190,7 @@ class Plant(ABC):
         return Cell(self._signals, self.wires.index(name), **options)
 
     def constant(self, value: float) -> Cell:
-        """Cell that always reads `value`."""
+        """Cell with the constant `value`."""
         return Cell(np.array([value]))
 
     def normals(self, source: str, steps: int) -> Cell:
@@ -200,7 +200,7 @@ class Plant(ABC):
     def connect(
         self, readings: Mapping[str, Cell], commands: Mapping[str, Cell], truths: Mapping[str, Cell]
     ) -> None:
-        """Tie the channels to cells by name."""
+        """Connect the channels to cells by name."""
         self.reading_cells = _in_order(self.readings, readings)
         self.command_cells = _in_order(self.commands, commands)
         places = {one.name: Cell(self.data.qpos, i) for i, one in enumerate(self.coordinates)}
@@ -209,7 +209,7 @@ class Plant(ABC):
     # what a harness calls
 
     def drawn(self, shown: Mapping[str, Array]) -> "Plant":
-        """Return the plant as it is looked at; `shown` has the truths of a run by name, a column of each."""
+        """Return the plant for drawing; `shown` has the ground truth of a run, a column for each name."""
         plant = type(self).__new__(type(self))
         # before its own `__init__`, which may take the parameters alone
         plant._shown = shown
@@ -217,30 +217,30 @@ class Plant(ABC):
         return plant
 
     def record_qpos(self) -> None:
-        """Make every number of MuJoCo's `qpos` a truth, from the next reset on; a second call does nothing.
+        """Add MuJoCo's `qpos` to the ground truth from the next reset on; a second call does nothing.
 
         Raises
         ------
         PlantError
-            The plant tells its truths in Python, or has one of such a name.
+            The plant has `truth` in Python, or a signal with such a name.
         """
         if type(self).truth is not Plant.truth:
-            raise PlantError(f"`qpos` cannot be added to `{type(self).__name__}.truth`, which is in Python")
+            raise PlantError(f"`qpos` cannot be added to `{type(self).__name__}.truth`, a Python method")
         if self.coordinates:
             return
-        told = "Coordinate of MuJoCo, for replay"
-        found = tuple(Channel(name, unit, told) for name, unit in coordinates(self.model))
+        text = "Coordinate of MuJoCo, for replay"
+        found = tuple(Channel(name, unit, text) for name, unit in coordinates(self.model))
         if taken := {one.name for one in found} & {truth.name for truth in self.truths}:
-            raise PlantError(f"plant `{self.name}` has a truth `{min(taken)}`, the name of a coordinate")
+            raise PlantError(f"plant `{self.name}` has a signal `{min(taken)}` with the name of a coordinate")
         self.coordinates, self.truths = found, (*self.truths, *found)
 
     def reset(self, seed: int | SeedSequence, duration: float) -> None:
-        """Back to time zero; all random numbers of a run of `duration` seconds are drawn here.
+        """Back to time zero; all random numbers of a run of `duration` seconds are generated here.
 
         Parameters
         ----------
         seed : int or numpy.random.SeedSequence
-            The same seed gives the same run, bit for bit.
+            Equal seeds give bit-identical runs.
         duration : float
             Time for which the plant can be advanced, s.
         """
@@ -261,7 +261,7 @@ class Plant(ABC):
         self._sensed = False
 
     def sense(self) -> Array:
-        """Ideal readings at this time, in the order of `readings`."""
+        """Ideal measurements at this time, in the order of `readings`."""
         self._attempt(mujoco.mj_step1, self.model, self.data)
         self._check_warnings()
         self._attempt(self.sensing.step, 0.0)
@@ -280,7 +280,7 @@ class Plant(ABC):
         return values
 
     def command(self, values: Array) -> None:
-        """Set the commands, in the order of `commands`; they hold until the next call."""
+        """Set the commands, in the order of `commands`; they are held until the next call."""
         numbers = values.tolist()
         if not all(map(math.isfinite, numbers)):
             raise self._error(_not_finite("command", self.commands, numbers))
@@ -288,7 +288,7 @@ class Plant(ABC):
             cell.write(value)
 
     def advance(self, substeps: int) -> None:
-        """Go on by `substeps` plant steps from the last `sense`."""
+        """Advance by `substeps` plant steps from the last `sense`."""
         if not self._sensed:
             raise self._error("`advance` before `sense`")
         self._sensed = False
@@ -303,7 +303,7 @@ class Plant(ABC):
             mujoco.mj_step2(model, data)
 
     def truth(self) -> Array:
-        """Return what an ideal observer knows at the last `sense`, in the order of `truths`."""
+        """Return the ground truth at the last `sense`, in the order of `truths`."""
         return np.array([cell.read() for cell in self.truth_cells])
 
     def check_native(self) -> None:
@@ -312,7 +312,7 @@ class Plant(ABC):
         Raises
         ------
         NotNativeError
-            The plant does a part of its step in Python, or MuJoCo tells no addresses.
+            The plant has a part of its step in Python, or MuJoCo gives no addresses.
         """
         for name in STEPPED:
             if getattr(type(self), name) is not getattr(Plant, name):
@@ -339,12 +339,12 @@ class Plant(ABC):
         )
 
     def run(self, stepper: Stepper, until: int) -> tuple[str, int, float] | None:
-        """Let a native stepper of this plant go on to step `until`, as sense, command and advance would.
+        """Run a native stepper of this plant to step `until`, as sense, command and advance.
 
         Returns
         -------
         (str, int, float) or None
-            What else than the plant ended the run, see `Stepper.run`.
+            Another cause than the plant for the end of the run, see `Stepper.run`.
         """
         stop: tuple[str, int, float] | None = self._attempt(stepper.run, until)
         match stop:
@@ -358,7 +358,7 @@ class Plant(ABC):
         try:
             return function(*arguments)
         except IndexError as error:
-            hint = "hint: `reset` with the duration of the whole run"
+            hint = "hint: Call `reset` with the duration of the whole run."
             raise self._error(f"{error}\n{hint}") from error
         except (FloatingPointError, RuntimeError, mujoco.FatalError) as error:
             raise self._error(str(error)) from error

@@ -1,1 +1,1 @@
-"""What the machines look like: nothing of it has mass, touches anything or is in a plant that is stepped."""
+"""Parts that are only drawn: without mass and contact, and not in stepped plants."""

@@ -1,4 +1,4 @@
-"""The casting with its burr, which the tool takes away."""
+"""The casting with its burr, which the tool removes."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from plants.looks import solids
 from plants.looks.solids import Array
 
 PIECES = 160
-"""Pieces of the burr that is drawn."""
+"""Number of drawn pieces of the burr."""
 THICK, DEEP = 0.018, 0.09
-"""Half the height of the casting, and how far it goes inward from its edge, m."""
+"""Half the height of the casting, and its width inward from the edge, m."""
 BELOW = 0.012
-"""How far the tool reaches below its tip, m."""
+"""Length of the tool below its tip, m."""
 SEEN = 1e-4
-"""Burr that is drawn at least, m."""
+"""Minimum drawn burr, m."""
 SEED = 1e-3
-"""Half size of a piece of burr until it is drawn, m."""
+"""Initial half size of a piece of burr, m."""
 
 
 def dress(spec: Any, p: Any, edge: tuple[Any, ...], length: float) -> None:
-    """Lay the casting beside the way of the tool, with pieces of burr along its edge."""
+    """Add the casting next to the path of the tool, with pieces of burr along its edge."""
     mill = [p.tool_radius, 0.5 * (p.tool_length - 0.145 + BELOW), 0.0]
     looks, at = spec.find_default("looks"), [0.0, 0.0, -0.145 - mill[1]]
     spindle = spec.body("spindle")
@@ -56,7 +56,7 @@ def heading(normal: Array) -> float:
 
 
 def along(edge: tuple[Any, ...], stations: Array) -> tuple[Array, Array]:
-    """Places of the edge so far from its start, and the directions outward; both of shape (stations, 3)."""
+    """Points of the edge at distances from its start, and outward directions; shapes (stations, 3)."""
     start, corner, end = (np.array(point, dtype=float) for point in edge[:3])
     radius = float(edge[3])
     lines = [(b - a) / np.linalg.norm(b - a) for a, b in ((start, corner), (corner, end))]
@@ -85,7 +85,7 @@ def along(edge: tuple[Any, ...], stations: Array) -> tuple[Array, Array]:
 
 
 def draw(plant: Any, shown: Mapping[str, Array], row: int) -> None:
-    """Leave of every piece of burr what stands at this row."""
+    """Set every piece of burr to its remaining size at this row."""
     p, model = plant.parameters, plant.model
     if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, "burr0") < 0:
         # nothing of the edge has a burr

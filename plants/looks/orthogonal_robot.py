@@ -1,4 +1,4 @@
-"""The mold under the ball, and the path that the ball has polished on it."""
+"""The mold under the ball, and the polished path on it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from plants.looks.solids import Array
 from plants.tools.molds import MOLDS
 
 DOTS = 500
-"""Places of the path that are drawn."""
+"""Number of drawn points of the path."""
 RIM, FOOT = 7e-3, -3e-3
 """Radius and underside of the insert, m."""
 
 
 def dress(spec: Any, p: Any, shown: Mapping[str, Array]) -> None:
-    """Set the mold into its insert, and a dot on every place that the ball rubs."""
+    """Add the mold with its insert, and a dot on every polished point."""
     mold, radius = MOLDS[p.mold], p.mold_radius
     frame = spec.worldbody.add_body(name="insert", pos=[p.shift_x, p.shift_y, p.shift_z], quat=turned(p))
     solids.add(frame, spec, "surface", *solids.disc(mold.height, radius, FOOT), "steel")
@@ -39,13 +39,13 @@ def dress(spec: Any, p: Any, shown: Mapping[str, Array]) -> None:
 
 
 def rubbed(shown: Mapping[str, Array]) -> Any:
-    """Rows whose place is drawn: those with contact, in equal steps."""
+    """Rows with a drawn point: those with contact, in equal steps."""
     rows = np.flatnonzero(shown["contact_force"] > 0.0)
     return rows[np.linspace(0, len(rows) - 1, min(DOTS, len(rows))).astype(int)] if len(rows) else rows
 
 
 def turned(p: Any) -> list[float]:
-    """Quaternion of a mold that is askew."""
+    """Quaternion of a tilted mold."""
     vector, quaternion = np.array([p.tilt_x, p.tilt_y, p.tilt_z]), np.zeros(4)
     angle = float(np.linalg.norm(vector))
     mujoco.mju_axisAngle2Quat(quaternion, vector / (angle or 1.0), angle)
@@ -53,6 +53,6 @@ def turned(p: Any) -> list[float]:
 
 
 def draw(plant: Any, shown: Mapping[str, Array], row: int) -> None:
-    """Show the dots that were rubbed so far."""
+    """Show the dots polished so far."""
     for i, when in enumerate(rubbed(shown)):
         plant.model.geom(f"rubbed{i}").rgba[3] = float(when <= row)

@@ -1,4 +1,4 @@
-"""The workpiece under the tool, as far away as it is drawn."""
+"""The workpiece under the tool, at its drawn distance."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from plants.looks.solids import Array
 
 
 def draw(plant: Any, shown: Mapping[str, Array], row: int, enlarged: Callable[[str, float], float]) -> None:
-    """Lay the top of the workpiece where the drawn tool meets it."""
+    """Put the top of the workpiece at its contact with the tool in the picture."""
     model, top = plant.model, -enlarged("z", float(shown["surface"][row]))
     workpiece = model.geom("workpiece")
     if plant.parameters.workpiece:

@@ -1,4 +1,4 @@
-"""Solids for the eye: meshes of revolution, of a surface and of an outline."""
+"""Solids for drawing: meshes of revolution, of a surface and of an outline."""
 
 import math
 from collections.abc import Callable
@@ -11,22 +11,22 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 BOX, CYLINDER = (getattr(mujoco.mjtGeom, f"mjGEOM_{kind}") for kind in ("BOX", "CYLINDER"))
 AROUND = 96
-"""Parts of a turn."""
+"""Segments per revolution."""
 
 
 def add(
     body: Any, spec: Any, name: str, vertices: Array, faces: Any, material: str, at: Any = (0, 0, 0)
 ) -> Any:
-    """Add a mesh to a body; returns its geom.
+    """Add a mesh to a body; return its geom.
 
     Parameters
     ----------
     vertices : numpy.ndarray
-        Points in m, one a row.
+        Points in m, one per row.
     faces : array of int
         Three points each, counterclockwise seen from outside.
     at : sequence of float
-        Place in the frame of the body, m.
+        Position in the frame of the body, m.
     """
     mesh = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
     mesh.uservert, mesh.userface = np.ravel(vertices).tolist(), np.ravel(faces).astype(int).tolist()
@@ -65,7 +65,7 @@ def disc(
 def prism(outline: Array, below: float, above: float) -> tuple[Array, Array]:
     """Solid from `below` to `above` an outline of points (x, y, z).
 
-    The outline is counterclockwise and seen whole from its mean.
+    The outline is counterclockwise and star-shaped about its mean.
     """
     count = len(outline)
     hub = np.mean(outline, axis=0)
@@ -79,7 +79,7 @@ def prism(outline: Array, below: float, above: float) -> tuple[Array, Array]:
 
 
 def grid(around: int, count: int, closed: bool) -> Array:
-    """Faces of a grid that closes around, and along each row where that is closed, too."""
+    """Faces of a grid with closed columns, and optionally closed rows."""
     faces = []
     for i in range(around):
         here, there = i * count, (i + 1) % around * count

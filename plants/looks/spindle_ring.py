@@ -1,4 +1,4 @@
-"""The ring on its table, and how probe and pusher stay on a ring that is drawn farther off than it is."""
+"""The ring on its table, with probe and pusher in contact with an enlarged motion of the ring."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from plants.looks import solids
 from plants.looks.solids import Array
 
 BELOW, ABOVE = 0.002, 0.022
-"""The ring from below to above, m over the table."""
+"""Bottom and top of the ring, m above the table."""
 NEAR = 0.02
-"""Gap between pusher and ring from which on the slide goes with the ring that is drawn, m."""
+"""Gap between pusher and ring below which the slide follows the drawn ring, m."""
 
 
 def dress(spec: Any, p: Any) -> None:
-    """Lay the ring on the table, with a mark that shows how it turns."""
+    """Add the ring on the table, with a mark that shows its rotation."""
     if not p.part_present:
         return
     ring, inner = spec.body("ring"), p.radius * (1.0 - p.wall)
@@ -30,7 +30,7 @@ def dress(spec: Any, p: Any) -> None:
 
 
 def draw(plant: Any, shown: Mapping[str, Array], row: int) -> None:
-    """Push the probe in, and take the slide along with the ring that is drawn."""
+    """Move the probe and the slide to the drawn ring."""
     p, model, data = plant.parameters, plant.model, plant.data
     spindle, x, y = (float(data.joint(name).qpos[0]) for name in ("spindle", "ring_x", "ring_y"))
     along = math.cos(spindle) * x - math.sin(spindle) * y

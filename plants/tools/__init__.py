@@ -1,1 +1,1 @@
-"""What plants and their users compute with: molds, CL data, removal, burrs, contours."""
+"""Tools for plants and their users: molds, CL data, removal, burrs, contours."""

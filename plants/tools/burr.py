@@ -1,4 +1,4 @@
-"""Burr of a casting: height and thickness along its edge, drawn from a seed."""
+"""Random burr of a casting: height and thickness along its edge."""
 
 import math
 
@@ -17,7 +17,7 @@ REACH = 3.0
 def draw(p: CylindricalRobotParameters, length: float, random: Generator) -> tuple[Array, Array]:
     """Height and thickness of every bin of a burr `length` m long, m.
 
-    Both are uniform between their limits at every place, smooth over the correlation length (Gaussian
+    Both are uniform between their limits at every point, smooth over the correlation length (Gaussian
     copula), and independent of each other. In a gap the height is 0.
     """
     count = max(round(length / p.burr_pitch), 1)
@@ -37,7 +37,7 @@ def draw(p: CylindricalRobotParameters, length: float, random: Generator) -> tup
 
 
 def _uniform(count: int, smooth: float, random: Generator) -> Array:
-    """Draw numbers that are uniform from 0 to 1 at every place and change over `smooth` places."""
+    """Generate uniform numbers from 0 to 1 with a correlation length of `smooth` points."""
     # white noise under a bell of this width is correlated as exp(-(d / smooth)^2)
     reach = max(round(REACH * smooth), 1)
     bell = [math.exp(-2.0 * (place / smooth) ** 2) for place in range(-reach, reach + 1)]

@@ -1,12 +1,12 @@
-"""Cutter location data for a mold: a spiral from its axis outwards, as a CAM's main processor writes it.
+"""Cutter location data for a mold: an outward spiral from its axis, in the format of a CAM main processor.
 
     python -m plants.tools.cl_path led led.cls
     python -m plants.tools.cl_path saddle - --outer 0.5e-3
     python -m plants.tools.cl_path saddle dwelling.cls --sweep 6.6e-3
     python -m plants.tools.cl_path led planned.cls --sweep 6.6e-3 --removal depth.csv
 
-A CAM knows the mold and the tool, not the controller that reads the file, so this lives beside the molds. The
-file names contact points with unit normals out of the material (`GOTO/x,y,z,i,j,k`), lengths in mm.
+A CAM knows the mold and the tool, not the controller, so this module belongs to the molds. The
+file has contact points with unit normals out of the material (`GOTO/x,y,z,i,j,k`), lengths in mm.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FINE = 2
 """Steps of the spiral in one spacing of its points."""
 MM = 1e3
 FOOTPRINT = Process().footprint(5.0)
-"""Radius of the contact at the force that `fmu-polish` holds by default, m."""
+"""Radius of the contact at the default force of `fmu-polish`, m."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Spiral:
     Parameters
     ----------
     pick_feed : float
-        Distance of neighbouring turns along the surface.
+        Distance of neighboring turns along the surface.
     inner, outer : float
         Distance from the axis at the start and at the end.
     spacing : float
@@ -55,7 +55,7 @@ class Spiral:
     spacing: float = 2e-5
 
     def contact_points(self, mold: Mold) -> Array:
-        """Contact points in equal distances, one a row."""
+        """Contact points in equal distances, one per row."""
         radius, angle = np.array(list(self._polar(mold))).T
         fine = on(mold, radius, angle)
         way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
@@ -76,13 +76,13 @@ class Spiral:
 
 
 def on(mold: Mold, radius: Array, angle: Array) -> Array:
-    """Return the points of the surface at a distance and an angle from the axis, one a row."""
+    """Return the points of the surface at a distance and an angle from the axis, one per row."""
     x, y = radius * np.cos(angle), radius * np.sin(angle)
     return np.stack([x, y, mold.height(x, y)], axis=-1)
 
 
 def leant(normals: Array, angle: float) -> Array:
-    """Turn normals by an angle about the x-axis, rad: what a mold set up askew, or a wrong CAM, gives."""
+    """Rotate normals by an angle about the x-axis, rad, as for a tilted mold or an error of the CAM."""
     cosine, sine = math.cos(angle), math.sin(angle)
     about_x = np.array([[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]])
     turned: Array = normals @ about_x.T
@@ -112,12 +112,12 @@ def cl_text(
     feed : float
         Feed of the contact point, m/s.
     lean : float
-        Angle by which the normals are wrong, rad.
+        Angle error of the normals, rad.
     sweep : float
         Mean speed of the stick-slip motion of the ball across the path, m/s: above 0 the feed varies along
-        the path, such that the ball slides equally far on every length of it.
+        the path such that the sliding distance per path length is constant.
     removal : DepthMap, optional
-        Depths that are wanted instead of an even one; `sweep` must be above 0.
+        Desired depths; the default is even. `sweep` must be above 0.
     footprint : float
         Radius of the contact of ball and mold, m.
     """
@@ -145,7 +145,7 @@ def cl_text(
 
 
 def main() -> None:
-    """Write the CL file that the command line asks for."""
+    """Write the CL file of the command line."""
     parser = argparse.ArgumentParser(
         "python -m plants.tools.cl_path", description="Write CL data for a mold."
     )
@@ -161,32 +161,32 @@ def main() -> None:
         "footprint": (FOOTPRINT, "radius of the contact, m"),
     }
     for option, (default, text) in lengths.items():
-        told = text if default is None else f"{text}; default {default:.3g}"
-        parser.add_argument(f"--{option}", type=positive, default=default, help=told)
-    parser.add_argument("--lean", type=float, default=0.0, help="angle by which the normals are wrong, rad")
+        shown = text if default is None else f"{text}; default {default:.3g}"
+        parser.add_argument(f"--{option}", type=positive, default=default, help=shown)
+    parser.add_argument("--lean", type=float, default=0.0, help="angle error of the normals, rad")
     parser.add_argument(
         "--sweep",
         type=positive,
         default=0.0,
-        help="speed of the ball across the path, m/s; the feed dwells by it",
+        help="speed of the ball across the path, m/s; the feed varies with it",
     )
     parser.add_argument(
         "--removal",
         type=depth_map,
         metavar="FILE",
-        help="wanted depths, of which only the ratios count: a table with commas, x in mm in its first line, "
+        help="CSV table of desired depths in any unit: x in mm in its first line, "
         "y in mm in its first column; needs --sweep",
     )
     chosen = parser.parse_args()
     outer = chosen.outer or MOLDS[chosen.mold].aperture
     if chosen.inner >= outer:
-        parser.error(f"--inner is {chosen.inner:g} m, it must be less than the end of the path, {outer:g} m")
+        parser.error(f"--inner is {chosen.inner:g} m; it must be less than the end of the path, {outer:g} m")
     if outer > MOLDS[chosen.mold].aperture:
-        parser.error(f"--outer is {outer:g} m, the mold ends at {MOLDS[chosen.mold].aperture:g} m")
+        parser.error(f"--outer is {outer:g} m, but the mold ends at {MOLDS[chosen.mold].aperture:g} m")
     if chosen.removal is not None and chosen.sweep == 0.0:
-        parser.error("--removal plans how long the ball sweeps where, so it needs --sweep, the speed of that")
+        parser.error("--removal needs --sweep, the speed of the ball across the path")
     if chosen.removal is not None and find_spec("scipy") is None:
-        parser.error("--removal plans with scipy, which is not installed")
+        parser.error("--removal needs scipy, which is not installed")
     spiral = Spiral(chosen.pick_feed, chosen.inner, outer, chosen.spacing)
     text = cl_text(
         chosen.mold,
@@ -213,7 +213,7 @@ def positive(text: str) -> float:
 
 
 def depth_map(text: str) -> dwell.DepthMap:
-    """Read a file of wanted depths."""
+    """Read a file of desired depths."""
     try:
         return dwell.DepthMap.read(Path(text))
     except (OSError, ValueError) as error:

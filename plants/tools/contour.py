@@ -1,4 +1,4 @@
-"""Contours of round parts as samples of one turn: lobes, roughness and dirt."""
+"""Contours of round parts as samples of one revolution: lobes, roughness and dirt."""
 
 import math
 from collections.abc import Mapping
@@ -8,13 +8,13 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 SAMPLES = 8192
-"""Samples of one turn."""
+"""Number of samples per revolution."""
 ANGLES: NDArray[np.float64] = np.linspace(0.0, 2.0 * math.pi, SAMPLES, endpoint=False, dtype=np.float64)
 """Their angles, rad."""
 
 
 def lobed(radius: float, waves: Mapping[int, float], random: Generator) -> NDArray[np.float64]:
-    """Radius of a part with `waves` (amplitude by number of waves per turn), phases drawn."""
+    """Radius of a part with `waves` (amplitude by number of waves per revolution) and random phases."""
     contour = np.full(SAMPLES, radius)
     for count, amplitude in waves.items():
         contour += amplitude * np.cos(count * ANGLES + random.uniform(0.0, 2.0 * math.pi))
@@ -22,7 +22,7 @@ def lobed(radius: float, waves: Mapping[int, float], random: Generator) -> NDArr
 
 
 def dirty(radius: float, height: float, width: float, share: float, random: Generator) -> NDArray[np.float64]:
-    """Height of particles on a part, round bumps at drawn places under which lies a share of the turn."""
+    """Height of particles on a part: round bumps at random positions on a fraction of the circumference."""
     contour = np.zeros(SAMPLES)
     count = math.ceil(share * 2.0 * math.pi * radius / width)
     for place in random.uniform(0.0, 2.0 * math.pi, count):

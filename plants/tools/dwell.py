@@ -1,8 +1,8 @@
-"""Feeds with which a ball that swings across its path takes away a wanted depth: dwell-time planning.
+"""Dwell-time planning: feeds for a desired removal depth of a ball that oscillates across its path.
 
-Preston: at constant load the depth is the way that the ball slides on each length of the path. The centre of
-the ball goes `ratio` times as far as the contact, and besides swings at `sweep` m/s across the path, so on a
-length it slides `sqrt(ratio^2 + (sweep / feed)^2)` times as far: slow is deep.
+Preston: at constant load the depth is proportional to the sliding distance per path length. The center of
+the ball moves `ratio` times as far as the contact and oscillates at `sweep` m/s across the path. So the ball
+slides `sqrt(ratio^2 + (sweep / feed)^2)` times the path length: a slow feed removes more.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FASTEST, SLOWEST = 2.0, 0.25
-"""No feed is more than doubled, or less than a quarter."""
+"""Maximum and minimum feed relative to the mean."""
 KNOTS = 0.75
-"""Distance of the knots between which a planned way is linear, in radii of the contact."""
+"""Distance of the knots of a planned sliding distance, in radii of the contact."""
 MM = 1e3
 
 
 def even(points: Array, normals: Array, tool_radius: float, feed: float, sweep: float) -> Array:
-    """Return feeds of the contact points with which the ball slides equally far on every length, m/s.
+    """Return feeds of the contact points for a constant sliding distance per path length, m/s.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def even(points: Array, normals: Array, tool_radius: float, feed: float, sweep: 
     tool_radius : float
         Radius of the ball, m.
     feed : float
-        Feed in the mean, m/s.
+        Mean feed, m/s.
     sweep : float
         Mean speed of the ball across the path, m/s.
     """
@@ -44,12 +44,12 @@ def even(points: Array, normals: Array, tool_radius: float, feed: float, sweep: 
 
 @dataclass(frozen=True)
 class DepthMap:
-    """Depths that are wanted over a mold, in the frame of its CL data; only their ratios count.
+    """Desired depths over a mold, in the frame of its CL data; only their ratios are used.
 
     Parameters
     ----------
     x, y : array
-        Places of the columns and of the rows, rising, m.
+        Increasing positions of the columns and of the rows, m.
     depth : array, shape (y, x)
         At least 0.
     """
@@ -61,28 +61,28 @@ class DepthMap:
     def __post_init__(self) -> None:
         for name, axis in (("x", self.x), ("y", self.y)):
             if len(axis) < 2 or not (np.diff(axis) > 0.0).all():
-                raise ValueError(f"the places along {name} do not rise, or are fewer than two")
+                raise ValueError(f"the positions along {name} do not increase, or are fewer than two")
         if not np.isfinite(self.depth).all() or (self.depth < 0.0).any() or not (self.depth > 0.0).any():
-            raise ValueError("a depth is below 0 or no number, or all are 0")
+            raise ValueError("a depth is negative or not a number, or all are 0")
 
     @classmethod
     def read(cls, path: Path) -> DepthMap:
-        """Read a table with commas: a word and places along x in the first line, then y and depths; mm.
+        """Read a CSV table: a word and positions along x in the first line, then y and depths; mm.
 
         Raises
         ------
         ValueError
-            If it is no such table; the message names what is wrong.
+            The table is invalid; the message names the problem.
         """
         lines = [line.split(",") for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
         if len(lines) < 3 or len({len(line) for line in lines}) != 1 or len(lines[0]) < 3:
-            raise ValueError("it is no table of two places and more along x and y, all lines equally long")
+            raise ValueError("it is not a table of two or more positions along x and y")
         lines[0][0] = "0"
         table = np.array([[float(cell) for cell in line] for line in lines])
         return cls(table[0, 1:] / MM, table[1:, 0] / MM, table[1:, 1:])
 
     def at(self, points: Array) -> Array:
-        """Return the depth at points, one a row, m: linear between the places, beyond them as at the edge."""
+        """Return the depth at points, one per row, m: linear interpolation, constant beyond the edge."""
         along = [_place(axis, points[:, i]) for i, axis in enumerate((self.x, self.y))]
         (column, right), (row, up) = along
         low, high = (
@@ -102,11 +102,11 @@ def planned(
     wanted: DepthMap,
     footprint: float,
 ) -> Array:
-    """Return feeds that take away what a map wants, by least squares over the footprint of the ball.
+    """Return feeds for the removal of a depth map, by least squares over the footprint of the ball.
 
-    The contact presses as Hertz's, so at the distance d from its middle it wears by
-    `sqrt(1 - (d / footprint)^2)` of what it does there. The depth is in the mean that of the constant `feed`.
-    No feed leaves `SLOWEST` to `FASTEST` times that, and the rim gets its part of the footprint alone.
+    The contact pressure is that of Hertz, so at the distance d from its center it wears by
+    `sqrt(1 - (d / footprint)^2)` of the central depth. The mean depth is that of the constant `feed`. The
+    feeds are `SLOWEST` to `FASTEST` times `feed`. The rim is reached only by a part of the footprint.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def planned(
 
 
 def _ratio(points: Array, normals: Array, tool_radius: float) -> Array:
-    """Return how far the centre of the ball goes for each length of its contact, at every point."""
+    """Return the path length of the ball center per path length of its contact, at every point."""
     centres = points + tool_radius * normals
     steps = [np.linalg.norm(np.diff(places, axis=0), axis=1) for places in (centres, points)]
     ratio = steps[0] / steps[1]
@@ -153,14 +153,14 @@ def _ratio(points: Array, normals: Array, tool_radius: float) -> Array:
 
 
 def _feeds(way: Array | float, ratio: Array, feed: float, sweep: float) -> Array:
-    """Return the feeds with which the ball slides `way` times as far as its contact goes."""
+    """Return the feeds with a sliding distance of `way` times the contact path."""
     across = np.sqrt(np.maximum(np.square(way) - ratio**2, (sweep / (FASTEST * feed)) ** 2))
     feeds: Array = sweep / across
     return feeds
 
 
 def _linear(knots: Array, along: Array) -> Any:
-    """Return the matrix that gives values at places from those at knots, linear in between; sparse."""
+    """Return the sparse matrix of linear interpolation from knots to positions."""
     from scipy.sparse import csr_array
 
     before, share = _place(knots, along)
@@ -170,7 +170,7 @@ def _linear(knots: Array, along: Array) -> Any:
 
 
 def _place(axis: Array, values: Array) -> tuple[NDArray[np.intp], Array]:
-    """Return the places before values on an axis, and the shares of the way to the next one."""
+    """Return the indices before values on an axis, and the fractions of the distance to the next one."""
     before = np.clip(np.searchsorted(axis, values, side="right") - 1, 0, len(axis) - 2)
     share = (values - axis[before]) / (axis[before + 1] - axis[before])
     return before, np.clip(share, 0.0, 1.0)

@@ -1,8 +1,8 @@
 """Molds as analytic surfaces: a spherical cap or a saddle, with Gaussian dimples.
 
 The frame of a mold is that of its CL data: z points out of the cavity along its axis from the surface.
-The paper gives an LED lens mold of 4 mm diameter with several concave areas; radii, depths and places
-below are our choice.
+The paper gives an LED lens mold of 4 mm diameter with several concave areas. Radii, depths and positions
+below are defaults of this project.
 """
 
 import math
@@ -21,11 +21,11 @@ class Dimple:
     Parameters
     ----------
     x, y : float
-        Its centre, m.
+        Its center, m.
     depth : float
-        Depth in its centre, m.
+        Depth in its center, m.
     sigma : float
-        Distance from the centre at which 61 % of the depth are left, m.
+        Distance from the center at which 61 % of the depth are left, m.
     """
 
     x: float
@@ -45,7 +45,7 @@ class Mold:
     saddle_radius : float
         Radius of curvature of a saddle, concave along x and convex along y, m; infinite for none.
     dimples : tuple of Dimple
-        Hollows besides.
+        Additional hollows.
     aperture : float
         Distance from the axis up to which the mold is polished, m.
     """
@@ -119,4 +119,4 @@ MOLDS = {
     ),
     "steep": Mold(cap_radius=2.3e-3),
 }
-"""Molds by name; `led` is the paper's kind, with three concave areas, not symmetric about its axis."""
+"""Molds by name; `led` is that of the paper, with three concave areas, not symmetric about its axis."""

@@ -1,8 +1,8 @@
-"""What polishing takes away from a mold: Preston's law on a height map with the cusps that milling left.
+"""Removal by polishing: Preston's law on a height map of a mold with milling cusps.
 
-The contact is Hertz's: ball in a hollow, wood on steel with its paste. What stands out carries more pressure:
+The contact is that of Hertz: ball in a hollow, wood on steel with paste. Higher points have more pressure:
 `p = hertz + selectivity (h - mean)`, scaled to the load. Without that term Preston's law removes everywhere
-alike and takes no cusp away, so it is the basis of every result here: compare cases, do not trust the scale.
+equally and no cusp is removed. All results depend on it: compare cases, and do not rely on the scale.
 Heights are along the normal of the surface, and areas are true ones, not their projections.
 
 >>> surface = Surface(MOLDS["led"])
@@ -26,24 +26,24 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Process:
-    """Tool, paste and what milling left.
+    """Tool, paste and milled surface.
 
     Parameters
     ----------
     preston : float
-        Removed depth per pressure and way in all passes together, m2/N. Our choice: without stick-slip motion
-        two thirds of the cusps are left.
+        Removed depth per pressure and distance in all passes together, m2/N. Default: without stick-slip
+        motion two thirds of the cusps remain.
     passes : int
-        Passes over the same path, each with its share of `preston`. Our choice; in a single one pressure
-        would move across the step of some micrometres between what is polished and what is not.
+        Passes over the same path, which divide `preston` equally. Default: in a single pass the step of some
+        micrometers between polished and unpolished surface would shift the pressure.
     modulus : float
-        Contact modulus of wood and paste on steel, Pa. Our choice.
+        Contact modulus of wood and paste on steel, Pa. Assumed.
     radius : float
-        Of a ball on a plane that stands for the ball in its hollow, m. Derived: 1 / (1 / 0.5 mm - 1 / 3 mm).
+        Of the equivalent ball on a plane for the ball in its hollow, m. Derived: 1 / (1 / 0.5 mm - 1 / 3 mm).
     pick : float
-        Distance of the grooves that milling left, m. Our choice.
+        Distance of the milling grooves, m. Assumed.
     selective : bool
-        Whether what stands out carries more pressure.
+        Whether higher points carry more pressure.
     """
 
     preston: float = 4e-11
@@ -55,7 +55,7 @@ class Process:
 
     @classmethod
     def of_contact(cls, stiffness: float, load: float, radius: float = 0.6e-3) -> Self:
-        """Process with the contact of the plant: of Hertz's contacts the one with its stiffness at a load.
+        """Process with the contact of the plant: the Hertz contact with its stiffness at a load.
 
         Parameters
         ----------
@@ -76,12 +76,12 @@ class Process:
 
     @property
     def selectivity(self) -> float:
-        """Pressure per height of a cusp, Pa/m: answer of the half-space to a wave of the length `pick`."""
+        """Pressure per height of a cusp, Pa/m: response of the half-space to a wave of the length `pick`."""
         return math.pi * self.modulus / self.pick if self.selective else 0.0
 
     @property
     def abrasion(self) -> tuple[float, float, float, float]:
-        """What the native half asks for."""
+        """Arguments of the native function."""
         return self.preston, self.modulus, self.radius, self.selectivity
 
     @property
@@ -102,16 +102,16 @@ class Surface:
     cusps : {"raster", "concentric"}
         Grooves of the ball-end mill along x, or around the axis.
     radius : float
-        Distance from the axis to which the map goes, m.
+        Distance from the axis to the edge of the map, m.
     pitch : float
         Distance of its points, m.
 
     Attributes
     ----------
     x, y : Array
-        Places of rows and columns, m.
+        Positions of rows and columns, m.
     height : Array
-        Height now, row by x and column by y, m.
+        Present height, row by x and column by y, m.
     before : Array
         Height before polishing, m.
     area : Array
@@ -146,12 +146,12 @@ class Surface:
 
     @property
     def removed(self) -> Array:
-        """Depth that polishing took away, m."""
+        """Depth removed by polishing, m."""
         return self.before - self.height
 
     @property
     def volume(self) -> float:
-        """Volume that polishing took away, m3."""
+        """Volume removed by polishing, m3."""
         return float((self.removed * self.area).sum())
 
     def polish(
@@ -164,7 +164,7 @@ class Surface:
         x, y : array
             Contact points in the frame of the mold, m.
         slid : array
-            Way of the slip so far, m.
+            Slip distance so far, m.
         rubbed : array
             Integral of load times slip speed so far, N.m.
         share : float
@@ -187,7 +187,7 @@ class Surface:
 def heights(
     x: ArrayLike, y: ArrayLike, slid: ArrayLike, rubbed: ArrayLike
 ) -> dict[str, tuple[Array, Array, Array]]:
-    """Heights of the middle of the LED mold before and after a logged path, as maps of 20 um.
+    """Heights of the center of the LED mold before and after a logged path, as maps of 20 um.
 
     Parameters are those of `Surface.polish`.
 
@@ -195,7 +195,7 @@ def heights(
     -------
     dict
         For `before` and `after` the edges of the cells along x and y, m, and the heights above the deepest
-        point that is left, m, shape (y, x).
+        remaining point, m, shape (y, x).
     """
     surface = Surface(MOLDS["led"], radius=1e-3)
     surface.polish(x, y, slid, rubbed)
@@ -230,7 +230,7 @@ class Roughness:
 
 
 def roughness(surface: Surface, inner: float, outer: float, before: bool = False) -> Roughness:
-    """Roughness of the tiles between two distances from the axis, m; `before` polishing on demand."""
+    """Roughness of the tiles between two distances from the axis, m; optionally `before` polishing."""
     height = surface.before if before else surface.height
     rough = height - _smooth(height, 0.12e-3 / surface.pitch)
     tiles = _tiles(surface, rough, inner, outer)
@@ -246,7 +246,7 @@ def evenness(surface: Surface, inner: float, outer: float) -> tuple[float, float
 
 
 def mismatch(surface: Surface, wanted: DepthMap, inner: float, outer: float) -> float:
-    """Variation of the removed depth over the wanted one from tile to tile, over its mean."""
+    """Variation of the ratio of removed to desired depth from tile to tile, relative to its mean."""
     place = np.meshgrid(surface.x, surface.y, indexing="ij")
     depth = wanted.at(np.stack(place, axis=-1).reshape(-1, 2)).reshape(surface.removed.shape)
     ratios = np.divide(
@@ -256,7 +256,7 @@ def mismatch(surface: Surface, wanted: DepthMap, inner: float, outer: float) -> 
 
 
 def _tiles(surface: Surface, values: Array, inner: float, outer: float, width: float = 0.2e-3) -> Array:
-    """Values of all square tiles that lie between two distances from the axis, one tile a row."""
+    """Values of all square tiles between two distances from the axis, one tile per row."""
     size = round(width / surface.pitch)
     middle = (len(surface.x) - 1) // 2
     reach = int(outer / width)
@@ -274,7 +274,7 @@ def _tiles(surface: Surface, values: Array, inner: float, outer: float, width: f
 
 
 def _smooth(values: Array, sigma: float) -> Array:
-    """Gaussian mean of `sigma` points; the edges count what is there."""
+    """Gaussian mean of `sigma` points; the edges use the existing points."""
     reach = math.ceil(4.0 * sigma)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
 

@@ -52,7 +52,7 @@ def bearing(tmp_path: Path) -> type[Bearing]:
 
 def test_a_wire_by_a_wrong_name(bearing: type[Bearing], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bearing, "begun", lambda plant: plant.wire("curent"))
-    expected = r"^there is no wire in `MyBearing.wires` named `curent`\nhint: did you mean `current`\?$"
+    expected = r"^there is no wire in `MyBearing.wires` named `curent`\nhint: Use `current`.$"
     with pytest.raises(UnknownNameError, match=expected):
         bearing().reset(1, 0.1)
 
@@ -60,8 +60,8 @@ def test_a_wire_by_a_wrong_name(bearing: type[Bearing], monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("thing", "name", "hint"),
     [
-        ("body", "rotr", r"did you mean `rotor`\?"),
-        ("joint", "spindle", r"known here: `x`"),
+        ("body", "rotr", r"Use `rotor`."),
+        ("joint", "spindle", r"Known names: `x`"),
         ("actuator", "drive", ""),
     ],
 )
@@ -91,8 +91,8 @@ def test_what_is_there_is_changed_as_before(bearing: type[Bearing], monkeypatch:
 def test_a_native_element_that_is_not_there(bearing: type[Bearing], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bearing, "begun", lambda plant: getattr(_native, "curent_loop")(1.0))  # noqa: B009
     expected = (
-        r"^there is no native element `curent_loop`\nhint: did you mean `current_loop`\?; "
-        r"one that is new is built by `cargo xtask setup`$"
+        r"^there is no native element `curent_loop`\nhint: Use `current_loop`. "
+        r"Build a new one with `cargo xtask setup`.$"
     )
     with pytest.raises(UnknownNameError, match=expected):
         bearing().reset(1, 0.1)
@@ -109,7 +109,7 @@ def test_another_attribute_that_is_missing_stays_what_it_is(
 def test_a_wrong_class_in_the_registry(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(plants.PLANTS, "slide", "Slid")
     expected = (
-        r"^there is no class for `PLANTS` in `plants/slide.py` named `Slid`\nhint: did you mean `Slide`\?$"
+        r"^there is no class for `PLANTS` in `plants/slide.py` named `Slid`\nhint: Use `Slide`.$"
     )
     with pytest.raises(UnknownNameError, match=expected):
         plants.load("slide")

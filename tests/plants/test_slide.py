@@ -356,7 +356,7 @@ def test_advance_needs_sense() -> None:
 def test_registry() -> None:
     assert "slide" in plants.names()
     assert plants.load("slide") is Slide
-    with pytest.raises(UnknownNameError, match=r"there is no plant `slid`\nhint: did you mean `slide`"):
+    with pytest.raises(UnknownNameError, match=r"there is no plant `slid`\nhint: Use `slide`"):
         plants.load("slid")
 
 
