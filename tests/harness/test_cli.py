@@ -137,10 +137,10 @@ def test_color_goes_to_terminals_only_and_never_with_no_color(write: Write) -> N
 
 
 BAD = {
-    "unknown --set key": (["run", "lag.toml", "--set", "loop.dration=1"], "did you mean `duration`?"),
+    "unknown --set key": (["run", "lag.toml", "--set", "loop.dration=1"], "Use `duration`."),
     "wrong type": (["run", "lag.toml", "--set", "plant.pole=high"], ""),
     "missing scenario": (["run", "nothing.toml"], "`cosim list`"),
-    "missing scenario name": (["run", "lagg"], "did you mean `lag`?"),
+    "missing scenario name": (["run", "lagg"], "Use `lag`."),
     "missing FMU": (["run", "lag.toml", "--set", "controller.fmu=fmu-none"], "cargo xtask fmu none"),
     "FMU is no zip": (["run", "lag.toml", "--set", "controller.fmu=text.fmu"], "again"),
     "other platform": (["run", "lag.toml", "--set", "controller.fmu=other.fmu"], "this machine"),

@@ -178,7 +178,7 @@ def test_numbers_never_become_huge() -> None:
 
 
 WRONG = {
-    "plant.y": "names `plant.y`, which is not a column of the trace\nhint: did you mean `plant.x`",
+    "plant.y": "names `plant.y`, which is not a column of the trace\nhint: Use `plant.x`",
     "__import__('os')": "calls `__import__`, which is not a known function",
     "plant.x.__class__": "names `plant.x.__class__`, which is not a known column",
     "(1).__class__": "which is no column",
@@ -197,11 +197,11 @@ WRONG = {
     "time @ time": "which this language does not have",
     "'text'": "holds the text `text`",
     "time == 'Idle'": "compares `time` with a text, but it is not an enumeration",
-    "controller.state == 'Detct'": "none of its items\nhint: did you mean `Detect`",
+    "controller.state == 'Detct'": "none of its items\nhint: Use `Detect`",
     "max(plant.x, key=1)": "more than plain arguments",
     "max(*plant.x)": "more than plain arguments",
     "sqrt(1, 2)": "calls `sqrt` with 2 arguments instead of 1",
-    "maxx(plant.x)": "no function here\nhint: did you mean `max`",
+    "maxx(plant.x)": "no function here\nhint: Use `max`",
     "column(1)": "something else than one name",
     "column('plant.z')": "which is not in the trace",
     "1 +": "is not an expression",

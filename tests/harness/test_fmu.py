@@ -161,7 +161,7 @@ def test_values_of_every_type_are_set(write: Write) -> None:
 
 
 def test_a_rejected_parameter_is_explained(write: Write) -> None:
-    with pytest.raises(FmuError, match="the FMU has no variable `gian`\nhint: did you mean `gain`"):
+    with pytest.raises(FmuError, match="the FMU has no variable `gian`\nhint: Use `gain`"):
         parameters(write, "controller.gian=1")
 
 

@@ -22,9 +22,9 @@ ROOT = Path(__file__).resolve().parents[2]
 REFUSED = {
     "plant.name=none": r"there is no plant `none`\nhint: .*`module:Class`",
     "plant.name=none:Lag": r"cannot import the plant `none:Lag`: ModuleNotFoundError.*\nhint: ",
-    "plant.name=probe_plants:Lg": r"the module `probe_plants` has no class `Lg`\nhint: did you mean `Lag`",
+    "plant.name=probe_plants:Lg": r"the module `probe_plants` has no class `Lg`\nhint: Use `Lag`",
     "plant.name=probe_plants:Refusing": r"`probe_plants:Refusing` rejected its parameters: pole and label",
-    "plant.ploe=1": r"`--set plant.ploe`: `plant.ploe` is not a parameter .*\nhint: did you mean `pole`",
+    "plant.ploe=1": r"`--set plant.ploe`: `plant.ploe` is not a parameter .*\nhint: Use `pole`",
     "plant.pole=2": r"`--set plant.pole`: `plant.pole` is `2.0`, it must be in 0 .. 1\nhint: `cosim show`",
     "plant.pole=nan": r"`plant.pole` is `nan`, it must be in 0 .. 1",
     "plant.pole=high": r"`plant.pole` is `'high'` \(a text\), it must be a number",
@@ -81,7 +81,7 @@ def test_an_mjcf_with_a_negative_stiffness_runs_and_is_shown(write: Write, folde
 REGISTERED = {
     "Slid": (
         "slide",
-        r"cannot import the plant `slide`: .*no class .* named `Slid`\nhint: did you mean `Slide`",
+        r"cannot import the plant `slide`: .*no class .* named `Slid`\nhint: Use `Slide`",
     ),
     "Slide": (
         "sledge",

@@ -88,7 +88,7 @@ def test_names_are_found_in_the_folders(write: Write, folder: Path, monkeypatch:
     monkeypatch.chdir("/")
     monkeypatch.setenv("COSIM_SCENARIOS", str(folder / "scenarios"))
     assert cosim.load("lag/fast").name == "lag/fast"
-    with pytest.raises(ScenarioError, match="there is no scenario `lag/fats`\nhint: did you mean `lag/fast`"):
+    with pytest.raises(ScenarioError, match="there is no scenario `lag/fats`\nhint: Use `lag/fast`"):
         cosim.load("lag/fats")
 
 
@@ -128,7 +128,7 @@ def test_parameter_tables_may_be_nested(write: Write) -> None:
 WRONG = {
     "unknown key": (
         "[loopp]\nstep = 1",
-        r"`lag.toml`: `loopp` is not a known key\nhint: did you mean `loop`",
+        r"`lag.toml`: `loopp` is not a known key\nhint: Use `loop`",
     ),
     "number as text": (
         "[plot]\nzoom = 1",
@@ -175,7 +175,7 @@ def test_a_mistake_in_a_file_names_file_and_key(write: Write, added: str, messag
 
 
 def test_a_mistake_in_an_override_is_found_where_it_is_loaded(write: Write) -> None:
-    with pytest.raises(ScenarioError, match=r"`--set loop.dration`: .*\nhint: did you mean `duration`"):
+    with pytest.raises(ScenarioError, match=r"`--set loop.dration`: .*\nhint: Use `duration`"):
         cosim.load(write(), set=["loop.dration=1"])
 
 

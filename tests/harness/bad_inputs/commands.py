@@ -43,7 +43,7 @@ LINES: dict[str, Case] = {
     "duration endless": Case((*RUN, "--duration", "1e8"), ("`loop.duration`", "shorter runs")),
     "duration negative": Case((*RUN, "--duration", "-1"), ("`loop.duration` is `-1.0`",)),
     "duration is a word": Case((*RUN, "--duration", "long"), ("--duration", "float")),
-    "unknown engine": Case((*RUN, "--engine", "nativ"), ("`nativ`", "did you mean `native`?")),
+    "unknown engine": Case((*RUN, "--engine", "nativ"), ("`nativ`", "Use `native`")),
     "trace of another kind": Case((*RUN, "--trace", "a.xls"), ("`a.xls`", "`.npz`")),
     "trace without a kind": Case((*RUN, "--trace", "a"), ("`a`", "`.csv`")),
     "trace is a folder": Case((*RUN, "--trace", "folder.csv"), ("cannot write `folder.csv`",)),

@@ -77,7 +77,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "drop is a text": ('drop = "wire"\n' + WHOLE, ("`drop` is `'wire'`", "array of texts")),
     # names
     "unknown table": (WHOLE + "[looop]\n", ("`looop` is not a known key", "`loop`")),
-    "unknown key": (edited("duration", "dration"), ("`loop.dration`", "did you mean `duration`")),
+    "unknown key": (edited("duration", "dration"), ("`loop.dration`", "Use `duration`")),
     "unknown key of a wire": (
         edited('to = "plant.u"', 'to = "plant.u"\ndealy = 1'),
         ("`wire.plant.u.dealy`",),

@@ -65,7 +65,7 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "wire to an unknown FMU": (
         edited('to = "b.in"', 'to = "bb.in"', TWO),
-        ("`to` = `bb.in`", "`a.<input>`, `b.<input>`", "did you mean `b`"),
+        ("`to` = `bb.in`", "`a.<input>`, `b.<input>`", "Use `b`"),
     ),
     "signal to an unknown FMU": (edited('to = "a.count"', 'to = "c.count"', TWO), ("`to` = `c.count`",)),
     "wire from nothing": (edited("a.out", "a.otu", TWO), ("the FMU `a` has no variable `otu`", "`out`")),

@@ -133,7 +133,7 @@ def test_nothing_is_ever_overwritten(folder: Path) -> None:
     [
         (["none.fmu"], "the FMU file `none.fmu` does not exist"),
         (["probe.fmu", "none.xml"], "the MJCF file `none.xml` does not exist"),
-        (["probe.fmu", "slid"], "did you mean `slide`?"),
+        (["probe.fmu", "slid"], "Use `slide`"),
         (["probe.fmu", "exiting:Any"], "the plant `exiting:Any` ended the process: `sys.exit(0)`"),
         (["probe.fmu", "--out", "a.txt"], "Use a name that ends in `.toml`."),
         (["probe.fmu", "--out", "none/a.toml"], "cannot write `none/a.toml`: No such file"),

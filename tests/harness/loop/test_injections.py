@@ -140,7 +140,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"when": "controller.ot > 1", "offset": 1.0},
         (
             r"in.when` = .* names `controller.ot`, which is not a known column.*"
-            r"\nhint: did you mean `controller.out`"
+            r"\nhint: Use `controller.out`"
         ),
     ),
 }

@@ -78,7 +78,7 @@ def test_what_nothing_drives_is_warned_of(write: Write, caplog: pytest.LogCaptur
     run(write(text=CHAIN.replace('"b.flag"', '"b.flga"')))
     unknown, forgotten = (record.getMessage() for record in caplog.records)
     assert "lists `b.flga`" in unknown
-    assert "did you mean `b.flag`" in unknown
+    assert "Use `b.flag`" in unknown
     assert "nothing drives `b.flag`: " in forgotten
 
 

@@ -162,7 +162,7 @@ def test_far_from_home_a_motion_is_drawn_larger_where_it_is(cart: Path) -> None:
 
 @pytest.mark.parametrize(
     ("word", "reported"),
-    [("slide", "no factor"), ("slide=0", "no factor"), ("slid=2", "did you mean `slide`")],
+    [("slide", "no factor"), ("slide=0", "no factor"), ("slid=2", "Use `slide`")],
 )
 def test_a_wrong_enlargement_is_reported(word: str, reported: str, cart: Path) -> None:
     with pytest.raises(CosimError) as caught:

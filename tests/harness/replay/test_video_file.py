@@ -214,7 +214,7 @@ def test_an_mjcf_names_what_may_be_drawn_larger(cart: Path) -> None:
 def test_a_camera_that_is_not_there_is_reported(cart: Path) -> None:
     with pytest.raises(CosimError, match="no camera `sid`") as caught:
         video_file.made(recorded(cart), Shot((64, 48), camera="sid"), ".webp")
-    assert caught.value.hint == "did you mean `side`?"
+    assert caught.value.hint == "Use `side`"
 
 
 def test_without_a_renderer_there_is_a_hint(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,7 +26,7 @@ def test_what_nothing_drives_is_warned_of_once(write: Write, caplog: pytest.LogC
     assert unknown.startswith(
         "`lag.toml`: `idle` lists `plant.etra`, which is not a known input and no command; "
     )
-    assert unknown.endswith("did you mean `plant.extra`?")
+    assert unknown.endswith("Use `plant.extra`")
     assert forgotten.startswith("`lag.toml`: nothing drives `controller.flag`, `plant.extra`: wire what is ")
 
 
