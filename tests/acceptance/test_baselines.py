@@ -40,14 +40,14 @@ def deviation(name: str, *changes: str) -> float:
 
 
 def test_what_each_part_of_the_polishing_controller_is_worth() -> None:
-    askew = {}
+    tilted = {}
     for name, changes in laws().items():
-        askew[name] = deviation("polish/misaligned", *changes)
+        tilted[name] = deviation("polish/misaligned", *changes)
         measured(
-            "polish-parts", name, reported=deviation("polish", *changes), askew=askew[name],
+            "polish-parts", name, nominal=deviation("polish", *changes), tilted=tilted[name],
             fast=deviation("polish/20-mm-s", *changes), gain=value(run("polish", *changes), "gain"),
         )  # fmt: skip
-    assert askew["turns"] < 0.5 * askew["plain"]
+    assert tilted["turns"] < 0.5 * tilted["plain"]
 
 
 ROBOTS = {

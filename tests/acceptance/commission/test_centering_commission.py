@@ -109,7 +109,7 @@ def test_the_whole_study() -> None:
     assert len(found) == 200
     hold(found, 0.95)
     hold_deviations(found)
-    for name, applied in (("told", False), ("applied", True)):
+    for name, applied in (("nominal", False), ("applied", True)):
         store.measured("centering-commission", name, **ended(found, applied))
     store.measured("centering-measured", "found", **measured(found))
 

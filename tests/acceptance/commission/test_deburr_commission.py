@@ -124,7 +124,7 @@ def keep(found: Sequence[Robot]) -> None:
     told, applied = ([one for one in found if one.applied is applied] for applied in (False, True))
     counts = ends(told)
     store.measured(
-        "deburr-commission", "told", robots=len(told), good=counts["good"], named=counts["named"]
+        "deburr-commission", "nominal", robots=len(told), good=counts["good"], named=counts["named"]
     )  # fmt: skip
     counts, ran = ends(applied), [one for one in applied if not one["named"]]
     error = 1e3 * np.array([one.error for one in ran])
@@ -222,7 +222,7 @@ def test_a_tool_that_idles_slower_cuts_at_its_own_speed() -> None:
     )
     ended = {}
     for apply in (False, True):
-        bare = ("controller.bank.compute=true", "controller.lookup.enable=false")
+        bare = ("controller.bank.compute=true", "controller.expert.lookup.enable=false")
         applied = f"controller.commission.apply={str(apply).lower()}"
         result = run("deburr/commission", *slow, *cut, *bare, applied)
         rows = trace(result)

@@ -104,7 +104,7 @@ def keep(found: Sequence[studies.Machine]) -> None:
     rejected = [one for one in found if one["rejected"]]
     scattered = sum(one["scatter"] > TOUCH_SCATTER for one in rejected)
     store.measured(
-        "dob-teach", "ends", machines=len(found), told=len(reported),
+        "dob-teach", "ends", machines=len(found), reported=len(reported),
         share=100.0 * len(reported) / len(found),
         faster=sum(one["accurate_from"] > 1.001 * CALIBRATED[0] for one in reported),
         silent=sum(one["silent"] for one in found), scattered=scattered, unsure=len(rejected) - scattered,
@@ -114,7 +114,7 @@ def keep(found: Sequence[studies.Machine]) -> None:
         slowest=1e6 * min(one["fastest"] for one in reported),
     )  # fmt: skip
     rows = {
-        "taught": [one for one in reported if accurate(one) and touched_as_calibrated(one)],
+        "calibrated": [one for one in reported if accurate(one) and touched_as_calibrated(one)],
         "between": [one for one in reported if accurate(one) and not touched_as_calibrated(one)],
         "slower": [one for one in reported if not accurate(one)],
     }

@@ -68,7 +68,7 @@ def show(found: Sequence[Machine]) -> None:
 
 def keep(found: Sequence[Machine]) -> None:
     """Keep the results of the machines, grouped by whether they apply the result."""
-    for row, applied in (("told", False), ("applied", True)):
+    for row, applied in (("nominal", False), ("applied", True)):
         those = [one for one in found if one.applied is applied]
         depth = np.array([one["depth"] for one in those if one["done"]]) * 1e6
         ends = {name: sum(one[name] > 0.0 for one in those) for name in ("good", "named")}

@@ -146,7 +146,7 @@ def test_the_whole_study() -> None:
     found = machines("fts-commission")
     assert len(found) == 200
     hold(found, 0.95)
-    keep(found, ("told", "applied"))
+    keep(found, ("nominal", "applied"))
     keep_measured(found)
 
 
@@ -154,7 +154,7 @@ def test_the_whole_study() -> None:
 def test_the_whole_study_at_500_hz() -> None:
     found = machines("fts-commission-500hz")
     hold(found, 0.95)
-    keep(found, ("told at 500 Hz", "applied at 500 Hz"))
+    keep(found, ("nominal at 500 Hz", "applied at 500 Hz"))
 
 
 def test_the_measured_values_are_right_within_their_standard_deviations() -> None:

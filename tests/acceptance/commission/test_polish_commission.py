@@ -60,7 +60,7 @@ def absolute(found: Sequence[Machine], name: str) -> np.ndarray:
 def ends(found: Sequence[Machine]) -> dict[str, dict[str, float]]:
     """Results of the robots, separated by the use of the measured values."""
     rows = {}
-    for row, applied in (("told", False), ("applied", True)):
+    for row, applied in (("nominal", False), ("applied", True)):
         those = [one for one in found if one.applied is applied]
         done = [one for one in those if one["done"] > 0.0]
         deviation = [one["force_deviation"] for one in done]

@@ -63,7 +63,7 @@ def hold(found: Sequence[studies.Machine], least: float) -> None:
 
 def keep(found: Sequence[studies.Machine]) -> None:
     """Keep what the parts ended with."""
-    for name, metric in (("taught", "before"), ("registered", "tip"), ("cut", "cut")):
+    for name, metric in (("programmed", "before"), ("registered", "tip"), ("cut", "cut")):
         median, high, most = (1e3 * one for one in largest(found, metric))
         store.measured("deburr-register", name, median=median, high=high, most=most)
     off, scatter = turned(found)

@@ -251,7 +251,7 @@ def calibrations(seeds: tuple[int, ...]) -> dict[str, dict[str, float]]:
             f"{len(seeds)} machines: {name} rms {scale * rms[i]:.4f}, max {scale * largest[i]:.4f} {unit}, "
             f"reported {scale * np.median(sigmas[:, i]):.4f}, rms over it {ratio[i]:.2f}"
         )
-        errors_of = {"rms": rms[i], "most": largest[i], "told": np.median(sigmas[:, i])}
+        errors_of = {"rms": rms[i], "most": largest[i], "claimed": np.median(sigmas[:, i])}
         found[name] = {"machines": len(seeds), **{key: scale * float(one) for key, one in errors_of.items()}}
     assert largest[0] <= 1.5e-6
     assert largest[1] <= 1.5e-6
