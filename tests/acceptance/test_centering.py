@@ -1,6 +1,6 @@
 """Ring centering against the claims of Mears, Kolartis, Thompson and Kurfess (2007), in closed loop.
 
-The paper gives no initial eccentricity; the name of every sample contains the one used. The large samples run with
+The paper gives no initial eccentricity; each sample name contains the one used. The large samples run with
 `pytest -m full -rP tests/acceptance`, which prints the results. The tables of the pages are stored in
 `tests/acceptance/measured`.
 """

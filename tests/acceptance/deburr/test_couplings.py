@@ -55,7 +55,7 @@ def swung(hertz: float) -> Columns:
     """Rows of the path in air with couplings of so many hertz, and encoders that count next to nothing."""
     axes = (1, 3)
     exact = (*(f"plant.axis{n}_pulse=1e-12" for n in axes), *(f"controller.axis{n}.pulse=1e-9" for n in axes))
-    quiet = ("plant.encoder_noise=0.0", "controller.limits.pulses_max=1e9", *exact)
+    quiet = ("plant.encoder_noise=0.0", "controller.expert.limits.pulses_max=1e9", *exact)
     air = ("signal.plant.workpiece.values=[0.0]", "controller.limits.spindle_change=0")
     return trace(run("deburr/computed", f"plant.coupling_frequency={hertz}", *quiet, *air))
 

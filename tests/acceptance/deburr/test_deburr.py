@@ -52,7 +52,7 @@ def told(label: str, result: cosim.Result) -> None:
 
 
 def test_the_bare_servo_lags_by_the_velocity_of_each_axis_over_its_gain() -> None:
-    rows = trace(run("deburr/bare", "controller.load.enable=false"))
+    rows = trace(run("deburr/bare", "controller.expert.load.enable=false"))
     # the middle of the first line, at the taught speed
     middle = (rows["plant.distance"] > 0.05) & (rows["plant.distance"] < 0.1)
     for axis in (1, 3):
@@ -62,7 +62,7 @@ def test_the_bare_servo_lags_by_the_velocity_of_each_axis_over_its_gain() -> Non
 
 
 def bare(seeds: tuple[int, ...]) -> Sample:
-    return sample(seeds, "controller.lookup.enable=false", "controller.bank.import=''")
+    return sample(seeds, "controller.expert.lookup.enable=false", "controller.bank.import=''")
 
 
 def test_bare_runs_miss_the_band() -> None:
@@ -235,11 +235,11 @@ def test_bare_runs_miss_the_band_in_four_of_five() -> None:
 
 @pytest.mark.full
 def test_fifty_castings_at_60_mm_per_s(tmp_path: Path) -> None:
-    slow = "controller.path.taught_speed=0.06"
+    slow = "controller.path.programmed_speed=0.06"
     learn(tmp_path / "bank.bin", slow, speed=0.06)
     found = sample(BURRS, slow, f"controller.bank.import='{tmp_path / 'bank.bin'}'", "loop.duration=15.0")
     usual = sample(
-        BURRS, "controller.path.taught_speed=0.02", "controller.lookup.enable=false",
+        BURRS, "controller.path.programmed_speed=0.02", "controller.expert.lookup.enable=false",
         "controller.bank.import=''",
         "loop.duration=25.0",
     )  # fmt: skip
@@ -276,7 +276,7 @@ def test_a_bank_of_the_nominal_robot_fails_on_others_and_adapts_in_three_repetit
         robot, bank = machine(case), tmp_path / f"{case}.bin"
         foreign = run("deburr/constant", *robot)
         learn(
-            bank, *robot, "controller.bank.import='bank.bin'", "controller.learn.from_bank=true",
+            bank, *robot, "controller.bank.import='bank.bin'", "controller.expert.learn.from_bank=true",
             repetitions=3,
         )  # fmt: skip
         adapted = run("deburr/constant", *robot, f"controller.bank.import='{bank}'")
@@ -293,7 +293,7 @@ def test_a_bank_of_the_nominal_robot_fails_on_others_and_adapts_in_three_repetit
 def test_norm_optimal_learning_of_robots_whose_gain_is_wrong(tmp_path: Path) -> None:
     for gain in (0.8, 1.0, 1.2):
         bank = tmp_path / f"{gain}.bin"
-        robot = (f"plant.drive_gain={gain}", "controller.learn.law='NormOptimal'")
+        robot = (f"plant.drive_gain={gain}", "controller.expert.learn.law='NormOptimal'")
         learn(bank, *robot, repetitions=5)
         result = run("deburr/constant", *robot, f"controller.bank.import='{bank}'")
         told(f"norm-optimal, gain {gain}", result)

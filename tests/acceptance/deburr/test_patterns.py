@@ -22,7 +22,7 @@ RESOURCES = ROOT / "fmu-deburr/resources"
 
 def test_what_is_imported_is_what_was_learned(tmp_path: Path) -> None:
     bank = tmp_path / "bank.bin"
-    few = ("controller.learn.speeds='1.0 0.5'", "controller.learn.law='NormOptimal'")
+    few = ("controller.learn.speeds='1.0 0.5'", "controller.expert.learn.law='NormOptimal'")
     then_played = (
         "controller.learn.repetitions=2",
         f"controller.bank.export='{bank}'",

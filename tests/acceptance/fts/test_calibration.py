@@ -108,7 +108,7 @@ def test_the_response_holds_with_other_delays(delay: int) -> None:
     assert value(result, "bandwidth") == pytest.approx(230.0, abs=7.0)
     loop = {name: value(result, name) for name in ("bandwidth", "phase_margin", "sensitivity")}
     row = {0: "no delay", 2: "two samples"}[delay]
-    measured("fts-loop", row, **loop, share=100.0 * value(result, "error_ratio"))
+    measured("fts-loop", row, **loop, error_ratio=100.0 * value(result, "error_ratio"))
     assert value(result, "error_ratio") <= 0.005
     assert value(result, "good")
 

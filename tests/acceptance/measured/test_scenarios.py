@@ -22,7 +22,7 @@ ROWS = {
         "fts/500hz": MICROMETRES,
     },
     "fts-loop": {
-        "fts/identify": {"bandwidth": 1.0, "phase_margin": 1.0, "sensitivity": 1.0, "share": 100.0},
+        "fts/identify": {"bandwidth": 1.0, "phase_margin": 1.0, "sensitivity": 1.0, "error_ratio": 100.0},
     },
     "deburr": {
         "deburr/bare": MILLIMETRES,

@@ -32,7 +32,7 @@ DELAYS: dict[int, Changes] = {
 """Samples between a command and its action, and what tells plant and controller so."""
 PLAIN: dict[int, Changes] = {
     0: ("controller.law='Paper'",),
-    1: ("controller.learn.law='Plain'", "controller.learn.lead=0", "controller.lookup.preview=0"),
+    1: ("controller.expert.learn.law='Plain'", "controller.expert.learn.lead=0", "controller.expert.lookup.preview=0"),
 }
 """The paper's own law; with a delay it stops at the best repetition, which the law as printed does not."""
 
@@ -66,10 +66,10 @@ def learning(bank: Path, *changes: str, speed: float = 0.1, repetitions: int = 1
         "signal.controller.mode.values=['Learn']",
         "signal.plant.workpiece.times=[0.0]",
         "signal.plant.workpiece.values=[0.0]",
-        "controller.learn.law='LeadFilter'",
-        "controller.learn.identify=false",
-        "controller.learn.tolerance=0.0",
-        "controller.learn.decrease=0.0",
+        "controller.expert.learn.law='LeadFilter'",
+        "controller.expert.learn.identify=false",
+        "controller.expert.learn.tolerance=0.0",
+        "controller.expert.learn.decrease=0.0",
         f"controller.learn.repetitions={repetitions}",
         f"controller.bank.export='{bank}'",
     )
