@@ -1,4 +1,4 @@
-"""Faults of the deburring robot, on the test piece with a random burr."""
+"""Simulated faults of the deburring robot, on the test piece with a random burr."""
 
 from dataclasses import replace
 
@@ -10,14 +10,14 @@ from .commission import deburr as commission
 from .matrix import DONE, Matrix, Row
 
 TIP = "max(abs(plant.deviation[controller.path.distance > 0]))"
-"""Tip from the edge, from the first motion on the path until the run ends."""
+"""Distance of the tip from the edge, from the first motion on the path until the end of the run."""
 BEYOND = "max(plant.tip_z - controller.axis2.position) - min(plant.tip_z - controller.axis2.position)"
-"""Way of the tip in height that the reading of axis 2 does not tell, of the 20 mm of the retract."""
+"""Motion of the tip in height that the position of axis 2 does not show, of the 20 mm of the retract."""
 HEIGHT = "first(plant.tip_z) - min(plant.tip_z)"
-"""Way of the tip down towards the path, of 20 mm."""
+"""Motion of the tip down towards the path, of 20 mm."""
 
 FROM_REST = "max(hypot(plant.tip_x - first(plant.tip_x), plant.tip_y - first(plant.tip_y)))"
-"""Way of the tip beside where it was at first."""
+"""Horizontal distance of the tip from its first position."""
 
 AXIS1, AXIS2, AXIS3 = ("controller.axis1.position", "controller.axis2.position", "controller.axis3.position")
 AXIS5 = "controller.axis5.position"
@@ -26,13 +26,13 @@ TOOL = "controller.spindle_speed"
 FLICKERS = ("plant.spindle_noise=1.0",)
 BURR = ("plant.burr_height_least=5e-3", "plant.burr_thickness_least=2e-3", "plant.burr_gaps=0.0")
 
-# what bounds the excursion; the limit itself is at most 1.5 times what was measured
-FROZEN = "at most 1 mm and 4 samples of 1 mm unanswered, then closed brakes"
+# bound of the excursion; the limit itself is at most 1.5 times the measured value
+FROZEN = "at most 1 mm and 4 samples of 1 mm without response, then closed brakes"
 BRIDGED = "at most 3 samples of 1 mm are bridged along the commands"
 BLIND = "at most 1 mm, half the lag of 3.8 mm at 50 mm/s, 4 samples of 0.5 mm, then closed brakes"
 NARROW = "at most 0.5 mm with patterns, 4 samples that grow by 1 mm at most, then closed brakes"
 EARLY = "at most 0.5 mm with patterns, 4 samples of 0.22 mm from rest, then closed brakes or the retract"
-HELD = "what patterns leave, and the stop along the path"
+HELD = "error with patterns, and the stop along the path"
 
 
 def at(time: float, to: str, **kind: float | bool) -> tuple[Injection, ...]:
@@ -44,76 +44,76 @@ SECOND_REST = tuple(
     Injection(to, when='controller.state == "Settle" and time > 8', after=0.1, **kind)
     for to, kind in ((AXIS2, {"frozen": True}), ("plant.axis2_velocity", {"offset": -5e-3}))
 )
-"""Encoder 2 stands from 0.1 s after the begin of that rest on, while its drive creeps down."""
+"""Encoder 2 is frozen from 0.1 s after the start of that rest, while its drive creeps down."""
 
 ROWS = (
     Row(
         "encoder 1 frozen before it moves",
-        ("FrozenReading",),
+        ("PositionFrozen",),
         TIP,
         1.8e-4,
-        "1 mm unanswered from rest, 4 samples of 0.32 mm, then closed brakes",
+        "1 mm without response from rest, 4 samples of 0.32 mm, then closed brakes",
         at(0.0, AXIS1, frozen=True),
     ),
-    Row("encoder 1 frozen in the burr", ("FrozenReading",), TIP, 6.7e-4, FROZEN, at(4.0, AXIS1, frozen=True)),
+    Row("encoder 1 frozen in the burr", ("PositionFrozen",), TIP, 6.7e-4, FROZEN, at(4.0, AXIS1, frozen=True)),
     Row(
         "encoder 2 frozen above the part",
-        ("FrozenReading",),
+        ("PositionFrozen",),
         HEIGHT,
         2.6e-3,
-        "1 mm and 4 samples of 0.3 mm unanswered, then closed brakes",
+        "1 mm and 4 samples of 0.3 mm without response, then closed brakes",
         at(0.3, AXIS2, frozen=True),
     ),
-    Row("encoder 3 frozen in the burr", ("FrozenReading",), TIP, 8.9e-4, FROZEN, at(4.0, AXIS3, frozen=True)),
+    Row("encoder 3 frozen in the burr", ("PositionFrozen",), TIP, 8.9e-4, FROZEN, at(4.0, AXIS3, frozen=True)),
     Row(
-        "encoder 5 frozen in the burr where it stands, its drive creeps by 10 mm/s at the tip",
-        ("FrozenReading",),
+        "encoder 5 frozen at rest in the burr, its drive creeps by 10 mm/s at the tip",
+        ("PositionFrozen",),
         TIP,
         1.4e-2,
-        "10 mm/s for as long as its noise may stand, then closed brakes",
+        "10 mm/s for the time that its noise may be constant, then closed brakes",
         (*at(4.0, AXIS5, frozen=True), *at(4.0, "plant.axis5_velocity", offset=0.05)),
     ),
     Row(
-        "encoder 2 frozen in the burr where it stands, after a rest of 2 s, its drive creeps by 5 mm/s",
-        ("FrozenReading",),
+        "encoder 2 frozen at rest in the burr, after a rest of 2 s, its drive creeps by 5 mm/s",
+        ("PositionFrozen",),
         BEYOND,
         1.4e-2,
-        "5 mm/s for as long as its noise may stand, then closed brakes",
+        "5 mm/s for the time that its noise may be constant, then closed brakes",
         (*at(5.2, AXIS2, frozen=True), *at(5.2, "plant.axis2_velocity", offset=-5e-3)),
-        changes=("controller.transfer.settle_time=2.0",),
+        changes=("controller.expert.transfer.settle_time=2.0",),
     ),
     Row(
-        "encoder 2 frozen early in the rest before a second job, its drive creeps by 5 mm/s",
-        ("FrozenReading",),
+        "encoder 2 frozen early in the rest before a second task, its drive creeps by 5 mm/s",
+        ("PositionFrozen",),
         BEYOND,
         9e-3,
-        "5 mm/s for as long as its noise in the rests before may stand, then closed brakes",
+        "5 mm/s for the time that the noise of earlier rests may be constant, then closed brakes",
         SECOND_REST,
         (Signal("controller.mode", (0.0, 6.6, 10.4), ("Deburr", "Idle", "Deburr")),),
-        changes=("controller.limits.spindle_change=0",),  # the burr is off
+        changes=("controller.limits.spindle_change=0",),  # the burr is removed
     ),
     Row(
-        "the same, and the job is ended in that rest",
-        ("FrozenReading",),
+        "the same, and the task is ended in that rest",
+        ("PositionFrozen",),
         BEYOND,
         9e-3,
-        "5 mm/s for as long as its noise in the rests before may stand, then closed brakes",
+        "5 mm/s for the time that the noise of earlier rests may be constant, then closed brakes",
         SECOND_REST,
         (Signal("controller.mode", (0.0, 6.6, 10.4, 15.3), ("Deburr", "Idle", "Deburr", "Idle")),),
         changes=("controller.limits.spindle_change=0",),
     ),
     Row(
-        "encoder 5 without noise frozen in the burr where it stands, its drive creeps by 10 mm/s at the tip",
+        "encoder 5 without noise frozen at rest in the burr, its drive creeps by 10 mm/s at the tip",
         (),
         TIP,
         2.1e-2,
-        "10 mm/s until it creeps no more",
+        "10 mm/s until the drive stops creeping",
         (
             Injection(AXIS5, from_time=4.0, frozen=True),
             Injection("plant.axis5_velocity", from_time=4.0, duration=1.8, offset=0.05),
         ),
         changes=("plant.encoder_noise=0",),
-        untold="without noise a live reading stands, too; only a motion of the axis tells",
+        undetectable="without noise a valid position does not change at rest either; only a motion of the axis shows it",
     ),
     Row(
         "encoder 3 off by 20 mm for one sample",
@@ -123,7 +123,7 @@ ROWS = (
         HELD,
         (Injection(AXIS3, from_time=4.0, duration=0.01, offset=0.02),),
     ),
-    Row("encoder 3 off by 20 mm", ("ReadingJump",), TIP, 1.1e-4, BRIDGED, at(4.0, AXIS3, offset=0.02)),
+    Row("encoder 3 off by 20 mm", ("PositionJump",), TIP, 1.1e-4, BRIDGED, at(4.0, AXIS3, offset=0.02)),
     Row(
         "encoder 3 off by 0.3 mm, less than a jump",
         (DONE,),
@@ -134,30 +134,30 @@ ROWS = (
     ),
     Row(
         "encoder 3 loses 0.2 mm every 0.1 s",
-        ("ReadingJump",),
+        ("PositionJump",),
         TIP,
         1.8e-3,
-        "1 mm lost, of axes across a path at 46 degrees, and 2 steps until it is found",
+        "1 mm lost, of axes across a path at 46 degrees, and 2 steps until it is detected",
         tuple(Injection(AXIS3, from_time=3.5 + 0.1 * k, offset=-2e-4) for k in range(20)),
     ),
     Row(
         "encoder 1 loses 0.1 mrad every 50 ms",
-        ("ReadingJump",),
+        ("PositionJump",),
         TIP,
         1.8e-3,
-        "1.5 mrad lost at 0.75 m, and 2 steps until it is found",
+        "1.5 mrad lost at 0.75 m, and 2 steps until it is detected",
         tuple(Injection(AXIS1, from_time=3.5 + 0.05 * k, offset=1e-4) for k in range(45)),
     ),
     Row(
-        "encoder 3 tells inches for 25.4 mm",
+        "encoder 3 reports inches instead of millimeters",
         ("WeakDrive",),
         FROM_REST,
         1.8e-2,
-        "half of what is commanded unanswered",
+        "half of the commanded motion without response",
         at(0.0, AXIS3, scale=1.0 / 25.4),
     ),
     Row(
-        "encoder 1 counts a tenth too few",
+        "encoder 1 counts a tenth too little",
         ("PatternMismatch",),
         TIP,
         9e-3,
@@ -165,37 +165,37 @@ ROWS = (
         at(0.0, AXIS1, scale=0.9),
     ),
     Row(
-        "encoder 1 counts 3 % too few",
+        "encoder 1 counts 3 % too little",
         (),
         TIP,
         2.6e-3,
         "3 % of the angle from where it reads 0, 0.1 rad at 0.7 m",
         at(0.0, AXIS1, scale=0.97),
-        untold="a drive of 0.97 of its gain answers alike; a touch at two places or a gauge tells",
+        undetectable="a drive of 0.97 of its gain responds alike; touches at two positions or a gauge show it",
     ),
     Row(
-        "part 1 mm aside, not registered",
+        "part displaced by 1 mm, not registered",
         (),
         TIP,
         1.4e-3,
-        "the millimetre, and what patterns leave",
+        "the displacement, and the error with patterns",
         changes=("plant.part_x=1e-3",),
-        untold="a burr of 1 to 2 mm varies by as much, and so does the load",
+        undetectable="a burr of 1 to 2 mm varies by as much, and so does the load",
     ),
     Row(
-        "part 5 mm aside, the longest gap of its burr told",
+        "part displaced by 5 mm, longest gap of the burr configured",
         ("NoCut",),
         TIP,
         5.5e-3,
-        "the 5 mm across the path, for the way that was told",
-        changes=("plant.part_y=-5e-3", "controller.limits.idle_way=0.03"),
+        "the 5 mm across the path, for the configured distance",
+        changes=("plant.part_y=-5e-3", "controller.limits.idle_travel=0.03"),
     ),
     Row(
         "encoder 3 drifts by 20 mm/s",
         ("PatternMismatch", "FollowingError"),
         TIP,
         4.1e-3,
-        "0.5 mm of error are 6.5 mm/s over Kp; the way until then, and of the retract",
+        "0.5 mm of error are 6.5 mm/s over Kp; the drift until then and during the retract",
         at(4.0, AXIS3, ramp=0.02),
     ),
     Row(
@@ -207,11 +207,11 @@ ROWS = (
         at(4.0, AXIS3, ramp=2e-3),
     ),
     Row(
-        "drive 2 with an offset of 1 mm/s, a thousandth, on for 1 s before the job",
+        "drive 2 with an offset of 1 mm/s, a thousandth, from 1 s before the task",
         ("FollowingError",),
         TIP,
         1.3e-4,
-        "the offset over Kp, 77 um, and what patterns leave",
+        "the offset over Kp, 77 um, and the error with patterns",
         at(0.0, "plant.axis2_velocity", offset=1e-3),
         (Signal("controller.mode", (0.0, 1.0), ("Idle", "Deburr")),),
     ),
@@ -220,17 +220,17 @@ ROWS = (
         (DONE,),
         TIP,
         1.3e-4,
-        "the offset over Kp, 77 um, and what patterns leave",
+        "the offset over Kp, 77 um, and the error with patterns",
         at(0.0, "plant.axis2_velocity", offset=1e-3),
         (Signal("controller.mode", (0.0, 1.0), ("Idle", "Deburr")),),
-        changes=("controller.limits.axis2.rest_error=1e-4",),
+        changes=("controller.expert.limits.axis2.rest_error=1e-4",),
     ),
     Row(
         "drive 3 with an offset of 5 mm/s",
         ("FollowingError",),
         TIP,
         5.8e-4,
-        "the offset over Kp, 0.38 mm, and what patterns leave",
+        "the offset over Kp, 0.38 mm, and the error with patterns",
         at(0.0, DRIVE3, offset=5e-3),
     ),
     Row(
@@ -238,7 +238,7 @@ ROWS = (
         ("FollowingError",),
         TIP,
         5.8e-4,
-        "the offset over Kp, 0.38 mm, and what patterns leave",
+        "the offset over Kp, 0.38 mm, and the error with patterns",
         at(4.0, DRIVE3, offset=5e-3),
     ),
     Row(
@@ -246,7 +246,7 @@ ROWS = (
         ("PatternMismatch", "FollowingError"),
         TIP,
         8.4e-4,
-        "the offset over Kp, 0.77 mm, and what patterns leave",
+        "the offset over Kp, 0.77 mm, and the error with patterns",
         at(4.0, DRIVE3, offset=-1e-2),
     ),
     Row(
@@ -262,11 +262,11 @@ ROWS = (
         ("FollowingError",),
         BEYOND,
         1.3e-5,
-        "the reading tells all of it, but for the half of a count and its noise",
+        "the encoder shows all of it, except half a count and its noise",
         at(0.0, "plant.axis2_velocity", offset=-5e-3),
     ),
     Row(
-        "first sample of encoder 3 and of the tool wrong, 20 mm and 0",
+        "first sample of encoder 3 off by 20 mm and of the tool speed 0",
         (DONE,),
         TIP,
         4.4e-5,
@@ -277,7 +277,7 @@ ROWS = (
         ),
     ),
     Row(
-        "first sample of encoder 1 no number",
+        "first sample of encoder 1 is NaN",
         (DONE,),
         TIP,
         4.4e-5,
@@ -294,7 +294,7 @@ ROWS = (
     ),
     Row(
         "a third of the samples of encoder 1 lost",
-        (DONE, "FrozenReading"),
+        (DONE, "PositionFrozen"),
         TIP,
         7.8e-4,
         FROZEN,
@@ -313,19 +313,19 @@ ROWS = (
         ("WrongDelay",),
         TIP,
         7.1e-4,
-        "at most 0.5 mm of axes 1 and 3 with patterns, until the end of the run tells it",
+        "at most 0.5 mm of axes 1 and 3 with patterns, until it is detected at the end of the run",
         at(0.0, AXIS1, late=1),
     ),
     Row(
-        "encoder 3 is no number",
-        ("LostReading",),
+        "encoder 3 is NaN",
+        ("PositionLost",),
         TIP,
         1.1e-4,
         "3 samples are bridged along the commands, then closed brakes",
         at(4.0, AXIS3, value=float("nan")),
     ),
     Row(
-        "encoder 3 is no number for one sample",
+        "encoder 3 is NaN for one sample",
         (DONE,),
         TIP,
         4.4e-5,
@@ -341,7 +341,7 @@ ROWS = (
         (Injection(AXIS3, from_time=4.0, duration=0.01, value=float("inf")),),
     ),
     Row(
-        "override is no number",
+        "override is NaN",
         ("InvalidInput",),
         TIP,
         4.4e-5,
@@ -349,7 +349,7 @@ ROWS = (
         at(4.0, "controller.speed_override", value=float("nan")),
     ),
     Row(
-        "override is no number for one sample",
+        "override is NaN for one sample",
         (DONE,),
         TIP,
         4.4e-5,
@@ -361,7 +361,7 @@ ROWS = (
         ("NoCut",),
         TIP,
         3.8e-5,
-        "the taught speed on the random burr",
+        "the programmed speed on the random burr",
         at(0.0, TOOL, frozen=True),
     ),
     Row(
@@ -369,22 +369,22 @@ ROWS = (
         ("NoCut",),
         TIP,
         3.8e-5,
-        "the taught speed on the random burr",
+        "the programmed speed on the random burr",
         at(3.4, TOOL, value=1883.73),
-        changes=("controller.limits.idle_way=0.1",),
+        changes=("controller.limits.idle_travel=0.1",),
     ),
     Row(
         "noisy tool speed freezes at idle in the middle of the path",
-        ("FrozenSpindle",),
+        ("SpindleFrozen",),
         TIP,
         4.2e-5,
-        "0.7 s at the taught speed on the random burr, then the stop along the path",
+        "0.7 s at the programmed speed on the random burr, then the stop along the path",
         at(3.4, TOOL, value=1883.73),
         changes=FLICKERS,
     ),
     Row(
         "noisy tool speed frozen in the burr",
-        ("FrozenSpindle",),
+        ("SpindleFrozen",),
         TIP,
         4.4e-5,
         HELD,
@@ -407,11 +407,11 @@ ROWS = (
         HELD,
         at(4.0, TOOL, value=0.0),
     ),
-    Row("tool speed is no number", ("LostSpindle",), TIP, 4.4e-5, HELD, at(4.0, TOOL, value=float("nan"))),
+    Row("tool speed is NaN", ("SpindleLost",), TIP, 4.4e-5, HELD, at(4.0, TOOL, value=float("nan"))),
     Row("noise of 300 rpm on the tool speed", (DONE,), TIP, 4.2e-5, HELD, at(0.0, TOOL, noise=31.4)),
     Row(
         "tool speed frozen in the burr",
-        ("FrozenSpindle",),  # the reading is noisy, and one that is not noisy any more is found
+        ("SpindleFrozen",),  # a noisy speed that is no longer noisy is detected
         TIP,
         4.4e-5,
         HELD,
@@ -419,7 +419,7 @@ ROWS = (
     ),
     Row("drive 1 with the wrong sign", ("DriveSign",), FROM_REST, 4e-3, BLIND, at(0.0, DRIVE1, scale=-1.0)),
     Row("drive 3 does 0.3 of its command", ("WeakDrive",), TIP, 3.2e-3, NARROW, at(3.5, DRIVE3, scale=0.3)),
-    # the reading flickers on
+    # the position continues to flicker
     Row("command of drive 3 lost", ("WeakDrive",), TIP, 5e-3, FROZEN, at(4.0, DRIVE3, value=0.0)),
     Row(
         "command of drive 3 stuck",
@@ -454,7 +454,7 @@ ROWS = (
         changes=("plant.drive_gain=1.3",),
     ),
     Row(
-        "commands at once, told 1 sample late",
+        "commands act immediately, configured 1 sample late",
         ("WrongDelay",),
         TIP,
         5e-4,
@@ -474,25 +474,25 @@ ROWS = (
         ("SpindleSlow",),
         TIP,
         1.1e-4,
-        "4 samples at the taught speed, retract",
-        changes=("plant.cutting_pressure=5.4e9", "controller.load.enable=false", *BURR),
+        "4 samples at the programmed speed, retract",
+        changes=("plant.cutting_pressure=5.4e9", "controller.expert.load.enable=false", *BURR),
     ),
     Row(
         "stalled tool, then encoder 2 frozen in the retract",
-        ("SpindleSlow", "FrozenReading"),
+        ("SpindleSlow", "PositionFrozen"),
         BEYOND,
         1.6e-3,
-        "1 mm and 4 samples of 0.3 mm unanswered, then closed brakes",
+        "1 mm and 4 samples of 0.3 mm without response, then closed brakes",
         (Injection(AXIS2, when='controller.state == "Retract"', after=0.1, frozen=True),),
-        changes=("plant.cutting_pressure=5.4e9", "controller.load.enable=false", *BURR),
+        changes=("plant.cutting_pressure=5.4e9", "controller.expert.load.enable=false", *BURR),
         sequence=True,
     ),
     Row(
         "tool speed 0, then encoder 3 frozen in the retract, drives with 1.05 of their gain",
-        ("SpindleJump", "FrozenReading"),
+        ("SpindleJump", "PositionFrozen"),
         TIP,
         1.6e-3,
-        "1 mm unanswered in the pose that is held, then closed brakes",
+        "1 mm without response in the pose that is held, then closed brakes",
         (
             Injection(TOOL, from_time=4.0, value=0.0),
             Injection(AXIS3, when='controller.state == "Retract"', frozen=True),
@@ -509,26 +509,26 @@ ROWS = (
         changes=("loop.step=0.02", "loop.substeps=20"),
     ),
     Row(
-        "gain of axis 3 seven times as high, with no patterns, drives as told and no noise to swing by",
+        "gain of axis 3 seven times as high, without patterns, nominal drives, no noise that starts an oscillation",
         ("Oscillation",),
         TIP,
         8.5e-3,
-        "1 mm, half the lag of 0.55 mm, and a swing that grows threefold until its third turn",
-        changes=("controller.servo.gain[3]=90", "plant.encoder_noise=0", "plant.drive_frequency=280"),
+        "1 mm, half the lag of 0.55 mm, and an oscillation that grows threefold until its third reversal",
+        changes=("controller.expert.servo.gain[3]=90", "plant.encoder_noise=0", "plant.drive_frequency=280"),
         scenario="deburr/learn",
     ),
     Row(
-        "gain of axis 3 seven times as high, with no patterns, swings by its noise before any motion",
+        "gain of axis 3 seven times as high, without patterns, oscillates by its noise before any motion",
         ("Oscillation",),
         FROM_REST,
         3.4e-3,
-        "1 mm from standstill, and a swing that grows threefold until its third turn",
-        changes=("controller.servo.gain[3]=90",),
+        "1 mm from standstill, and an oscillation that grows threefold until its third reversal",
+        changes=("controller.expert.servo.gain[3]=90",),
         scenario="deburr/learn",
     ),
     Row(
         "encoder 1 frozen while it learns",
-        ("FrozenReading",),
+        ("PositionFrozen",),
         TIP,
         1.2e-3,
         FROZEN,
@@ -545,20 +545,20 @@ ROWS = (
         scenario="deburr/learn",
     ),
     Row(
-        "a job of more time than it may take",
+        "a task that exceeds its time",
         ("NoProgress",),
         TIP,
         1.1e-5,
         HELD,
-        changes=("controller.limits.job_time=3.0",),
+        changes=("controller.expert.limits.cycle_time=3.0",),
     ),
     Row(
-        "patterns may have no more than 50 counts",
+        "patterns limited to 50 counts",
         ("PatternTooLarge",),
         TIP,
         1.4e-3,
-        "the bare servo, one run that is recorded",
-        changes=("controller.limits.pulses_max=50",),
+        "the servo without patterns, one recorded run",
+        changes=("controller.expert.limits.pulses_max=50",),
         scenario="deburr/learn",
     ),
     Row(
@@ -566,7 +566,7 @@ ROWS = (
         ("BankEmpty",),
         HEIGHT,
         1e-5,
-        "found before any motion",
+        "detected before any motion",
         scenario="deburr/no-bank",
     ),
     Row(
@@ -578,7 +578,7 @@ ROWS = (
         signals=(Signal("controller.enable", (0.0, 4.0, 4.5), (True, False, True)),),
     ),
     Row(
-        "deburred twice, the part stays and has no burr any more",
+        "deburred twice, the same part without a burr",
         ("NoCut",),
         TIP,
         4.4e-5,
@@ -589,13 +589,13 @@ ROWS = (
 
 
 def still(axis: str) -> str:
-    """Tip that stays within 0.2 mm in the last 0.3 s, twice the largest noise of a reading."""
+    """Condition: the tip stays within 0.2 mm in the last 0.3 s, twice the largest noise of a position."""
     tip = f"plant.tip_{axis}[time > last(time) - 0.3]"
     return f"max({tip}) - min({tip}) < 2e-4"
 
 
 def lasting(row: Row) -> Row:
-    """Row that goes on after the fault or the end of the job: nothing may move by itself."""
+    """Row that continues after the fault or the end of the task: nothing may move automatically."""
     again = any(signal.to in ("controller.enable", "controller.mode") for signal in row.signals)
     commissions = row in commission.ROWS
     end = 32.0 if commissions else 18.8 if again else 8.4

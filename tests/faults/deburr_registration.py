@@ -1,4 +1,4 @@
-"""Faults of the deburring robot in the state `Register`: rows of the matrix in `deburr.py`."""
+"""Simulated faults of the deburring robot in the state `Register`: rows of the matrix in `deburr.py`."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from .matrix import DONE, Row
 
 CONTACT = "controller.contact"
 DEFLECTION = "max(plant.probe_deflection)"
-"""Farthest way by which the probe gave way."""
+"""Largest deflection of the probe."""
 INSIDE = 'max(-plant.deviation[controller.state == "Register"])'
-"""Farthest way of the tip beyond the wall, or beyond where it would be."""
+"""Largest distance of the tip beyond the wall, or beyond its programmed position."""
 TIP = 'max(abs(plant.deviation[controller.state == "Run"]))'
-"""Tip from the edge on the path."""
+"""Distance of the tip from the edge on the path."""
 
 SEEKS = "0.5 mm: lag, 4 samples and stop from 5 mm/s"
-FOUND = "what patterns and the cut leave, and 10 um of the registration"
+FOUND = "error with patterns and of the cut, and 10 um of the registration"
 TOUCHED = "controller.path.file=touched.json"
 ASIDE = ("plant.part_x=1.2e-3", "plant.part_y=-0.8e-3", "plant.part_angle=2e-3")
 REGISTERING = 'controller.state == "Register"'
 
 LATER = (0.0, 66.0)
-"""Time of the job after a registration, s."""
+"""Time of the task after a registration, s."""
 
 
 def registration(
@@ -37,14 +37,14 @@ def registration(
     end: float,
     signals: tuple[Signal, ...] = (),
 ) -> Row:
-    """Row of the state `Register`, which begins at 0.5 s; until `end` (s) nothing may move by itself."""
+    """Row of the state `Register`, which starts at 0.5 s; until `end` (s) nothing may move automatically."""
     asked = Signal("controller.register", (0.0, 0.5), (False, True))
     idle = Signal("controller.mode", (0.0,), ("Idle",))
-    told = {signal.to: signal for signal in (asked, idle, *signals)}
+    stimuli = {signal.to: signal for signal in (asked, idle, *signals)}
     lasts = (f"loop.duration={end}", "loop.stop_when=''")
     file = () if any("path.file" in change for change in changes) else (TOUCHED,)
     changed = (*file, *changes, *lasts)
-    return Row(f"registration: {name}", faults, truth, limit, why, inject, tuple(told.values()), changed)
+    return Row(f"registration: {name}", faults, truth, limit, why, inject, tuple(stimuli.values()), changed)
 
 
 JOB = (Signal("controller.mode", LATER, ("Idle", "Deburr")),)
@@ -62,7 +62,7 @@ BESIDE = Injection(
 
 ROWS = (
     registration(
-        "a part that is aside is touched, then deburred",
+        "a displaced part is touched, then deburred",
         (DONE,),
         TIP,
         7.5e-5,
@@ -73,7 +73,7 @@ ROWS = (
         signals=JOB,
     ),
     registration(
-        "three false contacts in a row, again and again",
+        "three consecutive false contacts, repeatedly",
         (DONE,),
         TIP,
         7.5e-5,
@@ -88,18 +88,18 @@ ROWS = (
         (DONE,),
         TIP,
         1.2e-4,
-        "the same, and 30 um of way at 1 mm/s along both normals",
+        "the same, and 30 um of travel at 1 mm/s along both normals",
         (Injection(CONTACT, from_time=0.0, late=3),),
         ASIDE,
         end=76.0,
         signals=JOB,
     ),
     registration(
-        "broken off on its way to the part, then deburred as it was taught",
+        "aborted before the part, then deburred as programmed",
         (DONE,),
         TIP,
         6.6e-5,
-        "what patterns and the cut leave",
+        "error with patterns and of the cut",
         end=20.0,
         signals=(
             Signal("controller.register", (0.0, 0.5, 4.5), (False, True, False)),
@@ -111,7 +111,7 @@ ROWS = (
         ("NoPart",),
         INSIDE,
         7e-3,
-        "5 mm to the end of its way, and the stop",
+        "5 mm to the end of the touch, and the stop",
         end=14.0,
         signals=(Signal("plant.workpiece", (0.0,), (0.0,)),),
     ),
@@ -120,12 +120,12 @@ ROWS = (
         ("NoPart",),
         DEFLECTION,
         7e-3,
-        "5 mm to the end of its way, and the stop; the probe gives way by 10 mm",
+        "5 mm to the end of the touch, and the stop; the probe allows 10 mm",
         (Injection(CONTACT, from_time=0.0, value=0.0),),
         end=14.0,
     ),
     registration(
-        "the probe feels something at once",
+        "the probe signals a contact immediately",
         ("UnexpectedContact",),
         DEFLECTION,
         1e-5,
@@ -135,7 +135,7 @@ ROWS = (
     ),
     registration(
         "contact sticks from the first touch on",
-        ("FrozenContact",),
+        ("ContactFrozen",),
         DEFLECTION,
         6.5e-4,
         SEEKS,
@@ -147,7 +147,7 @@ ROWS = (
         ("NoPart",),
         DEFLECTION,
         1.5e-3,
-        "1 mm beyond the first time, and the stop",
+        "1 mm beyond the first contact, and the stop",
         (Injection(CONTACT, when="plant.probe_deflection > 3e-4", after=0.2, value=0.0),),
         end=20.0,
     ),
@@ -161,7 +161,7 @@ ROWS = (
         end=60.0,
     ),
     registration(
-        "encoder 1 counts 2 % too few",
+        "encoder 1 counts 2 % too little",
         ("TouchMismatch",),
         DEFLECTION,
         6e-4,
@@ -170,25 +170,25 @@ ROWS = (
         end=60.0,
     ),
     registration(
-        "encoder 3 frozen on its way to the part",
-        ("FrozenReading",),
+        "encoder 3 frozen before the part",
+        ("PositionFrozen",),
         DEFLECTION,
         1e-3,
-        "1 mm unanswered along axis 3, then closed brakes",
+        "1 mm without response along axis 3, then closed brakes",
         (Injection("controller.axis3.position", when=REGISTERING, after=3.3, frozen=True),),
         end=14.0,
     ),
     registration(
-        "drive 1 does 0.3 of its command on its way to the part",
+        "drive 1 does 0.3 of its command before the part",
         ("WeakDrive",),
         DEFLECTION,
         6.5e-4,
-        "0.5 mm at 5 mm/s; found in the next motion across",
+        "0.5 mm at 5 mm/s; detected in the next motion across",
         (Injection("plant.axis1_velocity", when=REGISTERING, after=3.3, scale=0.3),),
         end=14.0,
     ),
     registration(
-        "the part is 4.4 mm aside",
+        "the part is displaced by 4.4 mm",
         ("Misplaced",),
         DEFLECTION,
         6.5e-4,
@@ -197,7 +197,7 @@ ROWS = (
         end=60.0,
     ),
     registration(
-        "the part is turned by 15 mrad",
+        "the part is rotated by 15 mrad",
         ("Misplaced",),
         DEFLECTION,
         6.5e-4,
@@ -210,17 +210,17 @@ ROWS = (
         ("NoTouches",),
         "first(plant.tip_z) - min(plant.tip_z)",
         1e-5,
-        "found before any motion",
+        "detected before any motion",
         changes=("controller.path.file=path.json",),
         end=3.0,
     ),
     registration(
-        "no time for it",
+        "insufficient time",
         ("NoProgress",),
         DEFLECTION,
         6.5e-4,
         SEEKS,
-        changes=("controller.register.time=6.0",),
+        changes=("controller.expert.register.time=6.0",),
         end=14.0,
     ),
 )
