@@ -322,7 +322,7 @@ def test_substeps_agree(substeps: int) -> None:
 
 def test_a_run_longer_than_its_noise_is_an_error_with_time_and_hint() -> None:
     plant = slide(0.001)
-    with pytest.raises(PlantError, match=r"`slide` at t = `0.0010.*s:.*(?s:.)*hint: `reset`"):
+    with pytest.raises(PlantError, match=r"`slide` at t = `0.0010.*s:.*(?s:.)*hint: Call `reset`"):
         run(plant, 0.0, 20)
 
 
