@@ -148,7 +148,7 @@ mod tests {
         for &state in State::ALL {
             let expected = match state {
                 State::Idle | State::Done => State::Commission,
-                // the next touch, and the end of a job
+                // the next touch, and the end of a cycle
                 State::Calibrate => State::Approach,
                 State::Retract => State::Done,
                 unchanged => unchanged,
@@ -169,7 +169,7 @@ mod tests {
         for state in [State::Idle, State::Done] {
             assert_eq!(next(state, &calibrate), State::Calibrate);
             assert_eq!(next(state, &Events { restful: false, ..calibrate }), state);
-            // a commission comes first, and an approach before it
+            // a commissioning run has priority, and an approach before it
             assert_eq!(next(state, &Events { commission: true, ..calibrate }), State::Commission);
         }
         let restful = Events { restful: true, retreated: true, ..QUIET };
@@ -180,7 +180,7 @@ mod tests {
         let retreated = Events { calibration: true, ..restful };
         assert_eq!(next(State::Retract, &retreated), State::Calibrate);
         assert_eq!(next(State::Calibrate, &Events { calibrated: true, ..restful }), State::Idle);
-        // broken off, and on its way back
+        // aborted, and retracting
         assert_eq!(next(State::Calibrate, &Events { calibrated: true, retreated: false, ..restful }), State::Calibrate);
     }
 

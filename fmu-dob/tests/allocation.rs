@@ -106,7 +106,7 @@ fn every_fault_and_its_reset() {
         (Fault::LateContact, &p, |_| ()),
     ];
     for (fault, p, cause) in cases {
-        // 20 um are travelled before the detector is armed
+        // 20 um of travel before the detector is armed
         let surface = if fault == Fault::LateContact { 2e-5 } else { NO_WORKPIECE };
         let mut run = Loop::new(p, 53, surface);
         run.slide.push = if fault == Fault::Saturation { -2.0 } else { 0.0 };

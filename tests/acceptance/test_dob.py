@@ -80,7 +80,7 @@ def test_observer_step_response() -> None:
 def test_slope_and_threshold_are_those_of_the_textbook() -> None:
     rows = trace("dob/paper", 71)
     n, period = 50, 1e-4
-    # least squares over the last n deviations, all windows at once
+    # least squares over the last n deviations, all windows together
     time = (np.arange(n) - (n - 1) / 2.0) * period
     slope = sliding_window_view(rows["controller.force.deviation"], n) @ time / (time @ time)
     state = rows["controller.state"]

@@ -190,10 +190,10 @@ mod tests {
             let (mut turn, mut acting) = (0.0, 0.0);
             for k in -1000..200 {
                 let (time, found) = (f64::from(k) * dt - self.seen, f64::from(k) * dt >= self.seen);
-                // the turn in 0.6 ms, then a swing in 6 ms
+                // the reversal in 0.6 ms, then an oscillation of 6 ms
                 let swing = if (0.6e-3..6.6e-3).contains(&time) { (TAU * time / 6e-3).sin() } else { 0.0 };
                 let next = if found && time < 0.6e-3 { -20.0 } else { 3.0 * swing };
-                // what acts a sample late is told before it does
+                // a command that acts a sample late is reported before it acts
                 let told = if drive.late > 0.0 { next } else { turn };
                 let thrust = (self.weight + self.damping * self.velocity + told) / self.gain;
                 let read = (!self.lost.contains(&k)).then_some(depth);
@@ -232,7 +232,7 @@ mod tests {
         }
         let [told, truth] = FAST.forces(&mut press, &Drive { late: 1e-4, ..FAST.drive() });
         assert!((told / truth - 1.0).abs() < 0.05, "late: {told} N of {truth} N");
-        // in the turn, and behind it
+        // in the reversal, and after it
         for lost in [[10, 11], [40, 41]] {
             let [told, truth] = Touch { lost, ..FAST }.forces(&mut press, &FAST.drive());
             assert!((told / truth - 1.0).abs() < 0.1, "lost {lost:?}: {told} N of {truth} N");

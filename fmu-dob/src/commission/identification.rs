@@ -125,7 +125,7 @@ impl Identification {
                 ..Measured::START
             };
         }
-        // near what is in force, with which it is held, and near what was told, so that one commission after another goes nowhere
+        // near the active values, with which the stage is held, and near the configured ones, so that repeated runs do not drift
         let told = self.values.told();
         let near = [p.stage.force_constant, told.force_constant];
         self.rejected = !near.into_iter().all(|told| acceptable(p, told, self.longest_delay, &self.measured));

@@ -211,7 +211,7 @@ mod tests {
             }
             noise.close();
         }
-        // all that is told is less than three of its deviations
+        // all results are below three of their standard deviations
         for measure in [noise.white_force(), noise.walk()] {
             assert!(measure.value <= 3.0 * measure.deviation, "{measure:?}");
         }

@@ -222,7 +222,7 @@ mod tests {
         near(travel(&p), 2e-4);
         near(force(&p), 3.0);
         near(time(&p), 33.0);
-        // strokes of 7.5 um would leave the excitation a fifth of its way
+        // strokes of 7.5 um would leave the excitation a fifth of its travel
         let mut slow = Parameters::START;
         slow.approach.velocity = 1e-5;
         near(travel(&slow), 45e-6);

@@ -90,7 +90,7 @@ pub fn response(p: &Parameters, plan: &Plan, spectra: &PeriodicSpectra) -> Resul
     let frequencies = plan.excitation.sines.frequencies();
     let tones: [Tone; TONES] = std::array::from_fn(|i| Tone::new(p, frequencies[i], spectra.line(i)));
     let told = Unknowns::from([p.stage.force_constant / p.stage.mass, f64::from(p.io_delay), 0.0, 0.0]);
-    // the variances are those at what was told, then at what was found
+    // the variances are those at the configured values, then at the found ones
     let first = fit(&tones, told, &told)?;
     fit(&tones, first.value, &first.value)
 }
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn the_deviation_is_the_scatter_of_the_estimates() {
         let (p, truth) = (Parameters::START, Unknowns::from([1.8, 1.3, 1.0, 5.0]));
-        // a percent, so that the least deviation of a tone does not count
+        // one percent, so that the minimum uncertainty of a tone has no effect
         let all: Vec<Estimate<4>> = (0..60).map(|seed| found(&p, truth, 3e-7, seed).unwrap()).collect();
         for i in 0..4 {
             let told = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
@@ -189,7 +189,7 @@ mod tests {
         let (p, x) = (Parameters::START, Unknowns::from([2.0, 1.0, 3.0, -20.0]));
         let mut tone = Tone::new(&p, 300.0, SpectralLine::default());
         let [left, right] = tone.sides(&x);
-        // by a hundredth of its size, with noise of the answer beside it
+        // by a hundredth of its size, with noise of the response in addition
         let answer = right / left;
         let noise = 1e-3 * (0.01 * answer).norm_sqr();
         tone.line = SpectralLine {

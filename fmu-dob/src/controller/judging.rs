@@ -33,8 +33,8 @@ impl Controller {
             _ if steady => 0.0,
             _ => p.retract.deceleration,
         };
-        // a push of the guard's force, what is planned, and a drive that does anything from the contrary to twice what
-        // it is told; anything while nothing is known of the velocity
+        // a push of the force of the guard, the planned acceleration, and a drive that does anything from the contrary of
+        // its command to twice of it; any motion while the velocity is unknown
         let known = self.tracked() && !self.off();
         let push = p.guard_force / p.stage.mass;
         let unforeseen = push + planned + 2.0 * commanded.abs();
@@ -108,7 +108,7 @@ impl Controller {
             let steady = self.motion.at_rest() || self.state.approaching() && self.motion.cruising();
             if watching && steady && self.state != State::Commission {
                 if monitors.swing.update(p, monitors.drive.inertia()) && monitors.swing.count() > OVERSHOOTS {
-                    // a stage that swings has no force at rest
+                    // an oscillating stage has no force at rest
                     monitors.relief = RestForce::default();
                 }
             } else {
@@ -250,7 +250,7 @@ mod tests {
         let p = Parameters::START;
         let mut controller = Controller::new(&p).unwrap();
         let expected = controller.expect(&p);
-        // 2 ms a turn
+        // 2 ms per revolution
         let input = Input { spindle_speed: 1000.0 * std::f64::consts::PI, ..Input::START };
         controller.reader.read(&p, &input, &expected);
         let mut behind = |state: State, velocity: f64| {

@@ -156,7 +156,7 @@ mod tests {
         controller.calibration.begin(&p);
         controller.motion.start(&p, 0.0, &controller.calibration.approach(&p));
         controller.state = State::Detect;
-        // 500 s there at 10 um/s, ten times as long as in a job at 100 um/s
+        // 500 s of approach at 10 um/s, ten times as long as in a cycle at 100 um/s
         let slowest = Approach { velocity: p.calibration.velocity_min, ..p.approach };
         let limit = cycle_limit(&p, &slowest);
         let samples = (limit / p.sample_period) as u64;
@@ -168,7 +168,7 @@ mod tests {
         let Numbers { lasted, time_limit, .. } = controller.numbers;
         assert!(limit > 630.0 && time_limit == limit, "{time_limit} s");
         assert!(lasted > limit && lasted < limit + 1.5 * p.sample_period, "{lasted} s");
-        // a commission has a limit of its own
+        // a commissioning run has its own limit
         controller.state = State::Commission;
         controller.stop(&p, Fault::NoProgress, &reading);
         assert!((controller.numbers.time_limit - 14.6).abs() < 0.05, "{:?}", controller.numbers);

@@ -182,7 +182,7 @@ mod tests {
     fn noise_that_goes_on_alike_weighs_the_same_however_long_it_is_learned() {
         let learned = |samples: usize| {
             let mut bank = empty_bank();
-            // to and fro: every correlation keeps its size
+            // alternating: every correlation keeps its size
             (0..samples).for_each(|k| bank.learn(if k % 2 == 0 { 1e-6 } else { -1e-6 }));
             bank.arm(0.0, LEVEL);
             bank.weight

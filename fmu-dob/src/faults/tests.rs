@@ -97,19 +97,19 @@ fn the_share_of_the_commanded_force_names_the_cause() {
     assert_eq!(named(Some(0.3), false), Some(Fault::WeakDrive));
     assert_eq!(named(Some(-0.2), false), Some(Fault::WeakDrive));
     assert_eq!(named(Some(-0.9), false), Some(Fault::DriveSign));
-    // a share alone is no fault until it is to be judged
+    // a ratio alone is no fault until it is to be evaluated
     let share = |judged| find(&p, &Symptoms { gain_ratio: Some(0.1), evaluated: judged, ..symptoms(&GOOD) });
     assert_eq!((share(false), share(true)), (None, Some(Fault::WeakDrive)));
-    // where the drive takes it the wrong way, the position cannot be believed either
+    // where the drive pushes the wrong way, the position is not used either
     let jumps = Reading { position: None, lost: 9, loss: Loss::Jumps, ..GOOD };
     let jump = |share| find(&p, &Symptoms { gain_ratio: Some(share), evaluated: false, ..symptoms(&jumps) });
     assert_eq!((jump(0.1), jump(-0.3)), (Some(Fault::PositionJump), Some(Fault::DriveSign)));
-    // readings that no force explains are no force, whatever the drive seems to do
+    // jumps that no force explains are no force, whatever the drive seems to do
     let overload =
         |bent, share| find(&p, &Symptoms { bent, gain_ratio: Some(share), overloaded: 3, ..symptoms(&GOOD) });
     assert_eq!([false, true].map(|bent| overload(bent, 1.0)), [Some(Fault::Overload), Some(Fault::PositionJump)]);
     assert_eq!([false, true].map(|bent| overload(bent, 0.1)), [Some(Fault::WeakDrive), Some(Fault::PositionJump)]);
-    // a loop that swings has a drive that answers
+    // an oscillating loop has a drive that responds
     let swings =
         |share| find(&p, &Symptoms { gain_ratio: Some(share), evaluated: false, reversals: 9, ..symptoms(&GOOD) });
     assert_eq!((swings(0.3), swings(-0.3)), (Some(Fault::Oscillation), Some(Fault::DriveSign)));

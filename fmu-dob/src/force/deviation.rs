@@ -27,7 +27,7 @@ impl MovingDeviation {
         self.count = usize::min(self.count + 1, self.past.len());
         self.next += 1;
         if self.next == self.past.len() {
-            // exact sum once per turn, so that rounding errors never add up
+            // exact sum once per cycle of the ring, so that rounding errors never add up
             self.next = 0;
             self.sum = self.past.iter().sum();
         }

@@ -217,7 +217,7 @@ mod tests {
         let force = observer.force();
         (9..=12).for_each(|k| observer.coast(acted(k)));
         let place = observer.position_filter + observer.velocity / observer.velocity_gain;
-        // it takes its late velocity for 3 N, and forgets them as with readings
+        // it interprets its late velocity as 3 N, which decay as with positions
         assert!((place - position(12)).abs() < 6e-8, "{} m", place - position(12));
         assert!(observer.force().abs() < force.abs(), "{} N after {force} N", observer.force());
     }
@@ -250,7 +250,7 @@ mod tests {
         let mut renewed = observer.renewed(&other);
         assert!((renewed.force() / observer.force() - 0.8).abs() < 1e-9, "{renewed:?}");
         assert_eq!(renewed.velocity(), observer.velocity());
-        // and so it goes on, by itself
+        // and so it continues, by itself
         renewed.update(position(3000), 0.01);
         assert!((renewed.force() / observer.force() - 0.8).abs() < 1e-6, "{renewed:?}");
     }
@@ -267,7 +267,7 @@ mod tests {
         observer.reseat(0.3, 1e-3);
         assert!((observer.force() - before).abs() < 1e-12);
         assert!((observer.velocity() - 1e-3).abs() < 1e-15);
-        // and so it goes on
+        // and so it continues
         observer.update(0.3 + 1e-3 * p.sample_period, 0.01);
         assert!((observer.velocity() - 1e-3).abs() < 1e-12, "{}", observer.velocity());
     }

@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_jump_whose_readings_were_not_read_before_is_not_late() {
-        // later than is kept, too short for a row, half a step beside, and forwards
+        // later than stored, too few repeats, half a step off, and forwards
         for (late, offset) in [(32, 0.0), (2, 0.0), (10, 5e-10), (0, 1e-7)] {
             assert_eq!(told(late, offset), [None; 8], "{late} {offset}");
         }
@@ -148,7 +148,7 @@ mod tests {
         // each is bent by once, twice and once: one alone is a bad sample, the fourth largest of both together is once
         assert!(bends[..19].iter().all(|bend| *bend == 0.0), "{bends:?}");
         assert_eq!(bends[19..23], [1.0, 1.0, 1.0, 1.0]);
-        // the first is forgotten one by one
+        // the first ones are discarded one by one
         assert_eq!(bends[38..44], [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     }
 

@@ -65,7 +65,7 @@ mod tests {
         let mut p = Parameters::START;
         assert_eq!(told(&p, true, 10_000), Some(300));
         assert_eq!(told(&p, true, 300), None);
-        // after a motion, anew
+        // after a motion, again
         let mut rest = Rest::default();
         assert!((0..300).all(|_| !rest.update(&p, 0.0, true)) && rest.update(&p, 0.0, true));
         rest.clear();

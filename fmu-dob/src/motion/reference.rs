@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn a_longer_way_back_counts_from_where_the_retreat_began() {
         let p = Parameters::START;
-        // on the way, behind it, and after the stage was found elsewhere
+        // in the retract, after it, and after the stage was found elsewhere
         for (samples, moved) in [(100, 0.0), (3000, 0.0), (3000, 0.2)] {
             for (farther, expected) in [(3e-5, 5e-5), (8e-5, 8e-5)] {
                 let mut motion = approaching(&p, 1000);
@@ -288,7 +288,7 @@ mod tests {
         assert!((back + 5e-6).abs() < 0.1e-6, "{back}");
         let turn = places.iter().position(|z| *z == back).unwrap();
         assert!(places[turn..].is_sorted() && motion.cruising());
-        // 50 ms there at 100 um/s, a turn of 2 ms
+        // 50 ms there at 100 um/s, a reversal of 2 ms
         assert!((490..540).contains(&turn), "{turn}");
     }
 

@@ -94,7 +94,7 @@ fn a_position_that_stands_while_it_should_move_is_lost_even_with_a_last_bit_that
 #[test]
 fn a_stage_that_is_astray_may_stand() {
     let mut reader = cruising();
-    // 100 nm behind its reference, and braked to a stop
+    // lagging its reference by 100 nm, and decelerated to a stop
     let diverged = Expected { motion: 0.0, reference: 1.1e-6, ..CRUISING };
     for _ in 0..4 {
         assert!(reader.read(&Parameters::START, &at(99e-8), &diverged).position.is_some());
@@ -189,7 +189,7 @@ fn direction_turns_the_axis() {
 #[test]
 fn a_stage_that_was_hardly_astray_may_not_stand() {
     let mut reader = cruising();
-    // 20 nm behind its reference, within the 10 nm that are unanswered and four times the 7.5 nm
+    // lagging its reference by 20 nm, within 10 nm without a change and four times 7.5 nm
     let near = Expected { motion: 0.0, reference: 1.01e-6, ..CRUISING };
     let stuck = reader.read(&Parameters::START, &at(99e-8), &near);
     assert_eq!((stuck.position, stuck.loss), (None, Loss::Frozen));
@@ -206,9 +206,9 @@ fn a_reading_stands_beyond_its_limit_unless_the_stage_is_farther_astray_than_tha
         let last = (0..=samples).map(|_| reader.read(&p, &at(0.0), &expected)).last().unwrap();
         last.position.is_none() && last.loss == Loss::Frozen
     };
-    // one of `limits.frozen` and two that the stage may be behind
+    // one of `limits.frozen` and two of the tolerated lag
     assert_eq!([stands(3, 0.0), stands(4, 0.0)], [false, true]);
-    // four unanswered, two behind, four times `limits.frozen`
+    // four without a change, two of lag, four times `limits.frozen`
     assert_eq!([stands(4, 10.0), stands(4, 11.0)], [true, false]);
 }
 
@@ -228,7 +228,7 @@ fn a_stage_that_was_ahead_stands_until_its_reference_has_come_by() {
         last.position.is_none() && last.loss == Loss::Frozen
     };
     let stands = |samples: u32, ahead: f64| frozen(samples, ahead, true);
-    // two that it may be behind, two samples and four times `limits.frozen` are with the reference
+    // two of lag, two samples and four times `limits.frozen` follow the reference
     assert_eq!([stands(3, 8.0), stands(4, 8.0)], [false, true]);
     assert_eq!([stands(12, 9.0), stands(13, 9.0)], [false, true]);
     assert_eq!([stands(23, 20.0), stands(24, 20.0)], [false, true]);

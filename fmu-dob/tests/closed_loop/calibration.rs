@@ -70,7 +70,7 @@ fn a_taught_bias_tells_the_first_touch_at_speeds_that_were_and_were_not_taught()
             "{calibrated:?}"
         );
         assert_eq!(calibrated.touches, 20);
-        // as far back as a job at 100 um/s arms
+        // as far as an approach at 100 um/s needs to arm
         assert!(run.slide.place() < PLACE - 8.9e-5, "{} m", run.slide.place());
         assert!(calibrated.std < 3e-8 && calibrated.scatter < 6e-8, "{calibrated:?}");
         // as far as one arms at 300 um/s
@@ -148,7 +148,7 @@ fn it_never_begins_by_itself_and_every_touch_keeps_to_the_travel_of_an_approach(
     }
     let mut p = parameters();
     (p.calibration.velocity_min, p.approach.travel_max) = (9e-5, 2.8e-4);
-    // the work is not where it was told to be
+    // the workpiece is not at the configured position
     let mut run = Loop::new(&p, 136, 3e-4);
     calibrate(&mut run);
     assert_eq!((run.output.fault, run.output.calibrated.touches), (Fault::TravelLimit, 0), "{:?}", run.output);
@@ -191,7 +191,7 @@ fn a_travel_too_short_for_the_fastest_touch_is_refused_before_the_stage_moves() 
 fn broken_off_it_goes_back_from_the_touch_and_not_from_where_it_stands() {
     let mut p = parameters();
     p.calibration.velocity_min = 6e-5;
-    // a job at 100 um/s needs 90 um, touches at 90 and 300 um/s 81 and 271 um
+    // an approach at 100 um/s needs 90 um, touches at 90 and 300 um/s 81 and 271 um
     let cases = [
         (0, State::Retract, 90.12e-6),
         (1, State::Calibrate, 90.12e-6),
@@ -264,7 +264,7 @@ fn it_is_broken_off_by_teach_and_by_enable_and_then_a_job_is_armed_before_it_tou
             "{output:?}"
         );
         assert_eq!(output.aborted, state == State::Detect);
-        // 100 um/s, with what was told: no bias
+        // 100 um/s, with the configured values: no bias
         let [found, told] = touch(&mut run, 100.0);
         assert_eq!(found, told);
     }
@@ -291,7 +291,7 @@ fn a_wrong_place_soft_work_and_touches_that_scatter_are_rejected_with_their_numb
             !output.calibrated.valid && output.calibrated.touches == 10 && output.drive_enable,
             "{told}: {output:?}"
         );
-        // it goes back as far as a job needs to arm
+        // it retracts as far as an approach needs to arm
         (0..2000).for_each(|_| run.step_with(rest));
         run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
         assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
@@ -361,9 +361,9 @@ fn hard_work_is_touched_slower_in_the_teaching_and_in_the_job_behind_it() {
         println!("{stiffness:.1e} N/m: {force:.2} N at up to {:.0} um/s", 1e6 * fastest);
         assert_eq!((fastest, calibrated.velocity_max < 2.9e-4), (calibrated.velocity_max, slower));
         assert_eq!(force > 0.8, stiffness > 1e6 && !slower, "{force} N");
-        // not so slow as that nothing were left of what is wanted
+        // not so slow that nothing of the requested range remains
         assert!(!slower || force > 0.3, "{force} N");
-        // as sure as it tells, at the speed that was gone
+        // within the reported uncertainty, at the active speed
         let error = run.output.contact_position_estimate - PLACE;
         assert!(error.abs() < 4.0 * run.output.contact_position_std, "{error} m");
     }
@@ -380,7 +380,7 @@ fn work_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_tou
     assert_eq!((output.state, output.fault), (State::Fault, Fault::CalibrationRejected), "{output:?}");
     assert!(!output.calibrated.valid && output.calibrated.touches <= 2 && output.drive_enable, "{output:?}");
     assert!(output.numbers.bearable.is_some_and(|speed| speed < 3e-5), "{:?}", output.numbers);
-    // a job touches at the speed that was told, and is armed before
+    // an approach touches at the configured speed, and is armed before
     (0..2000).for_each(|_| run.step_with(rest));
     run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
     let [found, told] = touch(&mut run, 100.0);

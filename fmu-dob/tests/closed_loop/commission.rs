@@ -73,7 +73,7 @@ fn unknown_machines_are_measured_within_their_deviations() {
         let [back, ahead] = commission(&mut run);
         let m = &run.output.measured;
         assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{seed}: {m:?}");
-        // 90 um back, and never ahead but for the noise of the servo
+        // 90 um of retract, and never ahead except for the noise of the servo
         assert!(back > -91e-6 && ahead < 0.3e-6, "{seed}: {back} {ahead}");
         let noise = f64::hypot(0.5e-9 * run.slide.noise, 1e-9 / 12f64.sqrt());
         // the slide's steps of 50 us move it as if commands acted half a sample earlier
@@ -154,7 +154,7 @@ fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
         let limit = run.time() + 3.0;
         assert!(run.run_to(State::Done, limit), "{apply}: {:?}", run.output);
         assert!(run.slide.depth > 0.0 && run.slide.depth < 0.45e-6, "{apply}: {} m", run.slide.depth);
-        // the share of the commanded force that accelerates the stage is now all of it
+        // the gain ratio of the drive is now 1
         let share = run.output.drive_gain_ratio;
         assert_eq!((share - 1.0).abs() < 0.06, apply, "{apply}: {share}");
     }
@@ -164,7 +164,7 @@ fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
 fn it_is_broken_off_by_commission_and_by_enable_into_rest_and_what_was_told() {
     let mut p = Parameters::START;
     p.commission.apply = true;
-    // on the way back, in the excitation, and in a stroke with the new thrust constant in force
+    // in the first motion, in the excitation, and in a stroke with the new thrust constant
     for time in [0.04, 1.0, 3.0, 9.0] {
         for enable in [false, true] {
             let mut run = Loop::new(&p, 84, NO_WORKPIECE);
@@ -277,7 +277,7 @@ fn noise_in_which_no_touch_is_felt_is_rejected_and_no_limit_grows_with_it() {
 fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
     for apply in [false, true] {
         let mut p = Parameters::START;
-        // nearly what the drive that was told can do, and more than this one
+        // nearly the maximum of the configured drive, and more than that of this one
         (p.commission.apply, p.commission.force) = (apply, 0.95 * p.stage.force_constant * p.stage.current_max);
         let mut run = Loop::new(&p, 96, NO_WORKPIECE);
         run.slide.strength = 0.8;

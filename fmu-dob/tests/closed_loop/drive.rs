@@ -69,7 +69,7 @@ fn a_stage_that_is_pulled_from_its_reference_is_told() {
 #[test]
 fn a_weak_drive_is_told_by_the_start_of_the_approach() {
     let mut p = Parameters::START;
-    // a third of what it is told
+    // a third of the command
     p.stage.force_constant *= 3.0;
     let mut run = Loop::new(&p, 36, NO_WORKPIECE);
     assert!(run.run_to(State::Approach, 1.0));
@@ -118,7 +118,7 @@ fn done_waits_for_a_stage_that_swings_until_it_stands() {
     let places: Vec<f64> = (0..100).map(|_| (run.step(), run.slide.place()).1).collect();
     let way =
         places.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)) - places.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-    // 0.4 N at 130 Hz are 60 nm to and fro
+    // 0.4 N at 130 Hz are 60 nm in both directions
     assert!(way < 120e-9, "{way} m");
 }
 

@@ -178,7 +178,7 @@ fn no_position_from_the_beginning() {
         assert_eq!(run.output.current, 0.0);
     }
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::PositionLost));
-    // it comes back: hold where it is, and begin when asked
+    // the position returns: hold it, and start on request
     (0..2000).for_each(|_| run.step_with(|input| input.enable = false));
     assert_eq!(run.output.reference.velocity, 0.0);
     reset(&mut run);

@@ -76,7 +76,7 @@ fn a_contact_that_the_armed_detector_has_missed_is_told_behind_the_retract() {
 
 #[test]
 fn contact_while_settling_is_caught_by_the_guard() {
-    // from the first instant of the motion on; 1 mm/s with some micrometres of delay
+    // from the first instant of the motion on; 1 mm/s with a few micrometers of delay
     for (velocity, deepest) in [(10e-6, 2.2e-6), (100e-6, 2.6e-6), (1e-3, 6e-6)] {
         let mut p = Parameters::START;
         p.approach.velocity = velocity;

@@ -57,7 +57,7 @@ fn begins_again_after_done_and_after_a_reset() {
 fn a_reset_needs_a_rising_edge_at_rest_and_moves_nothing() {
     let mut run = running(&Parameters::START, 15, State::Detect);
     lose_spindle(&mut run);
-    // the edge comes before the retreat is over: it does not count, and is no edge later
+    // the edge before the end of the retract is ignored, and is no edge later
     (0..2000).for_each(|_| run.step_with(|input| input.reset_fault = true));
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::SpindleLost));
     // a new approach needs the reset first
@@ -150,7 +150,7 @@ fn a_job_that_is_asked_for_as_soon_as_a_commission_is_broken_off_waits_for_a_sta
             let mut job = run.clone();
             job.step_with(|input| input.enable = false);
             assert_eq!(job.output.state, State::Idle);
-            // its reference stands after 1 ms at most, the stage does not
+            // its reference is at rest after at most 1 ms, the stage is not
             let begins = (0..300).find(|_| {
                 job.step();
                 job.output.state == State::Approach

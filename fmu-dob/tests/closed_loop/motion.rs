@@ -35,7 +35,7 @@ fn the_notches_take_the_spindle_out_of_the_force() {
         }
     }
     let [disturbance, notched] = lines.map(|[a, b]| f64::hypot(a, b));
-    // 20 mN behind the observer's 100 Hz
+    // 20 mN after the 100 Hz of the observer
     assert!(disturbance > 2e-3 && notched < 0.1 * disturbance, "{disturbance} N, {notched} N");
 }
 
@@ -56,7 +56,7 @@ fn starts_at_rest_anywhere() {
     for position in [0.0, -0.75, 123.456] {
         let mut controller = Controller::new(&p).unwrap();
         let mut output = Output::START;
-        // the velocity is known after 3.2 ms, and a motion before would be forgotten after 9.6 ms
+        // the velocity is known after 3.2 ms, and a motion before it has no effect after 9.6 ms
         for k in 0..100 {
             let input = Input { position, enable: k == 99, ..Input::START };
             controller.tick(&input, &p, &mut output);

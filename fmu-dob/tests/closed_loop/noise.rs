@@ -103,7 +103,7 @@ fn what_only_looks_like_a_contact_is_touched_again_and_dismissed() {
         assert!(!matches!(run.output.state, State::Contact | State::Fault), "{:?}", run.output);
         suspicions += u32::from(run.output.state == State::Confirm && before != State::Confirm);
         if before == State::Confirm && run.output.state == State::Detect {
-            // beyond the place, on the way again
+            // beyond the position, approaching again
             assert_eq!(run.output.reference.velocity, Parameters::START.approach.velocity);
         }
         before = run.output.state;

@@ -59,7 +59,7 @@ fn a_slow_stage_that_noise_lets_stand_for_a_moment_is_neither_frozen_nor_a_conta
     p.approach.velocity = 1e-5;
     for seed in 60..66 {
         let mut run = running(&p, seed, State::Detect);
-        // 7 of the 7.5 nm, and then where it truly is
+        // 7 of the 7.5 nm, and then the actual position
         let mut held = None;
         for _ in 0..8 {
             run.step_with(|input| input.position = *held.get_or_insert(input.position));
@@ -100,7 +100,7 @@ fn a_link_that_falls_behind_is_told_as_late_and_another_jump_back_is_not() {
                 assert_eq!(run.output.fault, Fault::PositionDelayed, "{state:?} {late}");
                 assert_eq!((run.output.numbers.late_by, run.output.drive_enable), (late as u32, false));
                 let mut run = armed.clone();
-                // half a step beside any that was read
+                // half a step off any measured value
                 until_told(&mut run, 10, |input| input.position -= 1e-8 * late as f64 + 0.5e-9);
                 assert_eq!(run.output.fault, Fault::PositionJump, "{state:?} {late}");
             }
@@ -309,7 +309,7 @@ fn learning_that_does_not_end_is_told() {
     let mut p = Parameters { detector: DetectorKind::Glr, ..Parameters::START };
     p.limits.learn_time = 0.6;
     let (mut run, mut learned) = (Loop::new(&p, 74, NO_WORKPIECE), 0);
-    // 10 % to and fro, slowly enough for a spindle: a new gain again and again
+    // 10 % up and down, slowly enough for a spindle: repeated new gains
     for k in 0..40_000 {
         let wobble = 1.0 + 0.1 * (4e-4 * TAU * f64::from(k)).sin();
         run.step_with(|input| input.spindle_speed *= wobble);

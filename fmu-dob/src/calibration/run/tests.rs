@@ -46,7 +46,7 @@ fn each_limit_is_the_last_value_that_is_accepted() {
         assert_ne!(calibration.calibrated.valid, calibration.rejected);
         calibration.calibrated.valid
     };
-    // four touches to and fro by x have the deviation x (4/3)^(1/2)
+    // four touches that alternate by x have the standard deviation x (4/3)^(1/2)
     let swing = |x: f64| move |_: f64, touch: u32| 2e-7 + if (touch / 5).is_multiple_of(2) { x } else { -x };
     assert!(good(&swing(1.03e-8)) && !good(&swing(1.05e-8)));
     // too soft, and before the touch
@@ -111,11 +111,11 @@ fn a_slowest_speed_that_is_never_sure_is_left_out_once_all_touches_are_made() {
         assert!((calibration.bias(&p).at(1e-4) - 3e-7).abs() < 1e-12);
         assert!(calibration.deviation(3e-5) < 2e-8 && calibration.deviation(1e-5) > 1.5e-7 + more);
     }
-    // what is told of one that is refused is what all speeds say
+    // a rejected calibration reports the result of all speeds
     let refused = end(1, 0.0);
     assert!(refused.rejected && !refused.calibrated.valid && refused.calibrated.touches == 30);
     assert!(refused.calibrated.velocity_min == 1e-5 && refused.calibrated.scatter > 6e-8, "{:?}", refused.calibrated);
-    // none is left out where all are sure
+    // no speed is left out where all are certain
     assert_eq!(calibrated(&p, |v, _| truth.at(v)).calibrated.velocity_min, 1e-5);
 }
 
@@ -190,7 +190,7 @@ fn a_job_is_no_faster_than_was_taught_with_a_limit_of_the_force_and_is_in_force(
         assert_eq!([calibration.approach(&p).velocity, calibration.approach_after(&p).velocity], [expected; 2]);
         let slower = Approach { velocity: 5e-5, ..p.approach };
         assert_eq!(calibration.approach(&Parameters { approach: slower, ..p.clone() }), slower);
-        // broken off, what was told counts
+        // aborted: the configured bias is active
         calibration.begin(&p);
         calibration.break_off();
         assert_eq!(calibration.approach(&p).velocity, 1e-3);

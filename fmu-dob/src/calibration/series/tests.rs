@@ -64,7 +64,7 @@ fn the_parts_are_found_and_as_sure_as_told() {
     ] {
         assert!((0.8..1.2).contains(&ratio), "{ratio}");
     }
-    // at the ends of the range it is the least sure; what is left out there is in it besides
+    // the uncertainty is largest at the ends of the range, and contains the model error
     let worst = [1e-5, 3e-4].map(|v| rms(&|t| (t.parts().at(v) - TRUTH.at(v)).hypot(LEFT_OUT) / t.std));
     assert!(worst.iter().all(|ratio| *ratio < 1.2) && worst[0].max(worst[1]) > 0.8, "{worst:?}");
 }
@@ -81,7 +81,7 @@ fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
         assert!((touch / ((2.0 * pooled + 3.0 * variance(x)) / 3.0).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
     }
     assert_eq!((spread.bias, spread.speeds[0]), ([calibrated.std; SPEEDS], 1e-5));
-    // as sure as its mean is at the slowest: 44 nm / 2 and what is left out, less what the others know of it
+    // that of the mean at the slowest speed: 44 nm / 2 and the model error, reduced by the other speeds
     let likely = (0.4 * pooled + 0.6 * variance(5e-8)).sqrt();
     assert!((0.7..1.0).contains(&(calibrated.std / (0.5 * likely).hypot(LEFT_OUT))), "{calibrated:?}");
 }
@@ -138,7 +138,7 @@ fn the_rounds_spread_over_half_a_turn_of_the_spindle_after_any_number_of_touches
         let mut series = TouchSeries::new(&Parameters::START);
         let mut shares: Vec<f64> = (0..5)
             .map(|_| {
-                // 10 ms a turn, either way round
+                // 10 ms per revolution, in both directions
                 let pause = series.pause(TAU / 0.01);
                 assert_eq!((pause, 0.0, 0.0), (series.pause(-TAU / 0.01), series.pause(0.0), series.pause(TAU / 0.1)));
                 (0..SPEEDS).for_each(|_| series.take(&Parameters::START, 0.0, 0.0));
@@ -187,7 +187,7 @@ fn hard_work_lowers_the_speeds_that_are_still_to_come() {
     // no limit, however hard
     assert_eq!(speeds(&pressed(&p, hard(1e6)).unwrap()), [10.0, 23.4, 54.8, 128.2, 300.0]);
     p.calibration.force_max = 0.8;
-    // bearable is 0.8 N less 30 % of mass, 20 % of scatter and 60 % of what is not known yet
+    // allowed: 0.8 N minus 30 % of mass, 20 % of scatter and 60 % of extrapolation
     let at = |speed: f64| 0.8 / (1.3 * 1.2 * 1.6 * 1e-6 * speed);
     for (slope, expected) in [
         (at(300.1), [10.0, 23.4, 54.8, 128.2, 300.0]),
@@ -207,7 +207,7 @@ fn hard_work_lowers_the_speeds_that_are_still_to_come() {
 fn the_fastest_touch_of_the_first_round_is_given_up_where_others_may_press_too_hard() {
     let mut p = Parameters::START;
     p.calibration.force_max = 0.8;
-    // what all five tell of 300 um/s is bearable up to 0.8 N less 30 % of mass and 20 % of scatter
+    // all five allow 300 um/s up to 0.8 N minus 30 % of mass and 20 % of scatter
     let after = |force: f64| {
         let hard = |velocity: f64| if velocity > 2.99e-4 { force } else { 1000.0 * velocity };
         let series = pressed(&p, hard).unwrap();
@@ -227,7 +227,7 @@ fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_m
     while !series.over(&p) {
         let jump = !given_up && series.next() == 2;
         given_up |= jump;
-        // 0.5 N at 54.8 um/s: bearable are 37 um/s, by all three touches
+        // 0.5 N at 54.8 um/s: all three touches allow 37 um/s
         series.take(&p, TRUTH.at(series.velocity()), if jump { 0.5 } else { 1000.0 * series.velocity() });
         series.lower(&p).unwrap();
     }
@@ -270,7 +270,7 @@ fn slow_touches_tell_the_force_only_before_there_is_a_fast_one_and_then_the_hard
         let force = |v: f64| v * if velocities.contains(&v) { slope } else { 1000.0 };
         speeds(&pressed(&p, force).unwrap())
     };
-    // below 30 um/s, and 80 um/s would be bearable by them
+    // below 30 um/s; they would allow 80 um/s
     assert_eq!(hard(0.0..3e-5, 4000.0), [10.0, 23.4, 54.8, 128.2, 300.0]);
     assert_eq!(hard(5e-5..6e-5, 2400.0), [10.0, 23.4, 54.8, 128.2, 133.5]);
 }
@@ -285,7 +285,7 @@ fn touches_that_are_given_up_again_leave_three_to_one_where_that_is_bearable() {
         assert_eq!(series.lower(&p), Ok(()));
     }
     assert_eq!((speeds(&series)[SPEEDS - 1].round(), series.given_up), (296.0, 1));
-    // 31.5 um/s are bearable by all six
+    // all six allow 31.5 um/s
     series.take(&p, 1e-7, 10.23);
     assert_eq!((series.lower(&p), speeds(&series)[SPEEDS - 1], series.given_up), (Ok(()), 30.0, 4));
 }
