@@ -1,4 +1,4 @@
-//! What the state `Commission` of every controller is made of.
+//! Parts of the state `Commission` of every controller.
 
 pub mod bounds;
 pub mod excitation;

@@ -1,4 +1,4 @@
-//! What is learned from samples, in constant time and memory.
+//! Estimates from samples, in constant time and memory.
 
 pub mod allan;
 pub mod angle;

@@ -1,5 +1,5 @@
 //! Discrete-time blocks for more than one controller, one per file, with derivation and closed-form
-//! tests. They know neither FMI nor any controller; what runs sample by sample allocates nothing.
+//! tests. They are independent of FMI and of any controller, and allocate nothing in a control step.
 #![forbid(unsafe_code)]
 
 mod commission;

@@ -1,6 +1,6 @@
-//! Monitors: each sees one kind of failure that a law alone would follow without a word.
+//! Monitors: each detects one kind of failure that a control law alone would follow undetected.
 //!
-//! They say that something is wrong and give the number behind it; what to call it and how to end is the controller's.
+//! They report a violation and its value; the controller names the fault and selects the reaction.
 
 pub mod following;
 pub mod frozen;

@@ -1,4 +1,4 @@
-//! For which machines a commission is made, how sure it must be of them, and how long it may take.
+//! Commissioning run: range of machines, required certainty, and duration.
 
 use std::ops::RangeInclusive;
 
@@ -6,61 +6,61 @@ use crate::parameters::error::ParameterError;
 use crate::parameters::parameter::Parameter;
 use crate::sampling::sent_commands::DELAY_MAX;
 
-/// A gain, stiffness or bandwidth over that which was told, at most; its reciprocal is the least (our choice).
+/// Maximum ratio of an actual gain, stiffness or bandwidth to the configured one; its reciprocal is the minimum (default).
 pub const RATIO_MAX: f64 = 2.0;
-/// Samples of delay more than told (our choice).
+/// Maximum additional delay over the configured one, samples (default; a filter in a drive).
 pub const DELAY_SPREAD: i32 = 2;
-/// What is not measured so surely is not used: this many standard deviations.
+/// Significance in standard deviations below which a measured value is not used.
 pub const SIGNIFICANT: f64 = 3.0;
-/// A commission may take longer than its motions by this share and this time, s.
+/// Reserve of the duration over that of the motions: factor, and time, s.
 const TIME_SPARE: (f64, f64) = (1.25, 1.0);
 
-/// Whether a value is that which was told within a factor.
+/// Whether a value is within a factor of the configured one.
 pub fn within_factor(value: f64, told: f64, factor: f64) -> bool {
     value * factor >= told && value <= factor * told
 }
 
-/// Whether a value is measured with a standard deviation of at most this share of it.
+/// Whether the standard deviation of a value is at most this fraction of it.
 pub fn sure(value: f64, deviation: f64, share: f64) -> bool {
     deviation <= share * value.abs()
 }
 
-/// A value where it is significant, else the one that was told.
+/// A value if it is significant, otherwise the configured one.
 pub fn significant_or(value: f64, deviation: f64, told: f64) -> f64 {
     if value > SIGNIFICANT * deviation && value > 0.0 { value } else { told }
 }
 
-/// A value that a parameter tells, or where that is 0 the one that follows from others.
+/// The value of a parameter, or if that is 0 the one derived from others.
 pub fn told_or(told: f64, derived: impl FnOnce() -> f64) -> f64 {
     if told > 0.0 { told } else { derived() }
 }
 
-/// A delay in whole samples; one that is no number is none that a machine has.
+/// A delay in whole samples; a value that is not finite gives a delay that no machine has.
 pub fn whole_delay(samples: f64) -> i32 {
     if samples.is_nan() { i32::MIN } else { samples.round() as i32 }
 }
 
-/// Delays (samples) from 0 to `DELAY_SPREAD` more than told, as far as commands are remembered.
+/// Tolerated delays (samples): from 0 to `DELAY_SPREAD` more than configured, as far as commands are stored.
 pub fn bearable_delays(told: i32) -> RangeInclusive<i32> {
     0..=(told + DELAY_SPREAD).min(DELAY_MAX as i32)
 }
 
-/// Longest commission (s): `commission.time`, or what its motions take and some more.
+/// Maximum duration of a commissioning run (s): the configured one, or the time of its motions with a reserve.
 pub fn commission_time(told: f64, motions: impl FnOnce() -> f64) -> f64 {
     told_or(told, || TIME_SPARE.0 * motions() + TIME_SPARE.1)
 }
 
-/// The parameter `commission.time` leaves its motions the time (s) that they take.
+/// Checks that the parameter `expert.commission.time` is at least the time (s) of the motions.
 ///
 /// # Errors
-/// When it does not.
+/// If it does not.
 pub fn check_commission_time(told: f64, motions: impl FnOnce() -> f64) -> Result<(), ParameterError> {
     if told == 0.0 {
         return Ok(());
     }
-    let (least, hint) = (motions(), "or every commission ends in `NoProgress`");
-    Parameter::new("commission.time", told, "s", hint)
-        .must_be(told >= least, || format!("`0`, or at least `{least} s`, the time that its motions take"))
+    let (least, hint) = (motions(), "otherwise every commissioning run raises `NoProgress`");
+    Parameter::new("expert.commission.time", told, "s", hint)
+        .must_be(told >= least, || format!("`0`, or at least `{least} s`, the time of its motions"))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A multisine from rest to rest: it grows, settles, is measured over whole periods, fades, and rests.
 //!
-//! With the share e of the multisine m the motion is x = e m, v = e' m + e m', a = e'' m + 2 e' m' + e m''; e grows and fades
-//! with least jerk, so that x begins and ends at rest.
+//! With the envelope e of the multisine m the motion is x = e m, v = e' m + e m', a = e'' m + 2 e' m' + e m''; e grows and fades
+//! with minimum jerk, so that x starts and ends at rest.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ use crate::sampling::ticks::ticks;
 pub struct ExcitationTimes {
     /// In which it grows, and in which it fades.
     pub ramp: f64,
-    /// Until what is left of the growing has died out.
+    /// Until the transient of the growing has decayed.
     pub settle: f64,
     /// After it has faded.
     pub rest: f64,
@@ -24,7 +24,7 @@ pub struct ExcitationTimes {
 /// An excitation in whole samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Excitation {
-    /// What is measured.
+    /// Whole periods that are measured.
     pub sines: Multisine,
     ramp: u32,
     settle: u32,
@@ -33,7 +33,7 @@ pub struct Excitation {
 }
 
 impl Excitation {
-    /// Measured over so many periods.
+    /// Measured over this number of periods.
     pub fn new(sines: Multisine, periods: u32, times: &ExcitationTimes) -> Self {
         let dt = sines.sample_period;
         Self {
@@ -60,7 +60,7 @@ impl Excitation {
         (self.ramp + self.settle..self.fades()).contains(&tick)
     }
 
-    /// The motion `tick` samples after its begin.
+    /// The motion `tick` samples after its start.
     pub fn at(&self, tick: u32) -> Trajectory {
         let rate = (f64::from(self.ramp) * self.sines.sample_period).recip();
         let (share, rate) = match tick.checked_sub(self.fades()) {

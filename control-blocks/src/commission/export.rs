@@ -1,13 +1,13 @@
-//! The file that a good commission writes: flat JSON, a parameter and its value on each line.
+//! The file that a good commissioning run writes: flat JSON, one parameter and its value per line.
 //!
-//! The names are those of the FMI variables, so that what was measured can be set where the controller is used next.
+//! The names are those of the FMI variables, so that the values can be set where the controller is used next.
 
 use std::fmt::Write;
 use std::fs;
 
 use crate::parameters::error::ParameterError;
 
-/// What to do when it cannot be written.
+/// Remedy if it cannot be written.
 const HINT: &str = "name a file in a folder that there is and that the importer may write to";
 
 /// Writes the file that the parameter `commission.export` names, as [`export_values`] does.
@@ -19,7 +19,7 @@ pub fn export_commission(file: &str, values: &[(&str, f64)]) -> Result<(), Param
 }
 
 /// Writes the file that a parameter `name` names, if it names one: names and finite values in their order, in
-/// place of what it held; a path is from the working directory of the importer unless it is whole.
+/// place of the previous content; a relative path starts at the working directory of the importing tool.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -35,7 +35,7 @@ pub fn export_values(name: &'static str, file: &str, values: &[(&str, f64)]) -> 
     })
 }
 
-/// The object, a line for each value; whole numbers without a point, as FMI's Integers are.
+/// The object, a line for each value; whole numbers without a point, as Integers of FMI are.
 fn json(values: &[(&str, f64)]) -> String {
     let mut text = String::from("{");
     for (i, (name, value)) in values.iter().enumerate() {

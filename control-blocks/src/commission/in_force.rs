@@ -1,8 +1,8 @@
-//! Which values a controller works with: those that it was told, or those that a commission has derived.
+//! Active values of a controller: configured, or derived by a commissioning run.
 
 use serde::{Deserialize, Serialize};
 
-/// Values that a commission may replace, all of them at once.
+/// Values that a commissioning run may replace, all of them together.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InForce<V> {
     told: V,
@@ -13,60 +13,60 @@ pub struct InForce<V> {
 }
 
 impl<V: Copy + PartialEq> InForce<V> {
-    /// What was told is in force.
+    /// The configured values are active.
     pub fn new(told: V) -> Self {
         Self { told, derived: told, now: told, proposed: None, renewed: false }
     }
 
-    /// Those that were told.
+    /// The configured values.
     pub fn told(&self) -> V {
         self.told
     }
 
-    /// Those that the last good commission derives; before the first those that were told.
+    /// The values derived by the last good run; before the first the configured ones.
     pub fn derived(&self) -> V {
         self.derived
     }
 
-    /// Those in force.
+    /// The active values.
     pub fn now(&self) -> V {
         self.now
     }
 
-    /// Whether what was told is in force.
+    /// Whether the configured values are active.
     pub fn as_told(&self) -> bool {
         self.now == self.told
     }
 
-    /// Proposes values, which come into force if the parameters with them fit each other.
+    /// Proposes values, which become active if the parameters with them fit each other.
     pub fn propose(&mut self, values: V) {
         self.proposed = Some(values);
     }
 
-    /// What was proposed since this was last asked; asked before a sample, when the parameters are at hand to be checked with it.
+    /// Values proposed since the last call; called before a sample, when the parameters are available for the check.
     pub fn take_proposed(&mut self) -> Option<V> {
         self.proposed.take()
     }
 
-    /// Brings values into force.
+    /// Makes values active.
     pub fn bring(&mut self, values: V) {
         self.renewed |= values != self.now;
         self.now = values;
     }
 
-    /// A good commission derives these; they are in force where they are to be applied, else what was told.
+    /// Stores the values of a good run; they are active if they are to be applied, otherwise the configured ones.
     pub fn conclude(&mut self, derived: V, apply: bool) {
         self.derived = derived;
         self.bring(if apply { derived } else { self.told });
     }
 
-    /// Brings what was told back into force, and forgets what was proposed.
+    /// Restores the configured values, and discards proposals.
     pub fn restore(&mut self) {
         self.proposed = None;
         self.bring(self.told);
     }
 
-    /// Whether other values are in force since this was last asked.
+    /// Whether the active values have changed since the last call.
     pub fn take_renewed(&mut self) -> bool {
         std::mem::take(&mut self.renewed)
     }

@@ -1,7 +1,7 @@
-//! A periodic sum of sines that excites a machine at several frequencies at once.
+//! A periodic sum of sines that excites a machine at several frequencies simultaneously.
 //!
-//! x(t) = a sum_i h_i^(-1/2) sin(h_i w t + phi_i) with the harmonics h_i of one base frequency w. The way falls with the root of
-//! the frequency, and the force on a mass grows with its power of 3/2: slow tones tell springs and friction, quick ones mass
+//! x(t) = a sum_i h_i^(-1/2) sin(h_i w t + phi_i) with the harmonics h_i of one base frequency w. The amplitude falls with the root of
+//! the frequency, and the force on a mass grows with its power of 3/2: slow tones identify springs and friction, quick ones mass
 //! and delay. The harmonics 1, 2, 3, 5, 7, 11, 17, 25 are spread like a logarithm. Phases of pi i^2 / n (Schroeder, 1970) keep
 //! the tones from peaking together; |x| <= a sum_i h_i^(-1/2) in any case.
 
@@ -13,7 +13,7 @@ use crate::motion::trajectory::Trajectory;
 
 /// Tones of an excitation.
 pub const TONES: usize = 8;
-/// Harmonics of the base frequency that they are.
+/// Harmonics of the base frequency.
 pub const HARMONICS: [u32; TONES] = [1, 2, 3, 5, 7, 11, 17, 25];
 
 /// A multisine over whole samples.
@@ -38,7 +38,7 @@ impl Multisine {
         let k = (k % u64::from(self.period.max(1))) as u32;
         let mut sum = Trajectory::default();
         for (i, omega) in self.frequencies().into_iter().enumerate() {
-            // whole numbers first: every period has the same bits
+            // whole numbers first: every period is bit-identical
             let turn = f64::from(HARMONICS[i] * k % self.period.max(1)) / f64::from(self.period.max(1));
             let (sine, cosine) = (TAU * turn + PI * (i * i) as f64 / TONES as f64).sin_cos();
             let amplitude = self.amplitude / f64::from(HARMONICS[i]).sqrt();
@@ -49,17 +49,17 @@ impl Multisine {
         sum
     }
 
-    /// What the position cannot exceed, unit of the reference.
+    /// Upper bound of the position, unit of the reference.
     pub fn reach(&self) -> f64 {
         self.amplitude * sum(|harmonic| harmonic.sqrt().recip())
     }
 
-    /// What the velocity cannot exceed, unit of the reference in 1 s.
+    /// Upper bound of the velocity, unit of the reference in 1 s.
     pub fn velocity_max(&self) -> f64 {
         self.amplitude * sum(f64::sqrt) * self.base()
     }
 
-    /// What the acceleration cannot exceed, unit of the reference in 1 s2.
+    /// Upper bound of the acceleration, unit of the reference in 1 s2.
     pub fn acceleration_max(&self) -> f64 {
         self.amplitude * sum(|harmonic| harmonic.powf(1.5)) * self.base() * self.base()
     }

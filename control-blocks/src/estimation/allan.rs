@@ -1,12 +1,12 @@
-//! Allan variance: how much of a noise is white, and how much wanders.
+//! Allan variance: white noise and random walk in a signal.
 //!
 //! With the means m_j of blocks of n samples that follow each other the Allan variance is the mean of (m_(j+1) - m_j)^2 / 2. Of
-//! white noise with the deviation r it is r^2 / n; of a random walk with steps of the deviation q it is q^2 (2 n^2 + 1) / (6 n),
-//! since the difference of two blocks weighs the steps with a triangle. A short and a long block tell both.
+//! white noise with the standard deviation r it is r^2 / n; of a random walk with steps of the standard deviation q it is q^2 (2 n^2 + 1) / (6 n),
+//! since the difference of two blocks weighs the steps with a triangle. A short and a long block determine both.
 
 use serde::{Deserialize, Serialize};
 
-/// Allan variance at one block length; by default of nothing.
+/// Allan variance at one block length; by default without samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AllanVariance {
     samples: u32,
@@ -17,7 +17,7 @@ pub struct AllanVariance {
 }
 
 impl AllanVariance {
-    /// Takes one sample; `length` is that of the blocks, samples.
+    /// Adds one sample; `length` is that of the blocks, samples.
     pub fn push(&mut self, length: u32, x: f64) {
         self.samples += 1;
         self.sum += x;
@@ -47,7 +47,7 @@ pub fn walk_and_white(short: (u32, f64), long: (u32, f64)) -> (f64, f64) {
     (step, (n * short.1 - step * n * of_walk(short.0)).max(0.0))
 }
 
-/// Allan variance that both together have at blocks of `length` samples, from their variances as [`walk_and_white`] tells them.
+/// Allan variance that both together have at blocks of `length` samples, from their variances as [`walk_and_white`] returns them.
 pub fn of_walk_and_white((walk, white): (f64, f64), length: u32) -> f64 {
     walk * of_walk(length) + white / f64::from(length)
 }

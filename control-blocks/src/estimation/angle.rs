@@ -1,7 +1,7 @@
-//! Angles that may be wrapped: the short way between them, and their sum without jumps.
+//! Angles that may be wrapped: their shortest difference, and their sum without jumps.
 //!
-//! An angle and the same with k turns, a - 2 pi k, are one direction. With k = round(a / 2 pi) what is left is the short
-//! way, within half a turn. Steps below half a turn per sample add up to the angle without wraps.
+//! An angle and the same with k revolutions, a - 2 pi k, are one direction. With k = round(a / 2 pi) the remainder is the shortest
+//! difference, within pi. Steps below pi per sample add up to the angle without wraps.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,24 +12,24 @@ pub fn wrap(angle: f64) -> f64 {
     if angle.abs() <= PI { angle } else { angle - TAU * (angle / TAU).round() }
 }
 
-/// The same direction from -pi up to, without, pi (rad): half a turn has one sign only, but all bits are rounded to pi.
+/// The same direction from -pi up to, without, pi (rad): pi has one sign only, but the result is rounded.
 pub fn wrap_half_open(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }
 
-/// Turns readings of an angle, wrapped or not, into steps; before the first there is none.
+/// Converts samples of an angle, wrapped or not, into steps; before the first there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Unwrapper {
     before: Option<f64>,
 }
 
 impl Unwrapper {
-    /// Takes the next reading (rad); the short way (rad) from the last one, none for the first.
+    /// Adds the next sample (rad); the shortest difference (rad) from the last one, none for the first.
     pub fn step(&mut self, reading: f64) -> Option<f64> {
         self.before.replace(reading).map(|before| wrap(reading - before))
     }
 
-    /// The last reading, rad.
+    /// The last sample, rad.
     pub fn reading(&self) -> Option<f64> {
         self.before
     }
@@ -39,7 +39,7 @@ impl Unwrapper {
 mod tests {
     use super::*;
 
-    /// Angles over many turns both ways, none at half a turn.
+    /// Angles over many revolutions in both directions, none at pi.
     fn angles() -> impl Iterator<Item = f64> {
         (-20_000..=20_000).map(|k| 0.0037 * f64::from(k))
     }
@@ -58,7 +58,7 @@ mod tests {
     fn what_is_in_range_keeps_its_bits() {
         for angle in angles().map(|angle| angle / 74.0 * PI).filter(|angle| angle.abs() < PI) {
             assert_eq!(wrap(angle).to_bits(), angle.to_bits());
-            // the same without the question, but for -0 and half a turn
+            // the same without the condition, except for -0 and pi
             assert_eq!(angle - TAU * (angle / TAU).round(), angle);
         }
         assert_eq!((wrap(PI), wrap(-PI)), (PI, -PI));

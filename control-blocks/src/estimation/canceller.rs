@@ -7,8 +7,8 @@
 //! c += 2 T_s / (tau T) e conj(p) = 2 T_s / (tau |T|) e conj(p) exp(-j arg T)
 //! ```
 //!
-//! moves T c to d with the time constant tau, whatever T is, and stays stable while the phase of T is known to a quarter
-//! turn. In a frame that turns with theta it needs no speed.
+//! moves T c to d with the time constant tau, whatever T is, and stays stable while the phase of T is known within
+//! pi/2. In a frame that turns with theta it needs no speed.
 
 use num_complex::Complex;
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ impl Canceller {
         self.0 += gain * phasor.conj() * error;
     }
 
-    /// Takes back what would have made the error of one sample: c -= conj(p) e size / response, where `response` is that
+    /// Removes the cause of the error of one sample: c -= conj(p) e size / response, where `response` is that
     /// from output to error and `size` = 2 T_s / tau.
     pub fn take_back(&mut self, size: f64, response: Complex<f64>, phasor: Complex<f64>, error: f64) {
         self.0 -= phasor.conj() * error * size / response;
@@ -46,17 +46,17 @@ impl Canceller {
         }
     }
 
-    /// Leaves the share `share` of the amplitude.
+    /// Keeps the fraction `share` of the amplitude.
     pub fn fade(&mut self, share: f64) {
         self.0 *= share;
     }
 
-    /// Turns and stretches what was learned along with what it belongs to.
+    /// Rotates and scales the learned amplitude with its harmonic.
     pub fn scale(&mut self, factor: Complex<f64>) {
         self.0 *= factor;
     }
 
-    /// Re c p: what is added to the output in this sample.
+    /// Re c p: the term added to the output in this sample.
     pub fn output(&self, phasor: Complex<f64>) -> f64 {
         self.0.re * phasor.re - self.0.im * phasor.im
     }
@@ -76,7 +76,7 @@ mod tests {
     /// radians of the harmonic in a sample: 40 Hz, 25 samples in a period
     const STEP: f64 = std::f64::consts::TAU / 25.0;
 
-    /// What is left of the disturbance d after `time` s with the loop `t`, as d - T c; `learn` takes phasor and error.
+    /// Remainder of the disturbance d after `time` s with the loop `t`, as d - T c; `learn` takes phasor and error.
     fn left(
         d: Complex<f64>,
         t: Complex<f64>,

@@ -2,27 +2,27 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// Most steps of an estimate.
+/// Maximum number of steps of an estimate.
 const STEPS_MAX: usize = 100;
-/// An estimate stands when a step is shorter than this part of its standard deviations.
+/// An estimate is final when a step is shorter than this fraction of its standard deviations.
 const STEP_MIN: f64 = 1e-6;
-/// What is left of a parameter's information when the others are free, relative; less is no information.
+/// Minimum remaining information of a parameter when the others are free, relative.
 const INFORMATION_MIN: f64 = 1e-13;
 
 /// One observation: its residual in standard deviations, and the derivatives of it.
 pub struct Observation<const N: usize> {
-    /// Model less measured, divided by the standard deviation.
+    /// Model minus measurement, divided by the standard deviation.
     pub residual: f64,
     /// Derivatives of the residual by the parameters.
     pub gradient: SVector<f64, N>,
 }
 
-/// An estimate and how sure it is.
+/// An estimate and its covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<const N: usize> {
     /// Parameters.
     pub value: SVector<f64, N>,
-    /// Their covariance; larger than the standard deviations of the observations say if the residuals are.
+    /// Their covariance; larger than the standard deviations of the observations imply if the residuals are larger.
     pub covariance: SMatrix<f64, N, N>,
 }
 
@@ -31,9 +31,9 @@ pub struct Estimate<const N: usize> {
 pub enum NoEstimate {
     /// Fewer observations than parameters and one.
     TooFew,
-    /// The observations do not tell the parameters apart.
+    /// The observations do not determine the parameters.
     NotObservable,
-    /// The steps did not come to an end.
+    /// The steps did not converge.
     NotConverged,
 }
 
@@ -45,10 +45,10 @@ struct Normal<const N: usize> {
     cost: f64,
 }
 
-/// Minimises the sum of the squared residuals from `start` on; `observe(i, value)` is observation `i` of `count`.
+/// Minimizes the sum of the squared residuals from `start` on; `observe(i, value)` is observation `i` of `count`.
 ///
 /// # Errors
-/// Says why there is no estimate.
+/// The reason why there is no estimate.
 pub fn least_squares<const N: usize>(
     start: SVector<f64, N>,
     count: usize,
@@ -62,7 +62,7 @@ pub fn least_squares<const N: usize>(
     for _ in 0..STEPS_MAX {
         let step = now.step(damping).ok_or(NoEstimate::NotObservable)?;
         let next = normal(&(value - step));
-        // a step against rounding alone is an end, too
+        // a step of the size of rounding is an end, too
         let length = (step.dot(&(now.information * step))).sqrt();
         if next.cost <= now.cost {
             (value, now, damping) = (value - step, next, f64::max(damping * 0.1, 1e-12));
@@ -107,7 +107,7 @@ impl<const N: usize> Normal<N> {
         if !observable || !self.cost.is_finite() {
             return Err(NoEstimate::NotObservable);
         }
-        // residuals larger than the standard deviations say that those were too small
+        // residuals larger than the standard deviations mean that those were too small
         let excess = f64::max(1.0, self.cost / (count - N) as f64);
         Ok(Estimate { value, covariance: inverse.component_div(&(unit * unit.transpose())) * excess })
     }

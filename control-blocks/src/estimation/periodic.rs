@@ -1,4 +1,4 @@
-//! Spectral lines of two signals of a machine that is excited periodically, and how sure they are.
+//! Spectral lines of two signals of a machine that is excited periodically, and their variances.
 //!
 //! Over each whole period of n samples the complex amplitude of harmonic h is
 //!
@@ -6,10 +6,10 @@
 //! X = 2/n sum_k x_k exp(-j 2 pi h k / n).
 //! ```
 //!
-//! What repeats is the answer to the excitation, what differs from period to period is noise. So the mean over P periods is the
+//! The repeating part is the response to the excitation, the difference from period to period is noise. So the mean over P periods is the
 //! estimate, and the scatter of the periods over P (P - 1) its variance, for both signals and between them: in a closed loop the
 //! noise is in both (sample maximum likelihood: Pintelon and Schoukens, System Identification, 2012, chapter 12). An offset, and
-//! any line at another harmonic, does not count.
+//! any line at another harmonic, has no effect.
 
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ pub struct SpectralLine {
     pub input_variance: f64,
     /// Variance of `output`.
     pub output_variance: f64,
-    /// Mean of the deviation of `output` times the conjugate of that of `input`.
+    /// Covariance of `output` and the conjugate of `input`.
     pub covariance: Complex<f64>,
 }
 
@@ -41,7 +41,7 @@ struct Scatter {
     product: Complex<f64>,
 }
 
-/// Sums of the present period, and what the periods before had in common.
+/// Sums of the present period, and the mean of the periods before.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PeriodicSpectra {
     sample: u32,
@@ -51,7 +51,7 @@ pub struct PeriodicSpectra {
 }
 
 impl PeriodicSpectra {
-    /// Takes one sample of input and output; `period` in samples.
+    /// Adds one sample of input and output; `period` in samples.
     pub fn update(&mut self, period: u32, input: f64, output: f64) {
         let period = period.max(1);
         for (sum, harmonic) in self.sums.iter_mut().zip(HARMONICS) {

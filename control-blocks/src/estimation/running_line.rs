@@ -6,8 +6,8 @@
 //! slope = 12 / (n (n^2 - 1)) (S1 - (n - 1)/2 S0),   mean = S0 / n,   end = mean + slope (n - 1)/2.
 //! ```
 //!
-//! A new sample moves every kept one a place towards the past: S1 += (n - 1) y - (S0 - oldest), then S0 += y - oldest.
-//! Once per turn of the ring, where it lies in time order, both sums are made anew, so that rounding never adds up.
+//! A new sample moves every stored one by one index towards the past: S1 += (n - 1) y - (S0 - oldest), then S0 += y - oldest.
+//! Once per pass of the ring buffer, when it is in time order, both sums are computed again, so that rounding never accumulates.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ impl RunningLine {
         Self { past: vec![0.0; window], next: 0, count: 0, sum: 0.0, moment: 0.0 }
     }
 
-    /// Takes the newest sample; the sums are made anew at the end of each turn of the ring.
+    /// Adds the newest sample; the sums are computed again at the end of each pass of the ring buffer.
     pub fn update(&mut self, y: f64) {
         self.push(y);
         if self.in_time_order() {
@@ -68,12 +68,12 @@ impl RunningLine {
         self.next = if self.next + 1 == self.past.len() { 0 } else { self.next + 1 };
     }
 
-    /// Whether the ring is full with its oldest sample at its begin.
+    /// Whether the ring buffer is full with its oldest sample first.
     fn in_time_order(&self) -> bool {
         self.full() && self.next == 0
     }
 
-    /// Lowers all samples of a ring in time order, and makes the sums anew.
+    /// Lowers all samples of a ring buffer in time order, and computes the sums again.
     fn lower(&mut self, by: f64) {
         (self.sum, self.moment) = (0.0, 0.0);
         for (j, y) in self.past.iter_mut().enumerate() {
@@ -88,8 +88,8 @@ impl RunningLine {
     }
 }
 
-/// Line through values that wander off without end, as the angle of a spindle does: it keeps their differences to an
-/// anchor, which moves to the newest value once per turn of the ring.
+/// Line through values that grow without limit, such as the angle of a spindle: it stores their differences from an
+/// anchor, which moves to the newest value once per pass of the ring buffer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AnchoredLine {
     line: RunningLine,
@@ -102,7 +102,7 @@ impl AnchoredLine {
         Self { line: RunningLine::empty(window), anchor: 0.0 }
     }
 
-    /// Takes the newest sample.
+    /// Adds the newest sample.
     pub fn update(&mut self, y: f64) {
         if self.line.count == 0 {
             self.anchor = y;
@@ -129,7 +129,7 @@ impl AnchoredLine {
         self.line.full()
     }
 
-    /// Forgets all samples.
+    /// Discards all samples.
     pub fn clear(&mut self) {
         self.line.clear();
     }

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Running mean and variance; by default of nothing.
+/// Running mean and variance; by default without samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Welford {
     count: f64,
@@ -14,7 +14,7 @@ pub struct Welford {
 }
 
 impl Welford {
-    /// Takes one sample.
+    /// Adds one sample.
     pub fn push(&mut self, x: f64) {
         self.count += 1.0;
         let deviation = x - self.mean;
@@ -22,7 +22,7 @@ impl Welford {
         self.squares += deviation * (x - self.mean);
     }
 
-    /// How many samples there were.
+    /// Number of samples.
     pub fn count(&self) -> f64 {
         self.count
     }
@@ -34,7 +34,7 @@ impl Welford {
 
     /// Standard deviation of the samples, 0 with fewer than two.
     pub fn sigma(&self) -> f64 {
-        // fewer have no squares; a branch around 0 / 0 would be computed ahead and raise a floating-point flag
+        // fewer have no squares; a branch around 0 / 0 would be computed speculatively and raise a floating-point flag
         (self.squares / (self.count - 1.0).max(1.0)).sqrt()
     }
 }

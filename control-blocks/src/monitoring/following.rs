@@ -1,25 +1,25 @@
 //! Following error with the right alignment in time.
 //!
-//! A machine that answers after d samples is at r(k - d) when it follows perfectly, not at r(k): an error against r(k)
-//! has the bias v d T, which at speed is larger than what is to be found.
+//! A machine that responds after d samples is at r(k - d) when it follows perfectly, not at r(k): an error against r(k)
+//! has the bias v d T, which at speed is larger than the errors to be detected.
 
 use serde::{Deserialize, Serialize};
 
 use crate::sampling::sent_commands::{DELAY_MAX, SentCommands};
 
-/// The references on their way.
+/// The references in transit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Following(SentCommands);
 
 impl Following {
-    /// As if `reference` had stood forever.
+    /// As if `reference` had been constant forever.
     pub fn resting(reference: f64) -> Self {
         Self(SentCommands::resting(reference))
     }
 
-    /// Reference minus reading, where the reading of now answers the reference of `delay` samples ago.
+    /// Reference minus measurement, where the present measurement responds to the reference of `delay` samples ago.
     ///
-    /// Takes the reference of this sample. A delay beyond [`DELAY_MAX`] counts as that.
+    /// Adds the reference of this sample. A larger delay is limited to [`DELAY_MAX`].
     pub fn update(&mut self, reference: f64, reading: f64, delay: usize) -> f64 {
         self.0.send(reference);
         self.0.before(delay.min(DELAY_MAX)) - reading

@@ -1,18 +1,18 @@
-//! A reading that stands while the machine moves.
+//! A signal that does not change while the machine moves.
 //!
-//! A reading `y` is held against its anchor `a`. While |y - a| <= band the motion that was expected since the anchor,
-//! e = sum(dr), is unanswered; beyond the band the reading lives: a = y, e = 0. With the band b and a following error of
-//! at most f a living reading leaves its anchor before |e| > b + f, so that is where the limit stands. A last bit that
-//! flickers moves a reading by one quantum q: b = 1.5 q covers it, and a coarse reading as well, because what is waited
-//! for is motion and not time.
+//! A measurement `y` is compared with its anchor `a`. While |y - a| <= band the motion that was expected since the anchor,
+//! e = sum(dr), has no response; beyond the band the signal is valid: a = y, e = 0. With the band b and a following error of
+//! at most f a valid signal leaves its anchor before |e| > b + f, which is the limit. A last bit that
+//! flickers moves a signal by one quantum q: b = 1.5 q covers it, and a coarse signal as well, because the criterion
+//! is motion and not time.
 //!
-//! At rest nothing is expected. There only the noise tells that a reading lives: with the standard deviation s of a
-//! rounded normal distribution the share of samples within the band of the anchor is at most p = erf(1.5 q / (s sqrt 2)),
-//! and n of them in a row come by chance with p^n.
+//! At rest no motion is expected. There only the noise shows that a signal is valid: with the standard deviation s of a
+//! rounded normal distribution the fraction of samples within the band of the anchor is at most p = erf(1.5 q / (s sqrt 2)),
+//! and n consecutive ones occur by chance with p^n.
 
 use serde::{Deserialize, Serialize};
 
-/// Anchor of a reading, and what was expected of it since.
+/// Anchor of a signal, and the expected motion since.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frozen {
     anchor: Option<f64>,
@@ -21,12 +21,12 @@ pub struct Frozen {
 }
 
 impl Frozen {
-    /// Forgets the anchor, after a new zero for instance.
+    /// Discards the anchor, for example after a new zero.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Takes a reading and the motion that was expected since the last one, both in the unit of `band`.
+    /// Adds a measurement and the motion that was expected since the last one, both in the unit of `band`.
     pub fn update(&mut self, reading: f64, motion: f64, band: f64) {
         self.expected += motion;
         self.still = self.still.saturating_add(1);
@@ -35,7 +35,7 @@ impl Frozen {
         }
     }
 
-    /// Motion that the reading has not answered, not negative.
+    /// Expected motion without a response, not negative.
     pub fn unanswered(&self) -> f64 {
         self.expected.abs()
     }
@@ -45,7 +45,7 @@ impl Frozen {
         self.expected
     }
 
-    /// Samples since the reading moved, whatever was expected.
+    /// Samples since the signal moved, whatever was expected.
     pub fn still(&self) -> u32 {
         self.still
     }
@@ -63,7 +63,7 @@ mod tests {
         (value / QUANTUM).round() * QUANTUM
     }
 
-    /// The largest unanswered motion of 10,000 samples at a constant speed.
+    /// The largest motion without a response in 10,000 samples at a constant speed.
     fn largest(reading: impl Fn(u32) -> f64) -> f64 {
         let mut frozen = Frozen::default();
         let unanswered = (0..10_000u32).map(|k| {

@@ -1,50 +1,50 @@
-//! A reading that moves faster than the machine can.
+//! A signal that moves faster than the machine can.
 //!
-//! With the greatest speed v, the sample period T and the spread w of the noise a reading is believed while
-//! |y - y_b| <= n v T + w, where y_b is the last believed one, n samples ago. One bad sample is so replaced by the one
-//! before it; a reading that stays away comes back into reach after |jump| / (v T) samples, or is told as lost before.
-//! Where a model tells the motion of the sample, y_b moves along with it ([`JumpGuard::shift`]), and v T is only what the
-//! model cannot foresee.
+//! With the maximum speed v, the sample period T and the spread w of the noise a value is accepted while
+//! |y - y_b| <= n v T + w, where y_b is the last accepted one, n samples ago. A single wrong sample is replaced by the one
+//! before it. A signal that stays away is within reach again after |jump| / (v T) samples, or is reported as lost before.
+//! If a model predicts the motion of the sample, y_b moves with it ([`JumpGuard::shift`]), and v T is only the
+//! error of the model.
 
 use serde::{Deserialize, Serialize};
 
-/// The last believed reading and the samples since.
+/// The last accepted value and the samples since.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JumpGuard {
     believed: Option<f64>,
     doubted: u32,
 }
 
-/// How far a reading may move.
+/// Allowed motion of a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
-    /// Greatest motion in one sample, in the unit of the reading.
+    /// Maximum motion in one sample, in the unit of the signal.
     pub motion: f64,
-    /// Greatest difference of two readings at rest.
+    /// Maximum difference of two values at rest.
     pub spread: f64,
 }
 
 impl JumpGuard {
-    /// Believes the next reading, whatever it is.
+    /// Accepts the next value, whatever it is.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Moves the last believed reading by what the machine is known to have moved since, in the unit of the reading.
+    /// Moves the last accepted value by the known motion of the machine since, in the unit of the signal.
     pub fn shift(&mut self, motion: f64) {
         self.believed = self.believed.map(|believed| believed + motion);
     }
 
-    /// Whether the machine can be at `reading`; before any believed one nothing speaks against it.
+    /// Whether the machine can be at `reading`; always true before the first accepted value.
     pub fn reaches(&self, reading: f64, reach: Reach) -> bool {
         let samples = f64::from(self.doubted.saturating_add(1));
         let allowed = samples * reach.motion + reach.spread;
         reading.is_finite() && self.believed.is_none_or(|believed| (reading - believed).abs() <= allowed)
     }
 
-    /// The reading to use: `reading` where the machine can be there, else the last that was believed.
+    /// The value to use: `reading` if the machine can be there, otherwise the last accepted one.
     ///
-    /// A reading that is not finite is not believed; without any believed one it is 0.
+    /// A value that is not finite is rejected; without any accepted one the result is 0.
     pub fn update(&mut self, reading: f64, reach: Reach) -> f64 {
         if self.reaches(reading, reach) {
             *self = Self { believed: Some(reading), doubted: 0 };
@@ -54,12 +54,12 @@ impl JumpGuard {
         self.believed.unwrap_or_default()
     }
 
-    /// Where the machine is taken to be; none before the first good reading.
+    /// Assumed position of the machine; none before the first accepted value.
     pub fn believed(&self) -> Option<f64> {
         self.believed
     }
 
-    /// Readings in a row that were not believed.
+    /// Consecutive values that were rejected.
     pub fn doubted(&self) -> u32 {
         self.doubted
     }

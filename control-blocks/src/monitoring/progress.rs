@@ -1,11 +1,11 @@
-//! A job that goes on and gets nowhere.
+//! A cycle without progress.
 //!
-//! Two limits. The whole job has a budget of samples that no change of state gives back. And what is to be reduced must
-//! fall below its least value so far by a share within a number of samples.
+//! Two limits. The cycle has a budget of samples that no change of state restores. And the quantity to be reduced must
+//! fall below its smallest value so far by a fraction within a number of samples.
 
 use serde::{Deserialize, Serialize};
 
-/// Samples of a job, and its best so far.
+/// Samples of a cycle, and its best value so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     samples: u64,
@@ -14,30 +14,30 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// A new job.
+    /// A new cycle.
     pub fn restart(&mut self) {
         *self = Self::default();
     }
 
-    /// Takes one sample of the job.
+    /// Counts one sample of the cycle.
     pub fn count(&mut self) {
         self.samples = self.samples.saturating_add(1);
         self.since = self.since.saturating_add(1);
     }
 
-    /// Takes what is to be reduced; it gets better when it is below `1 - share` of the best so far.
+    /// Adds the quantity to be reduced; it improves when it is below `1 - share` of the best so far.
     pub fn measure(&mut self, left: f64, share: f64) {
         if self.best.is_none_or(|best| left < (1.0 - share) * best) {
             (self.best, self.since) = (Some(left), 0);
         }
     }
 
-    /// Samples since the job began.
+    /// Samples since the start of the cycle.
     pub fn samples(&self) -> u64 {
         self.samples
     }
 
-    /// Samples since it got better, or since it began.
+    /// Samples since the last improvement, or since the start.
     pub fn stagnant(&self) -> u64 {
         self.since
     }

@@ -15,7 +15,7 @@ pub enum Reaction {
     Retract,
     /// The machine is under control and may stay where it is: stop along the planned motion and hold.
     Stop,
-    /// No command is known to help: the commands are zero and the drive is switched off.
+    /// No command is known to help: the commands are zero and the drive is disabled.
     DriveOff,
 }
 

@@ -1,13 +1,13 @@
-//! How much of what was commanded a machine does: sign, strength, and whether it does anything.
+//! Gain ratio of a machine to its commands: sign, strength, and missing response.
 //!
-//! Least squares of the measured answer m on the modelled one c with exponential forgetting over n samples:
-//! P' = (1 - 1/n) P + c m, Q' = (1 - 1/n) Q + c^2, share = P / Q. It is 1 for the machine that the model describes,
-//! negative for a swapped sign, 0 for a drive that is off, below 1 for one that is weak. With a noise of variance s^2 in
-//! m the share has the standard deviation s / sqrt(Q), so it is worth something only where Q > (s / wanted)^2.
+//! Least squares of the measured response m on the modeled one c with exponential forgetting over n samples:
+//! P' = (1 - 1/n) P + c m, Q' = (1 - 1/n) Q + c^2, ratio = P / Q. It is 1 for the machine that the model describes,
+//! negative for a reversed sign, 0 for a disabled drive, below 1 for a weak one. With a noise of variance s^2 in
+//! m the ratio has the standard deviation s / sqrt(Q), so it is meaningful only where Q > (s / accuracy)^2.
 
 use serde::{Deserialize, Serialize};
 
-/// Sums of the least squares; nothing at first.
+/// Sums of the least squares; zero at first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Response {
     product: f64,
@@ -15,17 +15,17 @@ pub struct Response {
 }
 
 impl Response {
-    /// Takes one sample: what the model does, what the machine does; `memory` in samples, at least 1.
+    /// Adds one sample: response of the model and of the machine; `memory` in samples, at least 1.
     pub fn update(&mut self, modelled: f64, measured: f64, memory: f64) {
         let keep = 1.0 - memory.max(1.0).recip();
         self.product = keep * self.product + modelled * measured;
         self.square = keep * self.square + modelled * modelled;
     }
 
-    /// Share of the modelled answer that is measured; none below the excitation `least`, in the unit of the square.
+    /// Ratio of the measured to the modeled response; none below the excitation `least`, in the unit of the square.
     pub fn share(&self, least: f64) -> Option<f64> {
         let least = least.max(f64::MIN_POSITIVE);
-        // divided in any case: a compiler that divides before it asks raises no exception
+        // divided in any case: a compiler that divides before the comparison raises no exception
         let share = self.product / self.square.max(least);
         (self.square > least).then_some(share)
     }

@@ -1,7 +1,7 @@
-//! A loop that throws its actuator from one limit to the other: the limit cycle of an unstable loop.
+//! A loop that drives its actuator from one limit to the other: the limit cycle of an unstable loop.
 //!
 //! A reversal is a sample at one limit, where the last sample at a limit was at the other one. A stable loop has one or
-//! two in a large motion (accelerate, brake); an unstable one has two in each period for ever.
+//! two in a large motion (accelerate, brake); an unstable one has two in each period forever.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ pub struct Reversals {
 }
 
 impl Reversals {
-    /// Takes one command; reversals in a row of which none is later than `window` samples after the one before.
+    /// Adds one command; consecutive reversals, each at most `window` samples after the one before.
     pub fn update(&mut self, command: f64, limit: f64, window: u32) -> u32 {
         self.quiet = self.quiet.saturating_add(1);
         if self.quiet > window {

@@ -1,8 +1,8 @@
-//! Quintic motions: the polynomials of least order with six end conditions (position, velocity, acceleration).
+//! Quintic motions: the polynomials of lowest order with six end conditions (position, velocity, acceleration).
 //!
-//! Between two rests the share of the way at s = t / T is 10 s^3 - 15 s^4 + 6 s^5, the motion of least jerk (Flash and
+//! Between two rests the fraction of the distance at s = t / T is 10 s^3 - 15 s^4 + 6 s^5, the motion of minimum jerk (Flash and
 //! Hogan, 1985). Its velocity 30 s^2 (1 - s)^2 / T peaks at s = 1/2 with 15/8 of the mean. From any motion p, v, a to
-//! rest at 0 the distance to the goal is sum c_i s^i with c_0 = p, c_1 = v T, c_2 = a T^2 / 2, and the conditions at
+//! rest at 0 the distance to the target is sum c_i s^i with c_0 = p, c_1 = v T, c_2 = a T^2 / 2, and the conditions at
 //! s = 1 give
 //!
 //! ```text
@@ -23,7 +23,7 @@ pub fn quintic_duration(distance: f64, speed: f64) -> f64 {
     PEAK_OVER_MEAN * distance / speed
 }
 
-/// Share of the way between two rests at the share `s` (0 to 1) of the duration.
+/// Fraction of the distance between two rests at the fraction `s` (0 to 1) of the duration.
 pub fn minimum_jerk(s: f64) -> f64 {
     s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
@@ -39,7 +39,7 @@ pub fn minimum_jerk_rates(s: f64, rate: f64) -> [f64; 2] {
 pub struct Quintic {
     goal: f64,
     duration: f64,
-    /// coefficients of the distance to the goal over the share of the duration
+    /// coefficients of the distance to the target over the fraction of the duration
     coefficients: [f64; 6],
 }
 
@@ -58,7 +58,7 @@ impl Quintic {
         Self::new(Trajectory::resting(goal), goal, 1.0)
     }
 
-    /// Where the motion ends, m or rad.
+    /// End of the motion, m or rad.
     pub fn goal(&self) -> f64 {
         self.goal
     }

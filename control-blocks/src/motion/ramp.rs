@@ -1,13 +1,13 @@
 //! A value that moves towards another with a limited slope.
 //!
-//! With the slope s and the sample period T_s a value moves by at most s T_s in a sample. Two forms are equal but for the
+//! With the slope s and the sample period T_s a value moves by at most s T_s in a sample. Two forms are equal except for the
 //! rounding of the last step: [`ramp`] adds the limited difference, [`ramp_between`] limits the target, arrives on it
 //! exactly and may fall faster than it rises.
 
 /// The next value towards `target`, at most `change` (not negative) from `value`.
 ///
 /// # Panics
-/// When `change` is negative or no number.
+/// If `change` is negative or NaN.
 pub fn ramp(value: f64, target: f64, change: f64) -> f64 {
     value + (target - value).clamp(-change, change)
 }
@@ -15,7 +15,7 @@ pub fn ramp(value: f64, target: f64, change: f64) -> f64 {
 /// The next value towards `target`, at most `fall` below and at most `rise` above `value`; neither is negative.
 ///
 /// # Panics
-/// When the lower limit is above the upper one, or one is no number.
+/// If the lower limit is above the upper one, or one is NaN.
 pub fn ramp_between(value: f64, target: f64, fall: f64, rise: f64) -> f64 {
     target.clamp(value - fall, value + rise)
 }

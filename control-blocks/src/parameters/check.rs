@@ -8,32 +8,32 @@ pub type Check<P> = fn(&P) -> Result<(), ParameterError>;
 /// Runs all checks in their order.
 ///
 /// # Errors
-/// The first that a check finds.
+/// The first error.
 pub fn check_all<P>(p: &P, checks: &[Check<P>]) -> Result<(), ParameterError> {
     checks.iter().try_for_each(|check| check(p))
 }
 
-/// The message with which `check` refuses the parameters that `change` makes of `p`.
+/// The message with which `check` rejects the parameters that `change` makes of `p`.
 fn refusal<P>(mut p: P, change: impl FnOnce(&mut P), check: impl FnOnce(&P) -> Result<(), ParameterError>) -> String {
     change(&mut p);
     check(&p).expect_err("the changed parameters are accepted").to_string()
 }
 
-/// For tests of checks: a change of parameters that fit, and what the message then tells: the name of a parameter, its
-/// value, and a part of the limit.
+/// For tests of checks: a change of valid parameters, and the expected contents of the message: name of the parameter,
+/// value, and part of the limit.
 pub type Refusal<P> = (fn(&mut P), &'static str, &'static str, &'static str);
 
-/// For tests of checks: `check` accepts all of `fitting`, and refuses each change of the first with a message that says
-/// what is wrong.
+/// For tests of checks: `check` accepts all of `fitting`, and rejects each change of the first with a message that names
+/// the error.
 ///
 /// # Panics
-/// When it does not.
+/// If it does not.
 pub fn assert_refusals<P: Clone>(
     check: impl Fn(&P) -> Result<(), ParameterError>,
     fitting: &[P],
     refusals: &[Refusal<P>],
 ) {
-    fitting.iter().for_each(|p| check(p).expect("parameters that fit are refused"));
+    fitting.iter().for_each(|p| check(p).expect("valid parameters are rejected"));
     for (change, name, value, limit) in refusals {
         let message = refusal(fitting[0].clone(), change, &check);
         assert!(message.starts_with(&format!("parameter `{name}` is {value}")), "{message}");

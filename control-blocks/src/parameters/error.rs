@@ -1,4 +1,4 @@
-//! The error that says which parameter does not fit the others, and what to do.
+//! The error of a parameter that does not fit the others, with its remedy.
 
 use std::fmt;
 
@@ -7,11 +7,11 @@ use std::fmt;
 pub struct ParameterError {
     /// FMI name of the parameter.
     pub name: &'static str,
-    /// Its value with unit.
+    /// Value with unit.
     pub value: String,
-    /// What it must be.
+    /// Requirement.
     pub limit: String,
-    /// What to do.
+    /// Remedy.
     pub hint: &'static str,
 }
 
@@ -25,7 +25,7 @@ impl fmt::Display for ParameterError {
 impl std::error::Error for ParameterError {}
 
 impl ParameterError {
-    /// The same of a value that a commission has derived.
+    /// The same error for a value that a commissioning run has derived.
     pub fn of_derived(&self) -> String {
         let Self { name, value, limit, .. } = self;
         format!(
@@ -34,7 +34,7 @@ impl ParameterError {
     }
 }
 
-/// Nothing if the condition holds, the error if not.
+/// The error unless the condition holds.
 ///
 /// # Errors
 /// The given one.

@@ -1,7 +1,7 @@
 //! Files that text parameters name: found in a folder of resources or by their whole path, and read once.
 //!
-//! The file is opened before it is asked for its kind and size, and never more is read than the limit: it may be
-//! exchanged or grow meanwhile.
+//! The file is opened before its kind and size are checked, and at most the limit is read, because the file may be
+//! replaced or grow meanwhile.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -14,9 +14,9 @@ use super::error::{ParameterError, require};
 pub struct FileParameter<'a> {
     /// FMI name of the parameter.
     pub name: &'static str,
-    /// Its value: a file in the folder of resources, or a whole path; `file://` before it is left out.
+    /// Value: a file in the folder of resources, or an absolute path; a leading `file://` is removed.
     pub file: &'a str,
-    /// What to do when it is wrong.
+    /// Remedy if it is wrong.
     pub hint: &'static str,
 }
 
@@ -32,7 +32,7 @@ impl FileParameter<'_> {
         let unreadable = |error| self.wrong(format!("readable: {error}"));
         let a_file =
             |about: &fs::Metadata| require(about.is_file(), || self.wrong("a file, not a folder or device".to_owned()));
-        // to open a pipe would be to wait for who writes into it
+        // opening a pipe would block until a process writes to it
         a_file(&fs::metadata(&path).map_err(absent)?)?;
         let opened = File::open(&path).map_err(absent)?;
         let about = opened.metadata().map_err(unreadable)?;
@@ -44,7 +44,7 @@ impl FileParameter<'_> {
         Ok(bytes)
     }
 
-    /// The error that names the parameter and the file, and says what it must be.
+    /// The error with parameter, file and requirement.
     pub fn wrong(&self, limit: String) -> ParameterError {
         ParameterError { name: self.name, value: self.file.to_owned(), limit, hint: self.hint }
     }
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn devices_and_files_that_grow_while_they_are_read_are_refused() {
         assert!(message("/dev/zero", Path::new("")).contains("not a folder or device"));
-        // the kernel tells a length of 0 for what it makes while it is read
+        // the kernel reports a length of 0 for files that it generates while they are read
         let grows = parameter("/proc/self/maps").read(None, 16).unwrap_err().to_string();
         assert!(grows.contains("at most `16` bytes long, it has `17`"), "{grows}");
     }

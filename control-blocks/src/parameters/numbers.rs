@@ -1,7 +1,7 @@
 //! Lists of numbers in a text, with one grammar: numbers stand between commas, semicolons or blanks, in any number.
 //!
-//! Whole numbers may be ranges, `1-24` or `1 - 24`; the minus of a number with a fraction is its sign. What a list must
-//! hold is the business of its parameter: a part that is no number is told as none, and its text with it.
+//! Whole numbers may be ranges, `1-24` or `1 - 24`; the minus of a number with a fraction is its sign. The parameter defines
+//! the valid contents of a list: a part that is no number is returned as none, with its text.
 
 use std::ops::RangeInclusive;
 

@@ -1,10 +1,10 @@
-//! A parameter that a check compares with what others make its limit.
+//! A parameter that a check compares with a limit that follows from others.
 
 use std::fmt::Display;
 
 use super::error::{ParameterError, require};
 
-/// A parameter as its error tells it.
+/// A parameter with the data for its error.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter<T> {
     name: &'static str,
@@ -14,12 +14,12 @@ pub struct Parameter<T> {
 }
 
 impl<T: Display + PartialOrd> Parameter<T> {
-    /// FMI name, value, unit (`""` for none), and what to do when it does not fit.
+    /// FMI name, value, unit (`""` for none), and remedy.
     pub fn new(name: &'static str, value: T, unit: &'static str, hint: &'static str) -> Self {
         Self { name, value, unit, hint }
     }
 
-    /// It is `limit` or more; `why` says where the limit is from.
+    /// Requires `limit` or more; `why` is the source of the limit.
     ///
     /// # Errors
     /// When it is less.
@@ -27,7 +27,7 @@ impl<T: Display + PartialOrd> Parameter<T> {
         self.must_be(self.value >= limit, || format!("at least `{}`, {why}", self.with_unit(&limit)))
     }
 
-    /// It is `limit` or less; `why` says where the limit is from.
+    /// Requires `limit` or less; `why` is the source of the limit.
     ///
     /// # Errors
     /// When it is more.
@@ -35,7 +35,7 @@ impl<T: Display + PartialOrd> Parameter<T> {
         self.must_be(self.value <= limit, || format!("at most `{}`, {why}", self.with_unit(&limit)))
     }
 
-    /// It is more than `limit`; `why` says where the limit is from.
+    /// Requires more than `limit`; `why` is the source of the limit.
     ///
     /// # Errors
     /// When it is not.
@@ -43,7 +43,7 @@ impl<T: Display + PartialOrd> Parameter<T> {
         self.must_be(self.value > limit, || format!("more than `{}`, {why}", self.with_unit(&limit)))
     }
 
-    /// It is less than `limit`; `why` says where the limit is from.
+    /// Requires less than `limit`; `why` is the source of the limit.
     ///
     /// # Errors
     /// When it is not.
@@ -51,7 +51,7 @@ impl<T: Display + PartialOrd> Parameter<T> {
         self.must_be(self.value < limit, || format!("less than `{}`, {why}", self.with_unit(&limit)))
     }
 
-    /// Any other condition, with what the parameter must be.
+    /// Requires any other condition, with its text.
     ///
     /// # Errors
     /// When it does not hold.

@@ -1,8 +1,8 @@
-//! How many samples in a row a condition holds: n' = n + 1 while it does, else 0.
+//! Consecutive samples in which a condition holds: n' = n + 1 while it holds, otherwise 0.
 
 use serde::{Deserialize, Serialize};
 
-/// Counter of samples in a row; none before the first. It stops at the largest number instead of starting again.
+/// Counter of consecutive samples; 0 before the first. It saturates at the largest number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Consecutive(u32);
 
@@ -10,13 +10,13 @@ impl Consecutive {
     /// No sample so far.
     pub const NONE: Self = Self(0);
 
-    /// Takes one sample; in how many in a row, this one included, the condition holds.
+    /// Adds one sample; the number of consecutive samples, including this one, in which the condition holds.
     pub fn update(&mut self, holds: bool) -> u32 {
         self.0 = if holds { self.0.saturating_add(1) } else { 0 };
         self.0
     }
 
-    /// Samples in a row until now.
+    /// Consecutive samples until now.
     pub fn count(self) -> u32 {
         self.0
     }

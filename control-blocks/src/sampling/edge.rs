@@ -1,15 +1,15 @@
-//! Rising edges of a switch.
+//! Rising edges of a Boolean input.
 
 use serde::{Deserialize, Serialize};
 
-/// Remembers a switch from one sample to the next; off before the first.
+/// Stores a Boolean input from one sample to the next; false before the first.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Edge {
     before: bool,
 }
 
 impl Edge {
-    /// Whether the switch is on now and was off before.
+    /// Whether the input is true now and was false before.
     pub fn rises(&mut self, now: bool) -> bool {
         let before = std::mem::replace(&mut self.before, now);
         now && !before

@@ -1,11 +1,11 @@
-//! What may be taken for a measurement.
+//! Plausibility of an input.
 
-/// Whether an input is finite and not absurd.
+/// Whether an input is finite and within a limit.
 pub fn believable(value: f64, limit: f64) -> bool {
     value.is_finite() && value.abs() <= limit
 }
 
-/// For tests: copies of good inputs, each with a number that is none in one of the fields.
+/// For tests: copies of good inputs, each with an invalid number in one of the fields.
 pub fn with_nonsense<I: Clone>(good: &I, fields: &[fn(&mut I) -> &mut f64]) -> Vec<I> {
     let copy = |nonsense: f64| {
         move |field: &fn(&mut I) -> &mut f64| {

@@ -1,8 +1,8 @@
-//! Stands in for a measurement that cannot be believed: the last one that could.
+//! Replaces an implausible measurement by the last good one.
 
 use serde::{Deserialize, Serialize};
 
-/// Remembers the last good value.
+/// Stores the last good value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LastGood<T>(T);
 

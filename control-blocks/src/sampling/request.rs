@@ -1,16 +1,16 @@
-//! A request by the rising edge of a switch, which waits until it can be met.
+//! A request by the rising edge of a Boolean input, which stays pending until it can be met.
 
 use serde::{Deserialize, Serialize};
 
-/// Whether something is asked for; nothing before the first edge.
+/// Whether a request is pending; none before the first edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WaitingRequest {
     waits: bool,
 }
 
 impl WaitingRequest {
-    /// After a sample in which the switch rises (`edge`) or is on, and in which it counts (`here`) or does not: whether it is
-    /// asked for. A request waits where it counts until the switch falls, and lapses where it does not count.
+    /// Updates the request with the input (`edge`, on) and whether requests are accepted (`here`); returns whether it is
+    /// pending. A request stays pending while it is accepted and the input is true, and lapses otherwise.
     pub fn update(&mut self, here: bool, edge: bool, on: bool) -> bool {
         self.waits = here && on && (self.waits || edge);
         self.waits
@@ -30,7 +30,7 @@ mod tests {
         assert!(!request.update(true, false, false) && !request.update(true, false, true));
         assert!(request.update(true, true, true));
         assert!(!request.update(false, false, true) && !request.update(true, false, true));
-        // elsewhere an edge is none
+        // elsewhere an edge is ignored
         assert!(!request.update(false, true, true));
     }
 }

@@ -1,4 +1,4 @@
-//! Commands on their way: what a machine with a delay of whole samples does now is what it was told before.
+//! Commands in transit: a machine with a delay of whole samples executes an earlier command now.
 //!
 //! With the delay d the command u of sample k acts in the sample after k + d: y_k = u_(k-d) right after u_k is sent,
 //! and u_(k-1-d) before.
