@@ -6,6 +6,6 @@ pub mod following;
 pub mod frozen;
 pub mod jump;
 pub mod progress;
+pub mod reaction;
 pub mod response;
 pub mod reversals;
-pub mod reaction;

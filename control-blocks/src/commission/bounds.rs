@@ -98,7 +98,7 @@ mod tests {
         assert_eq!([check(0.0), check(8.0)], [Ok(()), Ok(())]);
         let message = check(7.5).unwrap_err().to_string();
         assert!(
-            message.starts_with("parameter `commission.time` is `7.5 s`, must be `0`, or at least `8 s`"),
+            message.starts_with("parameter `expert.commission.time` is `7.5 s`, must be `0`, or at least `8 s`"),
             "{message}"
         );
     }
