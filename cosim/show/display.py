@@ -153,10 +153,10 @@ def channel_table(channels: tuple[Channel, ...]) -> Table:
 def wire_table(found: Scenario) -> Table:
     """Wires, signals and injections."""
     table = plain_table("to", "from", "options")
-    defaults = {"scale": 1.0, "offset": 0.0, "delay": 0}
+    defaults = {"scale": 1.0, "offset": 0.0, "delay": 0, "stream": ""}
     for wire in found.wire:
         options = [
-            f"{key} {value:g}"
+            f"{key} {value}" if isinstance(value, str) else f"{key} {value:g}"
             for key, value in dataclasses.asdict(wire).items()
             if key not in ("source", "to") and value is not None and value != defaults.get(key)
         ]

@@ -46,10 +46,13 @@ OTHERS = {
     r"^cargo (new|add|install) |^cargo fmu$|^cargo fmu (-o|--package) ": "tests/conformance/test_example.py",
     r"^cargo fmu inspect ": "tests/conformance/test_example.py",
     r"^cargo fmu --binary ": "tests/conformance/test_platforms.py",
+    r"^cargo fmu --outputs all$": "cargo-fmu/src/main.rs",
     r"^cargo fmu --plain-c$": "tests/conformance/plain/test_plain_c.py",
     r"^fmpy (info|simulate|validate) ": "tests/conformance/test_documents.py",
     r"^BLESS=1 cargo test -p fmu-trial$": "tests/house/test_new.py",
     r"^cargo test -p control-blocks$": "xtask/src/test.rs",
+    r"^\.venv/bin/python fmu-\w+/doc/quick_start\.py$": "tests/conformance/test_quick_start.py",
+    r"^\.venv/bin/python -m tests\.house\.language PATH": "tests/house/test_language.py",
     r"^python -m plants\.tools\.cl_path ": "tests/plants/test_cl_path.py",
     r"^python -m tests\.communication_step": "tests/communication_step/test_communication_step.py",
 }
