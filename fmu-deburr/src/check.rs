@@ -107,7 +107,7 @@ mod tests {
         (|p| p.learn.lead_out = 30, "expert.learn.lead_out", "`30`", "at least `31`"),
         (|p| p.lookup.preview = 0.08, "expert.lookup.preview", "`0.08 s`", "`-0.01` to `0.07 s`"),
         (|p| p.load.speed_min = 0.2, "expert.load.speed_min", "`0.2 m/s`", "`0.1 m/s`"),
-        (|p| p.commission.time = 20.0, "commission.time", "`20 s`", "at least `27"),
+        (|p| p.commission.time = 20.0, "expert.commission.time", "`20 s`", "at least `27"),
         (|p| (p.commission.apply, p.learn.lead) = (true, 8), "commission.apply", "`true`", "`0` to `3`"),
     ];
 
