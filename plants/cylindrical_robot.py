@@ -2,19 +2,19 @@
 
 The machine is that of Kimura, Mukai and Kobayashi, "A Variable-Speed Deburring Robot Using the Repetitive
 Control". The paper gives the velocity loops, the spindle's plate and time constant, and the size of the burr,
-but no mass, stiffness, geometry or cutting force. Those are our choice, such that its feed speeds agree.
+but no mass, stiffness, geometry or cutting force. Those are defaults that reproduce its feed speeds.
 
-Axis 1 turns the column, axis 2 lifts the carriage, axis 3 moves the arm out: angle, height and radius of the
-wrist. Axis 4 turns the wrist about the vertical, axis 5 tilts it, axis 6 turns the spindle about the tool.
+Axis 1 rotates the column, axis 2 lifts the carriage, axis 3 moves the arm out: angle, height and radius of the
+wrist. Axis 4 rotates the wrist about the vertical, axis 5 tilts it, axis 6 rotates the spindle about the tool.
 With all three at zero the tool points down. The origin is on the axis of the column, at the height of the
 wrist with axis 2 at zero.
 
-The part may lie elsewhere than where its edge is told, moved and turned about the vertical at its corner.
-Above the edge stands its wall, which a touch probe feels that takes the place of the tool while `probe` is 1.
+The part may be displaced from its configured edge, and rotated about the vertical at its corner. Its wall is above
+the edge. A touch probe, which replaces the tool while `probe` is 1, detects the wall.
 
 Each drive has a spring-applied brake, as the axes of robots have: without `enable` the drives have no force
-and the brakes are closed, with the largest force of the drive as dry friction (our choice). Enabled again a
-drive holds the place where it is.
+and the brakes are closed, with the largest force of the drive as dry friction (default). When it is enabled again,
+a drive holds its present position.
 """
 
 import math
@@ -55,7 +55,7 @@ class CylindricalRobot(Plant):
     )  # fmt: skip
 
     def name_channels(self, p: CylindricalRobotParameters) -> None:
-        """Name them, with the noise, resolution and limits that the parameters say."""
+        """Name them, with the noise, resolution and limits of the parameters."""
         self._edge = edge(p)
         self._length = _native.edge_length(*self._edge)
         self.readings = (
@@ -63,31 +63,33 @@ class CylindricalRobot(Plant):
             Channel(
                 "spindle_speed", "rad/s", "Speed of the tool, lagged", p.spindle_noise, p.spindle_resolution
             ),
-            Channel("contact", "1", "1 while the touch probe feels the part"),
+            Channel("contact", "1", "1 while the touch probe touches the part"),
         )
         self.commands = (
             *(self._command(n) for n in AXES),
-            Channel("workpiece", "1", "1 while the part lies there", minimum=0.0, maximum=1.0),
-            Channel("enable", "1", "1 for live drives, 0 for closed brakes", 0.0, 0.0, 0.0, 1.0, start=1.0),
+            Channel("workpiece", "1", "1 while the part is present", minimum=0.0, maximum=1.0),
+            Channel(
+                "enable", "1", "1 for enabled drives, 0 for closed brakes", 0.0, 0.0, 0.0, 1.0, start=1.0
+            ),
             Channel("probe", "1", "1 while a touch probe is in place of the tool", minimum=0.0, maximum=1.0),
         )
         self.truths = (
             *vector("tip", "m", "Tip of the tool"),
-            Channel("distance", "m", "Nearest place of the edge, from its start"),
+            Channel("distance", "m", "Nearest position on the edge, from its start"),
             Channel("deviation", "m", "Tip from the edge: positive leaves burr, negative gouges"),
             Channel("deviation_across", "m", "Tip from the edge, across the plane of its corner"),
             Channel("feed", "m/s", "Speed along the edge, last plant step"),
             Channel("engagement", "m", "Depth of cut, last plant step"),
             Channel("cutting_torque", "N.m", "Load of the cut on the spindle, last plant step"),
             Channel("cutting_force", "N", "Tangential force of the cut, last plant step"),
-            Channel("finish_low", "m", "Lowest place of the finished edge so far, negative is a gouge"),
-            Channel("finish_high", "m", "Highest place of the finished edge so far"),
+            Channel("finish_low", "m", "Lowest position of the finished edge so far, negative is a gouge"),
+            Channel("finish_high", "m", "Highest position of the finished edge so far"),
             Channel("burr_removed", "m3", "Volume that was cut"),
-            Channel("burr_left", "m3", "Volume that stands above the edge"),
+            Channel("burr_left", "m3", "Volume above the edge"),
             Channel("spindle_speed", "rad/s", "Speed of the tool"),
             Channel("spindle_torque", "N.m", "Torque of the spindle motor"),
             *(Channel(f"axis{n}_force", force_unit(n), f"Force of drive {n}, last plant step") for n in AXES),
-            Channel("probe_deflection", "m", "Way that the touch probe gives way, last plant step"),
+            Channel("probe_deflection", "m", "Deflection of the touch probe, last plant step"),
         )
 
     def _encoder(self, axis: int) -> Channel:
@@ -310,9 +312,9 @@ def edge(p: CylindricalRobotParameters) -> tuple[list[float], list[float], list[
 
 
 def displaced(p: CylindricalRobotParameters, point: list[float], about: list[float]) -> list[float]:
-    """Place of the part, moved and turned about the vertical through a place."""
+    """Point of the part, moved and rotated about the vertical through a point."""
     x, y = point[0] - about[0], point[1] - about[1]
-    # what a turn adds: without one nothing, to the bit
+    # change by the rotation: exactly zero without one
     less, sine = math.cos(p.part_angle) - 1.0, math.sin(p.part_angle)
     return [point[0] + p.part_x + less * x - sine * y, point[1] + p.part_y + less * y + sine * x, point[2]]
 

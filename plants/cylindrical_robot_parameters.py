@@ -27,35 +27,40 @@ class CylindricalRobotParameters:
         "Velocity loops, natural frequency",
         10.0,
         1e3,
-        "our choice: 2 % below the paper's 280",
+        "default; 2 % below the paper's 280",
     )
     drive_damping: float = parameter(0.52, "1", "Velocity loops, damping ratio", 0.05, 2.0, "paper")
     drive_gain: float = parameter(1.0, "1", "Velocity per commanded velocity", 0.5, 1.5, "paper")
     coulomb_friction: float = parameter(
-        0.05, "1", "Coulomb friction, share of the largest force of each drive", 0.0, 0.5
+        0.05, "1", "Coulomb friction over the largest force of each drive", 0.0, 0.5
     )
     reversal_friction: float = parameter(
-        0.0, "1", "Friction behind the gears of axes 1 and 3, grown after a reversal, over the largest force",
-        0.0, 0.5, "our choice: none; guides and seals carry some 3 %",
+        0.0, "1", "Friction after the gears of axes 1 and 3, grown after a reversal, over the largest force",
+        0.0, 0.5, "default; none. Guides and seals have some 3 %",
     )  # fmt: skip
     reversal_way: float = parameter(
-        2e-4, "1", "Way after a reversal over which it turns, rad or m", 1e-6, 0.1,
-        "our choice: 0.15 mm at the reach of axis 1",
+        2e-4, "1", "Displacement after a reversal over which it reverses, rad or m", 1e-6, 0.1,
+        "default; 0.15 mm at the reach of axis 1",
     )  # fmt: skip
     backlash: float = parameter(
-        0.0, "m", "Play of the gears of axes 1 and 3, at the tip at the tuned reach", 0.0, 0.01,
-        "our choice: none; one arc minute is 0.2 mm at 0.75 m",
+        0.0, "m", "Backlash of the gears of axes 1 and 3, at the tip at the tuned reach", 0.0, 0.01,
+        "default; none. One arc minute is 0.2 mm at 0.75 m",
     )  # fmt: skip
     cogging: float = parameter(
         0.0, "1", "Cogging of each drive, amplitude over its largest force", 0.0, 0.2,
-        "our choice: none; servo motors have 1 to 2 %",
+        "default; none. Servo motors have 1 to 2 %",
     )  # fmt: skip
     axis1_cogging: float = parameter(
-        TURN / 160.0 / 24.0, "rad", "Period of that, axes 1, 4, 5 and 6", 1e-6, 10.0,
-        "our choice: 24 a turn of a motor behind 1:160",
+        TURN / 160.0 / 24.0, "rad", "Period of the cogging of axes 1, 4, 5 and 6", 1e-6, 10.0,
+        "default; 24 per revolution of a motor with a gear of 1:160",
     )  # fmt: skip
     axis3_cogging: float = parameter(
-        0.02 / 24.0, "m", "Period of that, axes 2 and 3", 1e-6, 1.0, "our choice: 24 a turn, lead of 20 mm"
+        0.02 / 24.0,
+        "m",
+        "Period of the cogging of axes 2 and 3",
+        1e-6,
+        1.0,
+        "default; 24 per revolution, lead of 20 mm",
     )
     axis1_force: float = parameter(300.0, "N.m", "Largest torque of drive 1", 1.0, 1e6)
     axis2_force: float = parameter(1000.0, "N", "Largest force of drive 2", 1.0, 1e6)
@@ -74,7 +79,7 @@ class CylindricalRobotParameters:
     axis1_pulse: float = parameter(TURN / 640_000, "rad", "Pulse of encoder 1", 0.0, 0.1)
     axis2_pulse: float = parameter(2.5e-6, "m", "Pulse of encoder 2", 0.0, 0.01)
     axis3_pulse: float = parameter(
-        5e-6, "m", "Pulse of encoder 3", 0.0, 0.01, "our choice: 20 mm of lead and 4000 pulses a turn"
+        5e-6, "m", "Pulse of encoder 3", 0.0, 0.01, "default; 20 mm of lead and 4000 pulses per revolution"
     )
     axis4_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 4", 0.0, 0.1)
     axis5_pulse: float = parameter(TURN / 400_000, "rad", "Pulse of encoder 5", 0.0, 0.1)
@@ -83,35 +88,35 @@ class CylindricalRobotParameters:
     encoder_noise: float = parameter(
         0.5,
         "1",
-        "Noise of the encoders, deviation in pulses",
+        "Noise of the encoders, standard deviation in pulses",
         0.0,
         100.0,
-        "our choice: half a pulse; the paper has none",
+        "default; half a pulse. The paper has none",
     )
 
     # what moves
-    axis1_rotor: float = parameter(12.8, "kg.m2", "Motor 1 behind its gear", 0.0, 1e4, "our choice: 1:160")
-    axis2_rotor: float = parameter(80.0, "kg", "Motor 2 behind its screw", 0.0, 1e4)
-    axis3_rotor: float = parameter(49.0, "kg", "Motor 3 behind its screw", 0.0, 1e4)
-    axis4_rotor: float = parameter(0.4, "kg.m2", "Motor 4 behind its gear", 0.0, 1e2)
-    axis5_rotor: float = parameter(0.4, "kg.m2", "Motor 5 behind its gear", 0.0, 1e2)
-    axis6_rotor: float = parameter(0.1, "kg.m2", "Motor 6 behind its gear", 0.0, 1e2)
+    axis1_rotor: float = parameter(
+        12.8, "kg.m2", "Motor 1 at the output of its gear", 0.0, 1e4, "default; 1:160"
+    )
+    axis2_rotor: float = parameter(80.0, "kg", "Motor 2 at the output of its screw", 0.0, 1e4)
+    axis3_rotor: float = parameter(49.0, "kg", "Motor 3 at the output of its screw", 0.0, 1e4)
+    axis4_rotor: float = parameter(0.4, "kg.m2", "Motor 4 at the output of its gear", 0.0, 1e2)
+    axis5_rotor: float = parameter(0.4, "kg.m2", "Motor 5 at the output of its gear", 0.0, 1e2)
+    axis6_rotor: float = parameter(0.1, "kg.m2", "Motor 6 at the output of its gear", 0.0, 1e2)
     tuned_payload: float = parameter(
         5.0, "kg", "Mass of the spindle for which the drives are tuned", 0.1, 50.0
     )
     tuned_radius: float = parameter(0.75, "m", "Reach for which they are tuned", 0.3, 1.5)
     payload: float = parameter(5.0, "kg", "Mass of the spindle", 0.1, 50.0)
-    flexible: bool = parameter(True, "1", "Whether the gears of the axes 1 and 3 give way")
-    coupling_frequency: float = parameter(
-        60.0, "Hz", "What they carry against the motors, natural frequency", 10.0, 200.0
-    )
-    coupling_damping: float = parameter(0.05, "1", "Damping ratio of that", 0.0, 1.0)
+    flexible: bool = parameter(True, "1", "Whether the gears of the axes 1 and 3 are compliant")
+    coupling_frequency: float = parameter(60.0, "Hz", "Loads on these gears, natural frequency", 10.0, 200.0)
+    coupling_damping: float = parameter(0.05, "1", "Damping ratio of these loads", 0.0, 1.0)
     tool_length: float = parameter(0.2, "m", "Wrist to tip of the tool", 0.01, 1.0)
     start_height: float = parameter(0.02, "m", "Tip above the edge at the start", -1.0, 1.0)
 
     # spindle
     synchronous_speed: float = parameter(
-        18_000.0 * RPM, "rad/s", "Speed without slip", 1.0, 1e5, "our choice: 2 poles at 300 Hz"
+        18_000.0 * RPM, "rad/s", "Speed without slip", 1.0, 1e5, "default; 2 poles at 300 Hz"
     )
     rated_speed: float = parameter(17_500.0 * RPM, "rad/s", "Speed at rated power", 1.0, 1e5, "paper")
     rated_power: float = parameter(600.0, "W", "Rated power", 1.0, 1e5, "paper")
@@ -124,30 +129,32 @@ class CylindricalRobotParameters:
     spindle_noise: float = parameter(
         0.5,
         "rad/s",
-        "Noise of the measured speed, deviation",
+        "Noise of the measured speed, standard deviation",
         0.0,
         100.0,
-        "our choice: a step of the reading; the paper has none",
+        "default; a step of the measurement. The paper has none",
     )
     spindle_resolution: float = parameter(
-        20_000.0 * RPM / 4096, "rad/s", "Step of the measured speed", 0.0, 100.0, "our choice: 12 bit"
+        20_000.0 * RPM / 4096, "rad/s", "Step of the measured speed", 0.0, 100.0, "default; 12 bit"
     )
 
     # tool and cut
     teeth: float = parameter(2.0, "1", "Teeth of the end mill", 1.0, 12.0, "paper")
     tool_radius: float = parameter(6e-3, "m", "Radius of the end mill", 1e-3, 0.05)
     cutting_pressure: float = parameter(
-        9e8, "Pa", "Force per chip cross-section", 0.0, 1e10, "literature: 244 to 1319 MPa for aluminium"
+        9e8, "Pa", "Force per chip cross-section", 0.0, 1e10, "literature: 244 to 1319 MPa for aluminum"
     )
     edge_force: float = parameter(
-        2e4, "N/m", "Force per engaged edge length", 0.0, 1e6, "literature: 7 to 28 N/mm for aluminium"
+        2e4, "N/m", "Force per engaged edge length", 0.0, 1e6, "literature: 7 to 28 N/mm for aluminum"
     )
-    chip_most: float = parameter(5e-4, "m", "Largest chip of a tooth, beyond it the tool rubs", 1e-5, 0.01)
-    force_along: float = parameter(0.5, "1", "Reaction against the feed, share", -2.0, 2.0)
-    force_outward: float = parameter(0.35, "1", "Reaction outward, share", -2.0, 2.0)
-    tool_reach: float = parameter(0.01, "m", "The tool cuts so far above and below its tip", 1e-3, 0.1)
+    chip_most: float = parameter(5e-4, "m", "Largest chip of a tooth, above it the tool rubs", 1e-5, 0.01)
+    force_along: float = parameter(0.5, "1", "Reaction against the feed, ratio", -2.0, 2.0)
+    force_outward: float = parameter(0.35, "1", "Reaction outward, ratio", -2.0, 2.0)
+    tool_reach: float = parameter(
+        0.01, "m", "Distance above and below its tip in which the tool cuts", 1e-3, 0.1
+    )
 
-    # edge of the part, where the tip should go
+    # edge of the part, the desired path of the tip
     edge_start_x: float = parameter(0.75 - LEG * math.cos(HEADING), "m", "Start of the edge", -2.0, 2.0)
     edge_start_y: float = parameter(-LEG * math.sin(HEADING), "m", "Start of the edge", -2.0, 2.0)
     edge_start_z: float = parameter(-0.2, "m", "Start of the edge", -1.0, 1.0)
@@ -159,30 +166,37 @@ class CylindricalRobotParameters:
     edge_end_z: float = parameter(-0.2, "m", "End of the edge", -1.0, 1.0)
     edge_radius: float = parameter(0.015, "m", "Radius of the corner", 0.0, 1.0)
 
-    # where the part lies, and what touches it
-    part_x: float = parameter(0.0, "m", "Shift of the part from where its edge is told", -0.1, 0.1)
-    part_y: float = parameter(0.0, "m", "Shift of the part from where its edge is told", -0.1, 0.1)
+    # position of the part, and the probe that touches it
+    part_x: float = parameter(0.0, "m", "Displacement of the part from its configured edge", -0.1, 0.1)
+    part_y: float = parameter(0.0, "m", "Displacement of the part from its configured edge", -0.1, 0.1)
     part_angle: float = parameter(
-        0.0, "rad", "Turn of the part about the vertical through its corner", -1.0, 1.0
+        0.0, "rad", "Rotation of the part about the vertical through its corner", -1.0, 1.0
     )
     wall_height: float = parameter(
-        0.018, "m", "Height of the wall above the edge, along the burr", 0.0, 1.0, "our choice"
+        0.018,
+        "m",
+        "Height of the wall above the edge, along the burr",
+        0.0,
+        1.0,
+        "default; higher than the burr",
     )
     probe_pretravel: float = parameter(
         1e-5,
         "m",
-        "Way of the touch probe from touch to contact",
+        "Travel of the touch probe from touch to contact",
         0.0,
         1e-3,
-        "our choice: as touch-trigger probes have",
+        "default; typical of touch-trigger probes",
     )
     probe_travel: float = parameter(
-        0.01, "m", "Way that it gives way", 1e-4, 0.1, "our choice: 12 degrees of a stylus of 50 mm"
+        0.01, "m", "Largest deflection", 1e-4, 0.1, "default; 12 degrees of a stylus of 50 mm"
     )
     probe_stiffness: float = parameter(
-        1e3, "N/m", "Stiffness of its spring", 0.0, 1e6, "our choice: 1 N for a millimetre"
+        1e3, "N/m", "Stiffness of the spring of the probe", 0.0, 1e6, "default; 1 N per millimeter"
     )
-    probe_end_stiffness: float = parameter(1e6, "N/m", "Stiffness at the end of that", 0.0, 1e9, "our choice")
+    probe_end_stiffness: float = parameter(
+        1e6, "N/m", "Stiffness at the largest deflection", 0.0, 1e9, "default; stiff compared with the spring"
+    )
 
     # burr
     burr_height_least: float = parameter(2e-3, "m", "Lowest burr", 0.0, 0.02, "paper")
@@ -190,9 +204,9 @@ class CylindricalRobotParameters:
     burr_thickness_least: float = parameter(1e-3, "m", "Thinnest burr", 0.0, 0.02, "paper")
     burr_thickness_most: float = parameter(2e-3, "m", "Thickest burr", 0.0, 0.02, "paper")
     burr_correlation: float = parameter(0.012, "m", "Length over which the burr changes", 1e-3, 1.0)
-    burr_gaps: float = parameter(2.0, "1", "Most gaps, drawn from 0 on", 0.0, 20.0)
+    burr_gaps: float = parameter(2.0, "1", "Largest number of gaps, sampled from 0 on", 0.0, 20.0)
     burr_gap_least: float = parameter(6e-3, "m", "Shortest gap", 0.0, 1.0)
     burr_gap_most: float = parameter(0.02, "m", "Longest gap", 0.0, 1.0)
-    burr_begin: float = parameter(0.03, "m", "Where the part begins on the edge", 0.0, 10.0)
-    burr_end: float = parameter(0.01, "m", "What is free before the end", 0.0, 10.0)
+    burr_begin: float = parameter(0.03, "m", "Start of the burr on the edge", 0.0, 10.0)
+    burr_end: float = parameter(0.01, "m", "Length without burr before the end", 0.0, 10.0)
     burr_pitch: float = parameter(2.5e-4, "m", "Length of one bin", 1e-5, 0.01)

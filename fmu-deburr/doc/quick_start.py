@@ -29,7 +29,11 @@ def run(path: str | Path) -> dict[str, np.ndarray]:
     fmu.exitInitializationMode()
     pulses = np.array(fmu.getReal([vr[f"axis{n}.pulse"] for n in range(1, 7)]))
     positions = [vr[f"axis{n}.position"] for n in range(1, 7)]
-    outputs = [vr[f"axis{n}.velocity"] for n in range(1, 7)] + [vr["path.speed"]] + [vr[f"axis{n}.error"] for n in (1, 2, 3)]
+    outputs = (
+        [vr[f"axis{n}.velocity"] for n in range(1, 7)]
+        + [vr["path.speed"]]
+        + [vr[f"axis{n}.error"] for n in (1, 2, 3)]
+    )
     place, speed, command, rows = np.array([-0.1, 0.02, 0.7, 0.0, 0.0, 0.0]), np.zeros(6), np.zeros(6), []
     mode = DRY_RUN
     for k in range(3000):
@@ -70,7 +74,7 @@ def plot(result: dict[str, np.ndarray], path: str) -> None:
     axes[0].set(ylabel="error of axis 3 in mm")
     for mode, label in ((DRY_RUN, "without patterns"), (PLAYBACK, "with patterns")):
         middle = time[active & (result["mode"][thin] == mode)].mean()
-        axes[0].annotate(label, (middle, 0.2), ha="center")
+        axes[0].annotate(label, (middle, 0.03), ha="center")
     axes[1].plot(time, 1e3 * result["feed"][thin])
     axes[1].set(ylabel="feed in mm/s")
     names = "Off Idle Approach Settle Run Stop Done".split()

@@ -55,7 +55,9 @@ ROWS = (
         "1 mm without response from rest, 4 samples of 0.32 mm, then closed brakes",
         at(0.0, AXIS1, frozen=True),
     ),
-    Row("encoder 1 frozen in the burr", ("PositionFrozen",), TIP, 6.7e-4, FROZEN, at(4.0, AXIS1, frozen=True)),
+    Row(
+        "encoder 1 frozen in the burr", ("PositionFrozen",), TIP, 6.7e-4, FROZEN, at(4.0, AXIS1, frozen=True)
+    ),
     Row(
         "encoder 2 frozen above the part",
         ("PositionFrozen",),
@@ -64,7 +66,9 @@ ROWS = (
         "1 mm and 4 samples of 0.3 mm without response, then closed brakes",
         at(0.3, AXIS2, frozen=True),
     ),
-    Row("encoder 3 frozen in the burr", ("PositionFrozen",), TIP, 8.9e-4, FROZEN, at(4.0, AXIS3, frozen=True)),
+    Row(
+        "encoder 3 frozen in the burr", ("PositionFrozen",), TIP, 8.9e-4, FROZEN, at(4.0, AXIS3, frozen=True)
+    ),
     Row(
         "encoder 5 frozen at rest in the burr, its drive creeps by 10 mm/s at the tip",
         ("PositionFrozen",),
@@ -113,7 +117,7 @@ ROWS = (
             Injection("plant.axis5_velocity", from_time=4.0, duration=1.8, offset=0.05),
         ),
         changes=("plant.encoder_noise=0",),
-        undetectable="without noise a valid position does not change at rest either; only a motion of the axis shows it",
+        undetectable="without noise a valid position is constant at rest, too; only a motion of the axis shows it",
     ),
     Row(
         "encoder 3 off by 20 mm for one sample",
@@ -171,7 +175,7 @@ ROWS = (
         2.6e-3,
         "3 % of the angle from where it reads 0, 0.1 rad at 0.7 m",
         at(0.0, AXIS1, scale=0.97),
-        undetectable="a drive of 0.97 of its gain responds alike; touches at two positions or a gauge show it",
+        undetectable="a drive of 0.97 of its gain responds alike; touches at two positions show it",
     ),
     Row(
         "part displaced by 1 mm, not registered",
@@ -509,7 +513,7 @@ ROWS = (
         changes=("loop.step=0.02", "loop.substeps=20"),
     ),
     Row(
-        "gain of axis 3 seven times as high, without patterns, nominal drives, no noise that starts an oscillation",
+        "gain of axis 3 seven times as high, without patterns and noise, nominal drives",
         ("Oscillation",),
         TIP,
         8.5e-3,

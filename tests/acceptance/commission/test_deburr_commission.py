@@ -1,8 +1,7 @@
-"""Robots that nobody has measured: `studies/deburr-commission.toml`, before and after.
+"""Unmeasured robots: `studies/deburr-commission.toml`, before and after the commissioning run.
 
-Half of the robots use what the commission has measured, the other half the patterns of the drives that they
-were told.
-`pytest -m full -rP` runs the whole study and prints the table of `fmu-deburr/README.md`.
+Half of the robots use the measured values, the other half the patterns of the nominal drives.
+`pytest -m full -rP` runs the whole study and prints the table of `docs/results/deburr.md`.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ class Robot(machine.Machine):
         return float(PERIOD * self.delay + lag)
 
     def held(self, axis: int) -> float:
-        """Way by which friction holds a drive back, force over the stiffness of the drive, rad or m."""
+        """Displacement by which friction holds a drive back, force over the stiffness of the drive, rad or m."""
         force = getattr(CylindricalRobotParameters, f"axis{axis}_force")
         stiffness = stiffnesses(self.changes["plant.drive_frequency"], self.changes["plant.drive_damping"])
         return float(self.changes["plant.coulomb_friction"] * force / stiffness[axis])
@@ -70,24 +69,24 @@ def stiffnesses(frequency: float, damping: float) -> dict[int, float]:
 
 
 def robots(few: tuple[int, int] | None = None) -> list[Robot]:
-    """Robots of the study, or so many that are drawn anew with a seed."""
+    """Robots of the study, or a number of them that is sampled with another seed."""
     return [Robot(one.changes, one.result) for one in studies.machines("deburr-commission", few)]
 
 
 def ends(found: Sequence[Robot]) -> dict[str, int]:
-    """How many ended well, with a fault, and badly without one."""
+    """Numbers of robots that ended well, with a fault, and badly without one."""
     return {name: sum(one[name] > 0.0 for one in found) for name in ("good", "named", "silent")}
 
 
 def off(found: Sequence[Robot]) -> tuple[Array, Array]:
-    """Tell what was measured beyond what is true: gains, and delay with lag (s), of the axes 1 and 3."""
+    """Errors of the measured gains, and of delay with lag (s), of the axes 1 and 3."""
     gain = np.array([one[f"gain_{axis}"] / one.gain - 1.0 for one in found for axis in (1, 3)])
     late = np.array([one[f"late_{axis}"] - one.late for one in found for axis in (1, 3)])
     return gain, late
 
 
 def held_off(found: Sequence[Robot]) -> Array:
-    """Tell by how much friction was measured wrong, at the tip, of the axes 1 and 3, m."""
+    """Errors of the measured friction, at the tip, of the axes 1 and 3, m."""
     reach = CylindricalRobotParameters.tuned_radius
     return np.array(
         [
@@ -98,8 +97,8 @@ def held_off(found: Sequence[Robot]) -> Array:
     )
 
 
-def tell(found: Sequence[Robot]) -> None:
-    """Print how the robots ended, apart by whether they use what was measured."""
+def show(found: Sequence[Robot]) -> None:
+    """Print the results of the robots, with and without the measured values."""
     for applied in (False, True):
         those = [one for one in found if one.applied is applied]
         error = 1e3 * np.array([one.error for one in those if not one["named"]])
@@ -120,11 +119,11 @@ def tell(found: Sequence[Robot]) -> None:
 
 
 def keep(found: Sequence[Robot]) -> None:
-    """Keep what the robots ended with, apart by whether they use what was measured."""
-    told, applied = ([one for one in found if one.applied is applied] for applied in (False, True))
-    counts = ends(told)
+    """Store the results of the robots, with and without the measured values."""
+    nominal, applied = ([one for one in found if one.applied is applied] for applied in (False, True))
+    counts = ends(nominal)
     store.measured(
-        "deburr-commission", "nominal", robots=len(told), good=counts["good"], named=counts["named"]
+        "deburr-commission", "nominal", robots=len(nominal), good=counts["good"], named=counts["named"]
     )  # fmt: skip
     counts, ran = ends(applied), [one for one in applied if not one["named"]]
     error = 1e3 * np.array([one.error for one in ran])
@@ -145,8 +144,8 @@ def keep(found: Sequence[Robot]) -> None:
 
 
 def hold(found: Sequence[Robot], least: float) -> None:
-    """Hold the robots that use what was measured against the demand; none may miss it by far and silently."""
-    tell(found)
+    """Check the robots that use the measured values; none may miss the limit by far without a fault."""
+    show(found)
     applied = [one for one in found if one.applied]
     assert sum(one["good"] for one in applied) >= least * len(applied)
     assert all(one["named"] or one.error < 5e-5 for one in applied)
@@ -166,7 +165,7 @@ def hold(found: Sequence[Robot], least: float) -> None:
 
 
 def hold_deviations(found: Sequence[Robot]) -> None:
-    """Hold the claimed standard deviations against the errors of what was measured."""
+    """Compare the claimed standard deviations with the errors of the measured values."""
     errors = {
         "io_delay": [one["io_delay"] - one.delay for one in found],
         "idle": [one["idle"] for one in found],
@@ -194,7 +193,7 @@ def test_the_whole_study() -> None:
     keep(found)
 
 
-def test_what_was_measured_is_true() -> None:
+def test_the_measured_values_are_correct() -> None:
     result = run("deburr/commission")
     rows = trace(result)
     measured = {name: float(rows[name][-1]) for name in rows.dtype.names if "measured" in name}
@@ -203,7 +202,7 @@ def test_what_was_measured_is_true() -> None:
         assert measured[f"{one}.gain"] == pytest.approx(0.8, rel=3e-3)
         lag = 2.0 * 0.6 / 230.0
         assert measured[f"{one}.lag"] == pytest.approx(lag, abs=6e-4)
-        assert 0.0 < measured[f"{one}.gain_deviation"] < 1e-3
+        assert 0.0 < measured[f"{one}.gain_std"] < 1e-3
     assert round(measured["controller.measured.io_delay"]) == 2
     # 0.5 rad/s, and the steps of 20,000 rpm over 4096
     noise = np.hypot(0.5, 20_000.0 * np.pi / 30.0 / 4096 / np.sqrt(12.0))
@@ -211,7 +210,7 @@ def test_what_was_measured_is_true() -> None:
 
 
 def test_a_tool_that_idles_slower_cuts_at_its_own_speed() -> None:
-    # the burr is cut after the commission, with target and limit that keep their share of the idle speed
+    # the burr is cut after the commissioning run, with target and limit in the same ratio to the idle speed
     slow = ("plant.synchronous_speed=1440.0", "plant.rated_speed=1400.0")
     cut = (
         "signal.controller.mode.times=[0.0, 34.0]",

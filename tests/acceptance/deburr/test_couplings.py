@@ -1,4 +1,4 @@
-"""Deburring robots whose couplings give way behind the encoders."""
+"""Deburring robots with compliant couplings after the encoders."""
 
 import numpy as np
 import pytest
@@ -12,11 +12,11 @@ pytestmark = pytest.mark.acceptance
 
 
 BENT = 0.92e-6
-"""What couplings of 20 Hz give way on the first line of the path, m/N."""
+"""Compliance of couplings of 20 Hz on the first line of the path, m/N."""
 
 
 def tip(seed: int, hertz: float, share: float) -> Columns:
-    """Rows on the way, with couplings of so many hertz and at a share of the taught speed."""
+    """Rows on the path, for a frequency of the couplings (Hz) and a ratio to the programmed speed."""
     speed = f"signal.controller.speed_override.values=[{share}]"
     soft = f"plant.coupling_frequency={hertz}"
     rows = trace(run("deburr", soft, speed, "loop.duration=30", seed=seed))
@@ -46,13 +46,13 @@ def test_a_soft_coupling_at_slower_feeds(share: float) -> None:
     rms = max(float(np.sqrt(np.mean(rows["plant.deviation"] ** 2))) for rows in ways)
     force = max(float(rows["plant.cutting_force"].max()) for rows in ways)
     print(f"{share}: {1e3 * most:.3f} mm, {1e3 * rms:.3f} mm rms, {force:.0f} N")
-    # a mode of little damping swings by twice what a force bends it that comes or goes at once
+    # a sudden force makes a lightly damped mode oscillate to twice its static deflection
     assert most <= 2.0 * BENT * force
     measured("deburr-soft", f"{share}", castings=len(ways), most=1e3 * most, rms=1e3 * rms, force=force)
 
 
 def swung(hertz: float) -> Columns:
-    """Rows of the path in air with couplings of so many hertz, and encoders that count next to nothing."""
+    """Rows of the path in air, for a frequency of the couplings (Hz), with encoders of very fine resolution."""
     axes = (1, 3)
     exact = (*(f"plant.axis{n}_pulse=1e-12" for n in axes), *(f"controller.axis{n}.pulse=1e-9" for n in axes))
     quiet = ("plant.encoder_noise=0.0", "controller.expert.limits.pulses_max=1e9", *exact)
@@ -89,7 +89,7 @@ def test_a_second_pass_finishes_behind_soft_couplings() -> None:
         force.append(value(result, "force"))
     print(f"{1e3 * most[0]:.3f}, then {1e3 * most[1]:.3f} mm; {force[0]:.0f}, then {force[1]:.0f} N")
     assert most[1] <= 3e-5
-    # so little is cut that the tip does not give way
+    # the cut is so small that the tip does not deflect
     assert force[1] <= 0.25 * force[0]
 
 

@@ -37,10 +37,10 @@ ROOT = Path(__file__).parents[3]
 RESOURCES = ROOT / "fmu-deburr/resources"
 KP = 13.0
 TOLD: Changes = ("plant.drive_frequency=280.0", "plant.encoder_noise=0.0", "plant.spindle_noise=0.0")
-"""The robot that the controller is told of, which is the paper's."""
+"""The nominal robot, which is the paper's."""
 
 
-def told(label: str, result: cosim.Result) -> None:
+def show(label: str, result: cosim.Result) -> None:
     e1, e3 = errors(result)
     print(
         f"{label}: e1 {1e3 * e1:.3f}, e3 {1e3 * e3:.3f} mm, finish {1e3 * value(result, 'finish_low'):+.3f} "
@@ -53,7 +53,7 @@ def told(label: str, result: cosim.Result) -> None:
 
 def test_the_bare_servo_lags_by_the_velocity_of_each_axis_over_its_gain() -> None:
     rows = trace(run("deburr/bare", "controller.expert.load.enable=false"))
-    # the middle of the first line, at the taught speed
+    # the middle of the first line, at the programmed speed
     middle = (rows["plant.distance"] > 0.05) & (rows["plant.distance"] < 0.1)
     for axis in (1, 3):
         velocity = np.gradient(rows[f"controller.axis{axis}.reference"], rows["time"])
@@ -74,13 +74,13 @@ def test_bare_runs_miss_the_band() -> None:
 # load control
 
 
-def test_the_printed_sign_of_k2_makes_the_feed_swing() -> None:
+def test_the_printed_sign_of_k2_makes_the_feed_oscillate() -> None:
     swing = []
     for k2 in (0.0138, -0.0138):
         rows = trace(run("deburr/constant", f"controller.load.k2={k2}"))
         cutting = (rows["plant.distance"] > 0.06) & (rows["plant.distance"] < 0.24)
         swing.append(np.std(rows["controller.path.speed"][cutting]))
-    print(f"feed swings by {1e3 * swing[0]:.2f} and {1e3 * swing[1]:.2f} mm/s")
+    print(f"feed oscillates by {1e3 * swing[0]:.2f} and {1e3 * swing[1]:.2f} mm/s")
     assert swing[1] >= 4.0 * swing[0]
 
 
@@ -94,11 +94,11 @@ def test_castings_at_60_mm_per_s() -> None:
 # false faults
 
 NOISE = (("axis1.position", 1e-5), ("axis2.position", 5e-6), ("axis3.position", 1e-5), ("spindle_speed", 1.0))
-"""Standard deviations of one to two counts of the readings that the path needs, in their units."""
+"""Standard deviations of one to two counts of the measurements that the path needs, in their units."""
 
 
 def castings_without_fault(seeds: Sequence[int]) -> float:
-    """Deburr a casting for each seed with noisy readings, see that each is good, and tell the hours."""
+    """Deburr a casting for each seed with noisy measurements, check that each is good, and return the hours."""
     noise = tuple(Injection(f"controller.{to}", from_time=0.0, noise=width) for to, width in NOISE)
     scenario = replace(cosim.load("deburr"), inject=noise)
     results = cosim.run_many(scenario, seeds, workers=WORKERS)
@@ -107,12 +107,12 @@ def castings_without_fault(seeds: Sequence[int]) -> float:
     return sum(result.simulated_s for result in results) / 3600.0
 
 
-def test_no_fault_is_told_of_good_castings_with_noise() -> None:
+def test_good_castings_with_noise_raise_no_fault() -> None:
     print(f"0 faults in {castings_without_fault(range(73_001, 73_021)):.3f} h")
 
 
 @pytest.mark.full
-def test_no_fault_is_told_in_ten_hours_with_noise() -> None:
+def test_ten_hours_with_noise_raise_no_fault() -> None:
     # a casting takes 5.9 s
     hours = castings_without_fault(range(74_001, 80_301))
     print(f"0 faults in {hours:.2f} h")
@@ -131,11 +131,11 @@ def test_new_robots_are_within_their_limits_after_seconds(repetitions: int) -> N
             "deburr/new-robot", *machine(case, 0.3), f"controller.learn.repetitions={repetitions}"
         )  # fmt: skip
         e1, e3 = errors(result)
-        told = f"robot {case}: e1 {1e3 * e1:.3f}, e3 {1e3 * e3:.3f} mm, {value(result, 'learned'):.1f} s"
-        print(told)
-        assert value(result, "good") == 1.0, told
-        assert max(e1, e3) <= 3e-5, told
-        assert value(result, "learned") <= most, told
+        message = f"robot {case}: e1 {1e3 * e1:.3f}, e3 {1e3 * e3:.3f} mm, {value(result, 'learned'):.1f} s"
+        print(message)
+        assert value(result, "good") == 1.0, message
+        assert max(e1, e3) <= 3e-5, message
+        assert value(result, "learned") <= most, message
 
 
 @pytest.mark.full
@@ -157,7 +157,7 @@ def test_new_robots_of_the_study_are_within_their_limits_after_seconds() -> None
 
 
 def test_without_identification_a_new_robot_of_another_gain_is_not() -> None:
-    # the patterns of the nominal drive are told to be wrong
+    # the patterns of the nominal drive raise a fault
     computed = ("controller.bank.compute=true", "plant.drive_gain=0.8")
     played = ("signal.controller.mode.times=[0.0]", "signal.controller.mode.values=['Playback']")
     rows = run("deburr/new-robot", *computed, *played)
@@ -178,16 +178,16 @@ def test_the_bank_of_the_fmu_is_what_914_s_of_learning_give(tmp_path: Path) -> N
 
 @pytest.mark.full
 @pytest.mark.parametrize("delay", DELAYS)
-def test_plain_repetitions_reach_half_a_millimetre(delay: int, tmp_path: Path) -> None:
+def test_plain_repetitions_reach_half_a_millimeter(delay: int, tmp_path: Path) -> None:
     # with a delay the error grows earlier: the renewal has to stop at the best, as the paper's Fig. 7 says
     law = (*PLAIN[delay], *DELAYS[delay], *TOLD)
     learn(tmp_path / "bank.bin", *law)
     result = run("deburr/constant", *law, f"controller.bank.import='{tmp_path / 'bank.bin'}'")
-    told(f"plain, delay {delay}", result)
+    show(f"plain, delay {delay}", result)
     assert max(errors(result)) <= 0.5e-3
     assert 0.06 <= value(result, "feed_settled") <= 0.07
     swing = run("deburr/speed-range", *law, *sine(0.5), f"controller.bank.import='{tmp_path / 'bank.bin'}'")
-    told(f"plain, 6:1 at 0.5 Hz, delay {delay}", swing)
+    show(f"plain, 6:1 at 0.5 Hz, delay {delay}", swing)
     assert max(errors(swing)) <= 0.35e-3
 
 
@@ -208,11 +208,11 @@ def test_default_mode_with_and_without_delay(delay: int, tmp_path: Path) -> None
     delayed = (*DELAYS[delay], f"controller.bank.import='{tmp_path / 'bank.bin'}'")
     learn(tmp_path / "bank.bin", *DELAYS[delay])
     load = run("deburr/constant", *delayed)
-    told(f"delay {delay}", load)
+    show(f"delay {delay}", load)
     assert max(errors(load)) <= 0.10e-3
     for frequency, most in ((0.5, 0.10e-3), (1.0, 0.10e-3), (2.0, 0.13e-3)):
         swing = run("deburr/speed-range", *delayed, *sine(frequency))
-        told(f"delay {delay}, 6:1 at {frequency} Hz", swing)
+        show(f"delay {delay}, 6:1 at {frequency} Hz", swing)
         assert max(errors(swing)) <= most
         if (delay, frequency) == (0, 2.0):
             measured("deburr", "6:1 twice a second", error=1e3 * max(errors(swing)))
@@ -280,8 +280,8 @@ def test_a_bank_of_the_nominal_robot_fails_on_others_and_adapts_in_three_repetit
             repetitions=3,
         )  # fmt: skip
         adapted = run("deburr/constant", *robot, f"controller.bank.import='{bank}'")
-        told(f"robot {case}, nominal bank", foreign)
-        told(f"robot {case}, adapted", adapted)
+        show(f"robot {case}, nominal bank", foreign)
+        show(f"robot {case}, adapted", adapted)
         assert max(errors(adapted)) < max(errors(foreign))
         left.append([1e3 * max(errors(one)) for one in (foreign, adapted)])
     before, after = zip(*left, strict=True)
@@ -296,5 +296,5 @@ def test_norm_optimal_learning_of_robots_whose_gain_is_wrong(tmp_path: Path) -> 
         robot = (f"plant.drive_gain={gain}", "controller.expert.learn.law='NormOptimal'")
         learn(bank, *robot, repetitions=5)
         result = run("deburr/constant", *robot, f"controller.bank.import='{bank}'")
-        told(f"norm-optimal, gain {gain}", result)
+        show(f"norm-optimal, gain {gain}", result)
         assert max(errors(result)) <= 0.10e-3

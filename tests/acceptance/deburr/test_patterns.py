@@ -91,7 +91,7 @@ STEADY: Changes = (
 )
 
 
-def test_errors_of_the_files_are_told_with_a_hint() -> None:
+def test_errors_of_the_files_have_a_hint() -> None:
     for change, words in {
         "controller.path.file='six_axis.json'": ("bank.import", "hint: "),
         "controller.path.file='nowhere.json'": ("path.file", "nowhere.json", "hint: "),
@@ -117,16 +117,16 @@ def written(bank: Path) -> cosim.Result:
     )
 
 
-def told_and_kept(result: cosim.Result) -> None:
-    """See that the writing failed, was told, and that the patterns are still used."""
+def reported_and_kept(result: cosim.Result) -> None:
+    """Check that writing failed and was reported, and that the patterns are still used."""
     rows, status = trace(result), result.items["controller.bank.status"]
     assert rows["controller.bank.status"][rows["time"] < 16.0][-1] == status["ExportFailed"]
     assert value(result, "good") == 1.0
     assert max(errors(result)) < 0.5e-3
 
 
-def test_a_bank_without_a_folder_is_told_and_kept(tmp_path: Path) -> None:
-    told_and_kept(written(tmp_path / "missing" / "bank.bin"))
+def test_a_bank_without_a_folder_is_reported_and_kept(tmp_path: Path) -> None:
+    reported_and_kept(written(tmp_path / "missing" / "bank.bin"))
 
 
 def test_a_full_disk_leaves_the_old_bank_as_it_was(tmp_path: Path) -> None:
@@ -140,6 +140,6 @@ def test_a_full_disk_leaves_the_old_bank_as_it_was(tmp_path: Path) -> None:
         result = written(bank)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    told_and_kept(result)
+    reported_and_kept(result)
     assert bank.read_text() == "what was there"
     assert [file.name for file in tmp_path.iterdir()] == ["bank.bin"]

@@ -1,6 +1,6 @@
-"""Parts that lie elsewhere: `studies/deburr-register.toml`, before and after the registration.
+"""Displaced parts: `studies/deburr-register.toml`, before and after the registration.
 
-`pytest -m full -rP` runs the whole study and prints the table of `fmu-deburr/README.md`.
+`pytest -m full -rP` runs the whole study and prints the table of `docs/results/deburr.md`.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ pytestmark = pytest.mark.acceptance
 FEW = (3, 91_026)
 """Parts of the default run, and their seed; no study has it."""
 MOST = 5e-5
-"""Largest distance of the true tip from the edge, m."""
+"""Largest distance of the actual tip from the edge, m."""
 
 
 def parts(few: tuple[int, int] | None = None) -> list[studies.Machine]:
-    """Parts of the study, or so many that are drawn anew with a seed."""
+    """Parts of the study, or a number of them that is sampled with another seed."""
     return studies.machines("deburr-register", few)
 
 
 def largest(found: Sequence[studies.Machine], metric: str) -> tuple[float, float, float]:
-    """Median, 95 % and most of a metric of those that ended without a fault."""
+    """Median, 95 % and maximum of a metric of those that ended without a fault."""
     values = np.array([one[metric] for one in found if not one["named"]])
     return float(np.median(values)), float(np.percentile(values, 95)), float(values.max())
 
 
 def turned(found: Sequence[studies.Machine]) -> tuple[float, float]:
-    """Largest error of the angle (rad), and the scatter of the errors over their deviations."""
+    """Largest error of the angle (rad), and the rms of the errors over their standard deviations."""
     those = [one for one in found if not one["named"]]
     off = np.array([one["angle"] - one.changes["plant.part_angle"] for one in those])
     sure = np.array([one["angle_deviation"] for one in those])
@@ -42,7 +42,7 @@ def turned(found: Sequence[studies.Machine]) -> tuple[float, float]:
 
 
 def hold(found: Sequence[studies.Machine], least: float) -> None:
-    """Hold the parts against the demand; none may miss it silently."""
+    """Check the parts; none may miss the limit without a fault."""
     for metric in ("before", "tip", "cut"):
         median, high, most = largest(found, metric)
         print(f"{metric}: {1e3 * median:.3f}/{1e3 * high:.3f}/{1e3 * most:.3f} mm")
@@ -62,7 +62,7 @@ def hold(found: Sequence[studies.Machine], least: float) -> None:
 
 
 def keep(found: Sequence[studies.Machine]) -> None:
-    """Keep what the parts ended with."""
+    """Store the results of the parts."""
     for name, metric in (("programmed", "before"), ("registered", "tip"), ("cut", "cut")):
         median, high, most = (1e3 * one for one in largest(found, metric))
         store.measured("deburr-register", name, median=median, high=high, most=most)
@@ -89,7 +89,7 @@ def test_the_whole_study() -> None:
 
 
 def test_a_learned_bank_follows_the_part() -> None:
-    # the bank of the nominal robot, and nothing is commissioned
+    # the bank of the nominal robot, without a commissioning run
     changes = (
         "controller.bank.import=bank.bin",
         "controller.commission.apply=false",
@@ -105,17 +105,19 @@ def test_a_learned_bank_follows_the_part() -> None:
     assert rows["controller.bank.status"][-1] == imported
 
 
-def test_a_pretravel_that_is_not_told_is_a_part_that_is_farther_in() -> None:
-    # both faces seem farther in: by the pretravel along both normals, and the residual does not tell it
-    told, untold = (run("deburr/register", f"controller.register.pretravel={way}") for way in (1e-5, 0.0))
+def test_a_pretravel_that_is_not_configured_shifts_the_part_inwards() -> None:
+    # both faces seem farther in, by the pretravel along both normals; the residual does not show it
+    right, wrong = (
+        run("deburr/register", f"controller.register.pretravel={travel}") for travel in (1e-5, 0.0)
+    )
     x, y = (
         float(
-            trace(untold)[f"controller.registration.{c}"][-1]
-            - trace(told)[f"controller.registration.{c}"][-1]
+            trace(wrong)[f"controller.registration.{c}"][-1]
+            - trace(right)[f"controller.registration.{c}"][-1]
         )
         for c in "xy"
     )
     heading = np.radians(46.0)
     normals = np.array([[np.sin(heading), -np.cos(heading)], [np.cos(heading), np.sin(heading)]])
     assert normals @ np.array([x, y]) == pytest.approx([-1e-5, -1e-5], abs=1e-7)
-    assert value(untold, "residual") == pytest.approx(value(told, "residual"), abs=1e-7)
+    assert value(wrong, "residual") == pytest.approx(value(right, "residual"), abs=1e-7)

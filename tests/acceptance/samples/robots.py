@@ -1,4 +1,4 @@
-"""Robots and castings that nothing was tuned on, drawn from seeds; patterns learned on that very robot."""
+"""Robots and castings from seeds that were not used for tuning; patterns learned on the same robot."""
 
 from __future__ import annotations
 
@@ -16,25 +16,29 @@ from .runs import WORKERS, value
 Changes = tuple[str, ...]
 Array = NDArray[np.float64]
 
-# nothing was tuned on these seeds
+# these seeds were not used for tuning
 MACHINES = tuple(range(71_001, 71_011))
 BURRS = tuple(range(72_001, 72_051))
 
 BAND = (-0.5e-3, 1.0e-3)
 """Finishing accuracy of castings for cars, m (paper)."""
 STALLED = 16_000.0
-"""Tool speed below which a run has failed, rpm (our choice)."""
+"""Tool speed below which a run has failed, rpm (default; see `limits.spindle_speed_min`)."""
 
 DELAYS: dict[int, Changes] = {
     0: ("loop.compute_delay=0", "controller.io_delay=0"),
     1: ("loop.compute_delay=1", "controller.io_delay=1"),
 }
-"""Samples between a command and its action, and what tells plant and controller so."""
+"""Samples between a command and its action, for plant and controller."""
 PLAIN: dict[int, Changes] = {
     0: ("controller.law='Paper'",),
-    1: ("controller.expert.learn.law='Plain'", "controller.expert.learn.lead=0", "controller.expert.lookup.preview=0"),
+    1: (
+        "controller.expert.learn.law='Plain'",
+        "controller.expert.learn.lead=0",
+        "controller.expert.lookup.preview=0",
+    ),
 }
-"""The paper's own law; with a delay it stops at the best repetition, which the law as printed does not."""
+"""The published control law; with a delay it keeps the best repetition, which the printed one does not."""
 
 
 def errors(result: cosim.Result) -> tuple[float, float]:
@@ -43,7 +47,7 @@ def errors(result: cosim.Result) -> tuple[float, float]:
 
 
 def machine(case: int, spread: float = 0.2) -> Changes:
-    """Draw a robot, its drives within a spread, its tool and the hardness of its castings."""
+    """Sample a robot, its drives within a spread, its tool and the hardness of its castings."""
     random = np.random.default_rng(case)
     values = {
         "drive_gain": random.uniform(1.0 - spread, 1.0 + spread),
@@ -57,9 +61,9 @@ def machine(case: int, spread: float = 0.2) -> Changes:
 
 def learning(bank: Path, *changes: str, speed: float = 0.1, repetitions: int = 19) -> cosim.Scenario:
     """Scenario that learns five speeds in air and writes the patterns to a bank."""
-    # a repetition of five speeds takes 45.7 s at 100 mm/s, 15.6 s of them on the way back and at rest
+    # a repetition of five speeds takes 45.7 s at 100 mm/s, 15.6 s of them during the return and at rest
     duration = round((30.1 * 0.1 / speed + 15.6) * (repetitions + 1) * 1.01 + 5.0, 2)
-    wanted = (
+    settings = (
         f"loop.duration={duration}",
         'loop.stop_when=\'controller.state == "Done" or controller.state == "Fault"\'',
         "signal.controller.mode.times=[0.0]",
@@ -73,11 +77,11 @@ def learning(bank: Path, *changes: str, speed: float = 0.1, repetitions: int = 1
         f"controller.learn.repetitions={repetitions}",
         f"controller.bank.export='{bank}'",
     )
-    return cosim.load("deburr/learn", set=[*wanted, *changes])
+    return cosim.load("deburr/learn", set=[*settings, *changes])
 
 
 def learn(bank: Path, *changes: str, speed: float = 0.1, repetitions: int = 19) -> cosim.Result:
-    """Learn, and see that all speeds were learned and written."""
+    """Learn, and check that all speeds were learned and written."""
     result = cosim.run(learning(bank, *changes, speed=speed, repetitions=repetitions), engine="native")
     assert result.trace is not None
     assert result.trace["controller.learn.done"][-1] == 1.0
