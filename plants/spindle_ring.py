@@ -178,7 +178,7 @@ class SpindleRing(Plant):
             self.circuit.bind(f"spindle_error_{axis}", noise, [source], [self.wire(f"async_{axis}")])
 
     def _touch(self, circuit: Circuit) -> None:
-        # position of the ring, and forces of probe and pusher: in every step, and when the sensors are sampled
+        # position of the ring, forces of probe and pusher: in every step, and when sensors are sampled
         p, wire, bind = self.parameters, self.wire, circuit.bind
         if p.part_present:
             self._ring(circuit)

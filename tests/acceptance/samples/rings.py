@@ -35,8 +35,8 @@ LENGTHS = ("eccentricity", "measurement_error", "overshoot")
 class Rings:
     """A population of rings and machines; every pair is a range with even density.
 
-    The friction of the ring is that of the paper, 0.15 to 0.25. The paper gives no initial eccentricity and no
-    other property of its parts; the defaults are typical values.
+    The friction of the ring is that of the paper, 0.15 to 0.25. The paper gives no initial eccentricity
+    and no other property of its parts; the defaults are typical values.
     """
 
     mass: Range = (0.75, 1.5)

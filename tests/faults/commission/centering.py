@@ -69,7 +69,7 @@ ROWS = (
          changes=("plant.servo_bandwidth=28", "plant.servo_integral_time=0.05"),
          within=(5.5e-5, "a push beyond the axis, as the first one of a nominal machine")),
     row("slide encoder frozen", "PositionFrozen", measuring(SLIDE, frozen=True), within=LOST),
-    row("slide encoder jumps by 10 mm permanently", "PositionJump", measuring(SLIDE, offset=0.01), within=LOST),
+    row("slide encoder jumps by 10 mm", "PositionJump", measuring(SLIDE, offset=0.01), within=LOST),
     row("slide is NaN", "PositionLost", measuring(SLIDE, value=NAN), within=LOST),
     row("slide noise x 2000", "CommissionRejected", measuring(SLIDE, after=0.0, noise=4e-5)),
     row("probe is NaN", "ProbeLost", measuring(PROBE, value=NAN)),
