@@ -1,4 +1,4 @@
-//! The machine measured by its own controller: a bounded motion, what it tells, and what is made of it.
+//! The commissioning run: a bounded motion, its measurements, and the derived parameters.
 
 pub mod experiment;
 pub mod identification;

@@ -1,4 +1,4 @@
-//! One sample of the whole law: read, measure, decide, move, report.
+//! One control step: measure, supervise, control, move, report.
 
 mod commissioning;
 mod reporting;
@@ -45,7 +45,7 @@ pub struct Controller {
     ticks: u32,
     /// the zero of the sensor is being taken
     taring: bool,
-    /// in the fault state: stands still
+    /// in the fault state: is at rest
     halted: bool,
     /// way of approach or retract, m
     travelled: f64,
@@ -53,13 +53,13 @@ pub struct Controller {
     place: Place,
     /// velocity of the contact point along the path, m/s
     feed: f64,
-    /// wanted force, N
+    /// target force, N
     setpoint: f64,
     normal: NormalMotion,
     feedback: PositionFeedback,
     /// samples of the sweep
     k: u32,
-    /// half period (samples) that was told
+    /// half period (samples) that was configured
     half_period: i32,
     sliding: Sliding,
     remainder: Remainder,
@@ -150,8 +150,8 @@ impl Controller {
         }
     }
 
-    /// Largest growth of the force in a sample, N. On the approach no more than its own velocity makes: a reading that has grown
-    /// more has stood while the tool went on, or the tool has hit what is in the way.
+    /// Largest growth of the force in a sample, N. On the approach no more than its own velocity makes: a measurement that has grown
+    /// more was frozen during the motion, or the tool has hit an obstacle.
     fn growth(&self, p: &Parameters) -> f64 {
         let (stiffness, velocity) = match self.role() {
             State::Approach => (p.limits.stiffness_ratio * self.normal.stiffness, p.approach.velocity),
@@ -242,7 +242,7 @@ impl Controller {
         )
     }
 
-    /// A more_severe fault on the way out takes over, and ends the motion.
+    /// A more severe fault during the retract takes over, and ends the motion.
     fn escalate(&mut self, events: &Events) {
         if let (State::Fault, Some(found)) = (self.state, events.fault) {
             self.fault = more_severe(self.fault, found);
@@ -250,7 +250,7 @@ impl Controller {
         }
     }
 
-    /// The tool is out; after a job without a fault only when the force has gone as well.
+    /// The tool is retracted; after a cycle without a fault the force must also be gone.
     fn retracted(&self, p: &Parameters) -> bool {
         let out = self.travelled >= p.retract.distance;
         self.halted || (out && (self.state != State::Retract || self.contact.free()))
@@ -272,7 +272,7 @@ impl Controller {
         zero
     }
 
-    /// Forgets the last job; the new one may take `time` s.
+    /// Discards the last cycle; the new one may take `time` s.
     fn restart(&mut self, p: &Parameters, reading: &Reading, time: f64) {
         self.sensor.restart();
         self.axes.restart(p, &reading.position);
@@ -287,7 +287,7 @@ impl Controller {
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, now: &Measurement) {
-        // a way out goes on
+        // a way out continues
         if (self.state, state) != (State::Retract, State::Fault) {
             self.travelled = 0.0;
         }
@@ -362,7 +362,7 @@ impl Controller {
         if touching(p, now) { velocity } else { velocity.max(-p.approach.velocity) }
     }
 
-    /// Moves the wanted force and gives the force error, N.
+    /// Moves the target force and gives the force error, N.
     fn want(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> f64 {
         let target = if self.state == State::Unload { 0.0 } else { p.force.target * reading.force_override };
         self.setpoint = ramp(self.setpoint, target, p.force.target / p.settle.ramp_time * p.sample_period);

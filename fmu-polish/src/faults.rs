@@ -1,4 +1,4 @@
-//! Every fault is found here, the gravest first; and the numbers that are told with it.
+//! Finds the faults of a sample, the most severe first.
 
 mod message;
 
@@ -13,21 +13,21 @@ use crate::monitoring::axis::AxisMonitor;
 use crate::monitoring::force::{ForceMonitor, ForceSample};
 use crate::reading::{Doubt, Reading};
 
-/// From what a fault is found.
+/// The data from which faults are found.
 pub struct Evidence<'a> {
-    /// State of the last sample; of a commission that of a job which is watched alike.
+    /// State of the last sample; during a commissioning run the state of a cycle with the same monitors.
     pub state: State,
     /// The zero of the sensor is being taken.
     pub taring: bool,
     /// Samples since the state began.
     pub ticks: u32,
-    /// Way of approach or retract so far, m.
+    /// Travel of approach or retract so far, m.
     pub travelled: f64,
-    /// In the state `Fault`: stands still.
+    /// In the state `Fault`: is at rest.
     pub halted: bool,
     /// The inputs.
     pub reading: &'a Reading,
-    /// What they say.
+    /// The measurements of this sample.
     pub now: &'a Measurement,
     /// The zero of the force sensor (N) that was taken in this sample.
     pub zero: Option<Vector3<f64>>,
@@ -45,16 +45,16 @@ pub struct Evidence<'a> {
     pub stable: bool,
     /// The ball slides as fast as it should.
     pub slides: bool,
-    /// What a commission has measured cannot be used.
+    /// The results of a commissioning run are not usable.
     pub rejected: bool,
-    /// The job has used up its time.
+    /// The cycle has used up its time.
     pub overdue: bool,
     /// The samples of this communication step have the same inputs.
     pub long_step: bool,
 }
 
 impl Evidence<'_> {
-    /// A job is on, the tare included.
+    /// A cycle is active, the tare included.
     fn working(&self) -> bool {
         self.taring || self.state.moving()
     }
@@ -69,7 +69,7 @@ impl Evidence<'_> {
     }
 }
 
-/// The gravest fault of one sample: first what can be read, then the axes, then the force, and at last what comes of them.
+/// The most severe fault of one sample: inputs first, then the axes, the force, and their consequences.
 pub fn find(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     readings(p, seen)
         .or_else(|| start(p, seen))
@@ -95,7 +95,7 @@ fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
         (Fault::PositionLost, seen.moves() && reading.position_doubt.lost > most),
         (Fault::PositionJump, seen.moves() && reading.position_doubt.doubted > most),
         (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
-        // on the way out no force is needed
+        // during the retract no force is needed
         (Fault::ForceLost, seen.working() && reading.force_doubt.lost > most),
         (Fault::ForceJump, seen.working() && reading.force_doubt.doubted > most),
         (Fault::InvalidInput, seen.working() && reading.invalid > most),
@@ -110,7 +110,7 @@ fn start(p: &Parameters, seen: &Evidence) -> Option<Fault> {
 }
 
 fn axes(p: &Parameters, seen: &Evidence) -> Option<Fault> {
-    // the model moves on while the last good reading stands in for a bad one
+    // the model moves on while the last good measurement stands in for a bad one
     if seen.moves() && seen.reading.position_doubt == Doubt::default() { seen.axes.fault(p) } else { None }
 }
 
@@ -152,7 +152,7 @@ fn control(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     .or_else(|| seen.overdue.then_some(Fault::NoProgress))
 }
 
-/// The tool is beside the begin of the path, or below it.
+/// The tool is laterally away from the start of the path, or below it.
 fn away_from_start(p: &Parameters, now: &Measurement) -> bool {
     let height = -now.error.normal;
     let beside = (now.offset - now.frame.normal * now.error.normal).norm();
@@ -170,7 +170,7 @@ mod tests {
     const P: Parameters = Parameters::START;
     use State::{Approach, Follow, Retract, Settle, Unload};
 
-    /// What a sample says; at first nothing is wrong.
+    /// The data of a sample; without a fault by default.
     struct Sample {
         state: State,
         taring: bool,
@@ -257,7 +257,7 @@ mod tests {
         }
     }
 
-    /// A fault, the states in which it counts, and what takes its value to so many times its limit.
+    /// A fault, the states in which it is active, and a function that sets its value to a multiple of its limit.
     type Limit = (Fault, &'static [State], fn(&mut Sample, f64));
 
     const WORKING: &[State] = &[Approach, Settle, Follow, Unload, Retract, State::Commission];
@@ -292,7 +292,7 @@ mod tests {
             (Fault::ApproachTimeout, &[Approach], |s, x| s.now.error.normal = x * P.limits.approach_depth),
             (Fault::SettleTimeout, &[Settle], |s, x| s.ticks = if s.state == Settle { samples(x, 2e3) } else { 0 }),
             (Fault::UnloadTimeout, &[Unload], |s, x| s.ticks = if s.state == Unload { samples(x, 2e3) } else { 0 }),
-            // 0.1 s of the way out besides
+            // 0.1 s of the retract besides
             (Fault::UnloadTimeout, &[Retract], |s, x| s.ticks = if s.state == Retract { samples(x, 2.1e3) } else { 0 }),
             (Fault::PositionError, &[Follow], |s, x| s.now.error.tangential = -x * P.limits.position_error),
             (Fault::PositionError, &[Follow], |s, x| s.now.error.lateral = x * P.limits.position_error),
@@ -308,7 +308,7 @@ mod tests {
                 for (times, taring) in [(1.0, false), (1.0, true), (1.001, false), (1.001, true)] {
                     let mut sample = Sample { taring, ..Sample::good(state) };
                     take_to(&mut sample, times);
-                    // the tare is part of the job
+                    // the tare is part of the cycle
                     let counts = counts.contains(&state) || (taring && counts.starts_with(WORKING));
                     let expected = (times > 1.0 && counts).then_some(*fault);
                     assert_eq!(sample.fault(), expected, "row {i} in {state:?}, taring: {taring}, {times}");

@@ -1,6 +1,6 @@
 //! Force and position control with stick-slip motion for polishing molds (Nagata and others, 2010), as an FMU.
 //!
-//! [`interface`] holds the variables of the FMU, [`controller::Controller`] the law: plain Rust that knows no FMI.
+//! [`interface`] holds the variables of the FMU, [`controller::Controller`] the control law: plain Rust without FMI.
 #![forbid(unsafe_code)]
 
 pub mod axes;
@@ -23,8 +23,7 @@ use interface::Vars;
 
 impl Model for Controller {
     // `longest_step` as measured: docs/communication-step.md
-    const INFO: Info =
-        Info { name: "StickSlipPolishing", state_version: 11, longest_step: 1.0, ..package!() };
+    const INFO: Info = Info { name: "StickSlipPolishing", state_version: 11, longest_step: 1.0, ..package!() };
     type Vars = Vars;
 
     fn numbers(vars: &Vars) -> String {
@@ -46,7 +45,7 @@ impl Model for Controller {
         let (frozen, before) = (vars.output.ripple_stopped, vars.output.measured.valid);
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        // a fault is told with what counts from now on
+        // a fault message uses the values that are valid from now on
         self.bring_into_force(&mut vars.in_force);
         if vars.output.measured.valid && !before {
             // a machine does not stop because a file cannot be written

@@ -5,12 +5,12 @@ use control_blocks::Reaction;
 use crate::interface::{Fault, State};
 
 impl State {
-    /// Whether the force law works.
+    /// Whether the force control works.
     pub fn pressing(self) -> bool {
         matches!(self, Self::Settle | Self::Follow | Self::Unload)
     }
 
-    /// Whether the machine moves for the job, or to measure itself.
+    /// Whether the machine moves for the cycle, or to measure itself.
     pub fn moving(self) -> bool {
         self.pressing() || matches!(self, Self::Approach | Self::Retract | Self::Commission)
     }
@@ -19,11 +19,11 @@ impl State {
 /// What happened in one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Something is wrong.
+    /// A fault is present.
     pub fault: Option<Fault>,
-    /// A commission is asked for.
+    /// A commissioning run is requested.
     pub commission: bool,
-    /// The commission has come to its end, or was broken off and the tool is out.
+    /// The commissioning run is complete, or aborted and the tool is retracted.
     pub commissioned: bool,
     /// `enable` is set.
     pub enabled: bool,
@@ -39,7 +39,7 @@ pub struct Events {
     pub arrived: bool,
     /// The force is gone.
     pub unloaded: bool,
-    /// The way out is complete, and the force stays away.
+    /// The retract is complete, and the force stays away.
     pub retracted: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What goes wrong in a job although every law does its work: axes, force and time.
+//! What goes wrong in a cycle although every law does its work: axes, force and time.
 
 pub mod axis;
 pub mod force;

@@ -1,4 +1,4 @@
-//! The path: CL data from a file, the path of the ball centre made of them, and the feed along it.
+//! The path: CL data from a file, the path of the ball center made of them, and the feed along it.
 
 pub mod built_in;
 pub mod centre_path;

@@ -1,4 +1,4 @@
-//! Checks the inputs of a sample: the usable values, and whether they can be believed.
+//! Checks the inputs of a sample: usable values and their plausibility.
 
 use control_blocks::{Consecutive, Edge, JumpGuard, Reach, believable};
 use nalgebra::Vector3;
@@ -10,10 +10,10 @@ use crate::interface::{Input, Parameters};
 const POSITION_MAX: f64 = 1e3;
 /// No such sensor measures more, N.
 const FORCE_MAX: f64 = 1e5;
-/// Largest override; a larger one counts as this.
+/// Maximum override; larger values are limited.
 const OVERRIDE_MAX: f64 = 2.0;
 
-/// Spread of readings at rest, in steps of the encoders or of the force sensor.
+/// Spread of measurements at rest, in steps of the encoders or of the force sensor.
 const SPREAD: f64 = 10.0;
 /// The same of a sensor of finer steps, in largest deviations of its noise.
 const NOISE: f64 = 5.0;
@@ -21,13 +21,13 @@ const NOISE: f64 = 5.0;
 /// The usable inputs: those of this sample, or the last good ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
-    /// Ball centre by the encoders, m.
+    /// Ball center by the encoders, m.
     pub position: Vector3<f64>,
     /// Raw force on the tool, N.
     pub force: Vector3<f64>,
     /// Factor of the feed, 0 to 2.
     pub feed_override: f64,
-    /// Factor of the wanted force, 0 to 2.
+    /// Factor of the target force, 0 to 2.
     pub force_override: f64,
     /// `enable` is set.
     pub enabled: bool,
@@ -41,26 +41,26 @@ pub struct Reading {
     pub begin_commission: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
-    /// Every reading is of this sample.
+    /// Every measurement is of this sample.
     pub fresh: bool,
     /// What is wrong with the position.
     pub position_doubt: Doubt,
     /// What is wrong with the force.
     pub force_doubt: Doubt,
-    /// Samples in a row with an override that is no number.
+    /// Consecutive samples with an override that is not a number.
     pub invalid: u32,
 }
 
-/// What is wrong with the three readings of a vector; by default nothing.
+/// What is wrong with the three measurements of a vector; by default nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Doubt {
-    /// Samples in a row without one of them.
+    /// Consecutive samples without one of them.
     pub lost: u32,
-    /// Samples in a row without one of them, or with one that is out of reach.
+    /// Consecutive samples without one of them, or with one that is out of reach.
     pub doubted: u32,
 }
 
-/// Remembers the last good inputs; at the origin without force before the first sample.
+/// Stores the last valid inputs; at the origin without force before the first sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reader {
     overrides: (f64, f64),
@@ -89,8 +89,8 @@ impl Reader {
         }
     }
 
-    /// Believes the sample to come wherever it is, as outside a job anything may move the machine; but with `enable`
-    /// or `commission`, when something may begin with it, only after too many doubts.
+    /// Accepts the next sample at any position, as outside a cycle the machine may be moved; with `enable` or `commission`, which may
+    /// start a motion, only after too many implausible samples.
     pub fn rest(&mut self, p: &Parameters, input: &Input) {
         let doubted = doubted(&self.position).max(doubted(&self.force));
         if !(input.enable || input.commission) || doubted > p.limits.lost_samples.unsigned_abs() {
@@ -131,7 +131,7 @@ impl Reader {
         Reading { fresh, start, begin_commission, ..reading }
     }
 
-    /// Takes the overrides; samples in a row that were none.
+    /// Stores the overrides; returns the consecutive invalid samples.
     fn read_overrides(&mut self, input: &Input) -> u32 {
         let valid = input.feed_override.is_finite() && input.force_override.is_finite();
         if valid {
@@ -142,12 +142,12 @@ impl Reader {
     }
 }
 
-/// Samples in a row in which one of the readings was not believed.
+/// Consecutive samples in which a measurement was implausible.
 fn doubted(guards: &[JumpGuard; 3]) -> u32 {
     guards.iter().map(JumpGuard::doubted).max().unwrap_or_default()
 }
 
-/// The readings to use, each the last believed one where it is missing or out of reach.
+/// The usable measurements: the last accepted one where the present one is missing or out of reach.
 fn believe(guards: &mut [JumpGuard; 3], readings: &Vector3<f64>, missing: Vector3<bool>, reach: Reach) -> Vector3<f64> {
     let usable = readings.zip_map(&missing, |reading, missing| if missing { f64::NAN } else { reading });
     Vector3::from_fn(|i, _| guards[i].update(usable[i], reach))

@@ -1,4 +1,4 @@
-//! No sample allocates: not in a whole job, not with the law of the paper, not on the way to a fault and out of it.
+//! No sample allocates memory: in a whole cycle, with the published control law, and before and after a fault.
 
 mod common;
 #[path = "closed_loop/robot.rs"]
@@ -88,7 +88,7 @@ const CASES: [Case; 32] = [
     (Fault::LongStep, |_, _| (), |_, _| ()),
 ];
 
-/// Asks for a commission and for no job.
+/// Requests a commissioning run and no cycle.
 fn commission(_: State, input: &mut Input) {
     (input.enable, input.commission) = (false, true);
 }
@@ -109,7 +109,7 @@ fn precise(p: &mut Parameters, _: &mut Build) {
     (p.limits.position_error, p.stick_slip.mode) = (1e-6, Mode::Off);
 }
 
-/// A slow law on a mold that is beside its path.
+/// Slow force control on a mold that is off its path.
 fn lags(p: &mut Parameters, build: &mut Build) {
     (p.impedance.adaptive, p.impedance.damping, p.force.integral_time) = (false, 20e3, 0.0);
     (p.misalignment_enable, p.limits.force_error, build.shift.x) = (false, 0.6, 0.25e-3);

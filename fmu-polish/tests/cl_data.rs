@@ -1,4 +1,4 @@
-//! CL data that are wrong are refused with the line and the reason; good ones are read as they are.
+//! CL data that are wrong are rejected with the line and the reason; good ones are read as they are.
 
 mod common;
 
@@ -99,7 +99,7 @@ fn other_mistakes() {
         (file(&spiral(9)), "line 14: only `9` different points, must be at least `10`"),
         (spoiled(0, |r| r[5] = 0.0), "line 5: the normal has the length"),
         (spoiled(40, lean), "line 45: the normal rotates by"),
-        (file(&climbing()), "line 6: the step goes by"),
+        (file(&climbing()), "line 6: the step has"),
         (file(&steep()), "line 5: the surface is `1.2"),
         (file(&spiral(20)).replace("UNITS/MM\n", ""), "line 2: a length before UNITS"),
         (file(&spiral(20)).replace("UNITS/MM", "UNITS/CM"), "line 2: the unit `CM` is unknown"),

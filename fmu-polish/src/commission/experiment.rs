@@ -1,4 +1,4 @@
-//! The motion of a commission: up, excite the axes there, down to the mold, press, rub along and beside the path, and out.
+//! The motion of a commissioning run: up, excite the axes, down to the mold, press, rub along and across the path, retract.
 
 use control_blocks::{PeriodicSpectra, Quintic, Trajectory, ramp};
 use nalgebra::Vector3;
@@ -61,15 +61,15 @@ pub struct Experiment {
     pub plan: Plan,
     /// Answer of each axis to the excitation: velocity and position.
     pub spectra: [PeriodicSpectra; 3],
-    /// What the contact has told.
+    /// Measurements in contact.
     pub found: Found,
-    /// Rubbing along the path and beside it.
+    /// Rubbing along the path and across it.
     pub rubbing: [Rubbing; 2],
-    /// Wanted force, N.
+    /// Target force, N.
     pub setpoint: f64,
     /// Samples of this phase.
     pub ticks: u32,
-    /// Way of this phase along the normal, m.
+    /// Travel of this phase along the normal, m.
     pub travelled: f64,
     phase: Phase,
     way: Quintic,
@@ -97,7 +97,7 @@ impl Experiment {
         }
     }
 
-    /// The state of a job that is watched as this part is.
+    /// The state of a cycle with the same monitors as this phase.
     pub fn like(&self) -> State {
         match self.phase {
             Phase::Tare | Phase::Over => State::Idle,
@@ -108,7 +108,7 @@ impl Experiment {
         }
     }
 
-    /// It has come to its end, or was broken off and is out.
+    /// The run is complete, or aborted and retracted.
     pub fn over(&self) -> bool {
         self.phase == Phase::Over
     }
@@ -162,7 +162,7 @@ impl Experiment {
         }
     }
 
-    /// Takes what this sample has read and sent, and goes on.
+    /// Uses the measurements and commands of this sample, and advances.
     pub fn observe(&mut self, p: &Parameters, sample: &Sample) -> Milestone {
         let tick = self.ticks;
         self.ticks += 1;
@@ -215,7 +215,7 @@ impl Experiment {
         }
     }
 
-    /// Velocity (m/s) of the force law towards the wanted force.
+    /// Velocity (m/s) of the force control towards the target force.
     fn press(&mut self, p: &Parameters, now: &Measurement) -> f64 {
         let [most, low] = self.plan.force;
         let target = match self.phase {
@@ -254,7 +254,7 @@ impl Experiment {
         }
     }
 
-    /// Whether it rubs beside the path at this tick, no longer along it.
+    /// Whether it rubs across the path at this tick, no longer along it.
     fn beside(&self, tick: u32) -> bool {
         tick >= RUBS * 4 * self.plan.quarter
     }

@@ -1,4 +1,4 @@
-//! The commission as the controller sees it: what moves, what was found, and which values are in force.
+//! The commissioning run as the controller uses it: its motion, its results, and the values in use.
 
 use control_blocks::{InForce, Welford};
 use serde::{Deserialize, Serialize};
@@ -10,12 +10,12 @@ use crate::commission::rubbing::mounting;
 use crate::commission::values::{Values, acceptable};
 use crate::interface::{Measured, Parameters};
 
-/// What the models leave out beside the scatter, as deviations: shares of stiffness, friction and lateral stiffness, and rad of the angle.
+/// Standard deviations of the model errors, in addition to the scatter: relative for stiffness, friction and lateral stiffness, rad for the angle.
 /// All are roots of the mean square of the errors of robots within 30 %, without noise. The slope of a ramp of the force has a part of the
 /// lags of sensor and axes, and a tip that is pressed slides. Noise makes |F| larger, by 1.5 of its square over that of the friction. While
 /// the ball sticks, it creeps. The friction of the guides and the lag of the axes turn the work of rubbing.
 const LEFT_OUT: [f64; 4] = [0.016, 0.012, 0.024, 0.008];
-/// Fewest samples of which a scatter is told.
+/// Minimum number of samples for a standard deviation.
 const SAMPLES_MIN: f64 = 4.0;
 
 /// One commission after the other.
@@ -60,15 +60,15 @@ impl Identification {
         self.complete = false;
     }
 
-    /// The tool has left: without a good result what was told counts.
+    /// The tool is retracted: without a good result the configured values are restored.
     pub fn end(&mut self) {
         if !self.measured.valid {
             self.values.restore();
         }
     }
 
-    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only if the
-    /// parameters with it fit each other, and then on the way out, too: the sensor is as it was found.
+    /// Replaces the parameters by the values in use. Newly derived values are used only if all parameters fit each other,
+    /// then also for the retract: the mounting of the sensor is known.
     pub fn put(&mut self, p: &mut Parameters) {
         if let Some(derived) = self.values.take_proposed() {
             self.put_values(p, derived);
@@ -86,7 +86,7 @@ impl Identification {
         self.before = values;
     }
 
-    /// Names and values of what a good commission derives.
+    /// Names and values of the parameters that a good commissioning run derives.
     pub fn derived(&self) -> [(&'static str, f64); 10] {
         self.values.derived().entries()
     }
@@ -161,7 +161,7 @@ fn measure(scatter: &Welford) -> [f64; 2] {
     if count < SAMPLES_MIN { [0.0; 2] } else { [scatter.mean(), scatter.sigma() / count.sqrt()] }
 }
 
-/// Deviation of a value with the share of it that its model leaves out.
+/// Standard deviation of a value, model error included.
 fn left_out([value, deviation]: [f64; 2], share: f64) -> f64 {
     deviation.hypot(share * value)
 }

@@ -1,15 +1,15 @@
-//! How far, how hard and how long the commission moves, from its bounds.
+//! Travel, force and time of a commissioning run, from its bounds.
 //!
-//! In the air every axis follows pulses alone: a drive with position and velocity loop and at most all of its velocity fed forward has
-//! a largest gain below 2 for loops from half to twice as fast as told. The excitation is made half of the travel above the place
-//! where it begins, and its reference reaches no farther than a quarter of the travel: so the axes go no farther than half of it, and
-//! not below where they began. Two axes at once are beside it by less than 0.71 of the travel.
+//! In the air every axis follows pulses only. A drive with position and velocity loop and a feedforward of at most 1 has a maximum
+//! gain below 2, for loops from half to twice as fast as configured. The excitation happens half of the travel above the start, and its
+//! reference reaches at most a quarter of the travel. So the axes move at most half of the travel, and not below the start. Two axes together
+//! are at most 0.71 of the travel to the side.
 //!
-//! Pressed is by eq. 4 alone, without integral, on a contact of up to twice the told stiffness k. The open loop is an integrator of
-//! the gain g = 2 k K_f / B_d with lags that add up to tau: M_d / B_d, the sensor, two and a half samples beside the delay, and the
-//! axis, (1 - K_ff) / K_pp + K_ff / w_ff late, twice that for loops half as fast. No lag of the time constant t turns the phase at w
-//! by more than w t, so where the gain is 1, at no more than g, the margin is at least pi / 2 - g tau. The damping is raised until
-//! g tau = 0.6 rad, 56 degrees of margin; a softer contact crosses earlier and has more.
+//! The tool presses by eq. 4 without integral, on a contact of up to twice the nominal stiffness k. The open loop is an integrator of
+//! the gain g = 2 k K_f / B_d with lags of the sum tau: M_d / B_d, the sensor, two and a half samples in addition to the delay, and the
+//! axis, (1 - K_ff) / K_pp + K_ff / w_ff, twice that for loops half as fast. No lag of the time constant t rotates the phase at w
+//! by more than w t. So where the gain is 1, at no more than g, the margin is at least pi / 2 - g tau. The damping is increased until
+//! g tau = 0.6 rad, 56 degrees of margin. A softer contact crosses earlier and has more.
 
 use control_blocks::{
     Excitation, ExcitationTimes, Multisine, RATIO_MAX, bearable_delays, commission_time, quintic_duration, ticks,
@@ -24,22 +24,22 @@ const PHASE: f64 = 0.6;
 /// Period of the excitation (s), and how many are measured.
 const PERIOD: f64 = 0.25;
 const PERIODS: u32 = 12;
-/// Share of the largest velocity that the excitation of an axis may take.
+/// Fraction of the largest velocity that the excitation of an axis may take.
 const VELOCITY_SHARE: f64 = 0.5;
 /// Times (s) in which the excitation grows and fades, settles, and rests.
 const TIMES: ExcitationTimes = ExcitationTimes { ramp: 0.5, settle: 0.25, rest: 0.2 };
-/// Ramps of the force, up and down, that are measured; the time of each, and the time for which it then stands, s.
+/// Measured ramps of the force, up and down; the time of each, and the dwell time after it, s.
 pub const PRESSES: u32 = 6;
 const PRESS: f64 = 0.6;
 const STAND: f64 = 0.2;
 /// Force between the presses over the largest.
 const LOW: f64 = 0.2;
-/// Periods of rubbing to and fro, along the path and beside it; the first tells nothing but the mean force.
+/// Periods of reciprocating rubbing, along the path and across it; the first gives only the mean force.
 pub const RUBS: u32 = 7;
-/// Way of rubbing to each side over the travel, at most, and over the largest offset from where a job may begin.
+/// Maximum rubbing distance to each side, over the travel and over `expert.limits.start_offset`.
 const RUB_SHARES: [f64; 2] = [0.25, 0.5];
 
-/// The motions of a commission.
+/// The motions of a commissioning run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
     /// Excitation of every axis.
@@ -48,11 +48,11 @@ pub struct Plan {
     pub rise: f64,
     /// Time of that way, s.
     pub rise_time: f64,
-    /// Damping of the force law, N s/m.
+    /// Damping of the force control, N s/m.
     pub damping: f64,
     /// Largest force, and that between the presses, N.
     pub force: [f64; 2],
-    /// Change of the wanted force, N/s.
+    /// Change of the target force, N/s.
     pub force_rate: f64,
     /// Samples of a press, and of them those with a ramp.
     pub press: [u32; 2],
@@ -93,7 +93,7 @@ impl Plan {
     }
 }
 
-/// Damping (N s/m) with which the force is stable on every machine that the commission is for.
+/// Damping (N s/m) with which the force is stable on every machine within the bounds of the run.
 fn damping(p: &Parameters) -> f64 {
     let (stiffness, drive) = (RATIO_MAX * p.impedance.gain * p.stiffness_nominal, &p.drive);
     let samples = f64::from(*bearable_delays(p.io_delay).end()) + 0.5;
@@ -105,29 +105,29 @@ fn damping(p: &Parameters) -> f64 {
     p.impedance.damping.max(half + (half * half + stiffness * p.impedance.mass / PHASE).sqrt())
 }
 
-/// The fastest excitation that leaves the drives their share of the velocity.
+/// The fastest excitation within the velocity fraction.
 fn fastest(p: &Parameters) -> Multisine {
     let dt = p.sample_period;
     let unit = Multisine { amplitude: 1.0, period: ticks(PERIOD, dt).max(1), sample_period: dt };
     Multisine { amplitude: VELOCITY_SHARE * p.velocity_max / unit.velocity_max(), ..unit }
 }
 
-/// Farthest way (m) beside and above the begin: `commission.travel`, or what the fastest excitation takes.
+/// Maximum lateral travel and lift (m): `commission.travel`, or that of the fastest excitation.
 pub fn travel(p: &Parameters) -> f64 {
     told_or(p.commission.travel, || 2.0 * RATIO_MAX * fastest(p).reach())
 }
 
-/// Force (N) with which it presses: `commission.force`, or that of the job.
+/// Pressing force (N): `expert.commission.force`, or that of the cycle.
 pub fn force(p: &Parameters) -> f64 {
     told_or(p.commission.force, || p.force.target)
 }
 
-/// Longest commission (s): `commission.time`, or what its motions take and some more.
+/// Maximum time of the run (s): that of its motions with a reserve.
 pub fn time(p: &Parameters) -> f64 {
     commission_time(0.0, || least_time(p))
 }
 
-/// Time (s) that the motions of a commission take at most.
+/// Time (s) that the motions of a commissioning run take at most.
 pub fn least_time(p: &Parameters) -> f64 {
     Plan::new(p).duration(p)
 }

@@ -1,4 +1,4 @@
-//! Speed of the drives and delay from the answer of the axes to pulses in the air.
+//! Speed of the drives and delay from the response of the axes to pulses in the air.
 //!
 //! With the velocity U of the pulses and the position Y of a tone at the frequency w an axis obeys
 //!
@@ -6,9 +6,9 @@
 //! Y = T H exp(-j w T_s d) U,   T = V (K_pp + F) / (s + V K_pp),   F = K_ff s / (1 + s / w_ff),   V = A / (s^2 + c + A),
 //! ```
 //!
-//! A = w_v (s + w_i), s = j w, with the held velocity H and the delay d in samples. Position and velocity loop are as told but for a common
-//! factor g: apart they hardly differ below 100 Hz. Guides that roll pull back like a spring c over the inertia; it belongs to the
-//! excitation and is told to nobody. Found are ln g, K_ff, d and c, which all axes have in common. From N = K_pp + F and D = s + V K_pp
+//! A = w_v (s + w_i), s = j w, with the held velocity H and the delay d in samples. Position and velocity loop are as configured, except for a
+//! common factor g: below 100 Hz the two hardly differ. Rolling guides act like a spring c over the inertia. It belongs to the excitation
+//! and is not an output. The estimates are ln g, K_ff, d and c, common to all axes. From N = K_pp + F and D = s + V K_pp
 //! follow dT/dK_pp = V (1 - T) / D, dT/dF = V / D, dT/dV = (N - T K_pp) / D, dV/d ln w_v = V (1 - V), dV/dc = -V^2 / A.
 
 use control_blocks::{
@@ -26,7 +26,7 @@ type Unknowns = SVector<f64, UNKNOWNS>;
 /// How many they are.
 const UNKNOWNS: usize = 4;
 
-/// No tone counts as known better than to this share: the friction of the guides is no linear part.
+/// Minimum relative uncertainty of a tone: the friction of the guides is nonlinear.
 const LEAST_DEVIATION: f64 = 3e-3;
 /// What the friction of rolling guides leaves to gain (relative), feedforward and delay (samples), as deviations. It does not grow with the
 /// motion, so no linear part stands for it: 2 N that turn over 20 um, on axes of 8, 19 and 31 kg with g and K_ff within 30 %, let the
@@ -96,7 +96,7 @@ fn found(told: &Drive, x: &Unknowns) -> Drive {
 /// The unknowns ln g, K_ff, d and c that explain the excitation of all axes with the drives `drive` best, with their covariance.
 ///
 /// # Errors
-/// When it does not tell them apart.
+/// When the data do not determine the parameters.
 pub fn response(
     p: &Parameters,
     drive: &Drive,
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn the_deviation_is_the_scatter_of_the_estimates() {
         let truth = Unknowns::from([0.2, 0.7, 1.3, 1e3]);
-        // much noise, so that the least deviation of a tone does not count
+        // much noise, so that the least deviation of a tone is ignored
         let all: Vec<_> = (0..60).map(|seed| answer(&P, truth, 5e-6, seed).unwrap()).collect();
         for i in 0..UNKNOWNS {
             let told = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;

@@ -1,12 +1,12 @@
-//! Friction, lateral stiffness and mounting of the sensor from slow motion to and fro across the normal, at a held force.
+//! Friction, lateral stiffness and mounting of the sensor from a slow reciprocating motion across the normal, at a held force.
 //!
-//! Everything is told in the axes of the sensor, whose mounting is unknown. The mean force of a period of the motion is the normal
-//! force: the friction changes its sign within. What is left across it does the work W = -sum(F dx), now a vector: it points where
-//! the sensor shows the direction of the motion, and with Q = -sum(|F| F dx) the friction is |Q| / |W| (`motion/sliding.rs`: what
-//! bends comes back).
+//! All vectors are in the axes of the sensor, since its mounting is unknown. The mean force of a period of the motion is the normal
+//! force, since the friction changes its sign within the period. The lateral rest does the work W = -sum(F dx), here a vector. It points
+//! in the direction in which the sensor measures the motion. With Q = -sum(|F| F dx) the friction is |Q| / |W| (see `motion/sliding.rs`:
+//! a bend of the tip is reversible).
 //!
-//! Behind a turning point the ball sticks, and the force goes from one friction to the other with the stiffness of the
-//! tip: the slope in the middle of that way, where the friction of the periods before says that it sticks.
+//! After a reversal the ball sticks, and the force changes from one friction to the other with the stiffness of the tip. The estimate is
+//! the slope in the middle of that travel, where the ball sticks according to the friction of the previous periods.
 
 use control_blocks::Welford;
 use nalgebra::{Complex, Vector3};
@@ -16,12 +16,12 @@ use crate::force::stiffness::Slope;
 use crate::interface::Parameters;
 use crate::motion::sensed_motion::{SensedMotion, sensed_noise};
 
-/// Share of the friction up to which the slope is that of a ball that sticks.
+/// Fraction of the friction up to which the slope is that of a ball that sticks.
 const STICKS: f64 = 0.7;
 /// A step of the encoder as noise, in steps.
 const STEP_NOISE: f64 = 0.288_675_134_594_812_9;
 
-/// What rubbing along one direction tells; by default nothing.
+/// Measurements of rubbing along one direction; empty by default.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Rubbing {
     motion: SensedMotion,
@@ -43,7 +43,7 @@ pub struct Rubbing {
     sliding: Welford,
 }
 
-/// What pressing and rubbing have told; by default nothing.
+/// Results of pressing and rubbing; empty by default.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Found {
     /// Stiffness along the normal, N/m.
@@ -57,7 +57,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// Takes what a period of rubbing tells.
+    /// Adds the result of a period of rubbing.
     pub fn take(&mut self, period: &Period) {
         self.friction.push(period.friction);
         self.angle.push(period.angle);
@@ -67,7 +67,7 @@ impl Found {
     }
 }
 
-/// What a period tells.
+/// Result of a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Period {
     /// Friction over normal force.
@@ -79,7 +79,7 @@ pub struct Period {
 }
 
 impl Rubbing {
-    /// Takes the force (N) that the sensor shows and the place (m), in a motion along the unit vector `along`, now `forth` or back.
+    /// Takes the force (N) that the sensor shows and the position (m), in a motion along the unit vector `along`, now `forth` or back.
     pub fn take(
         &mut self,
         p: &Parameters,
@@ -100,7 +100,7 @@ impl Rubbing {
         self.stick(&across, way, forth);
     }
 
-    /// Takes the lateral force (N) over the way (m) while the ball sticks.
+    /// Takes the lateral force (N) over the travel (m) while the ball sticks.
     fn stick(&mut self, across: &Vector3<f64>, way: f64, forth: bool) {
         let sign = if forth { 1.0 } else { -1.0 };
         self.way += sign * way;
@@ -121,7 +121,7 @@ impl Rubbing {
         (self.way, self.sticks) = (0.0, true);
     }
 
-    /// A period is over: what it tells, beyond the first.
+    /// Ends a period: its result, except for the first.
     pub fn close(&mut self, p: &Parameters) -> Option<Period> {
         let found = self.normal.and_then(|normal| self.conclude(p, normal.norm()));
         self.normal = Some(self.sum / f64::from(self.samples.max(1)));
@@ -165,8 +165,8 @@ mod tests {
 
     const QUARTER: u32 = 100;
 
-    /// What rubbing to and fro by 50 um along `along` tells of a tip of `stiffness` N/m that slides at `friction` N under 5 N along
-    /// `normal`, as the sensor of the parameters shows it behind its lag: friction, stiffness, and the direction.
+    /// Result of reciprocating rubbing by 50 um along `along` with a tip of `stiffness` N/m that slides at `friction` N under 5 N along
+    /// `normal`, as measured by the sensor of the parameters with its lag: friction, stiffness, and the direction.
     fn rubbed(
         p: &Parameters,
         stiffness: f64,

@@ -1,4 +1,4 @@
-//! The parameters that a commission derives, and how.
+//! The parameters that a commissioning run derives, and their derivation.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use crate::force::response::axis;
 use crate::interface::{Drive, Measured, Mode, Parameters};
 use crate::motion::sweep_limits::highest;
 
-/// All parameters that a commission derives.
+/// All parameters that a commissioning run derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     /// `stiffness.nominal`, N/m.
@@ -78,7 +78,7 @@ impl Values {
         Self { sensor_direction_z: -self.sensor_direction_z, ..self }
     }
 
-    /// What follows from a measurement, from these that were told.
+    /// The values that follow from a measurement and these configured values.
     pub fn derived(self, p: &Parameters, m: &Measured) -> Self {
         let drive = self.drive.faster(m.drive_gain, m.feedforward.clamp(0.0, 1.0));
         Self {
@@ -94,8 +94,8 @@ impl Values {
         }
     }
 
-    /// K_v (m/s) with which the ball slides as fast as the told axes move: on every half period the tip bends to and fro by the
-    /// friction before it does, on a circle the bend is square to the way of the ball; and the axes follow as they do.
+    /// K_v (m/s) with which the ball slides as fast as the nominal axes move: on every half period the tip bends back and forth by the
+    /// friction first; on a circle the bend is orthogonal to the motion of the ball. The drives of the machine reduce the motion.
     fn stick_slip(&self, p: &Parameters, drive: &Drive, m: &Measured) -> f64 {
         let (told, half) = (self.stick_slip_velocity, f64::from(p.stick_slip.half_period) * p.sample_period);
         if p.stick_slip.mode == Mode::Off || p.stick_slip.ratio > 0.0 || told == 0.0 {
@@ -112,14 +112,14 @@ impl Values {
     }
 }
 
-/// Whether a measurement is sure enough, and of a machine that this controller can hold: `told` is what it took it for. What the guides
-/// leave to the drives refuses nothing: they are found with that friction as they are used with it.
-pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
+/// Whether the measurement is certain enough and within the range of this controller, with the configured values `nominal`. The
+/// uncertainty of the drives due to guide friction rejects nothing: they are identified and used with that friction.
+pub fn acceptable(p: &Parameters, nominal: &Values, m: &Measured) -> bool {
     let share = p.commission.std_max;
     let contact =
         [(m.stiffness, m.stiffness_std), (m.friction, m.friction_std), (m.lateral_stiffness, m.lateral_stiffness_std)];
     contact.iter().all(|(value, deviation)| *value > 0.0 && sure(*value, *deviation, share))
-        && within_factor(m.stiffness, told.stiffness, RATIO_MAX)
+        && within_factor(m.stiffness, nominal.stiffness, RATIO_MAX)
         && sure(m.drive_gain, m.drive_gain_std, share.hypot(GUIDES[0]))
         && within_factor(m.drive_gain, 1.0, RATIO_MAX)
         && m.feedforward_std <= share.hypot(GUIDES[1])
@@ -133,7 +133,7 @@ pub fn acceptable(p: &Parameters, told: &Values, m: &Measured) -> bool {
 mod tests {
     use super::*;
 
-    /// A good measurement of a robot that is softer and slower than told.
+    /// A good measurement of a robot that is softer and slower than configured.
     const GOOD: Measured = Measured {
         stiffness: 142.4e3,
         stiffness_std: 1e3,

@@ -1,4 +1,4 @@
-//! The state `Commission` in a sample: how it is watched, what it moves, and what it learns.
+//! The state `Commission` in one control step: monitors, motion and measurements.
 
 use control_blocks::{ParameterError, export_commission};
 use nalgebra::Vector3;
@@ -13,15 +13,15 @@ use crate::motion::velocity::VelocityParts;
 use crate::reading::Reading;
 
 impl Controller {
-    /// Puts what a commission has measured into the parameters, where `commission.apply` says so, and the half period of the sweep; before each
-    /// sample.
+    /// Replaces parameters by the results of a commissioning run with `commission.apply`, and sets the half period of the sweep;
+    /// called before each sample.
     pub fn bring_into_force(&mut self, p: &mut Parameters) {
         p.stick_slip.half_period = self.half_period;
         self.identification.put(p);
         p.stick_slip.half_period += self.sliding.lengthened;
     }
 
-    /// Writes what the last good commission derives into the file `commission.export`.
+    /// Writes the derived parameters of the last good commissioning run into the file `commission.export`.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -29,12 +29,12 @@ impl Controller {
         export_commission(&p.commission.export, &self.identification.derived())
     }
 
-    /// The state; of a commission that of a job which is watched alike.
+    /// The state; during a commissioning run the state of a cycle with the same monitors.
     pub(super) fn role(&self) -> State {
         if self.state == State::Commission { self.identification.experiment.like() } else { self.state }
     }
 
-    /// Samples and way (m) since this part of the commission, or the state, began.
+    /// Samples and travel (m) since this part of the commissioning run, or the state, began.
     pub(super) fn progress(&self) -> (u32, f64) {
         let experiment = &self.identification.experiment;
         if self.state == State::Commission {
@@ -44,14 +44,14 @@ impl Controller {
         }
     }
 
-    /// Begins a commission, at rest.
+    /// Starts a commissioning run, at rest.
     pub(super) fn commission(&mut self, p: &Parameters, reading: &Reading) {
         self.restart(p, reading, plan::time(p));
         self.contact = ContactMonitor::default();
         self.identification.begin(p);
     }
 
-    /// Breaks it off where that is asked for, and goes on from the zero of the sensor.
+    /// Aborts the run on request, and continues after the zero of the sensor.
     pub(super) fn direct(&mut self, reading: &Reading, zero: Option<Vector3<f64>>) {
         if self.state != State::Commission {
             return;

@@ -46,7 +46,7 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::Stroke => format!(": position {position}, `stroke` = `{} {} {} m`", p.stroke.x, p.stroke.y, p.stroke.z),
         Fault::TareRejected => format!(": `{:.2} N`, `expert.limits.tare_force` = `{} N`", n.zero, p.limits.tare_force),
         Fault::NotAtStart => format!(
-            ": `{:.6} m` above it, `{:.6} m` beside it, `expert.limits.start_offset` = `{} m`",
+            ": `{:.6} m` above it, `{:.6} m` to the side, `expert.limits.start_offset` = `{} m`",
             -error.normal,
             error.beside(),
             p.limits.start_offset
@@ -172,7 +172,7 @@ mod tests {
             (Fault::PositionJump, ": position `0 0 0 m`, `expert.limits.lost_samples` = `5`"),
             (Fault::CommissionRejected, ": stiffness `123457 +- 1234 N/m`, lateral stiffness `0 +- 0 N/m`"),
             (Fault::LongStep, ": `sample_period` = `0.001 s`"),
-            (Fault::NotAtStart, ": `-0.002000 m` above it, `0.005000 m` beside it"),
+            (Fault::NotAtStart, ": `-0.002000 m` above it, `0.005000 m` to the side"),
         ] {
             vars.output.fault = fault;
             assert!(numbers(&vars).contains(expected), "{}", numbers(&vars));

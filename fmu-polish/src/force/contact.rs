@@ -27,11 +27,11 @@ const UNLOADED_RATIO: f64 = 0.5;
 /// What is measured in one sample, before anything is decided.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
-    /// The path at the present place.
+    /// The path at the present position.
     pub frame: Frame,
     /// Measured force.
     pub force: MeasuredForce,
-    /// Wanted less controlled force, N.
+    /// Target minus controlled force, N.
     pub force_error: f64,
     /// E_p = x_d - x, m.
     pub offset: Vector3<f64>,
@@ -56,7 +56,7 @@ pub struct ContactMonitor {
 }
 
 impl ContactMonitor {
-    /// Takes one sample of `state`; `steady` says whether the wanted force has arrived at its target.
+    /// Takes one sample of `state`; `steady` says whether the target force has arrived at its target.
     pub fn update(&mut self, p: &Parameters, state: State, now: &Measurement, steady: bool) {
         let share = |time: f64| 1.0 - (-p.sample_period / time).exp();
         self.touching.update(state == State::Approach && now.force.norm > p.approach.contact_force);
@@ -87,12 +87,12 @@ impl ContactMonitor {
         self.settled.count() >= ticks(HOLD_TIME, p.sample_period).max(1)
     }
 
-    /// The force is gone where the tool still stands on the mold.
+    /// The force is gone while the tool is still at the mold.
     pub fn unloaded(&self) -> bool {
         self.unloaded.count() >= CONTACT_SAMPLES
     }
 
-    /// The force is gone and stays away on the way out.
+    /// The force is gone and stays away during the retract.
     pub fn free(&self) -> bool {
         self.free.count() >= CONTACT_SAMPLES
     }

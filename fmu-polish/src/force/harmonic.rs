@@ -1,12 +1,12 @@
-//! One harmonic of a force ripple, cancelled; it ends itself where that makes the ripple worse.
+//! Cancels one harmonic of a force ripple, and stops if the ripple grows.
 
 use control_blocks::{Canceller, Consecutive};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-/// Highest frequency that is cancelled, part of the sample rate.
+/// Highest frequency that is canceled, part of the sample rate.
 pub const FREQUENCY_SHARE: f64 = 0.2;
-/// Part of the largest amplitude that counts as the limit.
+/// Fraction of the maximum amplitude that is treated as the limit.
 const LIMITED: f64 = 0.99;
 /// Growth of a ripple from its first amplitude that ends the cancellation.
 const GROWTH: f64 = 1.5;
@@ -15,7 +15,7 @@ const GROWTH_MAX: f64 = 0.3;
 /// Consecutive windows that have grown too far.
 const BAD_WINDOWS: u32 = 2;
 
-/// What cancels the harmonic and judges it; by default nothing is learned.
+/// Canceller of a harmonic with its evaluation; nothing is learned by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Harmonic {
     canceller: Canceller,
@@ -23,14 +23,14 @@ pub struct Harmonic {
     sum: Complex<f64>,
     /// first amplitude, N
     first: Option<f64>,
-    /// windows in a row that have grown
+    /// consecutive windows that have grown
     bad: Consecutive,
     /// it made the ripple worse
     ended: bool,
 }
 
 impl Harmonic {
-    /// Takes the force error (N) of a sample for the judgement.
+    /// Takes the force error (N) of a sample for the evaluation.
     pub fn observe(&mut self, carrier: Complex<f64>, error: f64) {
         self.sum += carrier.conj() * error;
     }
@@ -50,8 +50,8 @@ impl Harmonic {
         self.canceller.output(carrier)
     }
 
-    /// Judges a window of `samples`, in which what makes the ripple is `raised` times as large as told; true when the harmonic ends
-    /// because it makes the ripple worse.
+    /// Evaluates a window of `samples`, in which the cause of the ripple is `raised` times as large as configured; true when the
+    /// cancellation stops because the ripple has grown.
     pub fn judge(&mut self, samples: u32, raised: f64, most: f64) -> bool {
         let amplitude = 2.0 * self.sum.norm() / f64::from(samples) / raised;
         self.sum = Complex::ZERO;
@@ -84,7 +84,7 @@ mod tests {
     const WINDOW: u32 = 100;
     const MOST: f64 = 1e-3;
 
-    /// Which of windows with ripples of `sizes` N ends the harmonic, where what makes them is `raised` times as large as told and an output
+    /// Which of windows with ripples of `sizes` N ends the harmonic, where what makes them is `raised` times as large as configured and an output
     /// of `learned` was learned.
     fn ends(sizes: &[f64], raised: f64, learned: f64) -> Vec<bool> {
         let mut harmonic = Harmonic::default();

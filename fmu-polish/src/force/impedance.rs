@@ -19,7 +19,7 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
-    /// The law with the damping `damping`, N s/m.
+    /// The coefficients for the damping `damping`, N s/m.
     pub fn new(p: &Parameters, damping: f64) -> Self {
         let admittance = p.impedance.gain / damping;
         let integral = match p.force.integral_time {
@@ -30,7 +30,7 @@ impl Coefficients {
     }
 }
 
-/// Damping (N s/m) for the stiffness `stiffness` (N/m): that of the parameters, or what gives the wanted loop gain.
+/// Damping (N s/m) for the stiffness `stiffness` (N/m): that of the parameters, or what gives the desired loop gain.
 pub fn damping(p: &Parameters, stiffness: f64) -> f64 {
     if p.impedance.adaptive && p.impedance.gain > 0.0 {
         p.impedance.gain * stiffness / p.impedance.bandwidth
@@ -39,7 +39,7 @@ pub fn damping(p: &Parameters, stiffness: f64) -> f64 {
     }
 }
 
-/// State of the force law.
+/// State of the force control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ForceLaw {
     /// v_normal of eq. 4, m/s, positive out of the material.

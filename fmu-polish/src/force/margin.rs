@@ -1,8 +1,8 @@
-//! How far the force loop is from swinging: the phase that is left where the open loop has the gain 1.
+//! Phase margin of the force control: the remaining phase where the open loop has the gain 1.
 //!
-//! L(jw) = open(jw) (impedance + integral). The loop has one or two integrators and no unstable part, so by Nyquist's
-//! criterion it is stable when the phase of L, followed without jumps from low frequencies, is above -180 degrees
-//! wherever |L| falls through 1. Integral time, gain, damping, filter, drives and delay all count in it together.
+//! L(jw) = open(jw) (impedance + integral). The loop has one or two integrators and no unstable part. So by Nyquist's
+//! criterion it is stable if the phase of L, unwrapped from low frequencies, is above -180 degrees wherever |L| falls
+//! through 1. Integral time, gain, damping, filter, drives and delay all enter into it.
 
 use nalgebra::Complex;
 
@@ -10,14 +10,14 @@ use super::impedance::{Coefficients, damping};
 use super::response::loop_gain;
 use crate::interface::Parameters;
 
-/// Least phase margin, rad: 25 degrees, a resonance of about 1 / (2 sin 12.5 degrees) = 2.3.
+/// Minimum phase margin, rad: 25 degrees, a resonance of about 1 / (2 sin 12.5 degrees) = 2.3.
 pub const LEAST: f64 = 0.436;
 /// Lowest frequency, rad/s.
 const LOWEST: f64 = 0.05;
 /// Frequencies.
 const COUNT: u32 = 400;
 
-/// Phase margin (rad) of the force law `law` on a contact of `stiffness` N/m; infinite where |L| is always below 1, and
+/// Phase margin (rad) of the force control `law` on a contact of `stiffness` N/m; infinite where |L| is always below 1, and
 /// minus infinite where it is 1 or more up to half the sample rate, beyond which nothing is controlled.
 pub fn phase_margin(p: &Parameters, law: &Coefficients, stiffness: f64) -> f64 {
     let highest = std::f64::consts::PI / p.sample_period;
@@ -38,7 +38,7 @@ pub fn phase_margin(p: &Parameters, law: &Coefficients, stiffness: f64) -> f64 {
     if before.norm() < 1.0 { margin } else { f64::NEG_INFINITY }
 }
 
-/// The least of the margins of settling and following at the nominal stiffness, each with its own damping.
+/// The smaller of the margins of settling and following at the nominal stiffness, each with its own damping.
 pub fn least(p: &Parameters) -> f64 {
     let settling = Coefficients { integral: 0.0, ..Coefficients::new(p, p.impedance.damping) };
     let following = Coefficients::new(p, damping(p, p.stiffness_nominal));

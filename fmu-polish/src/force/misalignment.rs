@@ -10,8 +10,8 @@ use crate::path::centre_path::Frame;
 const LEVER: f64 = 1e-3;
 /// Variance of a measured distance, m2: 4 um, since the axes turn round and the force of a sample is not that of the next.
 const NOISE: f64 = 1.6e-11;
-/// Variance of each parameter at the begin, m2: 0.1 mm, and 0.1 rad. What a mold can be at most, it is not likely to be:
-/// a wider one makes the first turns of a spiral nonsense, where shift and rotation look alike.
+/// Variance of each parameter at the start, m2: 0.1 mm, and 0.1 rad. The limits of a mold are unlikely values:
+/// a wider prior spoils the first revolutions of a spiral, where shift and rotation have the same effect.
 const START: f64 = 1e-8;
 /// Forgetting factor of the least squares: a memory of 20 s at 1 kHz. Shorter memories are noisy.
 const FORGETTING: f64 = 0.99995;
@@ -47,7 +47,7 @@ impl MisalignmentEstimate {
     }
 
     /// Velocity (m/s) of the surface along the normal from `here` to `next`, one sample later at the feed `feed` (m/s): no
-    /// steeper than a mold can be, or a force that stands would be taken for one that falls away ever faster.
+    /// steeper than a mold can be; otherwise a frozen force would look like a surface that falls ever faster.
     pub fn velocity(&self, p: &Parameters, here: &Frame, next: &Frame, feed: f64) -> f64 {
         let change = self.estimate.dot(&(regressor(next) - regressor(here)));
         let most = p.limits.surface_slope * feed;

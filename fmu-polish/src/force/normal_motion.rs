@@ -1,4 +1,4 @@
-//! Everything that moves the tool along the normal while it presses: force law, ripple, misalignment.
+//! Everything that moves the tool along the normal while it presses: force control, ripple, misalignment.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ pub struct NormalMotion {
     damping: Option<f64>,
     /// the integral works
     following: bool,
-    /// the law that was judged last, and whether it is stable
+    /// the parameters that were evaluated last, and whether the loop is stable
     judged: Option<(Tuned, bool)>,
     /// Cancellation of the ripple.
     pub ripple: RippleCancellation,
@@ -41,11 +41,11 @@ type Tuned = (f64, f64, f64, f64);
 /// What is measured along the normal in one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalMeasurement {
-    /// Wanted less measured force, N.
+    /// Target minus measured force, N.
     pub error: f64,
     /// Force along the normal, N.
     pub force: f64,
-    /// Ball centre by the encoders, m.
+    /// Ball center by the encoders, m.
     pub position: Vector3<f64>,
     /// There is a force at all.
     pub touching: bool,
@@ -82,7 +82,7 @@ impl NormalMotion {
         self.damping = p.impedance.adaptive.then(|| damping(p, self.stiffness));
     }
 
-    /// The sweep begins, or has another half period: its ripple is learned anew.
+    /// The sweep begins, or has another half period: its ripple is learned again.
     pub fn sweep_anew(&mut self, p: &Parameters) {
         self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
     }
@@ -92,12 +92,12 @@ impl NormalMotion {
         self.force_law.integral = 0.0;
     }
 
-    /// Velocity (m/s) of the force law alone, while the force builds up or goes away.
+    /// Velocity (m/s) of the force control alone, while the force builds up or decreases.
     pub fn settle(&mut self, p: &Parameters, error: f64) -> f64 {
         self.force_law.step(&self.law(p), error)
     }
 
-    /// Takes a force `force` (N) at the place `position` (m), for the stiffness.
+    /// Takes a force `force` (N) at the position `position` (m), for the stiffness.
     pub fn observe_stiffness(&mut self, p: &Parameters, position: &Vector3<f64>, normal: &Vector3<f64>, force: f64) {
         self.slope.update(-position.dot(normal), force, p.force.target);
     }
@@ -119,7 +119,7 @@ impl NormalMotion {
         velocity
     }
 
-    /// Takes where the surface is met: not at the place on the path, but where the encoders see the tool, behind it.
+    /// Uses the distance of the surface at the position of the encoders, which lags behind that on the path.
     fn observe_surface(&mut self, contact: &NormalMeasurement, at: &PathState) {
         let behind = (at.frame.centre - contact.position).dot(&at.frame.tangent) / at.frame.ratio;
         let met = at.path.frame(at.path.seek(at.place, at.place.s - behind));
@@ -127,14 +127,14 @@ impl NormalMotion {
         self.misalignment.update(&met, offset + contact.force / self.stiffness);
     }
 
-    /// Velocity (m/s) of a misaligned surface at the place on the path: it goes through the drives as the path does, so
+    /// Velocity (m/s) of a misaligned surface at the position on the path: it goes through the drives as the path does, so
     /// that the tool, as late along the normal as along the path, is right where it is.
     fn feedforward(&self, p: &Parameters, at: &PathState) -> f64 {
         let next = at.path.seek(at.place, at.place.s + at.feed * p.sample_period);
         self.misalignment.velocity(p, at.frame, &at.path.frame(next), at.feed)
     }
 
-    /// Whether the loop has its phase margin with the parameters of now; judged again when they have changed.
+    /// Whether the loop has its phase margin with the parameters of now; evaluated again when they have changed.
     pub fn stable(&mut self, p: &Parameters) -> bool {
         let whole = self.law(p);
         let law = if self.following { whole } else { Coefficients { integral: 0.0, ..whole } };
@@ -166,7 +166,7 @@ impl NormalMotion {
 pub struct PathState<'a> {
     /// The path.
     pub path: &'a CentrePath,
-    /// The place on it.
+    /// The position on it.
     pub place: Place,
     /// The path there.
     pub frame: &'a Frame,

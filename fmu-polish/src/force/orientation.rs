@@ -22,7 +22,7 @@ impl Orientation {
         Self { cos, sin, signs: Vector3::new(1.0, y, z) }
     }
 
-    /// The vector in the work frame behind one that the sensor shows.
+    /// The vector in the work frame for a vector of the sensor.
     pub fn work(&self, shown: &Vector3<f64>) -> Vector3<f64> {
         let f = shown.component_mul(&self.signs);
         Vector3::new(f.x * self.cos - f.y * self.sin, f.y * self.cos + f.x * self.sin, f.z)

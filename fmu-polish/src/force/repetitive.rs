@@ -1,11 +1,11 @@
-//! Learns what repeats from turn to turn of the path: the friction of the axes where they turn round, and what the estimate
-//! of the misalignment leaves.
+//! Repetitive control: learns disturbances that recur with each revolution of the path, from the friction of the axes at
+//! their reversals and from the residual of the estimated misalignment.
 //!
-//! On a spiral both go with the angle theta of the tangent, seen along z, whatever the feed. What is learned is a way along the
-//! normal, h(theta) = Re sum c_m e^(j m theta), and moved is its velocity w dh/dtheta, w = dtheta/dt: nothing where the path
-//! is straight. From the way to the force error the response is H = j m w T(j m w), T that of a velocity; per radian the share
-//! `repetitive.gain` of what is left is taken back, so that a turn leaves exp(-2 pi gain), at every feed. Where the loop
-//! itself takes out more than 1 - LEAST of a way, it is left more.
+//! On a spiral both depend on the angle theta of the tangent, in the projection along z, at any feed. The controller learns a travel along the
+//! normal, h(theta) = Re sum c_m e^(j m theta), and commands its velocity w dh/dtheta, w = dtheta/dt. On a straight path that is zero. From this
+//! travel to the force error the response is H = j m w T(j m w), T that of a velocity. Per radian the fraction `expert.repetitive.gain` of the
+//! residual is corrected, so one revolution leaves exp(-2 pi gain), at every feed. Where the loop itself removes more than 1 - `LEAST` of a
+//! travel, the correction is slower.
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
@@ -16,18 +16,18 @@ use super::response::closed;
 use super::turning::{Turn, WholeTurn};
 use crate::interface::Parameters;
 
-/// Harmonics of a turn: four reversals of two axes, and one of the third.
+/// Harmonics of a revolution: four reversals of two axes, and one of the third.
 const HARMONICS: usize = 4;
-/// Change of the rate after which the responses are computed anew, over the rate.
+/// Change of the rate after which the responses are computed again, over the rate.
 const RATE_CHANGE: f64 = 0.02;
 /// Largest way of each, m: friction of 5 N in drives of 0.35 N/um.
 const WAY_MAX: f64 = 15e-6;
-/// Largest force error that is learned from, over the wanted force.
+/// Largest force error that is learned from, over the target force.
 pub const ERROR_SHARE: f64 = 0.05;
-/// Least response, over the stiffness.
+/// Minimum response, over the stiffness.
 const LEAST: f64 = 0.1;
 
-/// What was learned over the turns; by default nothing.
+/// The learned harmonics; none by default.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RepetitiveControl {
     harmonics: [Harmonic; HARMONICS],
@@ -39,12 +39,12 @@ pub struct RepetitiveControl {
 }
 
 impl RepetitiveControl {
-    /// Whether a harmonic has grown and is not learned any more.
+    /// Whether a harmonic has grown and was stopped.
     pub fn stopped(&self) -> bool {
         self.frozen
     }
 
-    /// Velocity (m/s) along the normal where the path turns by `turn`, from the force error `error` (N), for the force law `law`
+    /// Velocity (m/s) along the normal where the path turns by `turn`, from the force error `error` (N), for the force control `law`
     /// on a contact of `stiffness` N/m.
     pub fn step(&mut self, p: &Parameters, law: &Coefficients, stiffness: f64, turn: Turn, error: f64) -> f64 {
         let Turn { angle: theta, step: turn } = turn;
@@ -71,7 +71,7 @@ impl RepetitiveControl {
         velocity
     }
 
-    /// Ends what makes the error worse, after each turn.
+    /// Stops harmonics that increase the error, after each revolution.
     fn judge(&mut self, turn: f64) {
         let Some(samples) = self.window.ends(turn) else { return };
         for harmonic in &mut self.harmonics {
@@ -97,8 +97,8 @@ mod tests {
     const P: Parameters = Parameters::START;
     const K: f64 = 178e3;
 
-    /// Force errors of `turns` turns at `rate` rad/s, in the steady state of the loop, where the ways of a disturbance along
-    /// the normal are `size` m in each harmonic and the true phase is `late` rad off: root mean square of each turn, and
+    /// Force errors of `turns` turns at `rate` rad/s, in the steady state of the loop, where the travels of a disturbance along
+    /// the normal are `size` m in each harmonic and the true phase is `late` rad off: root mean square of each revolution, and
     /// whether the learning has ended itself.
     fn errors(p: &Parameters, rate: f64, size: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
         let law = Coefficients::new(p, damping(p, K));

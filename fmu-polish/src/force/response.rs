@@ -6,7 +6,7 @@ use super::impedance::Coefficients;
 use crate::interface::{Drive, Parameters};
 
 impl Drive {
-    /// With loops that are so many times as fast, and so much velocity fed forward.
+    /// With loops that are this many times as fast, and so much velocity fed forward.
     pub fn faster(&self, times: f64, feedforward: f64) -> Self {
         Self {
             position_gain: times * self.position_gain,
@@ -56,7 +56,7 @@ pub fn open(p: &Parameters, stiffness: f64, omega: f64) -> Complex<f64> {
     stiffness * hold * late * axis(&p.drive, omega) * sensor * filter
 }
 
-/// Gain of the opened force loop: the response times the force law.
+/// Gain of the opened force loop: the response times the force control.
 pub fn loop_gain(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64) -> Complex<f64> {
     let delay = (-Complex::new(0.0, omega) * p.sample_period).exp();
     let impedance = law.admittance * (1.0 - law.decay) / (1.0 - law.decay * delay);
@@ -64,7 +64,7 @@ pub fn loop_gain(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64)
     open(p, stiffness, omega) * (impedance + integral)
 }
 
-/// Force error over velocity with the force law closed around it.
+/// Force error over velocity with the force control closed around it.
 pub fn closed(p: &Parameters, law: &Coefficients, stiffness: f64, omega: f64) -> Complex<f64> {
     open(p, stiffness, omega) / (1.0 + loop_gain(p, law, stiffness, omega))
 }

@@ -1,11 +1,11 @@
-//! Cancels the force ripple at the frequency of the stick-slip and twice that; its phases come from the drive model.
+//! Cancels the force ripple at the frequency of the stick-slip motion and at twice that; the drive model gives the phases.
 //!
-//! On a mold that stands askew the sweep climbs by the slope of the surface against the path, s in the plane of the mold: to and fro along
-//! b by s . b, once up and once down while the path turns round. In the phase phi of the sweep and the angle theta of the path this ripple is
-//! Re sum c_n e^(j (phi + n theta)), n = +-1, its amplitudes constant however fast the path turns; at a fixed phase it would have to be learned
-//! anew in every quarter of a turn. All three are learned at once: with the complex amplitude e of the error at phi, those that they take
-//! back are e / x of x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `repetitive.ripple_gain`, a sum without loss: so a phase of the
-//! response that is less than a quarter of a turn wrong keeps it stable, as it does without.
+//! On a tilted mold the sweep climbs by the slope of the surface against the path, s in the plane of the mold: a linear sweep along b by s . b,
+//! once up and once down during a revolution of the path. With the phase phi of the sweep and the angle theta of the path this ripple is
+//! Re sum c_n e^(j (phi + n theta)), n = +-1. Its amplitudes are constant at any rate of revolution; at a fixed phase they would have to be
+//! learned again in every quarter of a revolution. All three terms are learned together. With the complex amplitude e of the error at phi, they
+//! correct e / x, x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `expert.repetitive.ripple_gain`, a lossless sum.
+//! So the loop is stable for phase errors of the response below a quarter of a revolution, as without these terms.
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
@@ -49,7 +49,7 @@ pub struct RippleCancellation {
 }
 
 impl RippleCancellation {
-    /// Nothing learned, for the force law `law` on a contact of `stiffness` N/m.
+    /// Nothing learned, for the force control `law` on a contact of `stiffness` N/m.
     pub fn new(p: &Parameters, law: &Coefficients, stiffness: f64) -> Self {
         let half = p.stick_slip.half_period.unsigned_abs().max(1);
         let rate = std::f64::consts::TAU / p.sample_period;
@@ -68,7 +68,7 @@ impl RippleCancellation {
         }
     }
 
-    /// Whether a ripple has grown and is not cancelled any more.
+    /// Whether a ripple has grown and its cancellation was stopped.
     pub fn stopped(&self) -> bool {
         self.frozen
     }
@@ -105,7 +105,7 @@ impl RippleCancellation {
         velocity
     }
 
-    /// The same of what turns with the path, after each whole turn.
+    /// Evaluates the terms that rotate with the path, after each revolution.
     fn judge_turn(&mut self, p: &Parameters, raised: f64, step: f64) {
         let Some(samples) = self.turn.ends(step) else { return };
         for side in self.turning.iter_mut().flatten() {
@@ -127,8 +127,8 @@ impl RippleCancellation {
     }
 }
 
-/// How many times as fast as told a circle is, and with it the ripple of a mold askew. To and fro nothing is granted: there it is
-/// how a mold that is not that of the path is told by its force error, before the depth takes it for a sensor that stands.
+/// How many times as fast as configured a circle is, and with it the ripple of a tilted mold. A linear sweep has no such allowance: its
+/// force error detects a wrong mold before the depth monitor reports a frozen sensor.
 fn raised(p: &Parameters, sweep: f64) -> f64 {
     match p.stick_slip.mode {
         Mode::Circular => (sweep / velocity(&p.stick_slip, p.feed.velocity)).max(1.0),
@@ -141,7 +141,7 @@ fn fastest_ripple(p: &Parameters) -> f64 {
     VELOCITY_MAX * fastest(&p.stick_slip)
 }
 
-/// Largest velocity (m/s) at which a sweep climbs on a mold that may be so much askew.
+/// Largest velocity (m/s) at which a sweep climbs on a mold with the maximum tilt.
 fn climb(p: &Parameters) -> f64 {
     let sweep = fastest(&p.stick_slip) * velocity(&p.stick_slip, p.feed.velocity);
     fastest_ripple(p).min(p.limits.surface_slope * sweep)
@@ -157,7 +157,7 @@ mod tests {
     use crate::motion::stick_slip::tests::circular;
 
     const P: Parameters = Parameters::START;
-    /// K_v as it is told, m/s.
+    /// Configured K_v, m/s.
     const KV: f64 = 10e-3;
     const STRAIGHT: Turn = Turn { angle: 0.3, step: 0.0 };
 
@@ -317,7 +317,7 @@ mod tests {
     fn a_turning_ripple_that_grows_ends_itself_and_a_turn_too_fast_is_left_alone() {
         let p = turning();
         let (found, frozen) = askew(&p, 25.0, 2.6, 12);
-        // a turn makes each of two e^(2 pi 0.09 cos 2.6) = 1.6 times as large, and the fourth is judged bad
+        // a turn makes each of two e^(2 pi 0.09 cos 2.6) = 1.6 times as large, and the fourth is evaluated bad
         assert!(frozen && found.iter().all(|error| *error < 0.3 * 1.63f64.powi(4)), "{found:?}");
         // a quarter of 50 Hz
         for (share, learns) in [(0.99, true), (1.01, false)] {

@@ -38,7 +38,7 @@ impl ForceSensor {
         Self { sum: none, samples: 0, zero: none, filtered: none }
     }
 
-    /// Forgets the zero.
+    /// Discards the zero.
     pub fn restart(&mut self) {
         *self = Self::new();
     }
@@ -60,7 +60,7 @@ impl ForceSensor {
         &self.zero
     }
 
-    /// The force (N) behind one raw force, where the unit normal is `normal`.
+    /// The force (N) for one raw force, where the unit normal is `normal`.
     pub fn measure(&mut self, p: &Parameters, raw: &Vector3<f64>, normal: &Vector3<f64>) -> MeasuredForce {
         let keep = match p.force.filter_bandwidth {
             0.0 => 0.0,

@@ -10,7 +10,7 @@ const TARGET_SHARE: f64 = 0.9;
 const RATIO: (f64, f64) = (0.25, 4.0);
 /// Fewest samples.
 const SAMPLES_MIN: f64 = 10.0;
-/// Least standard deviation of the way, m.
+/// Minimum standard deviation of the travel, m.
 const SPREAD_MIN: f64 = 1e-6;
 
 /// Sums of the least squares; by default none.
@@ -25,7 +25,7 @@ pub struct Slope {
 }
 
 impl Slope {
-    /// Takes the force `force` (N) at the way `way` (m) into the material, on the way to `target` N.
+    /// Adds the force `force` (N) at the travel `way` (m) into the material, while the target is `target` N.
     pub fn update(&mut self, way: f64, force: f64, target: f64) {
         if force >= FORCE_MIN && force <= TARGET_SHARE * target {
             self.take(way, force);
@@ -48,7 +48,7 @@ impl Slope {
         self.slope().map_or(nominal, |slope| slope.clamp(RATIO.0 * nominal, RATIO.1 * nominal))
     }
 
-    /// Slope, N/m, if the samples tell one.
+    /// Slope, N/m, if the samples determine it.
     pub fn slope(&self) -> Option<f64> {
         let n = self.count;
         let spread = n * self.way_way - self.way * self.way;

@@ -27,7 +27,7 @@ impl Turning {
     }
 }
 
-/// Counts the samples of a whole turn, either way; by default at its begin.
+/// Counts the samples of a whole revolution, in both directions; at its start by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WholeTurn {
     /// rad
@@ -36,7 +36,7 @@ pub struct WholeTurn {
 }
 
 impl WholeTurn {
-    /// Takes the turn `step` (rad) of a sample; the samples of the whole turn that it ends.
+    /// Adds the rotation `step` (rad) of a sample; returns the samples of the revolution that it ends.
     pub fn ends(&mut self, step: f64) -> Option<u32> {
         self.samples += 1;
         self.turned += step.abs();

@@ -1,4 +1,4 @@
-//! The axes held against their model: where the pulses bring an axis, and where its encoder says that it is.
+//! Compares the axes with their model: the position commanded by the pulses, and the position of the encoder.
 //!
 //! The model is `drive` with the pulses as held velocity u, exact between two samples: z' = A z + B u with
 //! z = (r, a, s, v, x), r' = u, a' = w_ff (u - a), s' = e, v' = w_v (e + w_i s), x' = v, e = K_pp (r - x) + K_ff a - v.
@@ -11,15 +11,15 @@ use crate::interface::{Fault, Parameters};
 
 /// What a response means: below the first a wrong sign, below the second a weak drive.
 const SHARES: (f64, f64) = (-0.2, 0.5);
-/// Share of the largest following error from which on motions are compared.
+/// Fraction of the largest following error from which on motions are compared.
 const BEGIN: f64 = 0.25;
-/// Fewest samples of that: a reading that jumps says nothing about the drive.
+/// Minimum number of these samples: a jump of the measurement is no property of the drive.
 const COMPARED: u32 = 3;
-/// Time for which a reading may stand where an axis turns round later than told, s.
+/// Time for which a measurement may not change where an axis reverses later than configured, s.
 const TURN: f64 = 0.015;
-/// Share of the unanswered way that a reading that stands is apart from the model.
+/// Distance of a frozen measurement from the model, as a fraction of the travel without a response.
 const APART: f64 = 0.5;
-/// A reading lives beyond this, in its steps: the last bit may flicker.
+/// A measurement has changed beyond this, in its steps: the last bit may flicker.
 pub const BAND: f64 = 1.5;
 
 type State = SVector<f64, 5>;
@@ -53,17 +53,17 @@ impl Model {
 /// One axis.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Axis {
-    /// reading where the model began, m
+    /// measurement where the model began, m
     origin: f64,
     state: State,
     sent: SentCommands,
     frozen: Frozen,
-    /// measured motion over the modelled one of each sample, since the error began to grow
+    /// measured over modeled motion of each sample, since the error began to grow
     response: Response,
     compared: u32,
-    /// last reading, m
+    /// last measurement, m
     before: f64,
-    /// reading less model, m
+    /// measurement less model, m
     error: f64,
 }
 
@@ -92,7 +92,7 @@ impl Axis {
     fn fault(&self, p: &Parameters) -> Option<Fault> {
         let beyond = self.error.abs() > p.limits.following_error;
         let way = BAND * p.encoder_resolution + p.limits.frozen;
-        // an axis that has come to rest sooner than told stands where the model comes to
+        // an axis that has come to rest sooner than configured stands where the model comes to
         let stands = self.frozen.still() > ticks(TURN, p.sample_period) && self.error.abs() > APART * way;
         if self.frozen.unanswered() > way && (beyond || stands) {
             return Some(Fault::PositionFrozen);
@@ -104,7 +104,7 @@ impl Axis {
         })
     }
 
-    /// Share of the motion that was told, where there was one to speak of.
+    /// Measured over commanded motion, if the commanded motion is significant.
     fn motion_ratio(&self, p: &Parameters) -> Option<f64> {
         let share = self.response.share((3.0 * p.encoder_resolution).powi(2))?;
         (self.compared >= COMPARED).then_some(share)
@@ -124,7 +124,7 @@ impl AxisMonitor {
         Self { model: Model::new(p), axes: Default::default() }
     }
 
-    /// Begins at rest at the reading `position` (m), with the drives of now.
+    /// Begins at rest at the measurement `position` (m), with the drives of now.
     pub fn restart(&mut self, p: &Parameters, position: &Vector3<f64>) {
         self.model = Model::new(p);
         for (axis, reading) in self.axes.iter_mut().zip(position.iter()) {
@@ -132,7 +132,7 @@ impl AxisMonitor {
         }
     }
 
-    /// Takes the readings of a sample, m.
+    /// Takes the measurements of a sample, m.
     pub fn update(&mut self, p: &Parameters, position: &Vector3<f64>) {
         for (axis, reading) in self.axes.iter_mut().zip(position.iter()) {
             axis.update(p, &self.model, *reading);
@@ -151,7 +151,7 @@ impl AxisMonitor {
         self.axes.iter().find_map(|axis| axis.fault(p))
     }
 
-    /// Share of the told motion that the first axis with a fault does, where it was told one to speak of.
+    /// Measured over commanded motion of the first axis with a fault, if the commanded motion is significant.
     pub fn motion_ratio(&self, p: &Parameters) -> Option<f64> {
         self.axes.iter().find(|axis| axis.fault(p).is_some())?.motion_ratio(p)
     }
@@ -169,7 +169,7 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// The first fault of a machine that moves as `machine` says from (told position, sample), swinging along x.
+    /// The first fault of a machine that moves by `machine` from (commanded position, sample), reciprocating along x.
     fn found(machine: impl Fn(f64, u32) -> f64) -> Option<(Fault, u32)> {
         let (mut monitor, mut told) = (AxisMonitor::new(&P), Axis::default());
         let model = Model::new(&P);
@@ -189,7 +189,7 @@ mod tests {
         None
     }
 
-    /// An axis that is `error` m off and did `share` of what it was told in `compared` samples.
+    /// An axis that is `error` m off and moved `share` of the commanded travel in `compared` samples.
     fn axis(error: f64, share: f64, compared: u32) -> Axis {
         let mut response = Response::default();
         response.update(1.0, share, f64::INFINITY);

@@ -1,14 +1,13 @@
-//! The force reading held against the motion and against itself: does it live, is it noise, does the loop hold it?
+//! Compares the force with the motion and with its own past: frozen signals, noise, and the error of the loop.
 //!
-//! At rest and on the approach nothing moves the force but its noise, so a reading that stands to the bit for
-//! `limits.frozen_time` is not alive. In contact it must answer the way into the mold: a short mean of the
-//! reading is anchored ([`Frozen`]), and a depth that has changed by more than the surface can have changed since, a way w along the path
-//! times `limits.surface_slope`, without that the force has left a band of one and a half steps, was not felt. What the noise of the
-//! encoders makes of a depth is no way.
+//! At rest and during the approach only noise changes the force, so a signal that is identical for `expert.limits.frozen_time` is
+//! frozen. In contact the force must respond to the travel into the mold. A short mean of the force is an anchor ([`Frozen`]). Let the tool
+//! move w along the path. The surface explains a change of depth of w times `limits.surface_slope`. If the depth changes by more and the force
+//! stays within a band of one and a half steps, the force did not respond. The noise of the encoders is subtracted from the depth.
 //!
-//! A tip that is soft across its axis, z, follows a wide sweep where the ball sticks. On a steep part of the mold the sweep, square to the normal, goes up
-//! and down along z, and the cancellation of the ripple takes that back: what is left across z counts as depth, but the tip only bends. So with
-//! a circle, and with a half period that has been raised, no answer is missed but to what both the depth and its part along z say.
+//! A tip that is soft across its axis, z, follows a wide sweep where the ball sticks. On a steep part of the mold the sweep, orthogonal to the
+//! normal, moves up and down along z, and the ripple cancellation corrects that. The rest across z looks like depth, but the tip only bends.
+//! So with a circle, and with an increased half period, both the depth and its component along z must lack a response.
 
 use control_blocks::{Frozen, ticks};
 use nalgebra::Vector3;
@@ -21,7 +20,7 @@ use crate::force::contact::Measurement;
 use crate::interface::{Fault, Parameters, State};
 use crate::motion::stick_slip::bends;
 
-/// Share of the normal from which on an axis carries the force.
+/// Fraction of the normal from which on an axis carries the force.
 const CARRIES: f64 = 0.5;
 /// Noise of a depth beyond the step of the encoders that is no way, in deviations: the farthest two of 10,000 samples are 7.7 apart.
 const NOISES: f64 = 8.0;
@@ -29,7 +28,7 @@ const NOISES: f64 = 8.0;
 const ANSWER_TIME: f64 = 0.01;
 /// Memory of the force error, s.
 const ERROR_TIME: f64 = 0.2;
-/// Force error of the wanted force where `limits.force_error` is 0.
+/// Force error of the target force where `limits.force_error` is 0.
 const ERROR_SHARE: f64 = 0.2;
 /// The most that one sample counts, over the largest force error.
 const ERROR_CLIP: f64 = 2.0;
@@ -78,12 +77,12 @@ pub struct ForceSample<'a> {
     pub normal: &'a Vector3<f64>,
     /// Stiffness in use, N/m.
     pub stiffness: f64,
-    /// Way along the path in this sample, m.
+    /// Travel along the path in this sample, m.
     pub way: f64,
 }
 
 impl ForceMonitor {
-    /// Forgets what was before a job, but for how long a reading stands: a sensor needs no job to be alive.
+    /// Discards the previous cycle, except the time without a change: a valid sensor has noise outside a cycle too.
     pub fn restart(&mut self) {
         *self = Self { still: self.still, ..Self::default() };
     }
@@ -137,7 +136,7 @@ impl ForceMonitor {
         }
     }
 
-    /// What is wrong with the reading while a job is on.
+    /// The fault of the signal during a cycle.
     pub fn reading_fault(&self, p: &Parameters, sample: &ForceSample) -> Option<Fault> {
         let end = p.sensor_range - 0.5 * p.sensor_resolution;
         let faults = [
@@ -208,7 +207,7 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// Shows `monitor` the force `force` (N) along the normal in `state`: what is wrong with the reading.
+    /// Shows `monitor` the force `force` (N) along the normal in `state`: what is wrong with the measurement.
     fn show(monitor: &mut ForceMonitor, p: &Parameters, state: State, force: f64) -> Option<Fault> {
         let (zero, normal) = (Vector3::zeros(), Vector3::z());
         let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::x(), ratio: 1.0, feed_max: 1.0 };
@@ -222,7 +221,7 @@ mod tests {
         monitor.reading_fault(p, &sample)
     }
 
-    /// What is wrong with the readings `forces` (N) along the normal.
+    /// What is wrong with the measurements `forces` (N) along the normal.
     fn told(p: &Parameters, forces: impl Iterator<Item = f64>) -> Option<Fault> {
         let mut monitor = ForceMonitor::default();
         forces.fold(None, |fault, force| fault.or(show(&mut monitor, p, State::Approach, force)))
@@ -292,7 +291,7 @@ mod tests {
         }
     }
 
-    /// What is wrong where the encoders have 10 um of noise, on the way down and for 4 s in which the force keeps within its band and the
+    /// The fault with 10 um of encoder noise, during the descent and for 4 s in which the force stays within its band and the
     /// tool sinks by `sunk` m.
     fn noisy(sweep: Mode, sunk: f64) -> Option<Fault> {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(8);

@@ -1,4 +1,4 @@
-//! The time that a job may take: every job ends.
+//! The time limit of a cycle: every cycle ends.
 
 use control_blocks::{Progress, ticks};
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use crate::path::centre_path::CentrePath;
 /// Planned times of the path that it may take: the overrides slow it.
 const PATHS: f64 = 4.0;
 
-/// Samples of a job, and how many it may have.
+/// Samples of a cycle, and how many it may have.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct JobTime {
     progress: Progress,
@@ -17,7 +17,7 @@ pub struct JobTime {
 }
 
 impl JobTime {
-    /// A new job that may take `time` s.
+    /// A new cycle that may take `time` s.
     pub fn restart(&mut self, p: &Parameters, time: f64) {
         self.progress.restart();
         self.limit = ticks(time, p.sample_period);
@@ -30,25 +30,25 @@ impl JobTime {
         }
     }
 
-    /// The job has used up its time.
+    /// The cycle has used up its time.
     pub fn over(&self) -> bool {
         self.progress.samples() > u64::from(self.limit)
     }
 
-    /// Time of the job so far and the longest one, s.
+    /// Time of the cycle so far and the longest one, s.
     pub fn seconds(&self, p: &Parameters) -> (f64, f64) {
         (self.progress.samples() as f64 * p.sample_period, f64::from(self.limit) * p.sample_period)
     }
 }
 
-/// Longest time of a job, s: `limits.cycle_time`, or what its parts may take.
+/// Longest time of a cycle, s: `limits.cycle_time`, or what its parts may take.
 pub fn budget(p: &Parameters, path: &CentrePath) -> f64 {
     if p.limits.cycle_time > 0.0 {
         return p.limits.cycle_time;
     }
     let down = p.approach.travel_max / p.approach.velocity;
     let out = p.retract.distance / p.retract.velocity;
-    // settling, unloading, and until the force stays away on the way out
+    // settling, unloading, and until the force stays away during the retract
     p.tare_time + down + 3.0 * p.settle.time_max + out + PATHS * path.time(p)
 }
 

@@ -1,4 +1,4 @@
-//! Noise of a reading by its second difference, which slow signals do not reach: white noise of the deviation s has
+//! Noise of a measurement from its second difference, which slow signals do not affect. White noise of the standard deviation s has
 //! d = y(k) - 2 y(k-1) + y(k-2) with the variance 6 s^2.
 
 use serde::{Deserialize, Serialize};
@@ -9,19 +9,19 @@ use crate::interface::Parameters;
 const NOISE_TIME: f64 = 0.1;
 /// Variance of the second difference over that of the noise.
 const DIFFERENCES: f64 = 6.0;
-/// A difference counts as no more than this, in deviations: one spike is no noise.
+/// Limit of a difference, in standard deviations: one spike is no noise.
 const CLIP: f64 = 4.0;
 
-/// Noise of one reading, in its unit; by default none is known.
+/// Noise of one measurement, in its unit; by default none is known.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Noise {
-    /// the last two readings
+    /// the last two measurements
     last: Option<(f64, f64)>,
     variance: f64,
 }
 
 impl Noise {
-    /// Takes a reading of which `largest` is the largest deviation that counts in full.
+    /// Adds a measurement; `largest` is the largest standard deviation without limitation.
     pub fn update(&mut self, p: &Parameters, reading: f64, largest: f64) {
         if let Some((one, two)) = self.last {
             let most = DIFFERENCES * (CLIP * largest).powi(2);
@@ -37,7 +37,7 @@ impl Noise {
     }
 }
 
-/// Share of a new sample in a mean over `time` s.
+/// Fraction of a new sample in a mean over `time` s.
 pub fn memory(p: &Parameters, time: f64) -> f64 {
     -(-p.sample_period / time).exp_m1()
 }
@@ -70,7 +70,7 @@ mod tests {
     fn one_spike_counts_as_four_deviations() {
         let mut noise = Noise::default();
         (0..5).for_each(|k| noise.update(&P, if k == 2 { 1e3 } else { 0.0 }, LARGEST));
-        // three differences, each with the share of a sample in 100 ms
+        // three differences, each with the fraction of a sample in 100 ms
         assert!((noise.deviation() / (CLIP * LARGEST * 0.03f64.sqrt()) - 1.0).abs() < 0.02, "{noise:?}");
     }
 }

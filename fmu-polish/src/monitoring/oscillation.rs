@@ -1,6 +1,6 @@
-//! Does the force swing about the wanted one? The sign changes of its error are counted: of means over whole periods of the
-//! stick-slip motion, whose ripple is no swing of the loop, and only where one follows the other within half of the time
-//! in which the path may turn round, as a mold that is not where the path says makes an error once in a turn.
+//! Detects oscillations of the force about its target by counting sign changes of the error. The errors are means over whole periods of the
+//! stick-slip motion, whose ripple is not an oscillation of the loop. A sign change is used only if it follows within half of the time in
+//! which the path can reverse, since a mold that is off causes one per revolution.
 
 use std::f64::consts::PI;
 
@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Mean error that is a swing, over the largest force error: one that grows threefold in each half period is told after three.
+/// Mean error of an oscillation, over the maximum force error: an oscillation that grows threefold in each half period is detected after three.
 const SWING: f64 = 0.2;
-/// Sign changes in a row: one and a half periods.
+/// Consecutive sign changes: one and a half periods.
 const CHANGES: u32 = 3;
 
-/// Swings in a row; by default none.
+/// Consecutive oscillations; by default none.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Swings {
     /// force errors of this period of the stick-slip motion, N
@@ -37,7 +37,7 @@ impl Swings {
         }
     }
 
-    /// It swings.
+    /// An oscillation is present.
     pub fn many(&self) -> bool {
         self.changes >= CHANGES
     }
@@ -51,7 +51,7 @@ mod tests {
     const P: Parameters = Parameters::START;
     const LIMIT: f64 = 1.0;
 
-    /// Whether two seconds of an error are swings.
+    /// Whether two seconds of an error are an oscillation.
     fn swings(error: impl Fn(f64) -> f64) -> bool {
         let mut swings = Swings::default();
         (0..2000).map(|k| swings.update(&P, error(1e-3 * f64::from(k)), LIMIT)).last();

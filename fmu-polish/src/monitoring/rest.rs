@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::monitoring::axis::BAND;
 
-/// Time (s) for which axes at rest have stood: with steps of 1 um they are slower than 150 um/s, a hundredth of an excitation.
+/// Time (s) without motion of axes at rest: with steps of 1 um they are slower than 150 um/s, a hundredth of an excitation.
 const REST: f64 = 0.01;
 
-/// The readings, held against a place where they have come to.
+/// Compares the measurements with a rest position.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RestMonitor {
     place: Vector3<f64>,
@@ -18,7 +18,7 @@ pub struct RestMonitor {
 }
 
 impl RestMonitor {
-    /// Takes the readings of a sample, m; the last bit may flicker.
+    /// Takes the measurements of a sample, m; the last bit may flicker.
     pub fn update(&mut self, p: &Parameters, position: &Vector3<f64>) {
         self.samples = self.samples.saturating_add(1);
         if (position - self.place).amax() > BAND * p.encoder_resolution {
@@ -26,7 +26,7 @@ impl RestMonitor {
         }
     }
 
-    /// Whether all of them have stood for long enough.
+    /// Whether all axes have been at rest for long enough.
     pub fn at_rest(&self, p: &Parameters) -> bool {
         self.samples >= ticks(REST, p.sample_period)
     }

@@ -1,9 +1,9 @@
-//! What a sensor that is faster than told feigns: a tip that only bends on a circle seems to slide.
+//! Apparent sliding: through a sensor that is faster than configured, a tip that only bends on a circle seems to slide.
 //!
-//! The force of a tip that goes round with the axes is in phase with their place. Through a sensor that is less late than told it
-//! leads the felt way by an angle e, and seems to do the work of a ball that slides at sin e of the speed at which the axes go round. Nothing slides
-//! backwards, so sin e is no more than the least share that has been seen in the job, whatever the sensor; and no more than that of a
-//! sensor twice as fast as told, e = atan(w / b) - atan(w / 2 b) at w rad/s round and b rad/s of bandwidth.
+//! The force of a tip that rotates with the axes is in phase with their position. Through a sensor with less lag than configured it leads the
+//! sensed travel by an angle e. It seems to do the work of a ball that slides at sin e of the speed of the axes. A ball never slides backwards.
+//! So sin e is at most the minimum fraction in the cycle, for any sensor, and at most that of a sensor twice as fast as configured:
+//! e = atan(w / b) - atan(w / 2 b) at w rad/s of rotation and b rad/s of bandwidth.
 
 use std::f64::consts::PI;
 
@@ -12,20 +12,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Mode, Parameters};
 
-/// How many times as fast as told a sensor may be.
+/// Maximum bandwidth of a sensor, over the configured one.
 const FASTER: f64 = 2.0;
 
-/// Speed of the axes, and how much of it may be apparent; by default at the begin of a job.
+/// Speed of the axes, and how much of it may be apparent; by default at the start of a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ApparentSliding {
     /// way of the axes since the last window, m
     way: f64,
-    /// least share of the speed of the axes at which the ball seemed to slide
+    /// minimum fraction of the speed of the axes at which the ball seemed to slide
     least: Option<f64>,
 }
 
 impl ApparentSliding {
-    /// Takes the way (m) that was felt in a sample.
+    /// Adds the sensed travel (m) of a sample.
     pub fn add(&mut self, felt: &Vector3<f64>) {
         self.way += felt.norm();
     }
@@ -35,7 +35,7 @@ impl ApparentSliding {
         std::mem::take(&mut self.way) / time
     }
 
-    /// The part of a measured speed of sliding (m/s) that no lag feigns, where the axes go round at `round` m/s.
+    /// The sliding speed (m/s) without the apparent part, where the axes rotate at `round` m/s.
     pub fn certain(&mut self, p: &Parameters, speed: f64, round: f64) -> f64 {
         if p.stick_slip.mode != Mode::Circular || round == 0.0 {
             return speed;
@@ -46,7 +46,7 @@ impl ApparentSliding {
     }
 }
 
-/// The largest share of the speed of the axes that a sensor may feign.
+/// The maximum apparent sliding, as a fraction of the speed of the axes.
 fn most(p: &Parameters) -> f64 {
     let turning = PI / (f64::from(p.stick_slip.half_period.max(1)) * p.sample_period * p.sensor_bandwidth);
     (turning.atan() - (turning / FASTER).atan()).sin()
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn a_bent_tip_seems_to_slide_as_derived() {
-        // 50 Hz through 200 Hz that are told and 400 Hz that are true
+        // 50 Hz through 200 Hz that are configured and 400 Hz that are true
         let (told, truth) = (P.sensor_bandwidth, 2.0 * P.sensor_bandwidth);
         let (omega, count) = (PI / (10.0 * P.sample_period), 2000);
         let through = |bandwidth: f64, k: u32| {
@@ -88,7 +88,7 @@ mod tests {
         assert!((apparent.certain(&p, 10e-3, round) - (10e-3 - most(&p) * round)).abs() < 1e-15);
         assert!(apparent.certain(&p, 1e-3, round).abs() < 1e-15);
         assert!((apparent.certain(&p, 10e-3, round) - 9e-3).abs() < 1e-15);
-        // a sensor slower than told feigns nothing, and takes nothing off
+        // a sensor slower than configured feigns nothing, and takes nothing off
         assert_eq!([-1e-3, 10e-3].map(|speed| apparent.certain(&p, speed, round)), [-1e-3, 10e-3]);
     }
 

@@ -1,4 +1,4 @@
-//! Ways of the axes held against the forces across them, through the lag of the sensor: else a bent tip would seem to do work.
+//! The travel of the axes through the lag of the sensor, for the work against the lateral force: otherwise a bent tip would seem to do work.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -8,14 +8,14 @@ use crate::interface::Parameters;
 /// Between two samples; by default before the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SensedMotion {
-    /// last force (N) and last place of the axes (m)
+    /// last force (N) and last position of the axes (m)
     before: Option<(Vector3<f64>, Vector3<f64>)>,
-    /// way that the sensor has not felt yet, m
+    /// travel that the sensor has not sensed yet, m
     unfelt: Vector3<f64>,
 }
 
 impl SensedMotion {
-    /// Takes the force (N) and the place (m) of a sample; the mean force since the last one, and the way that was felt in that time.
+    /// Takes the force (N) and the position (m) of a sample; returns the mean force since the last one, and the sensed travel in that time.
     pub fn step(
         &mut self,
         p: &Parameters,
@@ -26,7 +26,7 @@ impl SensedMotion {
         Some((0.5 * (last + force), self.felt(p, &(position - from))))
     }
 
-    /// The part of a way (m) that the sensor feels in this sample: first-order lag of a steady motion between two samples.
+    /// The part of a travel (m) that is sensed in this sample: first-order lag of a steady motion between two samples.
     fn felt(&mut self, p: &Parameters, way: &Vector3<f64>) -> Vector3<f64> {
         let lag = p.sensor_bandwidth * p.sample_period;
         let keep = (-lag).exp();
@@ -37,8 +37,8 @@ impl SensedMotion {
     }
 }
 
-/// What is left of white noise of the place, over its deviation. With the lag 1 / l in samples, a = exp(-l) and c = (1 - a) / l the
-/// place is felt by 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
+/// White noise of the position after the lag, over its standard deviation. With the lag 1 / l in samples, a = exp(-l) and c = (1 - a) / l the
+/// position is sensed by 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
 pub fn sensed_noise(p: &Parameters) -> f64 {
     let lag = p.sensor_bandwidth * p.sample_period;
     let keep = (-lag).exp();

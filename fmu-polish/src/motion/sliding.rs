@@ -1,12 +1,12 @@
-//! Does the ball slide, or does the tip only bend? Told by the work that the axes do against the lateral force, and K_v
-//! is raised where it slides too little, then the half period.
+//! Detects whether the ball slides or the tip only bends, from the work of the axes against the lateral force. If the ball slides too
+//! little, K_v increases, then the half period.
 //!
-//! What bends the tip comes back when it is bent the other way: over whole periods the integrals of F . dx and of |F| F . dx
-//! hold sliding alone, with the forces F across the normal and the ways dx of the axes. With the work W = -sum(F . dx) and
-//! Q = -sum(|F| F . dx) the friction is Q / W and the way slid W^2 / Q. No stiffness of the tip is needed. Where nothing
-//! slides W and Q are noise, so the friction is taken for no less than the root mean square of F. The way is held against
-//! the force through the lag of the sensor, else a bent tip would seem to do work. All of it holds for a circle as well: a ball that
-//! is dragged round does W = mu F by its way, one that sticks gives none, as its bend is square to the motion.
+//! A bend of the tip is reversible. So over whole periods the integrals of F . dx and of |F| F . dx contain only the sliding, with the forces
+//! F across the normal and the travels dx of the axes. With the work W = -sum(F . dx) and Q = -sum(|F| F . dx) the friction is Q / W and
+//! the sliding distance W^2 / Q. No stiffness of the tip is needed. Without sliding W and Q are noise, so the friction is at least the
+//! root mean square of F. The travel passes through the lag of the sensor; otherwise a bent tip would seem to do work. All of this holds
+//! for a circle too. A ball that is dragged does W = mu F by its sliding distance. A ball that sticks does none, as its bend is orthogonal
+//! to the motion.
 
 use control_blocks::ticks;
 use nalgebra::Vector3;
@@ -21,15 +21,15 @@ use crate::motion::sweep_limits::{accelerated, highest};
 
 /// Time over which it is measured, s: whole periods.
 const WINDOW_TIME: f64 = 0.2;
-/// Share of what is missing by which K_v rises in a window.
+/// Fraction of the missing speed by which K_v increases in a window.
 const RISE: f64 = 0.8;
-/// Share of the wanted speed below which a ball on a circle is taken for one that sticks.
+/// Fraction of the desired speed below which a ball on a circle is treated as sticking.
 const STICKS: f64 = 0.5;
-/// Share of the wanted speed that is still sliding: the measured one is up to 25 % off.
+/// Fraction of the desired speed that is still sliding: the measured one is up to 25 % off.
 const ENOUGH: f64 = 0.9;
-/// Windows in a row at the largest K_v, over which the speed is averaged for the verdict.
+/// Consecutive windows at the largest K_v, over which the speed is averaged for the verdict.
 const WINDOWS: u32 = 5;
-/// A friction below this is not felt, in steps of the sensor.
+/// Minimum detectable friction, in steps of the sensor.
 const FELT: f64 = 2.0;
 
 /// The measurement and what it adds to K_v; by default nothing is known.
@@ -56,7 +56,7 @@ pub struct Sliding {
     short: bool,
     /// largest K_v (m/s) at which a ball on a circle slid too little in this job
     stuck: f64,
-    /// windows in a row at the largest K_v since the last verdict, and the sum of their speeds, m/s
+    /// consecutive windows at the largest K_v since the last verdict, and the sum of their speeds, m/s
     windows: u32,
     speeds: f64,
     /// It slides too little, and K_v cannot be raised.
@@ -64,7 +64,7 @@ pub struct Sliding {
 }
 
 impl Sliding {
-    /// Takes one sample of the path, at the place `position` (m); without a contact nothing slides.
+    /// Takes one sample of the path, at the position `position` (m); without a contact nothing slides.
     pub fn update(&mut self, p: &Parameters, position: &Vector3<f64>, now: &Measurement, touching: bool) {
         let normal = &now.frame.normal;
         let force = now.force.unfiltered - normal * normal.dot(&now.force.unfiltered);
@@ -120,15 +120,15 @@ impl Sliding {
             let slow = mean < ENOUGH * wanted(p);
             self.short = slow && p.stick_slip.half_period < p.stick_slip.half_period_max;
             self.too_little = slow && !self.short;
-            // what is told with the fault is what was judged
+            // what is told with the fault is what was evaluated
             self.speed = if slow { Some(mean) } else { self.speed };
             (self.windows, self.speeds) = (0, 0.0);
         }
     }
 
-    /// Changes the half period after sample `k` of the sweep, if this ends a period: raises one that is too short, and takes back what nothing asks for
-    /// any more; whether it has. To and fro the axes are in the middle of the sweep there; a circle begins anew where it stands, half its width beside
-    /// the path. K_v begins anew as well, and what was measured before counts no more.
+    /// Changes the half period after sample `k` of the sweep, if this ends a period: increases one that is too short, or restores the
+    /// configured one; returns whether it has changed. A linear sweep is then in its middle; a circle starts where it is, half its width off
+    /// the path. K_v starts from its configured value, and earlier measurements are discarded.
     pub fn begins_anew(&mut self, p: &Parameters, k: u32) -> bool {
         let law = &p.stick_slip;
         let lengthened = if self.short {
@@ -161,12 +161,12 @@ impl Sliding {
     }
 }
 
-/// By how much K_v = `velocity` (m/s) is to rise where the ball slides at `speed` (m/s).
+/// Increase of K_v = `velocity` (m/s) where the ball slides at `speed` (m/s).
 ///
-/// To and fro each m/s of K_v is one of sliding. On a circle it slides at s, s^2 = c^2 (K_v^2 - K_0^2) with c = pi / 2 and K_0 up to where it sticks:
-/// steep there, so K_v^2 rises by what s^2 lacks over c^2. Of a ball that sticks nothing is known but that K_0 is more than K_v. At rest friction is
-/// larger, by r: a ball that stands breaks loose at r K_0 only, and one that slides below that stands for good where anything stops it. So K_v never
-/// falls to where the ball has slid too little before in the job.
+/// In a linear sweep each m/s of K_v is one of sliding. On a circle the ball slides at s, s^2 = c^2 (K_v^2 - K_0^2) with c = pi / 2, and it
+/// sticks up to K_0. This is steep, so K_v^2 increases by the missing part of s^2 over c^2. If the ball sticks, only K_0 > K_v is known.
+/// Static friction is larger by r: a ball at rest breaks loose at r K_0, and a ball that slides at a lower K_v sticks for good after any
+/// stop. So K_v never falls to a value at which the ball slid too little earlier in the cycle.
 fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
     let (wanted, c) = (wanted(p), fastest(&p.stick_slip));
     match p.stick_slip.mode {
@@ -179,7 +179,7 @@ fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
     }
 }
 
-/// The least speed (m/s) that is wanted; 0 where K_v is not to be changed.
+/// The desired minimum speed (m/s); 0 where K_v stays constant.
 pub fn wanted(p: &Parameters) -> f64 {
     let law = &p.stick_slip;
     if law.mode == Mode::Off || law.ratio > 0.0 || law.velocity == 0.0 { 0.0 } else { law.sliding }
@@ -210,8 +210,8 @@ mod tests {
         Measurement { frame, force, force_error: 0.0, offset: zero, error, surface: 0.0 }
     }
 
-    /// A tip of `stiffness` N/m that slides at `friction` N, moved to and fro by 50 um at `speed` m/s, behind the lag of the
-    /// sensor: the measurement after `time` s, and the mean speed at which it truly slid.
+    /// A tip of `stiffness` N/m that slides at `friction` N, reciprocating by 50 um at `speed` m/s, through the lag of the
+    /// sensor: the measurement after `time` s, and the mean speed at which it actually slid.
     fn moved(p: &Parameters, stiffness: f64, friction: f64, speed: f64, time: f64) -> (Sliding, f64) {
         const FINE: u32 = 100;
         let (mut sliding, mut bend, mut felt, mut y, mut slid) = (Sliding::default(), 0.0f64, 0.0, 0.0, 0.0);
@@ -237,7 +237,7 @@ mod tests {
         for (stiffness, friction) in [(1e6, 1.0), (200e3, 1.0), (60e3, 2.0), (30e3, 1.0), (30e3, 1.4)] {
             let (sliding, truth) = moved(&p, stiffness, friction, 10e-3, 1.0);
             let told = sliding.speed.unwrap();
-            // the lag rounds the force where it turns round at once
+            // the lag rounds the force where it reverses suddenly
             assert!((told - truth).abs() < 0.14 * truth, "{stiffness} {friction}: {told} {truth}");
             assert!((sliding.friction / friction - 1.0).abs() < 0.15, "{stiffness} {friction}: {}", sliding.friction);
         }
@@ -246,8 +246,8 @@ mod tests {
         assert!(truth == 0.0 && stuck.speed.unwrap().abs() < 0.3e-3, "{stuck:?}");
     }
 
-    /// A tip of `stiffness` N/m whose ball slides at `friction` N, on axes that go round as they are told by `sliding`, behind the
-    /// lag of a sensor that is `faster` times as fast as told; for `time` s: the true mean speed of sliding in the last window.
+    /// A tip of `stiffness` N/m whose ball slides at `friction` N, on axes that rotate as commanded by `sliding`, through the
+    /// lag of a sensor that is `faster` times as fast as configured; for `time` s: the true mean speed of sliding in the last window.
     fn round(p: &Parameters, sliding: &mut Sliding, [stiffness, friction, faster]: [f64; 3], time: f64) -> f64 {
         const FINE: u32 = 50;
         let (mut bend, mut felt, mut place) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());

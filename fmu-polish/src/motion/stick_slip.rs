@@ -1,11 +1,10 @@
-//! Stick-slip motion: a small velocity beside the feed that changes its sign (eqs. 7 to 17), or goes round.
+//! Stick-slip motion: a small velocity in addition to the feed that changes its sign (eqs. 7 to 17), or rotates.
 //!
-//! A circular sweep is as wide as a square wave is long: radius a = K_v h T_s / 2 for h samples of half a period, so its speed is
-//! a pi / (h T_s) = (pi / 2) K_v, as fast as a sine of the same sweep at its fastest, but always. A tip of the stiffness k bends by d = mu F / k
-//! before the ball slides. To and fro that is lost twice in each half period, and 2 (a - d) are left. Round, friction is a force of constant
-//! size against the motion: the ball is dragged on a circle of its own, of the radius r at which the bend d is square to it, r^2 + d^2 = a^2,
-//! and slides at (pi / 2) K_v sqrt(1 - d^2 / a^2). So it slides (pi / 2) sqrt((a + d) / (a - d)) times as fast as to and fro. With d > a it
-//! sticks on either and goes with the axes.
+//! A circle is as wide as a square wave is long: radius a = K_v h T_s / 2 for h samples of half a period. So its speed is
+//! a pi / (h T_s) = (pi / 2) K_v. A tip of the stiffness k bends by d = mu F / k before the ball slides. A linear sweep loses that twice in
+//! each half period, so 2 (a - d) remain. On a circle the friction has a constant magnitude against the motion. The ball follows a circle of
+//! the radius r on which the bend d is orthogonal to its motion, r^2 + d^2 = a^2, and slides at (pi / 2) K_v sqrt(1 - d^2 / a^2). So it
+//! slides (pi / 2) sqrt((a + d) / (a - d)) times as fast as in a linear sweep. With d > a it sticks in both cases and follows the axes.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -16,7 +15,7 @@ use crate::path::centre_path::Frame;
 
 /// A vector shorter than this has no direction, m.
 const LENGTH_MIN: f64 = 1e-9;
-/// Periods in which a circle grows from its middle, which is the place on the path.
+/// Periods in which a circle grows from its middle, which is the position on the path.
 const GROWTH: f64 = 2.0;
 
 /// Unit vector v_v / |v_v|; zero where it has no direction.
@@ -69,7 +68,7 @@ pub fn sharpest(law: &StickSlip, period: f64) -> Option<f64> {
     (fastest(law) > 1.0).then_some(FRAC_PI_2 * turning)
 }
 
-/// The sign of sample `k` = 1, 2, ...; the motion is centred: it begins with half of a half period.
+/// The sign of sample `k` = 1, 2, ...; the motion is centered: it begins with half of a half period.
 pub fn sign(law: &StickSlip, k: u32) -> f64 {
     let half = law.half_period.unsigned_abs().max(1);
     // eq. 17 for a half period of 1

@@ -13,7 +13,7 @@ pub fn highest(p: &Parameters) -> f64 {
     p.stick_slip.velocity_max.min(left).min(2.0 * SWEEP * p.limits.position_error / sweep).min(accelerated(p))
 }
 
-/// The largest K_v (m/s) that the weakest axis can accelerate; infinite where that is not told.
+/// The largest K_v (m/s) that the weakest axis can accelerate; infinite if that is not configured.
 pub fn accelerated(p: &Parameters) -> f64 {
     match sharpest(&p.stick_slip, p.sample_period) {
         Some(sharpest) if p.drive.acceleration_max > 0.0 => p.drive.acceleration_max / sharpest,

@@ -12,7 +12,7 @@ pub struct VelocityParts {
     pub normal: f64,
     /// Along the tangent.
     pub tangential: f64,
-    /// Of the position feedback, or of a commission in the air.
+    /// Of the position feedback, or of a commissioning run in the air.
     pub position: Vector3<f64>,
     /// Of the stick-slip, along `sideways`.
     pub stick_slip: f64,
@@ -28,7 +28,7 @@ impl VelocityParts {
             + self.normal * frame.normal
             + self.position
             + self.stick_slip * self.sideways;
-        // no division by the size at rest: a branch around it may be compiled to compute both ways
+        // no division by the size at rest: a branch around it may be compiled to compute both travels
         velocity * (limit / velocity.norm().max(limit))
     }
 

@@ -1,4 +1,4 @@
-//! The path of the ball centre: where it is, how it points and how fast it may go at an arc length.
+//! The path of the ball center: where it is, how it points and how fast it may go at an arc length.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ const TURN_MIN: f64 = 1e-9;
 /// A point of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Knot {
-    /// ball centre, m
+    /// ball center, m
     centre: Vector3<f64>,
     /// unit normal out of the material
     normal: Vector3<f64>,
@@ -23,14 +23,14 @@ struct Knot {
     feed_max: f64,
 }
 
-/// The path as a polyline of ball centres.
+/// The path as a polyline of ball centers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CentrePath {
     radius: f64,
     knots: Vec<Knot>,
 }
 
-/// A place on the path; by default its begin.
+/// A position on the path; by default its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Arc length of the contact point, m.
@@ -39,18 +39,18 @@ pub struct Place {
     knot: usize,
 }
 
-/// The path at one place.
+/// The path at one position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// Desired ball centre, m.
+    /// Desired ball center, m.
     pub centre: Vector3<f64>,
     /// Contact point, m.
     pub contact: Vector3<f64>,
     /// Unit normal out of the material, o_d.
     pub normal: Vector3<f64>,
-    /// Unit tangent of the path of the ball centre, orthogonal to the normal.
+    /// Unit tangent of the path of the ball center, orthogonal to the normal.
     pub tangent: Vector3<f64>,
-    /// Way of the ball centre over way of the contact point.
+    /// Travel of the ball center over travel of the contact point.
     pub ratio: f64,
     /// Fastest feed, m/s.
     pub feed_max: f64,
@@ -68,7 +68,7 @@ impl Frame {
 }
 
 impl ErrorOutput {
-    /// Distance beside the normal, m.
+    /// Distance from the normal, m.
     pub fn beside(&self) -> f64 {
         self.tangential.hypot(self.lateral)
     }
@@ -108,7 +108,7 @@ impl CentrePath {
         cruise + p.feed.velocity / p.feed.acceleration
     }
 
-    /// The place at the arc length `s` (m), looked for from `place` on, at most the end.
+    /// The position at the arc length `s` (m), looked for from `place` on, at most the end.
     pub fn seek(&self, place: Place, s: f64) -> Place {
         let s = s.clamp(0.0, self.length());
         let mut knot = place.knot.min(self.knots.len() - 2);
@@ -142,7 +142,7 @@ impl CentrePath {
         }
     }
 
-    /// Direction of motion at knot `i`: from its neighbour before to that behind.
+    /// Direction of motion at knot `i`: from its previous to its next neighbor.
     fn direction(&self, i: usize) -> Vector3<f64> {
         let (before, behind) = (i.saturating_sub(1), (i + 1).min(self.knots.len() - 1));
         (self.knots[behind].centre - self.knots[before].centre).normalize()
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn speeding_up_and_braking_are_planned_exactly_on_a_straight_path() {
-        // 5 mm at 2 mm/s with 2 mm/s2, of which braking takes the last 1 mm: 2 s, 1 s, and 1 s more for the begin
+        // 5 mm at 2 mm/s with 2 mm/s2, of which braking takes the last 1 mm: 2 s, 1 s, and 1 s more for the start
         let at = |x: f64| Point { contact: Vector3::new(x, 0.0, 0.0), normal: Vector3::z(), feed: 2e-3, line: 0 };
         let points: Vec<Point> = (0..=50).map(|k| at(1e-4 * f64::from(k))).collect();
         for source in [FeedSource::Parameter, FeedSource::File] {

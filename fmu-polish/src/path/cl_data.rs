@@ -1,4 +1,4 @@
-//! A point of cutter location (CL) data, and why CL data are refused.
+//! A point of cutter location (CL) data, and why CL data are rejected.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub struct Point {
     pub line: usize,
 }
 
-/// Why the CL data are refused.
+/// Why the CL data are rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClError {
     /// Line of the file, from 1.

@@ -103,7 +103,7 @@ impl Interpreter {
         Ok(())
     }
 
-    /// Metres in a unit of the file.
+    /// Meters in a unit of the file.
     fn metre(&self, line: usize) -> Result<f64, ClError> {
         let hint = "Write `UNITS/MM` or `UNITS/INCH` before the first length.";
         self.units.map(Units::metre).ok_or_else(|| ClError::new(line, "a length before UNITS", hint))

@@ -1,8 +1,8 @@
 //! One line of a CL file.
 
-/// Millimetres per minute in a metre per second.
+/// Millimeters per minute in a meter per second.
 const MM_PER_MINUTE: f64 = 1e-3 / 60.0;
-/// Metres in an inch.
+/// Meters in an inch.
 const INCH: f64 = 0.0254;
 /// No path has larger numbers; in the unit of the file.
 const NUMBER_MAX: f64 = 1e6;
@@ -12,14 +12,14 @@ const REMARKS: [&str; 9] = ["PARTNO", "PPRINT", "REMARK", "MACHIN", "MULTAX", "L
 /// Unit of the lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Units {
-    /// Millimetres.
+    /// Millimeters.
     Millimetre,
     /// Inches.
     Inch,
 }
 
 impl Units {
-    /// Metres in the unit.
+    /// Meters in the unit.
     pub fn metre(self) -> f64 {
         match self {
             Self::Millimetre => 1e-3,
@@ -74,7 +74,7 @@ pub fn parse(line: &str) -> Result<Option<Statement>, Wrong> {
     Ok(Some(statement))
 }
 
-/// At most 40 characters of what stands in the file, without control characters.
+/// At most 40 characters of the file, without control characters.
 fn shown(text: &str) -> String {
     text.chars().take(40).map(|c| if c.is_control() { '?' } else { c }).collect()
 }

@@ -1,4 +1,4 @@
-//! Feed along the path: wanted velocity, override, curvature, braking at the end.
+//! Feed along the path: desired velocity, override, curvature, braking at the end.
 
 use control_blocks::ramp_between;
 
@@ -8,13 +8,13 @@ use crate::interface::{Feed, FeedSource, Parameters};
 pub const CREEP: f64 = 2e-5;
 
 impl Feed {
-    /// Whether the feed stands in the CL file.
+    /// Whether the feed comes from the CL file.
     pub fn uses_file(&self) -> bool {
         self.source == FeedSource::File
     }
 }
 
-/// The next velocity (m/s) of the contact point along the path: from `velocity` towards the wanted feed times `share`, at
+/// The next velocity (m/s) of the contact point along the path: from `velocity` towards the desired feed times `share`, at
 /// most `limit` (m/s) that the path allows here.
 pub fn next_feed(p: &Parameters, velocity: f64, share: f64, limit: f64) -> f64 {
     let change = p.feed.acceleration * p.sample_period;

@@ -1,4 +1,4 @@
-//! The state `Commission`: what it finds on robots that nobody has measured, and what it keeps to.
+//! The state `Commission`: its results on unmeasured robots, and its bounds.
 
 mod rejected;
 
@@ -13,7 +13,7 @@ use crate::run::Loop;
 /// Longest commission, s.
 const LIMIT: f64 = 30.0;
 
-/// Asks for a commission and for nothing else.
+/// Requests only a commissioning run.
 fn ask(input: &mut Input) {
     (input.enable, input.commission) = (false, true);
 }
@@ -23,7 +23,7 @@ fn rest(input: &mut Input) {
     (input.enable, input.commission) = (false, false);
 }
 
-/// Steps into the commission, and `time` s on.
+/// Steps into the commissioning run, and `time` s on.
 fn begin(run: &mut Loop, time: f64) {
     (0..50).for_each(|_| run.step_with(rest));
     run.step_with(ask);
@@ -34,7 +34,7 @@ fn begin(run: &mut Loop, time: f64) {
     }
 }
 
-/// Runs until the commission is over; the farthest way beside, above and below where it began (m), and the largest force, N.
+/// Runs until the commissioning run is over; the maximum lateral distance, height and depth from its start (m), and the maximum force, N.
 fn commission(run: &mut Loop) -> [f64; 4] {
     begin(run, 0.0);
     let (start, mut most) = (run.robot.position(), [0.0f64; 4]);
@@ -49,7 +49,7 @@ fn commission(run: &mut Loop) -> [f64; 4] {
     most
 }
 
-/// A robot that is not what the controller was told: everything within 30 %, one sample more of delay or none.
+/// An off-nominal robot: all values within 30 %, one additional sample of delay or none.
 fn unknown(seed: u64) -> Build {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
     let mut near = |x: f64| x * random.random_range(0.7..1.3);
@@ -185,7 +185,7 @@ fn every_mounting_of_the_sensor_is_found() {
 
 #[test]
 fn it_is_broken_off_by_commission_and_by_enable_out_of_the_mold_and_into_rest() {
-    // at the zero of the sensor, on the way up, in the excitation, on the way down, pressing, rubbing, and on the way out
+    // at the zero of the sensor, on the way up, in the excitation, on the way down, pressing, rubbing, and during the retract
     for time in [0.05, 0.15, 3.0, 5.4, 8.0, 17.0, 19.2] {
         for enable in [false, true] {
             // counts z the other way: what was told would press the tool into the mold
@@ -262,7 +262,7 @@ fn an_edge_is_not_lost_while_the_zero_of_a_job_is_taken() {
             run.step_with(|input| (input.enable, input.commission) = (true, true));
             assert_eq!(run.output.state, State::Idle);
         }
-        // the job is given up before it has begun
+        // the cycle is given up before it has begun
         (0..3).for_each(|_| run.step_with(|input| (input.enable, input.commission) = (false, !falls)));
         assert_eq!(run.output.state, if falls { State::Idle } else { State::Commission });
     }

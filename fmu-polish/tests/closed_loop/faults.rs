@@ -15,7 +15,7 @@ fn with(change: impl FnOnce(&mut Parameters)) -> Parameters {
     p
 }
 
-/// A job that has come to `state`, and then went on for 0.3 s.
+/// A cycle that has come to `state`, and then went on for 0.3 s.
 fn running(p: &Parameters, build: Build, seed: u64, state: State) -> Loop {
     let mut run = Loop::new(p, build, seed);
     assert!(run.run_to(state, 5.0), "{:?} {:?}", run.output.state, run.output.fault);
@@ -25,7 +25,7 @@ fn running(p: &Parameters, build: Build, seed: u64, state: State) -> Loop {
     run
 }
 
-/// The fault comes within `limit` s, the tool moves out along the normal, and stands.
+/// The fault is detected within `limit` s, the tool retracts along the normal, and is at rest.
 fn retracts(mut run: Loop, fault: Fault, limit: f64) {
     let until = run.time() + limit;
     assert!(run.run_to(State::Fault, until), "{fault:?} expected, {:?}", run.output);
@@ -38,7 +38,7 @@ fn retracts(mut run: Loop, fault: Fault, limit: f64) {
     resets(run, fault);
 }
 
-/// The fault comes at once, and nothing moves any more.
+/// The fault is detected immediately, and nothing moves afterwards.
 fn stands(mut run: Loop, fault: Fault, change: impl Fn(&mut Input)) {
     run.step_with(&change);
     assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
@@ -112,7 +112,7 @@ fn position_error_when_nothing_brings_the_tool_back() {
         (p.stick_slip.mode, p.limits.position_error) = (Mode::Off, 50e-6);
         p.position.gain = Axes::ZERO;
     });
-    // the axes do what they are told, from a place that is 80 um beside the path
+    // the axes do what they are told, from a position that is 80 um across the path
     let mut run = Loop::beside(&p, Build::NOMINAL, 55, Vector3::new(0.0, 80e-6, 0.0));
     assert!(run.run_to(State::Follow, 5.0), "{:?}", run.output);
     retracts(run, Fault::PositionError, 0.1);

@@ -1,4 +1,4 @@
-//! Whatever comes in, what goes out is finite and within the limits.
+//! For any inputs all outputs are finite and within their limits.
 
 use fmu_polish::axes::Axes;
 use fmu_polish::interface::{Input, Output, Parameters, State};
@@ -114,7 +114,7 @@ fn hostile_inputs_never_give_a_wild_output() {
     assert!(seen[State::Fault as usize] > 0 && seen[State::Approach as usize] > 0, "{seen:?}");
 }
 
-/// What keeps a job from its end, by the sample.
+/// Inputs that prevent the end of a cycle, by the sample.
 type Hindrance = fn(&mut Input, u32);
 
 #[test]

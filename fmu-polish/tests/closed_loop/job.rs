@@ -1,4 +1,4 @@
-//! Whole jobs: default law, the law as printed, the paper's stick-slip, robots that are not nominal.
+//! Whole cycles: default control law, the published control law, the paper's stick-slip, robots that are off-nominal.
 
 use fmu_polish::axes::Axes;
 use fmu_polish::interface::{Fault, FeedSource, ForceMode, Mode, Parameters, State};
@@ -9,7 +9,7 @@ use crate::common::HOLLOW;
 use crate::robot::Build;
 use crate::run::{Job, Loop};
 
-/// The force law as printed: no integral, no adaptation, no cancellation, no estimate.
+/// The force control as printed: no integral, no adaptation, no cancellation, no estimate.
 fn printed() -> Parameters {
     let mut p = Parameters::START;
     p.force.mode = ForceMode::Norm;
@@ -220,7 +220,7 @@ fn the_cancellation_works_without_delay_and_with_other_drives() {
         let build = Build { drive_gain, drive_friction: 6.0, ..Build::NOMINAL };
         let with = job("cancelled", &p, build, 110);
         p.ripple_gain = 0.0;
-        let plain = job("not cancelled", &p, build, 110);
+        let plain = job("not canceled", &p, build, 110);
         assert!(with.deviation <= plain.deviation + 0.01, "{io_delay} {drive_gain}: {with:?} {plain:?}");
     }
 }

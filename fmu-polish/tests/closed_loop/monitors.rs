@@ -1,4 +1,4 @@
-//! Readings and drives that fail in the middle of a job: the fault that is named, and how hard the tool presses meanwhile.
+//! Measurements and drives that fail in the middle of a cycle: the fault that is named, and how hard the tool presses meanwhile.
 
 mod ends;
 
@@ -20,14 +20,14 @@ type Spoil = fn(&mut Input);
 #[derive(Debug)]
 struct Failure {
     fault: Fault,
-    /// from its begin, s
+    /// from its start, s
     after: f64,
-    /// largest true force from its begin to 0.5 s after it was named, N
+    /// largest true force from its start to 0.5 s after it was named, N
     most: f64,
     drive_enable: bool,
 }
 
-/// A job in which `change` falsifies the inputs from 0.3 s after `state` was reached.
+/// A cycle in which `change` falsifies the inputs from 0.3 s after `state` was reached.
 fn fails(p: &Parameters, build: Build, state: State, mut change: impl FnMut(&mut Input, u32)) -> Failure {
     let mut run = Loop::new(p, build, 500);
     assert!(run.run_to(state, 5.0), "{state:?}: {:?}", run.output);
@@ -65,7 +65,7 @@ fn a_force_that_stands_is_frozen_and_the_tool_leaves() {
         let p = P;
         let failure = fails(&p, Build::NOMINAL, state, |input, k| {
             input.force.z = value;
-            // it ends the job
+            // it ends the cycle
             input.enable = state != State::Unload || k == 0;
         });
         assert_eq!((failure.fault, failure.drive_enable), (Fault::ForceFrozen, true), "{state:?} {value}: {failure:?}");
@@ -171,7 +171,7 @@ fn one_bad_sample_moves_nothing_and_ends_nothing() {
 
 #[test]
 fn what_stays_bad_is_lost_or_has_jumped() {
-    // with the places known the tool goes out without a force
+    // with the positions known the tool goes out without a force
     let cases: [(Fault, bool, Spoil); 5] = [
         (Fault::ForceLost, true, |input| input.force.y = f64::NAN),
         (Fault::ForceJump, true, |input| input.force.y = 90.0),
@@ -265,7 +265,7 @@ fn another_mold_is_a_force_error() {
     assert!(failure.fault == Fault::ForceError && failure.most < 9.0, "{failure:?}");
 }
 
-/// The fault of a job in which the contact becomes `stiffer` times as stiff and the force comes `late` samples too late.
+/// The fault of a cycle in which the contact becomes `stiffer` times as stiff and the force comes `late` samples too late.
 fn swinging(bandwidth: f64, stiffer: f64, late: usize) -> Fault {
     let mut p = P;
     p.impedance.bandwidth = bandwidth;

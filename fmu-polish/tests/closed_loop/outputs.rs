@@ -1,4 +1,4 @@
-//! What is told in every sample of a job holds together.
+//! The outputs of every sample of a cycle are consistent.
 
 use fmu_polish::axes::Axes;
 use fmu_polish::interface::{Fault, Parameters, State};
@@ -33,7 +33,7 @@ fn the_outputs_of_a_job_hold_together() {
         assert!(pressing || output.force.setpoint == 0.0);
         assert_eq!(output.done, output.state == State::Done);
         assert!(output.drive_enable);
-        // the place goes on by the velocity along the path
+        // the position continues by the velocity along the path
         let desired = output.desired.vector();
         if let Some((last, tangential)) = before.replace((desired, output.velocity.tangential)) {
             way += Vector3::norm(&(desired - last));
@@ -50,7 +50,7 @@ fn the_outputs_of_a_job_hold_together() {
         "{}",
         run.output.path_length
     );
-    // the ball centre is nearer to the middle of the hollow
+    // the ball center is nearer to the middle of the hollow
     let nearer = (HOLLOW - P.tool_radius) / HOLLOW;
     assert!((way / (nearer * length) - 1.0).abs() < 1e-3, "{way} {length}");
 }

@@ -20,7 +20,7 @@ const SENSOR_NOISE: f64 = 0.05;
 const SENSOR_STEP: f64 = 0.178;
 const SENSOR_BANDWIDTH: f64 = 1256.6;
 const WEIGHT: Vector3<f64> = Vector3::new(0.0, 0.0, -0.098);
-/// Way in which the rolling friction of a guide turns round, m.
+/// Travel in which the rolling friction of a guide reverses, m.
 const ROLLING_WAY: f64 = 20e-6;
 const TOOL_RADIUS: f64 = 0.5e-3;
 
@@ -39,13 +39,13 @@ pub struct Build {
     pub drive_gain: f64,
     /// Shift of the mold, m.
     pub shift: Vector3<f64>,
-    /// Height of the ball above the begin of the path, m.
+    /// Height of the ball above the start of the path, m.
     pub height: f64,
     /// What becomes of the pulses of each axis.
     pub pulses: Vector3<f64>,
     /// Samples by which pulses act later than one.
     pub late: usize,
-    /// Share of the velocity that the drives feed forward.
+    /// Fraction of the velocity that the drives feed forward.
     pub feedforward: f64,
     /// Angle about z by which the force sensor is turned, rad.
     pub turned: f64,
@@ -54,7 +54,7 @@ pub struct Build {
 }
 
 impl Build {
-    /// As the controller believes.
+    /// The nominal robot.
     pub const NOMINAL: Self = Self {
         stiffness: 178e3,
         lateral: 209e3,
@@ -120,11 +120,11 @@ pub struct Robot {
     /// lateral deflection of the tip, m
     bend: Vector3<f64>,
     filtered: Vector3<f64>,
-    /// What can differ; may be changed on the way.
+    /// Properties of the robot; may change during a run.
     pub build: Build,
     /// True normal force, N.
     pub normal_force: f64,
-    /// Way that the ball slid, m.
+    /// Travel that the ball slid, m.
     pub slid: f64,
 }
 

@@ -25,15 +25,15 @@ pub struct Loop {
     pub input: Input,
     /// The last outputs.
     pub output: Output,
-    /// Parameters of the law.
+    /// Parameters of the controller.
     pub parameters: Parameters,
     steps: u32,
 }
 
-/// What a job was like.
+/// What a cycle was like.
 #[derive(Clone, Copy, Debug)]
 pub struct Job {
-    /// From the first touch to the begin of the feed, s.
+    /// From the first touch to the start of the feed, s.
     pub settle: f64,
     /// Largest force beyond the target before the feed, N.
     pub overshoot: f64,
@@ -43,7 +43,7 @@ pub struct Job {
     pub deviation: f64,
     /// Smallest force while it polishes, N.
     pub least: f64,
-    /// Way that the ball slid, over the path of its centre.
+    /// Travel that the ball slid, over the path of its center.
     pub gain: f64,
     /// Position error in the tangent plane, means of 50 ms, rms, m.
     pub beside: f64,
@@ -75,7 +75,7 @@ impl Loop {
         f64::from(self.steps) * STEP
     }
 
-    /// One communication step; the job starts with the first.
+    /// One communication step; the cycle starts with the first.
     pub fn step(&mut self) {
         self.step_with(|_| ());
     }
@@ -86,7 +86,7 @@ impl Loop {
         self.input.force = self.robot.force().into();
         let mut input = self.input.clone();
         change(&mut input);
-        // a job begins with a rising edge
+        // a cycle begins with a rising edge
         input.enable &= self.steps > 0;
         let Self { controller, parameters, output, .. } = self;
         // `tests/allocation.rs` has an allocator that ends the test here
@@ -107,7 +107,7 @@ impl Loop {
         self.output.state == state
     }
 
-    /// Runs a whole job; none if it does not come to its end.
+    /// Runs a whole cycle; none if it does not complete.
     pub fn job(&mut self, limit: f64) -> Option<Job> {
         let (mut touched, mut followed, mut most) = (f64::NAN, f64::NAN, 0.0f64);
         let (mut forces, mut errors, mut least) = (Vec::new(), Vec::new(), f64::MAX);
@@ -153,7 +153,7 @@ impl Loop {
         })
     }
 
-    /// The same loop, with the law from its state bytes.
+    /// The same loop, with the controller restored from its state bytes.
     pub fn reloaded(&self) -> Self {
         let bytes = postcard::to_allocvec(&self.controller).unwrap();
         Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }

@@ -8,7 +8,7 @@ use crate::run::Loop;
 
 const P: Parameters = Parameters::START;
 
-/// On the path: the mean speed (m/s) at which the ball truly slides in the last second and as it is measured, and what
+/// On the path: the mean speed (m/s) at which the ball actually slides in the last second and as it is measured, and what
 /// is added to K_v (m/s).
 fn slides(p: &Parameters, build: Build) -> (f64, f64, f64) {
     let mut run = Loop::new(p, build, 600);
@@ -202,7 +202,7 @@ fn longest(sweep: Mode, longest: i32) -> Parameters {
     p
 }
 
-/// A job in which the half period has just been raised.
+/// A cycle in which the half period has just been raised.
 fn lengthened(p: &Parameters, build: Build, seed: u64) -> Loop {
     let mut run = Loop::new(p, build, seed);
     while run.output.sliding.lengthened == 0 {

@@ -1,4 +1,4 @@
-//! What a commission rejects, and what fails while it measures.
+//! What a commissioning run rejects, and what fails while it measures.
 
 use super::*;
 
@@ -6,7 +6,7 @@ use super::*;
 fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
     for apply in [false, true] {
         let mut p = Parameters::START;
-        // as much as the drives bear that were told, and more than these
+        // as much as the drives bear that were configured, and more than these
         (p.commission.apply, p.position.gain) = (apply, Axes::all(75.0));
         let mut run = Loop::new(&p, Build { drive_gain: 0.7, ..Build::NOMINAL }, 772);
         begin(&mut run, 0.0);
@@ -28,7 +28,7 @@ fn what_cannot_be_told_is_rejected_with_its_numbers_and_the_tool_leaves() {
     let cases: [fn(&mut Parameters, &mut Build); 4] = [
         |p, _| p.commission.std_max = 1e-4,
         |p, _| p.commission.delay_std_max = 1e-3,
-        // a contact four times as soft as told
+        // a contact four times as soft as configured
         |p, build| (p.limits.stiffness_ratio, build.stiffness) = (4.0, 60e3),
         |_, build| build.friction = 0.0,
     ];
@@ -50,7 +50,7 @@ fn what_cannot_be_told_is_rejected_with_its_numbers_and_the_tool_leaves() {
 #[test]
 fn a_loop_without_its_margin_with_what_was_found_is_rejected() {
     let mut p = applied();
-    // enough on the robot that was told
+    // enough on the robot that was configured
     p.impedance.bandwidth = 100.0;
     let slow = Build { drive_gain: 0.55, feedforward: 0.3, late: 1, ..Build::NOMINAL };
     let mut run = Loop::new(&p, slow, 771);

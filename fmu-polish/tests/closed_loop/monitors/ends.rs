@@ -1,4 +1,4 @@
-//! How a job begins and how it ends: the edge of `enable`, the way out, and its time.
+//! How a cycle begins and how it ends: the edge of `enable`, the retract, and its time.
 
 use super::*;
 
