@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 from types import ModuleType
 
@@ -66,3 +67,15 @@ def test_a_landing_page_shows_the_picture_and_the_commands_of_its_quick_start(cr
     assert f"cargo xtask fmu {crate[4:]}" in page
     assert f"{crate}/doc/quick_start.py" in page
     assert (ROOT / crate / "doc/run.svg").stat().st_size <= PICTURE_BYTES
+
+
+@pytest.mark.parametrize("crate", CRATES)
+def test_the_page_of_an_fmu_shows_the_quick_start_before_the_ports(crate: str) -> None:
+    with zipfile.ZipFile(ROOT / f"target/fmu/{crate}.fmu") as archive:
+        for name in ("quick_start.py", "run.svg"):
+            assert archive.read(f"documentation/{name}") == (ROOT / crate / "doc" / name).read_bytes()
+        page = archive.read("documentation/index.html").decode()
+    titles = ("Block", "Quick start", "Inputs", "Outputs", "Essential parameters", "Timing and delay", "Faults")
+    positions = [page.index(f">{title}</h2>") for title in titles]
+    assert positions == sorted(positions)
+    assert '<img src="run.svg"' in page
