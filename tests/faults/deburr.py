@@ -117,7 +117,7 @@ ROWS = (
             Injection("plant.axis5_velocity", from_time=4.0, duration=1.8, offset=0.05),
         ),
         changes=("plant.encoder_noise=0",),
-        undetectable="without noise a valid position is constant at rest, too; only a motion of the axis shows it",
+        undetectable="without noise a valid position is constant at rest, too; only a motion shows it",
     ),
     Row(
         "encoder 3 off by 20 mm for one sample",

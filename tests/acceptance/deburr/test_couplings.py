@@ -52,7 +52,7 @@ def test_a_soft_coupling_at_slower_feeds(share: float) -> None:
 
 
 def swung(hertz: float) -> Columns:
-    """Rows of the path in air, for a frequency of the couplings (Hz), with encoders of very fine resolution."""
+    """Rows of the path in air, for a frequency of the couplings (Hz), with very fine encoders."""
     axes = (1, 3)
     exact = (*(f"plant.axis{n}_pulse=1e-12" for n in axes), *(f"controller.axis{n}.pulse=1e-9" for n in axes))
     quiet = ("plant.encoder_noise=0.0", "controller.expert.limits.pulses_max=1e9", *exact)

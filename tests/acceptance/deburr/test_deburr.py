@@ -98,7 +98,7 @@ NOISE = (("axis1.position", 1e-5), ("axis2.position", 5e-6), ("axis3.position", 
 
 
 def castings_without_fault(seeds: Sequence[int]) -> float:
-    """Deburr a casting for each seed with noisy measurements, check that each is good, and return the hours."""
+    """Deburr a casting for each seed with noise, check that each is good, and return the hours."""
     noise = tuple(Injection(f"controller.{to}", from_time=0.0, noise=width) for to, width in NOISE)
     scenario = replace(cosim.load("deburr"), inject=noise)
     results = cosim.run_many(scenario, seeds, workers=WORKERS)
