@@ -176,7 +176,7 @@ mod tests {
         let kept = 0.95_f64.powi(20);
         assert!((moved(1.0, 300, 0.0, 21).share(&P) - kept).abs() < 0.02, "{}", moved(1.0, 300, 0.0, 21).share(&P));
         assert_eq!(DriveMonitor::default().share(&P), 1.0);
-        // less than a micrometer in that time tells nothing, a little more does
+        // less than a micrometer in that time gives no ratio, a little more does
         let slow = |way: f64| {
             let mut drive = DriveMonitor::default();
             for k in 0..100 {
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn a_slide_beside_a_setpoint_that_stands_does_not_follow() {
         let (rest, limit) = (P.ticks(REST_TIME), AT_REST * P.limits.following_error);
-        // the limit that is told with the fault, and after how many samples
+        // the limit that is logged with the fault, and after how many samples
         let beside = |error: f64, ahead: f64| {
             let mut drive = DriveMonitor::default();
             (0..4 * rest).find_map(|k| {

@@ -194,7 +194,7 @@ mod tests {
             law.observe(&P, &touching);
         }
         assert!(law.collected());
-        // and a new collection begins anew
+        // and a new collection starts
         let mut law = collected(1e-4);
         law.enter(&P, State::Wait, &now(State::Wait, ALL, 1e-4, 0.0));
         assert!(law.collected());
@@ -243,7 +243,7 @@ mod tests {
             concluded(&mut law, 1e-4);
             law.offset()
         };
-        // and the whole way that was wished
+        // and the whole desired distance
         let wished = learned(0.0);
         assert!((wished - 1e-4).abs() < 1e-6);
         assert!([3e-5, 1e-5].iter().all(|&gap| (learned(gap) - wished - gap).abs() < 1e-12));

@@ -61,7 +61,7 @@ mod tests {
     fn one_revolution_is_collected_in_either_direction() {
         for speed in [2.0944, -2.0944] {
             let (model, count) = collected(speed);
-            // 198 samples a turn at 20 rpm, and the one that closes it
+            // 198 samples per revolution at 20 rpm, and the one that closes it
             assert_eq!(count, 199);
             let estimate = model.estimate().unwrap();
             assert!((estimate.mean - 0.03).abs() < 1e-6);

@@ -48,9 +48,9 @@ impl Learner {
             return;
         }
         let actual = stroke.before.center.distance(&after.center);
-        // 38: the gap left counts when the pusher has not reached the ring
+        // 38: the remaining gap is used when the pusher has not reached the ring
         let remaining = if actual < UNTOUCHED * wished { stroke.remaining.max(0.0) } else { 0.0 };
-        // 37, 39: wished less actual; P is not part of the wish, or it would grow by itself
+        // 37, 39: desired minus actual; P is not part of the desired distance, otherwise it would grow by itself
         self.offset = (self.offset + remaining + wished - actual).clamp(-LIMIT, LIMIT);
     }
 }

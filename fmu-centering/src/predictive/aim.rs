@@ -195,7 +195,7 @@ mod tests {
             let finish = Finish::braked(e, 0.08, 0.04);
             let meeting = Contact { radius: 0.05, speed, lateral: 0.05 }.meeting(e, &finish);
             let touch = planned.angle - speed * meeting.time + center.y.atan2(center.x);
-            // a sample, and the line that changes on the way
+            // a sample, and the change of the line during the motion
             assert!(wrap(touch - meeting.direction()).abs() < 1e-3 * speed.abs(), "{speed}: {touch}");
             assert!((planned.angle - angle - speed.signum() * planned.lead).abs() < 1e-9);
             assert!((planned.velocity - 2.0 * e / 0.08).abs() < 1e-12, "{} m/s", planned.velocity);

@@ -176,7 +176,7 @@ impl CenteringLaw for PredictiveLaw {
     }
 
     fn stroke_over(&self, p: &Parameters, _: &Motion) -> bool {
-        // a stroke that does not see the ring ends at once
+        // a stroke without a valid surface ends immediately
         self.seen.is_none() || self.press.as_ref().is_none_or(|press| press.over(p))
     }
 
@@ -199,7 +199,7 @@ impl PredictiveLaw {
         let (Some(press), Some(last_push)) = (self.press.take(), &mut self.last_push) else { return };
         let spread = SPREAD * last_push.eccentricity + SPREAD_MIN;
         if self.seen.is_none() {
-            // what was not seen teaches nothing
+            // no learning without a measurement
             self.last_push = None;
         } else if let PushKind::Push(reached) = &mut last_push.kind {
             *reached = press.last().tip;
@@ -226,7 +226,7 @@ impl PredictiveLaw {
         if full && eccentricity + p.estimator.margin * sigma <= p.tolerance {
             return Verdict::Centered;
         }
-        // what a full revolution will leave in doubt
+        // uncertainty after a full revolution
         let samples = p.rates.collect * TAU / speed.abs().max(STANDING);
         let doubt = p.estimator.noise * self.ring.misfit() * (2.0 / samples).sqrt();
         let worth = eccentricity > p.tolerance - p.estimator.margin * doubt;

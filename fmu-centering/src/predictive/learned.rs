@@ -138,7 +138,7 @@ mod tests {
         let mut learned = LearnedParameters::new();
         learned.missed(&P, P.probe.at_pusher + 7e-6);
         assert!((learned.contact.mean - 7e-6).abs() < 1e-15);
-        // less deep tells nothing
+        // less depth determines nothing
         learned.missed(&P, P.probe.at_pusher - 1e-4);
         assert!((learned.contact.mean - 7e-6).abs() < 1e-15);
     }
@@ -173,12 +173,12 @@ mod tests {
         let learned = LearnedParameters::new();
         for sense in [1.0, -1.0] {
             let after = learned.after(&P, &push(sense, PushKind::Push(0.0)), &left(1e-5, -sense * 9e-6));
-            // 9 um beside a way of 90 um, on the side to which the table turns
+            // 9 um sideways over a distance of 90 um, on the side to which the table turns
             let expected = learned.lateral.after(0.05 + 0.1, 0.02_f64.hypot(1e-6 / 9e-5));
             assert!((after.lateral.mean - expected.mean).abs() < 1e-9, "{:?} {expected:?}", after.lateral);
             assert!((after.lateral.sigma - expected.sigma).abs() < 1e-9);
         }
-        // too short a way says nothing, and no ratio is negative
+        // a short distance determines nothing, and no ratio is negative
         let short = learned.after(&P, &push(1.0, PushKind::Push(0.0)), &left(7.1e-5, -9e-6));
         assert_eq!(short.lateral, learned.lateral);
         let back = learned.after(&P, &push(1.0, PushKind::Push(0.0)), &left(0.0, 5e-5));
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn where_the_ring_lies_after_the_stroke_teaches_the_recoil() {
         let learned = LearnedParameters::new();
-        // the surface was 3 um before the line of the centered ring, and is 5 um behind it
+        // the surface was 3 um before the line of the centered ring, and is 5 um beyond it
         let after = learned.after(&P, &push(1.0, PushKind::Push(-3e-6)), &left(5e-6, 0.0));
         let expected = learned.recoil.after(2e-6, 2e-7 + 1e-6);
         assert!(

@@ -93,7 +93,7 @@ mod tests {
         let mut equations = NormalEquations::new(&prior, &linear);
         let mut gradient = Vector::zeros();
         gradient[7] = 2.0;
-        // told 0.5 with variance 1, measured 1 with variance 1/3 of its double
+        // prior 0.5 with variance 1, measured 1 with variance 1/3 of its double
         equations.add(1.5, &gradient, 3.0 / 4.0);
         let found = equations.solve().unwrap();
         assert!((found.step[7] - (0.25 * 1.0 + 0.75 * 3.0) / 4.0).abs() < 1e-15, "{}", found.step[7]);

@@ -276,11 +276,11 @@ mod tests {
     fn what_was_felt_is_the_deflection_and_where_the_probe_stood() {
         let (press, _) = added(&GOAL, 70, 0.0, 0.02);
         let (deflection, probe) = press.felt(1e-4).unwrap();
-        // the slide is where the surface and the pusher put it, two samples behind the plan; the filter has 10 ms
+        // surface and pusher determine the slide position, two samples after the plan; the filter has 10 ms
         assert!(deflection > 0.0 && deflection < 5e-5, "{deflection}");
         assert_eq!(probe, Some(press.last().probe()));
         assert!(press.felt(6e-4).is_none());
-        // a ring that has left the pusher does not tell where the contact is
+        // a ring that has left the pusher does not determine the contact
         let mut gone = press.clone();
         gone.last = Measurement { tip: gone.last.tip, slide: gone.last.slide - 1.1e-5, ..gone.last };
         assert_eq!(gone.felt(1e-4).unwrap().1, None);

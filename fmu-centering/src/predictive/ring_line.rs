@@ -126,7 +126,7 @@ mod tests {
             for i in 0..ANY {
                 let mut there = at;
                 there[i] += 1e-7;
-                // the line of another ring, linearised there; what the lobes turn by it is left out
+                // the line of another ring, linearized there; the rotation of the lobes is neglected
                 let by = (line(0.05, &there, angle, &there).0 - line(0.05, &at, angle, &at).0) / 1e-7;
                 assert!((by - gradient[i]).abs() < 2e-4, "{i} at {angle}: {by}, {}", gradient[i]);
             }

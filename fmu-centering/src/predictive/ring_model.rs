@@ -64,7 +64,7 @@ impl RingModel {
             self.rejections += 1;
             return false;
         }
-        // one that fits by chance tells no more than those that do not, not even the last that was waited for
+        // a measurement that fits by chance gives no more information than those that do not, not even the last one
         if !waited {
             self.rejections = 0;
         }

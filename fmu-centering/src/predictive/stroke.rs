@@ -232,7 +232,7 @@ mod tests {
             (0..20_000).map(|k| stroke.at(stroke.duration() * f64::from(k) / 2e4).velocity).fold(0.0, f64::max)
         };
         assert!((fastest(0.1) - 0.12).abs() < 1e-12);
-        // without braking (0.5 mm) and settling (1 mm): vp^2 = a way + v^2 / 2
+        // without braking (0.5 mm) and settling (1 mm): vp^2 = a d + v^2 / 2, d the distance
         let peak = (2.56 * (4e-3 - 1.5e-3) + 0.5 * 0.02_f64.powi(2)).sqrt();
         assert!((fastest(4e-3) - peak).abs() < 1e-3 * peak, "{} {peak}", fastest(4e-3));
     }

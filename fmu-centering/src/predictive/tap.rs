@@ -43,7 +43,7 @@ impl TapLaw {
         let friction = deflection * hammer.servo;
         let ring = friction / (FRICTION * GRAVITY);
         let reduced = ring * hammer.mass / (ring + hammer.mass);
-        // a half sine of force; friction takes its share as long as it lasts
+        // a half sine of force; friction reduces the momentum as long as it lasts
         let contact = std::f64::consts::PI * (reduced / hammer.tip).sqrt();
         let momentum = REBOUND * reduced;
         // then the ring slides: d = F_k / (2 m) (u m / F_k)^2
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn one_blow_is_taken_in_as_a_kalman_filter_does() {
-        // a ring that stays teaches v0 alone
+        // a ring that stays identifies v0 only
         let (speed, sigma) = (0.05, 1e-8);
         let before = guess();
         let after = before.after(speed, 0.0, sigma);

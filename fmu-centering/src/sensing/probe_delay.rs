@@ -135,7 +135,7 @@ impl ProbeDelay {
         let least = if f64::from(self.samples) < BETWEEN { left(best) } else { between };
         let variance = (least / (f64::from(self.samples) - TERMS as f64)).max(LEAST.powi(2));
         let seen = LATE.1.powi(2) * variance;
-        // what a sample of delay would leave beside any scale
+        // the residual of a sample of delay in addition to any scale
         if variance > MOST.powi(2)
             || beside(self.steps, self.products.column(EARLY) - self.products.column(EARLY + 1)) < seen
         {
@@ -180,7 +180,7 @@ mod tests {
         let p = Parameters::START;
         let mut delay = ProbeDelay::default();
         let surface = |k: f64| 0.02 + 5e-4 * (4.7e-3 * k + 1.0).sin();
-        // the slide was on its way before the probe has touched
+        // the slide was moving before the probe touched
         for k in -30..300 {
             if k == 0 {
                 delay.begin();

@@ -38,7 +38,7 @@ pub struct Sample {
 impl Sample {
     /// Position of the measuring tip, m.
     pub fn tip(&self) -> f64 {
-        // eq. 13: const - x_s, x_s the place of the surface
+        // eq. 13: const - x_s, x_s the surface position
         self.slide - self.probe
     }
 }
@@ -101,7 +101,7 @@ impl Reader {
     pub fn read(&mut self, p: &Parameters, input: &Input, freedom: Freedom) -> Reading {
         let (start, reset) = (self.enable.rises(input.enable), self.reset.rises(input.reset_fault));
         let begin_commission = self.commission.rises(input.commission);
-        // what stands from the first sample on has not risen
+        // an input that is true from the first sample on has not risen
         let begun = std::mem::replace(&mut self.begun, true);
         let (start, begin_commission) = (begun && start, begun && begin_commission);
         let number = |value: f64, most: f64| if believable(value, most) { value } else { f64::NAN };
@@ -117,7 +117,7 @@ impl Reader {
     /// Bridges implausible values.
     fn believe(&mut self, p: &Parameters, raw: &Sample, freedom: Freedom) -> Reading {
         let before = self.believed.unwrap_or(*raw);
-        // the spindle turns for ever: its guard sees the angle from the last believed one
+        // the spindle turns without limit: its monitor uses the angle relative to the last accepted one
         let turned = take(&mut self.angle, wrap(raw.angle - before.angle), turning(p), freedom);
         let slid = take(&mut self.slide, raw.slide, sliding(p), freedom);
         let kept = |guard: &JumpGuard, now: f64, last: f64| if guard.doubted() > 0 { last } else { now };
@@ -190,7 +190,7 @@ fn sliding(p: &Parameters) -> Reach {
 
 /// Reach of the probe while the slide moves by `slid` m.
 fn collapsing(p: &Parameters, slid: f64, freedom: Freedom) -> Reach {
-    // twice the place of the axis of any ring, times the speed at which friction holds it there: more than eq. 5
+    // twice the eccentricity of any ring, times the speed at which friction holds it there: more than eq. 5
     let held = |eccentricity: f64| 2.0 * (p.limits.friction * GRAVITY * eccentricity).sqrt();
     let surface = match freedom {
         Freedom::Held => held(p.ring.eccentricity_max.min(p.ring.radius)),
@@ -225,7 +225,7 @@ mod tests {
                 (at(1.0, nonsense, 0.01), Fault::PositionLost),
             ];
             for (bad, fault) in spoilt {
-                // before the first good one nothing stands in for it
+                // before the first good one there is no replacement
                 for (k, reading) in read(&vec![bad.clone(); 4]).iter().enumerate() {
                     assert_eq!((reading.sample, reading.fault), (None, (k == 3).then_some(fault)));
                 }

@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn residuals_that_are_alike_count_as_one() {
-        // as many as are alike within twice the time of the filter count as one
+        // samples that are correlated within twice the time of the filter are used as one
         for dt in [1e-3, 5e-4] {
             let alike = 2.0 * FILTER_TIME / dt;
             let mut estimator = ServoEstimator::default();

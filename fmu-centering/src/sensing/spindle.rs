@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn quantised_angle_and_speed_are_smoothed_in_both_directions() {
-        // 20 and 45 rpm: the quantum is 1.6 mrad, half of it the error of one reading
+        // 20 and 45 rpm: the quantum is 1.6 mrad, half of it the error of one sample
         for (speed, share) in [(2.0944, 0.25), (-2.0944, 0.25), (4.6, 0.25), (4.712, 0.8), (-4.712, 0.8)] {
             let (of_speed, of_angle) = errors(speed, 20, |angle| angle);
             assert!(of_speed < 2e-3, "{speed} rad/s: speed {of_speed}");

@@ -184,7 +184,7 @@ fn it_never_begins_by_itself_and_waits_for_rest() {
     }
     (0..300).for_each(|_| run.step_with(|input| input.commission = false));
     assert_eq!(run.output.state, State::Approach);
-    // on the way back an edge waits, and is forgotten when it falls
+    // during the return an edge stays pending, and is discarded when it falls
     for waits in [true, false] {
         let mut run = run.clone();
         run.step_with(rest);

@@ -78,7 +78,7 @@ fn a_probe_that_bounces_for_a_moment_spoils_no_model() {
 
 #[test]
 fn a_spindle_axis_outside_the_ring_is_too_small_a_ring() {
-    // the operator tells the wrong ring: 0.1 mm instead of 50 mm
+    // the operator configures the wrong ring: 0.1 mm instead of 50 mm
     let mut p = P;
     p.ring.radius = 1e-3;
     p.ring.eccentricity_max = 0.9e-3;

@@ -143,7 +143,7 @@ fn a_second_fault_on_the_way_back_switches_the_drive_off_and_a_lighter_one_does_
     assert!(lost(&run), "{:?}", run.output);
     run.spoil(|input| input.probe_position = f64::NAN);
     assert!(lost(&run), "{:?}", run.output);
-    // the setpoint goes with the slide, so the drive comes back without a step
+    // the setpoint follows the slide, so the drive is enabled again without a step
     (0..200).for_each(|_| run.step());
     assert!((run.output.slide.position_setpoint - run.ring.slide()).abs() < 1e-6);
     run.step_with(|input| input.reset_fault = true);
@@ -158,7 +158,7 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
         assert_eq!(run.output.fault, Fault::ProbeLost);
         run
     };
-    // a good slide goes back, with the probe dead all the way and when it comes to life
+    // a good slide retracts, with a probe without signal during the retract and after it responds again
     for dead in [100, 2000] {
         let mut run = spoilt();
         (0..dead).for_each(|_| run.step_with(|input| input.probe_position = f64::NAN));
@@ -166,7 +166,7 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
         assert_eq!(run.output.fault, Fault::ProbeLost, "{:?}", run.output);
         assert!(run.output.slide.position_setpoint.abs() < 1e-6);
     }
-    // one that stands does not
+    // one at rest does not
     let mut run = spoilt();
     let stands = run.ring.slide();
     let slide_stands = |input: &mut Input| (input.probe_position, input.slide_position) = (f64::NAN, stands);
@@ -176,7 +176,7 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
 
 #[test]
 fn a_probe_that_is_off_for_good_after_a_model_has_a_name_before_the_next_push() {
-    // the pusher of the paper's law is half a millimeter before the ring
+    // the pusher of the published control law is half a millimeter before the ring
     let near = [2e-4, -2e-4, 4e-4, 3e-3, -3e-3];
     let far = [2e-4, -2e-4, 8e-4, -8e-4, 3e-3, -3e-3];
     for (p, offsets) in [(P, &far[..]), (Parameters::PAPER, &near[..])] {

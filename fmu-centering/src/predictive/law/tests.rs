@@ -190,7 +190,7 @@ fn the_ring_is_told_when_it_is_known_and_only_while_it_is_measured() {
         assert!((estimate.center.eccentricity() - 1e-4).abs() < 1e-7 && verdict == Verdict::Push);
         assert_eq!((estimate.mean, estimate.sigma), (law.ring.mean_line(), law.ring.center_sigma()));
     }
-    // nothing is told of a ring that was hardly seen
+    // there is no result for a ring with few measurements
     let mut law = seen(1e-4, 0.05);
     let (estimate, verdict) = law.conclude(&P, &now(State::Collect, 1e-4, 0.3)).unwrap().unwrap();
     assert_eq!((estimate, verdict), (None, Verdict::Measure));
@@ -228,7 +228,7 @@ fn a_launch_is_remembered_with_what_it_was_planned_for() {
         assert!(law.launch(&P, &at).is_none());
     }
     let angles = || (0..250).map(|k| TAU * f64::from(k) / 200.0);
-    // a spindle that stands brings no ring, wherever it stands
+    // a spindle at rest moves no ring to the pusher, at any angle
     let still = |angle: f64| Observation { speed: 0.0, ..now(State::Wait, 1e-4, angle) };
     assert!(angles().all(|angle| law.clone().launch(&P, &still(angle)).is_none()));
     let mut blind = law.clone();
@@ -280,7 +280,7 @@ fn a_centered_ring_and_one_to_be_pushed_are_told_apart_by_their_doubt() {
     // 2.5 um less the eccentricity over three standard deviations
     let most = (P.tolerance - law.ring.eccentricity()) / P.estimator.margin;
     assert_eq!([0.99, 1.01].map(|share| told(share * most, true)), [Verdict::Centered, Verdict::Push]);
-    // half a revolution: what a whole one will leave in doubt, of 66 Hz x 3 s
+    // half a revolution: the uncertainty after a whole one, of 66 Hz x 3 s
     let half = seen(2.4e-6, 0.5);
     let doubt = P.estimator.noise * half.ring.misfit() * (2.0 / (P.rates.collect * 3.0)).sqrt();
     let edge = half.ring.eccentricity() + P.estimator.margin * doubt;
@@ -315,7 +315,7 @@ fn a_ring_that_was_moved_is_measured_anew_and_one_that_is_rough_is_not() {
         law.observe(&P, &now(State::Collect, 5e-4, TAU * (1.03 + f64::from(k) / 200.0)));
         law.since.is_none()
     });
-    // two samples of the median, five that may be dirt, and one more; four passes tell that no form explains it
+    // two samples of the median, five that may be dirt, and one more; four passes show that no form explains it
     assert_eq!((moved, law.turned), (Some(7 + 4), 0.0));
     // lobes that no ground ring has
     let mut law = PredictiveLaw::new(&P);
@@ -365,7 +365,7 @@ fn a_ring_of_fine_lobes_and_too_little_told_noise_is_measured_in_one_go() {
 
 #[test]
 fn a_ring_that_waits_for_measurements_is_not_judged_because_one_of_them_fits() {
-    // 88 measurements a revolution, told with a third of the noise
+    // 88 measurements a revolution, configured with a third of the noise
     let mut p = P;
     p.estimator.noise = 6.7e-8;
     for (waves, lobe, phase) in [(16.0, 5e-6, 9.0), (12.0, 2e-5, 2.0), (20.0, 2e-5, 9.0), (9.0, 2e-5, 3.0)] {
@@ -398,7 +398,7 @@ fn a_ring_that_was_known_or_can_have_no_more_form_is_given_up_at_once() {
             law.ring.displaced(Vector2::new(5e-4, 0.0), 5e-6);
             (law.since, law.despiker) = (None, Despiker::default());
         }
-        // 20 waves of 20 um in 88 measurements a revolution, fewer than may tell them
+        // 20 waves of 20 um in 88 measurements a revolution, fewer than determine them
         (0..28).any(|k| {
             let angle = TAU * f64::from(k) / 88.0;
             let mut rough = now(State::Collect, 5e-4, angle);

@@ -332,7 +332,7 @@ fn the_line_is_what_was_measured_and_a_first_estimate_is_not_settled() {
         let angle = TAU * f64::from(k) / 100.0;
         model.observe(angle, ring(center, angle));
     }
-    // 3.6 mm from where it was linearised: 130 um from the tangent
+    // 3.6 mm from the point of linearization: 130 um from the tangent
     assert!(!model.settled());
     assert!((model.ground.estimate.bend(&Vector2::new(3e-3, -4e-3)) - 2.5e-4).abs() < 1e-18);
     model.refine();
