@@ -259,8 +259,8 @@ MISTAKES = {
     "misspelt": (('damping="0.5"', 'dampin="0.5"'), r"cannot load `cart.xml`: .*`?'dampin'.*joint.*line 7"),
     "no-target": (('joint="slide" ctrl', 'joint="slid" ctrl'), r"cannot load `cart.xml`: .*'slid'.*line"),
     "broken": (("</mujoco>", ""), r"cannot load `cart.xml`: XML"),
-    "ambiguous": (('name="x"', 'name="slide.position"'), r"two channels .*`slide.position`\nhint: rename"),
-    "rk4": (("implicitfast", "RK4"), r"`cart`: integrator `RK4` .*\nhint: use `implicitfast`"),
+    "ambiguous": (('name="x"', 'name="slide.position"'), r"two channels .*`slide.position`\nhint: Rename"),
+    "rk4": (("implicitfast", "RK4"), r"`cart`: integrator `RK4` .*\nhint: Use `implicitfast`"),
 }
 
 

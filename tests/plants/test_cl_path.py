@@ -108,7 +108,7 @@ def test_a_file_holds_contact_points_and_unit_normals() -> None:
         (("led", "-", "--inner", "2e-3"), "--inner is 0.002 m"),
         (("led", "-", "--outer", "2e-3"), "--outer is 0.002 m"),
         (("led", "-", "--removal", "gone.csv", "--sweep", "6e-3"), "cannot read `gone.csv`: "),
-        (("led", "-", "--removal", "plants/README.md", "--sweep", "6e-3"), "no table"),
+        (("led", "-", "--removal", "plants/README.md", "--sweep", "6e-3"), "not a table"),
     ],
 )
 def test_nonsense_is_rejected_with_a_reason(arguments: tuple[str, ...], reported: str) -> None:

@@ -79,14 +79,14 @@ def test_a_map_is_linear_between_its_points_and_its_edge_continues(tmp_path: Pat
 @pytest.mark.parametrize(
     ("text", "reported"),
     [
-        ("", "no table"),
-        ("y,0,1\n0,1,1\n1,1\n", "no table"),
-        ("y,0,1\n0,1,1\n", "no table"),
+        ("", "not a table"),
+        ("y,0,1\n0,1,1\n1,1\n", "not a table"),
+        ("y,0,1\n0,1,1\n", "not a table"),
         ("y,0,1\n0,1,deep\n1,1,1\n", "deep"),
         ("y,1,0\n0,1,1\n1,1,1\n", "along x"),
         ("y,0,1\n0,1,1\n0,1,1\n", "along y"),
-        ("y,0,1\n0,1,-1\n1,1,1\n", "below 0"),
-        ("y,0,1\n0,1,nan\n1,1,1\n", "no number"),
+        ("y,0,1\n0,1,-1\n1,1,1\n", "negative"),
+        ("y,0,1\n0,1,nan\n1,1,1\n", "not a number"),
         ("y,0,1\n0,0,0\n1,0,0\n", "all are 0"),
     ],
 )

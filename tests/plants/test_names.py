@@ -61,7 +61,7 @@ def test_a_wire_by_a_wrong_name(bearing: type[Bearing], monkeypatch: pytest.Monk
     ("thing", "name", "hint"),
     [
         ("body", "rotr", r"Use `rotor`."),
-        ("joint", "spindle", r"Known names: `x`"),
+        ("joint", "spindle", r"Known names: `x`."),
         ("actuator", "drive", ""),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 
 import plants
 
-SOURCES = ("paper", "our choice", "derived", "literature")
+SOURCES = ("paper", "default", "derived", "literature")
 
 
 @pytest.mark.parametrize("name", plants.names())
