@@ -12,10 +12,13 @@ from handbook.pages import ROOT
 from . import words
 
 NAME = re.compile(r"`([A-Za-z_]\w*(?:\.[\w\[\]]+|\[[\d.]+\])*(?:\.\*)?)`")
+NUMBER = re.compile(r"(?<=axis)\d+|(?<=\[)\d+(?=\])")
+"""Number of an element of a repeated group or of an array."""
 
 
 def names(text: str) -> set[str]:
-    return set(NAME.findall(text))
+    """Names on a page, with N for the number of an element; tables show a repeated group once: `axis1..6.position`."""
+    return {NUMBER.sub("N", name) for name in NAME.findall(re.sub(r"\b(axis|\[)\d+\.\.\d+", r"\1N", text))}
 
 
 COMMISSIONING = [page for page in words.PAGES if page.endswith("doc/commissioning.md")]
