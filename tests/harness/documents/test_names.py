@@ -17,7 +17,7 @@ NUMBER = re.compile(r"(?<=axis)\d+|(?<=\[)\d+(?=\])")
 
 
 def names(text: str) -> set[str]:
-    """Names on a page, with N for the number of an element; tables show a repeated group once: `axis1..6.position`."""
+    """Names on a page, with N for the number of an element; tables show a group once: `axis1..6.position`."""
     return {NUMBER.sub("N", name) for name in NAME.findall(re.sub(r"\b(axis|\[)\d+\.\.\d+", r"\1N", text))}
 
 
