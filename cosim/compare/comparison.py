@@ -82,7 +82,7 @@ class Comparison:
         Other differences, one sentence each.
     notes
         Remarks that are not differences.
-    courses
+    curves
         The columns of traces by name.
     """
 
@@ -92,7 +92,7 @@ class Comparison:
     deviations: list[Deviation] = field(default_factory=list)
     differences: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    courses: dict[str, ComparedColumn] = field(default_factory=dict)
+    curves: dict[str, ComparedColumn] = field(default_factory=dict)
 
     @property
     def outside(self) -> list[Deviation]:

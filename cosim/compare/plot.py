@@ -55,13 +55,13 @@ def save(found: Comparison, path: Path) -> None:
 
 def draw(axes: Any, found: Comparison, deviation: Deviation) -> None:
     """Plot one column."""
-    course = found.courses[deviation.name]
-    low, high = course.tube.walls
-    axes.fill_between(course.times, low, high, color="tab:green", alpha=0.3, label="tolerance")
-    axes.plot(course.times, 0.5 * (low + high), color="tab:green", linewidth=0.8, label="reference")
-    axes.plot(course.times, course.values, color="tab:blue", linewidth=0.8, label="other")
-    outside = course.tube.deviation(course.values) > course.tube.tolerance(course.values)
-    where = np.where(outside, course.values, np.nan)
-    axes.plot(course.times, where, ".", color="tab:red", markersize=3.0, label="outside", rasterized=True)
+    curve = found.curves[deviation.name]
+    low, high = curve.tube.walls
+    axes.fill_between(curve.times, low, high, color="tab:green", alpha=0.3, label="tolerance")
+    axes.plot(curve.times, 0.5 * (low + high), color="tab:green", linewidth=0.8, label="reference")
+    axes.plot(curve.times, curve.values, color="tab:blue", linewidth=0.8, label="other")
+    outside = curve.tube.deviation(curve.values) > curve.tube.tolerance(curve.values)
+    where = np.where(outside, curve.values, np.nan)
+    axes.plot(curve.times, where, ".", color="tab:red", markersize=3.0, label="outside", rasterized=True)
     unit = f" ({deviation.unit})" if deviation.unit not in ("", "1") else ""
     axes.set_title(f"{deviation.name}{unit}", fontsize=9, loc="left")

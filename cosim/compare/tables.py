@@ -33,8 +33,8 @@ def deviations(found: Comparison, shown: list[Deviation]) -> RenderableType:
     names = ("reference", "other", "largest deviation", "tolerance")
     table = plain_table(NAMES[found.kind], *names, *places, "within")
     for one in shown:
-        course = found.courses.get(one.name)
-        items = {float(number): name for name, number in course.items.items()} if course else {}
+        curve = found.curves.get(one.name)
+        items = {float(number): name for name, number in curve.items.items()} if curve else {}
         values = [items.get(value) or text(value, one.unit, 6) for value in (one.reference, one.value)]
         where = [] if one.at is None else [f"{one.at:g} s" if found.kind == "traces" else f"{one.at:.0f}"]
         counts = [f"{one.outside} of {one.compared}"] if places else []

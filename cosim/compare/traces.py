@@ -53,7 +53,7 @@ def compare(
         unit = reference.units.get(name, "") or other.units.get(name, "")
         found.deviations.append(worst(name, unit, around, others, other.times))
         items = other.items.get(name) or reference.items.get(name) or {}
-        found.courses[name] = ComparedColumn(other.times, others, around, items)
+        found.curves[name] = ComparedColumn(other.times, others, around, items)
     return found
 
 

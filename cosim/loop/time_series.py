@@ -133,21 +133,21 @@ def read(file: Path, column: str) -> TimeSeries:
 @functools.lru_cache(8)
 def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
     """Read and check one column; each file is read once in a process."""
-    course = read_parquet(file, column) if file.suffix in PARQUET else read_csv(file, column)
-    if not course.times.size:
+    series = read_parquet(file, column) if file.suffix in PARQUET else read_csv(file, column)
+    if not series.times.size:
         raise ScenarioError(f"`{paths.shown(file)}` has no values, only a header")
-    wrong = np.flatnonzero(~(np.isfinite(course.times) & np.isfinite(course.values)))
+    wrong = np.flatnonzero(~(np.isfinite(series.times) & np.isfinite(series.values)))
     if wrong.size:
-        raise ScenarioError(f"{course.place(int(wrong[0]))}: time and value must be finite numbers")
-    if course.times[0] > 0.0:
-        raise ScenarioError(f"{course.place(0)}: the time starts at `{course.times[0]:g}` s, after 0")
-    falls = np.flatnonzero(np.diff(course.times) <= 0.0) + 1
+        raise ScenarioError(f"{series.place(int(wrong[0]))}: time and value must be finite numbers")
+    if series.times[0] > 0.0:
+        raise ScenarioError(f"{series.place(0)}: the time starts at `{series.times[0]:g}` s, after 0")
+    falls = np.flatnonzero(np.diff(series.times) <= 0.0) + 1
     if falls.size:
         index = int(falls[0])
-        before, now = course.times[index - 1 : index + 1]
+        before, now = series.times[index - 1 : index + 1]
         problem = f"the time `{now:g}` s does not increase, the time before is `{before:g}` s"
-        raise ScenarioError(f"{course.place(index)}: {problem}")
-    return course
+        raise ScenarioError(f"{series.place(index)}: {problem}")
+    return series
 
 
 def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]:

@@ -108,10 +108,10 @@ def centres(motion: Motion, factors: Mapping[str, float]) -> dict[str, float]:
     found = {}
     for i, name in enumerate(motion.names):
         if name in factors:
-            course = motion.qpos[:, i]
-            span, home = float(np.ptp(course)), float(motion.model.qpos0[i])
-            near = course.min() - span <= home <= course.max() + span
-            found[name] = home if near else float(course.mean())
+            curve = motion.qpos[:, i]
+            span, home = float(np.ptp(curve)), float(motion.model.qpos0[i])
+            near = curve.min() - span <= home <= curve.max() + span
+            found[name] = home if near else float(curve.mean())
     return found
 
 

@@ -98,7 +98,7 @@ def panel(
     parts += [f'<path class="limit" d="M{LEFT} {frame.down(v):.0f}H{WIDTH - RIGHT}"/>' for v in limits]
     for i, line in enumerate(shown):
         times = np.linspace(LEFT, WIDTH - RIGHT, len(line))
-        parts.append(f'<path class="line c{i % COLOURS}" d="{course(times, frame.down(line))}"/>')
+        parts.append(f'<path class="line c{i % COLOURS}" d="{curve(times, frame.down(line))}"/>')
     return frame.picture(parts)
 
 
@@ -154,7 +154,7 @@ def chart(
         parts.append(f'<text class="mark" x="{WIDTH - RIGHT}" y="{TOP + 24 + 26 * i}">{escape(words)}</text>')
     for i, (across, values) in enumerate(lines):
         places, heights = frame.across(across), frame.down(values)
-        parts.append(f'<path class="line c{i % COLOURS}" d="{course(places, heights)}"/>')
+        parts.append(f'<path class="line c{i % COLOURS}" d="{curve(places, heights)}"/>')
         if kind.points:
             known = np.isfinite(places) & np.isfinite(heights)
             dots = "".join(f"M{a:.0f} {b:.0f}h0" for a, b in zip(places[known], heights[known], strict=True))
@@ -216,7 +216,7 @@ def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame
     return Frame((across - half, across + half), (up - half / wide, up + half / wide), CHART)
 
 
-def course(x: Array, y: Array) -> str:
+def curve(x: Array, y: Array) -> str:
     """Path through points, interrupted at NaN; a level section has two points."""
     pieces: list[list[tuple[int, int]]] = [[]]
     for across, down in zip(x, y, strict=True):

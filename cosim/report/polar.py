@@ -47,7 +47,7 @@ def chart(
         parts.append(f'<text class="mark" x="{WIDTH - 16}" y="{CHART - 16}">{escape(label)}</text>')
     for i, (angles, values) in enumerate(lines):
         across, down = X + radius(values) * np.cos(angles), Y - radius(values) * np.sin(angles)
-        parts.append(f'<path class="line c{i % COLOURS}" d="{drawing.course(across, down)}"/>')
+        parts.append(f'<path class="line c{i % COLOURS}" d="{drawing.curve(across, down)}"/>')
     return f'<svg viewBox="0 0 {WIDTH} {CHART}" role="img">{"".join(parts)}</svg>'
 
 

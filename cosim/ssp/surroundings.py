@@ -59,11 +59,11 @@ class Surroundings(Fmi2Slave):
             f"{PLANT}.{channel.name}": 0.0 for channel in (*self.plant.readings, *self.plant.truths)
         }
         self.kinds = {port.name: port.variable.kind for port in driven}
-        self.courses: dict[str, Any] = {}
+        self.signals: dict[str, Any] = {}
         for signal in self.scenario.signal:
             # what is left is the start value of an input
             if side_of(signal.to) == PLANT or signal.to in self.driven:
-                self.courses[signal.to] = self.course(signal, driven)
+                self.signals[signal.to] = self.samples(signal, driven)
         self.links: list[tuple[str, str, Shape, Delay]] = []
         self.register(driven, commanding)
 
@@ -91,7 +91,7 @@ class Surroundings(Fmi2Slave):
         made.setter = lambda value: values.__setitem__(name, float(value))
         self.register_variable(made, nested=False)
 
-    def course(self, signal: Signal, driven: tuple[Port, ...]) -> Any:
+    def samples(self, signal: Signal, driven: tuple[Port, ...]) -> Any:
         """Values of a signal, one for each step and one for the end."""
         loop = self.scenario.loop
         times: Any
@@ -138,7 +138,7 @@ class Surroundings(Fmi2Slave):
                 self.commands[names.index(to.partition(".")[2])] = delay(
                     shape(self.given[source], sample), self.k
                 )
-        for to, values in self.courses.items():
+        for to, values in self.signals.items():
             if side_of(to) == PLANT:
                 self.commands[names.index(to.partition(".")[2])] = values.item(self.at(values))
         self.plant.command(self.commands)
@@ -157,9 +157,9 @@ class Surroundings(Fmi2Slave):
         for source, to, shape, delay in self.links:
             if side_of(source) == PLANT:
                 self.drive(to, delay(shape(self.seen[source], self.sample(self.k)), self.k))
-        for to, course_ in self.courses.items():
+        for to, samples in self.signals.items():
             if side_of(to) != PLANT:
-                self.drive(to, course_.item(self.at(course_)))
+                self.drive(to, samples.item(self.at(samples)))
 
     def sample(self, k: int) -> int:
         """Index of a step in the noise, limited to the end of the run."""

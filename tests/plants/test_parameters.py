@@ -1,6 +1,7 @@
 """What holds for every plant: it is found by name, and its parameters are documented and checked."""
 
 import math
+import re
 from dataclasses import fields
 from typing import Any
 
@@ -25,7 +26,7 @@ def test_every_parameter_is_documented(name: str) -> None:
         assert set(item.metadata) == {"unit", "description", "source", *limits}
         assert item.metadata["unit"]
         assert item.metadata["description"]
-        assert item.metadata["source"].split(":")[0] in SOURCES
+        assert re.split("[:;]", item.metadata["source"])[0] in SOURCES
 
 
 @pytest.mark.parametrize(

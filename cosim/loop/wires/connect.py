@@ -157,10 +157,10 @@ class Connector:
             if signal.interpolation == "linear" and target.kind != "Real":
                 problem = f"`{signal.to}` cannot be interpolated, it is {KINDS[target.kind]}"
                 raise ScenarioError(problem, 'Set `interpolation = "hold"`.')
-            times, values = self.course(signal)
+            times, values = self.samples(signal)
             return Drive(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
 
-    def course(self, signal: Signal) -> tuple[Any, Any]:
+    def samples(self, signal: Signal) -> tuple[Any, Any]:
         """Return times and values of a signal; each value is checked against the type of its target."""
         if not signal.file:
             return signal.times, [self.number(signal.to, value) for value in signal.values]

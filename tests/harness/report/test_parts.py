@@ -91,7 +91,7 @@ def test_a_drawing_shows_values_from_low_to_high_within_its_frame() -> None:
 
 def test_a_level_line_is_as_long_as_it_is_and_has_no_more_points() -> None:
     x, y = np.array([0.0, 1.0, 2.0, 9.0, 4.0, 4.0, 5.0]), np.array([3.0, 3.0, 3.0, 3.0, 3.0, 3.0, 7.0])
-    assert drawing.course(x, y) == "M0 3L9 3L4 3L5 7"
+    assert drawing.curve(x, y) == "M0 3L9 3L4 3L5 7"
 
 
 def test_a_drawing_is_interrupted_where_there_is_no_number() -> None:
