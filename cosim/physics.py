@@ -17,7 +17,7 @@ def ready() -> None:
         return
     try:
         importlib.import_module("mujoco")
-    except Exception:  # whatever the libraries of the system lack
+    except Exception:  # system libraries may be missing
         os.environ[CHOICE] = "disable"
         try:
             # without MuJoCo the plant raises the error

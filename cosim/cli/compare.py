@@ -88,7 +88,7 @@ def compare(
     NaN on one side only is a difference at any tolerance.
 
     Exit code: 0 within tolerance, 1 not, 2 could not be compared.
-    """  # noqa: D301 - click keeps the lines of a paragraph that begins with a backspace
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
     from cosim.compare import command, tables, tolerance
     from cosim.compare import plot as plots

@@ -51,7 +51,7 @@ def optimize(
     results.jsonl, with a row for each run, and trials.csv.
 
     Exit code: 0 found, 1 no trial passed all criteria, 2 could not run.
-    """  # noqa: D301 - click keeps the lines of a paragraph that begins with a backspace
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
     from cosim.optimize import report, results
 

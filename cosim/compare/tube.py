@@ -98,7 +98,7 @@ def tube(
     last = np.searchsorted(times, at + dt + slack, side="right")
     ends: list[Array] = []
     if stepped:
-        # from the sample that is held when the window begins
+        # from the sample that is held at the start of the window
         first = np.maximum(np.searchsorted(times, at - dt + slack, side="right") - 1, 0)
         last = np.maximum(last, first + 1)
     else:

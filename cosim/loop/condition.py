@@ -37,7 +37,7 @@ class Symbol(np.lib.mixins.NDArrayOperatorsMixin):
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Record a function without computing it."""
         sides = [value if isinstance(value, Symbol) else number(value) for value in inputs]
-        # numpy computes otherwise with truth values alone
+        # numpy computes differently with only Booleans
         countable = ufunc.__name__ in EXACT and not all(side.logical for side in sides)
         if method != "__call__" or options or not (countable or ufunc.__name__ in LOGICAL):
             return NotImplemented

@@ -157,7 +157,7 @@ def packaged(name: str) -> Any:
     if name in names:
         try:
             return plants.load(name)
-        except Exception as error:  # whatever the module of a new plant does wrong
+        except Exception as error:  # the module of a new plant may raise anything
             problem, _, hint = str(error).partition("\nhint: ")
             if isinstance(error, ImportError):
                 hint = f"Check `plants/{name}.py`, and run `cargo xtask setup`."
@@ -255,7 +255,7 @@ def check_class(kind: Any) -> None:
     else:
         try:
             readers(cast("Hashable", parameters))
-        except Exception as error:  # whatever its annotations say
+        except Exception as error:  # annotations may raise anything
             problem = f"has `Parameters` with unknown types: {type(error).__name__}: {error}"
     if problem:
         with concerning("plant.name"):

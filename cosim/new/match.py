@@ -70,7 +70,7 @@ def same_words(one: str, other: str) -> float:
     if set(mine) <= set(others) or set(others) <= set(mine):
         return 1.0 - 0.02 * abs(len(mine) - len(others))
     whole = difflib.SequenceMatcher(None, "_".join(mine), "_".join(others)).ratio()
-    # `x.position` and `y.position` differ in the word that counts
+    # `x.position` and `y.position` differ in the significant word
     return whole - OTHER_THING if mine[-1] == others[-1] and len(mine) == len(others) else whole
 
 

@@ -107,7 +107,7 @@ def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float
     """
     simulation = result.columns
     times = simulation["time"]
-    # a row stands for the time up to the next
+    # a row represents the time up to the next
     end = result.simulated_s + (times[1] if len(times) > 1 else 0.0)
     squares = []
     for name in columns or target.columns:

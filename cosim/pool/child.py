@@ -66,13 +66,13 @@ class Child:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(self.process.pid, signal.SIGKILL)
             for process in self.offspring:
-                with contextlib.suppress(Exception):  # psutil says with one of its own that it is gone
+                with contextlib.suppress(Exception):  # psutil raises its own exception if it is gone
                     process.kill()
             self.process.wait()
 
     def note_offspring(self) -> None:
         """Record child processes outside of its process group while it is alive."""
-        with contextlib.suppress(Exception):  # psutil says with one of its own that it is gone
+        with contextlib.suppress(Exception):  # psutil raises its own exception if it is gone
             self.offspring += process_of(self.process.pid).children(recursive=True)
 
     def release(self) -> None:
@@ -95,7 +95,7 @@ class Child:
         """Resident memory, bytes; 0 after its end."""
         try:
             return int(memory_of(self.process.pid).rss)
-        except Exception:  # psutil says with an exception of its own that it is gone
+        except Exception:  # psutil raises its own exception if it is gone
             return 0
 
 
@@ -113,7 +113,7 @@ def spawn(page: int, relay: bool) -> Child:
     # it lives as long as the process
     output = None if relay else tempfile.TemporaryFile("a+b")  # noqa: SIM115
     with theirs:
-        # `-P`: a `numpy.py` of the user in the working directory is not taken for the package
+        # `-P`: a `numpy.py` in the working directory does not replace the package
         process = subprocess.Popen(
             [sys.executable, "-P", "-c", COMMAND.format(theirs.fileno(), page, os.getpid())],
             stdin=subprocess.DEVNULL,

@@ -76,7 +76,7 @@ def outcomes(jobs: Iterable[Numbered], address: str, limits: Limits) -> Generato
                 yield from dispatched(client, batches, lines, limits, patience)
                 return
             except SchedulerLostError:
-                # else it would go on trying for as long as a connection may take
+                # otherwise it would retry for the whole connection timeout
                 client.close(timeout=POLL_INTERVAL)
         losses = 1 if batches.finished > done else losses + 1
         if losses > MAX_LOSSES:
@@ -150,7 +150,7 @@ def finished(
 
 
 class ClusterSize:
-    """Threads of the Dask workers, which can join and leave; `patience` is the longest time (s) without any."""
+    """Threads of the Dask workers, which can join and leave; `patience` (s) is the maximum gap."""
 
     def __init__(self, client: Any, patience: float) -> None:
         self.client = client

@@ -43,10 +43,10 @@ def connect(distributed: Any, address: str) -> Any:
             timeout=CONNECT_TIMEOUT,
             set_as_default=False,
         )
-    except Exception as error:  # whatever listens there says whatever it says
+    except Exception as error:  # another server may send anything
         with contextlib.suppress(Exception):
             client.close(timeout=POLL_INTERVAL)
-        # else it would try again when it is collected
+        # otherwise it would retry when it is collected
         client.status = "closed"
         text = f"no Dask scheduler answers at `{scheduler.address}`: {error}"
         raise CosimError(text, "Start one with `dask scheduler`.") from None

@@ -67,7 +67,7 @@ class JobRunner(Closing):
             return error
         except KeyboardInterrupt:
             raise
-        except BaseException as error:  # whatever it is, it concerns only this run
+        except BaseException as error:  # any error concerns only this run
             self.close()
             return unforeseen(error)
 

@@ -108,7 +108,7 @@ def motion(recorded: Recorded) -> Motion:
     shown = truths(recorded.columns)
     check(recorded.columns, names, scenario)
     if hasattr(plant, "drawn"):
-        # what is drawn may need any truth of the plant
+        # drawing may need any ground-truth signal of the plant
         check(recorded.columns, tuple(f"plant.{one.name}" for one in plant.truths), scenario)
         plant = plant.drawn(shown)
     # what is placed at the start and has no coordinates

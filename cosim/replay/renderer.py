@@ -152,7 +152,7 @@ def graphics(size: tuple[int, int]) -> Any:
     try:
         context = importlib.import_module(f"mujoco.{name}").GLContext(*size)
         context.make_current()
-    except Exception as error:  # whatever is missing of it
+    except Exception as error:  # parts of it may be missing
         problem = " ".join(str(error).split()) or type(error).__name__
         raise CosimError(f"no picture can be drawn here: `{name}` fails: {problem}", HINT) from error
     return context

@@ -70,5 +70,5 @@ def opened(model: Any, data: Any) -> Any:
         return viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
     except CosimError:
         raise
-    except Exception as error:  # whatever the system lacks
+    except Exception as error:  # system libraries may be missing
         raise CosimError(f"the viewer cannot open a window: {' '.join(str(error).split())}", hint) from error

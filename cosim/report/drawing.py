@@ -188,7 +188,7 @@ def cells(found: Cells, equal: bool) -> str:
     frame = framed((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])), equal)
     high = float(frame.down(y[0]) - frame.down(y[1]))
     shades: dict[float, list[str]] = {}
-    # cells beside each other with the same shade are one
+    # merge adjacent cells with the same shade
     steps = np.where(parts > LEAST, np.ceil(parts * SHADES), 0.0)
     for row, line in enumerate(steps):
         top = frame.down(y[row + 1])

@@ -39,7 +39,7 @@ def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str,
             str(name): tuple(np.asarray(part, dtype=float) for part in one)
             for name, one in function(*values).items()
         }
-    except Exception as error:  # whatever it does wrong
+    except Exception as error:  # the function may raise anything
         raise ScenarioError(
             f"{where} failed: {type(error).__name__}: {error}", "Show the origin with `-v`."
         ) from error
@@ -76,7 +76,7 @@ def found(name: str, where: str, folder: Path) -> Any:
     module_name, _, function = name.partition(":")
     try:
         module = own_code.module(module_name, folder)
-    except Exception as error:  # whatever its module does wrong
+    except Exception as error:  # the module may raise anything
         problem = f"{where} cannot be imported: {type(error).__name__}: {error}"
         raise ScenarioError(problem, own_code.where(folder)) from error
     if not callable(getattr(module, function, None)):

@@ -142,7 +142,7 @@ class Wire:
     minimum, maximum
         Limits.
     stream
-        Name of the random numbers of `noise`, `to` where left out: a wire whose target was renamed keeps its noise.
+        Name of the random stream of `noise`; default: `to`. A renamed target can keep its noise with it.
     """
 
     source: str = field(metadata={"key": "from"})

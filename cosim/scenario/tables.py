@@ -207,7 +207,7 @@ def ranged(read: Reader, limits: typing.Mapping[str, Any]) -> Reader:
     def checked(value: Any) -> Any:
         converted = read(value)
         for number in converted if isinstance(converted, tuple) else (converted,):
-            # the comparison refuses NaN
+            # the comparison rejects NaN
             if isinstance(number, int | float) and not low <= number <= high:
                 if "demand" in limits:
                     raise Mismatch(f"is `{number}`{unit}, it must {limits['demand']}")

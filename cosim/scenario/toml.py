@@ -18,7 +18,7 @@ TOO_DEEP = f"tables and arrays are nested more than {MAX_NESTED} deep"
 def parse_file(path: Path) -> dict[str, Any]:
     """Parse one TOML file; nested parameter tables become dotted names."""
     try:
-        # editors of Windows begin a file with a byte order mark
+        # Windows editors start a file with a byte order mark
         table = parse_text(path.read_text(encoding="utf-8-sig"))
         check_sizes(table)
     except OSError as error:

@@ -61,7 +61,7 @@ def write(
         if not 0 <= number <= MOST:
             with concerning("loop.seed"):
                 raise CosimError(f"the seed {number} cannot be a parameter of an SSP", f"Use 0 to {MOST}.")
-    # what a run would refuse is not left to the master
+    # errors of a run are raised here, not in the master
     with Session(scenario, place=place) as session:
         lint.check(session)
     with located(scenario):

@@ -110,7 +110,7 @@ def connect(connections: Element, ports: Ports) -> None:
     for wire in ports.direct:
         (source, _, output), (target, _, taken) = wire.source.partition("."), wire.to.partition(".")
         made = add((source, output), (target, taken))
-        # as the harness does: a value goes over as the number that it is
+        # as in the harness: a value is passed as its number
         made.set("suppressUnitConversion", "true")
         if (wire.scale, wire.offset) != (1.0, 0.0):
             sub(made, "ssc:LinearTransformation", factor=wire.scale, offset=wire.offset)

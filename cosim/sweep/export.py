@@ -56,7 +56,7 @@ def save_parquet(table: Table, file: Path) -> bool:
     longest = max((lines.write(json.dumps(row).encode() + b"\n") for row in rows), default=0)
     if longest:
         lines.seek(0)
-        # `pyarrow.array` would import pandas, which takes longer than all else at the end of a short sweep
+        # `pyarrow.array` would import pandas, which takes longer than the rest of a short sweep
         types = reader.ParseOptions(explicit_schema=pyarrow.schema(fields(pyarrow, columns)))
         typed = reader.read_json(lines, reader.ReadOptions(block_size=max(BLOCK, longest)), types)
     else:

@@ -2,7 +2,7 @@
 
 Sobol indices divide the variance of a metric among the keys. The first-order index is the fraction that
 vanishes if one key is known, `S_i = V[E[f | x_i]] / V[f]`; the total index the fraction that remains if all
-others are known, `T_i = E[V[f | all but x_i]] / V[f]`. They follow from a design of two independent sets of points,
+others are known, `T_i = E[V[f | all but x_i]] / V[f]`. They follow from two independent sets of points,
 A and B, and for each key the set A with the values of that key from B (AB_i). As f(B) and f(AB_i) share only
 x_i, their covariance is V[E[f | x_i]]; as f(A) and f(AB_i) share all but x_i, half the mean square of their
 difference is E[V[f | all but x_i]].
@@ -147,7 +147,7 @@ def rank(x: Array, y: Array) -> Estimate:
 
 def ranks(column: Array) -> Array:
     """Rank of each number, from 1; equal numbers have their mean rank."""
-    # as scipy.stats.rankdata, whose import takes longer than most sweeps that are watched
+    # as scipy.stats.rankdata, whose import takes longer than a short sweep
     _, group, sizes = np.unique(column, return_inverse=True, return_counts=True)
     means: Array = np.cumsum(sizes) - (sizes - 1) / 2
     return means[group]
@@ -160,7 +160,7 @@ def sobol_of(plan: Plan, cases: Sequence[int], values: Array) -> dict[str, tuple
     for case, value in zip(cases, values, strict=True):
         by_case[case].append(float(value))
     repeats = plan.study.design.repeats
-    # what is drawn anew in every repeat is averaged out
+    # average over values that are sampled again in every repeat
     means = [
         np.mean(drawn) if len(drawn := by_case[case]) == repeats else math.nan
         for case in range((plan.study.design.samples or 0) * (len(keys) + 2))

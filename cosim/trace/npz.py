@@ -27,7 +27,7 @@ def read(path: Path) -> StoredTrace:
     ValueError
         It is not an npz file, among others.
     """
-    # numpy takes anything else for a pickle, and advises to trust it
+    # numpy treats anything else as a pickle, and suggests to trust it
     with path.open("rb") as stream:
         if not zipfile.is_zipfile(stream):
             raise ValueError("it is not an npz file, or it is truncated")

@@ -131,7 +131,7 @@ class Connector:
             (_, channel), delay = self.channels[name], Delay(wire.delay + loop.compute_delay)
         else:
             order.check(wire, self.scenario)
-            # what goes back is read before its source steps, so it is a step old already
+            # a wire against the order is read before its source steps, so it has one step of delay already
             channel, delay = Ideal(), Delay(wire.delay - order.goes_back(wire, list(self.fmus)))
         shape = shaper(wire, channel, False, noise(wire, channel, self.seed, loop.steps))
         # before its first result arrives the other end gets what the initialised FMU puts out

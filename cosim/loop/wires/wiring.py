@@ -57,7 +57,7 @@ class Shape:
         # round half to even
         if self.quantum > 0.0:
             quanta = value / self.quantum
-            # else more quanta than there are numbers: finer than the value itself
+            # otherwise more quanta than numbers: finer than the value itself
             if math.isfinite(quanta):
                 value = float(np.rint(quanta)) * self.quantum
         return min(max(value, self.minimum), self.maximum)
