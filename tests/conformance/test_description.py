@@ -23,6 +23,8 @@ from .conftest import NAMES, PROBE, ROOT, Fmu, generated_files
 from .replay import instance, put
 
 SCHEMA = Path(fmpy.__file__).parent / "schema/fmi2/fmi2ModelDescription.xsd"
+INPUTS, OUTPUTS, PARAMETERS, DESCRIPTION = 16, {"fmu-deburr": 16}, 45, 90
+"""Limits of STYLE.md; an FMU that is not listed has at most 12 outputs."""
 
 
 def read(fmu: Fmu, path: str) -> str:
@@ -124,6 +126,13 @@ def test_what_is_set_has_a_start_value(fmu: Fmu) -> None:
             assert variable.start is not None, variable.name
 
 
+def test_ports_and_visible_parameters_are_few(fmu: Fmu) -> None:
+    names = [v.name for v in fmu.variables("parameter") if not v.name.startswith("expert.")]
+    assert len(fmu.variables("input")) <= INPUTS
+    assert len(fmu.variables("output")) <= OUTPUTS.get(fmu.file.stem, 12)
+    assert len(names) <= PARAMETERS, names
+
+
 def test_every_unit_is_defined_with_its_display_unit(fmu: Fmu) -> None:
     units = {unit.attrib["name"]: unit for unit in elements(fmu, "UnitDefinitions/Unit")}
     used = [variable for variable in fmu.variables(kind="Real") if variable.unit is not None]
@@ -139,6 +148,8 @@ def test_every_unit_is_defined_with_its_display_unit(fmu: Fmu) -> None:
 def test_every_variable_is_described(fmu: Fmu) -> None:
     for variable in fmu.variables():
         assert variable.description, variable.name
+        assert len(variable.description) <= DESCRIPTION, variable.name
+        assert fmu.file.stem == PROBE or "`" not in variable.description, variable.name
         if variable.type == "Enumeration":
             assert [int(item.value) for item in variable.declaredType.items] == list(
                 range(1, len(variable.declaredType.items) + 1)

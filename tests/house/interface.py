@@ -63,7 +63,12 @@ class Interface:
         """Count variables below a root by their elements, without those that have one of some flags."""
         return self.elements(self.root(root), without)
 
+    def flagged(self, root: str, flag: str) -> int:
+        """Count variables below a root that have a flag."""
+        return self.count(root) - self.count(root, flag)
+
     def elements(self, item: Item, without: tuple[str, ...]) -> int:
+        """Count variables of an item by their elements."""
         total = 0
         for member in item.members:
             if any(member.flag(word) for word in without):

@@ -222,6 +222,7 @@ def interface(file: Path) -> Iterator[Offense]:
         ("inputs", declared.count("inputs"), INPUTS),
         ("outputs", declared.count("outputs", "local", "hidden"), OUTPUTS.get(crate, OUTPUTS_OTHER)),
         ("visible parameters", declared.count("parameters", "expert", "hidden", "calculated"), PARAMETERS),
+        ("essential parameters", declared.flagged("parameters", "essential"), ESSENTIAL),
     ):
         if found > limit:
             yield Offense(name, 1, "count", f"{found} {what}, limit {limit}")
