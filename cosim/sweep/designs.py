@@ -79,7 +79,7 @@ def sobol_sampler(dimensions: int, seed: int) -> Any:
     Raises
     ------
     CosimError
-        It has not so many dimensions, or scipy is not installed.
+        It does not support that number of dimensions, or scipy is not installed.
     """
     try:
         return quasi_monte_carlo().Sobol(dimensions, scramble=True, rng=generator(seed))

@@ -36,7 +36,7 @@ class Machine:
         Counters of MuJoCo's warnings.
     sensing, circuit : Circuit
         Elements that act when measurements are taken, and in every plant step.
-    readings, commands, truths : tuple of Cell
+    `readings`, `commands`, `truths` : tuple of Cell
         The channels.
     owner : object
         Owner of the addresses; kept alive.

@@ -99,7 +99,7 @@ def planned(
     tool_radius: float,
     feed: float,
     sweep: float,
-    wanted: DepthMap,
+    desired: DepthMap,
     footprint: float,
 ) -> Array:
     """Return feeds for the removal of a depth map, by least squares over the footprint of the ball.
@@ -112,7 +112,7 @@ def planned(
     ----------
     points, normals, tool_radius, feed, sweep
         As in `even`.
-    wanted : DepthMap
+    desired : DepthMap
         Depth over the mold.
     footprint : float
         Radius of the contact, m.
@@ -131,7 +131,7 @@ def planned(
     constant = np.hypot(ratio, sweep / feed)
     flat = wear @ constant
     rim = np.minimum(flat / np.median(flat), 1.0)
-    target = wanted.at(points) * rim
+    target = desired.at(points) * rim
     target *= flat.sum() / target.sum()
 
     along = np.cumsum(length) - length

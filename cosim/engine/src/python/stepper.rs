@@ -64,7 +64,7 @@ impl PyStepper {
         let controller = controller.map(|row| exports.controller(&row.extract()?)).transpose()?;
         let links = build::links(&mut exports, links)?;
         if (links.sensed.len(), links.commands.len()) != (body.readings.len(), body.commands.len()) {
-            return Err(PyValueError::new_err("readings or commands without a place"));
+            return Err(PyValueError::new_err("measurements or commands without a location"));
         }
         let log = log.map(|row| build::log(&mut exports, &row, body.truths.len())).transpose()?;
         let stepper = Stepper::new(body, controller, links, log, step, trap);
