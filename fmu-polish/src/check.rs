@@ -177,7 +177,7 @@ fn swept(p: &Parameters, hint: &'static str) -> (Parameter<f64>, f64) {
 
 /// K_v can be increased.
 fn stick_slip_sliding(p: &Parameters) -> Result<(), ParameterError> {
-    let (sliding, most) = (sliding::wanted(p), p.stick_slip.velocity_max);
+    let (sliding, most) = (sliding::desired_speed(p), p.stick_slip.velocity_max);
     let speed = Parameter::new("stick_slip.sliding", sliding, "m/s", "Reduce it, or set 0 for a constant velocity.");
     speed.must_be(sliding == 0.0 || sliding < most, || format!("less than `stick_slip.velocity_max` = `{most} m/s`"))
 }

@@ -287,7 +287,7 @@ impl Controller {
 
     /// What happens once, when `state` begins.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, now: &Measurement) {
-        // a way out continues
+        // a retract continues
         if (self.state, state) != (State::Retract, State::Fault) {
             self.travelled = 0.0;
         }
@@ -374,7 +374,7 @@ impl Controller {
         let error = self.want(p, reading, now);
         self.feed = next_feed(p, self.feed, reading.feed_override, now.frame.feed_max);
         if self.k == 0 {
-            self.normal.sweep_anew(p);
+            self.normal.restart_sweep(p);
         }
         self.k = self.k.wrapping_add(1).max(1);
         let (force, position, touching) = (now.force.normal, reading.position, touching(p, now));
@@ -393,7 +393,7 @@ impl Controller {
             stick_slip: share * sweep,
             sideways,
         };
-        if self.sliding.begins_anew(p, self.k) {
+        if self.sliding.restarts(p, self.k) {
             self.k = 0;
         }
         self.way = feed * p.sample_period;

@@ -110,7 +110,7 @@ fn start(p: &Parameters, seen: &Evidence) -> Option<Fault> {
 }
 
 fn axes(p: &Parameters, seen: &Evidence) -> Option<Fault> {
-    // the model moves on while the last good measurement stands in for a bad one
+    // the model continues to move while the last valid measurement replaces an invalid one
     if seen.moves() && seen.reading.position_doubt == Doubt::default() { seen.axes.fault(p) } else { None }
 }
 
@@ -233,7 +233,7 @@ mod tests {
             let sample =
                 &ForceSample { state, raw, now: &self.now, normal: &self.now.frame.normal, stiffness, way: 0.0 };
             let (reading, now, contact, axes, force) = (&self.reading, &self.now, &contact, &axes, &force);
-            let told = Evidence {
+            let evidence = Evidence {
                 state,
                 taring,
                 ticks,
@@ -253,7 +253,7 @@ mod tests {
                 overdue,
                 long_step,
             };
-            find(&P, &told)
+            find(&P, &evidence)
         }
     }
 

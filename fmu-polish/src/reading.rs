@@ -123,7 +123,7 @@ impl Reader {
             force_override: self.overrides.1,
         };
         let fresh = [reading.position_doubt, reading.force_doubt] == [Doubt::default(); 2];
-        // an edge counts with the first good sample
+        // an edge is used with the first valid sample
         if fresh {
             (self.enabled, self.commission) = (input.enable, input.commission);
         }
@@ -279,7 +279,7 @@ mod tests {
             reader.rest(&P, &moved);
             !reader.read(&P, &moved, GROWTH).fresh
         });
-        // one more than that is what is a fault on the way
+        // one more than that is a fault during a motion
         assert_eq!(doubts.count(), P.limits.lost_samples as usize + 1);
     }
 

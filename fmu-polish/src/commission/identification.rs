@@ -37,14 +37,14 @@ pub struct Identification {
 impl Identification {
     /// Nothing measured so far.
     pub fn new(p: &Parameters) -> Self {
-        let told = Values::of(p);
+        let nominal = Values::of(p);
         Self {
             experiment: Experiment::new(p),
             measured: Measured::START,
             rejected: false,
             complete: false,
-            values: InForce::new(told),
-            before: told,
+            values: InForce::new(nominal),
+            before: nominal,
         }
     }
 
@@ -139,10 +139,10 @@ impl Identification {
                 ..self.measured
             };
         }
-        let told = self.values.told();
-        self.rejected = !acceptable(p, &told, &self.measured);
+        let nominal = self.values.told();
+        self.rejected = !acceptable(p, &nominal, &self.measured);
         if !self.rejected {
-            self.values.propose(told.derived(p, &self.measured));
+            self.values.propose(nominal.derived(p, &self.measured));
         }
     }
 

@@ -145,10 +145,10 @@ mod tests {
     #[test]
     fn the_force_is_stable_on_every_machine_that_it_is_for() {
         for io_delay in 0..=4 {
-            let told = Parameters { io_delay, ..Parameters::START };
-            let law = Coefficients { integral: 0.0, ..Coefficients::new(&told, Plan::new(&told).damping) };
+            let nominal = Parameters { io_delay, ..Parameters::START };
+            let law = Coefficients { integral: 0.0, ..Coefficients::new(&nominal, Plan::new(&nominal).damping) };
             for (ratio, late) in RATIOS.into_iter().flat_map(|ratio| [(ratio, 0), (ratio, DELAY_SPREAD)]) {
-                let mut p = told.clone();
+                let mut p = nominal.clone();
                 p.io_delay += late;
                 p.drive = p.drive.faster(ratio, p.drive.feedforward);
                 let margin = phase_margin(&p, &law, RATIO_MAX * p.stiffness_nominal).to_degrees();

@@ -89,8 +89,8 @@ impl<'a> Tone<'a> {
 }
 
 /// The drive with the unknowns.
-fn found(told: &Drive, x: &Unknowns) -> Drive {
-    told.faster(x[0].exp(), x[1])
+fn found(nominal: &Drive, x: &Unknowns) -> Drive {
+    nominal.faster(x[0].exp(), x[1])
 }
 
 /// The unknowns ln g, K_ff, d and c that explain the excitation of all axes with the drives `drive` best, with their covariance.
@@ -106,9 +106,9 @@ pub fn response(
     let frequencies = plan.excitation.sines.frequencies();
     let tones: [Tone; AXES * TONES] =
         std::array::from_fn(|i| Tone::new(p, drive, frequencies[i % TONES], spectra[i / TONES].line(i % TONES)));
-    let told = Unknowns::from([0.0, drive.feedforward, f64::from(p.io_delay), 0.0]);
-    // the variances are those at what was told, then at what was found
-    let first = fit(&tones, told, &told)?;
+    let nominal = Unknowns::from([0.0, drive.feedforward, f64::from(p.io_delay), 0.0]);
+    // the variances are those at the configured values, then at the estimates
+    let first = fit(&tones, nominal, &nominal)?;
     fit(&tones, first.value, &first.value)
 }
 
@@ -167,12 +167,12 @@ mod tests {
     #[test]
     fn the_deviation_is_the_scatter_of_the_estimates() {
         let truth = Unknowns::from([0.2, 0.7, 1.3, 1e3]);
-        // much noise, so that the least deviation of a tone is ignored
+        // much noise, so that the minimum deviation of a tone has no effect
         let all: Vec<_> = (0..60).map(|seed| answer(&P, truth, 5e-6, seed).unwrap()).collect();
         for i in 0..UNKNOWNS {
-            let told = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
+            let nominal = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
             let scatter = all.iter().map(|one| (one.value[i] - truth[i]).powi(2)).sum::<f64>() / all.len() as f64;
-            let ratio = scatter.sqrt() / told;
+            let ratio = scatter.sqrt() / nominal;
             assert!((0.6..1.4).contains(&ratio), "{i}: {ratio}");
         }
     }

@@ -90,10 +90,10 @@ impl Rubbing {
     ) {
         self.sum += force;
         self.samples += 1;
-        let Some((mean, felt)) = self.motion.step(p, force, position) else { return };
+        let Some((mean, sensed)) = self.motion.step(p, force, position) else { return };
         let Some(normal) = self.normal else { return };
         let unit = normal.normalize();
-        let (across, way) = (mean - unit * unit.dot(&mean), felt.dot(along));
+        let (across, way) = (mean - unit * unit.dot(&mean), sensed.dot(along));
         let work = -across * way;
         self.work += work;
         self.weighted += across.norm() * work;
@@ -176,20 +176,20 @@ mod tests {
     ) -> ([Welford; 2], Vector3<f64>) {
         const FINE: u32 = 50;
         let (mut rubbing, mut found) = (Rubbing::default(), [Welford::default(); 2]);
-        let (mut bend, mut felt, mut x) = (0.0f64, Vector3::zeros(), 0.3e-6);
+        let (mut bend, mut sensed, mut x) = (0.0f64, Vector3::zeros(), 0.3e-6);
         for k in 0..7 * 4 * QUARTER {
             let forth = !matches!(k / QUARTER % 4, 1 | 2);
             if matches!(k % (4 * QUARTER), QUARTER) || k % (4 * QUARTER) == 3 * QUARTER {
                 rubbing.turn();
             }
             let reading = (along * x).map(|x| (x * 1e6).round() * 1e-6);
-            rubbing.take(p, &Orientation::of(p).shown(&felt), &reading, along, forth);
+            rubbing.take(p, &Orientation::of(p).shown(&sensed), &reading, along, forth);
             let way = if forth { 0.5e-6 } else { -0.5e-6 } / f64::from(FINE);
             for _ in 0..FINE {
                 x += way;
                 bend = (bend - way).clamp(-friction / stiffness, friction / stiffness);
                 let force = 5.0 * normal + along * (bend * stiffness);
-                felt += (force - felt) * (p.sample_period / f64::from(FINE) * p.sensor_bandwidth);
+                sensed += (force - sensed) * (p.sample_period / f64::from(FINE) * p.sensor_bandwidth);
             }
             if (k + 1).is_multiple_of(4 * QUARTER)
                 && let Some(period) = rubbing.close(p)
@@ -227,7 +227,7 @@ mod tests {
     fn two_directions_that_disagree_count_the_same_however_strongly_each_is_felt() {
         let shown = |angle: f64, size: f64| size * Vector3::new(angle.cos(), -angle.sin(), 0.0);
         for size in [0.2, 1.0, 30.0] {
-            // the second is a quarter of a turn further
+            // the second is rotated by a quarter of a revolution
             let second = shown(0.4 - std::f64::consts::FRAC_PI_2, 2.0);
             let (angle, direction) = mounting([&shown(0.2, size), &second], [&Vector3::x(), &Vector3::y()]);
             assert!((angle - 0.3).abs() < 1e-12 && direction == 1, "{size}: {angle} {direction}");

@@ -97,18 +97,18 @@ impl Values {
     /// K_v (m/s) with which the ball slides as fast as the nominal axes move: on every half period the tip bends back and forth by the
     /// friction first; on a circle the bend is orthogonal to the motion of the ball. The drives of the machine reduce the motion.
     fn stick_slip(&self, p: &Parameters, drive: &Drive, m: &Measured) -> f64 {
-        let (told, half) = (self.stick_slip_velocity, f64::from(p.stick_slip.half_period) * p.sample_period);
-        if p.stick_slip.mode == Mode::Off || p.stick_slip.ratio > 0.0 || told == 0.0 {
-            return told;
+        let (nominal, half) = (self.stick_slip_velocity, f64::from(p.stick_slip.half_period) * p.sample_period);
+        if p.stick_slip.mode == Mode::Off || p.stick_slip.ratio > 0.0 || nominal == 0.0 {
+            return nominal;
         }
         let follows = |drive: &Drive| axis(drive, PI / half).norm();
         let bent = 2.0 * m.friction * p.force.target / m.lateral_stiffness;
-        let (slides, bends) = (follows(&self.drive) * told, bent / half);
+        let (slides, bends) = (follows(&self.drive) * nominal, bent / half);
         let moved = match p.stick_slip.mode {
             Mode::Circular => slides.hypot(bends),
             _ => slides + bends,
         };
-        (moved / follows(drive)).min(highest(p).max(told))
+        (moved / follows(drive)).min(highest(p).max(nominal))
     }
 }
 
@@ -155,18 +155,18 @@ mod tests {
     };
 
     fn derived(p: &Parameters, m: &Measured) -> Parameters {
-        let (mut found, told) = (p.clone(), Values::of(p));
-        told.derived(p, m).put(&mut found, [told, told]);
+        let (mut found, nominal) = (p.clone(), Values::of(p));
+        nominal.derived(p, m).put(&mut found, [nominal, nominal]);
         found
     }
 
     #[test]
     fn what_is_put_is_what_was_taken() {
-        let (mut p, told) = (Parameters::START, Values::of(&Parameters::START));
-        told.put(&mut p, [told, told]);
+        let (mut p, nominal) = (Parameters::START, Values::of(&Parameters::START));
+        nominal.put(&mut p, [nominal, nominal]);
         assert_eq!(p, Parameters::START);
-        let values = told.derived(&p, &GOOD);
-        values.put(&mut p, [told, told]);
+        let values = nominal.derived(&p, &GOOD);
+        values.put(&mut p, [nominal, nominal]);
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.stiffness_nominal, p.impedance.damping, p.io_delay), (142.4e3, 8e3, 2));
         assert_eq!((p.drive.position_gain, p.drive.velocity_bandwidth, p.drive.feedforward), (64.0, 400.0, 1.0));
@@ -177,38 +177,38 @@ mod tests {
 
     #[test]
     fn what_was_tuned_meanwhile_counts() {
-        let told = Values::of(&Parameters::START);
-        let values = told.derived(&Parameters::START, &GOOD);
+        let nominal = Values::of(&Parameters::START);
+        let values = nominal.derived(&Parameters::START, &GOOD);
         let mut p = Parameters::START;
         (p.impedance.damping, p.stick_slip.velocity) = (7e3, 9e-3);
-        values.put(&mut p, [told, told]);
+        values.put(&mut p, [nominal, nominal]);
         assert_eq!((p.impedance.damping, p.stick_slip.velocity, p.stiffness_nominal), (7e3, 9e-3, 142.4e3));
-        // back to what was told, from what was in force
+        // restores the configured values from the values in use
         let tuned = Values::of(&p);
-        values.put(&mut p, [tuned, told]);
+        values.put(&mut p, [tuned, nominal]);
         assert_eq!(p.impedance.damping, values.damping);
-        told.put(&mut p, [told, values]);
+        nominal.put(&mut p, [nominal, values]);
         assert_eq!(p, Parameters::START);
     }
 
     #[test]
     fn the_ball_slides_as_fast_as_the_told_axes_move() {
         let p = Parameters::START;
-        let told = Measured { drive_gain: 1.0, feedforward: 0.8, lateral_stiffness: 1e15, ..GOOD };
-        assert!((derived(&p, &told).stick_slip.velocity / 10e-3 - 1.0).abs() < 1e-9);
+        let nominal = Measured { drive_gain: 1.0, feedforward: 0.8, lateral_stiffness: 1e15, ..GOOD };
+        assert!((derived(&p, &nominal).stick_slip.velocity / 10e-3 - 1.0).abs() < 1e-9);
         // 10 um to each side in 10 ms
-        let soft = derived(&p, &Measured { lateral_stiffness: 100e3, ..told });
+        let soft = derived(&p, &Measured { lateral_stiffness: 100e3, ..nominal });
         let more = 2.0 * 10e-6 / 10e-3 / axis(&p.drive, 314.159).norm();
         assert!((soft.stick_slip.velocity - 10e-3 - more).abs() < 1e-8, "{}", soft.stick_slip.velocity);
         // never more than it may be raised to
-        assert_eq!(derived(&p, &Measured { lateral_stiffness: 5e3, ..told }).stick_slip.velocity, 20e-3);
+        assert_eq!(derived(&p, &Measured { lateral_stiffness: 5e3, ..nominal }).stick_slip.velocity, 20e-3);
         // on a circle the bend is square to the way: (10 mm/s)^2 + (2 mm/s)^2
         let mut round = p.clone();
         round.stick_slip.mode = Mode::Circular;
-        let velocity = derived(&round, &Measured { lateral_stiffness: 100e3, ..told }).stick_slip.velocity;
+        let velocity = derived(&round, &Measured { lateral_stiffness: 100e3, ..nominal }).stick_slip.velocity;
         let bends = 2e-3 / axis(&p.drive, 314.159).norm();
         assert!((velocity - 10e-3f64.hypot(bends)).abs() < 1e-8, "{velocity}");
-        let slow = Measured { drive_gain: 0.6, feedforward: 0.6, ..told };
+        let slow = Measured { drive_gain: 0.6, feedforward: 0.6, ..nominal };
         assert!(derived(&p, &slow).stick_slip.velocity > 11e-3);
         let changes: [fn(&mut Parameters); 3] =
             [|p| p.stick_slip.mode = Mode::Off, |p| p.stick_slip.ratio = 5.0, |p| p.stick_slip.velocity = 0.0];

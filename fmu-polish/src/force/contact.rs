@@ -139,8 +139,8 @@ mod tests {
         for contact in [0.3, 0.5, 2.0] {
             let mut p = Parameters::START;
             p.approach.contact_force = contact;
-            let askew = |share: f64| under(&p, share * contact * Vector3::x()).misdirected(&p, &Vector3::z());
-            assert_eq!([askew(1.99), askew(2.01)], [false, true], "{contact}");
+            let tilted = |share: f64| under(&p, share * contact * Vector3::x()).misdirected(&p, &Vector3::z());
+            assert_eq!([tilted(1.99), tilted(2.01)], [false, true], "{contact}");
             assert!(!under(&p, 9.0 * contact * Vector3::z()).misdirected(&p, &Vector3::z()));
         }
     }

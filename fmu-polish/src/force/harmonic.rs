@@ -52,7 +52,7 @@ impl Harmonic {
 
     /// Evaluates a window of `samples`, in which the cause of the ripple is `raised` times as large as configured; true when the
     /// cancellation stops because the ripple has grown.
-    pub fn judge(&mut self, samples: u32, raised: f64, most: f64) -> bool {
+    pub fn evaluate(&mut self, samples: u32, raised: f64, most: f64) -> bool {
         let amplitude = 2.0 * self.sum.norm() / f64::from(samples) / raised;
         self.sum = Complex::ZERO;
         if self.ended {
@@ -94,7 +94,7 @@ mod tests {
                 let carrier = Complex::cis(std::f64::consts::TAU * f64::from(k) / 20.0);
                 harmonic.observe(carrier, size * carrier.re);
             }
-            harmonic.judge(WINDOW, raised, MOST)
+            harmonic.evaluate(WINDOW, raised, MOST)
         };
         sizes.iter().map(&mut window).collect()
     }

@@ -28,7 +28,7 @@ pub fn phase_margin(p: &Parameters, law: &Coefficients, stiffness: f64) -> f64 {
     for _ in 0..COUNT {
         omega *= growth;
         let now = loop_gain(p, law, stiffness, omega);
-        // nearest branch: no step of the grid turns by half a turn
+        // nearest branch: no step of the grid rotates by half a revolution
         phase += (now / before).arg();
         if before.norm() >= 1.0 && now.norm() < 1.0 {
             margin = margin.min(phase + std::f64::consts::PI);

@@ -118,9 +118,9 @@ mod tests {
             let depth = if k < 10_048 { 50e-6 } else { 0.0 };
             misalignment.update(&at(k), depth * at(k).normal.z);
         }
-        let told: f64 = (0..628).map(|k| regressor(&at(k)).dot(&misalignment.estimate)).sum();
+        let estimate: f64 = (0..628).map(|k| regressor(&at(k)).dot(&misalignment.estimate)).sum();
         // what was before weighs e^-0.5 - e^-1 of 1 - e^-1, without forgetting half
-        let share = told / 628.0 / 50e-6;
+        let share = estimate / 628.0 / 50e-6;
         assert!((share - 0.378).abs() < 0.03, "{share}");
     }
 

@@ -83,7 +83,7 @@ impl NormalMotion {
     }
 
     /// The sweep begins, or has another half period: its ripple is learned again.
-    pub fn sweep_anew(&mut self, p: &Parameters) {
+    pub fn restart_sweep(&mut self, p: &Parameters) {
         self.ripple = RippleCancellation::new(p, &self.law(p), self.stiffness);
     }
 
@@ -107,11 +107,11 @@ impl NormalMotion {
         let law = self.law(p);
         let mut velocity = self.force_law.step(&law, contact.error);
         // nothing is integrated or learned in the air
-        let felt = if contact.touching { contact.error } else { 0.0 };
-        velocity += self.force_law.integrate(&law, felt);
+        let sensed = if contact.touching { contact.error } else { 0.0 };
+        velocity += self.force_law.integrate(&law, sensed);
         let turn = self.turning.step(&at.frame.tangent);
         velocity += self.ripple.step(p, k, at.sweep, turn, contact.error);
-        velocity += self.repetitive.step(p, &law, self.stiffness, turn, felt);
+        velocity += self.repetitive.step(p, &law, self.stiffness, turn, sensed);
         if p.misalignment_enable {
             self.observe_surface(contact, at);
             velocity += self.feedforward(p, at);

@@ -57,7 +57,7 @@ impl RepetitiveControl {
             self.rate = rate;
             self.responses = std::array::from_fn(|i| response(p, law, stiffness, (i + 1) as f64 * rate));
         }
-        // what swings is more than what turns
+        // an oscillation is larger than a recurring error
         let most = ERROR_SHARE * p.force.target;
         let bounded = error.clamp(-most, most);
         let mut velocity = 0.0;
@@ -67,16 +67,16 @@ impl RepetitiveControl {
             harmonic.learn(2.0 * p.repetitive.gain * turn.abs(), response, carrier, bounded, WAY_MAX);
             velocity += harmonic.output(Complex::new(0.0, m * rate) * carrier);
         }
-        self.judge(turn);
+        self.evaluate(turn);
         velocity
     }
 
     /// Stops harmonics that increase the error, after each revolution.
-    fn judge(&mut self, turn: f64) {
+    fn evaluate(&mut self, turn: f64) {
         let Some(samples) = self.window.ends(turn) else { return };
         for harmonic in &mut self.harmonics {
             // friction and mold stay as they are
-            self.frozen |= harmonic.judge(samples, 1.0, WAY_MAX);
+            self.frozen |= harmonic.evaluate(samples, 1.0, WAY_MAX);
         }
     }
 }

@@ -97,24 +97,24 @@ impl RippleCancellation {
             }
         }
         if p.ripple_gain > 0.0 {
-            self.judge(p, raised(p, sweep));
+            self.evaluate(p, raised(p, sweep));
         }
         if turns {
-            self.judge_turn(p, raised(p, sweep), turn.step);
+            self.evaluate_revolution(p, raised(p, sweep), turn.step);
         }
         velocity
     }
 
     /// Evaluates the terms that rotate with the path, after each revolution.
-    fn judge_turn(&mut self, p: &Parameters, raised: f64, step: f64) {
+    fn evaluate_revolution(&mut self, p: &Parameters, raised: f64, step: f64) {
         let Some(samples) = self.turn.ends(step) else { return };
         for side in self.turning.iter_mut().flatten() {
-            self.frozen |= side.judge(samples, raised, climb(p));
+            self.frozen |= side.evaluate(samples, raised, climb(p));
         }
     }
 
     /// Freezes what makes the ripple worse: a phase of the model is more than a quarter wrong.
-    fn judge(&mut self, p: &Parameters, raised: f64) {
+    fn evaluate(&mut self, p: &Parameters, raised: f64) {
         self.samples += 1;
         let window = WINDOW_PERIODS * 2 * self.half;
         if self.samples < window {
@@ -122,7 +122,7 @@ impl RippleCancellation {
         }
         self.samples = 0;
         for harmonic in &mut self.harmonics {
-            self.frozen |= harmonic.judge(window, raised, fastest_ripple(p));
+            self.frozen |= harmonic.evaluate(window, raised, fastest_ripple(p));
         }
     }
 }
@@ -266,7 +266,7 @@ mod tests {
 
     /// Largest error (N) in each of `turns` turns of a path that turns with `rate` rad/s, where a slope makes a ripple of 0.3 N
     /// that turns with it, its true phase `late` rad off; and whether the cancellation has ended itself.
-    fn askew(p: &Parameters, rate: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
+    fn tilted(p: &Parameters, rate: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
         let mut ripple = RippleCancellation::new(p, &Coefficients::new(p, damping(p, 178e3)), 178e3);
         let truth = ripple.responses.map(|response| response.unwrap() * Complex::cis(late));
         let (step, mut found) = (rate * p.sample_period, Vec::new());
@@ -299,25 +299,25 @@ mod tests {
         // a path that turns slower than `ripple.gain` is followed at a fixed phase as well, which leaves less to learn from
         for (rate, share) in [(25.0, 0.1), (-25.0, 0.1), (6.0, 0.1), (1.5, 0.35)] {
             for late in [0.0, 0.8, -0.8] {
-                let (found, frozen) = askew(&turning(), rate, late, 12);
+                let (found, frozen) = tilted(&turning(), rate, late, 12);
                 assert!(found[11] < share * found[0] && !frozen, "{rate} {late}: {found:?}");
             }
         }
         // alone as well
         let mut alone = turning();
         alone.ripple_gain = 0.0;
-        let (found, frozen) = askew(&alone, 25.0, 0.0, 12);
+        let (found, frozen) = tilted(&alone, 25.0, 0.0, 12);
         assert!(found[11] < 0.1 * found[0] && !frozen, "{found:?}");
         // without what is learned from turn to turn it stays
-        let (found, _) = askew(&P, 25.0, 0.0, 12);
+        let (found, _) = tilted(&P, 25.0, 0.0, 12);
         assert!(found[11] > 0.25, "{found:?}");
     }
 
     #[test]
     fn a_turning_ripple_that_grows_ends_itself_and_a_turn_too_fast_is_left_alone() {
         let p = turning();
-        let (found, frozen) = askew(&p, 25.0, 2.6, 12);
-        // a turn makes each of two e^(2 pi 0.09 cos 2.6) = 1.6 times as large, and the fourth is evaluated bad
+        let (found, frozen) = tilted(&p, 25.0, 2.6, 12);
+        // a revolution multiplies each of two terms by e^(2 pi 0.09 cos 2.6) = 1.6, and the fourth exceeds the limit
         assert!(frozen && found.iter().all(|error| *error < 0.3 * 1.63f64.powi(4)), "{found:?}");
         // a quarter of 50 Hz
         for (share, learns) in [(0.99, true), (1.01, false)] {

@@ -115,7 +115,7 @@ mod tests {
         let slopes = [(0.8, 10, 2e5), (0.8, 9, 1e5), (0.79, 10, 1e5)];
         for (least, count, stiffness) in slopes {
             let mut slope = Slope::default();
-            // one of them at the least force
+            // one of them at the minimum force
             for k in 0..count {
                 slope.update(1e-5 * f64::from(k), least + 2.0 * f64::from(k), 50.0);
             }

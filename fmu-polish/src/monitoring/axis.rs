@@ -92,7 +92,7 @@ impl Axis {
     fn fault(&self, p: &Parameters) -> Option<Fault> {
         let beyond = self.error.abs() > p.limits.following_error;
         let way = BAND * p.encoder_resolution + p.limits.frozen;
-        // an axis that has come to rest sooner than configured stands where the model comes to
+        // an axis that comes to rest earlier than configured rests where the model will arrive
         let stands = self.frozen.still() > ticks(TURN, p.sample_period) && self.error.abs() > APART * way;
         if self.frozen.unanswered() > way && (beyond || stands) {
             return Some(Fault::PositionFrozen);
@@ -171,20 +171,20 @@ mod tests {
 
     /// The first fault of a machine that moves by `machine` from (commanded position, sample), reciprocating along x.
     fn found(machine: impl Fn(f64, u32) -> f64) -> Option<(Fault, u32)> {
-        let (mut monitor, mut told) = (AxisMonitor::new(&P), Axis::default());
+        let (mut monitor, mut commanded) = (AxisMonitor::new(&P), Axis::default());
         let model = Model::new(&P);
         let mut remainder = Remainder::new();
         for k in 0..2000u32 {
             let velocity = if (k / 10).is_multiple_of(2) { 10e-3 } else { -10e-3 } + 1e-3;
-            told.update(&P, &model, 0.0);
-            let reading = (machine(told.state[4], k) * 1e6).round() * 1e-6;
+            commanded.update(&P, &model, 0.0);
+            let reading = (machine(commanded.state[4], k) * 1e6).round() * 1e-6;
             monitor.update(&P, &Vector3::new(reading, 0.0, 0.0));
             if let Some(fault) = monitor.fault(&P) {
                 return Some((fault, k));
             }
             let pulses = remainder.step(&P, &Vector3::new(velocity, 0.0, 0.0));
             monitor.send(&P, &pulses);
-            told.sent.send(f64::from(pulses.x) * P.pulses_size / P.sample_period);
+            commanded.sent.send(f64::from(pulses.x) * P.pulses_size / P.sample_period);
         }
         None
     }
@@ -249,7 +249,7 @@ mod tests {
     #[test]
     fn the_machine_of_the_model_has_no_fault() {
         assert_eq!(found(|x, _| x), None);
-        // a drive that swings half as far: 45 um
+        // a drive with half the amplitude: 45 um
         assert_eq!(found(|x, k| x - 20e-6 * (f64::from(k) * 0.31).sin()), None);
     }
 

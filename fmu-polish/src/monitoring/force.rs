@@ -172,7 +172,7 @@ impl ForceMonitor {
 
     fn unanswered(&self, p: &Parameters, sample: &ForceSample) -> bool {
         let noise = NOISES * (self.depth_noise.deviation() - p.encoder_resolution).max(0.0);
-        let felt = |answer: &Answer, share: f64| {
+        let sensed = |answer: &Answer, share: f64| {
             let depth = p.limits.frozen + p.limits.surface_slope * answer.way + noise;
             let unanswered = if bends(&p.stick_slip) {
                 answer.frozen.unanswered().min(answer.along.abs())
@@ -184,7 +184,7 @@ impl ForceMonitor {
         self.answers
             .iter()
             .zip(sample.normal.iter())
-            .any(|(answer, share)| share.abs() > CARRIES && !felt(answer, *share))
+            .any(|(answer, share)| share.abs() > CARRIES && !sensed(answer, *share))
     }
 }
 
@@ -222,7 +222,7 @@ mod tests {
     }
 
     /// What is wrong with the measurements `forces` (N) along the normal.
-    fn told(p: &Parameters, forces: impl Iterator<Item = f64>) -> Option<Fault> {
+    fn fault_of(p: &Parameters, forces: impl Iterator<Item = f64>) -> Option<Fault> {
         let mut monitor = ForceMonitor::default();
         forces.fold(None, |fault, force| fault.or(show(&mut monitor, p, State::Approach, force)))
     }
@@ -278,7 +278,7 @@ mod tests {
             judge
         };
         for (sweep, half, longest) in [(Mode::Circular, 10, 0), (Mode::Circular, 10, 20), (Mode::Cross, 20, 20)] {
-            // 26 um of depth, without a way along z
+            // 26 um of depth, without travel along z
             assert_eq!(round(judge(sweep, half, longest), 100e-6, 0.0), None);
             for radius in [0.0, 50e-6, 100e-6] {
                 let fault = round(judge(sweep, half, longest), radius, 50e-6);
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn only_the_last_step_of_the_sensor_is_its_end() {
-        let at = |force: f64| told(&P, std::iter::once(force));
+        let at = |force: f64| fault_of(&P, std::iter::once(force));
         assert_eq!(at(P.sensor_range), Some(Fault::Saturation));
         assert_eq!(at(-P.sensor_range), Some(Fault::Saturation));
         assert_eq!(at(P.sensor_range - P.sensor_resolution), None);
@@ -335,7 +335,7 @@ mod tests {
     #[test]
     fn a_force_that_stands_is_frozen_only_where_that_is_watched() {
         let mut p = P;
-        let standing = |p: &Parameters| told(p, std::iter::repeat_n(1.0, 5000));
+        let standing = |p: &Parameters| fault_of(p, std::iter::repeat_n(1.0, 5000));
         assert_eq!(standing(&p), Some(Fault::ForceFrozen));
         p.limits.frozen_time = 0.0;
         assert_eq!(standing(&p), None);

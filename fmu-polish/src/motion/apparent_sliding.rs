@@ -26,8 +26,8 @@ pub struct ApparentSliding {
 
 impl ApparentSliding {
     /// Adds the sensed travel (m) of a sample.
-    pub fn add(&mut self, felt: &Vector3<f64>) {
-        self.way += felt.norm();
+    pub fn add(&mut self, sensed: &Vector3<f64>) {
+        self.way += sensed.norm();
     }
 
     /// Ends a window of `time` s: the mean speed of the axes in it, m/s.
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn a_bent_tip_seems_to_slide_as_derived() {
         // 50 Hz through 200 Hz that are configured and 400 Hz that are true
-        let (told, truth) = (P.sensor_bandwidth, 2.0 * P.sensor_bandwidth);
+        let (configured, truth) = (P.sensor_bandwidth, 2.0 * P.sensor_bandwidth);
         let (omega, count) = (PI / (10.0 * P.sample_period), 2000);
         let through = |bandwidth: f64, k: u32| {
             let angle = omega * P.sample_period * f64::from(k) - (omega / bandwidth).atan();
@@ -71,10 +71,10 @@ mod tests {
         let work: f64 = (0..count)
             .map(|k| {
                 let force = -0.5 * (through(truth, k) + through(truth, k + 1));
-                -force.dot(&(through(told, k + 1) - through(told, k))) / force.norm()
+                -force.dot(&(through(configured, k + 1) - through(configured, k))) / force.norm()
             })
             .sum();
-        let way: f64 = (0..count).map(|k| (through(told, k + 1) - through(told, k)).norm()).sum();
+        let way: f64 = (0..count).map(|k| (through(configured, k + 1) - through(configured, k)).norm()).sum();
         assert!((work.abs() / way / most(&P) - 1.0).abs() < 1e-9, "{} {}", work / way, most(&P));
     }
 
@@ -84,11 +84,11 @@ mod tests {
         apparent.add(&Vector3::new(3e-3, 4e-3, 0.0));
         let round = apparent.round(0.2);
         assert!((round - 25e-3).abs() < 1e-15 && apparent.round(0.2) == 0.0);
-        // sure but for what the fastest sensor feigns, then as one sees that it is slower
+        // certain except for the apparent part of the fastest sensor, then that of the observed one
         assert!((apparent.certain(&p, 10e-3, round) - (10e-3 - most(&p) * round)).abs() < 1e-15);
         assert!(apparent.certain(&p, 1e-3, round).abs() < 1e-15);
         assert!((apparent.certain(&p, 10e-3, round) - 9e-3).abs() < 1e-15);
-        // a sensor slower than configured feigns nothing, and takes nothing off
+        // a sensor slower than configured has no apparent sliding, and nothing is subtracted
         assert_eq!([-1e-3, 10e-3].map(|speed| apparent.certain(&p, speed, round)), [-1e-3, 10e-3]);
     }
 

@@ -22,7 +22,7 @@ impl Remainder {
     /// The pulses of one sample with the velocity `velocity` (m/s).
     pub fn step(&mut self, p: &Parameters, velocity: &Vector3<f64>) -> Vector3<i32> {
         let wanted = self.left + velocity * (p.sample_period / p.pulses_size);
-        // halves always go up: at rest nothing goes back and forth between -1 and 1
+        // halves are always rounded up: at rest the pulses do not alternate between -1 and 1
         let sent = wanted.map(|pulses| (pulses + 0.5).floor());
         self.left = wanted - sent;
         let pulses = sent.map(|count| count as i32);

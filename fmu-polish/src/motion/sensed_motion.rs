@@ -23,17 +23,17 @@ impl SensedMotion {
         position: &Vector3<f64>,
     ) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let (last, from) = self.before.replace((*force, *position))?;
-        Some((0.5 * (last + force), self.felt(p, &(position - from))))
+        Some((0.5 * (last + force), self.sensed(p, &(position - from))))
     }
 
     /// The part of a travel (m) that is sensed in this sample: first-order lag of a steady motion between two samples.
-    fn felt(&mut self, p: &Parameters, way: &Vector3<f64>) -> Vector3<f64> {
+    fn sensed(&mut self, p: &Parameters, way: &Vector3<f64>) -> Vector3<f64> {
         let lag = p.sensor_bandwidth * p.sample_period;
         let keep = (-lag).exp();
         let unfelt = self.unfelt * keep + way * ((1.0 - keep) / lag);
-        let felt = way + self.unfelt - unfelt;
+        let sensed = way + self.unfelt - unfelt;
         self.unfelt = unfelt;
-        felt
+        sensed
     }
 }
 
@@ -54,7 +54,7 @@ mod tests {
     fn noise_of_the_place_is_felt_less_by_its_share() {
         for bandwidth in [300.0, 1256.6, 1e4] {
             let p = Parameters { sensor_bandwidth: bandwidth, ..Parameters::START };
-            // the answer to one sample that is off is the way felt since the beginning
+            // the response to one outlier is the travel sensed since the start
             let (mut motion, mut place, mut squares) = (SensedMotion::default(), 0.0, 0.0);
             motion.step(&p, &Vector3::zeros(), &Vector3::zeros());
             for k in 0..200 {
@@ -70,15 +70,15 @@ mod tests {
     #[test]
     fn a_steady_motion_is_felt_a_time_constant_late() {
         let p = Parameters::START;
-        let (mut motion, mut felt) = (SensedMotion::default(), 0.0);
+        let (mut motion, mut sensed) = (SensedMotion::default(), 0.0);
         let force = Vector3::y();
         assert_eq!(motion.step(&p, &force, &Vector3::zeros()), None);
         for k in 1..=50 {
             let (mean, way) = motion.step(&p, &(force * f64::from(k + 1)), &(Vector3::x() * f64::from(k))).unwrap();
             assert_eq!(mean, force * (f64::from(k) + 0.5));
-            felt += way.x;
+            sensed += way.x;
         }
         let late = 1.0 / (p.sensor_bandwidth * p.sample_period);
-        assert!((felt - (50.0 - late)).abs() < 1e-9, "{felt}");
+        assert!((sensed - (50.0 - late)).abs() < 1e-9, "{sensed}");
     }
 }

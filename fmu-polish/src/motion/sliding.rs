@@ -68,20 +68,20 @@ impl Sliding {
     pub fn update(&mut self, p: &Parameters, position: &Vector3<f64>, now: &Measurement, touching: bool) {
         let normal = &now.frame.normal;
         let force = now.force.unfiltered - normal * normal.dot(&now.force.unfiltered);
-        if let Some((mean, felt)) = self.motion.step(p, &force, position) {
-            let work = if touching { -mean.dot(&felt) } else { 0.0 };
+        if let Some((mean, sensed)) = self.motion.step(p, &force, position) {
+            let work = if touching { -mean.dot(&sensed) } else { 0.0 };
             self.work += work;
             self.weighted += mean.norm() * work;
             self.square += mean.norm_squared();
-            self.apparent.add(&felt);
+            self.apparent.add(&sensed);
             self.samples += 1;
         }
         if self.samples >= window(p) {
-            self.judge(p);
+            self.evaluate(p);
         }
     }
 
-    fn judge(&mut self, p: &Parameters) {
+    fn evaluate(&mut self, p: &Parameters) {
         let count = f64::from(self.samples);
         let least = (self.square / count).sqrt().max(f64::MIN_POSITIVE);
         self.friction = if self.work > 0.0 { (self.weighted / self.work).max(least) } else { least };
@@ -89,17 +89,17 @@ impl Sliding {
         let (speed, round) = (self.work / self.friction / time, self.apparent.round(time));
         (self.samples, self.work, self.weighted, self.square) = Default::default();
         self.speed = Some(speed);
-        if wanted(p) == 0.0 {
+        if desired_speed(p) == 0.0 {
             self.added = 0.0;
-            self.begin_verdict();
+            self.restart_verdict();
         } else if self.friction <= FELT * p.sensor_resolution {
             // too little friction to say anything
-            self.begin_verdict();
+            self.restart_verdict();
         } else {
             let most = (highest(p) - p.stick_slip.velocity).max(0.0);
             let speed = self.apparent.certain(p, speed, round);
             let (raised, velocity) = (self.added >= most, p.stick_slip.velocity + self.added);
-            if p.stick_slip.mode == Mode::Circular && speed < ENOUGH * wanted(p) {
+            if p.stick_slip.mode == Mode::Circular && speed < ENOUGH * desired_speed(p) {
                 self.stuck = self.stuck.max(velocity);
             }
             let least = (self.stuck - p.stick_slip.velocity).clamp(0.0, most);
@@ -111,16 +111,16 @@ impl Sliding {
     /// Takes the speed (m/s) of a window for the verdict, at the largest K_v or not.
     fn add_to_verdict(&mut self, p: &Parameters, speed: f64, at_most: bool) {
         if !at_most {
-            return self.begin_verdict();
+            return self.restart_verdict();
         }
         self.windows += 1;
         self.speeds += speed;
         if self.windows == WINDOWS {
             let mean = self.speeds / f64::from(WINDOWS);
-            let slow = mean < ENOUGH * wanted(p);
+            let slow = mean < ENOUGH * desired_speed(p);
             self.short = slow && p.stick_slip.half_period < p.stick_slip.half_period_max;
             self.too_little = slow && !self.short;
-            // what is told with the fault is what was evaluated
+            // the fault message shows the evaluated speed
             self.speed = if slow { Some(mean) } else { self.speed };
             (self.windows, self.speeds) = (0, 0.0);
         }
@@ -129,11 +129,11 @@ impl Sliding {
     /// Changes the half period after sample `k` of the sweep, if this ends a period: increases one that is too short, or restores the
     /// configured one; returns whether it has changed. A linear sweep is then in its middle; a circle starts where it is, half its width off
     /// the path. K_v starts from its configured value, and earlier measurements are discarded.
-    pub fn begins_anew(&mut self, p: &Parameters, k: u32) -> bool {
+    pub fn restarts(&mut self, p: &Parameters, k: u32) -> bool {
         let law = &p.stick_slip;
         let lengthened = if self.short {
             self.lengthened + law.half_period_max - law.half_period
-        } else if wanted(p) == 0.0 {
+        } else if desired_speed(p) == 0.0 {
             0
         } else {
             self.lengthened
@@ -146,7 +146,7 @@ impl Sliding {
         anew
     }
 
-    fn begin_verdict(&mut self) {
+    fn restart_verdict(&mut self) {
         (self.windows, self.speeds, self.too_little, self.short) = (0, 0.0, false, false);
     }
 
@@ -157,7 +157,7 @@ impl Sliding {
 
     /// What is added (m/s) to the K_v of this sample, whose parameters may have been tuned since the last window.
     fn raised(&self, p: &Parameters) -> f64 {
-        if wanted(p) > 0.0 { self.added.min((highest(p) - p.stick_slip.velocity).max(0.0)) } else { 0.0 }
+        if desired_speed(p) > 0.0 { self.added.min((highest(p) - p.stick_slip.velocity).max(0.0)) } else { 0.0 }
     }
 }
 
@@ -168,7 +168,7 @@ impl Sliding {
 /// Static friction is larger by r: a ball at rest breaks loose at r K_0, and a ball that slides at a lower K_v sticks for good after any
 /// stop. So K_v never falls to a value at which the ball slid too little earlier in the cycle.
 fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
-    let (wanted, c) = (wanted(p), fastest(&p.stick_slip));
+    let (wanted, c) = (desired_speed(p), fastest(&p.stick_slip));
     match p.stick_slip.mode {
         Mode::Circular if speed < STICKS * wanted => RISE * (wanted - speed) / c,
         Mode::Circular => {
@@ -180,7 +180,7 @@ fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
 }
 
 /// The desired minimum speed (m/s); 0 where K_v stays constant.
-pub fn wanted(p: &Parameters) -> f64 {
+pub fn desired_speed(p: &Parameters) -> f64 {
     let law = &p.stick_slip;
     if law.mode == Mode::Off || law.ratio > 0.0 || law.velocity == 0.0 { 0.0 } else { law.sliding }
 }
@@ -214,18 +214,18 @@ mod tests {
     /// sensor: the measurement after `time` s, and the mean speed at which it actually slid.
     fn moved(p: &Parameters, stiffness: f64, friction: f64, speed: f64, time: f64) -> (Sliding, f64) {
         const FINE: u32 = 100;
-        let (mut sliding, mut bend, mut felt, mut y, mut slid) = (Sliding::default(), 0.0f64, 0.0, 0.0, 0.0);
+        let (mut sliding, mut bend, mut sensed, mut y, mut slid) = (Sliding::default(), 0.0f64, 0.0, 0.0, 0.0);
         let dt = p.sample_period / f64::from(FINE);
         let (period, count) = ((100e-6 / speed / p.sample_period) as u32, ticks(time, p.sample_period));
         for k in 0..count {
-            sliding.update(p, &Vector3::new(0.0, y, 1e-4 * y), &measurement(Vector3::new(0.0, felt, 5.0)), true);
+            sliding.update(p, &Vector3::new(0.0, y, 1e-4 * y), &measurement(Vector3::new(0.0, sensed, 5.0)), true);
             let way = if (k / period).is_multiple_of(2) { speed * dt } else { -speed * dt };
             for _ in 0..FINE {
                 y += way;
                 let free = bend - way;
                 bend = free.clamp(-friction / stiffness, friction / stiffness);
                 slid += (free - bend).abs();
-                felt += (stiffness * bend - felt) * dt * p.sensor_bandwidth;
+                sensed += (stiffness * bend - sensed) * dt * p.sensor_bandwidth;
             }
         }
         (sliding, slid / time)
@@ -236,9 +236,9 @@ mod tests {
         let p = Parameters { stick_slip: StickSlip { sliding: 0.0, ..P.stick_slip }, ..P };
         for (stiffness, friction) in [(1e6, 1.0), (200e3, 1.0), (60e3, 2.0), (30e3, 1.0), (30e3, 1.4)] {
             let (sliding, truth) = moved(&p, stiffness, friction, 10e-3, 1.0);
-            let told = sliding.speed.unwrap();
+            let measured = sliding.speed.unwrap();
             // the lag rounds the force where it reverses suddenly
-            assert!((told - truth).abs() < 0.14 * truth, "{stiffness} {friction}: {told} {truth}");
+            assert!((measured - truth).abs() < 0.14 * truth, "{stiffness} {friction}: {measured} {truth}");
             assert!((sliding.friction / friction - 1.0).abs() < 0.15, "{stiffness} {friction}: {}", sliding.friction);
         }
         // 50 um to each side are 1.5 N
@@ -250,19 +250,19 @@ mod tests {
     /// lag of a sensor that is `faster` times as fast as configured; for `time` s: the true mean speed of sliding in the last window.
     fn round(p: &Parameters, sliding: &mut Sliding, [stiffness, friction, faster]: [f64; 3], time: f64) -> f64 {
         const FINE: u32 = 50;
-        let (mut bend, mut felt, mut place) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        let (mut bend, mut sensed, mut place) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         let (dt, count) = (p.sample_period / f64::from(FINE), ticks(time, p.sample_period));
         let mut slid = 0.0;
         for k in 1..=count {
-            sliding.update(p, &place, &measurement(felt + 5.0 * Vector3::z()), true);
-            let (share, vector) = stick_slip::motion(&p.stick_slip, k, &measurement(felt).frame);
+            sliding.update(p, &place, &measurement(sensed + 5.0 * Vector3::z()), true);
+            let (share, vector) = stick_slip::motion(&p.stick_slip, k, &measurement(sensed).frame);
             let way = vector * (share * (p.stick_slip.velocity + sliding.raised(p)) * dt);
             for _ in 0..FINE {
                 place += way;
                 let free: Vector3<f64> = bend - way;
                 bend = free * (friction / (stiffness * free.norm())).min(1.0);
                 slid += if k + window(p) > count { (free - bend).norm() } else { 0.0 };
-                felt += (stiffness * bend - felt) * (dt * faster * p.sensor_bandwidth);
+                sensed += (stiffness * bend - sensed) * (dt * faster * p.sensor_bandwidth);
             }
         }
         slid / (f64::from(window(p)) * p.sample_period)
@@ -321,7 +321,7 @@ mod tests {
                 let count = f64::from(window(&p));
                 let work = speed * count * p.sample_period;
                 sliding = Sliding { samples: window(&p), work, weighted: work, square: 0.5 * count, ..sliding };
-                sliding.judge(&p);
+                sliding.evaluate(&p);
                 assert!(added.contains(&sliding.added), "{sliding:?}");
             }
         }
@@ -362,7 +362,7 @@ mod tests {
         assert_eq!(sliding.raised(&tuned(|law| law.ratio = 1.0)), 0.0);
         let off = tuned(|law| law.sliding = 0.0);
         assert_eq!(sliding.raised(&off), 0.0);
-        sliding.judge(&off);
+        sliding.evaluate(&off);
         assert_eq!((sliding.added, sliding.windows), (0.0, 0));
     }
 
@@ -384,8 +384,8 @@ mod tests {
     #[test]
     fn friction_is_that_while_it_slides_but_no_less_than_the_force_on_the_whole() {
         let p = Parameters { stick_slip: StickSlip { sliding: 0.0, ..P.stick_slip }, ..P };
-        // slides for a quarter of the time against `friction` N, and stands under `rest` N
-        let told = |friction: f64, rest: f64| {
+        // slides for a quarter of the time against `friction` N, and rests under `rest` N
+        let measured = |friction: f64, rest: f64| {
             let mut sliding = Sliding::default();
             for k in 0..400 {
                 let (period, k) = (f64::from(k / 200), k % 200);
@@ -394,24 +394,24 @@ mod tests {
             }
             sliding.friction
         };
-        assert!((told(1.0, 0.0) - 1.0).abs() < 0.1, "{}", told(1.0, 0.0));
-        assert!((told(0.1, 2.0) - 3f64.sqrt()).abs() < 0.02, "{}", told(0.1, 2.0));
+        assert!((measured(1.0, 0.0) - 1.0).abs() < 0.1, "{}", measured(1.0, 0.0));
+        assert!((measured(0.1, 2.0) - 3f64.sqrt()).abs() < 0.02, "{}", measured(0.1, 2.0));
     }
 
     #[test]
     fn too_little_raises_it_to_the_most_and_is_told_after_a_second_there_but_not_nearly_enough() {
-        // 20 mm/s are the most, 10 mm/s are told
+        // 20 mm/s are the maximum, 10 mm/s are configured
         let slow = |time: f64| moved(&P, 30e3, 3.5, 10e-3, time).0;
         let first = slow(0.201);
         assert!((first.added - RISE * (P.stick_slip.sliding - first.speed.unwrap())).abs() < 1e-12, "{first:?}");
         assert!(slow(0.65).added > 9.9e-3 && !slow(1.59).too_little);
         assert!(matches!(slow(1.65), Sliding { added: 10e-3, too_little: true, .. }), "{:?}", slow(1.65));
-        // what slides enough goes back to what is told
+        // a ball that slides enough returns to the configured value
         let mut good = moved(&P, 200e3, 1.0, 10e-3, 0.15).0;
         good.added = 1e-3;
         (good.work, good.weighted) = (good.work + 1e-2, good.weighted + 1e-2);
         (good.samples, good.too_little) = (window(&P), true);
-        good.judge(&P);
+        good.evaluate(&P);
         assert!(good.added == 0.0 && !good.too_little, "{good:?}");
         for (share, expected) in [(0.95, false), (0.85, true)] {
             let mut most = Sliding::default();
@@ -428,24 +428,24 @@ mod tests {
             (0..WINDOWS).for_each(|_| sliding.add_to_verdict(p, 0.85 * p.stick_slip.sliding, true));
         };
         let mut sliding = Sliding { added: 10e-3, stuck: 19e-3, speed: Some(5e-3), ..Sliding::default() };
-        assert!(!sliding.begins_anew(&p, 20));
+        assert!(!sliding.restarts(&p, 20));
         slow(&mut sliding, &p);
-        assert!(!sliding.too_little && !sliding.begins_anew(&p, 30) && sliding.begins_anew(&p, 40));
+        assert!(!sliding.too_little && !sliding.restarts(&p, 30) && sliding.restarts(&p, 40));
         let begun = Sliding { lengthened: 20, speed: sliding.speed, ..Sliding::default() };
         assert_eq!(sliding, begun);
         p.stick_slip.half_period = 30;
         slow(&mut sliding, &p);
-        assert!(sliding.too_little && !sliding.begins_anew(&p, 60) && sliding.lengthened == 20);
+        assert!(sliding.too_little && !sliding.restarts(&p, 60) && sliding.lengthened == 20);
         // what nothing asks for any more ends with the period
         for tuned in [StickSlip { sliding: 0.0, ..p.stick_slip }, StickSlip { ratio: 5.0, ..p.stick_slip }] {
             let (p, mut sliding) = (Parameters { stick_slip: tuned, ..p.clone() }, sliding);
-            assert!(!sliding.begins_anew(&p, 59) && sliding.begins_anew(&p, 60) && sliding.lengthened == 0);
+            assert!(!sliding.restarts(&p, 59) && sliding.restarts(&p, 60) && sliding.lengthened == 0);
         }
         // and what was too short before is not raised
         (sliding, p.stick_slip.half_period) = (Sliding::default(), 10);
         slow(&mut sliding, &p);
         p.stick_slip.sliding = 0.0;
-        sliding.judge(&p);
-        assert!(!sliding.begins_anew(&p, 20));
+        sliding.evaluate(&p);
+        assert!(!sliding.restarts(&p, 20));
     }
 }

@@ -149,9 +149,9 @@ fn what_was_measured_is_used_on_request_and_the_robot_polishes_as_ever() {
         p.commission.apply = apply;
         let mut run = Loop::new(&p, unknown(731), 731);
         commission(&mut run);
-        let (m, told) = (run.output.measured, Parameters::START.stiffness_nominal);
+        let (m, nominal) = (run.output.measured, Parameters::START.stiffness_nominal);
         (0..100).for_each(|_| run.step_with(rest));
-        assert_eq!(run.parameters.stiffness_nominal, if apply { m.stiffness } else { told });
+        assert_eq!(run.parameters.stiffness_nominal, if apply { m.stiffness } else { nominal });
         assert_eq!(run.parameters.io_delay, if apply { m.io_delay.round() as i32 } else { 1 });
         let folder = tempfile::tempdir().unwrap();
         p.commission.export = folder.path().join("found.json").to_str().unwrap().into();
@@ -185,10 +185,10 @@ fn every_mounting_of_the_sensor_is_found() {
 
 #[test]
 fn it_is_broken_off_by_commission_and_by_enable_out_of_the_mold_and_into_rest() {
-    // at the zero of the sensor, on the way up, in the excitation, on the way down, pressing, rubbing, and during the retract
+    // at the zero of the sensor, during rise, excitation, descent, pressing, rubbing, and retract
     for time in [0.05, 0.15, 3.0, 5.4, 8.0, 17.0, 19.2] {
         for enable in [false, true] {
-            // counts z the other way: what was told would press the tool into the mold
+            // inverts z: with the configured mounting the tool would press into the mold
             let build = Build { signs: Vector3::new(1.0, 1.0, -1.0), ..unknown(751) };
             let mut run = Loop::new(&applied(), build, 750);
             begin(&mut run, time);

@@ -112,7 +112,7 @@ fn position_error_when_nothing_brings_the_tool_back() {
         (p.stick_slip.mode, p.limits.position_error) = (Mode::Off, 50e-6);
         p.position.gain = Axes::ZERO;
     });
-    // the axes do what they are told, from a position that is 80 um across the path
+    // the axes move as commanded, from a position that is 80 um across the path
     let mut run = Loop::beside(&p, Build::NOMINAL, 55, Vector3::new(0.0, 80e-6, 0.0));
     assert!(run.run_to(State::Follow, 5.0), "{:?}", run.output);
     retracts(run, Fault::PositionError, 0.1);
@@ -130,7 +130,7 @@ fn surface_error_when_the_mold_sinks_slowly() {
         }
     }
     assert_eq!(run.output.fault, Fault::SurfaceError);
-    // told is the surface, not the ball, which presses into it
+    // this is the surface, not the ball, which presses into it
     let sunk = -run.robot.build.shift.z;
     assert!((sunk / p.limits.surface_error - 1.0).abs() < 0.1, "{sunk}");
 }

@@ -120,7 +120,7 @@ fn the_ratio_keeps_the_gain_at_another_feed() {
 fn the_feed_of_the_file() {
     let mut p = without(Parameters::START);
     p.feed.source = FeedSource::File;
-    // another one, which must not count
+    // another one, which must have no effect
     p.feed.velocity = 1e-4;
     job("feed of the file", &p, Build::NOMINAL, 107);
 }
@@ -164,7 +164,7 @@ fn a_shifted_mold_is_found_and_followed() {
 
 #[test]
 fn a_mold_is_found_where_the_tool_is_and_not_where_the_path_is() {
-    // drives of half the gain are 6 ms late: 48 um at this feed, and 8 degrees of a turn of 0.35 mm
+    // drives of half the gain are 6 ms late: 48 um at this feed, and 8 degrees of a revolution of 0.35 mm
     let shift = Vector3::new(0.1e-3, -0.1e-3, 0.0);
     let build = Build { shift, drive_gain: 0.5, ..Build::NOMINAL };
     let mut p = without(Parameters::START);
@@ -272,14 +272,14 @@ fn ten_hours_without_a_false_fault() {
 #[ignore = "prints tables"]
 fn tables() {
     for half_period in [1, 2, 5, 10, 20] {
-        let mut told = format!("measured: polish-gain | {half_period} |");
+        let mut line = format!("measured: polish-gain | {half_period} |");
         for velocity in [5, 10, 20] {
             let mut p = Parameters::START;
             (p.stick_slip.half_period, p.stick_slip.sliding) = (half_period, 0.0);
             p.stick_slip.velocity = 1e-3 * f64::from(velocity);
-            told += &format!(" at_{velocity}={}", Loop::new(&p, Build::NOMINAL, 300).job(30.0).unwrap().gain);
+            line += &format!(" at_{velocity}={}", Loop::new(&p, Build::NOMINAL, 300).job(30.0).unwrap().gain);
         }
-        println!("{told}");
+        println!("{line}");
     }
     for damping in [20, 10, 5] {
         let mut p = without(printed());

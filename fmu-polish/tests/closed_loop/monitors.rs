@@ -75,7 +75,7 @@ fn a_force_that_stands_is_frozen_and_the_tool_leaves() {
 
 #[test]
 fn a_force_that_stood_at_the_touch_and_then_jumps_ends_the_job() {
-    // 0.2 mm of air are 0.4 s of the way down
+    // 0.2 mm of air are 0.4 s of the approach
     for (from, samples) in [(350, 120), (350, 200), (390, 60)] {
         let failure = fails(&P, Build::NOMINAL, State::Approach, |input, k| {
             if (from..from + samples).contains(&k) {
@@ -101,7 +101,7 @@ fn a_last_bit_that_flickers_hides_no_frozen_force() {
 #[test]
 fn noise_about_a_force_that_stands_hides_nothing() {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(516);
-    // what falls away as slowly as the path may is told by its friction: 0.2 of 16 N are 0.68 of what the sensor says
+    // a signal that falls as slowly as the path may is detected by its friction: 0.2 of 16 N are 0.68 of the signal
     for (value, expected) in [(4.0, Fault::ForceFrozen), (4.5, Fault::InvalidPath)] {
         let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| {
             let noise: f64 = StandardNormal.sample(&mut random);
@@ -171,7 +171,7 @@ fn one_bad_sample_moves_nothing_and_ends_nothing() {
 
 #[test]
 fn what_stays_bad_is_lost_or_has_jumped() {
-    // with the positions known the tool goes out without a force
+    // with valid positions the tool retracts without a force signal
     let cases: [(Fault, bool, Spoil); 5] = [
         (Fault::ForceLost, true, |input| input.force.y = f64::NAN),
         (Fault::ForceJump, true, |input| input.force.y = 90.0),
@@ -289,7 +289,7 @@ fn a_loop_that_swings_is_named_by_it_and_not_by_its_error() {
     for (bandwidth, stiffer, late) in [(35.0, 1.0, 40), (80.0, 1.0, 15), (80.0, 1.0, 20), (80.0, 3.0, 0)] {
         assert_eq!(swinging(bandwidth, stiffer, late), Fault::Oscillation, "{bandwidth} {stiffer} {late}");
     }
-    // with its margin it bears both
+    // with its margin it tolerates both
     assert_eq!(swinging(35.0, 3.0, 0), Fault::None);
     assert_eq!(swinging(35.0, 1.0, 20), Fault::None);
 }

@@ -25,8 +25,11 @@ fn the_outputs_of_a_job_hold_together() {
         // x_d - x, in three directions
         let offset = output.desired.vector() - input.position.vector();
         let parts = [offset.dot(&tangent), offset.dot(&normal.cross(&tangent)), offset.dot(&normal)];
-        let told = [output.error.tangential, output.error.lateral, output.error.normal];
-        assert!(parts.iter().zip(told).all(|(part, told)| (part - told).abs() < 1e-15), "{parts:?} {told:?}");
+        let expected = [output.error.tangential, output.error.lateral, output.error.normal];
+        assert!(
+            parts.iter().zip(expected).all(|(part, expected)| (part - expected).abs() < 1e-15),
+            "{parts:?} {expected:?}"
+        );
         assert_eq!(output.force.error, output.force.setpoint - output.force.measured);
         let pressing = matches!(output.state, State::Settle | State::Follow | State::Unload);
         assert_eq!(output.in_contact, pressing && output.force.measured >= P.limits.lost_force);

@@ -83,8 +83,8 @@ struct Axis {
 }
 
 impl Axis {
-    fn substep(&mut self, build: &Build, told: Option<f64>, load: f64) {
-        let push = if let Some(told) = told { self.servo(build, told) } else { self.off() };
+    fn substep(&mut self, build: &Build, commanded: Option<f64>, load: f64) {
+        let push = if let Some(commanded) = commanded { self.servo(build, commanded) } else { self.off() };
         self.roll = (self.roll + self.velocity * DT) / (1.0 + self.velocity.abs() * DT / ROLLING_WAY);
         let friction = build.drive_friction * self.roll / ROLLING_WAY;
         self.velocity += DT * (push + (load - friction) / MASS);
@@ -98,10 +98,10 @@ impl Axis {
     }
 
     /// Acceleration by the loops, m/s2.
-    fn servo(&mut self, build: &Build, told: f64) -> f64 {
+    fn servo(&mut self, build: &Build, commanded: f64) -> f64 {
         let drive = Parameters::START.drive;
-        self.reference += told * DT;
-        self.ahead += (told - self.ahead) * DT * drive.feedforward_bandwidth;
+        self.reference += commanded * DT;
+        self.ahead += (commanded - self.ahead) * DT * drive.feedforward_bandwidth;
         let wanted =
             build.drive_gain * drive.position_gain * (self.reference - self.position) + build.feedforward * self.ahead;
         let lag = wanted - self.velocity;
@@ -160,14 +160,14 @@ impl Robot {
 
     /// One communication step; the pulses act from the next step on. Without `enable` the motors give no force.
     pub fn advance(&mut self, pulses: Vector3<i32>, enable: bool) {
-        let told = self.pending[self.build.late].map(|count| 1e-6 * f64::from(count) / STEP);
+        let commanded = self.pending[self.build.late].map(|count| 1e-6 * f64::from(count) / STEP);
         self.pending.rotate_right(1);
         self.pending[0] = pulses;
-        let told = told.component_mul(&self.build.pulses);
+        let commanded = commanded.component_mul(&self.build.pulses);
         for _ in 0..SUBSTEPS {
             let load = self.contact();
             for i in 0..3 {
-                self.axes[i].substep(&self.build, enable.then_some(told[i]), load[i]);
+                self.axes[i].substep(&self.build, enable.then_some(commanded[i]), load[i]);
             }
             self.filtered += (load + WEIGHT - self.filtered) * (1.0 - (-SENSOR_BANDWIDTH * DT).exp());
         }

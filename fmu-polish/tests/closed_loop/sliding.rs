@@ -14,13 +14,13 @@ fn slides(p: &Parameters, build: Build) -> (f64, f64, f64) {
     let mut run = Loop::new(p, build, 600);
     assert!(run.run_to(State::Follow, 5.0));
     (0..1000).for_each(|_| run.step());
-    let (before, mut told) = (run.robot.slid, 0.0);
+    let (before, mut measured) = (run.robot.slid, 0.0);
     for _ in 0..1000 {
         run.step();
-        told += 1e-3 * run.output.sliding.speed;
+        measured += 1e-3 * run.output.sliding.speed;
     }
     assert_eq!(run.output.state, State::Follow, "{:?}", run.output.fault);
-    (run.robot.slid - before, told, run.output.sliding.added)
+    (run.robot.slid - before, measured, run.output.sliding.added)
 }
 
 fn tip(lateral: f64, friction: f64) -> Build {
@@ -32,8 +32,8 @@ fn the_speed_is_measured_on_any_tip_and_without_its_stiffness() {
     let mut p = P;
     p.stick_slip.sliding = 0.0;
     for (lateral, friction) in [(209e3, 0.1), (209e3, 0.4), (100e3, 0.2), (60e3, 0.2), (60e3, 0.4), (30e3, 0.3)] {
-        let (truth, told, added) = slides(&p, tip(lateral, friction));
-        assert!((told / truth - 1.0).abs() < 0.15, "{lateral} {friction}: {told} {truth}");
+        let (truth, measured, added) = slides(&p, tip(lateral, friction));
+        assert!((measured / truth - 1.0).abs() < 0.15, "{lateral} {friction}: {measured} {truth}");
         assert_eq!(added, 0.0);
     }
 }
@@ -146,8 +146,8 @@ fn a_circle_slides_half_as_far_again_and_more_the_softer_the_tip_and_the_force_s
 #[test]
 fn a_circle_is_measured_and_raised_where_the_tip_is_soft() {
     for (lateral, friction) in [(209e3, 0.2), (60e3, 0.4), (30e3, 0.3)] {
-        let (truth, told, _) = slides(&circular(), tip(lateral, friction));
-        assert!((told / truth - 1.0).abs() < 0.2 && truth > 5.4e-3, "{lateral} {friction}: {told} {truth}");
+        let (truth, measured, _) = slides(&circular(), tip(lateral, friction));
+        assert!((measured / truth - 1.0).abs() < 0.2 && truth > 5.4e-3, "{lateral} {friction}: {measured} {truth}");
     }
 }
 

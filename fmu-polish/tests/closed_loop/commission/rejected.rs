@@ -6,7 +6,7 @@ use super::*;
 fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
     for apply in [false, true] {
         let mut p = Parameters::START;
-        // as much as the drives bear that were configured, and more than these
+        // the maximum for the configured drives, and too much for the actual ones
         (p.commission.apply, p.position.gain) = (apply, Axes::all(75.0));
         let mut run = Loop::new(&p, Build { drive_gain: 0.7, ..Build::NOMINAL }, 772);
         begin(&mut run, 0.0);
@@ -16,7 +16,7 @@ fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
         }
         let m = run.output.measured;
         assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
-        // as sure as guides leave it
+        // as certain as the guides allow
         assert!(!m.valid && (0.5..0.9).contains(&m.drive_gain) && m.drive_gain_std < 0.15 * m.drive_gain, "{m:?}");
         (0..1000).for_each(|_| run.step_with(rest));
         assert_eq!((run.parameters.clone(), run.robot.normal_force), (p, 0.0));
