@@ -64,7 +64,7 @@ class Recorder:
         self.taken = 0
         # inputs that nothing drives are constant
         first = 1
-        for fmu, variable in idle(fmus):
+        for fmu, variable in undriven_inputs(fmus):
             self.table[:, first] = fmu.read(variable)
             first += 1
         self.start = first
@@ -128,7 +128,7 @@ class Recorder:
             self.taken += rows
 
 
-def idle(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]:
+def undriven_inputs(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]:
     """Numeric inputs of the FMUs that nothing drives."""
     moved = {(fmu.name, v.name) for fmu in fmus for bank in fmu.inputs for v in bank.variables}
     inputs = [(fmu, v) for fmu in fmus for v in fmu.file.named("input") if v.kind != "String"]
@@ -140,7 +140,7 @@ def columns(fmus: Sequence[Instance], plant: Plant) -> dict[str, Variable | None
     moved = [(fmu, v) for fmu in fmus for bank in [*fmu.inputs, *fmu.outputs] for v in bank.variables]
     return {
         "time": None,
-        **{f"{fmu.name}.{variable.name}": variable for fmu, variable in [*idle(fmus), *moved]},
+        **{f"{fmu.name}.{variable.name}": variable for fmu, variable in [*undriven_inputs(fmus), *moved]},
         **{f"plant.{channel.name}": None for channel in plant.truths},
     }
 

@@ -17,10 +17,10 @@ MAX_NAMES = 8
 
 
 def report(scenario: Scenario, fmus: Sequence[Instance], plant: Plant) -> None:
-    """Log undriven inputs that `idle` does not list, and ineffective settings."""
+    """Log undriven inputs that `undriven` does not list, and ineffective settings."""
     known = ends(fmus, plant)
     if text := unknown(scenario, known):
-        warn_once(f"{scenario.origin('idle')}: {text}")
+        warn_once(f"{scenario.origin('undriven')}: {text}")
     if forgotten := undriven(scenario, known):
         warn_once(f"{scenario.origin('wire')}: {sentence(forgotten, plant)}")
     for key, doubt in ineffective_settings(scenario):
@@ -37,11 +37,11 @@ def report_unmet(scenario: Scenario, injected: Sequence[float | None]) -> None:
 
 
 def unknown(scenario: Scenario, known: list[str]) -> str:
-    """Sentence about unknown names in `idle`; empty if there are none."""
-    names = [name for name in scenario.idle if name not in known]
+    """Sentence about unknown names in `undriven`; empty if there are none."""
+    names = [name for name in scenario.undriven if name not in known]
     if not names:
         return ""
-    return f"`idle` lists {quoted(names)}, which is not an input or command. {closest(names[0], known)}"
+    return f"`undriven` lists {quoted(names)}, which is not an input or command. {closest(names[0], known)}"
 
 
 def ends(fmus: Sequence[Instance], plant: Plant) -> list[str]:
@@ -54,7 +54,7 @@ def sentence(forgotten: list[str], plant: Plant) -> str:
     """Sentence about undriven inputs; shows the start value of commands that do not start at 0."""
     held = {f"plant.{channel.name}": start(channel) for channel in plant.commands if start(channel)}
     names = [f"`{name}`" + (f" (stays at {held[name]:g})" if name in held else "") for name in forgotten]
-    return f"nothing drives {several(names)}: add the missing wires and list the others in `idle`"
+    return f"nothing drives {several(names)}: add the missing wires and list the others in `undriven`"
 
 
 def several(names: list[str]) -> str:
@@ -69,7 +69,7 @@ def quoted(names: list[str]) -> str:
 
 
 def undriven(scenario: Scenario, known: list[str]) -> list[str]:
-    """List the names of `known` without wire, signal, injection or start value that `idle` does not list."""
+    """List the names of `known` without wire, signal, injection or start value that `undriven` does not list."""
     started = {f"{choice.name}.{name}" for choice in scenario.fmus for name in choice.parameters}
-    meant = {to for _, to in targets(scenario)} | started | set(scenario.idle)
+    meant = {to for _, to in targets(scenario)} | started | set(scenario.undriven)
     return [name for name in known if name not in meant]

@@ -57,7 +57,7 @@ def head(draft: Draft) -> Iterator[str]:
     names += [f"plant.{end.end.name}" for end in undriven(draft.commanded, draft.commands)]
     if names:
         yield "# undriven: remove the `# `; the list names inputs that keep their start value"
-        yield f"# idle = [{', '.join(map(quoted, names))}]"
+        yield f"# undriven = [{', '.join(map(quoted, names))}]"
     yield ""
     yield "[loop]"
     yield f"step = {draft.step!r}".ljust(26) + "# s, communication step of the FMU"

@@ -13,7 +13,7 @@ from cosim.scenario.tables import IDENTITY, Fail, show
 
 MAX_STEPS = 1e12
 """Maximum number of steps; later times are never reached."""
-TAKEN = {"plant", "loop", "time", "title", "description", "idle", "plot", *IDENTITY}
+TAKEN = {"plant", "loop", "time", "title", "description", "undriven", "plot", *IDENTITY}
 """Names with another meaning in wires, columns and overrides."""
 
 

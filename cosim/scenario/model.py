@@ -336,7 +336,7 @@ class Scenario:
         The only FMU.
     fmu
         Several FMUs, in the order of their steps.
-    idle
+    undriven
         Intentionally undriven `controller.<input>` and `plant.<command>`; others cause a warning.
     """
 
@@ -346,7 +346,7 @@ class Scenario:
     fmu: tuple[FmuChoice, ...] = ()
     plant: PlantChoice = PlantChoice("")
     description: str = ""
-    idle: tuple[str, ...] = ()
+    undriven: tuple[str, ...] = ()
     wire: tuple[Wire, ...] = ()
     signal: tuple[Signal, ...] = ()
     inject: tuple[Injection, ...] = ()

@@ -17,6 +17,8 @@ from cosim.scenario.toml import parse_file, toml_value
 SET = "--set"
 Place = list[str | int]
 """Path to a value: names of tables and indices of arrays."""
+RENAMED = {"idle": "undriven"}
+"""Keys of version 0.1 and their replacements."""
 
 
 @dataclass
@@ -96,6 +98,8 @@ def parse_scenario(file: Path) -> dict[str, Any]:
     """Parse one file of a scenario; reject studies."""
     table = parse_file(file)
     check_kind(table, file, "scenario")
+    for key in table.keys() & RENAMED.keys():
+        raise ScenarioError(f"`{paths.shown(file)}`: `{key}` was renamed", f"Use `{RENAMED[key]}`.")
     return table
 
 

@@ -20,7 +20,7 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 SCENARIO = """
 title = "Lag with a probe"
-idle = ["controller.count", "controller.mode", "controller.flag", "plant.extra"]
+undriven = ["controller.count", "controller.mode", "controller.flag", "plant.extra"]
 
 [loop]
 step = 0.001

@@ -56,12 +56,13 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         ("`controller.count` is `[2020-01-01]`",),
     ),
     "parameter is a date": (WHOLE + "[controller.parameters]\ngain = 2020-01-01\n", ("`controller.gain`",)),
-    "idle is a text": (
-        'idle = "plant.extra"\n'
-        + WHOLE.replace("idle", "description", 1).replace(
+    "old key": (edited("undriven", "idle"), ("`idle` was renamed", "Use `undriven`.")),
+    "a list as text": (
+        'undriven = "plant.extra"\n'
+        + WHOLE.replace("undriven", "description", 1).replace(
             '["controller.count", "controller.mode", "controller.flag", "plant.extra"]', '"x"'
         ),
-        ("`idle`",),
+        ("`undriven`",),
     ),
     "seed is a number": (edited("[loop]", "[loop]\nseed = 1.5"), ("`loop.seed`", "an integer")),
     "drops without extends": ('drop = ["wire"]\n' + WHOLE, ("`drop`", "without `extends`")),

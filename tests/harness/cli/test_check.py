@@ -124,7 +124,7 @@ def test_undriven_ends_and_missing_demands_are_warnings(write: Write) -> None:
         "`controller.in`, `controller.count`, `controller.mode`, `controller.flag`, `plant.u`, `plant.extra`"
     )
     assert found.warnings == [
-        f"nothing drives {ends}: add the missing wires and list the others in `idle`",
+        f"nothing drives {ends}: add the missing wires and list the others in `undriven`",
         "the scenario has no criteria",
     ]
 
@@ -133,13 +133,13 @@ def test_an_unknown_name_in_idle_is_a_warning(write: Write) -> None:
     text = SCENARIO.replace('"plant.extra"]', '"plant.extra", "plant.extras"]')
     (reported,) = check(str(write(COMPLETE, text=text))).warnings
     assert reported.startswith(
-        "`idle` lists `plant.extras`, which is not a known input and no command; did you mean `plant."
+        "`undriven` lists `plant.extras`, which is not a known input and no command; did you mean `plant."
     )
 
 
 def test_a_start_value_a_signal_or_idle_is_an_answer(write: Write) -> None:
     text = (
-        'title = "t"\nidle = ["controller.count", "controller.mode", "controller.flag"]\n'
+        'title = "t"\nundriven = ["controller.count", "controller.mode", "controller.flag"]\n'
         'loop = {step = 0.001, duration = 0.01}\nplant = {name = "probe_plants:Lag"}\n'
         'controller = {fmu = "probe", parameters = {"in" = 0.5}}\n'
         '[[signal]]\nto = "plant.u"\ntimes = [0.0]\nvalues = [0.0]\n'

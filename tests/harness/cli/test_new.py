@@ -106,9 +106,9 @@ def test_the_comment_at_the_top_quiets_what_is_left(folder: Path) -> None:
     (folder / "cart.xml").write_text(MJCF)
     called("new", "probe.fmu", "cart.xml")
     text = (folder / "probe.toml").read_text()
-    (folder / "quiet.toml").write_text(text.replace("# idle = [", "idle = [", 1))
+    (folder / "quiet.toml").write_text(text.replace("# undriven = [", "undriven = [", 1))
     scenario = api.load(folder / "quiet.toml")
-    assert scenario.idle == ("controller.count", "controller.mode", "controller.flag", "plant.brake")
+    assert scenario.undriven == ("controller.count", "controller.mode", "controller.flag", "plant.brake")
     assert "nothing drives" not in called("check", "quiet.toml").stderr
 
 

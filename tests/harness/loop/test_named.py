@@ -27,7 +27,7 @@ IDLE = '["a.count", "a.mode", "a.flag", "b.count", "b.flag"]'
 DEMAND = '[[criterion]]\nid = "end"\nclaim = "The end is {0}"\nmetric = "end"\nequals = {0}\n'
 END = '[[metric]]\nname = "end"\nvalue = "last(b.out) + count(b.mode == \\"Fast\\")"\n'
 CHAIN = (
-    f"idle = {IDLE}\n{LOOP}"
+    f"undriven = {IDLE}\n{LOOP}"
     + fmu("a", gain=2.0)
     + fmu("b")
     + wire("a.out", "b.in")

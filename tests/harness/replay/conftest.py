@@ -24,7 +24,7 @@ CART = """
 """
 SCENARIO = """
 title = "A cart is pushed"
-idle = ["controller.count", "controller.flag"]
+undriven = ["controller.count", "controller.flag"]
 [loop]
 step = 0.001
 duration = 0.2

@@ -24,7 +24,7 @@ def test_what_nothing_drives_is_warned_of_once(write: Write, caplog: pytest.LogC
         cosim.run(cosim.load(file))
     unknown, forgotten = (record.getMessage() for record in caplog.records)
     assert unknown.startswith(
-        "`lag.toml`: `idle` lists `plant.etra`, which is not a known input and no command; "
+        "`lag.toml`: `undriven` lists `plant.etra`, which is not a known input and no command; "
     )
     assert unknown.endswith("Use `plant.extra`")
     assert forgotten.startswith("`lag.toml`: nothing drives `controller.flag`, `plant.extra`: wire what is ")
