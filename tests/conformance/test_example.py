@@ -159,3 +159,13 @@ def test_a_crate_elsewhere_is_packed_validated_and_simulated() -> None:
     subprocess.run([*command, "-o", str(folder / "plain")], check=True)
     pressed = subprocess.run([str(folder / "plain")], capture_output=True, text=True, check=True)
     assert float(pressed.stdout) == pytest.approx(-200.0 * 1e-3)
+
+    # a local variable is an output on request
+    model = folder / "src/lib.rs"
+    declared = "#[var(unit = NEWTON)]"
+    assert declared in model.read_text()
+    model.write_text(model.read_text().replace(declared, "#[var(unit = NEWTON, local)]"))
+    words = ("--outputs", "all", "--target-dir", str(FOLDER / "all"), "--output", str(file))
+    every = cargo_fmu(program, folder, *words)
+    assert every.returncode == 0, every.stderr
+    assert [v.causality for v in fmpy.read_model_description(file).modelVariables] == ["input", "output", "parameter"]
