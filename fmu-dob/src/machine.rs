@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn the_whole_way_of_one_approach() {
+    fn the_whole_sequence_of_one_approach() {
         let begin = Events { begin: true, restful: true, ..QUIET };
         let elapsed = Events { elapsed: true, ..QUIET };
         let contact = Events { contact: Some(ContactSource::Slope), ..QUIET };
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_teaching_goes_from_touch_to_touch_and_ends_in_idle() {
+    fn a_calibration_goes_from_touch_to_touch_and_ends_in_idle() {
         let calibrate = Events { calibrate: true, restful: true, retreated: true, ..QUIET };
         for state in [State::Idle, State::Done] {
             assert_eq!(next(state, &calibrate), State::Calibrate);
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_job_lasts_from_the_approach_to_the_retract() {
+    fn a_cycle_lasts_from_the_approach_to_the_retract() {
         let at_work: Vec<bool> = State::ALL.iter().map(|state| state.at_work()).collect();
         assert_eq!(at_work, [false, true, true, true, true, true, false, false, false, true, false]);
         let approaching: Vec<bool> = State::ALL.iter().map(|state| state.approaching()).collect();
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_job_begins_in_idle_or_done() {
+    fn a_cycle_begins_in_idle_or_done() {
         let waits = State::ALL.iter().filter(|state| state.waits());
         assert_eq!(waits.copied().collect::<Vec<_>>(), [State::Idle, State::Done]);
     }
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_ends_by_a_reset_at_rest_behind_the_retreat_and_then_waits() {
+    fn a_fault_ends_by_a_reset_at_rest_after_the_retract_and_then_waits() {
         let reset = Events { reset: true, restful: true, retreated: true, ..QUIET };
         assert_eq!(next(State::Fault, &reset), State::Idle);
         let too_early = [

@@ -34,19 +34,19 @@ fn job(p: &Parameters) {
 }
 
 #[test]
-fn a_job_of_each_detector() {
+fn a_cycle_of_each_detector() {
     for &detector in DetectorKind::ALL {
         job(&Parameters { detector, ..Parameters::START });
     }
 }
 
 #[test]
-fn a_job_of_the_paper() {
+fn a_cycle_of_the_paper() {
     job(&Parameters::PAPER);
 }
 
 #[test]
-fn a_disabled_job_with_integral_action() {
+fn a_disabled_cycle_with_integral_action() {
     let mut p = Parameters::START;
     p.servo.disturbance_compensation = false;
     let mut run = Loop::new(&p, 52, NO_WORKPIECE);
@@ -75,7 +75,7 @@ fn a_commission_that_is_applied() {
 }
 
 #[test]
-fn a_teaching_that_is_applied() {
+fn a_calibration_that_is_applied() {
     let mut p = Parameters::START;
     (p.calibration.position, p.calibration.apply, p.calibration.touches) = (9e-5, true, 2);
     (p.calibration.velocity_min, p.limits.touch_scatter, p.calibration.std_max) = (9e-5, 1e-6, 1e-6);

@@ -194,8 +194,8 @@ mod tests {
                 let swing = if (0.6e-3..6.6e-3).contains(&time) { (TAU * time / 6e-3).sin() } else { 0.0 };
                 let next = if found && time < 0.6e-3 { -20.0 } else { 3.0 * swing };
                 // a command that acts a sample late is reported before it acts
-                let told = if drive.late > 0.0 { next } else { turn };
-                let thrust = (self.weight + self.damping * self.velocity + told) / self.gain;
+                let commanded = if drive.late > 0.0 { next } else { turn };
+                let thrust = (self.weight + self.damping * self.velocity + commanded) / self.gain;
                 let read = (!self.lost.contains(&k)).then_some(depth);
                 press.update(&p, drive, read, thrust / p.stage.force_constant, self.velocity, found);
                 turn = next;
@@ -216,7 +216,7 @@ mod tests {
         Touch { velocity: 3e-4, weight: 0.4, stiffness: 4e6, seen: 8e-4, gain: 1.0, damping: 0.0, lost: [i32::MAX; 2] };
 
     #[test]
-    fn the_momentum_of_a_touch_tells_its_largest_force() {
+    fn the_momentum_of_a_touch_gives_its_largest_force() {
         let mut press = Press::default();
         for touch in [
             FAST,
@@ -226,16 +226,16 @@ mod tests {
             let commissioned = touch.forces(&mut press, &touch.drive());
             let frictionless = Touch { damping: 0.0, ..touch };
             // the mean of a half sine over its largest value, 2 / pi, is the same for force and depth
-            for [told, truth] in [commissioned, frictionless.forces(&mut press, &UNKNOWN)] {
-                assert!((told / truth - 1.0).abs() < 0.05, "{touch:?}: {told} N of {truth} N");
+            for [estimated, actual] in [commissioned, frictionless.forces(&mut press, &UNKNOWN)] {
+                assert!((estimated / actual - 1.0).abs() < 0.05, "{touch:?}: {estimated} N of {actual} N");
             }
         }
-        let [told, truth] = FAST.forces(&mut press, &Drive { late: 1e-4, ..FAST.drive() });
-        assert!((told / truth - 1.0).abs() < 0.05, "late: {told} N of {truth} N");
+        let [estimated, actual] = FAST.forces(&mut press, &Drive { late: 1e-4, ..FAST.drive() });
+        assert!((estimated / actual - 1.0).abs() < 0.05, "late: {estimated} N of {actual} N");
         // in the reversal, and after it
         for lost in [[10, 11], [40, 41]] {
-            let [told, truth] = Touch { lost, ..FAST }.forces(&mut press, &FAST.drive());
-            assert!((told / truth - 1.0).abs() < 0.1, "lost {lost:?}: {told} N of {truth} N");
+            let [estimated, actual] = Touch { lost, ..FAST }.forces(&mut press, &FAST.drive());
+            assert!((estimated / actual - 1.0).abs() < 0.1, "lost {lost:?}: {estimated} N of {actual} N");
         }
         // the next approach has not touched yet, wherever it begins, and may touch nothing
         for depth in [-1e-6, 1e-6] {
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_current_that_comes_later_than_told_is_known_by_a_commission() {
+    fn a_current_that_comes_later_than_configured_is_known_by_a_commission() {
         let mut p = Parameters::START;
         let mut measured =
             Measured { valid: true, force_constant: 18.0, io_delay: 0.75, damping: 12.0, ..Measured::START };
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_that_is_never_reached_tells_no_force() {
+    fn a_position_that_is_never_reached_shows_no_force() {
         let p = Parameters::START;
         let mut press = Press::default();
         (0..100).for_each(|k| press.update(&p, &UNKNOWN, Some(-1e-6), 0.1 * f64::from(k), 1e-4, k > 10));

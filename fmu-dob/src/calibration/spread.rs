@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_that_of_a_taught_speed_and_lies_between_two_elsewhere() {
+    fn it_is_that_of_a_calibrated_speed_and_lies_between_two_elsewhere() {
         let speeds = [1.0, 2.0, 4.0, 8.0, 16.0].map(|k| 1e-5 * k);
         let spread = Spread { speeds, touch: [3e-8, 1e-8, 1e-8, 2e-8, 6e-8], bias: [0.0; SPEEDS] };
         let near = |velocity: f64, expected: f64| {

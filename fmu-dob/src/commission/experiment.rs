@@ -172,7 +172,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stroke_may_leave_its_turn_unanswered_while_it_brakes_and_nothing_at_its_speed() {
+    fn a_stroke_may_leave_its_reversal_unanswered_while_it_brakes_and_nothing_at_its_speed() {
         let p = Parameters::START;
         let mut experiment = Experiment::new(&p, 0.0);
         assert_eq!(experiment.unanswered(0.0), experiment.plan.unanswered());

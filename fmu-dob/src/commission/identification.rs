@@ -126,11 +126,12 @@ impl Identification {
             };
         }
         // near the active values, with which the stage is held, and near the configured ones, so that repeated runs do not drift
-        let told = self.values.told();
-        let near = [p.stage.force_constant, told.force_constant];
-        self.rejected = !near.into_iter().all(|told| acceptable(p, told, self.longest_delay, &self.measured));
+        let configured = self.values.told();
+        let near = [p.stage.force_constant, configured.force_constant];
+        self.rejected =
+            !near.into_iter().all(|configured| acceptable(p, configured, self.longest_delay, &self.measured));
         if !self.rejected {
-            self.values.propose(told.with_response(&self.measured));
+            self.values.propose(configured.with_response(&self.measured));
         }
     }
 
@@ -151,10 +152,10 @@ impl Identification {
             slope_sigma_std: slope.deviation,
             ..self.measured
         };
-        let told = self.values.told();
-        self.rejected = !told.quiet(p, &self.measured);
+        let configured = self.values.told();
+        self.rejected = !configured.quiet(p, &self.measured);
         if !self.rejected {
-            self.values.propose(told.derived(p, &self.measured));
+            self.values.propose(configured.derived(p, &self.measured));
         }
     }
 }

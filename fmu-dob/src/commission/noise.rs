@@ -165,7 +165,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     #[test]
-    fn white_noise_on_a_motion_and_a_force_that_wanders_are_told() {
+    fn white_noise_on_a_motion_and_a_force_that_drifts_are_detected() {
         let p = Parameters::START;
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(5);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_that_swings_is_neither_white_nor_a_walk() {
+    fn a_force_that_oscillates_is_neither_white_nor_a_walk() {
         let p = Parameters::START;
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(6);
         let mut noise = Noise::new(&p);

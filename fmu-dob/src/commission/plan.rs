@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn travel_and_force_are_kept_by_a_stage_that_is_not_what_was_told() {
+    fn travel_and_force_are_kept_by_a_stage_that_is_not_what_was_configured() {
         for force in [0.0, 1.0] {
             let mut p = Parameters::START;
             p.commission.force = force;
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+    fn bounds_of_the_defaults_and_bounds_that_are_detected() {
         let mut p = Parameters::START;
         let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-9, "{value} {expected}");
         // 100 um/s for 0.75 s, and 0.1 um at each end

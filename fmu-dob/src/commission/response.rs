@@ -89,9 +89,9 @@ pub fn loop_spread(p: &Parameters) -> f64 {
 pub fn response(p: &Parameters, plan: &Plan, spectra: &PeriodicSpectra) -> Result<Estimate<4>, NoEstimate> {
     let frequencies = plan.excitation.sines.frequencies();
     let tones: [Tone; TONES] = std::array::from_fn(|i| Tone::new(p, frequencies[i], spectra.line(i)));
-    let told = Unknowns::from([p.stage.force_constant / p.stage.mass, f64::from(p.io_delay), 0.0, 0.0]);
+    let nominal = Unknowns::from([p.stage.force_constant / p.stage.mass, f64::from(p.io_delay), 0.0, 0.0]);
     // the variances are those at the configured values, then at the found ones
-    let first = fit(&tones, told, &told)?;
+    let first = fit(&tones, nominal, &nominal)?;
     fit(&tones, first.value, &first.value)
 }
 
@@ -141,10 +141,10 @@ mod tests {
     }
 
     #[test]
-    fn every_unknown_is_found_far_from_what_was_told() {
+    fn every_unknown_is_found_far_from_what_was_configured() {
         let p = Parameters::START;
-        for truth in [[1.1, 0.0, 1.0, 4.0], [2.0, 1.0, 0.0, 0.0], [3.6, 2.6, 5.0, -30.0]] {
-            let value = found(&p, Unknowns::from(truth), 0.0, 1).unwrap().value;
+        for expected in [[1.1, 0.0, 1.0, 4.0], [2.0, 1.0, 0.0, 0.0], [3.6, 2.6, 5.0, -30.0]] {
+            let value = found(&p, Unknowns::from(expected), 0.0, 1).unwrap().value;
             let spread = [1e-6, 1e-4, 1e-3, 1e-2];
             (0..4).for_each(|i| assert!((value[i] - expected[i]).abs() < spread[i], "{expected:?}: {value}"));
         }
@@ -156,9 +156,9 @@ mod tests {
         // one percent, so that the minimum uncertainty of a tone has no effect
         let all: Vec<Estimate<4>> = (0..60).map(|seed| found(&p, truth, 3e-7, seed).unwrap()).collect();
         for i in 0..4 {
-            let told = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
+            let expected = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
             let scatter = all.iter().map(|one| (one.value[i] - truth[i]).powi(2)).sum::<f64>() / all.len() as f64;
-            let ratio = scatter.sqrt() / told;
+            let ratio = scatter.sqrt() / expected;
             assert!((0.6..1.4).contains(&ratio), "{i}: {ratio}");
         }
     }
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stage_that_does_not_answer_tells_nothing() {
+    fn a_stage_that_does_not_answer_shows_nothing() {
         let (p, plan) = (Parameters::START, Plan::new(&Parameters::START));
         let mut spectra = PeriodicSpectra::default();
         (0..plan.excitation.measured()).for_each(|_| spectra.update(plan.excitation.sines.period, 0.0, 1.0));

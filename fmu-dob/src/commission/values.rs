@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn the_guard_covers_the_cogging_that_is_known_and_never_undercuts_what_was_told() {
+    fn the_guard_covers_the_cogging_that_is_known_and_never_undercuts_what_was_configured() {
         let p = Parameters::START;
         let guard = |m: &Measured| {
             let mut found = p.clone();
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_beyond_the_noise_and_never_less_than_told() {
+    fn a_jump_is_beyond_the_noise_and_never_less_than_configured() {
         let p = Parameters::START;
         let mut found = p.clone();
         Values::of(&p).with_noise(&p, &Measured { position_noise: 5.8e-10, ..GOOD }).put(&mut found);
@@ -199,18 +199,18 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_of_the_noise_never_grows_and_noise_beyond_it_is_refused() {
+    fn a_limit_of_the_noise_never_grows_and_noise_beyond_it_is_rejected() {
         let p = Parameters::START;
         let mut found = p.clone();
         Values::of(&p).with_noise(&p, &Measured { slope_sigma: 2.0, ..GOOD }).put(&mut found);
         assert_eq!(found.limits.slope_sigma_max, 5.0);
-        let told = Values::of(&p);
+        let configured = Values::of(&p);
         // what an earlier commission has brought into force moves no limit
         found.guard_force = 3.0 * p.guard_force;
-        let with = |slope_sigma, force_sigma| told.quiet(&found, &Measured { slope_sigma, force_sigma, ..GOOD });
+        let with = |slope_sigma, force_sigma| configured.quiet(&found, &Measured { slope_sigma, force_sigma, ..GOOD });
         // 5 N/s, and a guard of three times 0.4 N
         assert_eq!([with(5.0, 0.06), with(5.1, 0.06), with(5.0, 0.0601)], [true, false, false]);
-        let stiff = |stiffness| told.quiet(&found, &Measured { stiffness, stiffness_std: 10.0, ..GOOD });
+        let stiff = |stiffness| configured.quiet(&found, &Measured { stiffness, stiffness_std: 10.0, ..GOOD });
         // 150 N/m less three deviations of 10 for 5 mm, and as much again
         assert_eq!([stiff(-149.0), stiff(-151.0)], [true, false]);
     }

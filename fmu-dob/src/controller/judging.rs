@@ -246,7 +246,7 @@ mod tests {
     use crate::interface::Input;
 
     #[test]
-    fn only_a_stage_so_slow_that_the_guard_stops_it_at_once_may_stand_for_a_quarter_turn() {
+    fn only_a_stage_so_slow_that_the_guard_stops_it_immediately_may_be_at_rest_for_a_quarter_revolution() {
         let p = Parameters::START;
         let mut controller = Controller::new(&p).unwrap();
         let expected = controller.expect(&p);

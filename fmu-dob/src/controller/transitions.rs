@@ -148,7 +148,7 @@ mod tests {
     use crate::motion::travel::cycle_limit;
 
     #[test]
-    fn the_limit_that_is_told_is_the_one_that_was_judged() {
+    fn the_limit_that_is_detected_is_the_one_that_was_evaluated() {
         let p = Parameters::START;
         let mut controller = Controller::new(&p).unwrap();
         let expected = controller.expect(&p);

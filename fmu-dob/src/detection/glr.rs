@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cleared_bank_remembers_nothing() {
+    fn a_cleared_bank_stores_nothing() {
         let (fresh, mut bank) = (ready_bank(), ready_bank());
         (0..50).for_each(|_| _ = bank.update(-1e-6));
         bank.clear();
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn what_swings_slowly_while_the_noise_is_learned_is_no_contact_afterwards() {
+    fn what_oscillates_slowly_while_the_noise_is_learned_is_no_contact_afterwards() {
         let swing = |k: i32| 0.3 * SIGMA * (0.02 * f64::from(k)).sin();
         let largest = |mut bank: OnsetBank| (0..5000).map(|k| ratio(&mut bank, swing(k))).fold(0.0, f64::max);
         let mut learned = empty_bank();
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reset_forgets_what_was_learned() {
+    fn a_reset_discards_what_was_learned() {
         let mut bank = empty_bank();
         (0..5000).for_each(|_| bank.learn(1e-8));
         bank.reset();

@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn the_current_is_behind_its_command() {
+    fn the_current_lags_its_command() {
         let mut filter = KalmanFilter::new(&Parameters::START);
         // 1 kHz at 10 kHz: exp(-0.6283) = 0.5335 of a step is left, and on average (1 - 0.5335) / 0.6283 = 0.7425
         for mean in [1.0 - 0.7425, 1.0 - 0.5335 * 0.7425] {

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn stands_aside_at_zero_speed_and_above_nyquist() {
+    fn is_inactive_at_zero_speed_and_above_nyquist() {
         let mut notch = cascade();
         for k in 0..100 {
             let x = (0.3 * f64::from(k)).sin();

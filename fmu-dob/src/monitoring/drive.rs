@@ -121,12 +121,12 @@ mod tests {
     }
 
     #[test]
-    fn a_whisper_tells_nothing() {
+    fn a_weak_push_shows_nothing() {
         assert_eq!(share(1.0, 0.1), None);
     }
 
     #[test]
-    fn a_reading_in_doubt_tells_no_weak_drive_but_one_that_goes_the_wrong_way() {
+    fn a_partly_used_position_shows_no_weak_drive_but_one_that_goes_the_wrong_way() {
         let p = Parameters::START;
         let mut drive = DriveResponse::new(&p);
         let mut push = |answer: f64, doubted: Option<u32>| {

@@ -66,8 +66,8 @@ mod tests {
     #[test]
     fn noise_of_half_a_step_is_life_in_motion_and_at_rest_and_rounding_is_none() {
         for speed in [0.0, 0.01, 0.5, 0.73, 10.0, 123.456] {
-            let told = [0.0, 0.1, 0.2, 0.5, 0.6, 3.0].map(|noise| lives(noise, speed, 1));
-            assert_eq!(told, [false, false, false, true, true, true], "{speed}");
+            let detected = [0.0, 0.1, 0.2, 0.5, 0.6, 3.0].map(|noise| lives(noise, speed, 1));
+            assert_eq!(detected, [false, false, false, true, true, true], "{speed}");
             assert!([2, 5, 10].iter().all(|held| !lives(0.0, speed, *held)), "{speed}");
         }
     }

@@ -84,7 +84,7 @@ mod tests {
     }
 
     /// Detected delay at each of eight samples that are `late`, after the first 40 that were not.
-    fn told(late: u32, offset: f64) -> Vec<Option<u32>> {
+    fn detected(late: u32, offset: f64) -> Vec<Option<u32>> {
         let mut recent = RecentReadings::default();
         (0..40).for_each(|k| recent.update(place(k), 0));
         let samples = (1..=8).map(|doubted| {
@@ -95,11 +95,11 @@ mod tests {
     }
 
     #[test]
-    fn a_link_that_falls_behind_is_told_with_its_delay_from_the_third_sample_on() {
+    fn a_link_that_falls_behind_is_detected_with_its_delay_from_the_third_sample_on() {
         for late in [3, 4, 10, 31] {
-            let samples = told(late, 0.0);
+            let samples = detected(late, 0.0);
             assert_eq!(samples[..2], [None, None]);
-            assert!(samples[2..].iter().all(|told| *told == Some(late)), "{late}: {samples:?}");
+            assert!(samples[2..].iter().all(|delay| *delay == Some(late)), "{late}: {samples:?}");
         }
     }
 
@@ -107,7 +107,7 @@ mod tests {
     fn a_jump_whose_readings_were_not_read_before_is_not_late() {
         // later than stored, too few repeats, half a step off, and forwards
         for (late, offset) in [(32, 0.0), (2, 0.0), (10, 5e-10), (0, 1e-7)] {
-            assert_eq!(told(late, offset), [None; 8], "{late} {offset}");
+            assert_eq!(detected(late, offset), [None; 8], "{late} {offset}");
         }
     }
 
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn of_all_delays_that_explain_the_readings_the_shortest_is_told() {
+    fn of_all_delays_that_explain_the_positions_the_shortest_is_detected() {
         let mut recent = RecentReadings::default();
         (0..40).for_each(|_| recent.update(0.0, 0));
         (1..=5).for_each(|doubted| recent.update(0.0, doubted));

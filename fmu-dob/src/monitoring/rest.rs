@@ -55,38 +55,38 @@ mod tests {
     use super::*;
 
     /// Samples until the position is detected as frozen; it changes by a step every `every` samples.
-    fn told(p: &Parameters, lives: bool, every: u32) -> Option<u32> {
+    fn detected(p: &Parameters, lives: bool, every: u32) -> Option<u32> {
         let mut rest = Rest::default();
         (0..5000).find(|k| rest.update(p, 1e-9 * f64::from(k / every), lives))
     }
 
     #[test]
-    fn one_that_lives_anywhere_and_stands_is_told_after_the_rest_time() {
+    fn one_with_noise_anywhere_and_is_frozen_is_detected_after_the_rest_time() {
         let mut p = Parameters::START;
-        assert_eq!(told(&p, true, 10_000), Some(300));
-        assert_eq!(told(&p, true, 300), None);
+        assert_eq!(detected(&p, true, 10_000), Some(300));
+        assert_eq!(detected(&p, true, 300), None);
         // after a motion, again
         let mut rest = Rest::default();
         assert!((0..300).all(|_| !rest.update(&p, 0.0, true)) && rest.update(&p, 0.0, true));
         rest.clear();
         assert!((0..300).all(|_| !rest.update(&p, 0.0, true)) && rest.update(&p, 0.0, true));
         p.limits.rest_time = 0.1;
-        assert_eq!(told(&p, true, 10_000), Some(1000));
+        assert_eq!(detected(&p, true, 10_000), Some(1000));
         p.limits.rest_time = 0.0;
-        assert_eq!(told(&p, true, 10_000), None);
+        assert_eq!(detected(&p, true, 10_000), None);
     }
 
     #[test]
-    fn one_that_may_not_live_may_stand() {
-        assert_eq!(told(&Parameters::START, false, 10_000), None);
+    fn one_that_may_have_no_noise_may_be_at_rest() {
+        assert_eq!(detected(&Parameters::START, false, 10_000), None);
     }
 
     #[test]
-    fn fewer_equal_samples_than_noise_makes_by_chance_tell_nothing() {
+    fn fewer_equal_samples_than_noise_makes_by_chance_show_nothing() {
         let mut p = Parameters::START;
         for (rest_time, sample_period) in [(0.03, 1e-3), (1e-3, 1e-4), (1e-6, 1e-4)] {
             (p.limits.rest_time, p.sample_period) = (rest_time, sample_period);
-            assert_eq!([299, 300, 301].map(|every| told(&p, true, every)), [None, None, Some(300)]);
+            assert_eq!([299, 300, 301].map(|every| detected(&p, true, every)), [None, None, Some(300)]);
         }
     }
 

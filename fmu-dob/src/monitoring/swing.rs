@@ -74,13 +74,13 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_beyond_the_force_of_a_contact_is_counted_by_its_half_periods() {
+    fn an_oscillation_beyond_the_force_of_a_contact_is_counted_by_its_half_periods() {
         assert_eq!(swung(1.0, 30), (9, 9));
         assert_eq!(swung(0.99, 30), (0, 0));
     }
 
     #[test]
-    fn what_is_quicker_than_the_observer_is_no_swing_of_the_loop() {
+    fn what_is_quicker_than_the_observer_is_no_oscillation_of_the_loop() {
         // 1 / g is 15.9 samples
         assert_eq!([5, 15, 16].map(|half| swung(9.0, half).1), [0, 0, 17]);
     }

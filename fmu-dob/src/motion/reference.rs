@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn reseat_keeps_the_way_to_retreat() {
+    fn reseat_keeps_the_distance_to_retract() {
         let p = Parameters::START;
         let mut motion = approaching(&p, 1000);
         motion.depart(&p);
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_longer_way_back_counts_from_where_the_retreat_began() {
+    fn a_longer_retract_counts_from_where_the_retreat_began() {
         let p = Parameters::START;
         // in the retract, after it, and after the stage was found elsewhere
         for (samples, moved) in [(100, 0.0), (3000, 0.0), (3000, 0.2)] {
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn an_approach_that_waits_stands() {
+    fn an_approach_that_waits_is_at_rest() {
         let p = Parameters::START;
         let mut motion = approaching(&p, 0);
         (0..100).for_each(|_| motion.step(&p, State::Approach, true, true));
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stage_that_is_held_has_no_way_to_go() {
+    fn a_stage_that_is_held_has_no_distance_to_go() {
         let p = Parameters::START;
         let mut motion = approaching(&p, 1000);
         motion.depart(&p);
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_touch_goes_back_once_and_then_forth_at_the_approach_speed() {
+    fn a_second_touch_retracts_once_and_then_forth_at_the_approach_speed() {
         let p = Parameters::START;
         let mut motion = approaching(&p, 1000);
         let from = motion.reference.position;

@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stage_that_is_behind_is_pushed() {
+    fn a_stage_that_lags_is_pushed() {
         let mut p = Parameters::START;
         (p.servo.bandwidth, p.servo.damping) = (100.0, 0.7);
         let reference = Trajectory { position: 1e-6, velocity: 1e-4, acceleration: 0.05 };
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn swings_from_limit_to_limit_are_counted_until_they_are_forgotten() {
+    fn oscillations_from_limit_to_limit_are_counted_until_they_are_discarded() {
         let p = Parameters::START;
         let mut amplifier = Amplifier::new(&p);
         assert_eq!(amplifier.reversals(), 0);
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn integrator_stands_still_at_the_limit() {
+    fn integrator_is_held_at_the_limit() {
         let p = Parameters::START;
         let mut integrator = Integrator::default();
         let a = integrator.update(&p, 1e-6, false);

@@ -49,8 +49,8 @@ pub fn radius(p: &Parameters, gain: f64, delay: usize) -> f64 {
 /// One sample of the loop: read, act, move.
 fn sample(p: &Parameters, observer: &DisturbanceObserver, gain: f64, x: &mut [f64]) {
     let mut observer = observer.with_memory([x[3], x[4]]);
-    let told = x[OWN + p.io_delay as usize];
-    observer.update(x[0], told);
+    let acted = x[OWN + p.io_delay as usize];
+    observer.update(x[0], acted);
     [x[3], x[4]] = observer.memory();
     let mut force = p.stage.mass * servo::acceleration(&p.servo, &Trajectory::default(), x[0], observer.velocity());
     if p.servo.disturbance_compensation {
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn every_delay_can_be_judged() {
+    fn every_delay_can_be_evaluated() {
         for io_delay in 0..=DELAY_MAX as i32 {
             let mut p = Parameters { io_delay, ..Parameters::START };
             p.servo.bandwidth = 20.0;
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn the_current_comes_behind_its_command() {
+    fn the_current_lags_its_command() {
         let p = Parameters::START;
         let mut x = [0.0; OWN + 3];
         x[OWN + 1] = 0.1;

@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_teaching_needs_the_way_back_of_its_fastest_touch_and_as_much_as_that_may_be_late() {
+    fn a_calibration_needs_the_retract_of_its_fastest_touch_and_as_much_as_that_may_be_late() {
         let mut p = Parameters::START;
         let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-9, "{value} {expected}");
         // 300 um/s for 0.75 s and 0.9 um to get there, a fifth more; 1 um late; 22.5 nm to stop at 2 m/s2
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_job_may_last_for_more_samples_than_a_counter_of_32_bit_holds() {
+    fn a_cycle_may_last_for_more_samples_than_a_counter_of_32_bit_holds() {
         let mut p = Parameters::START;
         p.limits.cycle_time = 1e9;
         assert!(lasted(&p, 2 * u64::from(u32::MAX)) < cycle_limit(&p, &p.approach));

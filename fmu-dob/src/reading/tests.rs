@@ -64,7 +64,7 @@ fn a_sample_where_the_stage_cannot_be_is_lost() {
 }
 
 #[test]
-fn behind_a_gap_the_stage_is_where_the_nominal_one_is() {
+fn after_a_gap_the_stage_is_where_the_nominal_one_is() {
     let gap = Expected { motion: 5e-8, ..CRUISING };
     let believed = |error: f64| {
         let mut reader = cruising();
@@ -79,7 +79,7 @@ fn behind_a_gap_the_stage_is_where_the_nominal_one_is() {
 }
 
 #[test]
-fn a_position_that_stands_while_it_should_move_is_lost_even_with_a_last_bit_that_flickers() {
+fn a_position_that_is_frozen_while_it_should_move_is_lost_even_with_a_last_bit_that_flickers() {
     for flicker in [0.0, 1e-9] {
         let mut reader = cruising();
         let stuck = (0..4u32).map(|k| {
@@ -92,7 +92,7 @@ fn a_position_that_stands_while_it_should_move_is_lost_even_with_a_last_bit_that
 }
 
 #[test]
-fn a_stage_that_is_astray_may_stand() {
+fn a_stage_that_is_diverged_may_be_at_rest() {
     let mut reader = cruising();
     // lagging its reference by 100 nm, and decelerated to a stop
     let diverged = Expected { motion: 0.0, reference: 1.1e-6, ..CRUISING };
@@ -102,7 +102,7 @@ fn a_stage_that_is_astray_may_stand() {
 }
 
 #[test]
-fn a_stage_may_be_behind_its_reference_by_what_it_is_late() {
+fn a_stage_may_lag_its_reference_by_what_it_is_late() {
     let mut reader = cruising();
     let late = Expected { motion: 0.0, behind: 1e-8, ..CRUISING };
     let reading = reader.read(&Parameters::START, &at(99e-8), &late);
@@ -110,7 +110,7 @@ fn a_stage_may_be_behind_its_reference_by_what_it_is_late() {
 }
 
 #[test]
-fn a_quarter_turn_is_that_of_the_spindle_and_no_longer_than_what_is_waited_for() {
+fn a_quarter_revolution_is_that_of_the_spindle_and_no_longer_than_what_is_waited_for() {
     for (spindle_speed, expected) in [(0.0, 0.0), (-2000.0, 0.25e-3 * PI), (1100.0, PI / 2200.0), (900.0, 1.5e-3)] {
         let mut reader = Reader::default();
         read(&mut reader, &Input { spindle_speed, ..at(0.1) });
@@ -119,7 +119,7 @@ fn a_quarter_turn_is_that_of_the_spindle_and_no_longer_than_what_is_waited_for()
 }
 
 #[test]
-fn a_spindle_cannot_change_its_speed_at_once_while_it_must_be_steady() {
+fn a_spindle_cannot_change_its_speed_immediately_while_it_must_be_steady() {
     let turning = |spindle_speed| Input { spindle_speed, ..at(0.1) };
     let mut reader = Reader::default();
     assert_eq!(read(&mut reader, &turning(3000.0)).spindle_lost, 0);
@@ -155,7 +155,7 @@ fn nonsense_is_lost_or_invalid_and_never_used() {
 }
 
 #[test]
-fn what_is_far_from_where_it_should_be_counts_only_in_part_and_is_no_proof_for_a_while() {
+fn what_is_far_from_where_it_should_be_is_only_partly_used_and_is_no_proof_for_a_while() {
     let mut reader = cruising();
     let next = |reader: &mut Reader, k: u32, error: f64| {
         let reading = reader.read(&Parameters::START, &at(1e-8 * f64::from(k) + error), &CRUISING);
@@ -187,7 +187,7 @@ fn direction_turns_the_axis() {
 }
 
 #[test]
-fn a_stage_that_was_hardly_astray_may_not_stand() {
+fn a_stage_that_was_hardly_diverged_may_not_be_frozen() {
     let mut reader = cruising();
     // lagging its reference by 20 nm, within 10 nm without a change and four times 7.5 nm
     let near = Expected { motion: 0.0, reference: 1.01e-6, ..CRUISING };
@@ -196,7 +196,7 @@ fn a_stage_that_was_hardly_astray_may_not_stand() {
 }
 
 #[test]
-fn a_reading_stands_beyond_its_limit_unless_the_stage_is_farther_astray_than_that_explains() {
+fn a_position_is_frozen_beyond_its_limit_unless_the_stage_is_farther_diverged_than_that_explains() {
     let mut p = Parameters::START;
     let unit = 2f64.powi(-28);
     p.limits.frozen = unit;
@@ -213,7 +213,7 @@ fn a_reading_stands_beyond_its_limit_unless_the_stage_is_farther_astray_than_tha
 }
 
 #[test]
-fn a_stage_that_was_ahead_stands_until_its_reference_has_come_by() {
+fn a_stage_that_was_ahead_is_at_rest_until_its_reference_has_come_by() {
     let mut p = Parameters::START;
     let unit = 2f64.powi(-28);
     p.limits.frozen = unit;

@@ -55,7 +55,7 @@ fn touch(run: &mut Loop, speed: f64) -> [f64; 2] {
 }
 
 #[test]
-fn a_taught_bias_tells_the_first_touch_at_speeds_that_were_and_were_not_taught() {
+fn a_calibrated_bias_gives_the_first_touch_at_speeds_that_were_and_were_not_calibrated() {
     let p = parameters();
     let mut errors = Vec::new();
     for seed in 130..133 {
@@ -76,10 +76,10 @@ fn a_taught_bias_tells_the_first_touch_at_speeds_that_were_and_were_not_taught()
         // as far as one arms at 300 um/s
         run.parameters.retract.distance = 3e-4;
         for speed in [10.0, 35.0, 170.0, 300.0] {
-            let [found, told] = touch(&mut run, speed);
-            println!("{seed}: {speed} um/s, {:.1} nm late, {:.1} nm with the bias", 1e9 * found, 1e9 * told);
+            let [found, corrected] = touch(&mut run, speed);
+            println!("{seed}: {speed} um/s, {:.1} nm late, {:.1} nm with the bias", 1e9 * found, 1e9 * corrected);
             assert!(found > 1e-7, "{found} m");
-            errors.push(told / run.output.contact_position_std);
+            errors.push(corrected / run.output.contact_position_std);
         }
     }
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
@@ -88,7 +88,7 @@ fn a_taught_bias_tells_the_first_touch_at_speeds_that_were_and_were_not_taught()
 }
 
 #[test]
-fn a_commission_after_a_teaching_leaves_the_bias_in_force_and_the_places_as_sure() {
+fn a_commission_after_a_calibration_leaves_the_bias_in_force_and_the_positions_as_certain() {
     let mut p = parameters();
     p.commission.apply = true;
     let mut errors = Vec::new();
@@ -105,9 +105,9 @@ fn a_commission_after_a_teaching_leaves_the_bias_in_force_and_the_places_as_sure
         assert!((found / (19.4 * strength * 10.0 / mass) - 1.0).abs() < 0.05, "{found}");
         run.parameters.retract.distance = 3e-4;
         for speed in [15.0, 40.0, 100.0, 250.0] {
-            let [late, told] = touch(&mut run, speed);
-            assert!(late - told > 1e-7, "{told}");
-            errors.push(told / run.output.contact_position_std);
+            let [late, corrected] = touch(&mut run, speed);
+            assert!(late - corrected > 1e-7, "{corrected}");
+            errors.push(corrected / run.output.contact_position_std);
         }
     }
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
@@ -116,7 +116,7 @@ fn a_commission_after_a_teaching_leaves_the_bias_in_force_and_the_places_as_sure
 }
 
 #[test]
-fn what_was_taught_is_used_on_request_only_and_written_in_any_case() {
+fn what_was_calibrated_is_used_on_request_only_and_written_in_any_case() {
     let files = [false, true].map(|apply| {
         let mut p = parameters();
         (p.calibration.touches, p.calibration.apply, p.contact.bias) = (2, apply, 5e-7);
@@ -128,11 +128,11 @@ fn what_was_taught_is_used_on_request_only_and_written_in_any_case() {
         calibrate(&mut run);
         assert!(run.output.calibrated.valid, "{:?}", run.output.calibrated);
         run.controller.export_bias(&p).unwrap();
-        let [found, told] = touch(&mut run, 100.0);
+        let [found, corrected] = touch(&mut run, 100.0);
         let calibrated =
             run.output.calibrated.bias + run.output.calibrated.bias_fast + 1e4 * run.output.calibrated.bias_slow;
         let expected = if apply { calibrated } else { 5e-7 };
-        assert!((found - told - expected).abs() < 1e-12, "{apply}: {} {expected}", found - told);
+        assert!((found - corrected - expected).abs() < 1e-12, "{apply}: {} {expected}", found - corrected);
         std::fs::read_to_string(&p.calibration.export).unwrap()
     });
     assert!(files[0] == files[1] && files[0].contains("\"contact.bias_fast\""), "{files:?}");
@@ -156,7 +156,7 @@ fn it_never_begins_by_itself_and_every_touch_keeps_to_the_travel_of_an_approach(
 }
 
 #[test]
-fn a_travel_too_short_for_the_fastest_touch_is_refused_before_the_stage_moves() {
+fn a_travel_too_short_for_the_fastest_touch_is_rejected_before_the_stage_moves() {
     // 271.1 um back, 1 um that a contact may be late, 22.5 nm to stop
     for (travel_max, reached) in [(2.720e-4, false), (2.722e-4, true)] {
         let mut p = parameters();
@@ -188,7 +188,7 @@ fn a_travel_too_short_for_the_fastest_touch_is_refused_before_the_stage_moves() 
 }
 
 #[test]
-fn broken_off_it_goes_back_from_the_touch_and_not_from_where_it_stands() {
+fn aborted_it_retracts_from_the_touch_and_not_from_where_it_is() {
     let mut p = parameters();
     p.calibration.velocity_min = 6e-5;
     // an approach at 100 um/s needs 90 um, touches at 90 and 300 um/s 81 and 271 um
@@ -242,7 +242,7 @@ fn broken_off_it_goes_back_from_the_touch_and_not_from_where_it_stands() {
 }
 
 #[test]
-fn it_is_broken_off_by_teach_and_by_enable_and_then_a_job_is_armed_before_it_touches() {
+fn it_is_aborted_by_calibrate_and_by_enable_and_then_a_cycle_is_armed_before_it_touches() {
     for (enable, state) in
         [(false, State::Detect), (true, State::Detect), (false, State::Contact), (true, State::Retract)]
     {
@@ -265,20 +265,20 @@ fn it_is_broken_off_by_teach_and_by_enable_and_then_a_job_is_armed_before_it_tou
         );
         assert_eq!(output.aborted, state == State::Detect);
         // 100 um/s, with the configured values: no bias
-        let [found, told] = touch(&mut run, 100.0);
-        assert_eq!(found, told);
+        let [found, corrected] = touch(&mut run, 100.0);
+        assert_eq!(found, corrected);
     }
 }
 
 #[test]
-fn a_wrong_place_soft_work_and_touches_that_scatter_are_rejected_with_their_numbers() {
+fn a_wrong_position_soft_workpiece_and_touches_that_scatter_are_rejected_with_their_numbers() {
     type Change = fn(&mut Parameters, &mut Loop);
     let cases: [(Change, &str); 3] = [
         (|p, _| p.calibration.position = PLACE + 1e-6, "not below zero"),
         (|p, run| (p.limits.bias, run.slide.stiffness) = (4e-7, 7e4), "`limits.bias` = `0.0000004 m`"),
         (|p, _| p.limits.touch_scatter = 2e-9, "`limits.touch_scatter` = `0.000000002 m`"),
     ];
-    for (change, told) in cases {
+    for (change, why) in cases {
         let mut p = parameters();
         (p.calibration.touches, p.calibration.touches_max) = (2, 2);
         let mut run = Loop::new(&p, 138, PLACE);
@@ -286,10 +286,10 @@ fn a_wrong_place_soft_work_and_touches_that_scatter_are_rejected_with_their_numb
         run.parameters = p;
         calibrate(&mut run);
         let output = &run.output;
-        assert_eq!((output.state, output.fault), (State::Fault, Fault::CalibrationRejected), "{told}: {output:?}");
+        assert_eq!((output.state, output.fault), (State::Fault, Fault::CalibrationRejected), "{why}: {output:?}");
         assert!(
             !output.calibrated.valid && output.calibrated.touches == 10 && output.drive_enable,
-            "{told}: {output:?}"
+            "{why}: {output:?}"
         );
         // it retracts as far as an approach needs to arm
         (0..2000).for_each(|_| run.step_with(rest));
@@ -301,7 +301,7 @@ fn a_wrong_place_soft_work_and_touches_that_scatter_are_rejected_with_their_numb
 }
 
 #[test]
-fn what_fails_in_a_touch_ends_the_teaching_and_the_next_job_is_armed_before_it_touches() {
+fn what_fails_in_a_touch_ends_the_calibration_and_the_next_cycle_is_armed_before_it_touches() {
     let mut run = Loop::new(&parameters(), 139, PLACE);
     begin(&mut run);
     while run.output.state != State::Detect {
@@ -333,7 +333,7 @@ fn commission(run: &mut Loop) {
 }
 
 #[test]
-fn hard_work_is_touched_slower_in_the_teaching_and_in_the_job_behind_it() {
+fn hard_workpiece_is_touched_slower_in_the_calibration_and_in_the_cycle_after_it() {
     // the first presses with more than 0.8 N at 300 um/s
     for (force_max, stiffness, slower) in [(0.0, 1.9e6, false), (0.8, 1.9e6, true), (0.8, 2e5, false)] {
         let mut p = parameters();
@@ -370,7 +370,7 @@ fn hard_work_is_touched_slower_in_the_teaching_and_in_the_job_behind_it() {
 }
 
 #[test]
-fn work_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_touch_or_two() {
+fn workpiece_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_touch_or_two() {
     let mut p = parameters();
     (p.calibration.force_max, p.calibration.apply) = (0.05, true);
     let mut run = Loop::new(&p, 144, PLACE);
@@ -383,12 +383,12 @@ fn work_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_tou
     // an approach touches at the configured speed, and is armed before
     (0..2000).for_each(|_| run.step_with(rest));
     run.step_with(|input| (input.enable, input.reset_fault) = (false, true));
-    let [found, told] = touch(&mut run, 100.0);
-    assert_eq!(found, told);
+    let [found, corrected] = touch(&mut run, 100.0);
+    assert_eq!(found, corrected);
 }
 
 #[test]
-fn state_bytes_continue_a_teaching_bit_for_bit() {
+fn state_bytes_continue_a_calibration_bit_for_bit() {
     let mut p = parameters();
     (p.calibration.touches, p.calibration.velocity_min) = (2, 9e-5);
     (p.limits.touch_scatter, p.calibration.std_max, p.calibration.force_max) = (1e-6, 1e-6, 10.0);

@@ -101,21 +101,21 @@ fn unknown_machines_are_measured_within_their_deviations() {
 }
 
 #[test]
-fn before_a_slow_approach_it_is_as_sure_and_before_a_fast_one_a_stage_that_turns_is_no_frozen_encoder() {
+fn before_a_slow_approach_it_is_as_certain_and_before_a_fast_one_a_stage_that_reverses_is_no_frozen_encoder() {
     let mut p = Parameters::START;
     for velocity in [1e-5, 2e-4, 3e-4] {
         p.approach.velocity = velocity;
         for seed in 150..158 {
             let mut run = unknown(&p, seed);
             commission(&mut run);
-            let told = (run.output.fault, run.output.measured.valid);
-            assert_eq!(told, (Fault::None, true), "{velocity} {seed}: {:?}", run.output.measured);
+            let outcome = (run.output.fault, run.output.measured.valid);
+            assert_eq!(outcome, (Fault::None, true), "{velocity} {seed}: {:?}", run.output.measured);
         }
     }
 }
 
 #[test]
-fn a_stage_that_still_comes_back_as_a_slow_stroke_goes_away_is_no_frozen_encoder() {
+fn a_stage_that_still_returns_as_a_slow_stroke_goes_away_is_no_frozen_encoder() {
     let mut p = Parameters::START;
     p.approach.velocity = 1e-5;
     // it comes as fast as the stroke goes, and stands for 3 ms
@@ -143,9 +143,9 @@ fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
         let folder = tempfile::tempdir().unwrap();
         p.commission.export = folder.path().join("found.json").to_str().unwrap().into();
         run.controller.export(&p).unwrap();
-        let told = std::fs::read_to_string(&p.commission.export).unwrap();
+        let outcome = std::fs::read_to_string(&p.commission.export).unwrap();
         let found = format!("\"stage.force_constant\": {:e},", run.output.measured.force_constant);
-        assert!(told.contains(&found), "{told} {found}");
+        assert!(outcome.contains(&found), "{outcome} {found}");
         // at rest, and `enable` rises
         let until = run.time() + 0.1;
         while run.time() < until {
@@ -161,7 +161,7 @@ fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
 }
 
 #[test]
-fn it_is_broken_off_by_commission_and_by_enable_into_rest_and_what_was_told() {
+fn it_is_aborted_by_commission_and_by_enable_into_rest_and_what_was_configured() {
     let mut p = Parameters::START;
     p.commission.apply = true;
     // in the first motion, in the excitation, and in a stroke with the new thrust constant
@@ -274,7 +274,7 @@ fn noise_in_which_no_touch_is_felt_is_rejected_and_no_limit_grows_with_it() {
 }
 
 #[test]
-fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
+fn what_the_other_parameters_do_not_allow_is_rejected_and_never_used() {
     for apply in [false, true] {
         let mut p = Parameters::START;
         // nearly the maximum of the configured drive, and more than that of this one
@@ -311,7 +311,7 @@ fn the_file_is_the_same_whether_what_was_measured_is_used_or_not() {
 }
 
 #[test]
-fn a_machine_beyond_half_or_twice_what_was_told_is_rejected() {
+fn a_machine_beyond_half_or_twice_what_was_configured_is_rejected() {
     let mut run = Loop::new(&Parameters::START, 88, NO_WORKPIECE);
     run.slide.mass = 4.2;
     commission(&mut run);
@@ -320,7 +320,7 @@ fn a_machine_beyond_half_or_twice_what_was_told_is_rejected() {
 }
 
 #[test]
-fn a_drive_that_is_lost_or_turns_round_is_found_at_once() {
+fn a_drive_that_is_lost_or_reverses_is_found_immediately() {
     for time in [0.5, 3.0, 9.0] {
         for (strength, faults) in
             [(0.0, &[Fault::WeakDrive, Fault::FollowingError, Fault::Overload][..]), (-1.0, &[Fault::DriveSign])]
@@ -374,7 +374,7 @@ fn a_lost_sample_now_and_then_does_not_matter() {
 }
 
 #[test]
-fn a_spindle_that_is_lost_or_falls_at_once_ends_it() {
+fn a_spindle_that_is_lost_or_falls_immediately_ends_it() {
     for (reading, fault) in [(f64::NAN, Fault::SpindleLost), (0.1 * SPINDLE_SPEED, Fault::SpindleJump)] {
         let mut run = Loop::new(&Parameters::START, 92, NO_WORKPIECE);
         begin(&mut run, 2.0);

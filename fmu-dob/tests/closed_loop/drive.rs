@@ -27,7 +27,7 @@ fn the_drive_is_on_before_the_first_sample() {
 }
 
 #[test]
-fn a_drive_that_weakens_on_the_way_back_is_told_before_done() {
+fn a_drive_that_weakens_in_the_retract_is_detected_before_done() {
     let mut run = Loop::new(&Parameters::START, 31, 90e-6);
     assert!(run.run_to(State::Retract, 2.0));
     (0..300).for_each(|_| run.step());
@@ -51,7 +51,7 @@ fn the_tracking_error_stays_what_it_was_when_the_drive_went_off() {
 }
 
 #[test]
-fn a_stage_that_is_pulled_from_its_reference_is_told() {
+fn a_stage_that_is_pulled_from_its_reference_is_detected() {
     let mut p = Parameters::START;
     p.limits.following_error = 5e-7;
     let mut run = running(&p, 35, State::Detect);
@@ -67,7 +67,7 @@ fn a_stage_that_is_pulled_from_its_reference_is_told() {
 }
 
 #[test]
-fn a_weak_drive_is_told_by_the_start_of_the_approach() {
+fn a_weak_drive_is_detected_by_the_start_of_the_approach() {
     let mut p = Parameters::START;
     // a third of the command
     p.stage.force_constant *= 3.0;
@@ -110,7 +110,7 @@ fn late_on_the_way_back(current_max: f64, late: usize, strength: f64) -> Loop {
 }
 
 #[test]
-fn done_waits_for_a_stage_that_swings_until_it_stands() {
+fn done_waits_for_a_stage_that_oscillates_until_it_is_at_rest() {
     let nominal = late_on_the_way_back(5.0, 0, 1.0).time();
     let mut run = late_on_the_way_back(5.0, 6, 1.0);
     assert_eq!((run.output.state, run.output.fault), (State::Done, Fault::None), "{:?}", run.output);
@@ -123,7 +123,7 @@ fn done_waits_for_a_stage_that_swings_until_it_stands() {
 }
 
 #[test]
-fn a_loop_that_swings_below_the_limit_of_the_current_is_told_before_done() {
+fn a_loop_that_oscillates_below_the_limit_of_the_current_is_detected_before_done() {
     for current_max in [5.0, 0.3] {
         let run = late_on_the_way_back(current_max, 7, 1.15);
         assert!(run.output.current.abs() < current_max);

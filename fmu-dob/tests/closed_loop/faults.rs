@@ -115,7 +115,7 @@ pub fn lose_spindle(run: &mut Loop) {
 }
 
 #[test]
-fn nonsense_is_bridged_for_three_samples_and_then_told() {
+fn nonsense_is_bridged_for_three_samples_and_then_reported() {
     for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let mut run = running(&Parameters::START, 6, State::Detect);
         for set in [|input: &mut Input, x| input.position = x, |input: &mut Input, x| input.spindle_speed = x] {
@@ -227,7 +227,7 @@ fn a_graver_fault_takes_over_and_no_other() {
 }
 
 #[test]
-fn a_force_that_is_left_behind_the_retract_rejects_the_contact() {
+fn a_force_that_remains_after_the_retract_rejects_the_contact() {
     for push in [0.0, 0.6] {
         let mut run = Loop::new(&Parameters::START, 30, 90e-6);
         assert!(run.run_to(State::Retract, 3.0), "{:?}", run.output);

@@ -10,7 +10,7 @@ fn lose(run: &mut Loop, samples: u32) {
 }
 
 /// Steps until the cycle is done or a fault is reported, for at most `time` s; returns the fault.
-fn told(run: &mut Loop, time: f64) -> Fault {
+fn fault_within(run: &mut Loop, time: f64) -> Fault {
     let limit = run.time() + time;
     while !matches!(run.output.state, State::Done | State::Fault) && run.time() < limit {
         run.step();
@@ -39,7 +39,7 @@ fn places(mut run: Loop) -> Vec<Loop> {
 }
 
 #[test]
-fn three_lost_readings_are_bridged_anywhere_in_a_job_and_four_are_told() {
+fn three_lost_positions_are_bridged_anywhere_in_a_cycle_and_four_are_detected() {
     for (direction, strength, seed) in [(1, 1.0, 20), (-1, 1.0, 21), (1, 0.7, 22), (-1, 1.3, 23)] {
         let mut p = Parameters::START;
         p.approach.direction = direction;
@@ -51,7 +51,7 @@ fn three_lost_readings_are_bridged_anywhere_in_a_job_and_four_are_told() {
                 lose(&mut run, lost);
                 let expected = if lost < 4 { Fault::None } else { Fault::PositionLost };
                 let what = format!("{strength} {:?} {} s, {lost}", place.output.state, place.time());
-                assert_eq!(told(&mut run, 0.25), expected, "{what}: {:?}", run.output);
+                assert_eq!(fault_within(&mut run, 0.25), expected, "{what}: {:?}", run.output);
             }
         }
     }
@@ -67,7 +67,7 @@ fn more_may_be_lost_where_the_limit_says_so() {
         for place in places(run).into_iter().filter(|place| place.output.state == State::Retract) {
             let mut run = place.clone();
             lose(&mut run, 6);
-            assert_eq!(told(&mut run, 0.25), Fault::None, "{strength} {} s: {:?}", place.time(), run.output);
+            assert_eq!(fault_within(&mut run, 0.25), Fault::None, "{strength} {} s: {:?}", place.time(), run.output);
         }
     }
 }
@@ -97,19 +97,19 @@ fn behind_a_gap(detector: DetectorKind, lost: u32, samples: u32, mut lie: impl F
 }
 
 #[test]
-fn what_lies_behind_a_gap_is_told() {
+fn what_lies_after_a_gap_is_detected() {
     for &detector in DetectorKind::ALL {
         for lost in 1..=3 {
-            let told = |lie: &mut dyn FnMut(&mut Input, &[f64])| {
+            let reported = |lie: &mut dyn FnMut(&mut Input, &[f64])| {
                 let run = behind_a_gap(detector, lost, 30, lie);
                 assert!(!run.output.contact && !run.output.drive_enable, "{detector:?} {lost}: {:?}", run.output);
                 run.output.fault
             };
             for jump in [-1e-3, -1e-6, -25e-9, 25e-9, 1e-6, 1e-3] {
-                assert_eq!(told(&mut |input, _| input.position += jump), Fault::PositionJump, "{lost} {jump}");
+                assert_eq!(reported(&mut |input, _| input.position += jump), Fault::PositionJump, "{lost} {jump}");
             }
             let mut held = None;
-            let frozen = told(&mut |input, recent| {
+            let frozen = reported(&mut |input, recent| {
                 input.position = *held.get_or_insert(recent[recent.len() - 2 - lost as usize]);
             });
             assert_eq!(frozen, Fault::PositionFrozen, "{lost}");

@@ -18,7 +18,7 @@ fn the_cogging_of_the_whole_travel_is_no_contact() {
 }
 
 /// The guard stops the approach, and the cycle does not end in `Done` after the retract.
-fn caught_and_told(run: &mut Loop) {
+fn caught_and_reported(run: &mut Loop) {
     assert!(run.run_to(State::Contact, 3.0), "{:?}", run.output);
     assert_eq!(run.output.contact_source, ContactSource::ForceGuard);
     assert!(run.run_to(State::Fault, 3.0), "{:?}", run.output);
@@ -26,15 +26,15 @@ fn caught_and_told(run: &mut Loop) {
 }
 
 #[test]
-fn work_so_soft_that_it_is_felt_late_is_never_done() {
+fn a_workpiece_so_soft_that_it_is_detected_late_is_never_done() {
     let (p, stiffness) = (Parameters::START, 5e3);
     let mut run = Loop::new(&p, 24, p.approach.velocity * p.learn.settle_time);
     run.slide.stiffness = stiffness;
-    caught_and_told(&mut run);
-    let told = run.output.numbers.late.unwrap();
-    assert_eq!(told.unseen, Unseen::Unarmed);
+    caught_and_reported(&mut run);
+    let details = run.output.numbers.late.unwrap();
+    assert_eq!(details.unseen, Unseen::Unarmed);
     // the force of the guard
-    assert!((p.guard_force..1.2 * p.guard_force).contains(&told.force), "{told:?}");
+    assert!((p.guard_force..1.2 * p.guard_force).contains(&details.force), "{details:?}");
     // 40 um on two flutes
     let felt = p.guard_force / (2.0 * stiffness);
     assert!((0.8 * felt..1.2 * felt).contains(&run.slide.depth), "{} m", run.slide.depth);
@@ -48,7 +48,7 @@ fn contact_before_the_detector_is_armed_is_caught_by_the_guard() {
         let share = 0.1 + 0.88 * f64::from(k) / 60.0;
         let surface = p.approach.velocity * (p.learn.settle_time + share * p.learn.time);
         let mut run = Loop::new(&p, 1500 + k as u64, surface);
-        caught_and_told(&mut run);
+        caught_and_reported(&mut run);
         deepest = f64::max(deepest, run.slide.depth);
     }
     println!("contact while learning: depth at most {deepest} m");
@@ -56,7 +56,7 @@ fn contact_before_the_detector_is_armed_is_caught_by_the_guard() {
 }
 
 #[test]
-fn a_contact_that_the_armed_detector_has_missed_is_told_behind_the_retract() {
+fn a_contact_that_the_armed_detector_has_missed_is_detected_after_the_retract() {
     let mut run = running(&Parameters::START, 30, State::Detect);
     // too slow for every slope
     while run.output.state == State::Detect {
@@ -82,7 +82,7 @@ fn contact_while_settling_is_caught_by_the_guard() {
         p.approach.velocity = velocity;
         for (time, seed) in [(0.0, 19), (0.005, 20), (0.05, 21), (0.15, 22), (0.22, 23)] {
             let mut run = Loop::new(&p, seed, velocity * time);
-            caught_and_told(&mut run);
+            caught_and_reported(&mut run);
             println!("{velocity} m/s, contact after {time} s: depth {} m", run.slide.depth);
             assert!(run.slide.depth <= deepest, "{velocity} m/s, {time} s: depth {} m", run.slide.depth);
         }

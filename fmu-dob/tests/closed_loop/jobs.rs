@@ -80,7 +80,7 @@ fn a_reset_needs_a_rising_edge_at_rest_and_moves_nothing() {
 }
 
 #[test]
-fn a_new_approach_forgets_the_forces_before() {
+fn a_new_approach_discards_the_forces_before() {
     let mut run = running(&Parameters::START, 24, State::Detect);
     for _ in 0..1500 {
         run.slide.push -= 0.9 / 1500.0;
@@ -127,7 +127,7 @@ fn an_edge_waits_for_a_stage_at_rest() {
 }
 
 #[test]
-fn a_reset_forgets_the_answer_of_the_drive() {
+fn a_reset_discards_the_answer_of_the_drive() {
     let mut run = running(&Parameters::START, 28, State::Detect);
     (0..100).for_each(|_| run.step_with(|input| input.enable = false));
     (0..10).for_each(|_| run.step_with(|input| (input.enable, input.position_valid) = (false, false)));
@@ -141,7 +141,7 @@ fn a_reset_forgets_the_answer_of_the_drive() {
 }
 
 #[test]
-fn a_job_that_is_asked_for_as_soon_as_a_commission_is_broken_off_waits_for_a_stage_at_rest() {
+fn a_cycle_that_is_asked_for_as_soon_as_a_commission_is_aborted_waits_for_a_stage_at_rest() {
     for seed in 160..166 {
         let mut run = Loop::new(&Parameters::START, seed, NO_WORKPIECE);
         (0..200).for_each(|_| run.step_with(|input| input.enable = false));

@@ -15,7 +15,7 @@ fn running(p: &Parameters, seed: u64, state: State) -> Loop {
 }
 
 /// Steps with a changed input until a fault or a contact; returns the travel of the slide in that time, m.
-fn until_told(run: &mut Loop, samples: u32, mut change: impl FnMut(&mut Input)) -> f64 {
+fn until_fault(run: &mut Loop, samples: u32, mut change: impl FnMut(&mut Input)) -> f64 {
     let from = run.slide.place();
     let mut way: f64 = 0.0;
     for _ in 0..samples {
@@ -29,7 +29,7 @@ fn until_told(run: &mut Loop, samples: u32, mut change: impl FnMut(&mut Input)) 
 }
 
 #[test]
-fn a_frozen_encoder_is_told_before_it_looks_like_a_contact() {
+fn a_frozen_encoder_is_detected_before_it_looks_like_a_contact() {
     for &detector in DetectorKind::ALL {
         for speed in [1e-5, 3e-5, 1e-4, 1e-3] {
             for seed in 60..63 {
@@ -39,12 +39,12 @@ fn a_frozen_encoder_is_told_before_it_looks_like_a_contact() {
                 for flicker in [0.0, 1e-9] {
                     let mut run = armed.clone();
                     let (mut held, mut k) = (None, 0);
-                    let way = until_told(&mut run, 1000, |input| {
+                    let way = until_fault(&mut run, 1000, |input| {
                         k += 1;
                         input.position = *held.get_or_insert(input.position) + flicker * f64::from(k % 2);
                     });
-                    let told = (run.output.fault, run.output.contact, run.output.drive_enable);
-                    assert_eq!(told, (Fault::PositionFrozen, false, false), "{detector:?} {speed} {flicker} {seed}");
+                    let outcome = (run.output.fault, run.output.contact, run.output.drive_enable);
+                    assert_eq!(outcome, (Fault::PositionFrozen, false, false), "{detector:?} {speed} {flicker} {seed}");
                     // what it moves in the samples until then, and what it has been turned away
                     assert!(way < 10.0 * speed * 1e-4 + 20e-9, "{detector:?} {speed} {flicker}: {way} m");
                 }
@@ -54,7 +54,7 @@ fn a_frozen_encoder_is_told_before_it_looks_like_a_contact() {
 }
 
 #[test]
-fn a_slow_stage_that_noise_lets_stand_for_a_moment_is_neither_frozen_nor_a_contact() {
+fn a_slow_stage_that_noise_stops_for_a_moment_is_neither_frozen_nor_a_contact() {
     let mut p = Parameters::START;
     p.approach.velocity = 1e-5;
     for seed in 60..66 {
@@ -65,13 +65,13 @@ fn a_slow_stage_that_noise_lets_stand_for_a_moment_is_neither_frozen_nor_a_conta
             run.step_with(|input| input.position = *held.get_or_insert(input.position));
         }
         (0..2000).for_each(|_| run.step());
-        let told = (run.output.state, run.output.fault, run.output.contact);
-        assert_eq!(told, (State::Detect, Fault::None, false), "{seed}");
+        let outcome = (run.output.state, run.output.fault, run.output.contact);
+        assert_eq!(outcome, (State::Detect, Fault::None, false), "{seed}");
     }
 }
 
 #[test]
-fn a_frozen_encoder_is_told_while_learning_and_on_the_way_back() {
+fn a_frozen_encoder_is_detected_while_learning_and_in_the_retract() {
     for state in [State::Approach, State::Learn, State::Retract] {
         let mut run = Loop::new(&Parameters::START, 64, 90e-6);
         assert!(run.run_to(state, 3.0));
@@ -85,7 +85,7 @@ fn a_frozen_encoder_is_told_while_learning_and_on_the_way_back() {
 }
 
 #[test]
-fn a_link_that_falls_behind_is_told_as_late_and_another_jump_back_is_not() {
+fn a_link_that_falls_behind_is_detected_as_late_and_another_jump_back_is_not() {
     for state in [State::Learn, State::Detect] {
         for seed in 70..73 {
             let armed = running(&Parameters::START, seed, state);
@@ -93,7 +93,7 @@ fn a_link_that_falls_behind_is_told_as_late_and_another_jump_back_is_not() {
                 let mut run = armed.clone();
                 let mut said = Vec::new();
                 (0..40).for_each(|_| run.step_with(|input| said.push(input.position)));
-                until_told(&mut run, 10, |input| {
+                until_fault(&mut run, 10, |input| {
                     said.push(input.position);
                     input.position = said[said.len() - 1 - late];
                 });
@@ -101,7 +101,7 @@ fn a_link_that_falls_behind_is_told_as_late_and_another_jump_back_is_not() {
                 assert_eq!((run.output.numbers.late_by, run.output.drive_enable), (late as u32, false));
                 let mut run = armed.clone();
                 // half a step off any measured value
-                until_told(&mut run, 10, |input| input.position -= 1e-8 * late as f64 + 0.5e-9);
+                until_fault(&mut run, 10, |input| input.position -= 1e-8 * late as f64 + 0.5e-9);
                 assert_eq!(run.output.fault, Fault::PositionJump, "{state:?} {late}");
             }
         }
@@ -113,7 +113,7 @@ fn an_encoder_in_another_unit_is_no_force() {
     for scale in [100.0, 1e3, 1e6] {
         for seed in 73..76 {
             let mut run = Loop::new(&Parameters::START, seed, NO_WORKPIECE);
-            let way = until_told(&mut run, 100, |input| input.position *= scale);
+            let way = until_fault(&mut run, 100, |input| input.position *= scale);
             assert_eq!(run.output.fault, Fault::PositionJump, "{scale} {seed}");
             assert!(way < 1e-6, "{scale} {seed}: {way} m");
         }
@@ -126,7 +126,7 @@ fn a_stage_that_falls_is_no_reading_that_jumps() {
     let mut run = Loop::new(&p, 76, NO_WORKPIECE);
     let mut k = 0.0;
     // 98 N on 10 kg, more than half the drive
-    until_told(&mut run, 100, |input| {
+    until_fault(&mut run, 100, |input| {
         input.position += 0.5 * 9.8 * (k * p.sample_period).powi(2);
         k += 1.0;
     });
@@ -134,7 +134,7 @@ fn a_stage_that_falls_is_no_reading_that_jumps() {
 }
 
 #[test]
-fn an_encoder_that_freezes_at_rest_is_told_before_or_as_the_approach_begins() {
+fn an_encoder_that_freezes_at_rest_is_detected_before_or_as_the_approach_begins() {
     // long before, just before, and with a last bit that flickers
     for (at, enable, flicker) in [(4000, 9000, 0.0), (4000, 4050, 0.0), (4000, 4050, 1e-9), (0, 300, 0.0)] {
         let mut run = Loop::new(&Parameters::START, 65, NO_WORKPIECE);
@@ -161,7 +161,7 @@ fn an_encoder_that_freezes_at_rest_is_told_before_or_as_the_approach_begins() {
 }
 
 #[test]
-fn an_encoder_that_freezes_as_the_stage_comes_to_rest_behind_a_retract_is_told() {
+fn an_encoder_that_freezes_as_the_stage_comes_to_rest_after_a_retract_is_detected() {
     let mut rested = Loop::new(&Parameters::START, 67, 90e-6);
     assert!(rested.run_to(State::Retract, 5.0), "{:?}", rested.output);
     let mut still = (f64::NAN, 0);
@@ -212,10 +212,10 @@ fn one_bad_sample_is_no_contact_and_moves_nothing() {
                 for sign in [1.0, -1.0] {
                     let mut run = armed.clone();
                     run.step_with(|input| input.position += sign * offset);
-                    let way = until_told(&mut run, 2000, |_| ());
-                    let told = (run.output.state, run.output.contact_source);
+                    let way = until_fault(&mut run, 2000, |_| ());
+                    let outcome = (run.output.state, run.output.contact_source);
                     assert_eq!(
-                        told,
+                        outcome,
                         (State::Detect, ContactSource::None),
                         "{detector:?} {} nm, {seed}: {:?}",
                         sign * offset * 1e9,
@@ -229,14 +229,14 @@ fn one_bad_sample_is_no_contact_and_moves_nothing() {
 }
 
 #[test]
-fn a_position_that_jumps_for_good_is_told_or_no_contact() {
+fn a_position_that_jumps_for_good_is_detected_or_no_contact() {
     for &detector in DetectorKind::ALL {
         for seed in 71..74 {
             let armed = running(&Parameters { detector, ..Parameters::START }, seed, State::Detect);
             for offset in [9e-9, 10e-9, 11e-9, 13e-9, 15e-9, 17e-9, 20e-9, 25e-9, 30e-9, 40e-9, 1e-6, 1e-3] {
                 for sign in [1.0, -1.0] {
                     let mut run = armed.clone();
-                    let way = until_told(&mut run, 1000, |input| input.position += sign * offset);
+                    let way = until_fault(&mut run, 1000, |input| input.position += sign * offset);
                     let what = format!("{detector:?} {} nm, {seed}", sign * offset * 1e9);
                     assert!(!run.output.contact, "{what}: {:?}", run.output);
                     if run.output.state == State::Fault {
@@ -253,10 +253,10 @@ fn a_position_that_jumps_for_good_is_told_or_no_contact() {
 }
 
 #[test]
-fn a_jump_while_settling_is_told() {
+fn a_jump_while_settling_is_detected() {
     let mut run = running(&Parameters::START, 70, State::Approach);
     (0..1000).for_each(|_| run.step());
-    until_told(&mut run, 100, |input| input.position += 50e-9);
+    until_fault(&mut run, 100, |input| input.position += 50e-9);
     assert_eq!((run.output.state, run.output.fault), (State::Fault, Fault::PositionJump), "{:?}", run.output);
 }
 
@@ -279,7 +279,7 @@ fn a_step_of_the_encoder_does_not_blind_the_guard() {
 #[test]
 fn the_spindle_signal_does_not_vanish_in_a_sample() {
     let mut run = running(&Parameters::START, 72, State::Detect);
-    until_told(&mut run, 100, |input| input.spindle_speed = 0.0);
+    until_fault(&mut run, 100, |input| input.spindle_speed = 0.0);
     assert_eq!((run.output.fault, run.output.contact), (Fault::SpindleJump, false));
     assert!(run.output.drive_enable);
 }
@@ -305,7 +305,7 @@ fn a_wobbling_spindle_lets_every_detector_arm_and_find_its_contact() {
 }
 
 #[test]
-fn learning_that_does_not_end_is_told() {
+fn learning_that_does_not_end_is_detected() {
     let mut p = Parameters { detector: DetectorKind::Glr, ..Parameters::START };
     p.limits.learn_time = 0.6;
     let (mut run, mut learned) = (Loop::new(&p, 74, NO_WORKPIECE), 0);

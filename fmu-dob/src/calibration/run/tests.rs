@@ -22,7 +22,7 @@ fn parameters(change: impl Fn(&mut Parameters)) -> Parameters {
 }
 
 #[test]
-fn a_good_teaching_is_in_force_where_it_is_to_be_and_derived_in_any_case() {
+fn a_good_calibration_is_in_force_where_it_is_to_be_and_derived_in_any_case() {
     for (apply, direction) in [(false, 1), (true, 1), (true, -1)] {
         let p = parameters(|p| (p.calibration.apply, p.approach.direction) = (apply, direction));
         let truth = Bias { constant: 2e-7, fast: 1e-7, slow: 0.0 };
@@ -61,7 +61,7 @@ fn each_limit_is_the_last_value_that_is_accepted() {
 }
 
 #[test]
-fn touches_that_are_not_sure_are_made_once_more_while_that_may_help() {
+fn touches_that_are_uncertain_are_made_once_more_while_that_may_help() {
     let touches = |most: i32, first: f64| {
         let p = parameters(|p| (p.calibration.touches_max, p.calibration.apply) = (most, true));
         let mut calibration = CalibrationRun::new(&p);
@@ -75,8 +75,8 @@ fn touches_that_are_not_sure_are_made_once_more_while_that_may_help() {
             assert!(calibration.ended() || made % 5 != 0 || next == 1e-5, "{made}");
         }
         assert_eq!(calibration.approach_after(&p), p.approach);
-        let told = calibration.deviation(1e-4);
-        assert_eq!(told > 0.0, calibration.calibrated.valid);
+        let uncertainty = calibration.deviation(1e-4);
+        assert_eq!(uncertainty > 0.0, calibration.calibrated.valid);
         (made, calibration.calibrated.valid, calibration.calibrated.touches)
     };
     // one of four is 121 nm off, 60.5 nm of scatter; of five 54 nm
@@ -89,7 +89,7 @@ fn touches_that_are_not_sure_are_made_once_more_while_that_may_help() {
 }
 
 #[test]
-fn a_slowest_speed_that_is_never_sure_is_left_out_once_all_touches_are_made() {
+fn a_slowest_speed_that_is_never_certain_is_left_out_once_all_touches_are_made() {
     let truth = Bias { constant: 2e-7, fast: 1e-7, slow: 0.0 };
     let p = parameters(|p| (p.calibration.touches_max, p.calibration.apply) = (6, true));
     // one speed is late by 300 nm in every second round, and by `more` besides
@@ -120,7 +120,7 @@ fn a_slowest_speed_that_is_never_sure_is_left_out_once_all_touches_are_made() {
 }
 
 #[test]
-fn one_that_is_broken_off_or_rejected_leaves_what_was_told() {
+fn one_that_is_aborted_or_rejected_leaves_what_was_configured() {
     let p = parameters(|p| p.calibration.apply = true);
     for broken in [true, false] {
         let mut calibration = calibrated(&p, |_, _| 2e-7);
@@ -141,7 +141,7 @@ fn one_that_is_broken_off_or_rejected_leaves_what_was_told() {
 }
 
 #[test]
-fn it_stands_for_its_share_of_a_turn_before_a_touch_and_for_none_at_its_end() {
+fn it_rests_for_its_fraction_of_a_revolution_before_a_touch_and_for_none_at_its_end() {
     let p = parameters(|_| ());
     let mut calibration = CalibrationRun::new(&p);
     calibration.begin(&p);
@@ -160,7 +160,7 @@ fn it_stands_for_its_share_of_a_turn_before_a_touch_and_for_none_at_its_end() {
 }
 
 #[test]
-fn beside_a_teaching_the_approach_is_that_of_the_parameters() {
+fn during_a_calibration_the_approach_is_that_of_the_parameters() {
     let p = parameters(|_| ());
     let mut calibration = CalibrationRun::new(&p);
     assert_eq!(calibration.approach(&p), p.approach);
@@ -179,7 +179,7 @@ fn beside_a_teaching_the_approach_is_that_of_the_parameters() {
 }
 
 #[test]
-fn a_job_is_no_faster_than_was_taught_with_a_limit_of_the_force_and_is_in_force() {
+fn a_cycle_is_no_faster_than_was_calibrated_with_a_limit_of_the_force_and_is_in_force() {
     for (force_max, apply, expected) in [(0.8, true, 3e-4), (0.0, true, 1e-3), (0.8, false, 1e-3)] {
         let p = parameters(|p| {
             (p.calibration.force_max, p.calibration.apply, p.approach.velocity) = (force_max, apply, 1e-3);
@@ -210,7 +210,7 @@ fn touch(calibration: &mut CalibrationRun, p: &Parameters, samples: u32) {
 }
 
 #[test]
-fn touches_that_press_too_hard_even_at_the_slowest_speeds_end_the_teaching() {
+fn touches_that_press_too_hard_even_at_the_slowest_speeds_end_the_calibration() {
     for direction in [1, -1] {
         let p = parameters(|p| (p.calibration.force_max, p.approach.direction) = (0.8, direction));
         let mut calibration = CalibrationRun::new(&p);
@@ -228,7 +228,7 @@ fn touches_that_press_too_hard_even_at_the_slowest_speeds_end_the_teaching() {
 }
 
 #[test]
-fn where_a_longer_way_back_is_needed_than_was_gone_the_stage_comes_to_rest_first() {
+fn where_a_longer_retract_is_needed_than_was_gone_the_stage_comes_to_rest_first() {
     // 9.4 N at 300 um/s, and twice that
     let p = parameters(|p| p.calibration.force_max = 24.0);
     let mut calibration = CalibrationRun::new(&p);

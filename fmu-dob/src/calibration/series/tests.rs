@@ -47,7 +47,7 @@ fn it_goes_through_all_speeds_again_and_again() {
 }
 
 #[test]
-fn the_parts_are_found_and_as_sure_as_told() {
+fn the_parts_are_found_and_as_certain_as_configured() {
     let p = Parameters::START;
     let exact = series(&p, 1, 0.0, 0.0).conclude(&p, 0).unwrap().0;
     for velocity in [1e-5, 5e-5, 3e-4] {
@@ -70,7 +70,7 @@ fn the_parts_are_found_and_as_sure_as_told() {
 }
 
 #[test]
-fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
+fn a_speed_whose_touches_scatter_more_is_detected_with_more_and_is_used_for_less() {
     let p = Parameters::START;
     let series = to_and_fro(&p, |i| [0.0, if i == 0 { 5e-8 } else { 5e-9 }]);
     let (calibrated, spread) = series.conclude(&p, 0).unwrap();
@@ -87,7 +87,7 @@ fn a_speed_whose_touches_scatter_more_is_told_with_more_and_counts_for_less() {
 }
 
 #[test]
-fn the_slowest_may_be_left_out_and_is_as_unsure_as_its_touches_are_off() {
+fn the_slowest_may_be_left_out_and_is_as_uncertain_as_its_touches_are_off() {
     let p = Parameters::START;
     let series = to_and_fro(&p, |i| if i == 0 { [4e-7, 2e-7] } else { [0.0, 5e-9] });
     let (whole, (calibrated, spread)) = (series.conclude(&p, 0).unwrap().0, series.conclude(&p, 1).unwrap());
@@ -104,7 +104,7 @@ fn the_slowest_may_be_left_out_and_is_as_unsure_as_its_touches_are_off() {
 }
 
 #[test]
-fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other() {
+fn a_position_that_is_hardly_known_makes_the_constant_part_less_certain_and_no_other() {
     let mut p = Parameters::START;
     let sure = series(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
     p.calibration.position_std = 1e-7;
@@ -115,7 +115,7 @@ fn a_place_that_is_hardly_known_makes_the_constant_part_less_sure_and_no_other()
 }
 
 #[test]
-fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
+fn no_bias_is_more_certain_than_what_the_three_parts_leave_out() {
     let p = Parameters::START;
     let calibrated = series(&p, 4, 0.0, 0.0).conclude(&p, 0).unwrap().0;
     assert!((1.0..1.5).contains(&(calibrated.std / LEFT_OUT)), "{calibrated:?}");
@@ -123,7 +123,7 @@ fn no_bias_is_surer_than_what_the_three_parts_leave_out() {
 }
 
 #[test]
-fn what_the_three_parts_do_not_explain_makes_them_less_sure() {
+fn what_the_three_parts_do_not_explain_makes_them_less_certain() {
     let p = Parameters::START;
     let bent = |by: f64| {
         let series = to_and_fro(&p, |i| [if i == 2 { by } else { 0.0 }, 1e-8]);
@@ -133,7 +133,7 @@ fn what_the_three_parts_do_not_explain_makes_them_less_sure() {
 }
 
 #[test]
-fn the_rounds_spread_over_half_a_turn_of_the_spindle_after_any_number_of_touches() {
+fn the_rounds_spread_over_half_a_revolution_of_the_spindle_after_any_number_of_touches() {
     for between in 1..SPEEDS {
         let mut series = TouchSeries::new(&Parameters::START);
         let mut shares: Vec<f64> = (0..5)
@@ -181,7 +181,7 @@ fn speeds(series: &TouchSeries) -> [f64; SPEEDS] {
 }
 
 #[test]
-fn hard_work_lowers_the_speeds_that_are_still_to_come() {
+fn hard_workpiece_lowers_the_speeds_that_are_still_to_come() {
     let mut p = Parameters::START;
     let hard = |slope: f64| move |velocity: f64| slope * velocity;
     // no limit, however hard
@@ -204,7 +204,7 @@ fn hard_work_lowers_the_speeds_that_are_still_to_come() {
 }
 
 #[test]
-fn the_fastest_touch_of_the_first_round_is_given_up_where_others_may_press_too_hard() {
+fn the_fastest_touch_of_the_first_round_is_discarded_where_others_may_press_too_hard() {
     let mut p = Parameters::START;
     p.calibration.force_max = 0.8;
     // all five allow 300 um/s up to 0.8 N minus 30 % of mass and 20 % of scatter
@@ -219,7 +219,7 @@ fn the_fastest_touch_of_the_first_round_is_given_up_where_others_may_press_too_h
 }
 
 #[test]
-fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_may_follow() {
+fn a_touch_that_has_pressed_too_hard_is_discarded_and_is_used_for_how_often_more_may_follow() {
     let mut p = Parameters::START;
     (p.calibration.force_max, p.calibration.touches, p.calibration.touches_max) = (0.8, 2, 4);
     let mut given_up = false;
@@ -247,7 +247,7 @@ fn a_touch_that_has_pressed_too_hard_is_given_up_and_counts_for_how_often_more_m
 }
 
 #[test]
-fn work_that_fast_touches_find_harder_gives_up_a_few_touches_at_most() {
+fn workpiece_that_fast_touches_find_harder_discards_a_few_touches_at_most() {
     let mut p = Parameters::START;
     p.calibration.force_max = 0.8;
     for harder in [1.87, 1.9, 2.0, 2.5, 4.0] {
@@ -263,7 +263,7 @@ fn work_that_fast_touches_find_harder_gives_up_a_few_touches_at_most() {
 }
 
 #[test]
-fn slow_touches_tell_the_force_only_before_there_is_a_fast_one_and_then_the_hardest_of_these_does() {
+fn slow_touches_show_the_force_only_before_there_is_a_fast_one_and_then_the_hardest_of_these_does() {
     let mut p = Parameters::START;
     p.calibration.force_max = 0.8;
     let hard = |velocities: std::ops::Range<f64>, slope: f64| {
@@ -276,7 +276,7 @@ fn slow_touches_tell_the_force_only_before_there_is_a_fast_one_and_then_the_hard
 }
 
 #[test]
-fn touches_that_are_given_up_again_leave_three_to_one_where_that_is_bearable() {
+fn touches_that_are_discarded_again_leave_three_to_one_where_that_is_allowed() {
     let mut p = Parameters::START;
     p.calibration.force_max = 0.8;
     let mut series = TouchSeries::new(&p);
