@@ -14,7 +14,7 @@ pub fn check(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
     commission_time(p, path)
 }
 
-/// What the samples of delay must fit, the only ones of what a commission derives that others depend on.
+/// What the samples of delay must fit, the only ones of what a commissioning run derives that others depend on.
 ///
 /// # Errors
 /// When a parameter does not fit them.
@@ -26,7 +26,7 @@ fn travel(p: &Parameters) -> Result<(), ParameterError> {
     const NAMES: [&str; 6] =
         ["axis1.maximum", "axis2.maximum", "axis3.maximum", "axis4.maximum", "axis5.maximum", "axis6.maximum"];
     NAMES.iter().zip(&p.axis).try_for_each(|(name, axis)| {
-        let maximum = Parameter::new(name, axis.maximum, "", "the travel goes from the minimum to the maximum");
+        let maximum = Parameter::new(name, axis.maximum, "", "the travel is from the minimum to the maximum");
         maximum.must_be(axis.maximum > axis.minimum, || format!("above the minimum of this axis, `{}`", axis.minimum))
     })
 }
@@ -35,17 +35,17 @@ fn bandwidth(p: &Parameters) -> Result<(), ParameterError> {
     // 0.45 of the sampling rate
     let most = 0.9 * std::f64::consts::PI / p.sample_period;
     let value = p.learn.bandwidth;
-    let bandwidth = Parameter::new("expert.learn.bandwidth", value, "rad/s", "lower it, or shorten `sample_period`");
+    let bandwidth = Parameter::new("expert.learn.bandwidth", value, "rad/s", "reduce it or `sample_period`");
     bandwidth.must_be(value <= most, || format!("at most `{most:.1} rad/s`, 0.45 of the sampling rate"))
 }
 
 fn lead(p: &Parameters) -> Result<(), ParameterError> {
-    let lead = Parameter::new("expert.learn.lead", p.learn.lead, "", "the error is read ahead by both together");
+    let lead = Parameter::new("expert.learn.lead", p.learn.lead, "", "the error is read ahead by their sum");
     lead.at_least(-p.io_delay, "minus `io_delay`")
 }
 
 fn lead_in(p: &Parameters) -> Result<(), ParameterError> {
-    let hint = "the compensation begins so many samples before the motion";
+    let hint = "the compensation starts earlier than the motion by these samples";
     let lead_in = Parameter::new("expert.learn.lead_in", p.learn.lead_in as usize, "", hint);
     lead_in.at_least(p.shift(), "`expert.learn.lead` and `io_delay` together")
 }
@@ -54,7 +54,7 @@ fn lead_out(p: &Parameters) -> Result<(), ParameterError> {
     // the slowest axis has come to 2 % of its lag
     let slowest = p.servo_gain.iter().fold(f64::INFINITY, |least, gain| least.min(*gain));
     let least = (4.0 / (slowest * p.sample_period)).ceil() as i32;
-    let hint = "samples are shorter or the servo is slower than these rests were meant for";
+    let hint = "increase it for shorter samples or a slower servo";
     let lead_out = Parameter::new("expert.learn.lead_out", p.learn.lead_out, "", hint);
     lead_out.at_least(least, "4 time constants 1/Kp of the slowest axis")
 }
@@ -63,7 +63,7 @@ fn preview(p: &Parameters) -> Result<(), ParameterError> {
     let delay = f64::from(p.io_delay) * p.sample_period;
     let (low, high) = (-delay, PREVIEW_MAX as f64 * p.sample_period - delay);
     let value = p.lookup.preview;
-    let hint = "take the lag of the velocity loop, twice its damping ratio over its natural frequency";
+    let hint = "use the lag of the velocity loop, twice its damping ratio over its natural frequency";
     Parameter::new("expert.lookup.preview", value, "s", hint).must_be(value >= low && value <= high, || {
         format!("`{low}` to `{high} s`: `0` to `{PREVIEW_MAX}` samples together with `io_delay`")
     })
@@ -71,15 +71,15 @@ fn preview(p: &Parameters) -> Result<(), ParameterError> {
 
 fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
     let (value, taught) = (p.load.speed_min, path.speed);
-    let speed = Parameter::new("expert.load.speed_min", value, "m/s", "the feed is regulated between both");
-    speed.must_be(value <= taught, || format!("at most the taught speed, `{taught} m/s`"))
+    let speed = Parameter::new("expert.load.speed_min", value, "m/s", "the feed is regulated between the two");
+    speed.must_be(value <= taught, || format!("at most the programmed speed, `{taught} m/s`"))
 }
 
 fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
     let delays = values::delays(p.io_delay);
     let fits = |io_delay: &i32| check_delay(&Parameters { io_delay: *io_delay, ..p.clone() }).is_ok();
     let good = !p.commission.apply || [delays.start(), delays.end()].into_iter().all(fits);
-    let hint = "the delay that it finds has to fit them; or lower `io_delay` to what it is";
+    let hint = "the identified delay must fit them; otherwise reduce `io_delay` to the actual delay";
     Parameter::new("commission.apply", p.commission.apply, "", hint).must_be(good, || {
         format!(
             "`false`, or `expert.learn.lead`, `expert.learn.lead_in` and `expert.lookup.preview` that fit every `io_delay` from `{}` to `{}`",

@@ -1,4 +1,4 @@
-//! The machine measured by its own controller: a bounded motion, what it tells, and what is made of it.
+//! Identification of the machine by its own controller: a bounded motion, its evaluation, and the use of the results.
 
 pub mod commissioner;
 pub mod estimation;

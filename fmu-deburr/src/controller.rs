@@ -1,4 +1,4 @@
-//! One sample of the whole law: read, decide, refer, compensate, command, report.
+//! One control step: measure, decide, plan, compensate, command, report.
 
 mod commissioning;
 mod following;
@@ -38,7 +38,7 @@ use crate::servo;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Controller {
     path: TaughtPath,
-    /// axes at the start of the path, where the part lies and as it was taught
+    /// axes at the start of the path, where the part lies and as programmed
     start: Joints,
     start_as_taught: Joints,
     bank: PatternBank,
@@ -46,13 +46,13 @@ pub struct Controller {
     feedforward: Feedforward,
     learner: Learner,
     commissioner: Commissioner,
-    /// a commission goes on, or stops
+    /// a commissioning run continues, or stops
     commissioning: bool,
     /// an edge of `commission` waits for axes at rest
     commission_asked: WaitingRequest,
     commission: Edge,
     registrar: Registrar,
-    /// a registration goes on, or stops
+    /// a registration continues, or stops
     registering: bool,
     /// an edge of `register` waits for axes at rest
     register_asked: WaitingRequest,
@@ -80,7 +80,7 @@ pub struct Controller {
     job: Mode,
     /// `mode` of the last sample with `enable`; none before the first one
     asked: Option<Mode>,
-    /// samples of the job, and how many it may take
+    /// samples of the task, and how many it may take
     elapsed: Elapsed,
     budget: u64,
     progress: Progress,
@@ -177,7 +177,7 @@ impl Controller {
         })
     }
 
-    /// The taught path.
+    /// The programmed path.
     pub fn path(&self) -> &TaughtPath {
         &self.path
     }
@@ -187,7 +187,7 @@ impl Controller {
         &self.bank
     }
 
-    /// The taught path, and the control patterns to be read from a file.
+    /// The programmed path, and the control patterns to be read from a file.
     pub fn path_and_bank(&mut self) -> (&TaughtPath, &mut PatternBank) {
         (&self.path, &mut self.bank)
     }
@@ -204,7 +204,7 @@ impl Controller {
     }
 
     /// One sample: reads the inputs, writes the outputs. The parameters must be those of [`Controller::new`] with
-    /// [`Controller::bring_into_force`], but for the tunable ones.
+    /// [`Controller::bring_into_force`], except the tunable ones.
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         if !self.learning && !self.changed {
             self.origin = output.bank.status;
@@ -228,7 +228,7 @@ impl Controller {
         self.report(p, &velocity, output);
     }
 
-    /// The position loop is closed: after a fault that the drives can mend the pose is held where the safe end has come to.
+    /// The position loop is closed: after a fault with live drives the pose is held where the reaction ended.
     fn closed(&self) -> bool {
         self.state.closed() || self.state == State::Fault && self.holds && self.fault.reaction() != Reaction::DriveOff
     }
@@ -238,17 +238,17 @@ impl Controller {
         self.state == State::Run && self.job == Mode::Deburr
     }
 
-    /// A job that uses patterns.
+    /// A task that uses patterns.
     fn compensates(&self, p: &Parameters, job: Mode) -> bool {
         matches!(job, Mode::Playback | Mode::Deburr) && p.lookup.enable
     }
 
-    /// Goes on to the next state.
+    /// Enters the next state.
     fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading, found: Finding, signs: (bool, bool)) {
         let (at_rest, grown) = signs;
         let (before, mode) = (self.state, input.mode);
         let end = self.escalate(found, before != State::Off || input.enable);
-        // nothing begins from a place that is not known
+        // nothing begins from a position that is not known
         let enable = input.enable && self.reader.placed();
         self.disabled = !enable || self.disabled && before == State::Stop;
         let edge = self.commission.rises(input.commission);
@@ -292,9 +292,9 @@ impl Controller {
         }
     }
 
-    /// What `mode` asks for where it is no job: nothing moves by itself afterwards.
+    /// What `mode` asks for where it is no task: nothing moves by itself afterwards.
     fn take_mode(&mut self, before: State, mode: Mode, enable: bool) {
-        // after a fault, a commission or a registration, or after an edge of `enable` that came during a stop
+        // after a fault, a commissioning run or a registration, or after an edge of `enable` that came during a stop
         let measured = (self.commissioning || self.registering) && self.state == State::Idle;
         let ignored = !self.state.closed() || before == State::Fault || measured;
         if self.state == State::Off && !enable {

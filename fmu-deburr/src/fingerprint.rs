@@ -1,4 +1,4 @@
-//! Fingerprint of numbers: tells whether a stored bank belongs to this path and this machine.
+//! Fingerprint of numbers: identifies the path and the machine to which a stored bank belongs.
 
 /// FNV-1a over the bits of numbers.
 #[derive(Clone, Copy, Debug)]

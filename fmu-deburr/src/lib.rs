@@ -1,6 +1,6 @@
 //! Variable-speed deburring robot with repetitive control (Kimura, Mukai and Kobayashi), as an FMU.
 //!
-//! [`interface`] holds every variable, [`controller::Controller`] is the law: plain Rust that knows nothing of FMI.
+//! [`interface`] holds every variable, [`controller::Controller`] is the control law: plain Rust that knows nothing of FMI.
 #![forbid(unsafe_code)]
 
 pub mod bank;
@@ -34,7 +34,7 @@ impl Model for Controller {
     type Vars = Vars;
 
     fn calculate(vars: &mut Vars) {
-        // what cannot be read is told by `initialise`
+        // what cannot be read is reported by `initialise`
         if let Ok(speeds) = Speeds::read(&vars.in_force.learn.speeds) {
             vars.in_force.learn.factors = speeds;
         }
@@ -62,7 +62,7 @@ impl Model for Controller {
         let before = vars.output.measured.valid;
         self.bring_into_force(&mut vars.in_force);
         self.tick(&vars.input, &vars.in_force, &mut vars.output);
-        // a fault is told with what counts from now on
+        // a fault is reported with what counts from now on
         self.bring_into_force(&mut vars.in_force);
         if vars.output.measured.valid && !before {
             // a machine does not stop because a file cannot be written

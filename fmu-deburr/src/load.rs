@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Load, LoadOutput, Parameters};
 
-/// Sample period that K1 and K2 are told for, the paper's, s.
+/// Sample period for which K1 and K2 are specified, the paper's, s.
 const PERIOD: f64 = 0.01;
 /// Time at the slowest feed after which the load is too high, s: longer than a change of the feed takes to lower it.
 const OVERLOAD_TIME: f64 = 0.2;
@@ -22,12 +22,12 @@ pub struct LoadControl {
 }
 
 impl LoadControl {
-    /// Before the first sample, at the taught speed (m/s).
+    /// Before the first sample, at the programmed speed (m/s).
     pub fn new(taught: f64) -> Self {
         Self { feed: taught, before: None, slowest: Consecutive::NONE }
     }
 
-    /// Wanted feed (m/s) for the tool speed `n` (rad/s) while the feed is `realised` (m/s), at most `taught` (m/s).
+    /// Desired feed (m/s) for the tool speed `n` (rad/s) while the feed is `realised` (m/s), at most `taught` (m/s).
     pub fn step(&mut self, p: &Parameters, n: f64, realised: f64, taught: f64) -> f64 {
         let Load { k1, k2, speed_min, .. } = p.load;
         let nominal = p.load.scale * p.load.spindle_speed;

@@ -18,7 +18,7 @@ impl State {
         !matches!(self, Self::Off | Self::Fault)
     }
 
-    /// Whether the pose is held after a job or before one.
+    /// Whether the pose is held after a task or before one.
     pub fn waits(self) -> bool {
         matches!(self, Self::Idle | Self::Done)
     }
@@ -27,7 +27,7 @@ impl State {
 /// How far the present state has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Progress {
-    /// On its way.
+    /// On its path.
     Busy,
     /// At its end.
     Over,
@@ -46,19 +46,19 @@ pub struct Events {
     pub mode: Mode,
     /// What is done.
     pub job: Mode,
-    /// Stand on the way.
+    /// Stand during the motion.
     pub hold: bool,
     /// Rising edge of `reset_fault` while the axes are at rest.
     pub reset: bool,
-    /// How the fault ends that stopped the job, if one did.
+    /// How the fault ends that stopped the task, if one did.
     pub end: Option<Reaction>,
-    /// A commission is asked for, and the axes are at rest.
+    /// A commissioning run is asked for, and the axes are at rest.
     pub commission: bool,
     /// A registration is asked for, and the axes are at rest.
     pub register: bool,
-    /// The commission or registration is to be broken off.
+    /// The commissioning run or registration is to be aborted.
     pub break_off: bool,
-    /// What stops is a commission or a registration.
+    /// What stops is a commissioning run or a registration.
     pub measuring: bool,
     /// Something is wrong in this sample.
     pub fault: bool,
@@ -84,7 +84,7 @@ pub fn next(state: State, events: &Events) -> State {
     }
 }
 
-/// The state after `state` on the way to the safe end of a fault.
+/// The state after `state` during the motion to the reaction of a fault.
 fn ending(state: State, end: Reaction, events: &Events) -> State {
     let over = events.progress != Progress::Busy;
     let retracts = end == Reaction::Retract && events.inside;
@@ -122,14 +122,14 @@ fn going_on(state: State, events: &Events) -> State {
         State::Stop => State::Approach,
         State::Approach | State::Run if mode != job => State::Stop,
         State::Settle if mode != job => State::Idle,
-        // a repetition with a rest on its way cannot be learned from
+        // a repetition with a rest during its motion cannot be learned from
         State::Run if hold && job == Mode::Learn => State::Stop,
         State::Run if events.grown => State::Stop,
         State::Approach if over => State::Settle,
         State::Settle if over && !hold => State::Run,
         State::Run if progress == Progress::Again => State::Approach,
         State::Run if over => State::Done,
-        // what has come to its end is not broken off any more
+        // what has come to its end is not aborted any more
         State::Commission | State::Register if over => State::Idle,
         State::Commission | State::Register if events.break_off || mode != job => State::Stop,
         State::Approach | State::Settle | State::Run | State::Commission | State::Register => state,
@@ -288,7 +288,7 @@ mod tests {
             let begins = state.waits();
             assert_eq!(next(*state, &asked) == State::Commission, begins || *state == State::Commission, "{state:?}");
         }
-        // a job that is asked for as well comes first
+        // a task that is asked for as well comes first
         assert_eq!(next(State::Done, &Events { mode: Mode::Learn, ..asked }), State::Approach);
         assert_eq!(next(State::Done, &Events { enable: false, ..asked }), State::Off);
         // and a registration afterwards
@@ -306,7 +306,7 @@ mod tests {
                 Events { end: Some(Reaction::Stop), ..EVENTS },
             ] {
                 assert_eq!(next(measures, &ends), State::Stop);
-                // what has come to its good end is taken, not broken off
+                // what has come to its good end is taken, not aborted
                 let late = ends.break_off || ends.mode != ends.job;
                 let over = Events { progress: Progress::Over, ..ends };
                 assert_eq!(next(measures, &over), if late { State::Idle } else { State::Stop });
@@ -315,7 +315,7 @@ mod tests {
         let stops = Events { measuring: true, ..EVENTS };
         assert_eq!(next(State::Stop, &stops), State::Stop);
         assert_eq!(next(State::Stop, &Events { progress: Progress::Over, ..stops }), State::Idle);
-        // without going on with a mode that came meanwhile
+        // without continuing with a mode that came meanwhile
         assert_eq!(next(State::Stop, &Events { progress: Progress::Over, mode: Mode::Learn, ..stops }), State::Idle);
         assert_eq!(next(State::Stop, &Events { progress: Progress::Over, disabled: true, ..stops }), State::Off);
     }

@@ -1,4 +1,4 @@
-//! The path: as it was taught, where the axes are on it, and the motions along it and to it.
+//! The path: as programmed, where the axes are on it, and the motions along it and to it.
 
 pub(crate) mod displacement;
 pub(crate) mod feasible;

@@ -1,8 +1,7 @@
-//! Checks the inputs of a sample: what can be used, what stands in for the rest, and what is wrong.
+//! Checks the inputs of a sample: what is usable, what replaces the rest, and what is wrong.
 //!
-//! What is no number, or beyond any machine, is bridged like a jump; before there was a good one nothing can stand in for a
-//! reading, and for the override rest does. The first reading may be the bad one: where the second is elsewhere, nothing is known
-//! of the axis until two agree.
+//! A value that is not a number, or beyond any machine, is bridged like a jump. Before the first good value nothing can replace a measurement; the
+//! override is then 0. The first measurement may be the bad one: if the second differs, the position of the axis is unknown until two agree.
 
 use control_blocks::{Consecutive, JumpGuard, Reach, believable};
 use serde::{Deserialize, Serialize};
@@ -13,21 +12,21 @@ use crate::path::kinematics::{AXES, Joints};
 
 /// No axis is farther away, rad or m.
 const POSITION_MAX: f64 = 1e4;
-/// No tool turns faster, rad/s.
+/// Largest speed of any tool, rad/s.
 const SPINDLE_MAX: f64 = 1e5;
-/// An axis that is told to move may stand, or go the other way as fast.
+/// An axis that is reported to move may stand, or go the other way as fast.
 const OTHER_WAY: f64 = 2.0;
-/// Share of its peak that the speed of an axis keeps for a sample longer.
+/// Ratio of its peak that the speed of an axis keeps for a sample longer.
 const FADING: f64 = 0.8;
 
 /// The usable inputs: those of this sample, or the last good ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
-    /// Encoder readings, rad or m.
+    /// Encoder measurements, rad or m.
     pub positions: Joints,
     /// Tool speed, rad/s.
     pub spindle_speed: f64,
-    /// Part of the taught speed, 0 to 1.
+    /// Part of the programmed speed, 0 to 1.
     pub speed_override: f64,
 }
 
@@ -42,7 +41,7 @@ pub struct Known<'a> {
     pub cuts: bool,
 }
 
-/// Remembers what was used last; by default nothing, before the first good sample.
+/// The values used last; by default none, before the first good sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
     used: Option<Reading>,
@@ -60,14 +59,14 @@ struct AxisReader {
     carried: f64,
     /// fastest motion in a sample, fading
     fastest: f64,
-    /// two readings in a row have agreed
+    /// two measurements consecutive have agreed
     confirmed: bool,
-    /// readings that were elsewhere than the one before, as long as no two have agreed
+    /// measurements that were elsewhere than the one before, as long as no two have agreed
     disputed: u32,
 }
 
 impl AxisReader {
-    /// The position to use: the reading, or where the commands have brought the axis since the last believed one.
+    /// The position to use: the measurement, or where the commands have brought the axis since the last accepted one.
     fn read(&mut self, position: f64, motion: f64, anywhere: f64, spread: f64) -> f64 {
         self.carried += motion;
         self.fastest = motion.abs().max(FADING * self.fastest);
@@ -79,7 +78,7 @@ impl AxisReader {
         }
         let motion = if self.confirmed { reach.motion } else { f64::INFINITY };
         let believed = self.guard.update(unexplained, Reach { motion, ..reach });
-        // the difference does not come back to the last bit
+        // the difference does not return to the last bit
         if self.guard.doubted() == 0 { position } else { believed + self.carried }
     }
 
@@ -88,7 +87,7 @@ impl AxisReader {
         self.guard.believed().is_some() && (self.confirmed || self.disputed == 0)
     }
 
-    /// Readings in a row that cannot be used.
+    /// Measurements consecutive that cannot be used.
     fn lost(&self) -> u32 {
         self.guard.doubted().max(if self.confirmed { 0 } else { self.disputed })
     }
@@ -195,7 +194,7 @@ mod tests {
                 } else {
                     Fault::SpindleLost
                 };
-                // nothing to bridge a reading with
+                // nothing to bridge a measurement with
                 let mut reader = Reader::default();
                 let (nothing, found) = reader.read(&p, &bad, &known);
                 assert_eq!((nothing.positions, found), (if placed { [0.5; AXES] } else { [0.0; AXES] }, Finding::NONE));

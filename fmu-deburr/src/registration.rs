@@ -1,4 +1,4 @@
-//! Where the part lies, found by touches: the motion that touches, what it tells, and the path that follows from it.
+//! Position of the part, found by touches: the motion, its evaluation, and the displaced path.
 
 pub mod fit;
 pub mod plan;

@@ -51,7 +51,7 @@ impl Run {
         Self { feed: FeedPlanner::START, ahead, preview, wanted, time: 0, rest, beyond: 0, left: 0, laps: 0 }
     }
 
-    /// One sample with the wanted speed (m/s); false after the last one.
+    /// One sample with the desired speed (m/s); false after the last one.
     pub fn step(&mut self, p: &Parameters, path: &TaughtPath, target: f64) -> bool {
         let before = self.point();
         if self.time + self.preview >= self.rest {
@@ -121,7 +121,7 @@ impl Run {
         Some(if pattern.cyclic { index % pattern.len() } else { index.min(pattern.len() - 1) })
     }
 
-    /// The feed as far ahead as it is wanted, between two samples, and how far that is.
+    /// The feed at the required preview, between two samples, and this preview.
     fn previewed(&self, wanted: f64) -> (Point, f64) {
         let late = self.preview as f64 - wanted;
         let whole = late.floor();
@@ -226,7 +226,7 @@ mod tests {
                 }
                 played
             });
-        // on the way, where the distance counts
+        // during the motion, where the distance counts
         for k in 40..120 {
             assert_eq!(axes[k][..3], early[k][..3], "{k}");
             assert_eq!(axes[k][3..], late[k][3..], "{k}");
@@ -234,7 +234,7 @@ mod tests {
         assert!((40..120).any(|k| (early[k][0] - late[k][0]).abs() > 0.1));
     }
 
-    /// To and fro, again and again.
+    /// Back and forth, repeatedly.
     fn laps() -> TaughtPath {
         let there = straight(0.05);
         let points = [there.at(0.0), there.at(0.05), there.at(0.0)];

@@ -23,7 +23,7 @@ pub fn command(p: &Parameters, error: &Joints, compensation: &Joints) -> Joints 
     })
 }
 
-/// Whether no axis moves between two readings (rad or m): a thousandth of its largest velocity, and one pulse of noise.
+/// Whether no axis moves between two measurements (rad or m): a thousandth of its largest velocity, and one pulse of noise.
 pub fn at_rest(p: &Parameters, now: &Joints, before: &Joints) -> bool {
     now.iter()
         .zip(before)

@@ -1,6 +1,6 @@
 //! A sample allocates nothing: not in a motion, not while learning, not at the end of a repetition, nor in a fault.
 //!
-//! The one exception is the sample that writes the bank to a file; it is not one of the law.
+//! The one exception is the sample that writes the bank to a file; it is not one of the control law.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fmu_deburr::controller::Controller;
@@ -10,7 +10,7 @@ use fmu_deburr::path::{Vector, path_file};
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-/// The controller on axes that do what they were told one sample ago, or a share of it.
+/// The controller on axes that follow the command of one sample ago, or a ratio of it.
 struct Loop {
     controller: Controller,
     parameters: Parameters,
@@ -18,7 +18,7 @@ struct Loop {
     output: Output,
     told: [f64; 6],
     share: f64,
-    /// what the probe feels, for the way of the tip beyond the taught place of a touch, m
+    /// signal of the probe, for the distance of the tip beyond the programmed position of a touch, m
     feels: fn(usize, f64) -> bool,
 }
 
@@ -129,7 +129,7 @@ fn a_registration_that_moves_learned_patterns_and_one_that_is_broken_off() {
     }
 }
 
-/// A part with touches, and what its probe feels.
+/// A part with touches, and what its probe detects.
 fn touching(feels: fn(usize, f64) -> bool) -> Loop {
     let mut run = Loop::new(|p| p.path.file = "touched.json".to_owned());
     run.feels = feels;
@@ -137,7 +137,7 @@ fn touching(feels: fn(usize, f64) -> bool) -> Loop {
     run
 }
 
-/// A job on its way, on a machine and with inputs that lead to a fault.
+/// A task in motion, on a machine and with inputs that lead to a fault.
 fn towards(fault: Fault) -> Loop {
     let running = |mode: Mode, change: fn(&mut Parameters)| {
         let mut run = Loop::new(|p| {

@@ -1,4 +1,4 @@
-//! A bank as bytes with all digits: magic, content, checksum. Learned patterns come back bit for bit.
+//! A bank as bytes with all digits: magic, content, checksum. Learned patterns return bit for bit.
 
 use crate::bank::pattern_bank::PatternBank;
 use crate::fingerprint::Fingerprint;
@@ -18,7 +18,7 @@ pub fn encode(bank: &PatternBank) -> Vec<u8> {
 /// The bank from its bytes; none when this is no bank of this format.
 ///
 /// # Errors
-/// In words for the user, when the bytes are damaged.
+/// Message for the user if the bytes are damaged.
 pub fn decode(bytes: &[u8]) -> Option<Result<PatternBank, String>> {
     let content = bytes.strip_prefix(MAGIC)?;
     Some(verify(bytes).and_then(|()| {
@@ -37,9 +37,9 @@ pub fn sign(bytes: &mut Vec<u8>) {
 /// Checks the checksum at the end.
 ///
 /// # Errors
-/// In words for the user, when it is wrong.
+/// Message for the user if it is wrong.
 pub fn verify(bytes: &[u8]) -> Result<(), String> {
-    let damaged = || "the checksum is wrong: the file is damaged or cut".to_owned();
+    let damaged = || "the checksum is wrong: the file is damaged or truncated".to_owned();
     let (content, sum) = bytes.split_at_checked(bytes.len().saturating_sub(CHECKSUM)).ok_or_else(damaged)?;
     if checksum(content) == sum { Ok(()) } else { Err(damaged()) }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::bank::pattern_bank::PatternBank;
 use crate::path::kinematics::{AXES, Joints};
 
-/// Room for the compensations of a bank.
+/// Memory for the compensations of a bank.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct KeptPatterns {
     compensations: Vec<Vec<Joints>>,
@@ -15,7 +15,7 @@ pub struct KeptPatterns {
 }
 
 impl KeptPatterns {
-    /// With room for the patterns of a bank.
+    /// With memory for the patterns of a bank.
     pub fn new(bank: &PatternBank) -> Self {
         let compensations = bank.planned().iter().map(|pattern| vec![[0.0; AXES]; pattern.len()]).collect();
         Self { compensations, usable: 0, renewed: false }
@@ -27,7 +27,7 @@ impl KeptPatterns {
         self.keep(bank, from_bank);
     }
 
-    /// Learning goes on from other patterns, which take the place of those of before.
+    /// Learning continues from other patterns, which take the position of those of before.
     pub fn renew(&mut self, bank: &mut PatternBank) {
         self.renewed = true;
         self.keep(bank, true);

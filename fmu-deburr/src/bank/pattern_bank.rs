@@ -20,7 +20,7 @@ pub struct Identity {
     pub period: f64,
     /// Samples between a command and its action.
     pub io_delay: u16,
-    /// Multiples of the taught speed.
+    /// Multiples of the programmed speed.
     pub factors: Vec<f64>,
 }
 
@@ -89,7 +89,7 @@ impl PatternBank {
         self.patterns[..self.usable].iter_mut().for_each(change);
     }
 
-    /// The patterns are for commands that act after so many samples.
+    /// The patterns are for commands that act after this number of samples.
     pub fn tell_delay(&mut self, io_delay: i32) {
         self.identity.io_delay = io_delay as u16;
     }
@@ -119,7 +119,7 @@ impl PatternBank {
         self.patterns.iter().map(Pattern::len).max().unwrap_or(0)
     }
 
-    /// Multiple of the taught speed of the pattern `index`, or of the last one.
+    /// Multiple of the programmed speed of the pattern `index`, or of the last one.
     pub fn factor(&self, index: usize) -> f64 {
         self.pattern(index).factor
     }
@@ -143,7 +143,7 @@ impl PatternBank {
     /// Takes over the compensations of a bank that was read.
     ///
     /// # Errors
-    /// In words for the user, when it belongs to something else, is not consistent, or has values beyond `pulses_max`.
+    /// Message for the user if it belongs to something else, is not consistent, or has values beyond `pulses_max`.
     pub fn take_over(&mut self, other: &Self, pulses_max: f64) -> Result<(), String> {
         self.identity.accepts(&other.identity)?;
         let consistent = other.usable <= other.patterns.len() && other.patterns.len() == self.patterns.len();

@@ -21,7 +21,7 @@ const PHASE_BITS: u32 = 2;
 /// The bank as bytes.
 ///
 /// # Errors
-/// In words for the user, when a number does not fit into its 16 bits.
+/// Message for the user if a number does not fit into its 16 bits.
 pub fn encode(bank: &PatternBank, path: &TaughtPath) -> Result<Vec<u8>, String> {
     let Identity { path: print, pulses, period, io_delay, factors } = bank.identity();
     let mut bytes = MAGIC.to_vec();
@@ -45,7 +45,7 @@ pub fn encode(bank: &PatternBank, path: &TaughtPath) -> Result<Vec<u8>, String> 
 /// Identity and compensations of all samples from their bytes; none when these are no records.
 ///
 /// # Errors
-/// In words for the user, when the bytes are damaged, or another path or feed is in them than that of `bank`.
+/// Message for the user if the bytes are damaged, or another path or feed is in them than that of `bank`.
 pub fn decode(bytes: &[u8], bank: &PatternBank, path: &TaughtPath) -> Option<Result<PatternBank, String>> {
     bytes.strip_prefix(MAGIC).map(|rest| verify(bytes).and_then(|()| read(Bytes(rest), bank, path)))
 }
@@ -78,7 +78,7 @@ fn read(mut from: Bytes, bank: &PatternBank, path: &TaughtPath) -> Result<Patter
             let sample = Sample { compensation, ..pattern.samples[k] };
             if !alike(&record(&sample, phase(pattern, k), path)?, &bytes) {
                 return Err(format!(
-                    "sample {} of pattern {} is at another place or speed than planned",
+                    "sample {} of pattern {} is at another position or speed than planned",
                     k + 1,
                     index + 1
                 ));
@@ -106,7 +106,7 @@ fn record(sample: &Sample, phase: u32, path: &TaughtPath) -> Result<[u8; RECORD]
     Ok(bytes)
 }
 
-/// Whether two records are of the same place and feed, but for rounding.
+/// Whether two records are of the same position and feed, except rounding.
 fn alike(a: &[u8; RECORD], b: &[u8; RECORD]) -> bool {
     let word = |bytes: &[u8; RECORD], at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
     word(a, 14) == word(b, 14) && [12, 16].iter().all(|&at| word(a, at).abs_diff(word(b, at)) <= 1)
@@ -132,7 +132,7 @@ struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        let (head, rest) = self.0.split_first_chunk().ok_or("it is cut")?;
+        let (head, rest) = self.0.split_first_chunk().ok_or("it is truncated")?;
         self.0 = rest;
         Ok(*head)
     }
@@ -192,7 +192,10 @@ mod tests {
         assert!(changed(0, -1).is_ok() && changed(0, -2).is_err());
         let message = changed(1, 1).unwrap_err();
         let (sample, pattern) = (bank.patterns()[4].len() - 1, 5);
-        assert_eq!(message, format!("sample {sample} of pattern {pattern} is at another place or speed than planned"));
+        assert_eq!(
+            message,
+            format!("sample {sample} of pattern {pattern} is at another position or speed than planned")
+        );
     }
 
     #[test]

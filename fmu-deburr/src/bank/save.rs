@@ -4,10 +4,10 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes beside the file and renames; an older file stays until the new one is complete.
+/// Writes under another name and renames; an older file stays until the new one is complete.
 ///
 /// # Errors
-/// What the system says; nothing is left behind.
+/// What the system says; nothing is left after.
 pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if fs::metadata(path).is_ok_and(|about| !about.is_file()) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there is a folder or device of this name"));

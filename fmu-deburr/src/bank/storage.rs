@@ -1,4 +1,4 @@
-//! The bank in files: read at initialisation, written after learning and on request.
+//! The bank in files: read at initialization, written after learning and on request.
 
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub fn start(
     };
     let bytes = file.read(resources, BYTES_MAX)?;
     let read = bank_file::decode(&bytes).or_else(|| records::decode(&bytes, bank, path));
-    let read = read.unwrap_or_else(|| Err("it is in none of the formats of a bank".to_owned()));
+    let read = read.unwrap_or_else(|| Err("it has none of the formats of a bank".to_owned()));
     let wrong = |what| file.wrong(format!("a bank for this path and robot: {what}"));
     bank.take_over(&read.map_err(wrong)?, p.limits.pulses_max).map_err(wrong)?;
     let patterns = bank.patterns().len();
@@ -67,7 +67,7 @@ pub fn export(p: &Parameters, path: &TaughtPath, bank: &PatternBank, output: &mu
             true
         }
         Err(what) => {
-            let hint = "hint: the patterns are still here; the mode Export tries again";
+            let hint = "hint: The patterns remain in use. The mode Export tries again.";
             output.message = format!("`bank.export` = `{file}`: not written: {what}\n{hint}");
             output.status = BankStatus::ExportFailed;
             false

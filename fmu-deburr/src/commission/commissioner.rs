@@ -1,4 +1,4 @@
-//! The commission as the controller sees it: what moves, what was found, and which values are in force.
+//! The commissioning run as the controller sees it: what moves, what was found, and which values are in force.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ use crate::interface::{Measured, MeasuredAxis, Parameters};
 use crate::learning::drive::Drive;
 use crate::path::kinematics::{AXES, Joints};
 
-/// Steps of a reading of the tool speed, 12 bits, and its range over the idle speed, at most: coarser ones are beyond what is told.
+/// Steps of a measurement of the tool speed, 12 bits, and its range over the idle speed, at most: coarser ones are beyond what is reported.
 const READING_STEPS: f64 = 4096.0;
 const READING_RANGE: f64 = 1.25;
 
@@ -60,7 +60,7 @@ impl Commissioner {
         (self.tool, self.samples) = (Welford::default(), 0);
     }
 
-    /// Ends before its end: what was told counts.
+    /// Ends before its end: what was configured counts.
     pub fn break_off(&mut self) {
         self.values.restore();
     }
@@ -91,7 +91,7 @@ impl Commissioner {
         !self.values.as_told()
     }
 
-    /// Tells how sure the drives are that are in force.
+    /// Sets the uncertainty of the active drives.
     pub fn tell_deviations(&self, drives: &mut [Drive; AXES]) {
         if self.applied() {
             for (drive, measured) in drives.iter_mut().zip(&self.measured.axis) {
@@ -100,7 +100,7 @@ impl Commissioner {
         }
     }
 
-    /// Names and values of what a good commission derives, with the speeds that `p` tells.
+    /// Names and values that a successful run derives, with the speeds of `p`.
     pub fn derived(&self, p: &Parameters) -> [(&'static str, f64); ENTRIES] {
         self.values.derived().entries(p)
     }
@@ -160,7 +160,7 @@ impl Commissioner {
     }
 }
 
-/// Standard deviation (rad/s) that the steps of a reading leave to mean and noise of a speed, of a tool that was told to idle at `told`. Noise s carries a mean
+/// Standard deviation (rad/s) that the steps of a measurement leave to mean and noise of a speed, of a tool that was configured to idle at `told`. Noise s carries a mean
 /// across the steps d: of the deviation d/12^(1/2) of a speed that is still it leaves exp(-2 pi^2 s^2/d^2) (Widrow, Kollar 2008).
 fn unseen_step(speed: f64, told: f64, noise: f64) -> f64 {
     // a tool that stands is at no step
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn the_speed_of_the_tool_is_as_sure_as_the_steps_of_its_reading_let_it_be() {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(11);
-        // of tools that idle at 0.7 to 1.3 times what is told; the reading goes to 20,000 rpm
+        // of tools that idle at 0.7 to 1.3 times what is reported; the measurement goes to 20,000 rpm
         let (told, step) = (1885.0, 2094.4 / READING_STEPS);
         let (mut squares, mut most) = (0.0, 0.0f64);
         for _ in 0..1000 {

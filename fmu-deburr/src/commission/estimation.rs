@@ -1,10 +1,9 @@
-//! Gain, lag and delay of a drive from its strokes, by the estimator that `Learn` has.
+//! Gain, lag and delay of a drive from its strokes, by the estimator of `Learn`.
 //!
-//! Slow motions tell how late a drive is as a whole, by delay and lag: their phases grow alike with the frequency, w d T and
-//! 2 zeta w/wn, and differ by their third powers alone, some hundredths of a radian at the 2 Hz of a stroke, which is what
-//! friction bends as well. So the delay is what is left of the whole beyond the lag of the nominal drive, and it is rounded to samples
-//! as `io_delay` counts them: with wn and zeta within 30 % a lag of 3.7 ms is one of 2.0 to 6.9 ms, -0.17 to +0.32 samples of 10 ms beside.
-//! What the rounding takes away belongs to the lag.
+//! Slow motions show only the total delay of a drive. The phases of delay and lag grow alike with the frequency, w d T and 2 zeta w/wn. They differ
+//! by their third powers, some hundredths of a radian at the 2 Hz of a stroke, which friction bends as well. The delay is therefore the remainder
+//! after the lag of the nominal drive, rounded to samples as `io_delay` is. With wn and zeta within 30 % a lag of 3.7 ms is one of 2.0 to 6.9 ms, which is
+//! -0.17 to +0.32 samples of 10 ms. The rounding error belongs to the lag.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -15,7 +14,7 @@ use crate::interface::{FRICTION_MAX, Parameters};
 use crate::learning::drive::{Drive, LAG_MIN, ToldDrive};
 use crate::learning::identification::Identification;
 
-/// Nothing counts as known better than this: share of the gain, samples, and samples^2 of 1/(wn T)^2. Pulses that are rounded in the loop
+/// Smallest standard deviation: ratio of the gain, samples, and samples^2 of 1/(wn T)^2. Pulses that are rounded in the loop
 /// are no white noise, and a drive that computes in steps of its own is no lag of second order.
 const LEAST_DEVIATION: [f64; 3] = [4e-5, 2.5e-3, 0.015];
 /// Deviation of the lag 2 zeta/wn from the nominal one, root of the mean square of their ratio less 1, with wn and zeta each evenly
@@ -23,39 +22,39 @@ const LEAST_DEVIATION: [f64; 3] = [4e-5, 2.5e-3, 0.015];
 const LAG_SPREAD: f64 = 0.262;
 /// Most samples of delay that are looked for, as `WrongDelay` does.
 const DELAY_MAX: f64 = 6.0;
-/// How often a drive is evaluated: around the one that was told, then around the one that was found before.
+/// How often a drive is evaluated: around the one that was configured, then around the one that was found before.
 const PASSES: u32 = 5;
-/// Gain and natural frequency over what was told, or its reciprocal, that are looked for at most.
+/// Gain and natural frequency over what was configured, or its reciprocal, that are looked for at most.
 const RATIO_MAX: f64 = 2.0;
-/// Least lateness that is looked for, samples.
+/// Smallest lateness that is looked for, samples.
 const LAG_LEAST: f64 = 0.05;
 /// Steps of the derivatives, as parts of their numbers.
 const STEP: f64 = 1e-4;
 
-/// What the strokes have told of a drive: values with their standard deviations.
+/// Values of a drive from its strokes, with their standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Response {
     /// Velocity over commanded velocity.
     pub gain: [f64; 2],
     /// How late the drive is as a whole, s.
     pub late: [f64; 2],
-    /// Natural frequency, rad/s; zeros where nothing tells it.
+    /// Natural frequency, rad/s; zeros where it is not observable.
     pub frequency: [f64; 2],
-    /// Way by which friction holds it back, rad or m; none that is as unsure as any is where nothing tells it.
+    /// Displacement by which friction holds it back, rad or m; 0 with the largest uncertainty where it is not observable.
     pub friction: [f64; 2],
 }
 
 /// Unknowns of a drive: gain, how late it is as a whole (samples), and mu = 1/(wn T)^2.
 type Unknowns = Vector3<f64>;
 
-/// Way of a friction that nothing tells: it may be any.
+/// Displacement of a friction that is not observable: it may have any value.
 const UNTOLD: [f64; 2] = [0.0, FRICTION_MAX];
 
 impl Response {
-    /// Of a drive of which nothing is told: gain and frequency that none has.
+    /// Of a drive of which nothing is reported: gain and frequency that none has.
     pub const NONE: Self = Self { gain: [0.0; 2], late: [0.0; 2], frequency: [0.0; 2], friction: UNTOLD };
 
-    /// From the strokes of the axis `axis` (from 0), in `room` for twice all their samples; `NONE` where they tell nothing.
+    /// From the strokes of the axis `axis` (from 0), in `room` for twice all their samples; `NONE` where they show nothing.
     ///
     /// Three weights are short of a drive. So what is found is the drive whose own loop would show the same weights, by
     /// Newton's method, and with its derivatives the covariance of the weights is that of the unknowns.
@@ -165,7 +164,7 @@ mod tests {
             let normal: f64 = StandardNormal.sample(&mut random);
             // noise is read by the servo, too
             let read = (state.position() + noise * normal).round();
-            // friction takes of its place to which the drive was sent, at once where a stroke begins
+            // friction takes of its position to which the drive was sent, immediately where a stroke begins
             let turns = if k == 0 {
                 -1.0
             } else if k % samples == 0 {
@@ -224,7 +223,7 @@ mod tests {
                 let mean = all.iter().map(|one| pick(one)[0]).sum::<f64>() / all.len() as f64;
                 let scatter = all.iter().map(|one| (pick(one)[0] - mean).powi(2)).sum::<f64>() / all.len() as f64;
                 let told = all.iter().map(|one| pick(one)[1]).sum::<f64>() / all.len() as f64;
-                println!("noise {noise}: mean {mean}, scatter {}, told {told}", scatter.sqrt());
+                println!("noise {noise}: mean {mean}, scatter {}, reported {told}", scatter.sqrt());
                 let ratio = scatter.sqrt() / told;
                 assert!((0.6..1.4).contains(&ratio), "{noise}: {ratio}");
             }

@@ -1,4 +1,4 @@
-//! The motion of a commission: strokes of one axis after the other, each followed by a rest.
+//! The motion of a commissioning run: strokes of one axis after the other, each followed by a rest.
 
 use control_blocks::{Quintic, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ impl Experiment {
         }
     }
 
-    /// Slows the axis down; whether it stands.
+    /// Slows the axis down; whether it is at rest.
     pub fn stop(&mut self, joints: &mut Joints, dt: f64) -> bool {
         if self.axis < AXES {
             self.now.step(0.0, self.plan.brake[self.axis], dt);
@@ -90,7 +90,7 @@ impl Experiment {
         if self.axis >= AXES {
             return false;
         }
-        // counts from the start: of a place far away the rates lose digits
+        // counts from the start: of a position far away the rates lose digits
         let reference = (self.now.position - self.start[self.axis]) / p.axis[self.axis].pulse;
         self.strokes.take(reference, error[self.axis]);
         self.tick += 1;

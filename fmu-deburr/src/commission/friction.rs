@@ -1,23 +1,23 @@
-//! The way by which friction holds a drive back, from its strokes.
+//! Displacement by which friction holds a drive back, from its strokes.
 //!
-//! What the weights leave of the error, summed up, is how far the drive was sent beyond where the axis is: h sgn x', in lags 1/(g Kp T), with
-//! h = F/(m wn^2). It is looked at where the axis slides, a sample that tells nothing of how it broke away, and to and fro. Weights
-//! that are a little wrong leave shares of place, velocity and acceleration in it, an offset of the drive a slope in time, and the first sum a
-//! constant; they are found with h, so that h does not depend on them.
+//! The residual of the weights, summed, is the distance of the commanded from the actual position: h sgn x', in lags 1/(g Kp T), with
+//! h = F/(m wn^2). Only samples in which the axis slides are used, in both directions. Small errors of the weights leave parts of position, velocity and
+//! acceleration in it, an offset of the drive a slope in time, and the first sum a constant. All are fitted together with h, so that h does not
+//! depend on them.
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::learning::drive::TAPS;
 use crate::learning::identification::{BareRun, Identification};
 
-/// Share of the fastest rate from which on an axis slides.
+/// Ratio of the fastest rate from which on an axis slides.
 const SLIDES: f64 = 0.3;
 /// Unknowns: h, constant, slope, place, velocity, acceleration.
 const UNKNOWNS: usize = 6;
-/// Least variance of the noise of a reading: that of a whole count.
+/// Smallest variance of the noise of a measurement: that of a whole count.
 const ROUNDING: f64 = 1.0 / 12.0;
 
-/// The way and its standard deviation, counts; none where the strokes do not tell it.
+/// The displacement and its standard deviation, counts; none where the strokes do not show it.
 pub fn held_back<R: BareRun>(run: &Identification<R>) -> Option<[f64; 2]> {
     let (lag, count, fastest) = (run.bare_lag(), run.samples(), run.fastest());
     let (mut normal, mut target) = (SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros(), SVector::<f64, UNKNOWNS>::zeros());

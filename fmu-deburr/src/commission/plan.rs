@@ -1,18 +1,16 @@
-//! How far, how fast and how long the commission moves, from its bounds.
+//! Distance, speed and duration of the commissioning run, from its bounds.
 //!
-//! One axis after the other goes to and fro while all others hold the place, each time from rest to rest by a motion of least jerk
-//! (quintic) of the way D in the time T. Its speed peaks at 15/8 D/T, its acceleration at 5.77 D/T^2. Strokes as quick as the path is
-//! taught and as hard as it is fed tell of the drives what the path asks of them; both peak where D = 1.64 v^2/a, which is
-//! the travel if nothing else is told. The reference does not go beyond D, for a motion from rest to rest is monotone, and the bare servo
-//! goes beyond its reference by a thousandth of the way.
+//! One axis after the other moves back and forth while the others hold their positions, each time from rest to rest by a minimum-jerk motion
+//! (quintic) of the distance D in the time T. Its speed peaks at 15/8 D/T, its acceleration at 5.77 D/T^2. Strokes with the speed and the acceleration
+//! of the path show the behavior of the drives on the path. Both peak where D = 1.64 v^2/a, which is the default travel. The reference does not exceed D,
+//! because a motion from rest to rest is monotone. The servo without patterns exceeds its reference by a thousandth of the distance.
 //!
-//! Nothing but the position loop holds the axes: L = g Kp G(s)/s e^(-s tau) with the hold, T/2, and the delay in tau. As G is flat there
-//! it crosses at g Kp with the phase margin pi/2 - g Kp (d T + T/2 + 2 zeta/wn). For the paper's loop, a drive of 1.3 times its gain,
-//! two samples of delay and a lag of 6.9 ms (wn 0.7, zeta 1.3 times what is told) these are 59 degrees; a weaker, quicker or
-//! earlier drive has more.
+//! Only the position loop holds the axes: L = g Kp G(s)/s e^(-s tau) with the hold, T/2, and the delay in tau. G is flat at the
+//! crossover g Kp, so the phase margin is pi/2 - g Kp (d T + T/2 + 2 zeta/wn). For the paper's loop, a drive of 1.3 times its gain, two samples of
+//! delay and a lag of 6.9 ms (wn 0.7, zeta 1.3 times nominal) this is 59 degrees; a weaker, faster or earlier drive has more.
 //!
-//! Each stroke goes to the side where the tip comes away from the part, against the tool; where neither side does, where there is
-//! more room. So in all strokes the tip is never nearer to what lies before the tool than it was when it began, and beside it by D at most.
+//! Each stroke moves to the side on which the tip leaves the part, against the tool, otherwise to the side with more travel. In all strokes the tip is
+//! therefore never nearer to what is in front of the tool than at the start, and sideways by at most D.
 
 use control_blocks::{QUINTIC_ACCELERATION, commission_time, quintic_duration, ticks, told_or};
 use serde::{Deserialize, Serialize};
@@ -21,15 +19,15 @@ use crate::interface::Parameters;
 use crate::path::kinematics::{AXES, Joints};
 use crate::path::transfer::VELOCITY_RATIO;
 
-/// Strokes of each axis, to and fro.
+/// Strokes of each axis, back and forth.
 pub const STROKES: u32 = 4;
 /// Rest after each of them in time constants 1/Kp.
 const REST: f64 = 6.0;
-/// Longest way if nothing else is told, m.
+/// Largest default travel, m.
 const TRAVEL_MAX: f64 = 0.05;
 /// No turning axis moves the tip by less than that of a lever of this length, m: it would turn too far.
 const LEVER_MIN: f64 = 0.1;
-/// A stroke takes at least so many samples.
+/// A stroke takes at least this number of samples.
 const SAMPLES_MIN: f64 = 10.0;
 /// Ways of the tip that differ by less are the same, m.
 const SAME: f64 = 1e-6;
@@ -37,18 +35,18 @@ const SAME: f64 = 1e-6;
 /// The strokes of all axes.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Plan {
-    /// Way from where each axis stands, rad or m.
+    /// Distance from the rest position of each axis, rad or m.
     pub way: Joints,
     /// Time of a stroke, s.
     pub time: Joints,
     /// Samples of a stroke and the rest after it.
     pub samples: [u32; AXES],
-    /// Deceleration of a stroke that is broken off, rad/s2 or m/s2.
+    /// Deceleration of a stroke that is aborted, rad/s2 or m/s2.
     pub brake: Joints,
 }
 
 impl Plan {
-    /// From the place `joints` (rad or m); `speed` is that of the path, m/s.
+    /// From the position `joints` (rad or m); `speed` is that of the path, m/s.
     pub fn new(p: &Parameters, speed: f64, joints: &Joints) -> Self {
         let levers = levers(p, joints);
         let way = std::array::from_fn(|i| side(p, joints, i, travel(p, speed) / levers[i]));
@@ -72,7 +70,7 @@ fn linear(axis: usize) -> bool {
     matches!(axis, 1 | 2)
 }
 
-/// The way of the axis `axis`, at most `most` (rad or m) and within its travel, to the side that is free.
+/// The travel of the axis `axis`, at most `most` (rad or m) and within its travel, to the side that is free.
 fn side(p: &Parameters, joints: &Joints, axis: usize, most: f64) -> f64 {
     let (here, at) = (p.arm.forward(joints), joints[axis]);
     let away = |way: f64| {
@@ -123,7 +121,7 @@ fn acceleration(p: &Parameters) -> f64 {
     told_or(p.commission.acceleration, || p.feed.acceleration)
 }
 
-/// Time of all motions (s), with the way out of the part.
+/// Time of all motions (s), including the retract from the part.
 pub fn least_time(p: &Parameters, speed: f64) -> f64 {
     let strokes: u32 = (0..AXES).map(|i| STROKES * samples(p, i, longest(p, speed, i))).sum();
     let slowest = p.axis.iter().fold(f64::INFINITY, |least, axis| least.min(axis.velocity_max));
@@ -163,7 +161,7 @@ mod tests {
     fn strokes_peak_at_the_speed_or_at_the_acceleration() {
         let mut p = Parameters::START;
         let plan = Plan::new(&p, 0.1, &ABOVE);
-        // both at once
+        // both immediately
         near(1.875 * plan.way[1] / plan.time[1], 0.1);
         near(5.7735 * plan.way[2] / plan.time[2].powi(2), 0.5);
         // the reach is the lever of the column, and no lever is shorter than 0.1 m

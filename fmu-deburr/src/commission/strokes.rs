@@ -13,17 +13,17 @@ pub struct Strokes {
 }
 
 impl Strokes {
-    /// With room for `samples` samples.
+    /// With memory for `samples` samples.
     pub fn new(samples: usize) -> Self {
         Self { reference: vec![0.0; samples], error: vec![0.0; samples], count: 0 }
     }
 
-    /// Forgets what was before.
+    /// Discards all samples.
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// Takes the reference and the control error of a sample, as long as there is room.
+    /// Takes the reference and the control error of a sample, as long as there is memory.
     pub fn take(&mut self, reference: f64, error: f64) {
         if let (Some(place), Some(left)) = (self.reference.get_mut(self.count), self.error.get_mut(self.count)) {
             (*place, *left) = (reference, error);

@@ -1,4 +1,4 @@
-//! The parameters that a commission derives, and how.
+//! The parameters that a commissioning run derives, and how.
 
 use control_blocks::{DELAY_SPREAD, RATIO_MAX, bearable_delays, sure, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ const EARLY: f64 = 0.1;
 /// Largest standard deviation of delay and lag of a drive together, samples: 0.5 ms, 0.01 mm at 0.35 m/s2.
 pub const DELAY_STD_MAX: f64 = 0.05;
 
-/// A natural frequency is used where its standard deviation is at most this share of it.
+/// A natural frequency is used where its standard deviation is at most this ratio of it.
 const FREQUENCY_SURE: f64 = 0.2;
 /// So is friction.
 const FRICTION_SURE: f64 = 0.3;
@@ -52,10 +52,10 @@ const FRICTIONS: [&str; AXES] = [
     "expert.model.axis5.friction",
     "expert.model.axis6.friction",
 ];
-/// How many parameters a commission derives.
+/// How many parameters a commissioning run derives.
 pub const ENTRIES: usize = 4 * AXES + 4;
 
-/// All parameters that a commission derives.
+/// All parameters that a commissioning run derives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     io_delay: i32,
@@ -64,7 +64,7 @@ pub struct Values {
     frequency: Joints,
     friction: Joints,
     idle_speed: f64,
-    /// share of the told speeds of target and limit
+    /// ratio to the configured target and limit speeds
     scale: f64,
 }
 
@@ -92,8 +92,8 @@ impl Values {
         (p.load.idle_speed, p.load.scale) = (self.idle_speed, self.scale);
     }
 
-    /// Those with what was measured. Target and limit of the tool's speed keep their share of the idle speed: the slip
-    /// of an induction motor is a share of the speed that it has without load.
+    /// Those with what was measured. Target and limit of the tool's speed keep their ratio of the idle speed: the slip
+    /// of an induction motor is a ratio of the speed that it has without load.
     pub fn derived(self, measured: &Measured) -> Self {
         Self {
             io_delay: whole_delay(measured.io_delay),
@@ -112,7 +112,7 @@ impl Values {
         }
     }
 
-    /// Their names and values, with the speeds that `p` tells.
+    /// Their names and values, with the speeds of `p`.
     pub fn entries(&self, p: &Parameters) -> [(&'static str, f64); ENTRIES] {
         let all: [(&[&'static str], &[f64]); 5] = [
             (
@@ -136,12 +136,12 @@ impl Values {
     }
 }
 
-/// A value whose standard deviation is at most this share of it, else 0.
+/// A value whose standard deviation is at most this ratio of it, else 0.
 fn if_sure(value: f64, deviation: f64, share: f64) -> f64 {
     if deviation <= share * value { value } else { 0.0 }
 }
 
-/// The delays that a controller can bear that was told `io_delay`.
+/// The delays that a controller tolerates with the configured `io_delay`.
 pub fn delays(io_delay: i32) -> std::ops::RangeInclusive<i32> {
     (io_delay - DELAY_SPREAD).max(0)..=*bearable_delays(io_delay).end()
 }
@@ -219,7 +219,7 @@ mod tests {
         values.put(&mut p);
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.io_delay, p.model.axis[4].gain, p.model.axis[4].lag, p.load.idle_speed), (2, 0.8, 5e-3, 1700.0));
-        // what was told of target and limit stays, and their share is in force
+        // what was configured of target and limit stays, and their ratio is in force
         assert_eq!(p.load.spindle_speed, Parameters::START.load.spindle_speed);
         let share = 1700.0 / Parameters::START.load.idle_speed;
         assert!((p.load.scale - share).abs() < 1e-12);

@@ -12,7 +12,7 @@ use crate::path::route::Route;
 use crate::reading::Reading;
 
 impl Controller {
-    /// Puts what a commission has measured into the parameters, where `commission.apply` says so; before each sample.
+    /// Puts what a commissioning run has measured into the parameters, where `commission.apply` says so; before each sample.
     pub fn bring_into_force(&mut self, p: &mut Parameters) {
         self.commissioner.put(p);
         if self.state == State::Commission && self.commissioner.finished {
@@ -20,7 +20,7 @@ impl Controller {
         }
     }
 
-    /// Writes what the last good commission derives into the file `commission.export`.
+    /// Writes the derived parameters of the last successful run to the file `commission.export`.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -28,7 +28,7 @@ impl Controller {
         export_commission(&p.commission.export, &self.commissioner.derived(p))
     }
 
-    /// Begins, where the tool may be in the part with the way out of it.
+    /// Starts; where the tool may be in the part, with a retract.
     pub(super) fn begin_commission(&mut self, p: &Parameters) {
         let start = if self.inside { p.arm.drawn_back(&self.joints, p.transfer.clearance) } else { self.joints };
         self.route = if self.inside { Route::out(p, &self.joints) } else { Route::at(&self.joints) };
@@ -57,7 +57,7 @@ impl Controller {
         }
     }
 
-    /// Other values are in force, at rest: models and patterns are those of the drives as they are told now.
+    /// Other values are in force, at rest: models and patterns are those of the drives as configured now.
     pub(super) fn renew(&mut self, p: &Parameters) {
         self.watch = Watch::new(p);
         self.watch.restart(p, &self.reader.positions());
@@ -69,7 +69,7 @@ impl Controller {
         if self.commissioner.applied() || p.bank.compute {
             self.compute(p);
         } else {
-            // those that the commission has computed go with it
+            // those that the commissioning run has computed go with it
             self.bank.limit(0);
         }
     }

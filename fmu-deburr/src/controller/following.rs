@@ -64,7 +64,7 @@ impl Controller {
         self.finish_if(self.route.over());
     }
 
-    /// Wanted speed on the path, m/s.
+    /// Desired speed on the path, m/s.
     fn target(&mut self, p: &Parameters, reading: &Reading) -> f64 {
         let taught = self.path.speed * reading.speed_override;
         match self.job {

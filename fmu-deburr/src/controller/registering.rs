@@ -14,14 +14,14 @@ use crate::reading::Reading;
 use crate::registration::plan;
 
 impl Controller {
-    /// The control patterns for the path as it was taught, wherever the part lies.
+    /// The control patterns for the path as programmed, wherever the part lies.
     pub fn bank_as_taught(&self, p: &Parameters) -> PatternBank {
         let mut other = self.clone();
         other.lay_as_taught(p);
         other.bank
     }
 
-    /// Begins on the path as it was taught.
+    /// Begins on the path as programmed.
     pub(super) fn begin_registration(&mut self, p: &Parameters, reading: &Reading) {
         self.lay_as_taught(p);
         self.registrar.begin(p.arm.forward(&reading.positions).tip);
@@ -76,7 +76,7 @@ impl Controller {
         }
     }
 
-    /// Slows down on the way to the part or back from it; whether it stands.
+    /// Slows down during the motion to the part or back from it; whether it is at rest.
     pub(super) fn stop_registration(&mut self, p: &Parameters) -> bool {
         if self.path.touches.is_empty() {
             return true;
@@ -95,7 +95,7 @@ impl Controller {
         Ok(())
     }
 
-    /// The part lies as it was taught, where the path was found to be one that the robot can follow before the first sample.
+    /// The part lies as programmed, where the path was found to be one that the robot can follow before the first sample.
     fn lay_as_taught(&mut self, p: &Parameters) {
         self.move_path(p, Displacement::default(), self.start_as_taught);
     }

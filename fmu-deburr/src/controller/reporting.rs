@@ -1,4 +1,4 @@
-//! What a sample tells: every output.
+//! Writes every output of a sample.
 
 use control_blocks::Reaction;
 
@@ -8,7 +8,7 @@ use crate::path::kinematics::{AXES, Joints};
 use crate::servo;
 
 impl Controller {
-    /// What the sample tells.
+    /// Writes the outputs of the sample.
     pub(super) fn report(&self, p: &Parameters, velocity: &Joints, output: &mut Output) {
         let reference = servo::pulses(p, &self.joints);
         let Output {

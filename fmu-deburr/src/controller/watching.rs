@@ -10,7 +10,7 @@ use crate::monitoring::finding::Finding;
 use crate::path::kinematics::Joints;
 use crate::reading::Reading;
 
-/// Shares of the speed without load: the tool runs above the first, and stands below the second.
+/// Ratios to the speed without load: the tool runs above the first, and is stopped below the second.
 const TOOL: (f64, f64) = (0.5, 0.02);
 
 impl Controller {
@@ -42,7 +42,7 @@ impl Controller {
         }
     }
 
-    /// Looks at how the readings flicker in rests and while a job goes on; `held` is one that stands on its way.
+    /// Looks at how the measurements flicker in rests and while a task continues; `held` is one that waits along its path.
     fn watch_flicker(&mut self, p: &Parameters, reading: &Reading, held: bool) -> Finding {
         let goes_on = matches!(self.state, State::Approach | State::Settle | State::Run) && !held;
         let (rests, on_path) = (goes_on || self.state.waits(), self.state == State::Run);
@@ -66,8 +66,8 @@ impl Controller {
         if found.is_fault() { found } else { resting }
     }
 
-    /// Patterns do not match where the answer comes at another time than told; a fault that ends graver than a wrong
-    /// delay stands.
+    /// Patterns do not match where the response has another delay than configured; a fault of higher severity than a wrong
+    /// delay remains.
     fn cause(&self, p: &Parameters, finding: Finding) -> Finding {
         let late = self.delay.found(p);
         if finding.fault == Fault::PatternMismatch && late.is_fault() { late } else { finding }
@@ -81,7 +81,7 @@ impl Controller {
         true
     }
 
-    /// Looks at the tool while it cuts, and before at how its reading flickers.
+    /// Looks at the tool while it cuts, and before at how its measurement flickers.
     fn watch_tool(&mut self, p: &Parameters, reading: &Reading) -> Finding {
         let speed = reading.spindle_speed;
         if !self.cuts() {
@@ -125,7 +125,7 @@ impl Controller {
         )
     }
 
-    /// The fault in force and how it ends: a graver one takes the place of a lighter one, and never the other way.
+    /// The fault in force and how it ends: a of higher severity one takes the position of a of lower severity one, and never the other way.
     pub(super) fn escalate(&mut self, found: Finding, counts: bool) -> Option<Reaction> {
         let graver = self.fault == Fault::None || found.fault.reaction() > self.fault.reaction();
         if counts && found.is_fault() && graver {

@@ -1,4 +1,4 @@
-//! A drive as it is told, eq. 1 behind a gain and a delay, and what is known of one.
+//! A drive as configured, eq. 1 after a gain and a delay, and what is known of one.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::interface::Parameters;
 pub(crate) const TAPS: usize = 3;
 /// Standard deviation of the gain of a drive that was not identified.
 const SPREAD: f64 = 0.3;
-/// Least lag that is told from none, s.
+/// Smallest lag that is reported from none, s.
 pub(crate) const LAG_MIN: f64 = 1e-5;
 
 /// Weights of the rates from the sample `first` after the present one on, with their covariance.
@@ -22,7 +22,7 @@ pub struct Weights {
     pub covariance: [[f64; TAPS]; TAPS],
 }
 
-/// A velocity drive as it is told, and the position loop around it.
+/// A velocity drive as configured, and the position loop around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToldDrive {
     /// Gain Kp of the position loop, 1/s.
@@ -47,7 +47,7 @@ impl Parameters {
 }
 
 impl ToldDrive {
-    /// The drive of the axis `axis` (from 0); where its lag is told, frequency or damping follow.
+    /// The drive of the axis `axis` (from 0); where its lag is reported, frequency or damping follow.
     pub fn new(p: &Parameters, axis: usize) -> Self {
         let told = &p.model.axis[axis];
         let lag = told.lag.max(LAG_MIN);
@@ -108,12 +108,12 @@ pub struct Drive {
     pub gain: [f64; 2],
     /// Lag beyond the delay, 2 zeta/wn of eq. 1, and its standard deviation, s.
     pub lag: [f64; 2],
-    /// Natural frequency wn, and its standard deviation, rad/s; zeros where nothing tells it.
+    /// Natural frequency wn, and its standard deviation, rad/s; zeros where it is not observable.
     pub frequency: [f64; 2],
 }
 
 impl Drive {
-    /// As it is told, before a run.
+    /// As it is reported, before a run.
     pub fn told(told: &ToldDrive) -> Self {
         let (first, weights) = told.weights();
         let unknown = Self::of(told, &Weights { first, weights, covariance: told.uncertain() });

@@ -25,7 +25,7 @@ pub struct ErrorSums {
 }
 
 impl ErrorSums {
-    /// Takes the control error of a sample (pulses); `levers` tell how far the tip moves with each axis.
+    /// Takes the control error of a sample (pulses); `levers` are the motions of the tip per axis.
     pub fn take(&mut self, error: &Joints, pulses: &Joints, levers: &Joints) {
         self.count += 1;
         for i in 0..AXES {

@@ -1,6 +1,6 @@
-//! Patterns from the drives alone: what an axis has to be told beyond its error, so that it is where its reference is.
+//! Patterns from the drives alone: the command in addition to the error that keeps an axis at its reference.
 //!
-//! The loop is in place where the command is that of a drive which follows: Kp c = (e^(sT) - 1) Theta r. With eq. 1 behind a
+//! The loop is in place where the command is that of a drive which follows: Kp c = (e^(sT) - 1) Theta r. With eq. 1 after a
 //! hold and d samples of delay, in x = s T, lambda = 2 zeta/(wn T) and mu = 1/(wn T)^2,
 //!
 //! ```text
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! So c is a sum of three rates of the reference around the lag d + lambda, whose weights have the same sum (gain), the same
-//! mean (lag) and the same second moment, d^2 + 2 d lambda + 2 mu - 1/6. The weights are identified in a run, or these.
+//! mean (lag) and the same second moment, d^2 + 2 d lambda + 2 mu - 1/6. The weights are identified in a run, or follow from the nominal drive.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ use crate::path::taught_path::TaughtPath;
 
 /// Standard deviation from which on the gain is that of the nominal drive.
 const KNOWN: f64 = 0.1;
-/// Gains that can be told from a drive; others end the run, `FollowingError`.
+/// Gains of a drive that are accepted; others end the run with `FollowingError`.
 pub(crate) const CREDIBLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// Feedforward of all axes.
@@ -70,7 +70,7 @@ impl BareRun for PathRun<'_> {
 }
 
 impl Feedforward {
-    /// Of the drives as they are told, for patterns of up to `samples` samples.
+    /// Of the drives as configured, for patterns of up to `samples` samples.
     pub fn new(p: &Parameters, samples: usize) -> Self {
         let mut this = Self {
             first: [0; AXES],
@@ -83,7 +83,7 @@ impl Feedforward {
         this
     }
 
-    /// The drives are those that are told now.
+    /// The drives are those as configured now.
     pub fn tell(&mut self, p: &Parameters) {
         for axis in 0..AXES {
             let told = ToldDrive::new(p, axis);
@@ -111,7 +111,7 @@ impl Feedforward {
         self.turn(p, sign, pattern);
     }
 
-    /// Adds what friction asks for where an axis of the walk turns round, `sign` times.
+    /// Adds what friction asks for where an axis of the walk reverses, `sign` times.
     fn turn(&self, p: &Parameters, sign: f64, pattern: &mut Pattern) {
         for axis in 0..AXES {
             let held = p.model.axis[axis].friction / p.axis[axis].pulse;

@@ -1,23 +1,23 @@
-//! Coulomb friction behind a drive: where an axis turns round, and what its drive needs there.
+//! Coulomb friction after a drive: where an axis reverses, and the command that its drive needs there.
 //!
 //! With friction F the drive of eq. 1 follows x = G (s - h sgn x'), s the integral of g v and h = F/(m wn^2): G is the same from s and from
-//! the force over m wn^2. So x = r asks for s = r/G + h sgn r', which steps by 2 h where the reference turns round, and by h where it
-//! begins to move, for nothing tells on which side the drive has come to rest: wrong by h at most. A step of s is a pulse of the
-//! command in one sample of h/(g Kp T) for each h. The hold makes a ramp of it about the middle of the sample that begins d samples later; shared
-//! by two samples the middle of the ramp is where the reference turns, a fraction of a sample included. What eq. 4 mixes of two
-//! patterns keeps its area: at V the samples of a pattern of the speed V_j are passed V_j/V times as often, and the shares in V add up to V.
+//! the force over m wn^2. So x = r requires s = r/G + h sgn r', which steps by 2 h where the reference reverses, and by h where it starts to move. The side on which
+//! the drive came to rest is unknown; the error is at most h. A step of s is a pulse of the command in one sample of h/(g Kp T) for each h. The hold makes
+//! a ramp of it around the middle of the sample that starts d samples later. Distributed over two samples, the middle of the ramp is where the
+//! reference reverses, including a fraction of a sample. The mixture of two patterns by eq. 4 keeps its area: at V the samples of a pattern of the speed V_j are
+//! passed V_j/V times as often, and the ratios in V sum to V.
 //!
-//! Between two laps nothing is at rest for long: a lap begins on the side on which the one before has ended. So its turns are those of a walk
-//! that goes on for ever, one at the seam among them only where an axis turns round there, and their changes add up to 0, which leaves
-//! nothing that grows from lap to lap. The first lap alone begins on a side that nothing tells, wrong by 2 h at most.
+//! Between two laps the rest is short: a lap starts on the side on which the previous one ended. Its reversals are therefore those of a walk that
+//! continues forever. The seam has one only where an axis reverses there, and the changes sum to 0, so that nothing grows from lap to lap. Only the
+//! first lap starts on an unknown side, with an error of at most 2 h.
 
 use crate::learning::rates::Rates;
 
 /// Motions back by less are none, counts.
 const LEAST: f64 = 1.0;
 
-/// Tells where an axis (from 0) of the walk turns round, in samples, and by how much the sign of its velocity changes there: 2, or 1 where it
-/// begins to move; negative to the other side. Of laps it tells one that follows another; a turn at the end of that one which is known only now lies before 0.
+/// Reports where an axis (from 0) of the walk reverses, in samples, and the change of the sign of its velocity: 2, or 1 where it
+/// starts to move; negative in the other direction. Of laps it reports one that follows another; a reversal at the end of the previous one has a position below 0.
 pub fn for_each_turn(rates: &Rates, axis: usize, mut turn: impl FnMut(f64, f64)) {
     let rate = |k: isize| rates.at(k)[axis];
     // direction, place, and the last samples at the lowest and at the highest place since it turned round
@@ -44,7 +44,7 @@ pub fn for_each_turn(rates: &Rates, axis: usize, mut turn: impl FnMut(f64, f64))
     }
 }
 
-/// Place of the extreme, of a parabola through a sample and its neighbours with the rates before and after it: half a sample away at most.
+/// Position of the extreme of a parabola through three adjacent samples with the rates before and after it: half a sample away at most.
 fn vertex(before: f64, after: f64) -> f64 {
     let bend = before - after;
     if bend == 0.0 { 0.0 } else { (0.5 * (before + after) / bend).clamp(-0.5, 0.5) }
@@ -57,12 +57,12 @@ mod tests {
     use crate::learning::pattern::Pattern;
     use crate::learning::pattern::tests::straight;
 
-    /// Where an axis with these places turns round.
+    /// Where an axis with these positions reverses.
     fn turns(place: impl Fn(f64) -> f64, count: u32) -> Vec<(f64, f64)> {
         let rates: Vec<f64> = (0..count).map(|k| place(f64::from(k) + 1.0) - place(f64::from(k))).collect();
         let mut found = Vec::new();
         for_each_turn(&Rates::of(4, &rates, false), 4, |at, change| found.push((at, change)));
-        for_each_turn(&Rates::of(4, &rates, false), 2, |_, _| panic!("an axis that stands"));
+        for_each_turn(&Rates::of(4, &rates, false), 2, |_, _| panic!("an axis at rest"));
         found
     }
 
@@ -94,7 +94,7 @@ mod tests {
         assert_eq!(turns(|k| 1e-12 * (7.0 * k).sin(), 200), []);
     }
 
-    /// Where an axis turns round in a lap of these rates.
+    /// Where an axis reverses in a lap of these rates.
     fn lap(rates: &[f64]) -> Vec<(f64, f64)> {
         let mut found = Vec::new();
         for_each_turn(&Rates::of(4, rates, true), 4, |at, change| found.push((at, change)));
@@ -115,7 +115,7 @@ mod tests {
             assert_eq!(lap(&rates), []);
             rates.reverse();
             assert_eq!(lap(&rates), []);
-            // and back on the way
+            // and back during the motion
             rates[20..40].fill(side * -19.295);
             assert_eq!(lap(&rates).iter().map(|turn| turn.1).collect::<Vec<_>>(), [-2.0 * side, 2.0 * side]);
         }
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_pulse_keeps_its_area_at_any_speed_between_the_patterns() {
-        // as many counts in all, played back at any speed and from any place between two samples
+        // as many counts in all, played back at any speed and from any position between two samples
         let (p, path) = (Parameters::START, straight(0.3));
         let patterns = [1.0, 0.6, 0.2].map(|factor| {
             let mut pattern = Pattern::plan(&p, &path, factor).unwrap();

@@ -1,13 +1,12 @@
-//! A drive from a run of the bare servo: the weights with which it would have followed, and how sure they are.
+//! A drive from a run without patterns: the weights with which it would have followed, and their uncertainty.
 //!
-//! What the loop makes of rates of the reference are the rates of the position, so the error of the run tells what any
-//! weights w leave: e - sum w dy. Noise is in e and in dy; an instrument that knows of none, what the nominal loop makes of
-//! the reference, keeps it out of the weights. How far they may be from the nominal ones is told beforehand: an axis that
-//! hardly moves keeps the nominal ones, and the standard deviation of `weights` says so (that of `weights_of_noise` holds the noise alone, and no doubt
-//! about what no motion has told).
+//! The response of the loop to rates of the reference are the rates of the position, so the error of the run shows the residual of any weights w:
+//! e - sum w dy. Noise is in e and in dy. The instruments, responses of the nominal loop to the reference, contain none and keep it out
+//! of the weights. The prior is the nominal drive with its uncertainty. An axis that hardly moves keeps the nominal weights, as the
+//! standard deviation of `weights` shows. That of `weights_of_noise` includes the noise only, without the prior.
 //!
-//! Friction F behind a velocity loop adds to the error in proportion to F': where it turns, and nowhere else, for its effect on the
-//! position is in dy. So a sample of a stroke weighs less the slower it is, for where it is slow friction turns and the axis sticks.
+//! Friction F after a velocity loop adds to the error in proportion to F', only where it reverses, because its effect on the
+//! position is in dy. A sample of a stroke therefore weighs less the slower it is: at low speed friction reverses and the axis sticks.
 
 use crate::learning::drive::{TAPS, ToldDrive, Weights};
 use crate::learning::nominal::Nominal;
@@ -15,7 +14,7 @@ use crate::learning::regression::Regression;
 
 /// A run of one axis with the bare servo, counts; a lap may follow the other.
 pub(crate) trait BareRun {
-    /// How much a sample tells in which the told loop has this share of its fastest rate.
+    /// Weight of a sample in which the configured loop has this ratio of its fastest rate.
     fn weight(share: f64) -> f64;
     /// Number of samples.
     fn count(&self) -> usize;
@@ -30,19 +29,19 @@ pub(crate) trait BareRun {
 /// A run that was evaluated.
 pub(crate) struct Identification<'a, R> {
     run: &'a R,
-    /// rates that the told loop makes of those of the reference
+    /// response of the configured loop to the rates of the reference
     modelled: &'a [f64],
     first: isize,
     /// fastest of these
     fastest: f64,
-    /// weights of the told drive, and their variance
+    /// weights of the configured drive, and their variance
     told: ([f64; TAPS], f64),
     regression: Regression,
     weights: [f64; TAPS],
 }
 
 impl<'a, R: BareRun> Identification<'a, R> {
-    /// Evaluates a run of a drive that was told like this, in room for all its samples.
+    /// Evaluates a run of a drive with this configuration, with memory for all its samples.
     pub fn new(told: &ToldDrive, run: &'a R, room: &'a mut [f64]) -> Self {
         let modelled = &mut room[..run.count()];
         modelled.iter_mut().enumerate().for_each(|(k, value)| *value = run.rate(k));
@@ -67,7 +66,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
         self.with(self.regression.covariance(variance))
     }
 
-    /// The weights; the covariance takes what is left for noise of the readings, new in each sample.
+    /// The weights; the covariance takes what is left for noise of the measurements, new in each sample.
     ///
     /// The servo answers to noise n of the position as to any error, and the drive follows: e = sum w dy holds for that, too. What is
     /// left is the noise of dy, u[k] = -sum w (n[k+j+1] - n[k+j]), j the samples of the weights: differences, of which slow instruments
@@ -84,7 +83,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
         self.with(self.regression.covariance_of(variance, (0..self.samples()).map(|m| self.seen(m))))
     }
 
-    /// The weights that the loop of such a drive would show, evaluated in the same way, in room for all its samples.
+    /// The weights that the loop of such a drive would show, evaluated in the same way, with memory for all its samples.
     pub fn weights_of(&self, drive: &ToldDrive, room: &mut [f64]) -> [f64; TAPS] {
         let rates = &mut room[..self.run.count()];
         rates.iter_mut().enumerate().for_each(|(k, value)| *value = self.run.rate(k));
@@ -103,7 +102,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
         self.weights.iter().sum()
     }
 
-    /// How many sums of what the weights leave, in a row, hold the noise of one reading: it is in each of them by one of the weights.
+    /// How many sums of what the weights leave, consecutive, hold the noise of one measurement: it is in each of them by one of the weights.
     pub fn shared(&self) -> f64 {
         self.bare_lag().powi(2) / self.weights.iter().map(|weight| weight * weight).sum::<f64>()
     }
@@ -127,7 +126,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
         self.run.count() as isize
     }
 
-    /// Rates of the told loop at the weights of sample `k`, counts.
+    /// Rates of the configured loop at the weights of sample `k`, counts.
     pub fn modelled_rates(&self, k: isize) -> [f64; TAPS] {
         self.taps(k, |k| self.modelled(k))
     }

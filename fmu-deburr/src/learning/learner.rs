@@ -8,7 +8,7 @@ use crate::learning::pattern::Pattern;
 use crate::learning::renewal::Renewal;
 use crate::path::kinematics::{AXES, Joints};
 
-/// An error that is so many times that of the bare servo ends the learning of a speed.
+/// Ratio to the error without patterns at which the learning of a speed ends.
 const DIVERGED: f64 = 3.0;
 
 /// What follows a repetition.
@@ -44,7 +44,7 @@ pub struct Learner {
 }
 
 impl Learner {
-    /// With room for patterns of up to `samples` samples.
+    /// With memory for patterns of up to `samples` samples.
     pub fn new(p: &Parameters, samples: usize) -> Self {
         Self {
             speed: 0,
@@ -60,7 +60,7 @@ impl Learner {
         }
     }
 
-    /// The drives are those that are told now.
+    /// The drives are those as configured now.
     pub fn tell(&mut self, p: &Parameters) {
         self.renewal.tell(p);
     }
@@ -76,13 +76,13 @@ impl Learner {
         self.sums = ErrorSums::default();
     }
 
-    /// Takes the control error of the sample `index` (pulses); `levers` tell how far the tip moves with each axis.
+    /// Takes the control error of the sample `index` (pulses); `levers` are the motions of the tip per axis.
     pub fn record(&mut self, index: usize, error: &Joints, pulses: &Joints, levers: &Joints) {
         self.record[index] = *error;
         self.sums.take(error, pulses, levers);
     }
 
-    /// Whether the present run is that of the bare servo which tells of the drives.
+    /// Whether the present run is the one without patterns that identifies the drives.
     pub fn identifies(&self, p: &Parameters) -> bool {
         p.learn.identify && !p.learn.from_bank && (self.speed, self.repetition) == (0, 0)
     }
@@ -103,7 +103,7 @@ impl Learner {
         Next::Repeat
     }
 
-    /// Ends a repetition: judges it and renews the pattern.
+    /// Ends a repetition: evaluates it and renews the pattern.
     pub fn finish(&mut self, p: &Parameters, pattern: &mut Pattern) -> Next {
         let least = self.judge(pattern);
         let diverged = self.first_cost > 0.0 && self.errors.cost > DIVERGED * self.first_cost;
@@ -135,7 +135,7 @@ impl Learner {
         if self.speed < p.learn.factors.list().len() { Next::NextSpeed } else { Next::Done }
     }
 
-    /// Outputs of the learning; `running` says whether something is learned or was learned in this job, `done` whether all is.
+    /// Outputs of the learning; `running` says whether something is learned or was learned in this task, `done` whether all is.
     pub(crate) fn report(&self, p: &Parameters, running: bool, done: bool) -> LearnOutput {
         let last = p.learn.factors.list().len() - 1;
         LearnOutput {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::learning::drive::ToldDrive;
 
-/// y / c with y the position, both in pulses: eq. 1 behind the gain Kp, closed over the encoder.
+/// y / c with y the position, both in pulses: eq. 1 after the gain Kp, closed over the encoder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Nominal {
     /// sampled position, velocity and its derivative: x' = A x + b v

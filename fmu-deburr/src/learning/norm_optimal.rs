@@ -10,7 +10,7 @@ const STEPS_MAX: usize = 400;
 /// The residual, relative to the start, at which the solution counts.
 const TOLERANCE: f64 = 1e-9;
 
-/// Room for three signals beside the solution.
+/// Memory for three signals in addition to the solution.
 pub struct Work<'a> {
     /// Residual.
     pub residual: &'a mut [f64],

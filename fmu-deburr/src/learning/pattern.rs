@@ -24,10 +24,10 @@ pub struct Sample {
 
 /// The samples of one speed.
 ///
-/// Before the path and after it the distance does not tell one sample from the next: there the time counts.
+/// Before the path and after it the distance does not distinguish samples: there the time is used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pattern {
-    /// Multiple of the taught speed.
+    /// Multiple of the programmed speed.
     pub factor: f64,
     /// All samples in the order of time.
     pub samples: Vec<Sample>,
@@ -43,7 +43,7 @@ impl Pattern {
     /// A pattern of zeros for one speed: the feed of the run, planned.
     ///
     /// # Errors
-    /// In words for the user, when the pattern would be too long.
+    /// Message for the user if the pattern would be too long.
     pub fn plan(p: &Parameters, path: &TaughtPath, factor: f64) -> Result<Self, String> {
         let (lead_in, lead_out) = match path.cyclic {
             true => (0, 0),
@@ -58,7 +58,9 @@ impl Pattern {
             }
             samples.push(Sample { point, compensation: [0.0; AXES] });
             if samples.len() > SAMPLES_MAX {
-                return Err(format!("at `{factor}` times the taught speed it takes more than `{SAMPLES_MAX}` samples"));
+                return Err(format!(
+                    "at `{factor}` times the programmed speed it takes more than `{SAMPLES_MAX}` samples"
+                ));
             }
         }
         let run = samples.len() - lead_in;
@@ -83,7 +85,7 @@ impl Pattern {
         values.fold(0.0, |most, value| most.max(value.abs()))
     }
 
-    /// Whether another pattern has the same samples, but for the compensation.
+    /// Whether another pattern has the same samples, except the compensation.
     pub fn fits(&self, other: &Self) -> bool {
         let close = |(a, b): (&Sample, &Sample)| {
             (a.point.distance - b.point.distance).abs() < ROUNDING && (a.point.speed - b.point.speed).abs() < ROUNDING
@@ -101,7 +103,7 @@ impl Pattern {
         self.samples[inside as usize].compensation
     }
 
-    /// Adds a value (pulses) to the compensation of an axis, in the two samples around the place `index`; beyond the ends nothing.
+    /// Adds a value (pulses) to the compensation of an axis, in the two samples around the position `index`; beyond the ends nothing.
     pub fn add(&mut self, axis: usize, index: f64, value: f64) {
         let (whole, count) = (index.floor(), self.len() as isize);
         for (k, share) in [(whole as isize, 1.0 - (index - whole)), (whole as isize + 1, index - whole)] {

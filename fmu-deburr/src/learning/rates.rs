@@ -7,7 +7,7 @@ use crate::learning::pattern::Pattern;
 use crate::path::kinematics::{AXES, Joints};
 use crate::path::taught_path::TaughtPath;
 
-/// Rates of one pattern at a time, in room for the longest.
+/// Rates of one pattern at a time, with memory for the longest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Rates {
     samples: Vec<Joints>,
@@ -16,7 +16,7 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// With room for patterns of up to `samples` samples.
+    /// With memory for patterns of up to `samples` samples.
     pub fn new(samples: usize) -> Self {
         Self { samples: vec![[0.0; AXES]; samples], count: 0, cyclic: false }
     }

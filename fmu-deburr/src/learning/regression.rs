@@ -1,13 +1,13 @@
-//! Weights of a few signals that explain another one, by instruments, with what is known beforehand.
+//! Weights of a few signals that explain another one, by instruments, with a prior.
 //!
-//! (sum z x' + L) w = sum z y + L w0, L = 1/s0^2 for a deviation s0 of the weights before and a noise of one count; the
-//! covariance of w is v M^-1 (sum z z' + L) M^-T, M = sum z x' + L, with v the variance of what is left, at least that count.
+//! (sum z x' + L) w = sum z y + L w0, L = 1/s0^2 for a standard deviation s0 of the prior weights and a noise of one count. The
+//! covariance of w is v M^-1 (sum z z' + L) M^-T, M = sum z x' + L, with v the variance of the residual, at least that count.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Least variance of what no weights explain: a count, which is in every error of whole pulses.
+/// Smallest variance of what no weights explain: a count, which is in every error of whole pulses.
 const COUNT: f64 = 1.0;
-/// Least variance of the noise of a reading: that of a whole count.
+/// Smallest variance of the noise of a measurement: that of a whole count.
 const ROUNDING: f64 = 1.0 / 12.0;
 
 /// Sums over the samples.
@@ -34,7 +34,7 @@ impl Regression {
         self.target += z * explained;
     }
 
-    /// The weights; those of before where the samples do not tell any.
+    /// The weights; the prior ones where the samples show none.
     pub fn solve(&self) -> [f64; 3] {
         self.moment.try_inverse().map_or(self.prior, |inverse| inverse * self.target).into()
     }
@@ -66,7 +66,7 @@ mod tests {
         (mixed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    /// Regression over signals of an amplitude whose readings have noise, which is in what they explain as well.
+    /// Regression over signals of an amplitude whose measurements have noise, which is in what they explain as well.
     fn regression(amplitude: f64, noisy: f64, instruments: bool) -> Regression {
         let mut regression = Regression::new(&[3.0, 3.0, 0.0], 1.0);
         for k in 0..2000 {

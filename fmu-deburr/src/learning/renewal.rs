@@ -1,4 +1,4 @@
-//! What a law of learning makes of a pattern and of the control errors that were left with it.
+//! Renewal of a pattern by a learning law, from the pattern and its control errors.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::learning::pattern::Pattern;
 use crate::learning::zero_phase::{PAD, ZeroPhase};
 use crate::path::kinematics::{AXES, Joints};
 
-/// The law with what it needs of the machine, and its room.
+/// The learning law with its data of the machine, and its memory.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Renewal {
     filter: ZeroPhase,
@@ -26,7 +26,7 @@ impl Parameters {
 }
 
 impl Renewal {
-    /// With room for patterns of up to `samples` samples.
+    /// With memory for patterns of up to `samples` samples.
     pub fn new(p: &Parameters, samples: usize) -> Self {
         Self {
             filter: ZeroPhase::new(p.learn.bandwidth, p.sample_period),
@@ -36,7 +36,7 @@ impl Renewal {
         }
     }
 
-    /// The drives are those that are told now.
+    /// The drives are those as configured now.
     pub fn tell(&mut self, p: &Parameters) {
         self.nominal = std::array::from_fn(|axis| Nominal::new(p, axis));
     }
@@ -64,7 +64,7 @@ impl Renewal {
         }
     }
 
-    /// What the law makes of the values of one axis as a whole.
+    /// What the control law makes of the values of one axis as a whole.
     fn transform(&mut self, p: &Parameters, count: usize, axis: usize, cyclic: bool) {
         let values = &mut self.values[..count];
         let [a, b, c] = &mut self.room;
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::learning::pattern::tests::straight;
 
-    /// Parameters with a law, and so much to look ahead.
+    /// Parameters with a learning law and its lead.
     fn law(law: LearningLaw, lead: i32) -> Parameters {
         let mut p = Parameters::START;
         (p.learn.law, p.learn.lead, p.io_delay) = (law, lead, 0);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Most patterns of a bank.
 const PATTERNS_MAX: usize = 9;
 
-/// Multiples of the taught speed at which patterns are learned, descending.
+/// Multiples of the programmed speed at which patterns are learned, descending.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Speeds {
     factors: [f64; PATTERNS_MAX],

@@ -1,13 +1,11 @@
-//! One axis against the model of its loop.
+//! One axis compared with the model of its loop.
 //!
-//! The loop makes of reference and compensation the position T (r + c), with T of the nominal drive. What the encoder says
-//! beyond that is what nothing explains: at rest nothing, in motion the error of the drive's gain times the lag V/Kp of
-//! the bare servo. So the limit is `error_max` + 0.5 V/Kp for drives of 0.7 to 2 times their gain, whether the patterns are
-//! learned, foreign or none. A pattern that grows is explained by the model, and found by its error: `error_max` + V/Kp; the
-//! error of a bare servo of half its gain is twice V/Kp.
+//! The loop makes of reference and compensation the position T (r + c), with T of the nominal drive. The rest of the measured position is
+//! unexplained: at rest zero, in motion the error of the gain times the lag V/Kp of the servo without patterns. The limit is therefore `error_max` + 0.5 V/Kp for drives of
+//! 0.7 to 2 times their gain, with learned, foreign or no patterns. A pattern that grows is explained by the model and is found by its error: `error_max` + V/Kp. The
+//! error of a servo without patterns and half its gain is twice V/Kp.
 //!
-//! A limit that is passed asks for the cause: a reading that stands, a command that swings, the sign and the strength of
-//! the answer.
+//! An exceeded limit starts the search for the cause: a frozen position, a command that oscillates, sign and strength of the response.
 
 mod answer;
 mod lag;
@@ -31,7 +29,7 @@ use crate::monitoring::finding::{Finding, Numbers};
 const MISMATCH: f64 = 0.5;
 /// Error in lags of the bare servo.
 const BARE: f64 = 2.0;
-/// Error in lags of the bare servo from which a pattern that is learned does harm.
+/// Error in lags of the bare servo from which a learned pattern is harmful.
 const GROWN: f64 = 1.0;
 /// Counts that the model may have to go where its axis rests, and the time until the axis does, in 1/Kp.
 const LAST: f64 = 2.5;
@@ -56,7 +54,7 @@ pub struct AxisMonitor {
 /// What one axis does, rad or m.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
-    /// Encoder reading.
+    /// Encoder measurement.
     pub position: f64,
     /// Motion that was commanded for the sample that ends now.
     pub commanded: f64,
@@ -114,7 +112,7 @@ impl AxisMonitor {
         self.calm = 0;
     }
 
-    /// Begins to count anew what the encoder loses.
+    /// Begins to count again what the encoder loses.
     pub fn forget_slips(&mut self) {
         self.slips.restart();
     }
@@ -129,12 +127,12 @@ impl AxisMonitor {
         MISMATCH * self.lag.tail
     }
 
-    /// Place of the model, rad or m.
+    /// Position of the model, rad or m.
     pub fn model(&self, pulse: f64) -> f64 {
         self.model.position() * pulse
     }
 
-    /// Whether the axis `axis` (from 0) rests but for the last counts of its patterns, for as long as it takes.
+    /// Whether the axis `axis` (from 0) rests except the last counts of its patterns, for as long as it takes.
     pub fn rests(&self, p: &Parameters, axis: usize) -> bool {
         p.servo_gain[axis] * p.sample_period * f64::from(self.calm) > COMES_TO_REST
     }

@@ -1,7 +1,7 @@
-//! How long a job may take.
+//! Time limit of a task.
 //!
-//! One run takes a rest, its length at its slowest speed, and another rest; before it there are the legs of the motion to
-//! the start, each at most through the whole travel of the slowest axis. Twice that for every run is the budget.
+//! One run takes a rest, its length at its slowest speed, and another rest. Before it there are the legs of the motion to
+//! the start, each at most through the whole travel of the slowest axis. The limit is twice that for every run.
 
 use control_blocks::{quintic_duration, ticks};
 
@@ -13,16 +13,16 @@ use crate::path::transfer::VELOCITY_RATIO;
 const MARGIN: f64 = 2.0;
 /// Legs of a motion to the start.
 const LEGS: f64 = 3.0;
-/// Slowest feed that a job is planned with, share of the taught speed.
+/// Slowest feed that a task is planned with, ratio of the programmed speed.
 const SLOWEST: f64 = 0.01;
 
-/// Samples that a job may take; of a cyclic path a lap, unless it is learned.
+/// Samples that a task may take; of a cyclic path a lap, unless it is learned.
 pub fn budget(p: &Parameters, path: &TaughtPath, job: Mode) -> u64 {
     let time = if p.limits.cycle_time > 0.0 { p.limits.cycle_time } else { derived(p, path, job) };
     u64::from(ticks(time, p.sample_period))
 }
 
-/// Time for a job (s) as the parameters say.
+/// Time for a task (s) as the parameters say.
 fn derived(p: &Parameters, path: &TaughtPath, job: Mode) -> f64 {
     let leg =
         p.axis.iter().map(|axis| quintic_duration(axis.maximum - axis.minimum, axis.velocity_max * VELOCITY_RATIO));
@@ -58,7 +58,7 @@ mod tests {
         let speeds: f64 = [0.1, 0.08, 0.06, 0.04, 0.02].map(run).iter().sum();
         let repetitions = f64::from(p.learn.repetitions + 1);
         assert!((derived(&p, &path, Mode::Learn) - 2.0 * repetitions * speeds).abs() < 1e-6);
-        // without a slowest feed of the load control a hundredth of the taught one
+        // without a slowest feed of the load control a hundredth of the programmed one
         p.load.speed_min = 0.0;
         assert!((derived(&p, &path, Mode::Deburr) - 2.0 * run(0.001)).abs() < 1e-9);
         // the time of a motion that is given is that of each leg

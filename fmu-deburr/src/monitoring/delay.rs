@@ -1,12 +1,11 @@
-//! After how many samples the axes answer: the delay that explains their accelerations, against `io_delay`.
+//! Delay of the axes in samples: the one that explains their accelerations, compared with `io_delay`.
 //!
-//! For each delay d the changes of the commanded motion m_d, late by d samples and by the lag 2 zeta/wn of the drive, are
-//! compared with the changes of the measured motion a, both smoothed alike: of noise in the reading, whose changes of changes are
-//! quick, next to nothing stays, of a motion that comes a sample later enough. What the best factor leaves is J_d = sum a^2 - (sum a m_d)^2 / sum m_d^2,
-//! so that the gain of the drive does not count. Noise of the reading is in every J_d, and a little more in those of long delays,
-//! because the servo answers to it: by a tenth at Kp T = 0.13. So a delay is believed only where it leaves less than 0.8 of what
-//! `io_delay` leaves. Between the samples J_d is a parabola. Its vertex is the delay with what the lag of the drive differs from
-//! the nominal one, which is no delay of a sample: it has to be farther from `io_delay` than 0.75.
+//! For each delay d the changes of the commanded motion m_d, late by d samples and by the lag 2 zeta/wn of the drive, are compared with the changes of
+//! the measured motion a, both smoothed alike. The noise of the measurement, whose second differences are fast, almost vanishes; a motion that arrives a
+//! sample later remains. The residual of the best factor is J_d = sum a^2 - (sum a m_d)^2 / sum m_d^2, so that the gain of the drive has no effect. Noise of the
+//! measurement is in every J_d, and a little more in those of long delays, because the servo responds to it: a tenth at Kp T = 0.13. A delay is therefore
+//! accepted only if its residual is below 0.8 of that of `io_delay`. Between the samples J_d is a parabola. Its vertex is the delay plus the
+//! difference of the lag from the nominal one, which is no delay of a sample: it must be farther from `io_delay` than 0.75.
 
 use control_blocks::SentCommands;
 use serde::{Deserialize, Serialize};
@@ -20,10 +19,10 @@ use crate::path::kinematics::{AXES, Joints};
 const DELAYS: usize = 7;
 /// Part of what is left with `io_delay` below which another delay is the right one.
 const CLEAR: f64 = 0.8;
-/// Part of the changes of an axis alone that its delay may leave; an axis that stands has those of the servo's answer to noise.
+/// Largest ratio of the changes of one axis that its delay may leave; an axis at rest has those of the response to noise.
 const MOVED: f64 = 0.25;
-/// Largest factor: no drive does more of what it is told. The servo's answer to a reading that flickers is a share Kp T of it, so that
-/// such a reading would be 1/(Kp T) times what was commanded.
+/// Largest factor: no drive does more of what it is reported. The servo's answer to a measurement that flickers is a ratio Kp T of it, so that
+/// such a measurement would be 1/(Kp T) times what was commanded.
 const FACTOR_MAX: f64 = 2.5;
 /// What is left of the last sample's smoothed change in the next.
 const SMOOTHED: f64 = 0.85;
@@ -150,7 +149,7 @@ impl Sums {
         self.answer - factor * (2.0 * product - factor * square)
     }
 
-    /// The delay, between two samples, that leaves the least; `best` is the whole one.
+    /// The delay, between two samples, that leaves the smallest; `best` is the whole one.
     fn vertex(&self, best: usize) -> f64 {
         let middle = best.clamp(1, DELAYS - 2);
         let [before, here, after] = [middle - 1, middle, middle + 1].map(|delay| self.left(delay));
@@ -158,7 +157,7 @@ impl Sums {
         if bend > 0.0 { middle as f64 + 0.5 * (before - after) / bend } else { best as f64 }
     }
 
-    /// The delay that explains the motion, if it is another one than was told.
+    /// The delay that explains the motion, if it is another one than was configured.
     fn another(&self, told: usize) -> Option<usize> {
         let best = (0..DELAYS).fold(told, |best, d| if self.left(d) < self.left(best) { d } else { best });
         let off = (self.vertex(best) - told as f64).abs();
@@ -177,7 +176,7 @@ mod tests {
         let (mut monitor, mut sent) = (DelayMonitor::new(&p), [SentCommands::default(); AXES]);
         let mut place = 0.5;
         for k in 0..400 {
-            // to and fro with ramps of 0.5 m/s2
+            // back and forth with ramps of 0.5 m/s2
             let speed = (0.005 * f64::from(k % 80) - 0.05).clamp(0.0, 0.1) * if k % 160 < 80 { 1.0 } else { -1.0 };
             place += gain * p.sample_period * (0.63 * sent[2].before(delay) + 0.37 * sent[2].before(delay + 1));
             let seen = place + noise * 5e-6 * (f64::from(k) * 2.3).sin();
@@ -275,7 +274,7 @@ mod tests {
         let mut places = [0.0, 0.2, 0.5];
         for k in 0..400 {
             let speed = (0.005 * f64::from(k % 80) - 0.05).clamp(0.0, 0.1) * if k % 160 < 80 { 1.0 } else { -1.0 };
-            // the third is late; the first hardly moves, and its servo answers to the noise of its reading
+            // the third is late; the first hardly moves, and its servo answers to the noise of its measurement
             for (i, delay) in [(1, 1), (2, 2)] {
                 places[i] += p.sample_period * (0.63 * sent[i].before(delay) + 0.37 * sent[i].before(delay + 1));
             }

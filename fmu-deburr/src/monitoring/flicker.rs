@@ -1,43 +1,43 @@
-//! The reading of an axis that stands where nothing is commanded, although it flickered before.
+//! A frozen position of an axis at rest, which flickered before.
 //!
-//! There no motion goes unanswered, and a command that makes up for the offset of the drive is the same whether the axis stands or
-//! creeps. A live reading still flickers by its noise. Its variance s^2, in steps, is half the mean square of its changes less the 1/12
-//! of the steps, here less two deviations of the estimate, 2 sqrt(3/n). In the middle of a step, where a reading stands for longest, it leaves it
-//! in a sample with the chance e = 2/(1 + exp(0.851/s)) (the logistic curve for the normal one), and stands for n samples with (1 - e)^n,
-//! which bounds n: 1e-9 in a sample, 1e-6 once, at the end of a run.
+//! At rest no motion is without response. The command that compensates the offset of the drive is the same whether the axis is at rest or creeps. A valid position
+//! flickers by its noise. Null hypothesis: the noise continues. Its variance s^2, in steps, is half the mean square of its changes minus 1/12 of a step,
+//! here minus two standard deviations of the estimate, 2 sqrt(3/n). In the middle of a step, where a position is constant for longest, it changes in a sample with the
+//! probability e = 2/(1 + exp(0.851/s)) (logistic approximation of the normal one). It is constant for n samples with (1 - e)^n, which bounds n at the levels 1e-9 in a sample and 1e-6
+//! at the end of a run.
 //!
-//! One that flickers between neighbours shows only that its axis stands at the edge of a step: noise is what turns by two steps, beyond
-//! what the model of the loop moves. Noise forgets: the product of two changes in a row is -1/2 of their square on average, and 0 where
-//! the place wanders, or more where it swings. It has to be as large until the reading stands, or a swing has died away. Before all axes
-//! came to rest it may have been of their motion: that makes the variance surer, where the rest has shown no less by a deviation,
-//! and no turn. One that never turns tells nothing.
+//! A position that flickers between two adjacent steps only shows that the axis is at the edge of a step. Noise is what reverses by two steps, beyond
+//! the motion of the loop model. It must be white: the mean product of two consecutive changes is -1/2 of their mean square, 0 for a drift, and
+//! more for an oscillation. It must be as large until the position freezes; otherwise an oscillation has decayed. Noise before all axes came to rest may have been
+//! their motion. It reduces the uncertainty of the variance if the noise at rest is no smaller by one standard deviation, but adds no
+//! reversal. A position that never reversed gives no evidence.
 //!
-//! A rest before a job is too short to tell noise and to miss it as well. So a second one of these is kept of the rests of all axes, whatever
-//! job comes between them, as long as the tool runs or stands as it did: noise of a reading that was there in one is there in the next.
+//! A rest before a task is too short to measure the noise and to detect its absence. A second estimate is therefore kept over the rests of all axes, across
+//! tasks, as long as the tool runs or is stopped as before: noise of one rest is expected in the next.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::{Finding, Numbers};
 
-/// Chance of a live reading to stand for as long, decades: in each sample of a job, at the end of a run, and in each sample of a robot that waits for days.
+/// Chance of a live measurement to stand for as long, decades: in each sample of a task, at the end of a run, and in each sample of a robot that waits for days.
 const DECADES: f64 = 9.0;
 const DECADES_ONCE: f64 = 6.0;
 const DECADES_DAYS: f64 = 12.0;
-/// Shortest stand that is a fault, s (our choice: six time constants 1/Kp).
+/// Shortest constant interval that is a fault, s (default; six time constants 1/Kp).
 const STAND_MIN: f64 = 0.5;
-/// Way back that is a turn, in the smallest change that was read: two steps.
+/// Smallest change that is a reversal, in the smallest change that was read: two steps.
 const TURN: f64 = 1.5;
-/// Turns that have to show it, and in what share of the samples: at the edge of a step a reading turns now and then with a noise that does not
+/// Reversals that must show it, and their ratio to the samples: at the edge of a step a position reverses now and then with a noise that does not
 /// leave the middle of one.
 const TURNS_MIN: f64 = 3.0;
 const TURNS_SHARE: f64 = 0.01;
-/// Share of the mean square that two changes in a row have less than, in the middle between noise and a place that wanders.
+/// Ratio of the mean square that two changes consecutive have less than, in the middle between noise and a position that drifts.
 const FORGETS: f64 = -0.25;
-/// Last samples before the stand, and the share of the mean square below which a swing dies away in them.
+/// Last samples before the stand, and the ratio of the mean square below which an oscillation dies away in them.
 const RECENT: f64 = 25.0;
 const DIED_AWAY: f64 = 0.4;
-/// Most samples that are remembered: beyond, the older half is as good as forgotten, as noise that falls in minutes has not gone.
+/// Largest number of stored samples: beyond it, the older half is discarded, so that noise that decreases within minutes is followed.
 const MEMORY: u32 = 10_000;
 /// Variance of a step, and deviations of the noise for which it may be less.
 const STEP: f64 = 1.0 / 12.0;
@@ -46,29 +46,29 @@ const UNSURE: f64 = 2.0;
 /// Where an axis is, rad or m.
 #[derive(Clone, Copy, Debug)]
 pub struct Places {
-    /// Encoder reading.
+    /// Encoder measurement.
     pub position: f64,
     /// Model of its loop.
     pub model: f64,
 }
 
-/// One reading, since its job began or since the tool has run or stood.
+/// One position, since the start of the task or since the tool was started or stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Flicker {
     before: Option<f64>,
     /// smallest change that was read, rad or m; infinite before the first
     bit: f64,
-    /// farthest reading since the last turn, where the model was then (rad or m), and whether it went up
+    /// extreme position since the last reversal, the model at that time (rad or m), and whether it increased
     farthest: f64,
     model: f64,
     up: bool,
-    /// samples since the reading changed, and whether it has turned in this rest
+    /// samples since the measurement changed, and whether it has turned in this rest
     still: u32,
     turned: bool,
     /// change of the last sample, rad or m
     last: f64,
-    /// squares of the changes, products of two in a row, (rad or m)^2, the recent mean of the squares, in how many samples, and
-    /// turns among them
+    /// squares of the changes, products of two consecutive, (rad or m)^2, the recent mean of the squares, in how many samples, and
+    /// reversals among them
     squares: f64,
     products: f64,
     recent: f64,
@@ -101,14 +101,14 @@ impl Default for Flicker {
 }
 
 impl Flicker {
-    /// Takes a reading of the axis `axis` (from 0) and the place of the model of its loop, rad or m: whether the axis `rests`, and
-    /// whether it is `undisturbed`, so that nothing but noise turns it; what is wrong with it.
+    /// Takes a measurement of the axis `axis` (from 0) and the position of the model of its loop, rad or m: whether the axis `rests`, and
+    /// whether it is `undisturbed`, so that only noise reverses it; what is wrong with it.
     pub fn update(&mut self, p: &Parameters, axis: usize, places: Places, rests: bool, undisturbed: bool) -> Finding {
         self.take(p, axis, places, rests, undisturbed);
         self.stands(p, axis, DECADES)
     }
 
-    /// The same of a reading that is watched for days, where no job goes on as well.
+    /// The same of a measurement that is watched for days, where no task continues as well.
     pub fn watch(&mut self, p: &Parameters, axis: usize, places: Places, rests: bool, undisturbed: bool) -> Finding {
         self.take(p, axis, places, rests, undisturbed);
         self.stands(p, axis, DECADES_DAYS)
@@ -147,18 +147,18 @@ impl Flicker {
         (self.seen, self.turns) = (self.seen / 2, self.turns / 2);
     }
 
-    /// What stands while the job is held does not count, nor does the way until it goes on.
+    /// A constant position during a hold is ignored, and so is the motion until the task continues.
     pub fn pause(&mut self) {
         (self.before, self.still, self.turned, self.last) = (None, 0, false, 0.0);
     }
 
-    /// What has shaken the axis may have ended: noise shows itself anew.
+    /// What has shaken the axis may have ended: noise shows itself again.
     pub fn settle(&mut self) {
         let Self { bit, farthest, model, still, squares, seen, .. } = *self;
         *self = Self { bit, farthest, model, still, earlier: (squares, seen), ..Self::default() };
     }
 
-    /// What is wrong with the reading of the axis `axis` (from 0) at the end of a run.
+    /// What is wrong with the measurement of the axis `axis` (from 0) at the end of a run.
     pub fn after_run(&self, p: &Parameters, axis: usize) -> Finding {
         self.stands(p, axis, DECADES_ONCE)
     }
@@ -194,7 +194,7 @@ impl Flicker {
         Finding { fault: Fault::PositionFrozen, numbers }
     }
 
-    /// Samples for which a live reading stands with the chance 10^-`decades`.
+    /// Samples for which a valid position is constant with the probability 10^-`decades`.
     fn most(&self, decades: f64) -> f64 {
         let (squares, seen) = self.shown();
         let variance = squares / (2.0 * seen * self.bit * self.bit);
@@ -212,7 +212,7 @@ impl Flicker {
     }
 }
 
-/// Relative deviation of the mean square of so many changes.
+/// Relative standard deviation of the mean square of `seen` changes.
 fn deviation(seen: f64) -> f64 {
     (3.0 / seen).sqrt()
 }

@@ -1,6 +1,6 @@
-//! What is left in the rest after a run: a drifting reading holds the axis beside its reference, at the drift over Kp.
+//! Error in the rest after a run: a drifting position holds the axis away from its reference, by the drift over Kp.
 //!
-//! The mean is held against the mean of what the fading lag of the bare servo allows, so that a slow drive is no drift.
+//! The mean is compared with the mean of the decaying lag of the servo without patterns, so that a slow drive is no drift.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,39 +1,39 @@
-//! A tool reading that stands on the path although it flickered before.
+//! A frozen tool speed on the path, which flickered before.
 //!
-//! A live reading flickers by its noise and its last bit. How long it does not by chance shows itself while the tool idles on its
-//! way to the part; one that stands for ten times as long is dead, idle or under load. One that never flickers tells nothing, and
-//! one that flickers between two neighbours neither: in the middle of a step it may stand.
-//! A tool under load may turn at any speed, so that its turns count and how rare they were, and not every change.
+//! A valid speed flickers by its noise and its last bit. Its longest constant interval by chance is measured while the tool idles before the
+//! path. One that is constant for ten times as long is frozen, at idle or under load. A speed that never flickers gives no evidence, nor does one that
+//! flickers between two adjacent steps: in the middle of a step it may be constant. A tool under load may have any speed. Therefore its
+//! reversals and their rarity are used, and not every change.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::{Finding, Numbers};
 
-/// Shortest stand that is a fault, s (our choice: three time constants of the tool).
+/// Shortest constant interval that is a fault, s (default; three time constants of the tool).
 const STAND_MIN: f64 = 0.5;
-/// Stand that is a fault, in the longest way of the reading without a turn (derived: n samples in a row have the chance p^n; if
+/// Constant interval that is a fault, in the longest interval without a reversal (derived: n samples consecutive have the chance p^n; if
 /// the longest comes once in fifty samples, this comes once in 50^10).
 const LONGER: u32 = 10;
-/// Way back that is a turn, in the smallest change that was read: two steps.
+/// Smallest change that is a reversal, in the smallest change that was read: two steps.
 const TURN: f64 = 1.5;
-/// Samples and turns that have to show it.
+/// Samples and reversals that have to show it.
 const SEEN_MIN: u32 = 50;
 const TURNS_MIN: u32 = 3;
 
-/// The tool reading between two samples.
+/// The tool measurement between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StandingTool {
     before: Option<f64>,
     /// smallest change that was read, rad/s
     bit: f64,
-    /// farthest reading since the last turn (rad/s), and whether it went up
+    /// extreme speed since the last reversal (rad/s), and whether it increased
     farthest: f64,
     up: bool,
     /// samples since it changed, and since it turned from up to down or back: a tool that starts does not flicker
     still: u32,
     steady: u32,
-    /// samples before the path since the first turn, turns, and the longest way from one to the next
+    /// samples before the path since the first reversal, number of reversals, and the longest interval between two
     seen: u32,
     turns: u32,
     longest: u32,
@@ -81,7 +81,7 @@ impl StandingTool {
         Finding { fault: Fault::SpindleFrozen, numbers }
     }
 
-    /// Takes a reading; at a turn the samples since the last one.
+    /// Takes a measurement; at a reversal the samples since the last one.
     fn take(&mut self, speed: f64) -> Option<u32> {
         let before = self.before.replace(speed);
         let change = before.map_or(0.0, |before| (speed - before).abs());
@@ -113,14 +113,14 @@ mod tests {
         1884.0 + 0.5 * [0.0, 1.0, 2.0, 1.0][(k / length % 4) as usize]
     }
 
-    /// Monitor after `samples` of it before the path, from the first turn on.
+    /// Monitor after `samples` of it before the path, from the first reversal on.
     fn idled(samples: u32, length: u32) -> StandingTool {
         let mut tool = StandingTool::default();
         (0..4 * length + 1 + samples).for_each(|k| tool.idles(flickering(k, length)));
         tool
     }
 
-    /// Sample on the path in which a reading that stands from the first one on is a fault.
+    /// Sample on the path in which a speed that is constant from the first one on is a fault.
     fn told(mut tool: StandingTool) -> Option<(u32, Finding)> {
         (0..1000).map(|k| (k, tool.cuts(&P, 1850.0))).find(|(_, found)| found.is_fault())
     }
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn one_that_stands_at_times_may_stand_for_ten_times_as_long() {
-        // 17 samples from a turn to the next
+        // 17 samples from a reversal to the next
         assert_eq!(told(idled(90, 9)).unwrap().0, 171);
     }
 
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn three_turns_show_how_long_it_may_stand_and_two_do_not() {
-        // one in 40 samples, the first in the 80th: 39 in a row without
+        // one in 40 samples, the first in the 80th: 39 consecutive without
         let after = |samples: u32| {
             let mut tool = StandingTool::default();
             (0..=samples).for_each(|k| tool.idles(flickering(k, 20)));

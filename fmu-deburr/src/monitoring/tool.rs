@@ -1,6 +1,6 @@
-//! The tool's speed while it cuts: too slow, or the same along a way or the whole path.
+//! Tool speed in the cut: too slow, or constant along a distance or the whole path.
 //!
-//! A speed counts only where it holds: of each block of one sample more than are bridged the slowest block is known by its
+//! A speed is used only if it persists. Of each block of one sample more than are bridged, the slowest block is represented by its
 //! fastest sample, and the fastest block by its slowest one. So neither a bad sample nor noise is a cut.
 
 use control_blocks::Consecutive;

@@ -9,7 +9,7 @@ use crate::monitoring::flicker::{Flicker, Places};
 use crate::monitoring::rest::RestError;
 use crate::path::kinematics::{AXES, Joints};
 
-/// Six monitors, how their readings flicker, and what is left in the rest after a run.
+/// Six monitors, how their measurements flicker, and what is left in the rest after a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Watch {
     axes: [AxisMonitor; AXES],
@@ -67,12 +67,12 @@ impl Watch {
         }
     }
 
-    /// Begins a job: a tool that runs or not may shake the readings.
+    /// Begins a task: a tool that runs or not may shake the measurements.
     pub fn begin_job(&mut self) {
         self.flicker = [Flicker::default(); AXES];
     }
 
-    /// Looks at how the readings (rad or m) of a job that goes on flicker, undisturbed by a cut or not. The first that stands.
+    /// Looks at how the measurements (rad or m) of a task that continues flicker, undisturbed by a cut or not. The first that is frozen.
     pub fn look_at_flicker(&mut self, p: &Parameters, positions: &Joints, undisturbed: bool) -> Finding {
         let found: [Finding; AXES] = std::array::from_fn(|i| {
             let places = Places { position: positions[i], model: self.axes[i].model(p.axis[i].pulse) };
@@ -81,11 +81,11 @@ impl Watch {
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
 
-    /// Looks at how the readings (rad or m) flicker in rests, before, between and in jobs, with a `tool` that runs or not: noise that
-    /// was known in one is known in the next. What is read on the path is no measure of it, and what stands from the rest before it
-    /// on counts there. The first that stands.
+    /// Evaluates how the positions (rad or m) flicker in rests, before, between and in tasks, with a `tool` that runs or not: the noise
+    /// of one rest is known in the next. Positions on the path do not measure it. One that is constant since the rest before is
+    /// used there. Returns the first that is frozen.
     pub fn look_at_rests(&mut self, p: &Parameters, positions: &Joints, tool: bool, on_path: bool) -> Finding {
-        // what runs or not may shake the readings
+        // what runs or not may shake the measurements
         if std::mem::replace(&mut self.tool, tool) != tool {
             self.forget_rests();
         }
@@ -98,7 +98,7 @@ impl Watch {
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
 
-    /// The job is held.
+    /// The task is held.
     pub fn pause(&mut self) {
         self.flicker.iter_mut().for_each(Flicker::pause);
     }
@@ -135,7 +135,7 @@ impl Watch {
         self.rest.update(&residual, &std::array::from_fn(|i| self.axes[i].allowance()));
     }
 
-    /// What is wrong with a run that has come to rest: an axis that does not stand where its loop brings it, or a reading that is dead.
+    /// What is wrong with a run that has come to rest: an axis that does not stand where its loop brings it, or a measurement that is dead.
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let (mean, allowed) = self.rest.means();
         let limit = |i: usize| p.limits.axis[i].rest_error + allowed[i];
@@ -152,7 +152,7 @@ impl Watch {
 mod tests {
     use super::*;
 
-    /// What the rest after a run tells of an axis `i` that stands `beside` its reference, after a motion by `counts`.
+    /// Finding of the rest after a run for an axis `i` that rests `beside` its reference, after a motion by `counts`.
     fn rested(i: usize, beside: f64, counts: f64) -> Finding {
         let p = Parameters::START;
         let mut watch = Watch::new(&p);
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(Watch::new(&p).after_run(&p), Finding::NONE);
     }
 
-    /// Axis 5 at rest with a noise of two counts for 180 samples, then the same reading for half a second.
+    /// Axis 5 at rest with a noise of two counts for 180 samples, then the same measurement for half a second.
     fn frozen(meanwhile: impl Fn(&mut Watch, usize)) -> (Watch, Finding) {
         let p = Parameters::START;
         let (mut watch, mut positions, mut found) = (Watch::new(&p), [0.0; AXES], Finding::NONE);
@@ -229,7 +229,7 @@ mod tests {
         assert_eq!(longer(0, 5).0, Fault::None);
     }
 
-    /// What the rests tell of axis 5 that has a noise of two counts for 300 samples, and then stands for 200.
+    /// Finding of the rests for axis 5 with a noise of two counts for 300 samples, then constant for 200.
     fn rested_with(meanwhile: impl Fn(&mut Watch, usize) -> (f64, bool, bool)) -> (Fault, i32) {
         let p = Parameters::START;
         let (mut watch, mut positions) = (Watch::new(&p), [0.0; AXES]);

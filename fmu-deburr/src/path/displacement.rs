@@ -5,19 +5,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::path::geometry::{Pose, Vector};
 
-/// p' = c + s + R (p - c), R a turn about the vertical.
+/// p' = c + s + R (p - c), R a reversal about the vertical.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Displacement {
-    /// Shift s of the centre, m.
+    /// Shift s of the center, m.
     pub shift: Vector2<f64>,
     /// Turn about the vertical, rad.
     pub angle: f64,
-    /// Centre c of the turn, m.
+    /// Center c of the rotation, m.
     pub centre: Vector2<f64>,
 }
 
 impl Displacement {
-    /// Where a pose of the part is that was taught.
+    /// Displaced pose of a programmed one.
     pub fn of(&self, pose: &Pose) -> Pose {
         if *self == Self::default() {
             return *pose;
@@ -27,7 +27,7 @@ impl Displacement {
         Pose { tip: Vector::new(tip.x, tip.y, pose.tip.z), axis: Vector::new(axis.x, axis.y, pose.axis.z) }
     }
 
-    /// Where a place was before the part was displaced.
+    /// Where a position was before the part was displaced.
     pub fn back(&self, place: Vector2<f64>) -> Vector2<f64> {
         self.centre + turn(-self.angle, place - self.centre - self.shift)
     }

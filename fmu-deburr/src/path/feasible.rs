@@ -1,4 +1,4 @@
-//! Walks along the path before it is used: every place must be within the travel of the axes, and none too fast.
+//! Walks along the path before it is used: every position must be within the travel of the axes, and none too fast.
 
 use control_blocks::ParameterError;
 
@@ -9,7 +9,7 @@ use crate::path::taught_path::TaughtPath;
 /// Names of the axes and their units, as in the messages.
 const NAMES: [(&str, &str); AXES] =
     [("axis1", "rad"), ("axis2", "m"), ("axis3", "m"), ("axis4", "rad"), ("axis5", "rad"), ("axis6", "rad")];
-/// Most places that are looked at.
+/// Most positions that are looked at.
 const PLACES_MAX: f64 = 2e5;
 
 /// What is in the way of an axis.
@@ -17,15 +17,15 @@ const PLACES_MAX: f64 = 2e5;
 pub enum Hindrance {
     /// The wrist is on the axis of the column.
     Column,
-    /// The axis (from 0) is at a place beyond its travel.
+    /// The axis (from 0) is at a position beyond its travel.
     Travel(usize, f64),
-    /// It turns too fast.
+    /// It rotates too fast.
     Speed(usize, f64),
 }
 
 impl Hindrance {
-    /// In words for the user.
-    pub fn told(self, p: &Parameters) -> String {
+    /// Message for the user.
+    pub fn text(self, p: &Parameters) -> String {
         match self {
             Self::Column => "the wrist is on the axis of the column".to_owned(),
             Self::Travel(i, value) => {
@@ -34,13 +34,13 @@ impl Hindrance {
             }
             Self::Speed(i, speed) => {
                 let (name, unit) = NAMES[i];
-                format!("`{name}` turns with `{speed:.3} {unit}/s`, limit `{} {unit}/s`", p.axis[i].velocity_max)
+                format!("`{name}` moves at `{speed:.3} {unit}/s`, limit `{} {unit}/s`", p.axis[i].velocity_max)
             }
         }
     }
 }
 
-/// A place of the path that the robot cannot follow.
+/// A position of the path that the robot cannot follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
     /// Distance from the start of the path, m.
@@ -50,31 +50,31 @@ pub struct Obstacle {
     back: bool,
 }
 
-/// Axes at the start of the path; the whole path is checked at the taught speed.
+/// Axes at the start of the path; the whole path is checked at the programmed speed.
 ///
 /// # Errors
 /// Names block, distance, axis, value and limit.
 pub fn start(p: &Parameters, path: &TaughtPath) -> Result<Joints, ParameterError> {
     walk(p, path).map_err(|Obstacle { distance, what, back }| {
         let place = path.place(distance);
-        let told = what.told(p);
-        let (told, hint) = match what {
-            Hindrance::Column => (told, "move the part"),
+        let text = what.text(p);
+        let (text, hint) = match what {
+            Hindrance::Column => (text, "move the part"),
             Hindrance::Travel(..) if back => (
-                format!("drawn back by `transfer.clearance` = `{} m`, {told}", p.transfer.clearance),
-                "move the part, or lower `transfer.clearance`",
+                format!("retracted by `transfer.clearance` = `{} m`, {text}", p.transfer.clearance),
+                "move the part, or reduce `transfer.clearance`",
             ),
-            Hindrance::Travel(..) => (told, "move the part, or widen `axisN.minimum` and `.maximum`"),
+            Hindrance::Travel(..) => (text, "move the part, or widen `axisN.minimum` and `.maximum`"),
             Hindrance::Speed(..) => (
-                told,
-                "keep the wrist away from the column and the tool away from the vertical, or teach a slower path",
+                text,
+                "keep the wrist away from the column and the tool away from the vertical, or reduce the programmed speed",
             ),
         };
         ParameterError {
             name: "path.file",
             value: p.path.file.clone(),
             limit: format!(
-                "a path the robot can follow: block {}, {:.4} m from its start: {told}",
+                "a path the robot can follow: block {}, {:.4} m from its start: {text}",
                 place.block + 1,
                 place.distance
             ),
@@ -86,7 +86,7 @@ pub fn start(p: &Parameters, path: &TaughtPath) -> Result<Joints, ParameterError
 /// Axes at the start of the path, after a walk along all of it.
 ///
 /// # Errors
-/// The first place that the robot cannot follow.
+/// The first position that the robot cannot follow.
 pub fn walk(p: &Parameters, path: &TaughtPath) -> Result<Joints, Obstacle> {
     let step = (path.speed * p.sample_period).max(path.length() / PLACES_MAX);
     let count = (path.length() / step).ceil() as usize;
@@ -107,7 +107,7 @@ pub fn walk(p: &Parameters, path: &TaughtPath) -> Result<Joints, Obstacle> {
     Ok(first.unwrap_or(before))
 }
 
-/// Axes to compare the first place with: on an upright start the yaw is that of the first tilted place.
+/// Axes to compare the first position with: on an upright start the yaw is that of the first tilted place.
 fn upright_start(p: &Parameters, path: &TaughtPath, step: f64, count: usize) -> Joints {
     let nothing = [0.0; AXES];
     let yaw = |k: usize| {
@@ -166,10 +166,10 @@ mod tests {
 
     #[test]
     fn a_tool_that_turns_about_the_vertical_near_it_is_refused() {
-        // tilt of 0.001, azimuth turns by half a turn in 1 mm
+        // tilt of 0.001, azimuth rotates by 180 degrees in 1 mm
         let places = [([0.7, 0.0, -0.2], [0.1, 0.001, -1.0]), ([0.7, 0.1, -0.2], [-0.1, 0.001, -1.0])];
         let message = message(&places);
-        assert!(message.contains("block 1, 0.0") && message.contains("`axis4` turns with"), "{message}");
+        assert!(message.contains("block 1, 0.0") && message.contains("`axis4` moves at"), "{message}");
     }
 
     #[test]
@@ -204,7 +204,7 @@ mod tests {
                 joints[i] = end;
                 assert_eq!(travel(&p, &joints), Ok(()));
                 joints[i] += out;
-                assert!(travel(&p, &joints).unwrap_err().told(&p).contains(NAMES[i].0));
+                assert!(travel(&p, &joints).unwrap_err().text(&p).contains(NAMES[i].0));
             }
             let moved = |way: f64| {
                 let mut joints = [0.0; AXES];
@@ -212,7 +212,7 @@ mod tests {
                 speed(&p, &joints, &[0.0; AXES], 1.0)
             };
             assert_eq!((moved(1.0), moved(-1.0)), (Ok(()), Ok(())));
-            assert!(moved(1.001).unwrap_err().told(&p).contains(NAMES[i].0) && moved(-1.001).is_err());
+            assert!(moved(1.001).unwrap_err().text(&p).contains(NAMES[i].0) && moved(-1.001).is_err());
         }
     }
 

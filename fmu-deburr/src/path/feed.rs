@@ -30,7 +30,7 @@ pub struct FeedPlanner {
     distance: f64,
     speeds: [f64; SMOOTHING_MAX],
     next: usize,
-    /// stands at a stop until the moving average stands, too
+    /// at rest at a stop until the moving average is, too
     waits: bool,
 }
 
@@ -44,7 +44,7 @@ impl FeedPlanner {
         waits: false,
     };
 
-    /// This sample's point, on the way to the speed `target` (m/s); `dt` is the sample period, s.
+    /// This sample's point, during the motion to the speed `target` (m/s); `dt` is the sample period, s.
     pub fn step(&mut self, limits: &Feed, path: &TaughtPath, target: f64, dt: f64) -> Point {
         let speed = self.plan(limits.acceleration, path, if self.waits { 0.0 } else { target }, dt);
         let point = Point { distance: self.distance, speed: self.average(speed, limits.smoothing as usize) };

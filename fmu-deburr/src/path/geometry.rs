@@ -1,18 +1,18 @@
-//! Geometry of one block of the path: a line or an arc between two teaching points, with the tool turning along.
+//! Geometry of one block of the path: a line or an arc between two path point, with the tool turning along.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::fingerprint::Fingerprint;
 
-/// Place or direction in the base frame.
+/// Position or direction in the base frame.
 pub type Vector = Vector3<f64>;
 
 /// Shortest block, m.
 const LENGTH_MIN: f64 = 1e-4;
-/// Largest difference of the radii at both ends of an arc by its centre, m.
+/// Largest difference of the radii at both ends of an arc by its center, m.
 const RADIUS_TOLERANCE: f64 = 1e-6;
-/// Sine below which two directions count as parallel.
+/// Sine below which two directions are parallel.
 const PARALLEL: f64 = 1e-6;
 
 /// Tip of the tool and direction in which the tool points.
@@ -30,7 +30,7 @@ enum Curve {
         from: Vector,
         direction: Vector,
     },
-    /// centre + radius (u cos + v sin)
+    /// center + radius (u cos + v sin)
     Arc {
         centre: Vector,
         radius: f64,
@@ -39,14 +39,14 @@ enum Curve {
     },
 }
 
-/// The way from one teaching point to the next.
+/// The curve from one path point to the next.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Block {
     curve: Curve,
     /// Length, m.
     pub length: f64,
     axes: [Vector; 2],
-    /// places as they were taught: both ends, and the third one of an arc
+    /// programmed positions: both ends, and the third one of an arc
     taught: [Vector; 3],
 }
 
@@ -54,7 +54,7 @@ impl Block {
     /// Straight block.
     ///
     /// # Errors
-    /// What is wrong with it, in words for the user.
+    /// Message for the user.
     pub fn line(from: &Pose, to: &Pose) -> Result<Self, String> {
         let way = to.tip - from.tip;
         let length = way.norm();
@@ -64,10 +64,10 @@ impl Block {
         Self::new(Curve::Line { from: from.tip, direction: way / length }, length, from, to.tip, to)
     }
 
-    /// Arc through the place `via`.
+    /// Arc through the position `via`.
     ///
     /// # Errors
-    /// What is wrong with it, in words for the user.
+    /// Message for the user.
     pub fn arc_via(from: &Pose, via: Vector, to: &Pose) -> Result<Self, String> {
         let (a, b) = (via - from.tip, to.tip - from.tip);
         let normal = a.cross(&b);
@@ -82,7 +82,7 @@ impl Block {
     /// Arc about `centre`, the short way round.
     ///
     /// # Errors
-    /// What is wrong with it, in words for the user.
+    /// Message for the user.
     pub fn arc_about(from: &Pose, centre: Vector, to: &Pose) -> Result<Self, String> {
         let (a, b) = (from.tip - centre, to.tip - centre);
         let difference = (a.norm() - b.norm()).abs();
@@ -91,7 +91,7 @@ impl Block {
         }
         let normal = a.cross(&b);
         if normal.norm() <= PARALLEL * a.norm() * b.norm() {
-            return Err("arc: a half or full turn about `centre_m` has no plane, must be given by `via_m`".to_owned());
+            return Err("arc: half or full circles about `centre_m` have no plane; use `via_m`".to_owned());
         }
         Self::arc(from, centre, normal.normalize(), centre, to)
     }
@@ -111,7 +111,7 @@ impl Block {
 
     fn new(curve: Curve, length: f64, from: &Pose, third: Vector, to: &Pose) -> Result<Self, String> {
         if from.axis.dot(&to.axis) < -1.0 + PARALLEL {
-            return Err("`axis` turns by half a turn, the way is not defined, must be less".to_owned());
+            return Err("`axis` rotates by 180 degrees, the direction is not defined, must be less".to_owned());
         }
         Ok(Self { curve, length, axes: [from.axis, to.axis], taught: [from.tip, third, to.tip] })
     }
@@ -139,7 +139,7 @@ impl Block {
         }
     }
 
-    /// Adds what was taught to a fingerprint; nothing that is computed with functions that differ between machines.
+    /// Adds the programmed values to a fingerprint; nothing that is computed with functions that differ between machines.
     pub fn fingerprint(&self, print: &mut Fingerprint) {
         let kind = match self.curve {
             Curve::Line { .. } => 1.0,
@@ -276,11 +276,11 @@ mod tests {
         let up = Pose { axis: -DOWN, ..there };
         let cases = [
             (Block::line(&here, &here), "length is `0 m`"),
-            (Block::arc_about(&here, Vector::zeros(), &there), "half or full turn"),
+            (Block::arc_about(&here, Vector::zeros(), &there), "half or full circles"),
             (Block::arc_about(&here, Vector::new(0.1, 0.0, 0.0), &there), "differ by `0.2"),
             (Block::arc_via(&here, Vector::zeros(), &there), "on the line"),
             (Block::arc_via(&here, Vector::new(0.0, 1.0, 0.0), &here), "on the line"),
-            (Block::line(&here, &up), "half a turn"),
+            (Block::line(&here, &up), "180 degrees"),
         ];
         for (block, part) in cases {
             let message = block.unwrap_err();

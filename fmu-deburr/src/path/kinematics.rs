@@ -54,8 +54,8 @@ impl Arm {
 
 /// Yaw and pitch for a tool direction in the arm's frame.
 ///
-/// Two turns of the wrist point the tool the same way: (yaw, pitch) and (yaw + pi, -pitch). Taken is the one whose yaw
-/// is nearer to that before, so that a tool that swings through the vertical does not turn the wrist by half a turn.
+/// Two solutions of the wrist have the same tool direction: (yaw, pitch) and (yaw + pi, -pitch). Taken is the one whose yaw
+/// is nearer to that before, so that a tool that oscillates through the vertical does not turn the wrist by half a reversal.
 fn wrist_angles(radial: f64, tangential: f64, vertical: f64, before: f64) -> [f64; 2] {
     let tilt = radial.hypot(tangential);
     if tilt < UPRIGHT {

@@ -1,4 +1,4 @@
-//! The taught path from a JSON file.
+//! The programmed path from a JSON file.
 
 use control_blocks::{FileParameter, ParameterError};
 use serde::Deserialize;
@@ -13,7 +13,7 @@ use crate::registration::fit::{TOUCHES_MIN, geometry};
 const BYTES_MAX: u64 = 64 << 20;
 /// Most blocks of a path.
 const BLOCKS_MAX: usize = 10_000;
-/// Taught speeds, m/s.
+/// Programmed speeds, m/s.
 const SPEEDS: (f64, f64) = (1e-3, 2.0);
 /// No place is farther from the base, m.
 const PLACE_MAX: f64 = 100.0;
@@ -50,7 +50,7 @@ struct TouchPoint {
     approach_m: f64,
 }
 
-/// A teaching point; without `axis` the tool keeps its direction.
+/// A path point; without `axis` the tool keeps its direction.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TeachingPoint {
@@ -65,7 +65,7 @@ enum Step {
     Arc { to: TeachingPoint, via_m: Option<[f64; 3]>, centre_m: Option<[f64; 3]> },
 }
 
-/// The path without a file: importers need not tell where the resources are.
+/// The path without a file: importers need not provide the folder of the resources.
 const TEST_PIECE: &[u8] = include_bytes!("../../resources/path.json");
 
 /// Reads the path that `path.file` names, or the test piece if it names none.
@@ -121,9 +121,9 @@ fn touches(points: &[TouchPoint], upright: Vector) -> Result<Vec<Touch>, String>
     let touches = points.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
     let sure = geometry(&touches).map(|deviations| 1e-3 * deviations[2]);
     require_or(sure.is_some_and(|sure| sure <= ANGLE_MAX), || {
-        let sure = sure.map_or("nothing".to_owned(), |sure| format!("the angle to `{sure:.3} rad`"));
+        let sure = sure.map_or("no angle".to_owned(), |sure| format!("the angle to `{sure:.3} rad`"));
         format!(
-            "`touches` of 1 mm tell {sure}, limit `{ANGLE_MAX} rad`: they must be on faces across each other, far apart"
+            "`touches` with errors of 1 mm determine {sure}, limit `{ANGLE_MAX} rad`: they must be far apart, on faces in two directions"
         )
     })?;
     Ok(touches)
@@ -136,7 +136,7 @@ fn touch(point: &TouchPoint, upright: Vector) -> Result<Touch, String> {
     require_or(normal.norm() > 1e-6, || format!("`normal` has the length `{}`, limit `0.000001`", normal.norm()))?;
     let normal = normal.normalize();
     require_or(normal.z.abs() <= LEVEL, || {
-        format!("`normal` rises by `{}`, limit `{LEVEL}`: it must be level", normal.z)
+        format!("`normal` rises by `{}`, limit `{LEVEL}`: it must be horizontal", normal.z)
     })?;
     let (low, high) = APPROACHES;
     require_or(*approach_m >= low && *approach_m <= high, || {
@@ -255,7 +255,7 @@ mod tests {
                 "block 1: `to`: `tip_m` has the entry `800`, limits `-100` to `100`",
             ),
             (line(r#"{"tip_m": [0.8, 0, -0.2], "axis": [0, 0, 0]}"#), "block 1: `to`: `axis` has the length `0`"),
-            (line(r#"{"tip_m": [0.8, 0, -0.2], "axis": [0, 0, 1]}"#), "block 1: `axis` turns by half a turn"),
+            (line(r#"{"tip_m": [0.8, 0, -0.2], "axis": [0, 0, 1]}"#), "block 1: `axis` rotates by 180 degrees"),
             (arc(""), "block 1: arc: it has both or none"),
             (arc(r#""via_m": [0.75, 0, -0.2],"#), "block 1: arc: `via_m` is on the line"),
             (arc(r#""centre_m": [0.75, 0.1, -0.1], "via_m": [0.75, 0.1, -0.1],"#), "block 1: arc: it has both or none"),
@@ -309,18 +309,18 @@ mod tests {
             (with(&touch(0.7, "[1, 0, 0]", 9e-5)), "touch 4: `approach_m` is `0.00009`, limits `0.0001` to `0.1`"),
             (with(&touch(0.7, "[1, 0, 0]", 0.11)), "touch 4: `approach_m` is `0.11`"),
             (with(&touch(700.0, "[1, 0, 0]", 5e-3)), "touch 4: `tip_m` has the entry `700`"),
-            (with(&good), "`touches` of 1 mm tell nothing, limit `0.1 rad`"),
+            (with(&good), "`touches` with errors of 1 mm determine no angle, limit `0.1 rad`"),
             (with(&good.replace("normal", "outward")), "unknown field `outward`"),
         ];
         for (text, part) in cases {
             let message = read_text(&text).map(|_| text.clone()).unwrap_err();
             assert!(message.contains(part), "{message}");
         }
-        // all of it within a few millimetres
+        // all of it within a few millimeter
         let near = |x: f64, normal: &str| touch(0.7 + x, normal, 5e-3);
         let text = [near(0.0, "[0, 1, 0]"), near(5e-3, "[0, 1, 0]"), near(0.0, "[1, 0, 0]"), near(0.0, "[0, -1, 0]")];
         let message = read_text(&touched(&text.join(", "))).map(|_| ()).unwrap_err();
-        assert!(message.contains("tell the angle to `0.2"), "{message}");
+        assert!(message.contains("determine the angle to `0.2"), "{message}");
     }
 
     #[test]

@@ -22,13 +22,13 @@ pub struct Route {
 }
 
 impl Route {
-    /// At rest at a place.
+    /// At rest at a position.
     pub fn at(place: &Joints) -> Self {
         let there = TransferMotion::at(place);
         Self { legs: [there.clone(), there.clone(), there], count: 1, leg: 0, inside: [false; LEGS] }
     }
 
-    /// Straight to a place.
+    /// Straight to a position.
     pub fn straight(p: &Parameters, from: &Joints, to: &Joints, inside: bool) -> Self {
         let mut route = Self::at(from);
         route.count = 0;
@@ -65,7 +65,7 @@ impl Route {
         self.count += 1;
     }
 
-    /// Place after one sample more; a held motion slows down and goes on later.
+    /// Position after one sample more; a held motion slows down and continues later.
     pub fn step(&mut self, dt: f64, hold: bool) -> Joints {
         if self.legs[self.leg].over() && self.leg + 1 < self.count {
             self.leg += 1;
@@ -78,7 +78,7 @@ impl Route {
         self.leg + 1 == self.count && self.legs[self.leg].over()
     }
 
-    /// Whether the motion is held and stands.
+    /// Whether the motion is held and at rest.
     pub fn stands(&self) -> bool {
         self.legs[self.leg].over() || self.legs[self.leg].stands()
     }

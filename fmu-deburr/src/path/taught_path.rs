@@ -1,4 +1,4 @@
-//! The taught path: blocks joined end to end, with the places where the feed must come to rest.
+//! The programmed path: blocks joined end to end, with the positions where the feed must come to rest.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::path::displacement::Displacement;
 use crate::path::geometry::{Block, Pose};
 use crate::path::touch::Touch;
 
-/// Ends of a path that are closer than this are one place, m.
+/// Ends of a path that are closer than this are one position, m.
 const CLOSED: f64 = 1e-6;
 /// Change of direction of the tangent at which the feed stops, rad: below it the drives follow a corner at speed.
 pub const CORNER: f64 = 0.2;
@@ -20,9 +20,9 @@ pub struct TaughtPath {
     starts: Vec<f64>,
     /// distances at which the feed stops, ascending, m; the last is the end
     stops: Vec<f64>,
-    /// Taught speed, m/s.
+    /// Programmed speed, m/s.
     pub speed: f64,
-    /// The path is run again and again without a way back.
+    /// The path is run again and again without a return.
     pub cyclic: bool,
     /// Where its part is touched.
     pub touches: Vec<Touch>,
@@ -30,7 +30,7 @@ pub struct TaughtPath {
     pub lies: Displacement,
 }
 
-/// A place on the path.
+/// A position on the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Number of the block, from 0.
@@ -40,10 +40,10 @@ pub struct Place {
 }
 
 impl TaughtPath {
-    /// Joins blocks (at least one); the feed stops where the tangent turns by more than `corner` rad.
+    /// Joins blocks (at least one); the feed stops where the tangent changes by more than `corner` rad.
     ///
     /// # Errors
-    /// In words for the user, when a cyclic path does not end where it starts.
+    /// Message for the user if a cyclic path does not end where it starts.
     pub fn new(blocks: Vec<Block>, speed: f64, cyclic: bool, corner: f64) -> Result<Self, String> {
         let mut starts = vec![0.0];
         let mut stops = Vec::new();
@@ -74,7 +74,7 @@ impl TaughtPath {
         self.blocks.len()
     }
 
-    /// Number of places at which the feed stops, the end among them.
+    /// Number of positions at which the feed stops, the end among them.
     pub fn stops(&self) -> usize {
         self.stops.len()
     }
@@ -98,7 +98,7 @@ impl TaughtPath {
         self.lies.of(&self.blocks[place.block].at(place.distance))
     }
 
-    /// Adds what was taught to a fingerprint.
+    /// Adds the programmed values to a fingerprint.
     pub fn fingerprint(&self, print: &mut Fingerprint) {
         self.blocks.iter().for_each(|block| block.fingerprint(print));
         print.add(self.speed);

@@ -1,23 +1,23 @@
-//! A place where the part is touched.
+//! A position where the part is touched.
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use crate::path::geometry::{Pose, Vector};
 
-/// A flat place of the part, as it was taught.
+/// A flat place of the part, as programmed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Touch {
     /// Tip that touches there, and its direction.
     pub pose: Pose,
     /// Unit vector out of the part, level.
     pub normal: Vector,
-    /// Way along the normal from which the tip comes, and to which it goes on inside, m.
+    /// Way along the normal from which the tip comes, and to which it continues inside, m.
     pub approach: f64,
 }
 
 impl Touch {
-    /// Pose at a way (m) from the begin of the approach towards the part; the taught place is in the middle.
+    /// Pose at a distance (m) from the start of the approach towards the part; the programmed position is in the middle.
     pub fn at(&self, way: f64) -> Pose {
         Pose { tip: self.pose.tip + self.normal * (self.approach - way), ..self.pose }
     }
@@ -27,7 +27,7 @@ impl Touch {
         self.approach - (tip - self.pose.tip).dot(&self.normal)
     }
 
-    /// Place and normal from above.
+    /// Position and normal from above.
     pub fn level(&self) -> (Vector2<f64>, Vector2<f64>) {
         (self.pose.tip.xy(), self.normal.xy())
     }
@@ -49,7 +49,7 @@ pub mod tests {
         for (way, out) in [(0.0, 5e-3), (5e-3, 0.0), (9e-3, -4e-3)] {
             let pose = touch.at(way);
             assert!((pose.tip - touch.pose.tip - touch.normal * out).norm() < 1e-15 && pose.axis == touch.pose.axis);
-            // beside the normal the way is the same
+            // across the normal the distance is the same
             let aside = pose.tip + Vector::new(-touch.normal.y, touch.normal.x, 1.0);
             assert!((touch.way(&aside) - way).abs() < 1e-12);
         }

@@ -1,4 +1,4 @@
-//! Motion of all axes from one place to another at rest, that can be held on the way.
+//! Motion of all axes from one position to another at rest, that can be held during the motion.
 
 use control_blocks::{minimum_jerk, quintic_duration};
 use serde::{Deserialize, Serialize};
@@ -24,12 +24,12 @@ pub struct TransferMotion {
 }
 
 impl TransferMotion {
-    /// At rest at a place.
+    /// At rest at a position.
     pub fn at(place: &Joints) -> Self {
         Self { from: *place, to: *place, duration: 0.0, time: 0.0, rate: 1.0 }
     }
 
-    /// From rest at one place to rest at another.
+    /// From rest at one position to rest at another.
     pub fn new(p: &Parameters, from: &Joints, to: &Joints) -> Self {
         let needed = |i: usize| {
             let velocity = p.axis[i].velocity_max * VELOCITY_RATIO;
@@ -39,7 +39,7 @@ impl TransferMotion {
         Self { from: *from, to: *to, duration, time: 0.0, rate: 1.0 }
     }
 
-    /// Place after one sample more; a held motion slows down and goes on later.
+    /// Position after one sample more; a held motion slows down and continues later.
     pub fn step(&mut self, dt: f64, hold: bool) -> Joints {
         let change = dt / HOLD_TIME;
         self.rate = (self.rate + if hold { -change } else { change }).clamp(0.0, 1.0);
@@ -57,7 +57,7 @@ impl TransferMotion {
         self.time >= self.duration
     }
 
-    /// Whether the motion is held and stands.
+    /// Whether the motion is held and at rest.
     pub fn stands(&self) -> bool {
         self.rate == 0.0
     }

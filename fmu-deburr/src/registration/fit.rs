@@ -1,14 +1,14 @@
-//! Where the part lies, from touches: weighted least squares of the distances from the taught faces.
+//! Position of the part, from touches: weighted least squares of the distances from the programmed faces.
 //!
-//! A tip m that touches the flat face with the normal n through p lies on the displaced face. Taken back to the part as it was
-//! taught it is on the taught one, wherever on it:
+//! A tip m that touches the flat face with the normal n through p is on the displaced face. Moved back to the programmed part it is on the
+//! programmed face, at any point of it:
 //!
 //! ```text
 //! r = n . (c + R' (m - c - s) - p) = 0
 //! ```
 //!
-//! with three unknowns, s and the angle of R. Each touch weighs by its standard deviation. What more touches than unknowns leave,
-//! r, tells whether a part has moved at all, or a touch was on something else.
+//! with three unknowns, s and the angle of R. Each touch has the weight of its standard deviation. The residual r of more touches than unknowns
+//! shows whether a part has only moved, or a touch was on something else.
 
 use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -20,7 +20,7 @@ use crate::path::touch::Touch;
 /// Fewest touches: three unknowns, and one that tests them.
 pub const TOUCHES_MIN: usize = 4;
 
-/// What was touched: a place of the surface from above, m, and how sure it is, m.
+/// A touched point of the surface from above, m, and its standard deviation, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Touched {
     /// Place.
@@ -29,7 +29,7 @@ pub struct Touched {
     pub deviation: f64,
 }
 
-/// Where the part lies, and how sure that is.
+/// Position of the part, and its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// Where it lies.
@@ -40,12 +40,12 @@ pub struct Fit {
     pub worst: (usize, f64),
 }
 
-/// Middle of the taught places.
+/// Middle of the programmed positions.
 pub fn centre(touches: &[Touch]) -> Vector2<f64> {
     touches.iter().map(|touch| touch.level().0).sum::<Vector2<f64>>() / touches.len() as f64
 }
 
-/// Distance from the taught face, m, and its derivatives by x, y and the angle.
+/// Distance from the programmed face, m, and its derivatives by x, y and the angle.
 fn distance(touch: &Touch, place: Vector2<f64>, lies: &Displacement) -> (f64, Vector3<f64>) {
     let (point, normal) = touch.level();
     // d/d angle of R' v is R' v turned back by a quarter
@@ -60,7 +60,7 @@ fn distance(touch: &Touch, place: Vector2<f64>, lies: &Displacement) -> (f64, Ve
 /// Finds where the part lies.
 ///
 /// # Errors
-/// Says why the touches do not tell it.
+/// Why the touches do not determine it.
 pub fn fit(touches: &[Touch], touched: &[Touched]) -> Result<Fit, NoEstimate> {
     let centre = centre(touches);
     let displacement = |value: &Vector3<f64>| Displacement { shift: value.xy(), angle: value.z, centre };
@@ -78,8 +78,8 @@ pub fn fit(touches: &[Touch], touched: &[Touched]) -> Result<Fit, NoEstimate> {
     Ok(Fit { displacement: lies, deviations: std::array::from_fn(|i| found.sigma(i)), worst })
 }
 
-/// How sure the touches can be, each with the same standard deviation of 1 m: of x, y (m) and the angle (rad); none where they do
-/// not tell them apart.
+/// Standard deviations of x, y (m) and the angle (rad) for touches that each have one of 1 m; none where the touches do not
+/// determine them.
 pub fn geometry(touches: &[Touch]) -> Option<[f64; 3]> {
     let centre = centre(touches);
     let information = |touch: &Touch| {
@@ -107,7 +107,7 @@ mod tests {
             .collect()
     }
 
-    /// Tips that touch the displaced faces, coming along the taught normals, farther out by `off` each.
+    /// Tips that touch the displaced faces, along the programmed normals, farther out by `off` each.
     fn tips(touches: &[Touch], lies: &Displacement, off: impl Fn(usize) -> f64) -> Vec<Touched> {
         let tip = |(i, touch): (usize, &Touch)| {
             let (point, normal) = touch.level();
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn small_distances_are_the_closed_form_of_the_linear_problem() {
-        // centred touches of equal weight: x and y are means of their faces but for what the angle takes, which is the slope
+        // centered touches of equal weight: x and y are means of their faces except what the angle takes, which is the slope
         let touches = corner();
         let off = [3e-6, 1e-6, -2e-6, 4e-6, -1e-6, 2e-6];
         let touched: Vec<Touched> = touches
@@ -144,7 +144,7 @@ mod tests {
             .map(|(touch, off)| Touched { place: touch.level().0 + touch.level().1 * off, deviation: 1e-6 })
             .collect();
         let found = fit(&touches, &touched).unwrap();
-        // middle of each face from the centre of all: 50 mm; slope: sum of arms times distances over sum of squared arms
+        // middle of each face from the center of all: 50 mm; slope: sum of arms times distances over sum of squared arms
         let (mean_y, mean_x) = ((off[0] + off[1] + off[2]) / 3.0, (off[3] + off[4] + off[5]) / 3.0);
         let slope = (-0.03 * off[0] + 0.03 * off[2] + 0.03 * off[3] - 0.03 * off[5]) / (4.0 * 0.03 * 0.03);
         let c = centre(&touches);
@@ -181,7 +181,7 @@ mod tests {
     fn touches_that_do_not_tell_are_known() {
         let one_face: Vec<Touch> = [-0.03, 0.0, 0.01, 0.03].map(|x| touch(0.7 + x, 0.1, FRAC_PI_2)).to_vec();
         assert_eq!(geometry(&one_face), None);
-        // all normals through one place: it may turn about it
+        // all normals through one position: it may turn about it
         let round: Vec<Touch> =
             [0.0, 1.0, 2.0, 4.0].map(|a: f64| touch(0.7 + 0.05 * a.cos(), 0.05 * a.sin(), a)).to_vec();
         assert!(geometry(&round).is_none_or(|sure| sure[2] > 1e6), "{:?}", geometry(&round));

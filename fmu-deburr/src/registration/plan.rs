@@ -1,9 +1,9 @@
-//! What touching takes: places that the robot must reach, the time, and how sure a touch is.
+//! Requirements of touching: positions that the robot must reach, the time, and the uncertainty of a touch.
 //!
-//! At each touch the tip comes from outside at `expert.register.speed`, goes back by `expert.register.retract` from where it has felt the part,
-//! comes again at `expert.register.touch_speed`, and goes back to where it came from. Contact is told by the samples: the surface
+//! At each touch the tip comes from outside at `expert.register.speed`, returns by `expert.register.retract` from where it has detected the part,
+//! returns at `expert.register.touch_speed`, and returns to where it came from. Contact is reported by the samples: the surface
 //! was between the tips of two, so half a sample of way is taken off, and what is left is spread evenly over a sample, v T/sqrt(12);
-//! beside it are half a count of the encoders, in both tips, and `expert.register.touch_std`.
+//! in addition to it are half a count of the encoders, in both tips, and `expert.register.touch_std`.
 
 use control_blocks::{ParameterError, commission_time, quintic_duration};
 
@@ -15,17 +15,17 @@ use crate::path::route::Route;
 use crate::path::taught_path::TaughtPath;
 use crate::path::touch::Touch;
 
-/// Axes at the begin of the approach to a touch, near others.
+/// Axes at the start of the approach to a touch, near others.
 pub fn outside(p: &Parameters, touch: &Touch, near: &Joints) -> Joints {
     p.arm.inverse(&touch.at(0.0), near).unwrap_or(*near)
 }
 
-/// Time of a way back (m), s.
+/// Time of a return (m), s.
 pub fn back_time(p: &Parameters, way: f64) -> f64 {
     quintic_duration(way.abs(), p.register.speed).max(p.sample_period)
 }
 
-/// Longest time of a registration that begins at rest at `from`, s: as told, or as of a commission with these motions.
+/// Longest time of a registration that begins at rest at `from`, s: as configured, or as of a commissioning run with these motions.
 pub fn time(p: &Parameters, path: &TaughtPath, from: &Joints, inside: bool) -> f64 {
     commission_time(p.register.time, || motions(p, path, from, inside))
 }
@@ -70,14 +70,14 @@ pub fn check(p: &Parameters, path: &TaughtPath, start: &Joints) -> Result<(), Pa
         name: "path.file",
         value: p.path.file.clone(),
         limit: format!("a path whose touches the robot can reach: touch {}: {what}", number + 1),
-        hint: "touch elsewhere, from less far, or widen `axisN.minimum` and `.maximum`",
+        hint: "touch at other positions, reduce `approach_m`, or widen `axisN.minimum` and `.maximum`",
     };
     for (number, touch) in path.touches.iter().enumerate() {
         for way in [0.0, 2.0 * touch.approach] {
             let joints = p.arm.inverse(&touch.at(way), start);
             let joints = joints.ok_or_else(|| wrong(number, "the wrist is on the axis of the column".to_owned()))?;
             for joints in [joints, p.arm.drawn_back(&joints, p.transfer.clearance)] {
-                feasible::travel(p, &joints).map_err(|what| wrong(number, what.told(p)))?;
+                feasible::travel(p, &joints).map_err(|what| wrong(number, what.text(p)))?;
             }
         }
     }

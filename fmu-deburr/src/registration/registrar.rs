@@ -1,4 +1,4 @@
-//! The touches one after the other: to it, until it is felt, back, once more slowly, and back.
+//! The touches one after the other: to it, until it is detected, back, once more slowly, and back.
 
 use control_blocks::{Consecutive, Quintic, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -15,13 +15,13 @@ use crate::registration::plan::{back_time, deviation};
 /// What the tip does at a touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
-    /// Comes to the begin of the approach.
+    /// Moves to the start of the approach.
     Travel,
     /// Goes towards the part.
     Seek,
-    /// Has felt it, and stops.
+    /// Has detected it, and stops.
     Brake,
-    /// Goes back.
+    /// Returns.
     Back,
 }
 
@@ -40,19 +40,19 @@ pub struct Registrar {
     phase: Phase,
     /// the second time, slowly
     slow: bool,
-    /// way of the reference from the begin of the approach, m
+    /// distance of the reference from the start of the approach, m
     now: Trajectory,
     back: Quintic,
-    /// time of the way back, s
+    /// time of the return, s
     time: f64,
     contact: Consecutive,
-    /// tip by the last reading, and where the contact began, m
+    /// tip by the last measurement, and where the contact began, m
     tip: Vector,
     place: Vector,
 }
 
 impl Registrar {
-    /// Nothing registered so far, with room for so many touches.
+    /// Nothing registered so far, with memory for a number of touches.
     pub fn new(touches: usize) -> Self {
         Self {
             found: Registration::START,
@@ -71,7 +71,7 @@ impl Registrar {
         }
     }
 
-    /// Begins with the tip at a place.
+    /// Begins with the tip at a position.
     pub fn begin(&mut self, tip: Vector) {
         (self.found, self.lies) = (Registration::START, None);
         self.wrong = if self.touched.is_empty() { Finding::plain(Fault::NoTouches) } else { Finding::NONE };
@@ -83,17 +83,17 @@ impl Registrar {
         touches.get(self.touch).filter(|_| !self.wrong.is_fault() && self.lies.is_none())
     }
 
-    /// Whether the tip is on its way to the begin of an approach.
+    /// Whether the tip moves to the start of an approach.
     pub fn travels(&self) -> bool {
         self.phase == Phase::Travel
     }
 
-    /// The tip is at the begin of the approach.
+    /// The tip is at the start of the approach.
     pub fn arrive(&mut self) {
         self.seek(0.0, false);
     }
 
-    /// Takes where the tip is by the readings, and whether it feels something.
+    /// Takes where the tip is by the measurements, and whether it detects something.
     pub fn observe(&mut self, p: &Parameters, tip: Vector, contact: bool) {
         let bridged = p.limits.lost_samples.unsigned_abs();
         if self.contact.update(contact) == 1 {
@@ -146,7 +146,7 @@ impl Registrar {
         touch.at(self.now.position)
     }
 
-    /// Slows the reference of the touch down; the pose that it has then, and whether it stands.
+    /// Slows the reference of the touch down; its pose, and whether it is at rest.
     pub fn brake(&mut self, p: &Parameters, touches: &[Touch]) -> (Pose, bool) {
         self.stop(p);
         (touches[self.touch.min(touches.len() - 1)].at(self.now.position), self.now.velocity == 0.0)
@@ -158,7 +158,7 @@ impl Registrar {
 
     fn seek(&mut self, from: f64, slow: bool) {
         (self.phase, self.slow, self.now) = (Phase::Seek, slow, Trajectory::resting(from));
-        // what was felt before is not where this touch begins
+        // what was detected before is not where this touch begins
         self.contact = Consecutive::NONE;
     }
 
@@ -177,7 +177,7 @@ impl Registrar {
         }
     }
 
-    /// Takes the place where the contact began.
+    /// Takes the position where the contact began.
     fn take(&mut self, p: &Parameters, touch: &Touch, joints: &Joints) {
         let place = self.place + touch.normal * p.register.pretravel;
         self.touched[self.touch] = Touched { place: place.xy(), deviation: deviation(p, &touch.normal, joints) };

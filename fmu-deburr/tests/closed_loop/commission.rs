@@ -1,4 +1,4 @@
-//! The state `Commission`: what it finds on robots that nobody has measured, and what follows from it.
+//! The state `Commission`: its results on unmeasured robots, and their use.
 
 mod bounds;
 mod faults;
@@ -28,7 +28,7 @@ fn applied() -> Parameters {
     p
 }
 
-/// Steps into the commission, and so many samples on.
+/// Steps into the commissioning run, and this number of samples on.
 fn begin(run: &mut Loop, samples: usize) {
     run.input.commission = true;
     for _ in 0..200 {
@@ -41,7 +41,7 @@ fn begin(run: &mut Loop, samples: usize) {
     (0..samples).for_each(|_| run.step());
 }
 
-/// Runs until the commission is over; its time, s.
+/// Runs until the commissioning run is over; its time, s.
 fn commission(run: &mut Loop) -> f64 {
     begin(run, 0);
     let mut samples = 0;
@@ -53,7 +53,7 @@ fn commission(run: &mut Loop) -> f64 {
     0.01 * f64::from(samples)
 }
 
-/// A robot that is not what the controller was told: gain and dynamics within 30 %, any delay from 0 to 2.
+/// A robot that is not what the controller was configured: gain and dynamics within 30 %, any delay from 0 to 2.
 fn unknown(seed: u64) -> Build {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
     Build {
@@ -139,7 +139,7 @@ fn learning_goes_on_from_there() {
         (learned.gain - found.gain).abs() < 1e-3 && (learned.lag - found.lag).abs() < 1e-4,
         "{found:?} {learned:?}"
     );
-    // what stands on the path keeps what the commission has found
+    // what stands on the path keeps what the commissioning run has found
     assert_eq!(
         (run.output.axis[1].gain, run.output.bank.status),
         (run.output.measured.axis[1].gain, BankStatus::Learned)
@@ -185,7 +185,7 @@ fn a_delay_is_as_sure_as_its_lag_and_the_lag_of_the_nominal_drive() {
     let spread = 0.262 * 2.0 * 0.52 / 280.0 / 0.01;
     let late = m.axis.map(|axis| axis.lag_std / run.parameters.sample_period);
     assert!((0..6).all(|i| (m.axis[i].delay_std / late[i].hypot(spread) - 1.0).abs() < 1e-9), "{m:?}");
-    // of six that are told apart, of nominal drives that are not
+    // of six as configured apart, of nominal drives that are not
     let mean = late.iter().map(|late| late.powi(2)).sum::<f64>().sqrt() / 6.0;
     assert!((m.io_delay_std / mean.hypot(spread) - 1.0).abs() < 1e-9, "{m:?}");
 }

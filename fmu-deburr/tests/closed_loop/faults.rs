@@ -1,4 +1,4 @@
-//! Faults of the axes and of the job: the right one, at once, with zero commands.
+//! Faults of the axes and of the task: the right one, immediately, with zero commands.
 
 mod learning;
 mod lost_counts;
@@ -46,7 +46,7 @@ fn nonsense_in_any_input_is_bridged_for_three_samples() {
                 run.robot.advance(&run.output.axis.map(|axis| axis.velocity));
                 everything_is_finite(&run);
             }
-            // only an axis of which the place is not known is let go
+            // only an axis of which the position is not known is let go
             let driven = expected != Fault::PositionLost;
             assert_eq!((run.output.fault, run.output.drive_enable), (expected, driven), "{which} {nonsense}");
             if !driven {
@@ -71,7 +71,7 @@ fn a_reading_that_stands_is_named_before_what_it_causes() {
     assert!(!run.output.drive_enable);
 }
 
-/// Steps with readings or commands that are bent until something happens; how far the tip axis 3 is off then, m.
+/// Steps with measurements or commands that are bent until something happens; how far the tip axis 3 is off then, m.
 fn bent(mode: Mode, bend: impl Fn(&mut Loop, usize)) -> (Fault, f64) {
     let mut run = running(mode);
     for k in 0..400 {

@@ -5,7 +5,7 @@ use fmu_deburr::interface::{Mode, Parameters, State};
 use crate::robot::Build;
 use crate::setup::{Loop, parameters};
 
-/// Machine time of a job, s.
+/// Machine time of a task, s.
 fn time(run: &mut Loop, mode: Mode) -> f64 {
     run.input.mode = mode;
     let mut samples = 0;

@@ -59,7 +59,7 @@ fn differences(delay: i32) -> [f64; 2] {
     let preview = delay as usize;
     let mut worst: [f64; 2] = [0.0; 2];
     for k in formed.lead_in..formed.lead_in + formed.run - preview {
-        // the feed is known so many samples ahead
+        // the feed is known this number of samples ahead
         let lookup = PatternLookup {
             point: formed.samples[k + preview].point,
             back: preview as f64,

@@ -5,7 +5,7 @@ use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
 use crate::robot::Build;
 use crate::setup::{Loop, from_zero, swinging};
 
-/// For a robot that acts at once.
+/// For a robot that acts immediately.
 fn short(mut p: Parameters) -> Parameters {
     (p.io_delay, p.learn.repetitions) = (0, 2);
     p

@@ -116,7 +116,7 @@ fn a_slow_tool_slows_the_feed_and_a_free_one_does_not() {
     run_until(&mut run, |run| run.output.path.distance > 0.08);
     assert!((run.output.path.speed - 0.1).abs() < 1e-12);
     for k in 0..60 {
-        // a reading that stood would be a frozen one
+        // a measurement that stood would be a frozen one
         run.input.spindle_speed = 0.98 * run.parameters.load.spindle_speed - 0.2 * f64::from(k);
         run.step();
     }

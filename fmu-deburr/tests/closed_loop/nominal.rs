@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::robot::{Build, STEP};
 use crate::setup::Loop;
 
-/// The tool idle, its slip in the largest burr at the taught speed, and the noise and step of its reading, rad/s.
+/// The tool idle, its slip in the largest burr at the programmed speed, and the noise and step of its measurement, rad/s.
 const IDLE: f64 = 1885.0;
 const SLIP: f64 = 150.0;
 const NOISE: f64 = 0.5;
@@ -22,7 +22,7 @@ const ENCODER_NOISE: f64 = 1.0;
 /// Waves of the burr along the path, 1/m.
 const WAVES: [f64; 2] = [23.0, 61.0];
 
-/// Tool that a burr slows down, drawn anew for each casting.
+/// Tool that a burr slows down, drawn again for each casting.
 struct Tool {
     speed: f64,
     phases: [f64; 2],
@@ -38,7 +38,7 @@ impl Tool {
     }
 }
 
-/// Deburrs castings with noisy readings for so long, with computed patterns, and tells how many.
+/// Deburrs castings with noisy measurements for a time, with computed patterns; returns their number.
 fn castings_without_a_fault(hours: f64) -> u32 {
     let mut random = Pcg64Mcg::seed_from_u64(71_002);
     let mut p = Parameters::START;

@@ -1,4 +1,4 @@
-//! Norm-optimal learning: few repetitions, also on machines that are not nominal.
+//! Norm-optimal learning: few repetitions, also on off-nominal machines.
 
 use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
@@ -6,7 +6,7 @@ use fmu_deburr::learning::speeds::Speeds;
 use crate::robot::Build;
 use crate::setup::{Loop, from_zero, parameters};
 
-/// Error at the tip of the repetitions 0, 1, 2, ... at the taught speed, um.
+/// Error at the tip of the repetitions 0, 1, 2, ... at the programmed speed, um.
 fn costs(weight: f64, build: &Build, repetitions: i32) -> Vec<f64> {
     let mut p = parameters(&from_zero(Parameters::START), build.delay as i32);
     (p.learn.law, p.learn.weight, p.learn.repetitions) = (LearningLaw::NormOptimal, weight, repetitions);

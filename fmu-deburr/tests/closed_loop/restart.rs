@@ -10,7 +10,7 @@ fn recovered() -> Loop {
     let mut run = running(Mode::DryRun);
     run.controller.begin_long_step();
     (0..100).for_each(|_| run.step());
-    // what is asked for now is no job
+    // what is asked for now is no task
     run.input.mode = Mode::Learn;
     run.step();
     run.input.reset_fault = true;

@@ -53,7 +53,7 @@ impl Rubbing {
         for _ in 0..SUBSTEPS {
             self.sent += velocity * dt;
             let (free, rubs) = (self.wn * self.wn * (self.sent - axis[0]), self.wn * self.wn * self.held);
-            // sticks within its friction, and turns round through standstill
+            // sticks within its friction, and reverses through standstill
             let side = if axis[1] == 0.0 { free.clamp(-rubs, rubs) } else { rubs * axis[1].signum() };
             let next = axis[1] + (free - side - 2.0 * self.zeta * self.wn * axis[1]) * dt;
             axis[1] = if axis[1] * next < 0.0 { 0.0 } else { next };
@@ -62,7 +62,7 @@ impl Rubbing {
     }
 }
 
-/// The robot: sampled exactly, but for drives with friction.
+/// The robot: sampled exactly, except drives with friction.
 #[derive(Clone)]
 pub struct Robot {
     a: Matrix3<f64>,
@@ -102,7 +102,7 @@ impl Robot {
         }
     }
 
-    /// Encoder readings.
+    /// Encoder measurements.
     pub fn read(&mut self) -> Joints {
         std::array::from_fn(|i| {
             let noise: f64 = if self.noise > 0.0 { StandardNormal.sample(&mut self.random) } else { 0.0 };

@@ -20,7 +20,7 @@ pub struct Loop {
     pub input: Input,
     /// The last outputs.
     pub output: Output,
-    /// Parameters of the law.
+    /// Parameters of the control law.
     pub parameters: Parameters,
 }
 
@@ -69,19 +69,19 @@ impl Loop {
         }
     }
 
-    /// The same loop, with the law from its state bytes.
+    /// The same loop, with the control law from its state bytes.
     pub fn reloaded(&self) -> Self {
         let bytes = postcard::to_allocvec(&self.controller).unwrap();
         Self { controller: postcard::from_bytes(&bytes).unwrap(), ..self.clone() }
     }
 
-    /// Takes the encoder readings in.
+    /// Takes the encoder measurements in.
     pub fn read(&mut self) {
         let positions = self.robot.read();
         self.set_positions(&positions);
     }
 
-    /// Takes other readings in.
+    /// Takes other measurements in.
     pub fn set_positions(&mut self, positions: &Joints) {
         self.input.axis = positions.map(|position| AxisInput { position });
     }
@@ -100,7 +100,7 @@ impl Loop {
         self.robot.advance(&self.output.axis.map(|axis| axis.velocity));
     }
 
-    /// Steps with a mode until its job is done; true if it was.
+    /// Steps with a mode until its task is done; true if it was.
     pub fn finish(&mut self, mode: Mode) -> bool {
         self.input.mode = Mode::Idle;
         self.step();
@@ -118,7 +118,7 @@ impl Loop {
         self.output.state == State::Done
     }
 
-    /// Does a job and tells the largest control error on the path of each axis, mm at the tip.
+    /// Runs a task; returns the largest control error on the path of each axis, mm at the tip.
     pub fn largest_errors(&mut self, mode: Mode, speed: impl Fn(f64) -> f64) -> Joints {
         self.input.mode = Mode::Idle;
         self.step();

@@ -10,7 +10,7 @@ fn state_bytes_continue_bit_for_bit() {
     for law in [LearningLaw::Plain, LearningLaw::LeadFilter, LearningLaw::NormOptimal] {
         let mut p = Parameters::START;
         p.learn.law = law;
-        // on the way to the start, in the first run, in the middle of learning
+        // during the motion to the start, in the first run, in the middle of learning
         for steps in [100, 400, 4321] {
             let mut run = Loop::new(&p, &Build::NOMINAL);
             run.input.mode = Mode::Learn;

@@ -1,8 +1,8 @@
-//! What the answer of an axis says of its drive: the sign and the strength of it, and a command that swings.
+//! Response of an axis to its command: sign, strength, and a command that oscillates.
 //!
-//! An offset of the drive moves the axis against what is commanded to make up for it, as a drive of the wrong sign does. Of an answer
-//! that is the command and something else, always the same, nothing is said of sign and strength: it is that if what such a one leaves
-//! of the answer is less than a quarter of what a drive of any strength leaves, both as least squares.
+//! An offset of the drive moves the axis against the command that compensates it, as a drive of the wrong sign does. If the response is the command plus a
+//! constant, sign and strength are not evaluated. This is the case if that model leaves less than a quarter of the residual of a drive
+//! of any strength, both by least squares.
 
 use control_blocks::{Response, Reversals};
 use serde::{Deserialize, Serialize};
@@ -13,16 +13,16 @@ use crate::interface::{Fault, Parameters};
 const MEMORY: f64 = 4.0;
 /// Counts of motion in a sample from which there is an answer to compare.
 pub const EXCITED: f64 = 20.0;
-/// Share of the commanded motion below which a drive is weak.
+/// Ratio of the commanded motion below which a drive is weak.
 const WEAK: f64 = 0.7;
-/// Share below which it goes the other way.
+/// Ratio below which it goes the other way.
 const OPPOSITE: f64 = -0.2;
-/// Share of the command for `error_max` from which a command swings.
+/// Ratio of the command for `error_max` from which a command oscillates.
 const SWING: f64 = 0.1;
 /// Reversals of a loop that is not stable, and the longest time between two, samples.
 const SWINGS: (u32, u32) = (3, 20);
 
-/// Share of what a drive of another strength leaves, below which an answer is that of a drive with an offset.
+/// Ratio of what a drive of another strength leaves, below which an answer is that of a drive with an offset.
 const SHIFTED: f64 = 0.25;
 
 /// Sums of an answer m to commands c with the memory of the response.
@@ -82,7 +82,7 @@ impl Answer {
         self.swings = self.swing.update(velocity, limit, SWINGS.1);
     }
 
-    /// Takes a reading and the motion that was commanded for the sample that it ends, rad or m.
+    /// Takes a measurement and the motion that was commanded for the sample that it ends, rad or m.
     pub fn update(&mut self, position: f64, commanded: f64) {
         let moved = position - self.before;
         self.response.update(commanded, moved, MEMORY);
@@ -90,7 +90,7 @@ impl Answer {
         self.before = position;
     }
 
-    /// Share of the commanded motion that was done; none where too little was commanded.
+    /// Ratio of the commanded motion that was done; none where too little was commanded.
     pub fn share(&self, pulse: f64) -> Option<f64> {
         self.response.share((EXCITED * pulse).powi(2))
     }

@@ -1,14 +1,14 @@
-//! The lag of the bare servo: how far a drive of another gain may be from the model of its loop.
+//! Lag of the servo without patterns: the distance of a drive with another gain from the model of its loop.
 //!
-//! It is held at its peak and fades. A drive of gain g leaves (1/g - 1)/((1 + s/(g Kp)) (1 + s/Kp)) of the lag, later by both time
-//! constants. Where the lag is at most that peak, e^(f Kp t) times what is held, it is at most (1/g - 1)/((1 - f/g)(1 - f)): with
+//! It is held at its peak and decays. A drive of gain g leaves (1/g - 1)/((1 + s/(g Kp)) (1 + s/Kp)) of the lag, later by both time
+//! constants. If the lag is at most that peak, e^(f Kp t) times the held value, it is at most (1/g - 1)/((1 - f/g)(1 - f)): with
 //! f = 0.06 half of it at g = 0.7.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// It fades with so many times Kp, in motion and in the rest after it.
+/// Rate of its decay in Kp, in motion and in the rest after it.
 const FADING: [f64; 2] = [0.06, 0.5];
 
 /// What is left of V/Kp.
@@ -31,7 +31,7 @@ impl Lag {
     pub fn command(&mut self, p: &Parameters, axis: usize, reference: f64) {
         let moved = (reference - self.reference).abs();
         self.reference = reference;
-        // turns of the loop in a sample
+        // gain of the loop times the sample period
         let turns = p.servo_gain[axis] * p.model.axis[axis].gain * p.sample_period;
         let lag = moved / turns;
         let [slow, fast] = FADING.map(|fading| (-fading * turns).exp());

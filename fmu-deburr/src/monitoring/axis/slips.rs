@@ -1,9 +1,9 @@
-//! Counts that an encoder loses: steps of the reading that no command explains, each too small for a jump.
+//! Counts that an encoder loses: steps of the position that no command explains, each too small for a jump.
 //!
-//! The reading less all commanded motion drifts with an offset or the gain of the drive, and bends where it accelerates. Least squares
-//! over four samples before a place and four after it, with one slope for both, leaves the step between them: of a bend in its middle
-//! nothing, of noise s 1.45 s. It counts from eight counts and ten deviations of what the fit leaves on, at its peak. What steps to
-//! and fro is noise or samples that were held; what adds up in one direction has lost its place.
+//! The position minus all commanded motion drifts with an offset or the gain of the drive, and bends where it accelerates. Least squares
+//! over four samples before a sample and four after it, with one slope for both, leaves the step between them. A bend in its middle contributes
+//! nothing, noise s 1.45 s. A step is used from eight counts and ten standard deviations of the residual on, at its peak. Alternating steps are
+//! noise or samples that were held; steps that add up in one direction are lost counts.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,17 +18,17 @@ const FROM_MIDDLE: [f64; SIDE] = [-1.5, -0.5, 0.5, 1.5];
 const SQUARES: f64 = 10.0;
 /// Samples less the unknowns: two means and a slope.
 const FREE: f64 = 5.0;
-/// Least step that counts, in counts and in deviations (our choice: nominal drives leave 4 counts, drives of 0.4 of their bandwidth 7).
+/// Smallest step that is used, in counts and in standard deviations (default; nominal drives leave 4 counts, drives of 0.4 of their bandwidth 7).
 const LEAST: (f64, f64) = (8.0, 10.0);
 /// Deviation of what the fit leaves, in counts, from which it is noise that steps.
 const NOISY: f64 = 2.0;
 /// Steps to one side more than to the other that are no accident.
 const STEPS: i32 = 3;
 
-/// The steps of one reading since a run began.
+/// The steps of one measurement since a run began.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slips {
-    /// reading less all commanded motion, rad or m, the newest last, and how many there are
+    /// measurement less all commanded motion, rad or m, the newest last, and how many there are
     left: [f64; 2 * SIDE],
     count: usize,
     commanded: f64,
@@ -46,7 +46,7 @@ impl Slips {
         *self = Self::default();
     }
 
-    /// Takes a reading of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends, rad or m; what is wrong.
+    /// Takes a measurement of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends, rad or m; what is wrong.
     pub fn update(&mut self, p: &Parameters, axis: usize, position: f64, commanded: f64) -> Finding {
         self.commanded += commanded;
         self.left.rotate_left(1);
@@ -63,7 +63,7 @@ impl Slips {
         Finding { fault: Fault::PositionJump, numbers }
     }
 
-    /// Whether there is a step in the middle; it counts when no larger one has followed on the same samples.
+    /// Whether there is a step in the middle; it is used if no larger one followed on the same samples.
     fn find(&mut self, pulse: f64) {
         let (step, deviation) = self.step();
         if deviation < NOISY * pulse && step.abs() > (LEAST.0 * pulse).max(LEAST.1 * deviation).max(self.peak.abs()) {
@@ -81,7 +81,7 @@ impl Slips {
     /// The step between both sides and the deviation of what the fit leaves, rad or m.
     fn step(&self) -> (f64, f64) {
         let (mut mean, mut slope, mut square) = ([0.0; 2], 0.0, 0.0);
-        // from the oldest: the place itself is as far as all commands have led
+        // from the oldest: the position itself is as far as all commands have led
         let left = self.left.map(|left| left - self.left[0]);
         for (side, mean) in left.chunks_exact(SIDE).zip(&mut mean) {
             *mean = side.iter().sum::<f64>() / SIDE as f64;
@@ -99,7 +99,7 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// What is said of axis 3 that moves by ten counts in a sample, its reading `beside` by so many counts, and in which sample.
+    /// Finding for axis 3 that moves by ten counts in a sample, with `beside` as the error of its position in counts, and its sample.
     fn said(beside: impl Fn(u32) -> f64) -> Option<(u32, Finding)> {
         let (mut slips, pulse) = (Slips::default(), P.axis[2].pulse);
         (0..1000).find_map(|k| {
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(said(|k| noise(k) + 150.0 * f64::from((k / 100).min(2))), None);
         assert!(said(|k| noise(k) + 150.0 * f64::from((k / 100).min(3))).is_some());
         assert_eq!(said(|k| noise(k) + 45.0 * f64::from((k / 100).min(4))), None);
-        // to and fro
+        // back and forth
         assert_eq!(said(|k| noise(k) + 300.0 * f64::from(k / 50 % 2)), None);
     }
 
@@ -141,7 +141,7 @@ mod tests {
         let speed = |k: u32| 3.0 * f64::from((k % 60).min(60 - k % 60));
         assert_eq!(said(|k| noise(k) + (0..k).map(speed).sum::<f64>()), None);
         assert_eq!(said(|k| 40.0 * noise(k)), None);
-        // steps of a reading that is as noisy
+        // steps of a measurement that is as noisy
         assert_eq!(said(|k| 20.0 * noise(k) + 300.0 * f64::from(k / 20)), None);
         // held for a sample of three
         assert_eq!(said(|k| if k % 3 == 0 { -10.0 } else { 0.0 }), None);

@@ -25,7 +25,7 @@ impl Bench {
         let pulse = self.p.axis[2].pulse;
         let commanded = self.sent.before(1) * self.p.sample_period;
         let (moved, seen) = bends(commanded / pulse, self.position);
-        // the drive follows its command at once
+        // the drive follows its command immediately
         self.position += moved;
         let read = seen + moved;
         let error = self.reference - read;
@@ -165,7 +165,7 @@ fn only_what_should_be_compensated_has_the_narrow_limit() {
     assert_eq!((finding.fault, finding.numbers.limit), (Fault::PatternMismatch, 5e-4));
 }
 
-/// Samples in a row with a motion until something is said, and what; counted from 1.
+/// Samples consecutive with a motion until something is said, and what; counted from 1.
 fn said(expected: Expectation, motion: Motion) -> Option<(usize, Verdict)> {
     let p = Parameters::START;
     let mut monitor = AxisMonitor::new(&p, 2);
@@ -238,7 +238,7 @@ fn a_compensation_moves_the_model_as_the_reference_does() {
 }
 
 /// The first thing that is said in half a minute in which an offset (counts in a sample) comes in the sample `begin`, after a motion
-/// of 0.1 m/s for so many samples.
+/// of 0.1 m/s for this number of samples.
 fn said_of_an_offset(offset: f64, begin: usize, motion: usize) -> Option<Fault> {
     let mut bench = Bench::new();
     let said = (0..3000).map(|k| {
@@ -257,7 +257,7 @@ fn an_offset_that_comes_in_motion_is_a_following_error_and_no_frozen_reading() {
     for offset in [2.0, -2.0, 10.0, -20.0, 20.0] {
         assert_eq!(said_of_an_offset(offset, 150, 200), Some(Fault::FollowingError), "{offset}");
     }
-    // 0.1 mm/s are hidden by the band of the reading
+    // 0.1 mm/s are hidden by the band of the measurement
     assert_eq!(said_of_an_offset(0.2, 150, 200), None);
 }
 
@@ -284,7 +284,7 @@ fn a_drive_with_a_large_offset_has_neither_the_wrong_sign_nor_too_little_strengt
 fn a_weak_drive_that_still_creeps_when_its_model_begins_anew_has_no_offset() {
     let mut bench = Bench::new();
     let pulse = bench.p.axis[2].pulse;
-    // 8 counts before its place, with commands on their way
+    // 8 counts before its position, with commands on their way
     bench.monitor.restart(10.0 * pulse, pulse);
     bench.position = 8.0;
     (0..2).for_each(|_| bench.sent.send(-13.0 * 9.0 * pulse));
@@ -310,7 +310,7 @@ fn an_axis_rests_while_its_patterns_go_to_and_fro_by_a_count_and_not_before_it_h
     let stands = rests(200, 0.0, |_| 0.0);
     assert_eq!(stands.iter().position(|rests| *rests), Some(30));
     assert!(rests(200, 0.0, |k| f64::from(k / 8 % 3) - 1.0).iter().all(|rests| *rests));
-    // a hundred counts away it goes on for some more
+    // a hundred counts away it continues for some more
     let comes = rests(200, 100.0, |_| 0.0);
     let came = comes.iter().position(|rests| *rests).unwrap();
     assert!((50..75).contains(&came) && comes[came..].iter().all(|rests| *rests), "{came}");

@@ -1,52 +1,52 @@
-//! Motion that was commanded and that the reading of an axis does not answer.
+//! Commanded motion without a response of the position.
 //!
-//! A drive has an offset: at rest it stands where the command cancels that, so what is commanded there is not unanswered. What was
-//! commanded when the reading last moved while the model stood tells the offset, within what the band of the reading hides. One that
-//! comes in motion, or at once where the axis stands, has come to rest before the model has: what the reading moved less than was
-//! commanded, in its last way of a band, tells it then. What it leaves unanswered is a fault, but not one of the reading, which had moved
-//! as commanded if it froze. A reading that drifts looks as an offset does; the rest after a run tells either where it is large.
+//! A drive has an offset. At rest the axis is where the command cancels it, and what is commanded there is not without response. The
+//! command at the last change of the position while the model was at rest is the offset, within the band of the position. An offset that comes in motion, or
+//! immediately with an axis at rest, comes to rest before the model. It is then the difference between commanded and measured motion, in the
+//! last travel of one band. The rest without response is a fault, but not one of the position, which would have moved as commanded before it froze. A position
+//! that drifts looks like an offset; the rest after a run detects both if they are large.
 
 use control_blocks::Frozen;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Counts within which a reading stands.
+/// Counts within which a position is frozen.
 const BAND: f64 = 1.5;
-/// Counts in a sample below which the model stands, and for how many times 1/Kp until the axis does, too.
+/// Counts in a sample below which the model is at rest, and the time in 1/Kp until the axis is at rest, too.
 const STANDS: (f64, f64) = (0.1, 4.0);
-/// Counts from its place that a reading may be held to have come to rest: the band, half of it in its last step, and rounding.
+/// Counts from its position that a measurement may be held to have come to rest: the band, half of it in its last step, and rounding.
 const HIDDEN: f64 = 3.0;
 
-/// Share of what is commanded that an offset must leave, at most, to explain it.
+/// Ratio of what is commanded that an offset must leave, at most, to explain it.
 const EXPLAINED: f64 = 0.5;
 
-/// Counts by which a way of the reading is rounded, at its begin and at its end.
+/// Counts by which a way of the measurement is rounded, at its begin and at its end.
 const ROUNDED: f64 = 2.0;
 /// What is commanded that no offset explains, in Kp `error_max`: half of it leaves the axis where no axis may be.
 const LARGEST: f64 = 2.0;
 
-/// A reading against what was commanded.
+/// A measurement against what was commanded.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Unanswered {
     frozen: Frozen,
     /// motion in a sample that the command makes up for at rest, rad or m
     offset: f64,
-    /// what of the commanded motion was missing in the last way of the reading, in a sample, how unsure that is, and whether it
+    /// what of the commanded motion was missing in the last way of the measurement, in a sample, how unsure that is, and whether it
     /// explains what is commanded now
     missing: f64,
     unsure: f64,
     explained: bool,
-    /// where the reading last moved to, what was commanded since, rad or m, and in how many samples
+    /// where the measurement last moved to, what was commanded since, rad or m, and in how many samples
     place: f64,
     commanded: f64,
     samples: u32,
-    /// time for which the model has stood, s; none before the first command
+    /// time for which the model has been at rest, s; none before the first command
     rest: Option<f64>,
 }
 
 impl Unanswered {
-    /// From a position (rad or m) on; the first command tells whether the axis rests there.
+    /// From a position (rad or m) on; the first command shows whether the axis is at rest there.
     pub fn resting(position: f64) -> Self {
         Self {
             frozen: Frozen::default(),
@@ -61,13 +61,13 @@ impl Unanswered {
         }
     }
 
-    /// The model of the loop has moved by so many counts in a sample, or will.
+    /// Motion of the loop model in a sample, counts, past or future.
     pub fn expect(&mut self, p: &Parameters, counts: f64) {
         let stands = counts.abs() < STANDS.0;
         self.rest = Some(if stands { self.rest.map_or(f64::INFINITY, |rest| rest + p.sample_period) } else { 0.0 });
     }
 
-    /// Takes a reading of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends, rad or m.
+    /// Takes a measurement of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends, rad or m.
     pub fn update(&mut self, p: &Parameters, axis: usize, position: f64, commanded: f64) {
         let (kp, pulse) = (p.servo_gain[axis], p.axis[axis].pulse);
         let turns = kp * p.sample_period;
@@ -88,17 +88,17 @@ impl Unanswered {
         self.explained = told && commanded.abs() < large;
     }
 
-    /// Whether the model has stood until the axis does, too; `kp` in 1/s.
+    /// Whether the model has been at rest until the axis is, too; `kp` in 1/s.
     fn rests(&self, kp: f64) -> bool {
         self.rest.is_some_and(|rest| kp * rest > STANDS.1)
     }
 
-    /// Whether the reading has stood for longer than is bridged.
+    /// Whether the position has been constant for longer than is bridged.
     pub fn stands(&self, p: &Parameters) -> bool {
         self.frozen.still() > p.limits.lost_samples.unsigned_abs()
     }
 
-    /// Whether an offset of the drive explains it, and no reading that has frozen.
+    /// Whether an offset of the drive explains it, and no measurement that has frozen.
     pub fn explained(&self) -> bool {
         self.explained
     }
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn no_offset_explains_a_command_of_which_half_would_leave_the_axis_where_none_may_be() {
         let p = Parameters::START;
-        // twice Kp T of a millimetre
+        // twice Kp T of a millimeter
         for (commanded, explained) in [(2.5e-4, true), (2.7e-4, false), (-2.5e-4, true), (-2.7e-4, false)] {
             let mut axis = Unanswered::resting(0.0);
             // a tenth of it is answered, then nothing

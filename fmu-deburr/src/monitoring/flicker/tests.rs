@@ -7,12 +7,12 @@ const P: Parameters = Parameters::START;
 /// Samples of `expert.transfer.settle_time` that are left where an axis has come to rest, 4/Kp after its model.
 const RESTED: u32 = 49;
 
-/// A reading of an axis whose model stands.
+/// A position of an axis whose model is at rest.
 fn stands_at(position: f64) -> Places {
     Places { position, model: 0.7 }
 }
 
-/// Readings of axis 3 at a place between two counts with a noise, both in counts, in steps of `step` counts.
+/// Measurements of axis 3 at a position between two steps with a noise, both in counts, in steps of `step` counts.
 fn readings(place: f64, noise: f64, step: f64, seed: u64) -> impl FnMut() -> f64 {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
     move || {
@@ -28,7 +28,7 @@ fn lived(samples: u32, mut reading: impl FnMut() -> f64) -> Flicker {
     flicker
 }
 
-/// Samples after which a reading that stands is a fault.
+/// Samples after which a constant position is a fault.
 fn told(flicker: &Flicker) -> Option<(u32, Finding)> {
     let (mut flicker, position) = (*flicker, flicker.before.unwrap_or(0.7));
     (1..4000).map(|k| (k, flicker.update(&P, 2, stands_at(position), true, false))).find(|(_, found)| found.is_fault())
@@ -44,7 +44,7 @@ fn one_that_flickered_and_stands_is_told_with_its_axis_and_times() {
         // half a count stands for 55 samples with 1e-9, if one were sure of it
         assert!((55..110).contains(&after), "{after}");
     }
-    // a coarser one is told by its own steps, a wide one after half a second
+    // a coarser one is reported by its own steps, a wide one after half a second
     assert!(told(&lived(230, readings(3.0, 5.0, 10.0, 1))).is_some_and(|(after, _)| after < 110));
     let wide = told(&lived(230, readings(0.0, 3.0, 1.0, 1))).unwrap().1;
     assert!((wide.numbers.value - 0.51).abs() < 1e-9 && wide.numbers.limit == 0.5);
@@ -106,7 +106,7 @@ fn the_way_during_a_hold_is_no_noise() {
             (lived(300, readings(0.0, 0.25, 1.0, seed)), readings(2e3, 0.25, 1.0, seed + 50));
         flicker.pause();
         assert!((0..20_000).all(|_| !flicker.update(&P, 2, stands_at(reading()), true, true).is_fault()), "{seed}");
-        // and what has frozen afterwards is told
+        // and what has frozen afterwards is reported
         let (mut flicker, mut reading) =
             (lived(300, readings(0.0, 0.5, 1.0, seed)), readings(2e3, 0.5, 1.0, seed + 50));
         flicker.pause();
@@ -134,7 +134,7 @@ fn what_has_shaken_an_axis_before_it_came_to_rest_is_no_noise() {
             assert!(!found.is_fault() && !flicker.after_run(&P, 2).is_fault(), "{shaken} {noise} {found:?}");
         }
     }
-    // noise that goes on is soon known again: a reading that stands for the rest of a run is told
+    // noise that continues is soon known again: a measurement that stands for the rest of a run is reported
     let known = (0..20).filter(|seed| {
         let (mut flicker, mut reading) =
             (lived(230, readings(0.0, 0.5, 1.0, *seed)), readings(0.0, 0.5, 1.0, seed + 50));
@@ -162,7 +162,7 @@ fn pushes_and_a_slow_swing_of_an_axis_are_no_noise() {
 
 #[test]
 fn what_patterns_move_by_a_count_is_no_turn() {
-    // at the edge of a step a tiny noise flickers, and the patterns of the axis go to and fro
+    // at the edge of a step a tiny noise flickers, and the patterns of the axis go back and forth
     let flicker = |count: f64| {
         let mut flicker = Flicker::default();
         for k in 0..200u32 {
@@ -173,7 +173,7 @@ fn what_patterns_move_by_a_count_is_no_turn() {
         flicker
     };
     assert_eq!((flicker(1.0).turns, told(&flicker(1.0))), (0, None));
-    // and noise beside them is still known
+    // and the noise in addition is still known
     let (mut live, mut reading) = (Flicker::default(), readings(0.0, 0.5, 1.0, 3));
     for k in 0..200u32 {
         let moved = f64::from(k / 8 % 2) * P.axis[2].pulse;
@@ -245,7 +245,7 @@ fn what_is_read_in_motion_or_while_the_tool_cuts_is_no_measure() {
         }
         assert_eq!(told(&flicker), None, "{rests} {undisturbed}");
     }
-    // what is held begins the stand anew, and a motion does not
+    // what is held begins the stand again, and a motion does not
     for (held, expected) in [(true, false), (false, true)] {
         let mut flicker = lived(1000, readings(0.0, 0.5, 1.0, 3));
         let found = (0..400).any(|k| {

@@ -1,4 +1,4 @@
-//! How a commission begins, what it keeps to while it moves, and how it is broken off.
+//! How a commissioning run begins, what it keeps to while it moves, and how it is aborted.
 
 use fmu_deburr::interface::{BankStatus, Fault, Mode, Parameters, State};
 
@@ -70,7 +70,7 @@ fn it_never_begins_by_itself() {
         run.step();
         assert!(matches!(run.output.state, State::Off | State::Idle));
     }
-    // nor is one before `enable`, or in a job
+    // nor is one before `enable`, or in a task
     (run.input.enable, run.input.commission) = (false, false);
     (0..5).for_each(|_| run.step());
     run.input.commission = true;

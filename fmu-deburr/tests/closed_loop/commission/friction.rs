@@ -1,4 +1,4 @@
-//! Friction of the drives: found by a commission, and made up for where an axis turns round.
+//! Friction of the drives: found by a commissioning run, and made up for where an axis reverses.
 
 use fmu_deburr::interface::{Fault, Mode, State};
 
@@ -6,7 +6,7 @@ use super::{applied, commission, resting, unknown};
 use crate::robot::{Build, LEVERS};
 use crate::setup::Loop;
 
-/// Way at the tip by which the drives are held back, m; the corner of the test piece turns axis 3 round.
+/// Way at the tip by which the drives are held back, m; the corner of the test piece reverses axis 3.
 const HELD: f64 = 1.8e-5;
 
 #[test]

@@ -26,7 +26,7 @@ fn a_pattern_beyond_its_limit_ends_the_learning_and_the_others_stay() {
     assert_eq!(run.output.bank.patterns, 0);
 }
 
-/// A robot with a bank that learns anew, on its way in the second repetition of the second speed.
+/// A robot with a bank that learns again, during its motion in the second repetition of the second speed.
 fn learning_anew() -> (Loop, fmu_deburr::bank::pattern_bank::PatternBank) {
     let mut run = taught();
     let before = run.controller.bank().clone();

@@ -1,4 +1,4 @@
-//! Readings that creep in small steps: lost counts in a run, and nothing while the robot waits for its next job.
+//! Measurements that creep in small steps: lost counts in a run, and nothing while the robot waits for its next task.
 
 use fmu_deburr::interface::{Fault, Mode, Parameters, State};
 
@@ -8,7 +8,7 @@ use crate::setup::{Loop, running, stands_with};
 /// Counts of axis 3 in a step, 0.15 mm: seven of them are more than `error_max`.
 const STEP: f64 = 30.0;
 
-/// One sample, the reading of axis 3 beside by so many counts.
+/// One sample, with an error of the position of axis 3 in counts.
 fn beside(run: &mut Loop, counts: f64) {
     let mut positions = run.robot.read();
     positions[2] += counts * run.parameters.axis[2].pulse;

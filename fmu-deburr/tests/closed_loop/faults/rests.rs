@@ -1,11 +1,11 @@
-//! Readings that freeze in a rest: told by the noise that they had in the rests before, and what has shaken them there is none.
+//! Positions that freeze in a rest: detected by their noise in earlier rests; external vibration is not such noise.
 
 use fmu_deburr::interface::{Fault, Mode, Parameters, State};
 
 use crate::robot::Build;
 use crate::setup::{Loop, stands_with};
 
-/// A robot whose encoders have a noise of half a count, after a job and two seconds of rest.
+/// A robot whose encoders have a noise of half a count, after a task and two seconds of rest.
 fn worked() -> Loop {
     let mut p = Parameters::START;
     p.lookup.enable = false;
@@ -15,7 +15,7 @@ fn worked() -> Loop {
     run
 }
 
-/// Goes on to `wait` samples in the rest before the next job.
+/// Continues to `wait` samples in the rest before the next task.
 fn settling(run: &mut Loop, wait: u32) {
     for mode in [Mode::Idle, Mode::DryRun] {
         run.input.mode = mode;
@@ -27,7 +27,7 @@ fn settling(run: &mut Loop, wait: u32) {
     (0..wait).for_each(|_| run.step());
 }
 
-/// Samples until a fault, the reading of the axis `axis` (from 0) frozen; none of 400.
+/// Samples until a fault, the measurement of the axis `axis` (from 0) frozen; none of 400.
 fn frozen(run: &mut Loop, axis: usize) -> Option<u32> {
     let stuck = run.robot.read()[axis];
     (0..400).find(|_| {
@@ -73,7 +73,7 @@ fn one_that_freezes_between_two_jobs_is_told_and_a_live_one_may_stand_there_for_
 
 #[test]
 fn what_a_tool_or_a_motion_has_shaken_may_stand() {
-    // it runs down between two jobs, and the next one is in air
+    // it runs down between two tasks, and the next one is in air
     let mut run = worked();
     (run.input.spindle_speed, run.robot.noise) = (0.0, 0.0);
     (0..1000).for_each(|_| run.step());

@@ -95,7 +95,7 @@ fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
         told = told.or((run.output.fault != Fault::None).then_some(distance));
     }
     stands_with(&run, Fault::NoCut);
-    // a few samples of 1 mm until the tool is believed to be idle
+    // a few samples of 1 mm until the tool is accepted to be idle
     let (way, idle) = (run.output.numbers.ratio.unwrap(), told.unwrap() - cut);
     assert!((0.1..0.102).contains(&way) && (0.1..0.107).contains(&idle), "{way} {idle}");
 }

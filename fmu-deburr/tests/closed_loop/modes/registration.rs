@@ -15,7 +15,7 @@ struct Part {
     angle: f64,
 }
 
-/// A loop whose probe feels the walls of a part.
+/// A loop whose probe detects the walls of a part.
 #[derive(Clone)]
 struct Touching {
     run: Loop,
@@ -24,7 +24,7 @@ struct Touching {
     chip: (usize, f64),
     /// farthest way into the part, m
     deep: f64,
-    /// contact in the way of what is felt
+    /// contact in the way of what is detected
     stuck: Option<bool>,
 }
 
@@ -44,7 +44,7 @@ impl Touching {
         touches.iter().map(|touch| touch.pose.tip).sum::<Vector>() / touches.len() as f64
     }
 
-    /// A place of the part, where it was taught.
+    /// A point of the part, at its programmed position.
     fn back(&self, tip: &Vector) -> Vector {
         let (Part { x, y, angle }, middle) = (self.part, self.middle());
         let (sin, cos) = angle.sin_cos();
@@ -75,7 +75,7 @@ impl Touching {
         self.run.step();
     }
 
-    /// Steps into the state `Register`, and so many samples on.
+    /// Steps into the state `Register`, and this number of samples on.
     fn begin(&mut self, samples: usize) {
         self.run.input.register = false;
         self.step();
@@ -132,7 +132,7 @@ fn parts_are_found_where_they_lie_within_their_deviations() {
         assert!(found.valid && found.touches == 6 && time < 60.0, "{found:?} {time}");
         assert!((found.x - part.x).abs() < 1e-5 && (found.y - part.y).abs() < 1e-5, "{part:?}: {found:?}");
         assert!((found.angle - part.angle).abs() < 2e-4, "{part:?}: {found:?}");
-        // what a bare servo goes on after 4 samples at 5 mm/s, its lag and its stop
+        // what a bare servo continues after 4 samples at 5 mm/s, its lag and its stop
         assert!(touching.deep < 8e-4, "{}", touching.deep);
         off.push((found.x - part.x) / found.x_std);
         off.push((found.y - part.y) / found.y_std);
@@ -165,7 +165,7 @@ fn learned_patterns_follow_the_part() {
     for axis in [0, 2] {
         assert!(after[axis] < before[axis] + 0.01, "{before:?} {after:?}");
     }
-    // what is written belongs to the path as it was taught
+    // what is written belongs to the path as programmed
     let back = touching.run.controller.bank_as_taught(&touching.run.parameters);
     let values = |bank: &fmu_deburr::bank::pattern_bank::PatternBank| -> Vec<f64> {
         bank.patterns().iter().flat_map(|pattern| &pattern.samples).flat_map(|sample| sample.compensation).collect()
@@ -229,7 +229,7 @@ fn a_few_bad_samples_of_the_contact_decide_nothing() {
     let mut touching = Touching::new(|_| (), &Build::NOMINAL, part);
     touching.begin(0);
     for k in 0.. {
-        // three in a row, on the way and in an approach; never where the wall is felt
+        // three consecutive, during the motion and in an approach; never where the wall is detected
         touching.stuck = (k % 100 > 96 && touching.inside() < 0.0).then_some(true);
         touching.step();
         if touching.run.output.state != State::Register {
@@ -254,7 +254,7 @@ fn it_is_broken_off_into_rest_and_the_path_as_it_was_taught() {
     begun.register();
     assert!(begun.run.output.registration.valid);
     begun.begin(0);
-    // on the way, towards the part, against it, and on the way to another touch
+    // during the motion, towards the part, against it, and during the motion to another touch
     for samples in [0, 60, 150, 140, 700] {
         (0..samples).for_each(|_| begun.step());
         for (cause, end) in causes {
@@ -355,7 +355,7 @@ fn it_does_not_take_longer_than_it_may() {
 
 #[test]
 fn a_part_that_cannot_be_followed_where_it_lies_is_misplaced() {
-    // axis 3 ends where the path is farthest out, and half a millimetre beyond
+    // axis 3 ends where the path is farthest out, and half a millimeter beyond
     let mut touching = Touching::new(|p| p.axis[2].maximum = 0.7455, &NOISY, Part { x: 2e-3, ..Part::default() });
     touching.register();
     assert_eq!((touching.ended(), touching.run.output.numbers.axis), ((State::Fault, Fault::Misplaced), 3));
