@@ -109,7 +109,7 @@ mod tests {
         let p = Parameters::START;
         let mut load = LoadControl::new(0.004);
         load.step(&p, NOMINAL, 0.08, 0.1);
-        // two samples of acceleration below what is realised
+        // two samples of acceleration below the actual feed
         assert!(load.step(&p, 1.001 * NOMINAL, 0.08, 0.1) > 0.07);
     }
 

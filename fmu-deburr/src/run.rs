@@ -252,7 +252,7 @@ mod tests {
             let pattern = numbered(&p, &path);
             let mut run = Run::new(&p, &path, &[0.0; AXES]);
             let rest = preview.ceil() as usize;
-            // the way that is looked up has begun
+            // the path that is looked up has started
             for k in 0..3 * pattern.len() {
                 run.step(&p, &path, path.speed);
                 let Some(index) = k.checked_sub(rest) else { continue };

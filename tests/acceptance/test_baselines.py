@@ -58,7 +58,7 @@ ROBOTS = {
     "weak": ("plant.drive_gain=0.9",),
     "strong": ("plant.drive_gain=1.1",),
 }
-WIDE = tuple(f"controller.limits.axis{axis}.pattern_error=0.1" for axis in range(1, 7))
+WIDE = tuple(f"controller.expert.limits.axis{axis}.pattern_error=0.1" for axis in range(1, 7))
 """What a wrong pattern leaves is measured and no fault."""
 
 

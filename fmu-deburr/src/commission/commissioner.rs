@@ -163,7 +163,7 @@ impl Commissioner {
 /// Standard deviation (rad/s) that the steps of a measurement leave to mean and noise of a speed, of a tool that was configured to idle at `told`. Noise s carries a mean
 /// across the steps d: of the deviation d/12^(1/2) of a speed that is still it leaves exp(-2 pi^2 s^2/d^2) (Widrow, Kollar 2008).
 fn unseen_step(speed: f64, told: f64, noise: f64) -> f64 {
-    // a tool that stands is at no step
+    // a stopped tool is at no step
     if speed == 0.0 {
         return 0.0;
     }

@@ -198,7 +198,7 @@ mod tests {
         // an upside down one from below
         there[4] = 3.1;
         assert_eq!(ways(&p, &there)[1], -1.0);
-        // no farther than there is room
+        // no farther than the travel allows
         p.axis[1].maximum = 0.91;
         near(Plan::new(&p, 0.1, &[0.2, 0.9, 1.9, 0.0, 0.0, 0.0]).way[1], 0.01);
         p.axis[1].maximum = 0.8;

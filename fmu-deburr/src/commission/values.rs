@@ -100,12 +100,12 @@ impl Values {
             gain: measured.axis.each_ref().map(|axis| axis.gain),
             // 0 would be the nominal one
             lag: measured.axis.each_ref().map(|axis| axis.lag.max(LAG_MIN)),
-            // one that is not sure follows from the lag
+            // an uncertain one follows from the lag
             frequency: measured
                 .axis
                 .each_ref()
                 .map(|axis| if_sure(axis.natural_frequency, axis.natural_frequency_std, FREQUENCY_SURE)),
-            // one that is not sure may be none
+            // an uncertain one may be 0
             friction: measured.axis.each_ref().map(|axis| if_sure(axis.friction, axis.friction_std, FRICTION_SURE)),
             idle_speed: measured.idle_speed,
             scale: self.scale * measured.idle_speed / self.idle_speed,

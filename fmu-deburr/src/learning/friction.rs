@@ -22,7 +22,7 @@ pub fn for_each_turn(rates: &Rates, axis: usize, mut turn: impl FnMut(f64, f64))
     let rate = |k: isize| rates.at(k)[axis];
     // direction, place, and the last samples at the lowest and at the highest place since it turned round
     let (mut side, mut place, mut low, mut high) = (0.0, 0.0, (0.0, 0), (0.0, 0));
-    // once past its lowest and highest place a walk has forgotten how it began: a lap is walked once for that
+    // past its lowest and highest position a walk no longer depends on its start: a lap is walked once for that
     let count = rates.count() as isize;
     let told = if rates.cyclic() { count } else { 0 };
     for k in 0..told + count {

@@ -250,7 +250,7 @@ mod tests {
             sizes.iter().map(|size| repeat(&mut learner, &p, &mut pattern, |_| *size)).collect::<Vec<_>>()
         };
         let (again, over) = (Next::Repeat, Next::NextSpeed);
-        // counts of a micrometre
+        // counts of a micrometer
         assert_eq!(ends(0.0, 0.0, &[9.0, 9.0, 10.0, 9.0]), [again; 4]);
         assert_eq!(ends(8.001e-6, 0.0, &[9.0, 8.0]), [again, over]);
         assert_eq!(ends(8.001e-6, 0.0, &[8.0]), [over]);

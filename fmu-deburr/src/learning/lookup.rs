@@ -126,7 +126,7 @@ mod tests {
         let with = |upper: f64, lower: f64, speed: f64| between(([8.0; AXES], upper), ([2.0; AXES], lower), speed)[0];
         assert_eq!(with(0.1, 0.0996, 0.0997), 8.0);
         assert!((with(0.1, 0.0994, 0.0997) - 5.0).abs() < 1e-9);
-        // a pattern that stands is not enlarged
+        // a pattern at rest is not enlarged
         let lookup = |speed: f64| {
             let point = Point { distance: LENGTH, speed };
             let mut pattern = patterns().swap_remove(0);

@@ -189,7 +189,7 @@ impl AxisMonitor {
         let explained = self.unanswered.explained();
         let cause = match self.unanswered.motion() > EXCITED * pulse {
             _ if !self.unanswered.stands(p) => self.answer.cause(pulse),
-            // it stands where the command makes up for an offset
+            // it rests where the command compensates an offset
             _ if explained => None,
             true => Some(Fault::PositionFrozen),
             false => self.answer.cause(pulse),

@@ -296,7 +296,7 @@ mod tests {
     fn an_axis_alone_is_told_where_its_delay_leaves_less_than_a_quarter_of_it() {
         let found = |explained: f64| {
             let mut monitor = DelayMonitor::new(&Parameters::START);
-            // all together are where they were told, by what another one does
+            // all together have the configured delay, compensated by another axis
             (monitor.axis[1].answer, monitor.axis[1].product[1], monitor.axis[1].square[1]) = (100.0, 100.0, 100.0);
             let axis = &mut monitor.axis[4];
             (axis.answer, axis.square[1], axis.product[3], axis.square[3]) = (1.0, 1.0, explained, explained);

@@ -60,7 +60,7 @@ impl StandingTool {
     /// Takes the tool speed (rad/s) of a sample before the path, where the tool idles.
     pub fn idles(&mut self, speed: f64) {
         let way = self.take(speed);
-        // a tool that starts, and one that stands at the end, are no measure of how long it may
+        // a tool that starts, or is stopped at the end, does not measure the interval
         if self.turns > 0 {
             self.seen = self.seen.saturating_add(1);
             self.longest = self.longest.max(way.unwrap_or_default());
@@ -163,7 +163,7 @@ mod tests {
     fn one_that_never_flickers_or_was_seen_for_too_short_tells_nothing() {
         assert_eq!(told(idled(300, 1000)), None);
         assert_eq!(told(idled(49, 1)), None);
-        // two neighbours
+        // two adjacent steps
         let mut tool = StandingTool::default();
         (0..100).for_each(|k| tool.idles(1884.0 + 0.5 * f64::from(k % 2)));
         assert_eq!(told(tool), None);

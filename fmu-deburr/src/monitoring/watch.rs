@@ -161,7 +161,7 @@ mod tests {
         let mut reference = [0.0; AXES];
         reference[i] = counts;
         watch.command(&p, &reference, &[0.0; AXES], &[0.0; AXES]);
-        // what the run before has left is forgotten
+        // the rest of the previous run is discarded
         watch.rests(&p, &[1.0; AXES]);
         watch.begin_run();
         positions[i] = beside;

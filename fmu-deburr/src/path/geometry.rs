@@ -227,7 +227,7 @@ mod tests {
         let other = |radius: f64| Block::arc_about(&here, Vector::zeros(), &pose(0.0, radius, 0.0));
         assert!(other(1.0 + 0.9e-6).is_ok() && other(1.0 - 0.9e-6).is_ok());
         assert!(other(1.0 + 1.1e-6).is_err() && other(1.0 - 1.1e-6).is_err());
-        // the sine of the angle between both ways
+        // the sine of the angle between both chords
         let via = |height: f64| Block::arc_via(&here, Vector::new(1.5, height, 0.0), &pose(2.0, 0.0, 0.0));
         assert!(via(0.6e-6).is_ok() && via(0.4e-6).is_err());
     }

@@ -113,7 +113,7 @@ mod tests {
             let (point, normal) = touch.level();
             let moved = lies.of(&touch.pose).tip.xy();
             let face = turn(lies.angle, normal);
-            // from the taught line of approach to the displaced face
+            // from the programmed line of approach to the displaced face
             let way = (moved - point).dot(&face) / normal.dot(&face);
             Touched { place: point + normal * (way + off(i)), deviation: 1e-6 * (1 + i % 2) as f64 }
         };

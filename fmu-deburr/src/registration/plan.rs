@@ -105,7 +105,7 @@ mod tests {
         let squares = 1e-10 / 12.0 + (25e-12 + (0.2 * p.axis[4].pulse).powi(2)) / 24.0;
         let sure = deviation(&p, &Vector::new(1.0, 0.0, 0.0), &joints);
         assert!((sure - squares.sqrt()).abs() < 1e-11, "{sure}");
-        // across it: counts of axis 1 at 0.7 m; the wrist stands above its tip
+        // across it: counts of axis 1 at 0.7 m; the wrist is above its tip
         let sure = deviation(&p, &Vector::new(0.0, 1.0, 0.0), &joints);
         assert!((sure - (1e-10 / 12.0 + (0.7 * p.axis[0].pulse).powi(2) / 24.0).sqrt()).abs() < 1e-9, "{sure}");
         p.register.touch_std = 3e-6;

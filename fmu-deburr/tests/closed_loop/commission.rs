@@ -139,7 +139,7 @@ fn learning_goes_on_from_there() {
         (learned.gain - found.gain).abs() < 1e-3 && (learned.lag - found.lag).abs() < 1e-4,
         "{found:?} {learned:?}"
     );
-    // what stands on the path keeps what the commissioning run has found
+    // the results of the commissioning run remain on the path
     assert_eq!(
         (run.output.axis[1].gain, run.output.bank.status),
         (run.output.measured.axis[1].gain, BankStatus::Learned)
@@ -150,14 +150,14 @@ fn learning_goes_on_from_there() {
 #[test]
 fn a_delay_that_the_other_parameters_do_not_fit_is_rejected() {
     let mut p = Parameters::START;
-    // room for the samples that were told and no more
+    // memory for the configured samples and no more
     p.learn.lead_in = p.learn.lead + p.io_delay;
     let mut run = resting(&p, &Build { delay: 2, ..Build::NOMINAL });
     commission(&mut run);
     let m = &run.output.measured;
     assert_eq!(run.output.fault, Fault::CommissionRejected, "{:?}", run.output);
     assert!(!m.valid && m.io_delay.round() == 2.0, "{m:?}");
-    // two are as they were told
+    // two are as configured
     p.io_delay = 2;
     p.learn.lead_in += 1;
     let mut run = resting(&p, &Build { delay: 2, ..Build::NOMINAL });
@@ -205,7 +205,7 @@ fn the_file_of_the_results_is_taken_as_parameters() {
     assert_eq!(found["expert.model.axis3.gain"], run.output.measured.axis[2].gain);
     let share = found["load.spindle_speed"] / run.parameters.load.spindle_speed;
     assert!((share - found["load.idle_speed"] / run.parameters.load.idle_speed).abs() < 1e-12);
-    // told beforehand, and nothing is commissioned
+    // configured before, without a commissioning run
     let mut p = Parameters::START;
     (p.io_delay, p.bank.compute) = (2, true);
     for (i, axis) in p.model.axis.iter_mut().enumerate() {

@@ -116,7 +116,7 @@ fn a_slow_tool_slows_the_feed_and_a_free_one_does_not() {
     run_until(&mut run, |run| run.output.path.distance > 0.08);
     assert!((run.output.path.speed - 0.1).abs() < 1e-12);
     for k in 0..60 {
-        // a measurement that stood would be a frozen one
+        // a constant position would be a frozen one
         run.input.spindle_speed = 0.98 * run.parameters.load.spindle_speed - 0.2 * f64::from(k);
         run.step();
     }
@@ -153,7 +153,7 @@ fn a_bank_that_learning_has_begun_to_change_is_not_told_as_that_of_a_file() {
     run.input.mode = Mode::Idle;
     run_until(&mut run, |run| run.output.state == State::Idle);
     assert_eq!((run.output.bank.status, run.output.learn.done), (BankStatus::Learned, false));
-    // what was written stays told until the bank changes again
+    // the export is reported until the bank changes again
     run.input.mode = Mode::Export;
     run.step();
     assert!(run.controller.take_export());

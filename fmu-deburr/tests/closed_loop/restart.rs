@@ -123,7 +123,7 @@ fn without_enable_a_motion_stops_on_its_way_and_then_everything_is_off() {
     assert_eq!((run.output.state, speed), (State::Off, 0.0));
     assert!(run.output.axis.iter().all(|axis| axis.velocity == 0.0));
     (0..100).for_each(|_| run.step());
-    // enabled again it holds where it stands
+    // when enabled again it holds its position
     (run.input.enable, run.input.mode) = (true, Mode::Idle);
     (0..10).for_each(|_| run.step());
     assert_eq!(run.output.state, State::Idle);

@@ -284,7 +284,7 @@ fn a_drive_with_a_large_offset_has_neither_the_wrong_sign_nor_too_little_strengt
 fn a_weak_drive_that_still_creeps_when_its_model_begins_anew_has_no_offset() {
     let mut bench = Bench::new();
     let pulse = bench.p.axis[2].pulse;
-    // 8 counts before its position, with commands on their way
+    // 8 counts before its position, with commands in the delay
     bench.monitor.restart(10.0 * pulse, pulse);
     bench.position = 8.0;
     (0..2).for_each(|_| bench.sent.send(-13.0 * 9.0 * pulse));

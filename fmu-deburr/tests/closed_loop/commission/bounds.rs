@@ -136,7 +136,7 @@ fn it_does_not_take_longer_than_it_may() {
     let mut p = applied();
     p.commission.time = 28.0;
     let mut run = resting(&p, &Build::NOMINAL);
-    // told otherwise when it had begun
+    // changed after the start
     run.parameters.commission.time = 8.0;
     commission(&mut run);
     assert_eq!((run.output.fault, run.output.numbers.limit), (Fault::NoProgress, 8.0));

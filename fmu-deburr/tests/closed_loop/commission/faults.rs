@@ -27,10 +27,10 @@ fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() 
         assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
         axis
     };
-    // half a millimeter tells too little, and so does much noise
+    // half a millimeter is too little, and so is much noise
     assert_eq!(rejected(|p| p.commission.travel = 5e-4, Build { noise: 3.0, ..Build::NOMINAL }, IDLE), 1);
     assert_eq!(rejected(|p| p.commission.std_max = 5e-5, Build { noise: 2.0, ..Build::NOMINAL }, IDLE), 1);
-    // a tool that is off, and drives that are later than it can bear
+    // a tool that is off, and drives that are later than tolerated
     assert_eq!(rejected(|_| (), Build::NOMINAL, 0.0), -1);
     assert_eq!(rejected(|_| (), Build { delay: 4, ..Build::NOMINAL }, IDLE), 0);
 }

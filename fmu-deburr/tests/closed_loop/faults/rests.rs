@@ -96,7 +96,7 @@ fn what_a_tool_or_a_motion_has_shaken_may_stand() {
             run.output.numbers
         );
     }
-    // an axis that stands is shaken by those that move
+    // an axis at rest is shaken by those that move
     let mut p = Parameters::START;
     p.lookup.enable = false;
     let mut run = Loop::new(&p, &Build::NOMINAL);
