@@ -100,7 +100,7 @@ def test_without_a_response_there_is_no_chart() -> None:
     [
         ({"y": ("a.m",)}, "has 1 `y` and needs 2"),
         ({"x": ""}, "has no `x`"),
-        ({"kind": "array"}, "takes no `closed`"),
+        ({"kind": "array"}, "does not accept `closed`"),
         ({"y": ("a.m", "a.q")}, "names `a.q[1]`"),
     ],
 )

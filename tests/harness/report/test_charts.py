@@ -89,7 +89,7 @@ def test_a_chart_of_picked_rows_loses_no_other(kind: Any) -> None:
     assert reported.startswith(
         "`plot.charts` `Depth` = `plant.y[plant.x > 1]` gives 2999 values for 4000 rows"
     )
-    assert "hint: pick rows with `parts`" in reported
+    assert "hint: Select rows with `parts`" in reported
 
 
 def test_a_spectrum_over_an_angle_shows_waves_per_revolution() -> None:
@@ -191,18 +191,18 @@ def test_a_map_sums_up_in_cells() -> None:
         (Chart("path", ("plant.y",), x="plant.x"), "`plant.y`, which is not a known column"),
         (Chart("array", ("plant.x",), x="plant.x"), "`plant.x[1]`, which is not a column"),
         (Chart("share", ("plant.x",), names=("a", "b")), "2 names for 1 lines"),
-        (Chart("share", ("plant.x",), split="time"), "of the kind `share` takes no `split`"),
-        (Chart("map", ("plant.x",), x="time", names=("a",)), "of the kind `map` takes no `names`"),
-        (Chart("map", ("plant.x",), x="time", log=True), "of the kind `map` takes no `log`"),
-        (Chart("map", ("plant.x", "time"), x="time"), "of the kind `map` has 2 `y` and takes 1"),
-        (Chart("spectrum", ("plant.x",), weight="time"), "of the kind `spectrum` takes no `weight`"),
+        (Chart("share", ("plant.x",), split="time"), "of the kind `share` does not accept `split`"),
+        (Chart("map", ("plant.x",), x="time", names=("a",)), "of the kind `map` does not accept `names`"),
+        (Chart("map", ("plant.x",), x="time", log=True), "of the kind `map` does not accept `log`"),
+        (Chart("map", ("plant.x", "time"), x="time"), "of the kind `map` has 2 `y` and needs 1"),
+        (Chart("spectrum", ("plant.x",), weight="time"), "of the kind `spectrum` does not accept `weight`"),
         (Chart("polar", ("plant.x",)), "of the kind `polar` has no `x`"),
         (Chart("path", ("plant.x",), x="time", error="time"), "has an `error` and no `equal`"),
         (
             Chart("path", ("plant.x",), x="time", error="plant.z", equal=True),
             "`plant.z`, which is not a known column",
         ),
-        (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "of the kind `array` takes no `parts`"),
+        (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "of the kind `array` does not accept `parts`"),
     ],
 )
 def test_what_cannot_be_drawn_is_reported(chart: Chart, message: str) -> None:
@@ -279,7 +279,7 @@ def test_a_path_with_an_error_is_drawn_next_to_where_it_should_be() -> None:
     trace = traced(plant_x=TIME - error / 2**0.5, plant_y=TIME + error / 2**0.5, plant_e=error)
     chart = Chart("path", ("plant.y",), x="plant.x", error="plant.e", names=("tip",), equal=True)
     wanted, drawn = lines(chart, trace).items()
-    assert wanted[0] == "as it should be"
+    assert wanted[0] == "nominal"
     assert wanted[1][1] == pytest.approx(wanted[1][0], abs=1e-9)
     assert drawn[0] == "tip, its error 200000 x larger"
     first, last = (np.array(drawn[1])[:, place] for place in (0, -1))

@@ -110,7 +110,7 @@ def test_a_criterion_names_columns_that_show_its_limit(value: str, signs: list[f
     limits = marks.limits(of, found)
     assert list(limits) == ["controller.y"]
     assert [limit for limit, _ in limits["controller.y"]] == pytest.approx([4e3 * sign for sign in signs])
-    with pytest.raises(CosimError, match=r"`controller\.y`, which is not a known column"):
+    with pytest.raises(CosimError, match=r"`controller\.y`, which is not a column of the trace"):
         drawable.check(of, {"time": None, "plant.x": None})
 
 

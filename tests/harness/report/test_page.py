@@ -117,8 +117,8 @@ def cells(table: Any) -> list[list[str]]:
 
 def test_every_claim_is_in_the_table_as_it_was_measured(page: Any, result: cosim.Result) -> None:
     reported = [["lag", *row(verdict, 3)] for verdict in result.criteria]
-    assert [line[-1] for line in reported] == ["yes", "NO"]
-    known = ("prediction", "our choice")
+    assert [line[-1] for line in reported] == ["passed", "FAILED"]
+    known = ("prediction", "choice")
     wanted = [[*line[:-1], source, line[-1]] for line, source in zip(reported, known, strict=True)]
     assert cells(page.get_element_by_id("table")) == wanted
     sources = [line.get("data-source") for line in page.get_element_by_id("table").iter("tr")][1:]
@@ -214,7 +214,7 @@ def test_a_study_and_a_document_are_on_the_page(page: Any) -> None:
     ("words", "message"),
     [
         (("lag.toml", "-o", "page.pdf"), "Use a name that ends in `.html`."),
-        (("lag.toml", "-o", "lag.html"), "would overwrite a file that is not page of `cosim report`"),
+        (("lag.toml", "-o", "lag.html"), "would overwrite a file that is not an HTML report"),
         (("lag.toml", "--document", "gone.md"), "cannot read `gone.md`"),
         (("lag.toml", "--study", "gone.toml"), "the study file `gone.toml` does not exist"),
         (("lag.toml", "--study", "typo.toml"), "`desing` is not a known key"),
@@ -241,7 +241,7 @@ def test_what_cannot_be_drawn_is_reported_before_the_run(made: Path, monkeypatch
         done = called(words[0], "typo.toml", *words[1:], "-q", COSIM_CACHE=str(made / "cache"))
         assert done.returncode == 2
         assert (
-            "`typo.toml`: `plot.panels[0].columns` names `plant.xx`, which is not a known column"
+            "`typo.toml`: `plot.panels[0].columns` names `plant.xx`, which is not a column of the trace"
             in done.stderr
         )
 
@@ -256,9 +256,9 @@ def test_a_failed_drawing_loses_no_verdict(made: Path, monkeypatch: pytest.Monke
     assert done.returncode == 1, done.stderr
     assert json.loads((made / "picked/picked.json").read_text())["passed"] is False
     page = html.fromstring((made / "picked.html").read_text())
-    assert [note.text_content()[:46] for note in page.find_class("note")][1:] == [
-        "Not drawn: plot.charts Speed over position = ",
-        "Not drawn: plot.zoom = first_time(plant.x[time",
+    assert [note.text_content()[:48] for note in page.find_class("note")][1:] == [
+        "Not plotted: plot.charts Speed over position = ",
+        "Not plotted: plot.zoom = first_time(plant.x[time",
     ]
     (view,) = page.find_class("views")
     assert view.xpath(".//path[@class='line c0']")
@@ -335,7 +335,7 @@ def test_a_browser_draws_it_without_a_complaint(chromium: str, made: Path, width
         "line": True,
         "chart": True,
         "color": paper,
-        "title": "What was measured in closed loop",
+        "title": "Closed-loop results",
         "shown": "1 of 2",
         "inside": True,
     }

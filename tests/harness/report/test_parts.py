@@ -126,7 +126,7 @@ def test_a_video_that_is_too_large_becomes_a_picture(tmp_path: Path) -> None:
     (tmp_path / "a.mp4").write_bytes(bytes(book.MAX_VIDEO + 100_000))
     (tmp_path / "a.jpg").write_bytes(b"still")
     reported = "it has 1.1 MB, the limit is 1 MB\nhint: Make it with `cosim video`."
-    assert book.shown_video(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_film": reported}
+    assert book.shown_video(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_video": reported}
 
 
 def test_one_scenario_of_each_loop_is_recorded(write: Callable[..., Path], monkeypatch: Any) -> None:
@@ -144,7 +144,7 @@ def test_one_scenario_of_each_loop_is_recorded(write: Callable[..., Path], monke
     def outcomes(jobs: Mapping[str, VideoJob], options: runner.RunOptions) -> Iterator[tuple[str, Outcome]]:
         for name, job in jobs.items():
             assert (job.scenario, job.seed) == (scenario, 7)
-            job.video.write_bytes(b"film")
+            job.video.write_bytes(b"video")
             job.video.with_suffix(".jpg").write_bytes(b"still")
             yield name, CosimError("too dark") if name == "fts/lens" else result
 
@@ -153,8 +153,8 @@ def test_one_scenario_of_each_loop_is_recorded(write: Callable[..., Path], monke
     names = ["dob", "dob/nan", "fts/lens", "fts", "dob/10"]
     _, chapters = book.run_scenarios(book.Contents("", names), runner.RunOptions())
     assert chapters == [
-        {"name": "dob/nan", "film": encoded(b"film"), "still": encoded(b"still")},
-        {"name": "fts/lens", "no_film": "too dark"},
+        {"name": "dob/nan", "video": encoded(b"video"), "still": encoded(b"still")},
+        {"name": "fts/lens", "no_video": "too dark"},
         {"name": "fts"},
         {"name": "dob/10"},
     ]

@@ -59,12 +59,12 @@ def test_a_loop_is_reported_by_a_number_that_a_paper_knows(claims: list[dict[str
 
 def written(name: str, *claims: dict[str, Any]) -> dict[str, Any]:
     """Chapter of a run without plots."""
-    texts = dict.fromkeys(("title", "command", "simulated", "plant", "verdict", "no_film"), "x")
+    texts = dict.fromkeys(("title", "command", "simulated", "plant", "verdict", "no_video"), "x")
     empty: dict[str, Any] = {
         key: [] for key in ("story", "fmus", "metrics", "settings", "injected", "charts", "views", "undrawn")
     }
-    reported = {"measured": "2 um", "limit": "<= 3 um", "source": "our choice", "origin": "choice"}
-    more = {**texts, **empty, "passed": True, "film": "", "still": "eA=="}
+    reported = {"measured": "2 um", "limit": "<= 3 um", "source": "choice", "origin": "choice"}
+    more = {**texts, **empty, "passed": True, "video": "", "still": "eA=="}
     return {**chapter(name, *({**reported, **claim} for claim in claims)), **more}
 
 
@@ -74,7 +74,7 @@ def test_a_page_begins_with_cards_and_the_nominal_scenarios() -> None:
     cards = content.find_class("loop")
     assert [card.get("href") for card in cards] == ["#loop-lag", "#loop-cart"]
     assert "2 um a b (<= 3 um)" in " ".join(cards[0].text_content().split())
-    assert "2 of 2 criteria hold in 2 scenarios" in " ".join(cards[0].text_content().split())
+    assert "2 of 2 criteria passed in 2 scenarios" in " ".join(cards[0].text_content().split())
     # the picture is once in the page, in the chapter
     assert [image.get("data-still") for card in cards for image in card.iter("img")] == [
         "chapter-0",
