@@ -256,9 +256,9 @@ def test_a_failed_drawing_loses_no_verdict(made: Path, monkeypatch: pytest.Monke
     assert done.returncode == 1, done.stderr
     assert json.loads((made / "picked/picked.json").read_text())["passed"] is False
     page = html.fromstring((made / "picked.html").read_text())
-    assert [note.text_content()[:48] for note in page.find_class("note")][1:] == [
+    assert [note.text_content()[:47] for note in page.find_class("note")][1:] == [
         "Not plotted: plot.charts Speed over position = ",
-        "Not plotted: plot.zoom = first_time(plant.x[time",
+        "Not plotted: plot.zoom = first_time(plant.x[tim",
     ]
     (view,) = page.find_class("views")
     assert view.xpath(".//path[@class='line c0']")
