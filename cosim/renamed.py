@@ -13,7 +13,6 @@ An FMU lists them in `resources/renamed.toml`:
 from __future__ import annotations
 
 import re
-import tomllib
 from pathlib import Path
 
 FILE = "resources/renamed.toml"
@@ -25,6 +24,8 @@ REPLACEMENTS: dict[str, str] = {}
 def learn(folder: Path) -> None:
     """Read the replaced names of an unpacked FMU; a file of another form is ignored, for it only gives hints."""
     try:
+        import tomllib
+
         content = tomllib.loads((folder / FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return

@@ -187,4 +187,4 @@ def located(error: BaseException, fmu: Instance, scenario: Scenario, k: int) -> 
 def failed_plant(action: str, error: BaseException) -> PlantError:
     """Error of a plant's code; a hint in its text becomes the hint of the error."""
     problem, _, hint = str(error).partition("\nhint: ")
-    return PlantError(f"{action}: {type(error).__name__}: {problem}", hint or "`-v` shows where")
+    return PlantError(f"{action}: {type(error).__name__}: {problem}", hint or "Show the origin with `-v`.")

@@ -39,10 +39,10 @@ def test_exit_code_0_and_the_table_on_stdout(write: Write) -> None:
     done = cosim("run", "lag.toml")
     assert done.returncode == 0
     assert done.stderr == ""
-    for part in ("claim", "paper", "measured", "limit", "pass"):
+    for part in ("claim", "paper", "measured", "limit", "result"):
         assert part in done.stdout
-    assert re.search(r"The lag settles *│ about 0.7 m *│ 666.7 mm *│ <= 700 mm *│ yes", done.stdout)
-    assert "the criterion holds; seed 1, 0.05 s simulated" in done.stdout
+    assert re.search(r"The lag settles *│ about 0.7 m *│ 666.7 mm *│ <= 700 mm *│ passed", done.stdout)
+    assert "1 of 1 criteria passed; seed 1, 0.05 s simulated" in done.stdout
     assert "\x1b" not in done.stdout
 
 
@@ -50,7 +50,7 @@ def test_exit_code_1_when_a_criterion_does_not_hold(write: Write) -> None:
     write(CRITERION)
     done = cosim("run", "lag.toml", "--set", "criterion.end.maximum=0.1")
     assert done.returncode == 1
-    assert "1 of 1 criteria do not hold" in done.stdout
+    assert "0 of 1 criteria passed" in done.stdout
     assert done.stderr == ""
 
 
@@ -59,7 +59,7 @@ def test_a_backend_of_matplotlib_that_is_none_is_named_before_the_run(write: Wri
     done = cosim("run", "lag.toml", "--plot", "x.svg", "--json", "x.json", MPLBACKEND="nope")
     assert done.returncode == 2
     assert done.stdout == ""
-    assert re.match("error: matplotlib does not start: .*'nope'.*\nhint: unset `MPLBACKEND`", done.stderr)
+    assert re.match("error: matplotlib does not start: .*'nope'.*\nhint: Unset `MPLBACKEND`", done.stderr)
     assert not Path("x.json").exists()
 
 

@@ -178,31 +178,31 @@ def test_numbers_never_become_huge() -> None:
 
 
 WRONG = {
-    "plant.y": "names `plant.y`, which is not a column of the trace\nhint: Use `plant.x`",
+    "plant.y": "names `plant.y`, which is not a known column of the trace\nhint: Use `plant.x`",
     "__import__('os')": "calls `__import__`, which is not a known function",
     "plant.x.__class__": "names `plant.x.__class__`, which is not a known column",
-    "(1).__class__": "which is no column",
-    "max.__globals__": "which is no column",
-    "max(plant.x).real": "which is no column",
+    "(1).__class__": "which is not a known column",
+    "max.__globals__": "which is not a known column",
+    "max(plant.x).real": "which is not a known column",
     "eval('1')": "calls `eval`, which is not a known function",
     "plant.x.sum()": "calls `plant.x.sum`, which is not a known function",
-    "lambda: 1": "which this language does not have",
-    "[x for x in plant.x]": "which this language does not have",
-    "{1: 2}": "which this language does not have",
-    "f'{time}'": "which this language does not have",
-    "1 if time else 2": "which this language does not have",
-    "(x := 1)": "which this language does not have",
-    "1 << 99999": "which this language does not have",
-    "time is time": "which this language does not have",
-    "time @ time": "which this language does not have",
+    "lambda: 1": "which is not supported",
+    "[x for x in plant.x]": "which is not supported",
+    "{1: 2}": "which is not supported",
+    "f'{time}'": "which is not supported",
+    "1 if time else 2": "which is not supported",
+    "(x := 1)": "which is not supported",
+    "1 << 99999": "which is not supported",
+    "time is time": "which is not supported",
+    "time @ time": "which is not supported",
     "'text'": "holds the text `text`",
     "time == 'Idle'": "compares `time` with a text, but it is not an enumeration",
-    "controller.state == 'Detct'": "none of its items\nhint: Use `Detect`",
+    "controller.state == 'Detct'": "not one of its items\nhint: Use `Detect`",
     "max(plant.x, key=1)": "more than plain arguments",
     "max(*plant.x)": "more than plain arguments",
     "sqrt(1, 2)": "calls `sqrt` with 2 arguments instead of 1",
-    "maxx(plant.x)": "no function here\nhint: Use `max`",
-    "column(1)": "something else than one name",
+    "maxx(plant.x)": "not a known function\nhint: Use `max`",
+    "column(1)": "exactly one name",
     "column('plant.z')": "which is not in the trace",
     "1 +": "is not an expression",
     "import os": "is not an expression",
@@ -272,13 +272,13 @@ def test_a_metric_that_others_name_is_computed_once() -> None:
 
 
 def test_a_condition_on_a_row_knows_no_metric() -> None:
-    with pytest.raises(ExpressionError, match=r"`metric\.far`, but metrics are measured after the run"):
+    with pytest.raises(ExpressionError, match=r"`metric\.far`, but metrics are available only in other metrics"):
         Expression("metric.far > 1", NAMES, "`loop.stop_when`", rowwise=True)
 
 
 def test_metrics_that_are_made_of_each_other_are_rejected() -> None:
     metrics = (Metric("far", "metric.near + 1"), Metric("near", "metric.far - 1"))
-    with pytest.raises(ExpressionError, match=r"each other: `metric\.(far|near)` <- `metric\."):
+    with pytest.raises(ExpressionError, match=r"each other in a circle: `metric\.(far|near)` <- `metric\."):
         compile_metrics(metrics, NAMES)
     with pytest.raises(ExpressionError, match=r"names `metric\.far`, which is not a known other metric"):
         compile_metrics((Metric("far", "metric.far + 1"),), NAMES)

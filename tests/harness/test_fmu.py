@@ -92,7 +92,7 @@ def test_a_broken_description_is_rejected_with_the_problem(
 ) -> None:
     pack(folder / "bad.fmu", description((old, new)), {LIBRARY: b""})
     expected = (
-        rf"the model description of `bad.fmu` is not valid:\n  .*{problem}.*(\n  .*)*\nhint: `fmpy validate"
+        rf"the model description of `bad.fmu` is not valid:\n  .*{problem}.*(\n  .*)*\nhint: List all problems with `fmpy validate"
     )
     with pytest.raises(FmuError, match=expected):
         open_fmu(folder / "bad.fmu")
@@ -167,7 +167,7 @@ def test_a_rejected_parameter_is_explained(write: Write) -> None:
 
 def test_a_missing_fmu_says_how_to_build_it(write: Write) -> None:
     with pytest.raises(
-        FmuError, match=r"`fmu-none.fmu` does not exist\nhint: build it with `cargo xtask fmu none`"
+        FmuError, match=r"`fmu-none.fmu` does not exist\nhint: Build it with `cargo xtask fmu none`"
     ):
         parameters(write, "controller.fmu=fmu-none")
     with pytest.raises(FmuError, match=r"the FMU file `none.fmu` does not exist\nhint: Searched: `[^`]*`$"):

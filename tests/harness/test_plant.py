@@ -25,7 +25,7 @@ REFUSED = {
     "plant.name=probe_plants:Lg": r"the module `probe_plants` has no class `Lg`\nhint: Use `Lag`",
     "plant.name=probe_plants:Refusing": r"`probe_plants:Refusing` rejected its parameters: pole and label",
     "plant.ploe=1": r"`--set plant.ploe`: `plant.ploe` is not a parameter .*\nhint: Use `pole`",
-    "plant.pole=2": r"`--set plant.pole`: `plant.pole` is `2.0`, it must be in 0 .. 1\nhint: `cosim show`",
+    "plant.pole=2": r"`--set plant.pole`: `plant.pole` is `2.0`, it must be in 0 .. 1\nhint: List types",
     "plant.pole=nan": r"`plant.pole` is `nan`, it must be in 0 .. 1",
     "plant.pole=high": r"`plant.pole` is `'high'` \(a text\), it must be a number",
     "plant.label=1": r"`plant.label` is `1` \(an integer\), it must be a text",
@@ -85,7 +85,7 @@ REGISTERED = {
     ),
     "Slide": (
         "sledge",
-        r"cannot import the plant `sledge`: .*'plants.sledge'\nhint: `plants/sledge.py` must be there",
+        r"cannot import the plant `sledge`: .*'plants.sledge'\nhint: Check `plants/sledge.py`",
     ),
 }
 
@@ -112,7 +112,7 @@ def test_a_plant_that_names_what_is_not_there_is_explained(
     with monkeypatch.context() as patch:
         patch.setattr(Slide, "shape", lambda plant, spec, p: spec.body("slid"))
         expected = (
-            r"the plant `slide` cannot be built: there is no body in `slide.xml` named `slid`\nhint: did you"
+            r"the plant `slide` cannot be built: there is no body in `slide.xml` named `slid`\nhint: Use"
         )
         with pytest.raises(PlantError, match=expected):
             cosim.run(scenario)
@@ -123,8 +123,8 @@ def test_a_plant_that_names_what_is_not_there_is_explained(
 
 
 SHAPELESS = {
-    "class P: ...": r":P` has no method `reset`, so it is not a plant\nhint: `cosim.loop.plant.Plant`",
-    "P = len": ":len` is no class, so it is not a plant",
+    "class P: ...": r":P` has no method `reset`, so it is not a plant\nhint: Follow the protocols",
+    "P = len": ":len` is not a class, so it is not a plant",
     "class P(Lag):\n    Parameters = None": ":P` has no dataclass `Parameters`",
     "class P(Lag):\n    Parameters = dict": ":P` has no dataclass `Parameters`",
     "@dataclasses.dataclass\nclass Q:\n    a: 'Undefined' = 1\nclass P(Lag):\n    Parameters = Q": (
@@ -142,10 +142,10 @@ SHAPELESS = {
     "class P(Lag):\n    timestep = float('nan')": "`timestep` is `nan`, it must be a positive number",
     "class P(Lag):\n    @property\n    def timestep(self): raise RuntimeError('boom')": "RuntimeError: boom",
     "class P(Lag):\n    def truth(self): return 1.0": (
-        r"`truth` of the plant gave the single value `1.0`, 4 channels need one each at t = 0 s \(step 0\)"
+        r"`truth` of the plant gave the single value `1.0` for 4 channels at t = 0 s \(step 0\)"
     ),
     "class P(Lag):\n    def sense(self): return np.zeros(3)": (
-        r"`sense` of the plant gave values of shape `\(3,\)`, 4 channels need one each at t = 0 s"
+        r"`sense` of the plant gave values of shape `\(3,\)` for 4 channels at t = 0 s"
     ),
 }
 

@@ -314,7 +314,7 @@ def test_a_difference_has_no_offset_in_its_display_unit(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("columns", "problem"),
     [
-        ('"plant.xx"', r"`plant\.xx`, which is not a known column"),
+        ('"plant.xx"', r"`plant\.xx`, which is not a column"),
         ("", r"`plot\.panels\[0\]\.columns` is empty"),
     ],
 )

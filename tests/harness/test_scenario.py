@@ -137,7 +137,7 @@ WRONG = {
     "missing key": ("[[metric]]\nname = 'm'", r"`lag.toml`: `metric.m.value` is missing"),
     "target twice": (
         "[[signal]]\nto = 'controller.in'\ntimes = [0.0]\nvalues = [1.0]",
-        r"`signal.controller.in` is defined twice, as `wire`",
+        r"`signal.controller.in` is given twice, as `wire`",
     ),
     "signal starts late": (
         "[[signal]]\nto = 'controller.count'\ntimes = [1.0]\nvalues = [1]",
@@ -145,7 +145,7 @@ WRONG = {
     ),
     "signal back in time": (
         "[[signal]]\nto = 'controller.count'\ntimes = [0, 2, 1]\nvalues = [1, 2, 3]",
-        "must rise",
+        "must increase",
     ),
     "signal lengths": (
         "[[signal]]\nto = 'controller.count'\ntimes = [0]\nvalues = [1, 2]",
@@ -161,7 +161,7 @@ WRONG = {
     ),
     "unknown metric": (
         "[[criterion]]\nid='c'\nclaim=''\nmetric='m'\nmaximum=1",
-        "`criterion.c.metric` is `m`, there is no such",
+        "`criterion.c.metric` is `m`, which is not a metric",
     ),
     "broken TOML": ("x = [1,\n2\n= 3", r"`lag.toml` is not valid TOML: .*line 24.*\nhint: "),
     "not an array": ("[metric]\nname = 'm'", r"`metric` is .* \(a table\), it must be an array"),

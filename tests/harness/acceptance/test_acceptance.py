@@ -57,10 +57,10 @@ scenario       claim                              paper        measured  limit  
 lag            The lag comes near to zero         first order  667 mm    1 mm .. 700 mm  yes
                It settles                                      yes       = yes           yes
 lag/broken     could not run
-lag/free       no criteria: nothing was demanded
+lag/free       no criteria
 lag/short      The lag ends < 450 nm                           667 mm    <= 450 nm       NO
 failing/plant  could not run
-2 of 3 criteria hold, 2 of 5 scenarios could not run
+2 of 3 criteria passed, 2 of 5 scenarios could not run
 """
 
 
@@ -118,7 +118,7 @@ def test_the_table_shows_every_criterion_and_what_could_not_run(tested: Acceptan
 
 def test_what_could_not_run_is_reported_and_stops_no_other(tested: Acceptance) -> None:
     assert tested.done.returncode == 2
-    assert "lag: all 2 criteria hold; seed 1, " in tested.done.stderr
+    assert "lag: 2 of 2 criteria passed; seed 1, " in tested.done.stderr
     errors = [line for line in tested.done.stderr.splitlines() if line.startswith("error: ")]
     assert len(errors) == 2
     assert errors[0].startswith("error: `lag/broken`: ")

@@ -60,40 +60,40 @@ LINES: dict[str, Case] = {
         given("run", "driven.toml", "--trace", "in.csv"), ("`--trace` `in.csv`", "`signal.controller.flag`")
     ),
     "result over the trace": Case(
-        given("judge", "in.csv", "lag.toml", "--json", "in.csv"), ("`--json` `in.csv`", "is not JSON")
+        given("evaluate", "in.csv", "lag.toml", "--json", "in.csv"), ("`--json` `in.csv`", "is not JSON")
     ),
     "memory beyond all": Case((*RUN, "--memory", "1e300"), ("`--memory` = `1e+300`", "1e+12")),
     "timeout beyond all": Case((*RUN, "--timeout", "inf"), ("`--timeout` = `inf`",)),
     "evaluate a pipe": Case(
-        given("judge", "pipe.csv", "lag.toml"), ("cannot read `pipe.csv`", "no regular file")
+        given("evaluate", "pipe.csv", "lag.toml"), ("cannot read `pipe.csv`", "not a regular file")
     ),
     "evaluate a device": Case(
-        given("judge", "zero.npz", "lag.toml"), ("cannot read `zero.npz`", "no regular file")
+        given("evaluate", "zero.npz", "lag.toml"), ("cannot read `zero.npz`", "not a regular file")
     ),
     "compare a pipe": Case(given("compare", "pipe.csv", "in.csv"), ("`pipe.csv`", "regular file")),
     "evaluate an endless trace": Case(
-        given("judge", "vast.npz", "lag.toml"), ("`vast.npz` is not a valid trace",)
+        given("evaluate", "vast.npz", "lag.toml"), ("`vast.npz` is not a valid trace",)
     ),
     "evaluate an empty trace": Case(
-        given("judge", "empty.csv", "lag.toml"), ("`empty.csv` is not a valid trace", "names of the columns")
+        given("evaluate", "empty.csv", "lag.toml"), ("`empty.csv` is not a valid trace", "names of the columns")
     ),
     "evaluate half a trace": Case(
-        given("judge", "half.npz", "lag.toml"),
+        given("evaluate", "half.npz", "lag.toml"),
         ("`half.npz` is not a valid trace", "no npz file, or one cut off"),
     ),
     "evaluate swapped arguments": Case(
-        given("judge", "lag.toml", "in.csv"), ("`lag.toml` is not a trace", "the trace comes first")
+        given("evaluate", "lag.toml", "in.csv"), ("`lag.toml` is not a trace", "the trace comes first")
     ),
     "baseline is a folder": Case(
         given("compare", "lag.toml", "--update"), ("cannot write `lag.baseline.npz`", "folder")
     ),
     "new the other way round": Case(
-        given("new", "model.xml", "probe.fmu"), ("`model.xml` is no FMU", "the FMU comes first")
+        given("new", "model.xml", "probe.fmu"), ("`model.xml` is not an FMU", "the FMU comes first")
     ),
-    "new of a scenario": Case(given("new", "lag.toml"), ("`lag.toml` is no FMU", "ends in `.fmu`")),
+    "new of a scenario": Case(given("new", "lag.toml"), ("`lag.toml` is not an FMU", "ends in `.fmu`")),
     "seed beyond all": Case((*RUN, "--seed", "9" * 23), ("'--seed'", "is not in the range")),
     "report a device": Case(
-        given("report", "lag.toml", "--document", "/dev/zero"), ("cannot read `/dev/zero`", "no regular file")
+        given("report", "lag.toml", "--document", "/dev/zero"), ("cannot read `/dev/zero`", "not a regular file")
     ),
     "run a study": Case(given("run", "study.toml"), ("`study.toml` is a study", "`cosim sweep study.toml`")),
     "run an optimization": Case(

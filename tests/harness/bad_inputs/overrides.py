@@ -7,10 +7,10 @@ from .scenarios import DIGITS
 SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "no key": ("=1", ("`--set =1`", "KEY=VALUE")),
     "no value": ("loop.step", ("`--set loop.step`", "KEY=VALUE")),
-    "dots": ("...=1", ("`--set ...`", "no such key")),
-    "no wire": ("wire.=1", ("`--set wire.`: nothing is named", "Known names: `wire.controller.in`")),
+    "dots": ("...=1", ("`--set ...`", "not a key")),
+    "no wire": ("wire.=1", ("`--set wire.`: there is no name after", "Known names: `wire.controller.in`")),
     "wire without key": ("wire.plant.u=1", ("`--set wire.plant.u`",)),
-    "plot": ("plot.zoom=1", ("`--set plot.zoom`", "no such key")),
+    "plot": ("plot.zoom=1", ("`--set plot.zoom`", "not a key")),
     "text with NUL": ('controller.label="a\\u0000b"', ("`controller.label`", "a text without NUL")),
     "list": ("controller.gain=[1, 2]", ("`controller.gain` is `[1, 2]`", "a number")),
     "table": ("controller.gain={a = 1}", ("`controller.gain`", "a number")),
@@ -29,7 +29,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "deep value": ("controller.gain=" + "[" * 2000 + "]" * 2000, ("controller.gain",)),
     "integer above 1e308": (f"controller.gain={DIGITS[:400]}", ("`controller.gain`",)),
     "integer of 5000 digits": (f"controller.gain={DIGITS}", ("controller.gain",)),
-    "unknown section": ("controler.gain=1", ("no such key in a scenario", "Use `controller.`")),
+    "unknown section": ("controler.gain=1", ("not a key of a scenario", "Use `controller.`")),
     "unknown key": ("loop.dration=1", ("`--set loop.dration`", "not a known key", "Use `duration`")),
     "unknown parameter": ("plant.ploe=1", ("`plant.ploe`", "Use `pole`")),
     "unknown variable": ("controller.gian=1", ("no variable `gian`", "Use `gain`")),
@@ -44,27 +44,27 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "Boolean": ("loop.step=true", ("`true` (true or false), it must be a number",)),
     "off the grid": (
         "loop.duration=0.0505",
-        ("a multiple of `loop.step` = `0.001` s", "the nearest is 0.05 s"),
+        ("a multiple of `loop.step` = `0.001` s", "Use 0.05 s."),
     ),
     "step nan": ("loop.step=nan", ("it must be positive and finite",)),
     "duration negative": ("loop.duration=-1", ("it must be positive and finite",)),
     "delay 2": ("loop.compute_delay=2", ("is `2`, it must be `0` or `1`",)),
     "order": ("loop.order=plant_first", ("it must be `controller_first`",)),
     "noise negative": ("wire.controller.in.noise=-1", ("it must be finite and not negative",)),
-    "delay negative": ("wire.controller.in.delay=-1", ("it must lie in 0 .. 50",)),
+    "delay negative": ("wire.controller.in.delay=-1", ("it must be in 0 .. 50",)),
     "seed negative": ("loop.seed=-1", ("it must not be negative",)),
-    "substeps": ("loop.substeps=2", ("do not fill `loop.step` = `0.001` s", "set `loop.substeps = 1`")),
+    "substeps": ("loop.substeps=2", ("do not fill `loop.step` = `0.001` s", "Set `loop.substeps = 1`")),
     # wires
     "wire from": ("wire.controller.in.from=plant.y", ("no reading `y`",)),
     "wire from the wrong side": ("wire.controller.in.from=controller.out", ("needs a `plant.` measurement",)),
-    "command from the plant": ("wire.plant.u.from=plant.x", ("takes a `controller.` output",)),
+    "command from the plant": ("wire.plant.u.from=plant.x", ("needs a `controller.` output",)),
     "wire to": ("wire.controller.in.to=controller.inn", ("no variable `inn`", "Use `in`")),
     "wire to an output": (
         "wire.controller.in.to=controller.out",
-        ("no input and no tunable parameter",),
+        ("not an input or tunable parameter",),
     ),
     "wire to a command": ("wire.plant.u.to=plant.v", ("no command `v`",)),
-    "wire from a text": ("wire.plant.u.from=controller.label_out", ("is no numeric output",)),
+    "wire from a text": ("wire.plant.u.from=controller.label_out", ("is not a numeric output",)),
     "wire to nowhere": (
         "wire.plant.u.to=nowhere",
         ("`to` = `nowhere`, it must be `controller.<input>` or",),
@@ -73,7 +73,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     # parameters of the FMU
     "above its limit": (
         "controller.gain=20",
-        ("refused `controller.gain` = `20.0`: `gain` = 20 is above its limit (fmi2SetReal",),
+        ("rejected `controller.gain` = `20.0`: `gain` = 20 is above its limit (fmi2SetReal",),
     ),
     "sum above its limit": (
         "controller.bias=[90, 20]",
@@ -96,6 +96,6 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "item number": ("controller.mode=3", ("`controller.mode` is `3`, it must be one of",)),
     "short array": ("controller.bias=[1]", ("`controller.bias` has 1 values instead of 2",)),
-    "output": ("controller.out=1", ("`controller.out` has causality `output`and cannot be set",)),
+    "output": ("controller.out=1", ("`controller.out` has causality `output` and cannot be set",)),
 }
 """One override, and what the message must say."""

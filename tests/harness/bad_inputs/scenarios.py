@@ -65,10 +65,10 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         ("`undriven`",),
     ),
     "seed is a number": (edited("[loop]", "[loop]\nseed = 1.5"), ("`loop.seed`", "an integer")),
-    "drops without extends": ('drop = ["wire"]\n' + WHOLE, ("`drop`", "without `extends`")),
+    "drops without extends": ('drop = ["wire"]\n' + WHOLE, ("`drop`", "needs `extends`")),
     "parameter twice": (
         WHOLE + '[controller.parameters]\nbias = [1, 2]\n"bias[1]" = 3\n',
-        (FILE, "parameter `bias`", "beside `bias[1]`"),
+        (FILE, "parameters `bias` and `bias[1]`"),
     ),
     "metric without a name": (WHOLE + entry("metric", name="", value="1"), ("`metric..name` is empty",)),
     "criterion without an id": (
@@ -87,15 +87,15 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "unknown command": (edited('"plant.u"', '"plant.v"'), ("no command `v`",)),
     "unknown input": (edited('"controller.in"', '"controller.inn"'), ("no variable `inn`", "`in`")),
     "unknown output": (edited('"controller.out"', '"controller.otu"'), ("no variable `otu`", "`out`")),
-    "wire to an output": (edited('"controller.in"', '"controller.sum"'), ("`controller.sum`", "no input")),
+    "wire to an output": (edited('"controller.in"', '"controller.sum"'), ("`controller.sum`", "is not an input")),
     "wire from an input": (
         edited('"controller.out"', '"controller.in"'),
-        ("`controller.in`", "no numeric output"),
+        ("`controller.in`", "not a numeric output"),
     ),
-    "wire from a text": (edited('"controller.out"', '"controller.label_out"'), ("no numeric output",)),
+    "wire from a text": (edited('"controller.out"', '"controller.label_out"'), ("not a numeric output",)),
     "wire without a side": (edited('"plant.x"', '"x"'), ("`from` = `x`",)),
     "wire from plant to plant": (edited('"controller.out"', '"plant.x"'), ("`from` = `plant.x`",)),
-    "wire to a parameter": (edited('"controller.in"', '"controller.bias[1]"'), ("no tunable parameter",)),
+    "wire to a parameter": (edited('"controller.in"', '"controller.bias[1]"'), ("tunable parameter",)),
     "wire twice": (
         WHOLE + '[[wire]]\nfrom = "plant.x"\nto = "controller.in"\n',
         ("`wire.controller.in`", "twice"),
@@ -136,11 +136,11 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "substeps 0": (edited("[loop]", "[loop]\nsubsteps = 0"), ("`loop.substeps` is `0`", "at least 1")),
     "substeps do not fit": (
         edited("[loop]", "[loop]\nsubsteps = 3"),
-        ("`loop.substeps` = `3`", "set `loop.substeps = 1`"),
+        ("`loop.substeps` = `3`", "Set `loop.substeps = 1`"),
     ),
     "record beyond the end": (
         edited("[loop]", "[loop]\nrecord_every = 51"),
-        ("`loop.record_every` is `51`", "50steps of the run"),
+        ("`loop.record_every` is `51`", "50 steps of the run"),
     ),
     "record 0": (edited("[loop]", "[loop]\nrecord_every = 0"), ("`loop.record_every` is `0`",)),
     "seed negative": (edited("[loop]", "[loop]\nseed = -1"), ("`loop.seed` is `-1`",)),
@@ -186,7 +186,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "signal backwards": (
         WHOLE + edited("0.01]", "-1.0]", SIGNAL),
-        ("`signal.controller.count.times`", "rise"),
+        ("`signal.controller.count.times`", "increase"),
     ),
     "signal too short": (
         WHOLE + edited("[1, 2]", "[1]", SIGNAL),
@@ -291,8 +291,8 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         edited('to = "plant.u"', 'to = "plant.u"\nminimum = 2.0\nmaximum = 1.0'),
         ("`wire.plant.u.minimum`", "2"),
     ),
-    "plant is a module": (edited("probe_plants:Lag", "os:path"), ("path` is no class",)),
-    "plant is a function": (edited("probe_plants:Lag", "os:_exit"), ("_exit` is no class",)),
+    "plant is a module": (edited("probe_plants:Lag", "os:path"), ("path` is not a class",)),
+    "plant is a function": (edited("probe_plants:Lag", "os:_exit"), ("_exit` is not a class",)),
     "plant is a dict": (edited("probe_plants:Lag", "builtins:dict"), ("`builtins:dict`",)),
 }
 """Content of `bad.toml`, and what the message must say."""

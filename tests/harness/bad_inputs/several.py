@@ -28,14 +28,14 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     "FMUs are texts": (f'fmu = ["a"]\n{LOOP}', ("`fmu[0]`", "a table")),
     "no name": (edited('name = "a"\n', "", TWO), ("`fmu[0].name` is missing",)),
     "no FMU of a name": (edited('fmu = "probe"\n', "", TWO), ("`fmu.a.fmu` is missing",)),
-    "name twice": (edited('name = "b"', 'name = "a"', TWO), ("`fmu.a` is defined twice",)),
-    "name of the plant": (renamed("plant"), ("`fmu.plant.name` is `plant`", "something else")),
-    "name of a table": (renamed("wire"), ("`fmu.wire.name` is `wire`", "something else")),
+    "name twice": (edited('name = "b"', 'name = "a"', TWO), ("`fmu.a` is given twice",)),
+    "name of the plant": (renamed("plant"), ("`fmu.plant.name` is `plant`", "reserved name")),
+    "name of a table": (renamed("wire"), ("`fmu.wire.name` is `wire`", "reserved name")),
     "name of a column": (renamed("time"), ("`fmu.time.name` is `time`",)),
     "empty name": (renamed(""), ("is `''`", "letters")),
     "name with a dot": (renamed("a.b"), ("is `'a.b'`", "letters")),
     "name with a digit": (renamed("1st"), ("is `'1st'`", "letters")),
-    "name of Python": (renamed("in"), ("is `'in'`", "no word of Python")),
+    "name of Python": (renamed("in"), ("is `'in'`", "not a Python keyword")),
     "name is a number": (edited('name = "a"', "name = 1", TWO), ("`fmu[0].name` is `1`", "a text")),
     "key": (edited('fmu = "probe"', 'fmu = "probe"\ndelay = 1', TWO), ("`fmu.a.delay` is not a known key",)),
     "step off the grid": (
@@ -61,7 +61,7 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "wire from an unknown FMU": (
         edited('from = "a.out"', 'from = "c.out"', TWO),
-        ("`from` = `c.out`", "`plant.` reading or a `a.` output or a `b.` output"),
+        ("`from` = `c.out`", "`plant.` measurement or a `a.` output or a `b.` output"),
     ),
     "wire to an unknown FMU": (
         edited('to = "b.in"', 'to = "bb.in"', TWO),
@@ -71,7 +71,7 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     "wire from nothing": (edited("a.out", "a.otu", TWO), ("the FMU `a` has no variable `otu`", "`out`")),
     "wire to nothing": (edited("b.in", "b.inn", TWO), ("the FMU `b` has no variable `inn`", "`in`")),
     "wire from an input": (edited("a.out", "a.in", TWO), ("`a.in` is not a numeric output of the FMU `a`",)),
-    "wire to an output": (edited("b.in", "b.sum", TWO), ("`b.sum` is no input",)),
+    "wire to an output": (edited("b.in", "b.sum", TWO), ("`b.sum` is not an input",)),
     "wire to the plant": (TWO + wire("b.out", "plant.u"), ("the scenario has no plant",)),
     "wire back without delay": (
         edited("a.out", "b.out", edited("b.in", "a.flag", TWO)),
@@ -92,8 +92,8 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
 """Content of `bad.toml`, and what the message must say."""
 SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "unknown variable": ("b.gian=1", ("`--set b.gian`", "the FMU `b` has no variable `gian`", "`gain`")),
-    "unknown FMU": ("c.gain=1", ("`--set c.gain`: no such key", "`a.`")),
-    "the other form": ("controller.gain=1", ("`--set controller.gain`: no such key", "`b.`")),
+    "unknown FMU": ("c.gain=1", ("`--set c.gain`: not a key", "`a.`")),
+    "the other form": ("controller.gain=1", ("`--set controller.gain`: not a key", "`b.`")),
     "value": ("b.gain=high", ("`--set b.gain`", "`b.gain` is `'high'`", "a number")),
     "file": ("b.fmu=none", ("`--set b.fmu`", "`none.fmu` does not exist")),
     "step": ("b.step=0.0015", ("`--set b.step`", "`loop.step`")),

@@ -99,10 +99,10 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_reported(write:
     ("added", "reported"),
     [
         ("[controller.parameters]\ngian = 1.0\n", "no variable `gian`"),
-        ("[controller.parameters]\ngain = 99.0\n", "the FMU refused"),
-        ("[plant.parameters]\npole = 2.0\n", "must lie in 0 .. 1"),
+        ("[controller.parameters]\ngain = 99.0\n", "the FMU rejected"),
+        ("[plant.parameters]\npole = 2.0\n", "must be in 0 .. 1"),
         ('[[wire]]\nfrom = "plant.rmap"\nto = "controller.count"\n', "no reading `rmap`"),
-        ('[[wire]]\nfrom = "controller.label_out"\nto = "plant.extra"\n', "no numeric output"),
+        ('[[wire]]\nfrom = "controller.label_out"\nto = "plant.extra"\n', "not a numeric output"),
         ('[[signal]]\nto = "controller.mode"\ntimes = [0.0]\nvalues = ["Fats"]\n', "`controller.mode` is"),
         ('[[metric]]\nname = "m"\nvalue = "last(plant.y)"\n', "names `plant.y`"),
     ],
@@ -133,7 +133,7 @@ def test_an_unknown_name_in_idle_is_a_warning(write: Write) -> None:
     text = SCENARIO.replace('"plant.extra"]', '"plant.extra", "plant.extras"]')
     (reported,) = check(str(write(COMPLETE, text=text))).warnings
     assert reported.startswith(
-        "`undriven` lists `plant.extras`, which is not a known input and no command; did you mean `plant."
+        "`undriven` lists `plant.extras`, which is not an input or command. Use `plant."
     )
 
 
@@ -149,7 +149,7 @@ def test_a_start_value_a_signal_or_idle_is_an_answer(write: Write) -> None:
 
 def test_a_wire_between_unlike_units_gives_an_error_with_its_scale(write: Write) -> None:
     file = write(COMPLETE)
-    unlike = "`wire.controller.in` carries s from `plant.ramp` into m as it is"
+    unlike = "`wire.controller.in` connects s of `plant.ramp` to m without conversion"
     changed = load(file, set=["wire.controller.in.from=plant.ramp"])
     with Session(changed) as session:
         assert lint.check(session) == [unlike]

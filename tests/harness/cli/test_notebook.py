@@ -32,7 +32,7 @@ def study(write: Write, folder: Path) -> Path:
 
 def test_a_result_is_one_line(write: Write) -> None:
     scenario = cosim.load(write(JUDGED))
-    assert repr(cosim.run(scenario, 5)) == ("<Result of lag: the criterion holds, seed 5, 50 x 16 trace>")
+    assert repr(cosim.run(scenario, 5)) == ("<Result of lag: 1 of 1 criteria passed, seed 5, 50 x 16 trace>")
     (kept_none,) = cosim.run_many(scenario, [5])
     assert repr(kept_none).endswith("seed 5, no trace>")
 
@@ -40,10 +40,10 @@ def test_a_result_is_one_line(write: Write) -> None:
 def test_a_result_is_a_table_in_a_notebook(write: Write) -> None:
     shown = cosim.run(cosim.load(write(JUDGED)))._repr_html_()
     assert (
-        "<td>x &lt; 1 &amp; settles</td><td></td><td>666.7 mm</td><td>&lt;= 700 mm</td><td>yes</td>" in shown
+        "<td>x &lt; 1 &amp; settles</td><td></td><td>666.7 mm</td><td>&lt;= 700 mm</td><td>passed</td>" in shown
     )
     assert "<td>&lt;b&gt;</td>" in shown
-    assert "<b>lag: Lag with a probe</b><br>the criterion holds; seed 1, 0.05 s simulated" in shown
+    assert "<b>lag: Lag with a probe</b><br>1 of 1 criteria passed; seed 1, 0.05 s simulated" in shown
 
 
 def test_the_trace_is_a_data_frame_with_units(write: Write) -> None:
@@ -63,14 +63,14 @@ def test_without_pandas_the_message_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     result = cosim.run(cosim.load(write()))
-    reported = r"needs pandas, which is not installed\nhint: install the extra: `.*\[frames\]`"
+    reported = r"needs pandas, which is not installed\nhint: Install the extra: `.*\[frames\]`"
     with pytest.raises(CosimError, match=reported):
         result.to_dataframe()
 
 
 def test_a_result_without_trace_has_no_data_frame(write: Write) -> None:
     (result,) = cosim.run_many(cosim.load(write()), [1])
-    with pytest.raises(CosimError, match="is not a valid trace"):
+    with pytest.raises(CosimError, match="holds no trace"):
         result.to_dataframe()
 
 

@@ -81,7 +81,7 @@ def test_a_path_may_begin_with_the_home(write: Write, folder: Path, monkeypatch:
     ("command", "line"),
     [
         ("optimize", 'vary = [{key = "controller.gain", minimum = 0.1, maximum = 10.0}]'),
-        ("compare", "Write it with `cosim compare before.json after.json --rtol 1e-6"),
+        ("compare", "cosim compare before.json after.json --rtol 1e-6"),
     ],
 )
 def test_examples_in_the_help_can_be_copied(command: str, line: str) -> None:

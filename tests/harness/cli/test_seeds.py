@@ -40,12 +40,12 @@ def test_seeds_are_ranges_and_lists(text: str, expected: list[int]) -> None:
 @pytest.mark.parametrize(
     ("text", "reported"),
     [
-        ("", "no seed and no range"),
-        ("1...4", "`1...4` is not a seed or range\nhint: give seeds as `1..20`"),
-        ("-1..4", "no seed and no range"),
+        ("", "not a seed or range"),
+        ("1...4", "`1...4` is not a seed or range\nhint: Give seeds as `1..20`"),
+        ("-1..4", "not a seed or range"),
         ("4..1", "ends before it starts\nhint: `1..4`"),
         ("1..3,2", "names the seed 2 twice"),
-        ("1..1000000000000", "more than 100000 seeds\nhint: a study"),
+        ("1..1000000000000", "more than 100000 seeds\nhint: Use a study"),
     ],
 )
 def test_what_is_no_seed_is_reported(text: str, reported: str) -> None:

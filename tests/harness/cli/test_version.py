@@ -74,7 +74,7 @@ def test_a_broken_scenario_completes_nothing_and_says_nothing(write: Write, text
 def test_a_wrong_command_line_points_to_the_help_of_its_command(line: list[str], asked: str) -> None:
     done = cosim(*line)
     assert done.returncode == 2
-    assert done.stderr.endswith(f"hint: `{asked} --help`.\n")
+    assert done.stderr.endswith(f"hint: Show the arguments with `{asked} --help`.\n")
 
 
 @pytest.mark.parametrize("option", ["--show-completion", "--install-completion"])
@@ -95,4 +95,4 @@ def test_completion_for_a_shell_that_is_not_known_is_rejected(
         monkeypatch.setattr(f"{module}._get_shell_name", lambda: None)
     done = called(option)
     assert done.returncode == 2
-    assert "error: completion is not available for this shell\nhint: bash, zsh, fish" in done.stderr
+    assert "error: completion is not available for this shell\nhint: Use bash, zsh, fish" in done.stderr

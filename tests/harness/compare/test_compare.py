@@ -193,7 +193,7 @@ def test_a_scenario_is_compared_with_its_baseline(command: Run, write: Write, fo
     code, _, err = command("compare", "sub/lag.toml")
     assert code == 2
     assert "sub/lag.baseline.npz" in err
-    assert "hint: `Write it with `cosim compare sub/lag.toml --update`" in err
+    assert "hint: Write it with `cosim compare sub/lag.toml --update`" in err
     assert command("compare", "sub/lag.toml", "--update")[0] == 0
     assert (folder / "sub" / "lag.baseline.npz").is_file()
     code, out, err = command("compare", "sub/lag.toml")
@@ -306,7 +306,7 @@ def test_the_same_hash_is_the_same_run_and_the_last_row_of_it_counts(command: Ru
     stale = sweep("e", [row(0, 1.0), row(0, 99.0, hash="new")])
     assert found(command, before, stale, "--atol", "9")[0] == 1
     code, _, err = command("compare", sweep("f", [row(0, 0.0, "crashed", metrics={})]), "f")
-    assert (code, "nothing to compare" in err) == (2, True)
+    assert (code, "no metrics to compare" in err) == (2, True)
 
 
 WRONG = {
@@ -317,9 +317,9 @@ WRONG = {
     "negative": (["a.npz", "b.npz", "--atol", "-1"], "out of range"),
     "nan": (["a.npz", "b.npz", "--rtol", "nan"], "out of range"),
     "rtol of 1": (["a.npz", "b.npz", "--rtol", "1"], "below 1"),
-    "pattern of nothing": (["a.npz", "b.npz", "--atol", "xx=1"], "`--atol xx` fits nothing"),
-    "only nothing": (["a.npz", "b.npz", "--only", "plant.*"], "`--only plant.*` fits nothing"),
-    "only one file": (["a.npz"], "nothing to compare `a.npz` with"),
+    "pattern of nothing": (["a.npz", "b.npz", "--atol", "xx=1"], "`--atol xx` matches none"),
+    "only nothing": (["a.npz", "b.npz", "--only", "plant.*"], "`--only plant.*` matches none"),
+    "only one file": (["a.npz"], "`a.npz` needs a second file"),
     "update of files": (["a.npz", "b.npz", "--update"], "`OTHER` cannot be combined with `--update`"),
     "limit of an update": (
         ["lag", "--update", "--rtol", "1e-6"],
@@ -344,7 +344,7 @@ BROKEN = {
     "ragged.csv": ("time,x\n0,1\n1\n", "`ragged.csv` is not a valid trace"),
     "empty.csv": ("", "`empty.csv`"),
     "timeless.csv": ("t,x\n0,1\n", "no column `time`"),
-    "back.csv": ("time,x\n0,1\n0,1\n", "do not ascend"),
+    "back.csv": ("time,x\n0,1\n0,1\n", "do not increase"),
     "id.json": ('{"metrics": {}, "criteria": [{"id": [1]}]}', "`id.json` is not a result"),
     "text.json": ("{", "`text.json` is not a result"),
     "list.json": ("[1]", "`list.json` is not a result"),

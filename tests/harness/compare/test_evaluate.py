@@ -1,4 +1,4 @@
-"""`cosim judge`: a stored trace gives the numbers of its run, and new ones for new metrics and criteria."""
+"""`cosim evaluate`: a stored trace gives the numbers of its run, and new ones for new metrics and criteria."""
 
 from __future__ import annotations
 
@@ -87,10 +87,10 @@ def test_only_metrics_and_criteria_count(stored: Path) -> None:
 
 def test_the_command_evaluates_without_a_run(stored: Path, folder: Path) -> None:
     (folder / "probe_plants.py").write_text("raise SystemExit('nothing is to be run')")
-    command = [sys.executable, "-m", "cosim", "judge", "lag.npz", "lag.toml"]
+    command = [sys.executable, "-m", "cosim", "evaluate", "lag.npz", "lag.toml"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "judged as stored" in done.stdout
+    assert "evaluated from a stored trace" in done.stdout
     options = ["--set", "criterion.end.maximum=-1", "--json", "-"]
     done = subprocess.run([*command, *options], capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 1
@@ -103,7 +103,7 @@ def test_the_command_evaluates_without_a_run(stored: Path, folder: Path) -> None
 
 def test_a_column_that_the_trace_does_not_have_is_named(stored: Path) -> None:
     scenario = cosim.load("lag.toml", ["metric.end.value='last(plant.why)'"])
-    with pytest.raises(CosimError, match=r"names `plant.why`, which is not a column of the trace `lag.npz`"):
+    with pytest.raises(CosimError, match=r"names `plant.why`, which is not a known column of the trace `lag.npz`"):
         cosim.evaluate(scenario, cosim.read_trace(stored))
 
 
@@ -130,7 +130,7 @@ def test_a_trace_of_another_loop_is_reported(
 def test_what_cannot_be_evaluated_is_one_sentence(
     arguments: list[str], problem: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sys, "argv", ["cosim", "judge", *arguments])
+    monkeypatch.setattr(sys, "argv", ["cosim", "evaluate", *arguments])
     assert app.status_of(app.app) == 2
     out, err = capfd.readouterr()
     assert out == ""

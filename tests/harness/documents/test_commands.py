@@ -67,7 +67,7 @@ minimum = 10.0
 maximum = 14.0
 """
 FAILS = {"study.toml": 1}
-"""Exit codes of commands whose criteria do not hold."""
+"""Exit codes of commands whose criteria passed."""
 
 
 def here(line: str) -> bool:
@@ -127,7 +127,7 @@ def quick(line: str) -> str:
     if line.startswith("cosim run") and "--engine" not in line:
         line += " --engine native"
     if line.startswith("cosim report"):
-        line += " --no-films"
+        line += " --no-videos"
     return fewer(line)
 
 

@@ -25,7 +25,7 @@ def test_a_scenario_may_be_given_by_its_file(write: Write) -> None:
 @pytest.mark.parametrize("seed", ["x", -1, 1.5])
 def test_a_seed_is_a_whole_number(seed: Any, write: Write) -> None:
     write()
-    with pytest.raises(cosim.CosimError, match=r"`seed` is `.*`, it must be a whole number"):
+    with pytest.raises(cosim.CosimError, match=r"`seed` is `.*`, it must be a non-negative integer"):
         cosim.run("lag.toml", seed=seed)
 
 

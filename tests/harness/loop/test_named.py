@@ -123,7 +123,7 @@ def test_check_finds_units_and_mistakes(write: Write, folder: Path, probe_librar
     pack(folder / "small.fmu", small, {library(): probe_library})
     with cosim.Session(cosim.load(file, set=["a.fmu=small"])) as session:
         (reported,) = lint.check(session)
-    assert reported == "`wire.b.in` carries mm from `a.out` into m as it is; set `scale = 0.001`"
+    assert reported == "`wire.b.in` connects mm of `a.out` to m without conversion; set `scale = 0.001`"
     found = check(str(write(text=CHAIN.replace('"a.out"', '"a.otu"'))))
     assert found.error is not None
     assert "the FMU `a` has no variable `otu`" in found.error.message

@@ -122,7 +122,7 @@ def test_without_pyarrow_the_message_says_what_to_install(
     for module in ("pyarrow", "pyarrow.parquet"):
         monkeypatch.setitem(sys.modules, module, None)
     file.with_name("y.parquet").write_text("")
-    hint = r"hint: install the extra: `pip install machining-fmus\[parquet\]`"
+    hint = r"hint: Install the extra: `pip install machining-fmus\[parquet\]`"
     with pytest.raises(CosimError, match=rf"needs pyarrow.*\n{hint}"):
         driven(write, file="y.parquet")
 
@@ -136,20 +136,20 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
         "time,a\n0,1\n2,1\n1,1\n",
         r"line 4: the time `1` s does not increase, the time before is `2` s",
     ),
-    "twice": ("time,a\n0,1\n0,2\n", r"line 3: the time `0` s does not rise"),
+    "twice": ("time,a\n0,1\n0,2\n", r"line 3: the time `0` s does not increase"),
     "header": ("time,a\n", r"has no values, only a header"),
     "empty": (
         "",
         (
             r"`column` is missing; `.*x.csv` has 0 columns in addition to the time"
-            r"\nhint: values are separated by commas"
+            r"\nhint: Separate values by commas"
         ),
     ),
     "semicolons": (
         "time;a\n0;1\n",
         (
             r"`column` is missing; `.*x.csv` has 0 columns in addition to the time"
-            r"\nhint: values are separated by commas"
+            r"\nhint: Separate values by commas"
         ),
     ),
     "choice": (
@@ -175,7 +175,7 @@ def test_a_broken_file_names_its_line(write: Write, file: Path, name: str) -> No
         ("controller.in", 'column = "c"\n', r"has no column `c`\nhint: Known names: `a`, `b c`"),
         ("controller.in", "times = [0.0]\nvalues = [1.0]\n", "cannot be combined with `times` and `values`"),
         ("controller.in", 'interpolation = "cubic"\n', "it must be `hold` or `linear`"),
-        ("controller.mode", 'column = "a"\ninterpolation = "linear"\n', "takes no values in between"),
+        ("controller.mode", 'column = "a"\ninterpolation = "linear"\n', "cannot be interpolated"),
         ("controller.mode", 'column = "a"\n', r"`deep/x.csv`, line 3: `controller.mode` is `3.0`"),
         ("controller.flag", 'column = "b c"\n', r"line 5: `controller.flag` is `-0.5`"),
     ],
@@ -186,7 +186,7 @@ def test_what_does_not_fit_is_reported(write: Write, file: Path, to: str, added:
 
 
 def test_a_missing_file_is_reported(write: Write, file: Path) -> None:
-    with pytest.raises(CosimError, match=r"the file `none.csv` does not exist\nhint: looked in"):
+    with pytest.raises(CosimError, match=r"the file `none.csv` does not exist\nhint: Searched:"):
         cosim.run(scenario(write, file="none.csv"))
 
 

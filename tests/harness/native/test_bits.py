@@ -290,7 +290,7 @@ def test_a_plant_in_python_runs_in_the_reference_loop_with_one_warning(
     assert expected is not None
     assert result.trace.tobytes() == expected.tobytes()
     assert [record.getMessage() for record in caplog.records] == [
-        "the plant `probe_plants:Lag` runs in the reference loop: it is written in Python"
+        "the plant `probe_plants:Lag` runs in the reference engine: it is written in Python"
     ]
 
 

@@ -152,7 +152,7 @@ def test_the_command_streams_plots_and_evaluates(
     assert (folder / "x.svg").stat().st_size > 0
     assert run("run", "cart.toml", "--trace", "x.npz", "--in-process", "-q") == 0
     assert run("compare", "x.npz", "x.parquet") == 0
-    assert run("judge", "x.parquet", "cart.toml", "--json", "y.json") == 0
+    assert run("evaluate", "x.parquet", "cart.toml", "--json", "y.json") == 0
     metrics = [json.loads((folder / name).read_text())["metrics"] for name in ("x.json", "y.json")]
     assert metrics[0] == metrics[1]
     assert "cannot" not in capfd.readouterr().err

@@ -305,7 +305,7 @@ WRONG = {
     "no range": ('metric = "end"', GAIN.replace("maximum = 1.0", ""), "needs `minimum` and `maximum`"),
     "points": ('metric = "end"', GAIN + "points = 3\n", "points"),
     "normal": ('metric = "end"', GAIN + 'distribution = "normal"\nmean = 1\ndeviation = 1\n', "`normal`"),
-    "twice": ('metric = "end"', GAIN + GAIN, "is defined twice"),
+    "twice": ('metric = "end"', GAIN + GAIN, "is given twice"),
     "nothing varies": ('metric = "end"', "vary = []\n", "vary"),
     "list of lists": ('metric = "end"', '[[vary]]\nkey = "plant.label"\nvalues = [[1]]\n', "values"),
     "nan": ('metric = "end"', '[[vary]]\nkey = "plant.pole"\nvalues = [0.5, nan]\n', "which is not finite"),

@@ -146,7 +146,7 @@ def test_what_cannot_draw_costs_the_picture_alone(folder: Path) -> None:
     done = command("report", "cart.toml", "-o", "cart.html", "-q", **lacking)
     assert (done.returncode, done.stdout) == (0, "wrote cart.html\n"), done.stderr
     (note,) = html.fromstring((folder / "cart.html").read_text()).find_class("note")
-    assert note.text_content().startswith("No film: no picture can be drawn here: MUJOCO_GL is bogus")
+    assert note.text_content().startswith("No video: no picture can be drawn here: MUJOCO_GL is bogus")
     done = command("video", "cart.toml", "-o", "cart.mp4", "-q", **lacking)
     assert done.returncode == 2
     assert "no picture can be drawn here: `" in done.stderr

@@ -25,7 +25,7 @@ def test_nothing_demanded_is_not_passed(write: Write) -> None:
     assert cosim.run(cosim.load("lag.toml")).passed is None
     done = command("run", "lag.toml", "--json", "a.json")
     assert done.returncode == 0
-    assert "no criteria: nothing was demanded; seed 1" in done.stdout
+    assert "no criteria; seed 1" in done.stdout
     assert json.loads(Path("a.json").read_text())["passed"] is None
 
 
@@ -38,7 +38,7 @@ def test_a_sweep_of_what_is_not_demanded_is_done_not_passed(write: Write, folder
     assert (found["statuses"], found["passed"]) == ({"done": 12}, None)
     assert {row["status"] for row in studies.rows(folder / "study.sweep")} == {"done"}
     again = studies.sweep("study.toml")
-    assert "12 of 12 runs: 12 done; no criteria: nothing was demanded" in again.stdout
+    assert "12 of 12 runs: 12 done; no criteria" in again.stdout
 
 
 UNITS = {

@@ -147,7 +147,7 @@ def test_a_plot_that_cannot_be_made_loses_no_row(study: Path, folder: Path) -> N
     command = [sys.executable, "-m", "cosim", "sweep", "grid.toml"]
     variables = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
     done = subprocess.run(command, capture_output=True, text=True, env=variables, check=False)
-    problem = "`plot.panels[0].columns` names `plant.y`, which is not a column of the trace"
+    problem = "`plot.panels[0].columns` names `plant.y`, which is not a known column of the trace"
     assert f"is not plotted: {problem}" in " ".join(done.stderr.split())
     assert done.returncode == 1
     assert len(studies.rows(study)) == 12

@@ -48,8 +48,8 @@ def empty(file: Path) -> None:
 WRONG: dict[str, tuple[dict[str, Any], Callable[[Path], None] | None, str]] = {
     "no time": ({"t": [0.0, 1.0]}, None, "has no column `time`"),
     "no rows": ({"time": pyarrow.array([], pyarrow.float64())}, None, "has no rows"),
-    "back": ({"time": [1.0, 0.0]}, None, "do not ascend"),
-    "gap": ({"time": [0.0, None]}, None, "do not ascend"),
+    "back": ({"time": [1.0, 0.0]}, None, "do not increase"),
+    "gap": ({"time": [0.0, None]}, None, "do not increase"),
     "text": ({"time": ["now", "then"]}, None, "cannot read `time`"),
     "torn": ({"time": [0.0, 1.0]}, torn, "is not a valid trace"),
     "empty": ({"time": [0.0, 1.0]}, empty, "is not a valid trace"),
