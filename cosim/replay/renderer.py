@@ -24,7 +24,7 @@ Picture = NDArray[np.uint8]
 
 BACKENDS = {"linux": "egl", "darwin": "cgl", "win32": "glfw"}
 HINT = (
-    "Install on Debian or Ubuntu `apt-get install libegl1 libgl1-mesa-dri`; "
+    "Install a rendering library: on Debian or Ubuntu `apt-get install libegl1 libgl1-mesa-dri`; "
     f"`{CHOICE}` selects `egl` or, with a screen, `glfw`"
 )
 DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)

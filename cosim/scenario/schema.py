@@ -33,8 +33,8 @@ def described(kind: Any) -> dict[str, Any]:
     for field in fields:
         entry = {**schema(hints[field.name]), **limits(field.metadata)}
         text = texts.get(field.name, "") or field.metadata.get("description", "")
-        texts = explained(text, field.metadata.get("unit", ""))
-        properties[toml_key(field)] = {**entry, **texts, **default(field)}
+        labels = explained(text, field.metadata.get("unit", ""))
+        properties[toml_key(field)] = {**entry, **labels, **default(field)}
     return {
         "type": "object",
         "description": (inspect.getdoc(kind) or "").partition("\n")[0],

@@ -117,7 +117,7 @@ def test_a_plant_that_names_what_is_not_there_is_explained(
         with pytest.raises(PlantError, match=expected):
             cosim.run(scenario)
     monkeypatch.setattr(Slide, "begin", lambda plant, steps: plant.wire("curent"))
-    expected = r"the plant `slide` cannot be reset: .* no wire in `Slide.wires` named `curent`\nhint: did you"
+    expected = r"the plant `slide` cannot be reset: .* no wire in `Slide.wires` named `curent`\nhint: Use"
     with pytest.raises(PlantError, match=expected):
         cosim.run(scenario)
 

@@ -53,12 +53,12 @@ TEXTS = {
     "failing/plant": SCENARIO + END + "[plant.parameters]\nfail_at = 3\n",
 }
 TABLE = """\
-scenario       claim                              paper        measured  limit           pass
-lag            The lag comes near to zero         first order  667 mm    1 mm .. 700 mm  yes
-               It settles                                      yes       = yes           yes
+scenario       claim                       paper        measured    limit           result
+lag            The lag comes near to zero  first order  667 mm      1 mm .. 700 mm  passed
+               It settles                               as claimed                  passed
 lag/broken     could not run
 lag/free       no criteria
-lag/short      The lag ends < 450 nm                           667 mm    <= 450 nm       NO
+lag/short      The lag ends < 450 nm                    667 mm      <= 450 nm       FAILED
 failing/plant  could not run
 2 of 3 criteria passed, 2 of 5 scenarios could not run
 """
@@ -192,17 +192,17 @@ def test_scenarios_are_meant_by_name_file_and_pattern() -> None:
 
 @pytest.mark.usefixtures("tested")
 def test_two_files_of_one_name_are_rejected() -> None:
-    with pytest.raises(CosimError, match="another file are both the scenario `lag`"):
+    with pytest.raises(CosimError, match="another file both define the scenario `lag`"):
         runner.run(["lag", "elsewhere/lag.toml"], runner.RunOptions())
 
 
 @pytest.mark.parametrize(
     ("file", "content", "kind"),
     [
-        ("lag.json", '{"color": "of the user"}', "result of a run"),
-        ("lag/free.svg", "a note", "plot of a run"),
-        ("lag.svg", DRAWN, "plot of a run"),
-        ("acceptance.txt", "a note", "acceptance table"),
+        ("lag.json", '{"color": "of the user"}', "the result of a run"),
+        ("lag/free.svg", "a note", "the plot of a run"),
+        ("lag.svg", DRAWN, "the plot of a run"),
+        ("acceptance.txt", "a note", "an acceptance table"),
     ],
 )
 @pytest.mark.usefixtures("tested")

@@ -186,7 +186,7 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "backslash": (holding({"a\\b": "x"}), ("backslash", "forward slashes")),
     "control character": (holding({"a\x1b[31mb": "x"}), ("control character",)),
     "symbolic link": (linked, ("`resources/link`", "symbolic link")),
-    "file and folder": (holding({"binaries": "x"}), ("`binaries`", "a file and a folder at once")),
+    "file and folder": (holding({"binaries": "x"}), ("`binaries`", "both a file and a folder")),
     "bomb": (bomb, ("unpacks to 300 MB", "taken for an attack")),
     "two FMUs in one": (
         files({"a.fmu/modelDescription.xml": "x", "b.fmu/x": ""}),

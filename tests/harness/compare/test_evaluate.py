@@ -98,12 +98,14 @@ def test_the_command_evaluates_without_a_run(stored: Path, folder: Path) -> None
     scenario = folder / "lag.toml"
     scenario.write_text(scenario.read_text().partition("[[criterion]]")[0])
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
-    assert (done.returncode, "nothing was demanded" in done.stdout) == (0, True)
+    assert (done.returncode, "no criteria" in done.stdout) == (0, True)
 
 
 def test_a_column_that_the_trace_does_not_have_is_named(stored: Path) -> None:
     scenario = cosim.load("lag.toml", ["metric.end.value='last(plant.why)'"])
-    with pytest.raises(CosimError, match=r"names `plant.why`, which is not a known column of the trace `lag.npz`"):
+    with pytest.raises(
+        CosimError, match=r"names `plant.why`, which is not a known column of the trace `lag.npz`"
+    ):
         cosim.evaluate(scenario, cosim.read_trace(stored))
 
 

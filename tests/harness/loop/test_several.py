@@ -145,7 +145,7 @@ def test_runs_repeat_and_the_native_engine_leaves_it_to_the_reference_loop(
         first, again = session.run(), session.run()
     result = cosim.run(scenario, engine="native")
     assert result.engine == "reference"
-    reported = [record.getMessage() for record in caplog.records if "reference loop" in record.getMessage()]
+    reported = [record.getMessage() for record in caplog.records if "reference engine" in record.getMessage()]
     assert reported == ["`ring` runs in the reference engine: the native engine requires a `[controller]`"]
     assert whole(first).tobytes() == whole(again).tobytes() == whole(result).tobytes()
 

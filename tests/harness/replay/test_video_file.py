@@ -150,7 +150,7 @@ def test_what_cannot_draw_costs_the_picture_alone(folder: Path) -> None:
     done = command("video", "cart.toml", "-o", "cart.mp4", "-q", **lacking)
     assert done.returncode == 2
     assert "no picture can be drawn here: `" in done.stderr
-    assert "hint: on Debian or Ubuntu" in done.stderr
+    assert "on Debian or Ubuntu" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -214,7 +214,7 @@ def test_an_mjcf_names_what_may_be_drawn_larger(cart: Path) -> None:
 def test_a_camera_that_is_not_there_is_reported(cart: Path) -> None:
     with pytest.raises(CosimError, match="no camera `sid`") as caught:
         video_file.made(recorded(cart), Shot((64, 48), camera="sid"), ".webp")
-    assert caught.value.hint == "Use `side`"
+    assert caught.value.hint == "Use `side`."
 
 
 def test_without_a_renderer_there_is_a_hint(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -102,7 +102,7 @@ def test_percent_of_a_metric_without_unit_is_no_guess(write: Write) -> None:
     expected = r"`criterion.end.unit` is `%`, `metric.end` has no unit; it is ambiguous"
     with pytest.raises(ExpressionError, match=expected) as caught:
         cosim.Session(cosim.load(file, set="criterion.end.unit=%"))
-    assert caught.value.hint == 'give the metric `unit = "1"` if it is a part of one, else `unit = "%"`'
+    assert caught.value.hint == 'Set `unit = "1"` in the metric if it is a fraction, otherwise `unit = "%"`.'
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("1", 100.0), ("%", 1.0)])

@@ -21,7 +21,7 @@ FILES = {
     "deep dotted key": (f"[plot]\n{'a.' * DEEP}b = 1", "nested more than 32 deep"),
     "deep parameters": (f"[controller.parameters]\n{'a.' * DEEP}b = 1", "nested more than 32 deep"),
     "deep table": (f"[plot.{'a.' * DEEP}b]\nc = 1", "nested more than 32 deep"),
-    "65 bits": (f"[controller.parameters]\ngain = {2**63}", "`9223372036854775808`, integers have 64"),
+    "65 bits": (f"[controller.parameters]\ngain = {2**63}", "`9223372036854775808`, but integers have 64"),
     "400 digits": (f"[controller.parameters]\ngain = {'9' * 400}", "integers have 64 bits"),
     "5000 digits": (f"[controller.parameters]\ngain = {'9' * 5000}", "cannot be read: Exceeds the limit"),
 }

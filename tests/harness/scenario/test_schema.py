@@ -142,7 +142,7 @@ def test_parameters_carry_their_texts_units_and_defaults() -> None:
     }
     controller = tables["controller"]["properties"]["parameters"]["properties"]
     assert controller["law"]["enum"][::2] == ["Default", "Paper"]
-    assert controller["stage.mass"]["description"] == "Nominal moving mass M_n (kg)"
+    assert controller["stage.mass"]["description"] == "Nominal moving mass (kg)"
     assert controller["stage"]["properties"]["mass"] == controller["stage.mass"]
 
 

@@ -54,7 +54,7 @@ def test_long_names_that_begin_alike_stay_apart() -> None:
 def test_a_trace_that_is_too_long_is_rejected_before_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     files.check_rows(Path("x.mat"), 268_435_455)
     files.check_rows(Path("x.parquet"), 268_435_456)
-    with pytest.raises(CosimError, match=r"268435456 rows takes 2\.1 GB(?s:.*)`\.parquet` has no such limit"):
+    with pytest.raises(CosimError, match=r"268435456 rows needs 2\.1 GB(?s:.*)Use `\.parquet`"):
         files.check_rows(Path("x.mat"), 268_435_456)
     monkeypatch.setattr(mat, "MOST", 8 * 39)
     with pytest.raises(CosimError, match="40 rows"):
