@@ -69,7 +69,7 @@ def quoted(names: list[str]) -> str:
 
 
 def undriven(scenario: Scenario, known: list[str]) -> list[str]:
-    """List the names of `known` without wire, signal, injection or start value that `undriven` does not list."""
+    """List names of `known` without wire, signal, injection or start value that `undriven` does not list."""
     started = {f"{choice.name}.{name}" for choice in scenario.fmus for name in choice.parameters}
     meant = {to for _, to in targets(scenario)} | started | set(scenario.undriven)
     return [name for name in known if name not in meant]

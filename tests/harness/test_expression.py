@@ -272,7 +272,7 @@ def test_a_metric_that_others_name_is_computed_once() -> None:
 
 
 def test_a_condition_on_a_row_knows_no_metric() -> None:
-    with pytest.raises(ExpressionError, match=r"`metric\.far`, but metrics are available only in other metrics"):
+    with pytest.raises(ExpressionError, match=r"`metric\.far`, but metrics are available only in other"):
         Expression("metric.far > 1", NAMES, "`loop.stop_when`", rowwise=True)
 
 

@@ -1,4 +1,4 @@
-"""`cosim evaluate`: a stored trace gives the numbers of its run, and new ones for new metrics and criteria."""
+"""`cosim evaluate`: a stored trace gives the numbers of its run, and new ones for new criteria."""
 
 from __future__ import annotations
 

@@ -202,7 +202,7 @@ def test_a_map_sums_up_in_cells() -> None:
             Chart("path", ("plant.x",), x="time", error="plant.z", equal=True),
             "`plant.z`, which is not a known column",
         ),
-        (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "of the kind `array` does not accept `parts`"),
+        (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "kind `array` does not accept `parts`"),
     ],
 )
 def test_what_cannot_be_drawn_is_reported(chart: Chart, message: str) -> None:

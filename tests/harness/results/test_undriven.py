@@ -27,7 +27,7 @@ def test_what_nothing_drives_is_warned_of_once(write: Write, caplog: pytest.LogC
         "`lag.toml`: `undriven` lists `plant.etra`, which is not an input or command. "
     )
     assert unknown.endswith("Use `plant.extra`.")
-    assert forgotten.startswith("`lag.toml`: nothing drives `controller.flag`, `plant.extra`: add the missing ")
+    assert forgotten.startswith("`lag.toml`: nothing drives `controller.flag`, `plant.extra`: add the ")
 
 
 def test_a_command_that_nothing_drives_stays_at_its_start(
