@@ -10,7 +10,7 @@ async function expanded(id) {
   return new Response(stream.pipeThrough(new DecompressionStream("gzip"))).text();
 }
 
-// the library is read when the first plot comes into sight
+// the library is loaded when the first plot becomes visible
 let ready;
 function prepared() {
   ready ??= (async () => {
@@ -78,15 +78,15 @@ function layout(view, panel) {
     yaxis: axis({ ...wide, type: panel.log ? "log" : "linear" }),
     shapes: [...events, ...limits],
     annotations: [
-      // one below the other: events may follow each other at once
+      // on separate lines, because events can coincide
       ...view.events.map(([t, text], i) => ({ ...words, x: t, yref: "paper", y: 1 - 0.14 * (i % 4), yanchor: "top", text, xanchor: "left" })),
-      // on a logarithmic axis the place is the logarithm
+      // on a logarithmic axis the position is the logarithm
       ...panel.limits.map(([y, text]) => ({ ...words, xref: "paper", x: 1, xanchor: "right", y: panel.log ? Math.log10(y) : y, yanchor: "bottom", text })),
     ],
   };
 }
 
-// the still drawing stays for print
+// the static drawing is kept for print
 function plotOf(figure) {
   if (!one(".plot", figure)) figure.append(Object.assign(document.createElement("div"), { className: "plot" }));
   figure.classList.add("drawn");
@@ -121,17 +121,17 @@ async function drawChart(figure) {
     ],
     annotations: [
       ...chart.marks.map(([, text], i) => ({ ...words, yref: "paper", y: 1 - 0.07 * i, yanchor: "top", text, bgcolor: colour("--paper") })),
-      // on a logarithmic axis the place is the logarithm
+      // on a logarithmic axis the position is the logarithm
       ...chart.levels.map(([y, text]) => ({ ...words, y: chart.log ? Math.log10(y) : y, yanchor: "bottom", text })),
     ],
-    // margins that follow the numbers and equal scales change each other
+    // automatic margins and equal scales interact
     ...frame(), height: 360, margin: { l: 74, r: 12, t: 6, b: 44 }, hovermode: "closest",
     xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear", ...(chart.whole ? { dtick: between(lines.flatMap((line) => line.x)) } : {}) }),
     yaxis: axis({ automargin: false, title: { text: chart.label, standoff: 4 }, type: chart.log ? "log" : "linear", ...(chart.equal ? { scaleanchor: "x" } : {}) }),
   }, { responsive: true, displaylogo: false, displayModeBar: false });
 }
 
-// whole numbers from one tick to the next
+// integer tick distance
 const between = (x) => Math.max(1, Math.ceil((Math.max(...x) - Math.min(...x)) / 10));
 
 // values over an angle, with limits as circles
@@ -189,7 +189,7 @@ const watch = new IntersectionObserver((entries) => {
 const DRAWN = ".view[data-view], figure[data-chart]";
 all(DRAWN).forEach((box) => watch.observe(box));
 
-// light or dark: as the system says, until somebody chooses
+// light or dark as in the system, until the user chooses
 const dark = matchMedia("(prefers-color-scheme: dark)");
 const again = () => all(DRAWN).filter((box) => box.classList.contains("drawn")).forEach(draw);
 one("#theme").addEventListener("click", () => {
@@ -216,11 +216,11 @@ if (filters) {
   filter();
 }
 
-// a picture stands once in the page: in its chapter, where it is what the film begins with
+// each picture is once in the page: in its chapter, as the poster of the video
 all("img[data-still]").forEach((image) => { image.src = one("#" + image.dataset.still + " .with-video img, #" + image.dataset.still + " .story img").src; });
 all(".with-video").forEach((box) => { one("video", box).poster = one("img", box).src; });
 
-// a link opens what it leads to
+// a link opens its target
 function opened() {
   const target = location.hash && document.getElementById(location.hash.slice(1));
   if (!target) return;
@@ -230,7 +230,7 @@ function opened() {
 addEventListener("hashchange", opened);
 opened();
 
-// what is closed is printed, too
+// print closed parts as well
 let closed = [];
 addEventListener("beforeprint", () => {
   closed = all("details:not([open])");

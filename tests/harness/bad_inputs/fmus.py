@@ -163,7 +163,7 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "wrong identifier": (identifier("Nope"), (f"`{PLATFORM}/Nope.so`", "`probe.so`")),
     "no model description": (files({LIBRARY: b""}), ("holds no `modelDescription.xml`", LIBRARY)),
     "undefined unit": (edited((GAIN, '<Real unit="furlong" start="1"/>')), ('"furlong"', "is not defined")),
-    "library cut off": (with_library(lambda b: b[: len(b) // 2]), (LIBRARY, "was cut off")),
+    "library cut off": (with_library(lambda b: b[: len(b) // 2]), (LIBRARY, "is truncated")),
     "not a zip": (raw(b"hello, this is a text"), ("is not an FMU", "not a zip file")),
     # the reference defects: calls
     "wrong GUID": (edited(("probe-guid", "other")), ("cannot instantiate", "wrong GUID")),
@@ -176,8 +176,8 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     # zip files
     "empty file": (raw(b""), ("is not an FMU", "it is empty")),
     "empty zip": (files({}), ("holds no `modelDescription.xml`", "it is empty")),
-    "zip cut off": (patched(lambda b: b[:-200]), ("is not an FMU", "cut off")),
-    "bad sum": (patched(flipped), ("is damaged", "`modelDescription.xml` does not unpack")),
+    "zip cut off": (patched(lambda b: b[:-200]), ("is not an FMU", "truncated")),
+    "bad sum": (patched(flipped), ("is damaged", "`modelDescription.xml` cannot be unpacked")),
     "encrypted": (flagged(1), ("`modelDescription.xml`", "is encrypted")),
     "other method": (flagged(0, 99), ("`modelDescription.xml`", "method 99")),
     "path upwards": (holding({"../../x": "x"}), ("`../../x`", "leaves the folder of the FMU")),
@@ -187,7 +187,7 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "control character": (holding({"a\x1b[31mb": "x"}), ("control character",)),
     "symbolic link": (linked, ("`resources/link`", "symbolic link")),
     "file and folder": (holding({"binaries": "x"}), ("`binaries`", "both a file and a folder")),
-    "bomb": (bomb, ("unpacks to 300 MB", "taken for an attack")),
+    "bomb": (bomb, ("unpacks to 300 MB", "the limit is 100 times")),
     "two FMUs in one": (
         files({"a.fmu/modelDescription.xml": "x", "b.fmu/x": ""}),
         ("holds no `modelDescription.xml`", "`a.fmu/modelDescription.xml`"),
@@ -233,9 +233,9 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "identifier dots": (identifier(".."), ("`modelIdentifier` is `..`",)),
     # libraries
     "library empty": (with_library(lambda b: b""), (LIBRARY, "is empty")),
-    "library is a text": (with_library(lambda b: b"x" * 5000), (LIBRARY, "no library of Linux")),
-    "library header only": (with_library(lambda b: b[:64]), (LIBRARY, "was cut off")),
-    "library without last page": (with_library(lambda b: b[: len(b) * 3 // 5]), (LIBRARY, "was cut off")),
+    "library is a text": (with_library(lambda b: b"x" * 5000), (LIBRARY, "is not a Linux library")),
+    "library header only": (with_library(lambda b: b[:64]), (LIBRARY, "is truncated")),
+    "library without last page": (with_library(lambda b: b[: len(b) * 3 // 5]), (LIBRARY, "is truncated")),
     "library of another machine": (
         with_library(lambda b: b[:18] + struct.pack("<H", 183) + b[20:]),
         ("cannot load the library", "probe.so"),
@@ -266,7 +266,7 @@ WARNED: dict[str, tuple[Build, tuple[str, ...]]] = {
         ("`controller.mode_out` is `77` at t = 0.003 s, which is not one of its items: `1` Off, `2` Slow",),
     ),
     "another version": (defect("version_3"), ("`broken.fmu`: `fmi2GetVersion` returns `3.0`, not `2.0`",)),
-    "no version": (defect("version_null"), ("`fmi2GetVersion` returns nothing",)),
+    "version is null": (defect("version_null"), ("`fmi2GetVersion` returns nothing",)),
     "another platform": (defect("platform"), ("`fmi2GetTypesPlatform` returns `nonsense`, not `default`",)),
 }
 """Defects that hinder no run: it is done, with a warning."""

@@ -87,7 +87,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "unknown command": (edited('"plant.u"', '"plant.v"'), ("no command `v`",)),
     "unknown input": (edited('"controller.in"', '"controller.inn"'), ("no variable `inn`", "`in`")),
     "unknown output": (edited('"controller.out"', '"controller.otu"'), ("no variable `otu`", "`out`")),
-    "wire to an output": (edited('"controller.in"', '"controller.sum"'), ("`controller.sum`", "not an input")),
+    "wire to an output": (edited('"controller.in"', '"controller.sum"'), ("`controller.sum`", "an input")),
     "wire from an input": (
         edited('"controller.out"', '"controller.in"'),
         ("`controller.in`", "not a numeric output"),

@@ -39,7 +39,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "range without width": (
         DRAWN + '[[vary]]\nkey = "wire.plant.u.scale"\nminimum = -1.7e308\nmaximum = 1.7e308\n',
-        ("`vary[0]`", "`-1.7e+308` .. `1.7e+308`", "beyond all numbers"),
+        ("`vary[0]`", "`-1.7e+308` .. `1.7e+308`", "width is too large"),
     ),
     "integers beyond all": (
         DRAWN + VARY + "minimum = 0\nmaximum = 1e300\ninteger = true\n",
@@ -57,7 +57,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "CSV is a pipe": (LIST + 'file = "pipe.csv"\n', ("`design.file`", "pipe.csv`", "is not a file")),
     "CSV is missing": (LIST + 'file = "no.csv"\n', ("`design.file`", "no.csv`", "does not exist")),
     "CSV of bytes": (LIST + 'file = "bytes.csv"\n', ("`design.file`", "bytes.csv`", "cannot be read")),
-    "CSV is empty": (LIST + 'file = "empty.csv"\n', ("no cases",)),
+    "CSV is empty": (LIST + 'file = "empty.csv"\n', ("`case` is empty",)),
     "CSV with NUL": (LIST + 'file = "nul.csv"\n', ("`plant.pole`",)),
     "CSV with an unknown key": (LIST + 'file = "unknown.csv"\n', ("`plant.ploe`",)),
     "too many dimensions": (

@@ -86,7 +86,7 @@ def test_a_bad_sum_of_the_library_is_found(lag: Path, refuse: Refuse, broken_lib
         )
 
     fmus.patched(flip)(lag / "broken.fmu", broken_library)
-    words = ("`broken.fmu` is damaged", "does not unpack")
+    words = ("`broken.fmu` is damaged", "cannot be unpacked")
     refuse(Case(given("run", "lag.toml", "--set", "controller.fmu=broken.fmu"), words))
 
 

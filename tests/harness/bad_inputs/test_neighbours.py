@@ -129,5 +129,5 @@ def test_both_engines_put_back_how_the_processor_calculates(
     with cosim.Session(cart, engine=engine) as session:
         assert session.run().engine == engine
     assert not before.put_back()
-    reported = "the FMU `rounding.fmu` or the plant `cart.xml` changed how the processor calculates"
+    reported = "the FMU `rounding.fmu` or the plant `cart.xml` changed the floating-point environment"
     assert reported in caplog.text
