@@ -9,13 +9,13 @@ mod motion;
 mod parameters;
 mod sampling;
 
+pub use commission::active::ActiveValues;
 pub use commission::bounds::{
-    DELAY_SPREAD, RATIO_MAX, SIGNIFICANT, bearable_delays, check_commission_time, commission_time, significant_or,
-    sure, told_or, whole_delay, within_factor,
+    DELAY_SPREAD, RATIO_MAX, SIGNIFICANT, check_commission_time, commission_time, configured_or, is_certain,
+    significant_or, tolerated_delays, whole_delay, within_factor,
 };
 pub use commission::excitation::{Excitation, ExcitationTimes};
 pub use commission::export::{export_commission, export_values};
-pub use commission::in_force::InForce;
 pub use commission::multisine::{HARMONICS, Multisine, TONES};
 pub use estimation::allan::{AllanVariance, of_walk_and_white, walk_and_white};
 pub use estimation::angle::{Unwrapper, wrap, wrap_half_open};
@@ -41,7 +41,7 @@ pub use parameters::numbers::{real_numbers, whole_numbers};
 pub use parameters::parameter::Parameter;
 pub use sampling::consecutive::Consecutive;
 pub use sampling::edge::Edge;
-pub use sampling::input::{believable, with_nonsense};
+pub use sampling::input::{is_plausible, with_nonsense};
 pub use sampling::last_good::LastGood;
 pub use sampling::request::WaitingRequest;
 pub use sampling::sent_commands::{DELAY_MAX, SentCommands};

@@ -3,7 +3,7 @@
 //! A value that is not a number, or beyond any machine, is bridged like a jump. Before the first good value nothing can replace a measurement; the
 //! override is then 0. The first measurement may be the bad one: if the second differs, the position of the axis is unknown until two agree.
 
-use control_blocks::{Consecutive, JumpGuard, Reach, believable};
+use control_blocks::{Consecutive, JumpGuard, Reach, is_plausible};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Input, Parameters};
@@ -106,7 +106,7 @@ impl Reader {
 
     /// Reads one sample: what to use, and what is wrong with it.
     pub fn read(&mut self, p: &Parameters, input: &Input, known: &Known) -> (Reading, Finding) {
-        let number = |value: f64, most: f64| if believable(value, most) { value } else { f64::NAN };
+        let number = |value: f64, most: f64| if is_plausible(value, most) { value } else { f64::NAN };
         let positions = input.axis.map(|axis| number(axis.position, POSITION_MAX));
         let speed = number(input.spindle_speed, SPINDLE_MAX);
         let valid = input.speed_override.is_finite();
@@ -142,10 +142,10 @@ impl Reader {
     fn doubted(&self, p: &Parameters, input: &Input) -> Finding {
         let bridged = p.limits.lost_samples.unsigned_abs();
         let (fault, axis) = if let Some(i) = self.axes.iter().position(|axis| axis.lost() > bridged) {
-            let number = believable(input.axis[i].position, POSITION_MAX);
+            let number = is_plausible(input.axis[i].position, POSITION_MAX);
             (if number { Fault::PositionJump } else { Fault::PositionLost }, i as i32 + 1)
         } else if self.spindle.doubted() > bridged {
-            let number = believable(input.spindle_speed, SPINDLE_MAX);
+            let number = is_plausible(input.spindle_speed, SPINDLE_MAX);
             (if number { Fault::SpindleJump } else { Fault::SpindleLost }, 0)
         } else if self.invalid.count() > bridged {
             (Fault::InvalidInput, 0)
@@ -186,10 +186,10 @@ mod tests {
         for bad in with_nonsense(&good, &changes).into_iter().chain(absurd) {
             // a tool that does not cut may reach any speed in a sample
             for known in [REST, Known { cuts: false, ..REST }] {
-                let placed = bad.axis.iter().all(|axis| believable(axis.position, POSITION_MAX));
+                let placed = bad.axis.iter().all(|axis| is_plausible(axis.position, POSITION_MAX));
                 let fault = if !placed {
                     Fault::PositionLost
-                } else if believable(bad.spindle_speed, SPINDLE_MAX) {
+                } else if is_plausible(bad.spindle_speed, SPINDLE_MAX) {
                     Fault::InvalidInput
                 } else {
                     Fault::SpindleLost

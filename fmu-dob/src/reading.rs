@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use control_blocks::{Consecutive, Edge, Frozen, JumpGuard, Reach, believable};
+use control_blocks::{Consecutive, Edge, Frozen, JumpGuard, Reach, is_plausible};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
@@ -133,8 +133,8 @@ impl Parameters {
 impl Reader {
     /// Checks one sample.
     pub fn read(&mut self, p: &Parameters, input: &Input, expected: &Expected) -> Reading {
-        let position_good = believable(input.position, POSITION_MAX);
-        let speed_good = believable(input.spindle_speed, SPEED_MAX);
+        let position_good = is_plausible(input.position, POSITION_MAX);
+        let speed_good = is_plausible(input.spindle_speed, SPEED_MAX);
         let given = (input.position_valid && position_good).then_some(p.direction() * input.position);
         let lost_too_long = self.lost.count() > p.limits.lost_samples.unsigned_abs();
         let position = self.believe(p, given, expected, lost_too_long);

@@ -7,7 +7,7 @@ pub mod bounds;
 
 use axis::GuardedAxis;
 use bounds::{ANGLE_MAX, arm, slide, spindle};
-use control_blocks::{LastGood, believable};
+use control_blocks::{LastGood, is_plausible};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
@@ -65,7 +65,7 @@ impl Reader {
     pub fn read(&mut self, p: &Parameters, input: &Input, torque: f64) -> Reading {
         self.torque = torque.abs().max(self.torque * (-p.sample_period / RECENT).exp());
         let (arm, spindle, slide) = (arm(p, self.torque), spindle(p), slide(p));
-        let (hold_angle, holds) = self.hold.update(input.hold_angle, believable(input.hold_angle, ANGLE_MAX));
+        let (hold_angle, holds) = self.hold.update(input.hold_angle, is_plausible(input.hold_angle, ANGLE_MAX));
         self.hold_lost = if holds { 0 } else { self.hold_lost.saturating_add(1) };
         let reading = Reading {
             arm_angle: self.arm.update(input.arm_angle, &arm),

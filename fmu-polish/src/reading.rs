@@ -1,6 +1,6 @@
 //! Checks the inputs of a sample: usable values and their plausibility.
 
-use control_blocks::{Consecutive, Edge, JumpGuard, Reach, believable};
+use control_blocks::{Consecutive, Edge, JumpGuard, Reach, is_plausible};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -104,7 +104,7 @@ impl Reader {
         let force = Reach { motion: growth, spread: noise };
         let position = Reach { motion: p.velocity_max * p.sample_period, spread: SPREAD * p.encoder_resolution };
         let (x, f) = (input.position.vector(), input.force.vector());
-        let missing = [x.map(|x| !believable(x, POSITION_MAX)), f.map(|f| !believable(f, FORCE_MAX))];
+        let missing = [x.map(|x| !is_plausible(x, POSITION_MAX)), f.map(|f| !is_plausible(f, FORCE_MAX))];
         let lost = [0, 1].map(|i| self.lost[i].update(missing[i].iter().any(|missing| *missing)));
         let reading = Reading {
             position: believe(&mut self.position, &x, missing[0], position),

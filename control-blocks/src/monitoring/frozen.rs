@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_stands_is_told_by_the_motion_alone() {
+    fn a_frozen_reading_is_detected_by_the_motion_only() {
         let most = largest(|_| 0.0);
         assert!((most - 9_999.0 * STEP).abs() < 1e-9, "{most}");
     }

@@ -81,14 +81,14 @@ mod tests {
     }
 
     #[test]
-    fn the_first_error_is_told() {
+    fn the_first_error_is_reported() {
         let message = refusal(P, |p| (p.low, p.steps) = (2.0, 0), check);
         assert!(message.starts_with("parameter `high`"), "{message}");
     }
 
     #[test]
     #[should_panic(expected = "`high` is `1`")]
-    fn another_limit_than_the_told_one_is_no_refusal() {
+    fn another_limit_is_no_refusal() {
         assert_refusals(check, &[P], &[(|p| p.low = 1.0, "high", "`1`", "less")]);
     }
 

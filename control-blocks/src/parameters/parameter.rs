@@ -71,7 +71,7 @@ mod tests {
 
     const GAP: Parameter<f64> = Parameter { name: "follow.gap", value: 2.5, unit: "m", hint: "move on" };
 
-    fn told(outcome: Result<(), ParameterError>) -> String {
+    fn text(outcome: Result<(), ParameterError>) -> String {
         let error = outcome.unwrap_err();
         assert_eq!((error.name, error.value.as_str(), error.hint), ("follow.gap", "2.5 m", "move on"));
         error.limit
@@ -81,10 +81,10 @@ mod tests {
     fn the_limit_belongs_to_the_closed_ranges_only() {
         assert_eq!((GAP.at_least(2.5, "-"), GAP.at_most(2.5, "-")), (Ok(()), Ok(())));
         assert_eq!((GAP.more_than(2.0, "-"), GAP.less_than(3.0, "-")), (Ok(()), Ok(())));
-        assert_eq!(told(GAP.at_least(3.0, "the way")), "at least `3 m`, the way");
-        assert_eq!(told(GAP.at_most(2.0, "the way")), "at most `2 m`, the way");
-        assert_eq!(told(GAP.more_than(2.5, "the way")), "more than `2.5 m`, the way");
-        assert_eq!(told(GAP.less_than(2.5, "the way")), "less than `2.5 m`, the way");
+        assert_eq!(text(GAP.at_least(3.0, "the distance")), "at least `3 m`, the distance");
+        assert_eq!(text(GAP.at_most(2.0, "the distance")), "at most `2 m`, the distance");
+        assert_eq!(text(GAP.more_than(2.5, "the distance")), "more than `2.5 m`, the distance");
+        assert_eq!(text(GAP.less_than(2.5, "the distance")), "less than `2.5 m`, the distance");
     }
 
     #[test]

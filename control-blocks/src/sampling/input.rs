@@ -1,7 +1,7 @@
 //! Plausibility of an input.
 
 /// Whether an input is finite and within a limit.
-pub fn believable(value: f64, limit: f64) -> bool {
+pub fn is_plausible(value: f64, limit: f64) -> bool {
     value.is_finite() && value.abs() <= limit
 }
 
@@ -27,9 +27,9 @@ mod tests {
     #[test]
     fn neither_nan_nor_infinity_nor_the_absurd() {
         for (value, expected) in [(-2.0, true), (2.0, true), (2.1, false), (f64::NAN, false), (f64::INFINITY, false)] {
-            assert_eq!(believable(value, 2.0), expected, "{value}");
+            assert_eq!(is_plausible(value, 2.0), expected, "{value}");
         }
-        assert!(!believable(f64::INFINITY, f64::INFINITY));
+        assert!(!is_plausible(f64::INFINITY, f64::INFINITY));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The commissioning run as seen by the controller: results, and the active values.
 
-use control_blocks::InForce;
+use control_blocks::ActiveValues;
 use serde::{Deserialize, Serialize};
 
 use crate::commission::experiment::{Experiment, Round};
@@ -18,7 +18,7 @@ pub struct Identification {
     pub rejected: bool,
     /// The experiment is finished, and its result is good.
     pub finished: bool,
-    values: InForce<Values>,
+    values: ActiveValues<Values>,
 }
 
 impl Identification {
@@ -29,7 +29,7 @@ impl Identification {
             measured: Measured::START,
             rejected: false,
             finished: false,
-            values: InForce::new(Values::of(p)),
+            values: ActiveValues::new(Values::of(p)),
         }
     }
 
@@ -77,7 +77,7 @@ impl Identification {
         if !last {
             return;
         }
-        let told = self.values.told();
+        let told = self.values.configured();
         self.rejected = !told.accept(p, &self.measured, shift);
         if !self.rejected {
             (self.measured.valid, self.finished) = (true, true);

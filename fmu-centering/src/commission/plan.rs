@@ -9,7 +9,7 @@
 //! All strokes are on the side of the ring, because the slide waits at the rear end of its travel. They end long before the ring:
 //! an approach without a ring may move by `approach.travel_max`, and the pusher touches only at `probe.at_pusher`.
 
-use control_blocks::{commission_time, told_or};
+use control_blocks::{commission_time, configured_or};
 
 use crate::interface::Parameters;
 use crate::limits::slowest_servo;
@@ -52,8 +52,8 @@ pub fn stroke(number: usize) -> Option<(f64, f64)> {
 /// Maximum travel towards the ring (m): `commission.travel`, or the one with which the longest stroke back and
 /// forth, 4 (d / a)^(1/2), takes four periods of the servo.
 pub fn travel(p: &Parameters) -> f64 {
-    told_or(p.commission.travel, || {
-        let period = PERIODS * std::f64::consts::TAU / told_or(p.slide.bandwidth, || slowest_servo(p));
+    configured_or(p.commission.travel, || {
+        let period = PERIODS * std::f64::consts::TAU / configured_or(p.slide.bandwidth, || slowest_servo(p));
         let way = acceleration(p) * (0.25 * period).powi(2);
         way.min(PUSHER_SHARE * p.probe.at_pusher).min(p.approach.travel_max)
     })
@@ -61,7 +61,7 @@ pub fn travel(p: &Parameters) -> f64 {
 
 /// Acceleration (m/s2) of the strokes: `commission.acceleration`, or that of all moves.
 pub fn acceleration(p: &Parameters) -> f64 {
-    told_or(p.commission.acceleration, || p.slide.acceleration_max)
+    configured_or(p.commission.acceleration, || p.slide.acceleration_max)
 }
 
 /// Longest commissioning run (s): the time of its motions and of one more round, with a reserve.

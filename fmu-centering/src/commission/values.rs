@@ -1,6 +1,6 @@
 //! Parameters that a commissioning run derives, and whether its result can be used.
 
-use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
+use control_blocks::{DELAY_MAX, RATIO_MAX, is_certain, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::response::braked_late;
@@ -45,7 +45,7 @@ impl Values {
     /// condition that the checks of the parameters impose on derived values. `shift` (samples) is the change of the delay in the
     /// last round. The effect of servo steps rejects nothing: the servo acts as identified.
     pub fn accept(&self, p: &Parameters, m: &Measured, shift: f64) -> bool {
-        sure(m.slide_bandwidth, m.slide_bandwidth_std, STD_MAX.hypot(braked_late(p, m)))
+        is_certain(m.slide_bandwidth, m.slide_bandwidth_std, STD_MAX.hypot(braked_late(p, m)))
             && m.io_delay_std.max(shift.abs()) <= DELAY_STD_MAX
             && m.slide_bandwidth >= slowest_servo(p)
             && servo_damping(p, m.slide_bandwidth).contains(&m.slide_damping)

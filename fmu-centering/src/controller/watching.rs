@@ -104,7 +104,8 @@ impl Controller {
             return;
         }
         self.servo = self.servo_estimator.servo(p.sample_period);
-        if p.learns_servo() && self.servo.is_some_and(|servo| servo.sure() && servo.bandwidth < slowest_servo(p)) {
+        if p.learns_servo() && self.servo.is_some_and(|servo| servo.is_certain() && servo.bandwidth < slowest_servo(p))
+        {
             events.fault = Some(Fault::SlowServo);
         }
     }
@@ -113,7 +114,7 @@ impl Controller {
     /// result of a commissioning run is active; otherwise that of the active parameters.
     pub(super) fn bandwidth(&self, p: &Parameters) -> f64 {
         let commissioned = p.commission.apply && self.commissioned();
-        let found = self.servo.filter(|servo| servo.sure() && p.learns_servo() && !commissioned);
+        let found = self.servo.filter(|servo| servo.is_certain() && p.learns_servo() && !commissioned);
         found.map_or(p.slide.bandwidth, |servo| servo.bandwidth)
     }
 
@@ -121,7 +122,7 @@ impl Controller {
     pub(super) fn measured(&self) -> Measured {
         match self.servo.filter(|_| !self.commissioned()) {
             Some(servo) => Measured {
-                valid: servo.sure(),
+                valid: servo.is_certain(),
                 slide_bandwidth: servo.bandwidth,
                 slide_bandwidth_std: servo.deviation,
                 ..Measured::START

@@ -55,7 +55,7 @@ impl Table {
 mod tests {
     use super::*;
 
-    fn told() -> Parameters {
+    fn configured() -> Parameters {
         Parameters { spindle_speed: 8.0, spindle_acceleration: 16.0, spindle_window: 0.2, ..Parameters::START }
     }
 
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn the_setpoint_rises_evenly_and_ends_exactly() {
         for sign in [1.0, -1.0] {
-            let p = Parameters { spindle_speed: sign * 8.0, ..told() };
+            let p = Parameters { spindle_speed: sign * 8.0, ..configured() };
             assert!((after(250, &p, |w| w).setpoint() - sign * 4.0).abs() < 1e-9);
             assert_eq!(after(501, &p, |w| w).setpoint(), sign * 8.0);
         }
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn it_comes_back_to_rest_as_evenly() {
-        let p = told();
+        let p = configured();
         let mut table = after(600, &p, |w| w);
         for _ in 0..250 {
             table.update(&p, false, 0.0);
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn it_is_steady_once_the_regression_is_behind_the_ramp() {
-        let p = told();
+        let p = configured();
         assert!(!after(699, &p, |w| w).steady(&p));
         assert!(after(700, &p, |w| w).steady(&p));
         assert!(after(700, &p, |w| 1.04 * w).steady(&p) && after(700, &p, |w| 0.96 * w).steady(&p));
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_table_that_does_not_turn_as_told_is_found_a_second_later() {
-        let p = told();
+        let p = configured();
         for share in [0.0, 0.94, 1.06, -1.0] {
             assert!(!after(1699, &p, |w| share * w).disobeys(&p), "{share}");
             assert!(after(1700, &p, |w| share * w).disobeys(&p), "{share}");
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn without_a_speed_any_table_is_right() {
-        let p = Parameters { spindle_speed: 0.0, ..told() };
+        let p = Parameters { spindle_speed: 0.0, ..configured() };
         let table = after(9000, &p, |_| 3.0);
         assert!(table.setpoint() == 0.0 && table.steady(&p) && !table.disobeys(&p));
     }

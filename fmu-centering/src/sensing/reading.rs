@@ -6,7 +6,7 @@
 //! held turns with the table (eq. 2 and 5 with `ring.eccentricity_max`); one that is pushed may be anywhere around the axis, and
 //! is hit at up to twice the speed of the slide.
 
-use control_blocks::{Consecutive, Edge, JumpGuard, Reach, believable, wrap};
+use control_blocks::{Consecutive, Edge, JumpGuard, Reach, is_plausible, wrap};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Input, Parameters};
@@ -104,7 +104,7 @@ impl Reader {
         // an input that is true from the first sample on has not risen
         let begun = std::mem::replace(&mut self.begun, true);
         let (start, begin_commission) = (begun && start, begun && begin_commission);
-        let number = |value: f64, most: f64| if believable(value, most) { value } else { f64::NAN };
+        let number = |value: f64, most: f64| if is_plausible(value, most) { value } else { f64::NAN };
         let raw = Sample {
             angle: number(input.spindle_angle, ANGLE_MAX),
             slide: number(input.slide_position, POSITION_MAX),

@@ -73,7 +73,7 @@ pub struct Servo {
 
 impl Servo {
     /// Whether it is certain enough to be used.
-    pub fn sure(&self) -> bool {
+    pub fn is_certain(&self) -> bool {
         self.deviation <= DEVIATION_MAX * self.bandwidth
     }
 }
@@ -224,7 +224,7 @@ mod tests {
             let servos: Vec<Servo> = (0..8).map(|seed| found(hertz, 1e9, seed).unwrap()).collect();
             for servo in servos {
                 let error = servo.bandwidth / (TAU * hertz) - 1.0;
-                assert!(error.abs() < 0.05 && servo.sure(), "{hertz} Hz: {error} {servo:?}");
+                assert!(error.abs() < 0.05 && servo.is_certain(), "{hertz} Hz: {error} {servo:?}");
             }
         }
     }

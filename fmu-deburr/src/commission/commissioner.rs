@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use control_blocks::{InForce, Welford, whole_delay};
+use control_blocks::{ActiveValues, Welford, whole_delay};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check_delay;
@@ -33,7 +33,7 @@ pub struct Commissioner {
     tool: Welford,
     /// samples of the tool
     samples: u32,
-    values: InForce<Values>,
+    values: ActiveValues<Values>,
     room: Vec<f64>,
 }
 
@@ -48,7 +48,7 @@ impl Commissioner {
             responses: [Response::NONE; AXES],
             tool: Welford::default(),
             samples: 0,
-            values: InForce::new(Values::of(p)),
+            values: ActiveValues::new(Values::of(p)),
             room: vec![0.0; 2 * room(p, speed)],
         }
     }
@@ -88,7 +88,7 @@ impl Commissioner {
 
     /// Whether what was measured is in force.
     pub fn applied(&self) -> bool {
-        !self.values.as_told()
+        !self.values.as_configured()
     }
 
     /// Sets the uncertainty of the active drives.
@@ -121,7 +121,7 @@ impl Commissioner {
 
     fn finish(&mut self, p: &Parameters) {
         self.measured = self.tell(p);
-        let told = self.values.told();
+        let told = self.values.configured();
         self.rejected = rejection(p, &told, &self.measured);
         if self.rejected.is_none() {
             self.values.propose(told.derived(&self.measured));

@@ -12,7 +12,7 @@
 //! Each stroke moves to the side on which the tip leaves the part, against the tool, otherwise to the side with more travel. In all strokes the tip is
 //! therefore never nearer to what is in front of the tool than at the start, and sideways by at most D.
 
-use control_blocks::{QUINTIC_ACCELERATION, commission_time, quintic_duration, ticks, told_or};
+use control_blocks::{QUINTIC_ACCELERATION, commission_time, configured_or, quintic_duration, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
@@ -113,12 +113,12 @@ pub fn room(p: &Parameters, speed: f64) -> usize {
 pub fn travel(p: &Parameters, speed: f64) -> f64 {
     // where quintic_duration and the acceleration ask for the same time
     let both = QUINTIC_ACCELERATION / quintic_duration(1.0, 1.0).powi(2) * speed * speed / acceleration(p);
-    told_or(p.commission.travel, || both.min(TRAVEL_MAX))
+    configured_or(p.commission.travel, || both.min(TRAVEL_MAX))
 }
 
 /// Largest acceleration (m/s2) of the tip with each axis.
 fn acceleration(p: &Parameters) -> f64 {
-    told_or(p.commission.acceleration, || p.feed.acceleration)
+    configured_or(p.commission.acceleration, || p.feed.acceleration)
 }
 
 /// Time of all motions (s), including the retract from the part.

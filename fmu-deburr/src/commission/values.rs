@@ -1,6 +1,6 @@
 //! The parameters that a commissioning run derives, and how.
 
-use control_blocks::{DELAY_SPREAD, RATIO_MAX, bearable_delays, sure, whole_delay, within_factor};
+use control_blocks::{DELAY_SPREAD, RATIO_MAX, is_certain, tolerated_delays, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Measured, MeasuredAxis, Parameters};
@@ -143,7 +143,7 @@ fn if_sure(value: f64, deviation: f64, share: f64) -> f64 {
 
 /// The delays that a controller tolerates with the configured `io_delay`.
 pub fn delays(io_delay: i32) -> std::ops::RangeInclusive<i32> {
-    (io_delay - DELAY_SPREAD).max(0)..=*bearable_delays(io_delay).end()
+    (io_delay - DELAY_SPREAD).max(0)..=*tolerated_delays(io_delay).end()
 }
 
 /// What cannot be used of a measurement by a controller that was `told`.
@@ -164,7 +164,7 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
     let whole = whole_delay(m.io_delay);
     let bad = |axis: &MeasuredAxis| {
         !(CREDIBLE.contains(&axis.gain)
-            && sure(axis.gain, axis.gain_std, p.commission.std_max)
+            && is_certain(axis.gain, axis.gain_std, p.commission.std_max)
             && axis.lag_std <= DELAY_STD_MAX * p.sample_period
             && axis.lag > -EARLY * p.sample_period
             && (axis.delay - f64::from(whole)).abs() <= APART)
@@ -176,7 +176,7 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
         return Some(Rejection::Delay);
     }
     let idles = within_factor(m.idle_speed, told.idle_speed, RATIO_MAX)
-        && sure(m.idle_speed, m.idle_speed_std, p.commission.std_max);
+        && is_certain(m.idle_speed, m.idle_speed_std, p.commission.std_max);
     (!idles).then_some(Rejection::Tool)
 }
 

@@ -1,6 +1,6 @@
 //! The calibration cycle: the next touch, the result, and the active bias.
 
-use control_blocks::{InForce, SIGNIFICANT, ticks};
+use control_blocks::{ActiveValues, SIGNIFICANT, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::bias::Bias;
@@ -26,7 +26,7 @@ pub struct CalibrationRun {
     pause: u32,
     series: TouchSeries,
     press: Press,
-    bias: InForce<Bias>,
+    bias: ActiveValues<Bias>,
     /// uncertainty of the active bias, where it was calibrated
     spread: Option<Spread>,
 }
@@ -43,7 +43,7 @@ impl CalibrationRun {
             pause: 0,
             series: TouchSeries::new(p),
             press: Press::default(),
-            bias: InForce::new(Bias::of(p)),
+            bias: ActiveValues::new(Bias::of(p)),
             spread: None,
         }
     }
@@ -148,7 +148,7 @@ impl CalibrationRun {
     /// The active bias: the calibrated one with `calibration.apply`, otherwise that of the parameters, which are
     /// tunable.
     pub fn bias(&self, p: &Parameters) -> Bias {
-        if self.bias.as_told() { Bias::of(p) } else { self.bias.now() }
+        if self.bias.as_configured() { Bias::of(p) } else { self.bias.now() }
     }
 
     /// Standard deviation (m) of the position measured by a touch at `velocity` m/s with the active bias; 0 without
@@ -172,7 +172,7 @@ impl CalibrationRun {
             let found = series.conclude(p, slowest).ok();
             found.filter(|(calibrated, _)| possible(p, calibrated, series.extremes(slowest)))
         };
-        let good = |slowest| can_be(slowest).filter(|(calibrated, _)| sure(p, calibrated));
+        let good = |slowest| can_be(slowest).filter(|(calibrated, _)| is_certain(p, calibrated));
         let (whole, faster) = (good(0), (1..=SLOWER_MAX).find_map(good));
         let unsure = whole.is_none() && (0..=SLOWER_MAX).any(|slowest| can_be(slowest).is_some());
         self.calibrated = series.conclude(p, 0).map_or(self.calibrated, |(calibrated, _)| calibrated);
@@ -191,7 +191,7 @@ impl CalibrationRun {
 }
 
 /// Whether the touches are alike and the bias sure.
-fn sure(p: &Parameters, calibrated: &Calibrated) -> bool {
+fn is_certain(p: &Parameters, calibrated: &Calibrated) -> bool {
     calibrated.scatter <= p.limits.touch_scatter && calibrated.std <= p.calibration.std_max
 }
 

@@ -1,6 +1,6 @@
 //! The commissioning run: its motion, its result, and the active values.
 
-use control_blocks::{InForce, Trajectory, bearable_delays};
+use control_blocks::{ActiveValues, Trajectory, tolerated_delays};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check_derived;
@@ -21,7 +21,7 @@ pub struct Identification {
     pub rejected: bool,
     /// The experiment has come to its end, and its result is good.
     pub finished: bool,
-    values: InForce<Values>,
+    values: ActiveValues<Values>,
     longest_delay: i32,
     /// force that holds the stage, N
     held: f64,
@@ -35,8 +35,8 @@ impl Identification {
             measured: Measured::START,
             rejected: false,
             finished: false,
-            values: InForce::new(Values::of(p)),
-            longest_delay: longest_delay(p, *bearable_delays(p.io_delay).end() as usize),
+            values: ActiveValues::new(Values::of(p)),
+            longest_delay: longest_delay(p, *tolerated_delays(p.io_delay).end() as usize),
             held: 0.0,
         }
     }
@@ -126,7 +126,7 @@ impl Identification {
             };
         }
         // near the active values, with which the stage is held, and near the configured ones, so that repeated runs do not drift
-        let configured = self.values.told();
+        let configured = self.values.configured();
         let near = [p.stage.force_constant, configured.force_constant];
         self.rejected =
             !near.into_iter().all(|configured| acceptable(p, configured, self.longest_delay, &self.measured));
@@ -152,7 +152,7 @@ impl Identification {
             slope_sigma_std: slope.deviation,
             ..self.measured
         };
-        let configured = self.values.told();
+        let configured = self.values.configured();
         self.rejected = !configured.quiet(p, &self.measured);
         if !self.rejected {
             self.values.propose(configured.derived(p, &self.measured));

@@ -13,8 +13,8 @@
 //! therefore keeps both bounds for every such g.
 
 use control_blocks::{
-    Excitation, ExcitationTimes, Multisine, QUINTIC_ACCELERATION, RATIO_MAX, bearable_delays, commission_time,
-    quintic_duration, ticks, told_or,
+    Excitation, ExcitationTimes, Multisine, QUINTIC_ACCELERATION, RATIO_MAX, commission_time, configured_or,
+    quintic_duration, ticks, tolerated_delays,
 };
 use serde::{Deserialize, Serialize};
 
@@ -96,7 +96,7 @@ impl Plan {
 
 /// Bandwidth (rad/s) of the servo while it excites.
 fn bandwidth(p: &Parameters) -> f64 {
-    let samples = f64::from(*bearable_delays(p.io_delay).end()) + 0.5;
+    let samples = f64::from(*tolerated_delays(p.io_delay).end()) + 0.5;
     let late = samples * p.sample_period + p.stage.current_bandwidth.recip() + p.observer.velocity_bandwidth.recip();
     p.servo.bandwidth.min(PHASE / (CROSSING * late))
 }
@@ -115,14 +115,16 @@ pub fn stroke(p: &Parameters) -> f64 {
 
 /// Maximum travel (m): `commission.travel`, or a stroke with a margin, and at least that of the excitation.
 pub fn travel(p: &Parameters) -> f64 {
-    told_or(p.commission.travel, || f64::max(TRAVEL.0 * stroke(p), TRAVEL.1))
+    configured_or(p.commission.travel, || f64::max(TRAVEL.0 * stroke(p), TRAVEL.1))
 }
 
 /// Maximum force (N) in addition to the holding force: `commission.force`, or that of the hardest braking, at most half
 /// of that of the drive and at least that of the guard.
 pub fn force(p: &Parameters) -> f64 {
     let drive = p.stage.force_constant * p.stage.current_max;
-    told_or(p.commission.force, || (p.stage.mass * p.retract.deceleration).min(DRIVE_SHARE * drive).max(p.guard_force))
+    configured_or(p.commission.force, || {
+        (p.stage.mass * p.retract.deceleration).min(DRIVE_SHARE * drive).max(p.guard_force)
+    })
 }
 
 /// Maximum time of the run (s): `expert.commission.time`, or that of its motions with a margin.

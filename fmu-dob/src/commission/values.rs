@@ -1,6 +1,6 @@
 //! The parameters that a commissioning run derives.
 
-use control_blocks::{RATIO_MAX, SIGNIFICANT, significant_or, sure, whole_delay, within_factor};
+use control_blocks::{RATIO_MAX, SIGNIFICANT, is_certain, significant_or, whole_delay, within_factor};
 
 use crate::commission::response::loop_spread;
 use crate::interface::{Measured, Parameters};
@@ -120,7 +120,7 @@ pub fn guard(p: &Parameters, m: &Measured) -> f64 {
 /// the longest delay at which the loop is stable. The lag of the current loop is part of the sum either way, so its
 /// contribution to the uncertainty of the delay does not cause a rejection.
 pub fn acceptable(p: &Parameters, expected: f64, longest: i32, m: &Measured) -> bool {
-    sure(m.force_constant, m.force_constant_std, p.commission.std_max)
+    is_certain(m.force_constant, m.force_constant_std, p.commission.std_max)
         && m.io_delay_std <= p.commission.delay_std_max.hypot(loop_spread(p))
         && within_factor(m.force_constant, expected, RATIO_MAX)
         && (0..=longest).contains(&delay(m))

@@ -1,6 +1,6 @@
 //! Details of a fault for the log.
 
-use control_blocks::{SIGNIFICANT, bearable_delays};
+use control_blocks::{SIGNIFICANT, tolerated_delays};
 
 use crate::calibration::series::RATIO;
 use crate::check::check_derived;
@@ -135,7 +135,7 @@ fn calibration_rejected(p: &Parameters, output: &Output) -> String {
 /// Why a commissioning run is rejected; the configured values are active after it.
 fn rejected(p: &Parameters, output: &Output) -> String {
     let (configured, m) = (Values::of(p), &output.measured);
-    let longest = longest_delay(p, *bearable_delays(p.io_delay).end() as usize);
+    let longest = longest_delay(p, *tolerated_delays(p.io_delay).end() as usize);
     let constants = [output.numbers.force_constant, p.stage.force_constant];
     let noise = m.slope_sigma > 0.0;
     let good = if noise {

@@ -183,7 +183,7 @@ impl Calibrator {
     fn store(&mut self, p: &Parameters, input: &Input, path: &PathTable) {
         let (lateral, depth) = (input.probe_lateral, input.probe_depth);
         let refused = match input.mode {
-            _ if ![lateral, depth].into_iter().all(|reading| believable(reading, READING_MAX)) => {
+            _ if ![lateral, depth].into_iter().all(|reading| is_plausible(reading, READING_MAX)) => {
                 Some(Status::InvalidProbe)
             }
             Mode::CalibrateForm => self.keep_lens(p, input, path),
@@ -215,7 +215,7 @@ impl Calibrator {
     /// Stores a sample of a lens, or reports why not.
     fn keep_lens(&mut self, p: &Parameters, input: &Input, path: &PathTable) -> Option<Status> {
         let &Input { probe_lateral: lateral, probe_depth: depth, probe_angle: angle, .. } = input;
-        if !believable(angle, ANGLE_MAX) {
+        if !is_plausible(angle, ANGLE_MAX) {
             return Some(Status::InvalidProbe);
         }
         // beyond the axis is the surface that was cut half a revolution later
@@ -307,7 +307,7 @@ impl From<NoEstimate> for Status {
 }
 
 /// Whether a sample of the probe or of the spindle (m, rad) is valid.
-fn believable(reading: f64, most: f64) -> bool {
+fn is_plausible(reading: f64, most: f64) -> bool {
     reading.abs() <= most
 }
 

@@ -14,7 +14,7 @@
 
 use std::f64::consts::TAU;
 
-use control_blocks::{DELAY_SPREAD, RATIO_MAX, commission_time, told_or};
+use control_blocks::{DELAY_SPREAD, RATIO_MAX, commission_time, configured_or};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
@@ -190,12 +190,12 @@ fn bending(p: &Parameters) -> f64 {
 
 /// Farthest way of the tool (m) from where it was: `commission.travel`, or the amplitude of an identification.
 pub fn travel(p: &Parameters) -> f64 {
-    told_or(p.commission.travel, || p.identify.amplitude)
+    configured_or(p.commission.travel, || p.identify.amplitude)
 }
 
 /// Largest torque (N.m) of a tone: `commission.torque`, or a fifth of the drive's.
 pub fn torque(p: &Parameters) -> f64 {
-    told_or(p.commission.torque, || TORQUE_SHARE * p.servo.torque_max)
+    configured_or(p.commission.torque, || TORQUE_SHARE * p.servo.torque_max)
 }
 
 /// Longest commission (s): `expert.commission.time`, or what its motions take and some more.

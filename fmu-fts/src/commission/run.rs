@@ -1,6 +1,6 @@
 //! The commissioning run inside the controller: oscillation, results and active values.
 
-use control_blocks::{InForce, ticks};
+use control_blocks::{ActiveValues, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::{least_time_constant, min_tip_frequency};
@@ -35,7 +35,7 @@ pub struct CommissioningRun {
     plan: Plan,
     /// its longest time, s
     limit: f64,
-    values: InForce<Values>,
+    values: ActiveValues<Values>,
     /// those with the arm that was measured, whose bandwidth is being found
     candidate: Values,
     /// last arm angle (rad), and the number of samples without a change
@@ -54,7 +54,7 @@ impl CommissioningRun {
             finished: false,
             plan,
             limit: plan::time(p),
-            values: InForce::new(nominal),
+            values: ActiveValues::new(nominal),
             candidate: nominal,
             angle: 0.0,
             still: 0,
@@ -96,7 +96,7 @@ impl CommissioningRun {
 
     /// Whether the configured values are active.
     pub fn configured(&self) -> bool {
-        self.values.as_told()
+        self.values.as_configured()
     }
 
     /// Names and values that a successful run derives.
@@ -120,7 +120,7 @@ impl CommissioningRun {
         if let Ok(arm) = find(&self.plan, self.experiment.response()) {
             self.measured = measured(&arm);
         }
-        let nominal = self.values.told();
+        let nominal = self.values.configured();
         self.rejected = !acceptable(p, &nominal.nominal, &self.measured);
         self.candidate = nominal.derived(&self.measured);
     }
@@ -136,7 +136,7 @@ impl CommissioningRun {
         let soft = tip.frequency > 0.0 && tip.frequency < min_tip_frequency(servo.bandwidth);
         if soft || !margins.enough() || margins.sensitivity > p.commission.sensitivity_max {
             servo.bandwidth *= NARROWER;
-            self.rejected = servo.bandwidth < BANDWIDTH_MIN * self.values.told().nominal.servo.bandwidth
+            self.rejected = servo.bandwidth < BANDWIDTH_MIN * self.values.configured().nominal.servo.bandwidth
                 || p.afc.tau < least_time_constant(p, servo.bandwidth);
             return;
         }

@@ -1,6 +1,6 @@
 //! The parameters that a commissioning run derives.
 
-use control_blocks::{DELAY_MAX, DELAY_SPREAD, RATIO_MAX, significant_or, sure, whole_delay, within_factor};
+use control_blocks::{DELAY_MAX, DELAY_SPREAD, RATIO_MAX, is_certain, significant_or, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::plan::FLEXURE_MAX;
@@ -69,9 +69,9 @@ pub fn longest_delay(nominal: &Nominal) -> i32 {
 pub fn acceptable(p: &Parameters, nominal: &Nominal, m: &Measured) -> bool {
     let share = p.commission.std_max;
     within_factor(m.inertia, nominal.servo.inertia, RATIO_MAX)
-        && sure(m.inertia, m.inertia_std, share)
+        && is_certain(m.inertia, m.inertia_std, share)
         && within_factor(m.tip_frequency, nominal.tip.frequency, FLEXURE_MAX)
-        && sure(m.tip_frequency, m.tip_frequency_std, share)
+        && is_certain(m.tip_frequency, m.tip_frequency_std, share)
         && (0..=longest_delay(nominal)).contains(&whole_delay(m.io_delay))
         && m.io_delay_std <= p.commission.delay_std_max
 }

@@ -7,7 +7,7 @@
 //! Two samples give a velocity, the third confirms both. Until then each is accepted and the velocity is computed again, because the first
 //! may be the bad one.
 
-use control_blocks::{JumpGuard, Reach, believable, wrap};
+use control_blocks::{JumpGuard, Reach, is_plausible, wrap};
 use serde::{Deserialize, Serialize};
 
 /// Budget that a good sample restores: one of three samples may be lost forever.
@@ -74,7 +74,7 @@ impl GuardedAxis {
         // the tolerance must not grow forever after a permanent loss
         self.age = self.age.saturating_add(1).min(axis.lost + 1);
         let (velocity, n) = (self.velocity.unwrap_or_default(), f64::from(self.age));
-        let (valid, again) = (believable(raw, axis.most), self.raw.replace(raw) == Some(raw));
+        let (valid, again) = (is_plausible(raw, axis.most), self.raw.replace(raw) == Some(raw));
         let stands = again && velocity.abs() > axis.spread && (self.confirmed || self.stood);
         self.guard.shift(velocity);
         // two equal samples may be one that was sampled twice
@@ -124,7 +124,7 @@ impl GuardedAxis {
     /// The same for an angle that may be wrapped.
     pub fn update_angle(&mut self, raw: f64, axis: &Axis) -> f64 {
         let expected = self.last.unwrap_or(raw) + self.velocity.unwrap_or_default() * f64::from(self.age + 1);
-        let near = if believable(raw, axis.most) { expected + wrap(raw - expected) } else { f64::NAN };
+        let near = if is_plausible(raw, axis.most) { expected + wrap(raw - expected) } else { f64::NAN };
         let used = self.update(near, axis);
         if self.guard.doubted() == 0 { raw } else { used }
     }

@@ -1,6 +1,6 @@
 //! The commissioning run as the controller uses it: its motion, its results, and the values in use.
 
-use control_blocks::{InForce, Welford};
+use control_blocks::{ActiveValues, Welford};
 use serde::{Deserialize, Serialize};
 
 use crate::check::check;
@@ -29,7 +29,7 @@ pub struct Identification {
     pub rejected: bool,
     /// All was measured, and is good so far; the tool leaves.
     pub complete: bool,
-    values: InForce<Values>,
+    values: ActiveValues<Values>,
     /// what was in force in the last sample
     before: Values,
 }
@@ -43,7 +43,7 @@ impl Identification {
             measured: Measured::START,
             rejected: false,
             complete: false,
-            values: InForce::new(nominal),
+            values: ActiveValues::new(nominal),
             before: nominal,
         }
     }
@@ -82,7 +82,7 @@ impl Identification {
     }
 
     fn put_values(&mut self, p: &mut Parameters, values: Values) {
-        values.put(p, [self.values.told(), self.before]);
+        values.put(p, [self.values.configured(), self.before]);
         self.before = values;
     }
 
@@ -127,7 +127,7 @@ impl Identification {
             sensor_direction_z: self.values.now().sensor_direction_z,
             ..Measured::START
         };
-        if let Ok(drive) = response(p, &self.values.told().drive, plan, spectra) {
+        if let Ok(drive) = response(p, &self.values.configured().drive, plan, spectra) {
             let (value, gain) = (drive.value, drive.value[0].exp());
             self.measured = Measured {
                 drive_gain: gain,
@@ -139,7 +139,7 @@ impl Identification {
                 ..self.measured
             };
         }
-        let nominal = self.values.told();
+        let nominal = self.values.configured();
         self.rejected = !acceptable(p, &nominal, &self.measured);
         if !self.rejected {
             self.values.propose(nominal.derived(p, &self.measured));

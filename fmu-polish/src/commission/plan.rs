@@ -12,8 +12,8 @@
 //! g tau = 0.6 rad, 56 degrees of margin. A softer contact crosses earlier and has more.
 
 use control_blocks::{
-    Excitation, ExcitationTimes, Multisine, RATIO_MAX, bearable_delays, commission_time, quintic_duration, ticks,
-    told_or,
+    Excitation, ExcitationTimes, Multisine, RATIO_MAX, commission_time, configured_or, quintic_duration, ticks,
+    tolerated_delays,
 };
 use serde::{Deserialize, Serialize};
 
@@ -96,7 +96,7 @@ impl Plan {
 /// Damping (N s/m) with which the force is stable on every machine within the bounds of the run.
 fn damping(p: &Parameters) -> f64 {
     let (stiffness, drive) = (RATIO_MAX * p.impedance.gain * p.stiffness_nominal, &p.drive);
-    let samples = f64::from(*bearable_delays(p.io_delay).end()) + 0.5;
+    let samples = f64::from(*tolerated_delays(p.io_delay).end()) + 0.5;
     let axis = (1.0 - drive.feedforward) / drive.position_gain + drive.feedforward / drive.feedforward_bandwidth;
     let filter = if p.force.filter_bandwidth > 0.0 { p.force.filter_bandwidth.recip() } else { 0.0 };
     let lags = samples * p.sample_period + p.sensor_bandwidth.recip() + filter + RATIO_MAX * axis;
@@ -114,12 +114,12 @@ fn fastest(p: &Parameters) -> Multisine {
 
 /// Maximum lateral travel and lift (m): `commission.travel`, or that of the fastest excitation.
 pub fn travel(p: &Parameters) -> f64 {
-    told_or(p.commission.travel, || 2.0 * RATIO_MAX * fastest(p).reach())
+    configured_or(p.commission.travel, || 2.0 * RATIO_MAX * fastest(p).reach())
 }
 
 /// Pressing force (N): `expert.commission.force`, or that of the cycle.
 pub fn force(p: &Parameters) -> f64 {
-    told_or(p.commission.force, || p.force.target)
+    configured_or(p.commission.force, || p.force.target)
 }
 
 /// Maximum time of the run (s): that of its motions with a reserve.

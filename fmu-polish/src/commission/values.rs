@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use control_blocks::{DELAY_MAX, RATIO_MAX, sure, whole_delay, within_factor};
+use control_blocks::{DELAY_MAX, RATIO_MAX, is_certain, whole_delay, within_factor};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::response::GUIDES;
@@ -118,9 +118,9 @@ pub fn acceptable(p: &Parameters, nominal: &Values, m: &Measured) -> bool {
     let share = p.commission.std_max;
     let contact =
         [(m.stiffness, m.stiffness_std), (m.friction, m.friction_std), (m.lateral_stiffness, m.lateral_stiffness_std)];
-    contact.iter().all(|(value, deviation)| *value > 0.0 && sure(*value, *deviation, share))
+    contact.iter().all(|(value, deviation)| *value > 0.0 && is_certain(*value, *deviation, share))
         && within_factor(m.stiffness, nominal.stiffness, RATIO_MAX)
-        && sure(m.drive_gain, m.drive_gain_std, share.hypot(GUIDES[0]))
+        && is_certain(m.drive_gain, m.drive_gain_std, share.hypot(GUIDES[0]))
         && within_factor(m.drive_gain, 1.0, RATIO_MAX)
         && m.feedforward_std <= share.hypot(GUIDES[1])
         && m.io_delay_std <= p.commission.delay_std_max

@@ -1,6 +1,6 @@
 //! Validation of the measurement, and edges of the Boolean inputs.
 
-use control_blocks::{Consecutive, Edge, believable, ticks};
+use control_blocks::{Consecutive, Edge, is_plausible, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Input, Parameters};
@@ -41,7 +41,7 @@ pub struct Reader {
 impl Reader {
     /// Validates one sample.
     pub fn read(&mut self, p: &Parameters, input: &Input) -> Reading {
-        let valid = believable(input.position, POSITION_MAX);
+        let valid = is_plausible(input.position, POSITION_MAX);
         let first = valid && self.before.is_none();
         if valid {
             self.before = Some(input.position);

@@ -4,23 +4,23 @@ use serde::{Deserialize, Serialize};
 
 /// Values that a commissioning run may replace, all of them together.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct InForce<V> {
-    told: V,
+pub struct ActiveValues<V> {
+    configured: V,
     derived: V,
     now: V,
     proposed: Option<V>,
     renewed: bool,
 }
 
-impl<V: Copy + PartialEq> InForce<V> {
+impl<V: Copy + PartialEq> ActiveValues<V> {
     /// The configured values are active.
-    pub fn new(told: V) -> Self {
-        Self { told, derived: told, now: told, proposed: None, renewed: false }
+    pub fn new(configured: V) -> Self {
+        Self { configured, derived: configured, now: configured, proposed: None, renewed: false }
     }
 
     /// The configured values.
-    pub fn told(&self) -> V {
-        self.told
+    pub fn configured(&self) -> V {
+        self.configured
     }
 
     /// The values derived by the last good run; before the first the configured ones.
@@ -34,8 +34,8 @@ impl<V: Copy + PartialEq> InForce<V> {
     }
 
     /// Whether the configured values are active.
-    pub fn as_told(&self) -> bool {
-        self.now == self.told
+    pub fn as_configured(&self) -> bool {
+        self.now == self.configured
     }
 
     /// Proposes values, which become active if the parameters with them fit each other.
@@ -57,13 +57,13 @@ impl<V: Copy + PartialEq> InForce<V> {
     /// Stores the values of a good run; they are active if they are to be applied, otherwise the configured ones.
     pub fn conclude(&mut self, derived: V, apply: bool) {
         self.derived = derived;
-        self.bring(if apply { derived } else { self.told });
+        self.bring(if apply { derived } else { self.configured });
     }
 
     /// Restores the configured values, and discards proposals.
     pub fn restore(&mut self) {
         self.proposed = None;
-        self.bring(self.told);
+        self.bring(self.configured);
     }
 
     /// Whether the active values have changed since the last call.
@@ -77,13 +77,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_derived_is_in_force_where_it_is_applied_and_what_was_told_comes_back() {
-        let mut values = InForce::new(1);
-        assert!(values.as_told() && !values.take_renewed() && values.derived() == 1);
+    fn derived_values_are_active_where_applied_and_configured_ones_can_be_restored() {
+        let mut values = ActiveValues::new(1);
+        assert!(values.as_configured() && !values.take_renewed() && values.derived() == 1);
         values.conclude(2, false);
         assert_eq!((values.derived(), values.now(), values.take_renewed()), (2, 1, false));
         values.conclude(3, true);
-        assert_eq!((values.told(), values.derived(), values.now(), values.as_told()), (1, 3, 3, false));
+        assert_eq!((values.configured(), values.derived(), values.now(), values.as_configured()), (1, 3, 3, false));
         assert!(values.take_renewed() && !values.take_renewed());
         values.restore();
         assert_eq!((values.derived(), values.now(), values.take_renewed()), (3, 1, true));
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn what_is_proposed_is_asked_for_once_and_not_in_force() {
-        let mut values = InForce::new(1);
+        let mut values = ActiveValues::new(1);
         values.propose(2);
         assert_eq!((values.now(), values.take_proposed(), values.take_proposed()), (1, Some(2), None));
         values.propose(3);
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn what_is_in_force_already_renews_nothing() {
-        let mut values = InForce::new(1);
+        let mut values = ActiveValues::new(1);
         values.bring(1);
         assert!(!values.take_renewed());
         values.bring(2);
