@@ -38,4 +38,6 @@ def test_the_changelog_lists_all_replaced_names() -> None:
     wanted = f"{head}{BEGIN}{table()}\n{END}{tail}"
     if os.environ.get("BLESS"):
         CHANGELOG.write_text(wanted, encoding="utf-8")
-    assert CHANGELOG.read_text(encoding="utf-8") == wanted, "hint: `BLESS=1 pytest tests/house` renews the table"
+    assert CHANGELOG.read_text(encoding="utf-8") == wanted, (
+        "hint: `BLESS=1 pytest tests/house` renews the table"
+    )
