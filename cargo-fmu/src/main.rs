@@ -190,7 +190,10 @@ fn summarize(project: &Project, package: &Package, packed: &Packed) -> Result<()
     }
     if licences::is_missing(project, package)? {
         eprintln!("warning: the FMU of `{}` has no license: others may not use it", package.name);
-        eprintln!("hint: Add `license = \"MIT\"`, for example, to `{}`, and the text to `LICENSE`.", package.manifest_path);
+        eprintln!(
+            "hint: Add `license = \"MIT\"`, for example, to `{}`, and the text to `LICENSE`.",
+            package.manifest_path
+        );
     }
     let needed = packed.facts.first().and_then(|(_, facts)| facts.needed_glibc());
     let newer = needed.is_some_and(|needed| needed > GLIBC);

@@ -51,7 +51,8 @@ pub fn read(package: &Package) -> Result<Chapters> {
     let readme = readme.map(|file| text(&file)).transpose()?.unwrap_or_default();
     let body = if readme.starts_with("# ") { readme.split_once('\n').map_or("", |(_, body)| body) } else { &readme };
     let table = &package.metadata[TABLE];
-    let file = |key: &str| table[key].as_str().map(|name| text(&folder.join(name)).map(|text| (name, text))).transpose();
+    let file =
+        |key: &str| table[key].as_str().map(|name| text(&folder.join(name)).map(|text| (name, text))).transpose();
     let quick_start = match file("quick-start")? {
         None => None,
         Some((name, program)) => {
@@ -60,7 +61,11 @@ pub fn read(package: &Package) -> Result<Chapters> {
         }
     };
     let chapters = |key: &str| chapters(package, &folder, &strings(&table[key]));
-    Ok(Chapters { quick_start, guide: format!("{}{}", introduction(body), chapters("guide")?), results: chapters("results")? })
+    Ok(Chapters {
+        quick_start,
+        guide: format!("{}{}", introduction(body), chapters("guide")?),
+        results: chapters("results")?,
+    })
 }
 
 /// The README without the sections that show the ports, which the page shows itself.

@@ -242,7 +242,9 @@ mod tests {
         let chapters = Chapters { quick_start: quick_start(Some("<svg/>".to_owned())), guide: String::new(), results };
         let found = insert(&page, &chapters, &["linux64", "win64"], &Outside::default());
         assert!(found.starts_with(", linux64, win64<a href=\"#quick-start\">Quick start</a>\n<h2"), "{found}");
-        assert!(found.contains("<code>python run.py FILE.fmu</code>") && found.contains("if a &lt; b:\n    run()</code>"));
+        assert!(
+            found.contains("<code>python run.py FILE.fmu</code>") && found.contains("if a &lt; b:\n    run()</code>")
+        );
         assert!(found.ends_with("<img src=\"run.svg\" alt=\"Result of the quick start\"/></p>\n<h2 id=\"guide-results\">Results</h2>\n<p>Good.</p>\n"), "{found}");
         let without = Chapters { quick_start: quick_start(None), ..chapters };
         assert!(!insert(&page, &without, &[], &Outside::default()).contains("<img"));
@@ -251,8 +253,7 @@ mod tests {
 
     #[test]
     fn the_readme_stands_in_its_place_without_title_and_tables() {
-        let page =
-            shown("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README);
+        let page = shown("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README);
         assert!(page.starts_with(
             "<nav><a href=\"#guide-how-it-works\">How it works</a>\n<a href=\"#guide-limits\">Limits</a>\n</nav>\n<p>A <em>"
         ));

@@ -91,8 +91,7 @@ enum Kind {
 
 impl<'a> Run<'a> {
     fn of(interface: &'a Interface) -> Result<Self> {
-        let ports =
-            |parts| interface.of(parts).filter_map(|variable| port(interface, variable)).collect::<Vec<_>>();
+        let ports = |parts| interface.of(parts).filter_map(|variable| port(interface, variable)).collect::<Vec<_>>();
         let mut inputs = ports(&[Part::Input]);
         let requests = inputs.iter_mut().filter(|port| port.is_request());
         requests.enumerate().for_each(|(number, port)| port.request = Some(number));

@@ -161,8 +161,7 @@ mod tests {
 
     #[test]
     fn the_functions_of_a_header_are_its_declarations() {
-        let header =
-            "/** m_not(a) */\ntypedef void (*m_on_message)(void *);\n * m_nor(b)\nm *m_new(int a);\nbool m_step(m *self);\n";
+        let header = "/** m_not(a) */\ntypedef void (*m_on_message)(void *);\n * m_nor(b)\nm *m_new(int a);\nbool m_step(m *self);\n";
         assert_eq!(functions(header, "m"), ["m_new", "m_step"]);
     }
 }

@@ -143,7 +143,8 @@ fn parameter(variable: &Quantity, starts: &[(&str, &str)]) -> String {
         Type::Text => literal(given.unwrap_or(&variable.start)),
         _ => given.unwrap_or(&variable.start).to_owned(),
     };
-    let (tab, rest) = variable.name.strip_prefix(EXPERT).map_or(("", &*variable.name), |rest| ("tab = \"Expert\", ", rest));
+    let (tab, rest) =
+        variable.name.strip_prefix(EXPERT).map_or(("", &*variable.name), |rest| ("tab = \"Expert\", ", rest));
     let group = rest.rsplit_once('.').map_or("General", |(group, _)| group);
     format!(
         "  parameter {kind} {}{} = {start} {} annotation (Dialog({tab}group = \"{group}\"));\n",

@@ -6,8 +6,8 @@ use proc_macro2::Span;
 use syn::parse::{Parse, ParseStream};
 use syn::punctuated::Punctuated;
 use syn::{
-    Attribute, Expr, ExprLit, Ident, Item, ItemEnum, ItemMod, ItemStruct, Lit, LitStr, Meta, Path, Token, Type, Visibility,
-    bracketed, parse_quote,
+    Attribute, Expr, ExprLit, Ident, Item, ItemEnum, ItemMod, ItemStruct, Lit, LitStr, Meta, Path, Token, Type,
+    Visibility, bracketed, parse_quote,
 };
 
 use crate::attributes::Attributes;

@@ -51,7 +51,9 @@ fn check_reactions(choice: &Choice, errors: &mut Errors) {
     for (i, item) in choice.items.iter().enumerate() {
         let is_whole = item.reaction.is_some() && item.detection.is_some() && item.hint.is_some();
         let rule = match &item.reaction {
-            None if item.detection.is_some() && known.is_empty() => "a detection needs `#[reactions]` at the enumeration",
+            None if item.detection.is_some() && known.is_empty() => {
+                "a detection needs `#[reactions]` at the enumeration"
+            }
             Some(reaction) if !known.contains(&reaction) => "this reaction is not listed in `#[reactions]`",
             _ if !known.is_empty() && i > 0 && !is_whole => {
                 "a fault has `#[reaction(...)]`, `#[detection(\"...\")]` and `#[hint(\"...\")]`"

@@ -93,9 +93,8 @@ impl Page {
             breakable(info.name),
             self.inline(info.description)
         ));
-        let count = |role: fn(Role) -> bool| -> usize {
-            table.iter().filter(|row| role(row.role())).map(Variable::len).sum()
-        };
+        let count =
+            |role: fn(Role) -> bool| -> usize { table.iter().filter(|row| role(row.role())).map(Variable::len).sum() };
         let (inputs, outputs) = (count(|role| role == Role::Input), count(|role| role == Role::Output));
         let (locals, parameters) = (count(|role| role == Role::Local), count(is_parameter));
         self.put(format_args!(

@@ -238,13 +238,7 @@ fn faults(ty: &EnumType) -> String {
             reaction.name, reaction.description, reaction.acknowledge
         );
         for Item { name, description, detection, hint, .. } in ty.items.iter().filter(of) {
-            _ = writeln!(
-                text,
-                "| `{name}` | {} | {} | {} |",
-                escaped(description),
-                escaped(detection),
-                escaped(hint)
-            );
+            _ = writeln!(text, "| `{name}` | {} | {} | {} |", escaped(description), escaped(detection), escaped(hint));
         }
         text.push('\n');
     }
@@ -298,9 +292,8 @@ mod tests {
 
     #[test]
     fn variables_of_a_repeated_group_are_one_family() {
-        let [third, fourth] = [3, 4].map(|n| {
-            Family::of(&format!("limits.axis{n}.error"), &format!("Error of axis {n}, in pulses")).unwrap()
-        });
+        let [third, fourth] = [3, 4]
+            .map(|n| Family::of(&format!("limits.axis{n}.error"), &format!("Error of axis {n}, in pulses")).unwrap());
         assert_eq!((&*third.name, &*third.meaning), ("limits.axis{n}.error", "Error of axis {n}, in pulses"));
         assert!(Family::alike(Some(&third), Some(&fourth)) && third != fourth);
         assert_eq!(Family::of("servo_gain", "x"), None);

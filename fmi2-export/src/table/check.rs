@@ -265,11 +265,9 @@ mod tests {
         Item { name, description: "x", hint: "", reaction: "", detection: "" }
     }
 
-    const MODE: EnumType =
-        EnumType { name: "Mode", description: "x", items: &[item("Off")], reactions: &[] };
+    const MODE: EnumType = EnumType { name: "Mode", description: "x", items: &[item("Off")], reactions: &[] };
 
-    const OTHER_MODE: EnumType =
-        EnumType { name: "Mode", description: "x", items: &[item("On")], reactions: &[] };
+    const OTHER_MODE: EnumType = EnumType { name: "Mode", description: "x", items: &[item("On")], reactions: &[] };
     const OTHER_METRE: Unit = Unit::si("m", [0, 2, 0, 0, 0], &[]);
     const INFINITE: Unit = Unit { factor: f64::INFINITY, ..OTHER_METRE };
     const SHOWN_INFINITE: Unit = Unit { display: &[DisplayUnit { name: "inf", factor: f64::INFINITY }], ..OTHER_METRE };

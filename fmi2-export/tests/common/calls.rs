@@ -1,5 +1,8 @@
 //! Short forms of the calls, with variables by their names.
-#![allow(clippy::undocumented_unsafe_blocks, reason = "always: the component exists and the arrays have the given length")]
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "always: the component exists and the arrays have the given length"
+)]
 
 use super::{ERROR, EventInfo, Instance, OK, State, Status, Text};
 use std::ffi::{CStr, c_char};
