@@ -19,7 +19,7 @@ def optimize(
         Path, Argument(metavar="STUDY.toml", help="Optimization file: scenario, variables and objective.")
     ],
     out: Annotated[
-        str | None, Option(metavar="FOLDER", help="Folder of the results; default `STUDY.optimize`.")
+        str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of results; default `STUDY.optimize`.")
     ] = None,
     workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
     engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
