@@ -15,11 +15,9 @@ from cosim.writing import write
 
 
 def optimize(
-    study: Annotated[
-        Path, Argument(metavar="STUDY.toml", help="Optimization file: scenario, variables and objective.")
-    ],
+    study: Annotated[Path, Argument(metavar="STUDY.toml", help="Scenario, variables and objective.")],
     out: Annotated[
-        str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of results; default `STUDY.optimize`.")
+        str | None, Option("-o", "--out", metavar="FOLDER", help="Results; default `STUDY.optimize`.")
     ] = None,
     workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
     engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",

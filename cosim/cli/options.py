@@ -27,9 +27,7 @@ InProcess = Annotated[
     bool, Option("--in-process", help="Run in this process, for debuggers; a crash ends it.")
 ]
 Json = Annotated[str | None, Option(metavar="FILE|-", help="Write the result as JSON; `-` is stdout.")]
-Verbose = Annotated[
-    bool, Option("-v", "--verbose", help="Log events of the FMU and the origin of errors.")
-]
+Verbose = Annotated[bool, Option("-v", "--verbose", help="Log events of the FMU and the origin of errors.")]
 Quiet = Annotated[bool, Option("-q", "--quiet", help="Log errors only, no progress.")]
 Loop = Annotated[
     str,

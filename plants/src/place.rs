@@ -16,7 +16,7 @@ pub struct Place {
     steps: usize,
 }
 
-// SAFETY: who makes a place vouches for its memory, see `Place::new`.
+// SAFETY: the creator of a place guarantees its memory, see `Place::new`.
 unsafe impl Send for Place {}
 // SAFETY: as above.
 unsafe impl Sync for Place {}

@@ -157,7 +157,7 @@ impl Bank {
     /// # Panics
     /// When the numbers of values differ.
     pub fn copy_to(&self, numbers: &mut [f64]) {
-        // SAFETY: by the contract of the constructors; nobody writes meanwhile.
+        // SAFETY: by the contract of the constructors; no other code writes meanwhile.
         unsafe {
             match self.0 {
                 Block::Reals(first, count) => numbers.copy_from_slice(slice::from_raw_parts(first.as_ptr(), count)),

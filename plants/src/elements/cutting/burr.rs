@@ -34,7 +34,7 @@ impl Burr {
     /// A bin is passed when the tool has reached its end, or its start when it moves backward.
     pub fn pass(&mut self, before: f64, now: f64, deviation: f64) -> f64 {
         let boundary = |distance: f64| ((distance - self.from) / self.pitch).floor().clamp(0.0, self.left.len() as f64);
-        // a tool that goes forward has cut the bins behind it, one that goes back those before it
+        // a tool that moves forward has cut the previous bins, one that moves backward the next ones
         let (first, end) = if now >= before {
             (boundary(before), boundary(now))
         } else {

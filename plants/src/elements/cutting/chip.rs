@@ -83,7 +83,7 @@ impl Element for Chip {
             return;
         }
         if self.turn.back().is_some_and(|last| angle <= last[0]) {
-            // a part that does not go on has no turn before
+            // a part without motion has no previous revolution
             self.turn.clear();
         }
         self.turn.push_back([angle, lateral, depth]);
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn along_the_same_groove_it_is_the_depth_of_cut_times_the_feed() {
-        // a groove that swings by 3.5 mm twice a turn is as good as a straight one
+        // a groove that varies by 3.5 mm twice per revolution gives the area of a straight one
         for backward in [false, true] {
             for swing in [0.0, 3.5e-3] {
                 let area = turn(3, backward, |t| (0.03 - 1e-5 * t, swing * (2.0 * TAU * t).cos(), 1.0));
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn where_the_tool_is_deeper_than_a_turn_ago_the_chip_is_thicker() {
-        // ahead by d times half the chord of the face, behind by what sinks below the bottom of the old groove
+        // ahead by d times half the chord of the face, after it by the part below the bottom of the old groove
         let deeper = 1e-6;
         let area = turn(2, false, |t| (0.03 - 1e-9 * t, if t < 1.0 { 0.0 } else { deeper }, 1.0));
         let segment = |depth: f64| {

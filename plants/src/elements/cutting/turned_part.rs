@@ -67,7 +67,7 @@ impl TurnedPart {
         if from == to {
             return;
         }
-        // one passage per step: a plant step is far shorter than the way to the next diameter
+        // one passage per step: a plant step is far shorter than the distance to the next diameter
         let number = from.max(to);
         let share = (number * pitch - before[0]) / (now[0] - before[0]);
         let [lateral, depth] = [1, 2].map(|i| before[i] + share * (now[i] - before[i]));
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_cut_arc_is_probed_as_an_arc_of_the_sum_of_the_radii() {
-        // arm of 80 mm from 40 to 50 degrees, 10 um a turn: 0.08 + 0.002 - 0.0015 around the arm axis
+        // arm of 80 mm from 40 to 50 degrees, 10 um per revolution: 0.08 + 0.002 - 0.0015 around the arm axis
         let mut part = TurnedPart::new(Shapes { part_radius: 0.03, ..SHAPES });
         let phi = |turned: f64| 0.7 + turned * 1e-5 / 0.08;
         turn(&mut part, 1300, |turned| [0.07 - 0.08 * phi(turned).cos(), 0.08 * phi(turned).sin()]);
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn the_section_sees_the_tool_where_it_passes() {
-        // depth swings once a turn: both sides of the diameter differ by twice the amplitude
+        // depth oscillates once per revolution: both sides of the diameter differ by twice the amplitude
         let mut part = TurnedPart::new(SHAPES);
         turn(&mut part, 1, |turned| [0.01, 1e-4 * (2.0 * PI * turned + 0.3).cos()]);
         // straight between the steps, 63 mrad long: 50 nm

@@ -48,7 +48,7 @@ mod tests {
             ([0.0; 4], 0.0),
             ([0.3, 6e-4, 8e-4, 0.0], 1e-3),
             ([0.0, 0.0, 0.0, 0.05], 2e-3),
-            // at a quarter turn the foot is at (0, 0.04) and yaw takes it along -x
+            // at a quarter revolution the foot is at (0, 0.04) and yaw takes it along -x
             ([FRAC_PI_2, 1e-3, 0.0, 0.025], 0.0),
             ([FRAC_PI_2, 1e-3, 0.0, -0.025], 2e-3),
         ] {

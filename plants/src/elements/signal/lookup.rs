@@ -24,7 +24,7 @@ impl Lookup {
         let count = self.samples.len();
         let spacing = TAU / count as f64;
         let place = angle.rem_euclid(TAU) / spacing;
-        // rounding may put an angle just below a turn on the turn
+        // rounding may move an angle just below a revolution to the full revolution
         let index = (place as usize).min(count - 1);
         let (left, right) = (self.samples[index], self.samples[(index + 1) % count]);
         (left + (place - index as f64) * (right - left), (right - left) / spacing)
