@@ -22,7 +22,7 @@ REPLACEMENTS: dict[str, str] = {}
 
 
 def learn(folder: Path) -> None:
-    """Read the replaced names of an unpacked FMU; a file of another form is ignored, for it only gives hints."""
+    """Read the replaced names of an unpacked FMU; a file of another form gives no hints."""
     try:
         import tomllib
 
@@ -41,7 +41,7 @@ def replacement(name: str) -> str:
     Parameters
     ----------
     name
-        Variable or item; a variable may have its owner before it (`controller.teach.place`) and an index after it.
+        Variable or item; a variable may have an owner (`controller.teach.place`) and an index.
     """
     found = re.fullmatch(r"(.*?)(\[\d+\])?", name, re.DOTALL)
     whole, index = found.groups("") if found else (name, "")

@@ -4,17 +4,17 @@ The machine is that of Kimura, Mukai and Kobayashi, "A Variable-Speed Deburring 
 Control". The paper gives the velocity loops, the spindle's plate and time constant, and the size of the burr,
 but no mass, stiffness, geometry or cutting force. Those are defaults that reproduce its feed speeds.
 
-Axis 1 rotates the column, axis 2 lifts the carriage, axis 3 moves the arm out: angle, height and radius of the
-wrist. Axis 4 rotates the wrist about the vertical, axis 5 tilts it, axis 6 rotates the spindle about the tool.
-With all three at zero the tool points down. The origin is on the axis of the column, at the height of the
-wrist with axis 2 at zero.
+Axis 1 rotates the column, axis 2 lifts the carriage, axis 3 moves the arm out: angle, height and radius of
+the wrist. Axis 4 rotates the wrist about the vertical, axis 5 tilts it, axis 6 rotates the spindle about the
+tool. With all three at zero the tool points down. The origin is on the axis of the column, at the height of
+the wrist with axis 2 at zero.
 
-The part may be displaced from its configured edge, and rotated about the vertical at its corner. Its wall is above
-the edge. A touch probe, which replaces the tool while `probe` is 1, detects the wall.
+The part may be displaced from its configured edge, and rotated about the vertical at its corner. Its wall is
+above the edge. A touch probe, which replaces the tool while `probe` is 1, detects the wall.
 
 Each drive has a spring-applied brake, as the axes of robots have: without `enable` the drives have no force
-and the brakes are closed, with the largest force of the drive as dry friction (default). When it is enabled again,
-a drive holds its present position.
+and the brakes are closed, with the largest force of the drive as dry friction (default). When it is enabled
+again, a drive holds its present position.
 """
 
 import math

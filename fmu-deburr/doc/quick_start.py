@@ -2,7 +2,8 @@
 
     .venv/bin/python fmu-deburr/doc/quick_start.py [FMU [PLOT.svg]]
 
-Each axis integrates its velocity command through a lag of 3.7 ms, one sample after the command. Nothing is cut.
+Each axis integrates its velocity command with a lag of 3.7 ms, one sample after the command.
+Nothing is cut.
 """
 
 import sys
@@ -17,7 +18,10 @@ DRY_RUN, PLAYBACK, DONE, FAULT = 2, 4, 7, 8
 
 
 def run(path: str | Path) -> dict[str, np.ndarray]:
-    """Runs until the second `Done`; time (s), mode, state, fault, feed (m/s), control errors of axes 1 to 3 (rad, m, m)."""
+    """Run until the second `Done`.
+
+    Time (s), mode, state, fault, feed (m/s), control errors of axes 1 to 3 (rad, m, m).
+    """
     description = read_model_description(str(path))
     vr = {variable.name: variable.valueReference for variable in description.modelVariables}
     fmu = FMU2Slave(guid=description.guid, unzipDirectory=extract(str(path)), instanceName="deburring",
@@ -77,7 +81,7 @@ def plot(result: dict[str, np.ndarray], path: str) -> None:
         axes[0].annotate(label, (middle, 0.03), ha="center")
     axes[1].plot(time, 1e3 * result["feed"][thin])
     axes[1].set(ylabel="feed in mm/s")
-    names = "Off Idle Approach Settle Run Stop Done".split()
+    names = ["Off", "Idle", "Approach", "Settle", "Run", "Stop", "Done"]
     axes[2].step(time, result["state"][thin], where="post")
     axes[2].set(ylabel="state", xlabel="time in s", yticks=range(1, 8), yticklabels=names)
     axes[2].tick_params(axis="y", labelsize=7)
@@ -89,7 +93,7 @@ if __name__ == "__main__":
     found = run(sys.argv[1] if len(sys.argv) > 1 else default)
     runs = {mode: (found["mode"] == mode) & (found["state"] == 5) for mode in (DRY_RUN, PLAYBACK)}
     largest = [1e3 * np.abs(found["error3"][rows]).max() for rows in runs.values()]
-    print(f"state {found['state'][-1]:.0f} (Done is 7), fault {found['fault'][-1]:.0f} (None is 1), {found['time'][-1]:.2f} s, "
-          f"error of axis 3: {largest[0]:.3f} mm without patterns, {largest[1]:.3f} mm with patterns")  # fmt: skip
+    print(f"state {found['state'][-1]:.0f} (Done is 7), fault {found['fault'][-1]:.0f} (None is 1)")
+    print(f"error of axis 3: {largest[0]:.3f} mm without patterns, {largest[1]:.3f} mm with patterns")
     if len(sys.argv) > 2:
         plot(found, sys.argv[2])

@@ -168,4 +168,8 @@ def test_a_crate_elsewhere_is_packed_validated_and_simulated() -> None:
     words = ("--outputs", "all", "--target-dir", str(FOLDER / "all"), "--output", str(file))
     every = cargo_fmu(program, folder, *words)
     assert every.returncode == 0, every.stderr
-    assert [v.causality for v in fmpy.read_model_description(file).modelVariables] == ["input", "output", "parameter"]
+    assert [v.causality for v in fmpy.read_model_description(file).modelVariables] == [
+        "input",
+        "output",
+        "parameter",
+    ]

@@ -228,8 +228,9 @@ SENSOR = (
     ),
     row(
         "slow sensor in a fast loop",
-        # a force that is 40 ms late oscillates and does not respond to 20 um within the same 50 ms; the noise decides
-        # which fault is first: of 20 runs with drives of 0.9 to 1.05 the oscillation in 17, 12.6 N at most
+        # a force that is 40 ms late oscillates and does not respond to 20 um within the same 50 ms; the noise
+        # decides which fault is first: the oscillation in 17 of 20 runs with drives of 0.9 to 1.05, 12.6 N at
+        # most
         "Oscillation ForceFrozen",
         changes=("plant.force_bandwidth=4.0", "controller.impedance.bandwidth=100.0", *WHOLE),
         most=13.0,

@@ -91,9 +91,7 @@ def test_a_broken_description_is_rejected_with_the_problem(
     folder: Path, old: str, new: str, problem: str
 ) -> None:
     pack(folder / "bad.fmu", description((old, new)), {LIBRARY: b""})
-    expected = (
-        rf"the model description of `bad.fmu` is not valid:\n  .*{problem}.*(\n  .*)*\nhint: List all"
-    )
+    expected = rf"the model description of `bad.fmu` is not valid:\n  .*{problem}.*(\n  .*)*\nhint: List all"
     with pytest.raises(FmuError, match=expected):
         open_fmu(folder / "bad.fmu")
 

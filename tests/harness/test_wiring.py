@@ -125,6 +125,8 @@ def test_a_stream_keeps_the_noise_of_a_renamed_target() -> None:
     old, new = (Wire(source="plant.x", to=to, noise=1.0) for to in ("controller.a", "controller.b"))
     kept = replace(new, stream=old.to)
     old_noise, new_noise, kept_noise = (noise(wire, PLAIN, 7, 5) for wire in (old, new, kept))
-    assert old_noise is not None and new_noise is not None and kept_noise is not None
+    assert old_noise is not None
+    assert new_noise is not None
+    assert kept_noise is not None
     assert np.array_equal(old_noise, kept_noise)
     assert not np.array_equal(old_noise, new_noise)

@@ -108,8 +108,6 @@ def test_another_attribute_that_is_missing_stays_what_it_is(
 
 def test_a_wrong_class_in_the_registry(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(plants.PLANTS, "slide", "Slid")
-    expected = (
-        r"^there is no class for `PLANTS` in `plants/slide.py` named `Slid`\nhint: Use `Slide`.$"
-    )
+    expected = r"^there is no class for `PLANTS` in `plants/slide.py` named `Slid`\nhint: Use `Slide`.$"
     with pytest.raises(UnknownNameError, match=expected):
         plants.load("slide")

@@ -25,7 +25,7 @@ from cosim.loop import condition, native, reference
 from cosim.loop.plant import starts
 from cosim.loop.recorder import Recorder
 from cosim.loop.wires.connect import Connector
-from cosim.loop.wires.links import Drive, Connection, Links, Slot
+from cosim.loop.wires.links import Connection, Drive, Links, Slot
 from cosim.loop.wires.wiring import child
 from machining_native import Stepper
 
@@ -86,7 +86,10 @@ class Bench:
         machine = self.reset()
         drives = [Drive(course, Slot(self.commands, i)) for i, course in enumerate(self.courses)]
         links = Links(
-            np.zeros(len(self.plant.readings)), self.commands, [Connection(drives=inputs)], Connection(drives=drives)
+            np.zeros(len(self.plant.readings)),
+            self.commands,
+            [Connection(drives=inputs)],
+            Connection(drives=drives),
         )
         return self.stepper(machine, controller, links, None)
 

@@ -50,7 +50,7 @@ class Robot(machine.Machine):
         return float(PERIOD * self.delay + lag)
 
     def held(self, axis: int) -> float:
-        """Displacement by which friction holds a drive back, force over the stiffness of the drive, rad or m."""
+        """Displacement by which friction holds a drive back, force over its stiffness, rad or m."""
         force = getattr(CylindricalRobotParameters, f"axis{axis}_force")
         stiffness = stiffnesses(self.changes["plant.drive_frequency"], self.changes["plant.drive_damping"])
         return float(self.changes["plant.coulomb_friction"] * force / stiffness[axis])

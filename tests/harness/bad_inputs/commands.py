@@ -15,7 +15,7 @@ FULL = {"full.csv": "--trace", "full.npz": "--trace", "/dev/full": "--json", "fu
 LINES: dict[str, Case] = {
     "unknown command": Case(given("rnu"), ("rnu", "--help")),
     "unknown option": Case((*RUN, "--sede", "1"), ("--sede", "--help")),
-    "no scenario": Case(given("run"), ("LOOP", "--help")),
+    "no scenario": Case(given("run"), ("SCENARIO", "--help")),
     "two scenarios": Case((*RUN, "lag.toml"), ("lag.toml",)),
     "missing name": Case(given("run", "lagg"), ("there is no scenario `lagg`",)),
     "missing file": Case(given("run", "lagg.toml"), ("the scenario file `lagg.toml` does not exist",)),
@@ -33,7 +33,7 @@ LINES: dict[str, Case] = {
         given("show", "lag.toml", "--set", "controller.fmu=no"), ("`no.fmu` does not exist",)
     ),
     "show a torn FMU": Case(
-        given("show", "lag.toml", "--set", "controller.fmu=torn.fmu"), ("`torn.fmu`", "cut off")
+        given("show", "lag.toml", "--set", "controller.fmu=torn.fmu"), ("`torn.fmu`", "truncated")
     ),
     "seed is a word": Case((*RUN, "--seed", "one"), ("--seed", "int range")),
     "seed negative": Case((*RUN, "--seed", "-1"), ("--seed",)),
@@ -55,7 +55,7 @@ LINES: dict[str, Case] = {
         (*RUN, "--json", "x.svg", "--plot", "./x.svg"), ("`--json` and `--plot`", "`x.svg`")
     ),
     "seeds over the scenario": Case((*RUN, "--seeds", "1..2", "--json", "lag.toml"), ("is not JSON",)),
-    "JUnit over a model": Case(given("test", "lag.toml", "--junit", "model.xml"), ("is no JUnit XML",)),
+    "JUnit over a model": Case(given("test", "lag.toml", "--junit", "model.xml"), ("is not JUnit XML",)),
     "trace over a signal": Case(
         given("run", "driven.toml", "--trace", "in.csv"), ("`--trace` `in.csv`", "`signal.controller.flag`")
     ),
@@ -79,16 +79,16 @@ LINES: dict[str, Case] = {
     ),
     "evaluate half a trace": Case(
         given("evaluate", "half.npz", "lag.toml"),
-        ("`half.npz` is not a valid trace", "no npz file, or one cut off"),
+        ("`half.npz` is not a valid trace", "not an npz file, or it is truncated"),
     ),
     "evaluate swapped arguments": Case(
-        given("evaluate", "lag.toml", "in.csv"), ("`lag.toml` is not a trace", "the trace comes first")
+        given("evaluate", "lag.toml", "in.csv"), ("`lag.toml` is not a trace", "Give the trace first")
     ),
     "baseline is a folder": Case(
         given("compare", "lag.toml", "--update"), ("cannot write `lag.baseline.npz`", "folder")
     ),
     "new the other way round": Case(
-        given("new", "model.xml", "probe.fmu"), ("`model.xml` is not an FMU", "the FMU comes first")
+        given("new", "model.xml", "probe.fmu"), ("`model.xml` is not an FMU", "Give the FMU first")
     ),
     "new of a scenario": Case(given("new", "lag.toml"), ("`lag.toml` is not an FMU", "ends in `.fmu`")),
     "seed beyond all": Case((*RUN, "--seed", "9" * 23), ("'--seed'", "is not in the range")),

@@ -23,9 +23,7 @@ def test_what_nothing_drives_is_warned_of_once(write: Write, caplog: pytest.LogC
     for _ in range(2):
         cosim.run(cosim.load(file))
     unknown, forgotten = (record.getMessage() for record in caplog.records)
-    assert unknown.startswith(
-        "`lag.toml`: `undriven` lists `plant.etra`, which is not an input or command. "
-    )
+    assert unknown.startswith("`lag.toml`: `undriven` lists `plant.etra`, which is not an input or command. ")
     assert unknown.endswith("Use `plant.extra`.")
     assert forgotten.startswith("`lag.toml`: nothing drives `controller.flag`, `plant.extra`: add the ")
 
@@ -38,9 +36,9 @@ def test_a_command_that_nothing_drives_stays_at_its_start(
     trace = cosim.run(cosim.load(write(text=text))).trace
     assert trace is not None
     assert set(trace["plant.extra"]) == {1.0}
-    assert [
-        "nothing drives `plant.extra` (stays at 1): add" in reported for reported in caplog.messages
-    ] == [True]
+    assert ["nothing drives `plant.extra` (stays at 1): add" in reported for reported in caplog.messages] == [
+        True
+    ]
     off = '[[inject]]\nto = "plant.extra"\nfrom_time = 0.01\nto_time = 0.02\nvalue = 0.0\n'
     trace = cosim.run(cosim.load(write(off, text=text))).trace
     assert trace is not None
