@@ -35,10 +35,11 @@ impl Cells {
                 cells.start = alike(start, |x| number(*x));
                 let chosen = |display: &&DisplayUnit| real.display == Some(display.name);
                 let display = real.unit.and_then(|unit| unit.display.iter().find(chosen));
-                if let (Some(display), Ok(value)) = (display, cells.start.parse::<f64>())
-                    && value != 0.0
+                if let (Some(display), [value, rest @ ..]) = (display, *start)
+                    && *value != 0.0
+                    && rest.iter().all(|other| other == value)
                 {
-                    cells.shown = format!("{} {}", rounded(value * display.factor), display.name);
+                    cells.shown = format!("{} {}", number(value * display.factor), display.name);
                 }
                 let (low, high) = (real.min > f64::NEG_INFINITY, real.max < f64::INFINITY);
                 cells.range = range(low.then(|| number(real.min)), high.then(|| number(real.max)));
@@ -79,14 +80,10 @@ fn alike<T: PartialEq>(values: &[T], show: impl Fn(&T) -> String) -> String {
     }
 }
 
-/// A number with a power of ten where that is shorter.
+/// A number with at most 7 significant digits, and with a power of ten where that is shorter.
 fn number(value: f64) -> String {
+    let value: f64 = format!("{value:.6e}").parse().unwrap_or(value);
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
-}
-
-/// A number without the last digits, which conversion to another unit makes.
-fn rounded(value: f64) -> String {
-    number(format!("{value:.8e}").parse().unwrap_or(value))
 }
 
 fn range(low: Option<String>, high: Option<String>) -> String {
@@ -106,7 +103,8 @@ mod tests {
     fn numbers_are_short_and_arrays_of_one_value_are_that_value() {
         assert_eq!([1e-4, 0.5, 188.0, 1e5, 0.0, -2e-6].map(number), ["1e-4", "0.5", "188", "1e5", "0", "-2e-6"]);
         assert_eq!(alike(&[13.0; 6], |x| number(*x)), "13");
-        assert_eq!([0.1 * 3.0 * 1e3, 5e-5 * 1e6, 1e-7 * 1e9].map(rounded), ["300", "50", "100"]);
+        assert_eq!([0.1 * 3.0 * 1e3, 5e-5 * 1e6, 1e-7 * 1e9].map(number), ["300", "50", "100"]);
+        assert_eq!(number(60.0 * std::f64::consts::TAU), "376.9911");
         assert_eq!(alike(&[1, 2], i32::to_string), "1, 2");
         assert_eq!(range(Some("1".into()), None), ">= 1");
     }
