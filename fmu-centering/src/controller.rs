@@ -336,8 +336,8 @@ impl Controller {
             push: PushReport { offset: self.law.offset(), ..self.report },
             monitor: MonitorReport {
                 following_error: self.drive.error(),
-                drive_gain_ratio: self.drive.share(p),
-                probe_gain_ratio: self.trial.share().unwrap_or(1.0),
+                drive_gain_ratio: self.drive.ratio(p),
+                probe_gain_ratio: self.trial.ratio().unwrap_or(1.0),
                 cycle_time: self.progress.samples() as f64 * p.sample_period,
             },
             measured: self.measured(),

@@ -4,11 +4,11 @@ use control_blocks::{Parameter, ParameterError, check_all, check_commission_time
 
 use crate::commission::{plan, values};
 use crate::interface::Parameters;
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 use crate::run::PREVIEW_MAX;
 
 /// Checks all combinations; the first that fails is the error.
-pub fn check(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
+pub fn check(p: &Parameters, path: &ProgrammedPath) -> Result<(), ParameterError> {
     check_all(p, &[travel, bandwidth, lead_out, check_delay, commission_apply])?;
     speed_min(p, path)?;
     commission_time(p, path)
@@ -33,10 +33,10 @@ fn travel(p: &Parameters) -> Result<(), ParameterError> {
 
 fn bandwidth(p: &Parameters) -> Result<(), ParameterError> {
     // 0.45 of the sampling rate
-    let most = 0.9 * std::f64::consts::PI / p.sample_period;
+    let maximum = 0.9 * std::f64::consts::PI / p.sample_period;
     let value = p.learn.bandwidth;
     let bandwidth = Parameter::new("expert.learn.bandwidth", value, "rad/s", "reduce it or `sample_period`");
-    bandwidth.must_be(value <= most, || format!("at most `{most:.1} rad/s`, 0.45 of the sampling rate"))
+    bandwidth.must_be(value <= maximum, || format!("at most `{maximum:.1} rad/s`, 0.45 of the sampling rate"))
 }
 
 fn lead(p: &Parameters) -> Result<(), ParameterError> {
@@ -52,11 +52,11 @@ fn lead_in(p: &Parameters) -> Result<(), ParameterError> {
 
 fn lead_out(p: &Parameters) -> Result<(), ParameterError> {
     // the slowest axis has come to 2 % of its lag
-    let slowest = p.servo_gain.iter().fold(f64::INFINITY, |least, gain| least.min(*gain));
-    let least = (4.0 / (slowest * p.sample_period)).ceil() as i32;
+    let slowest = p.servo_gain.iter().fold(f64::INFINITY, |minimum, gain| minimum.min(*gain));
+    let minimum = (4.0 / (slowest * p.sample_period)).ceil() as i32;
     let hint = "increase it for shorter samples or a slower servo";
     let lead_out = Parameter::new("expert.learn.lead_out", p.learn.lead_out, "", hint);
-    lead_out.at_least(least, "4 time constants 1/Kp of the slowest axis")
+    lead_out.at_least(minimum, "4 time constants 1/Kp of the slowest axis")
 }
 
 fn preview(p: &Parameters) -> Result<(), ParameterError> {
@@ -69,10 +69,10 @@ fn preview(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
-fn speed_min(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    let (value, taught) = (p.load.speed_min, path.speed);
+fn speed_min(p: &Parameters, path: &ProgrammedPath) -> Result<(), ParameterError> {
+    let (value, programmed) = (p.load.speed_min, path.speed);
     let speed = Parameter::new("expert.load.speed_min", value, "m/s", "the feed is regulated between the two");
-    speed.must_be(value <= taught, || format!("at most the programmed speed, `{taught} m/s`"))
+    speed.must_be(value <= programmed, || format!("at most the programmed speed, `{programmed} m/s`"))
 }
 
 fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
@@ -89,8 +89,8 @@ fn commission_apply(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
-fn commission_time(p: &Parameters, path: &TaughtPath) -> Result<(), ParameterError> {
-    check_commission_time(p.commission.time, || plan::least_time(p, path.speed))
+fn commission_time(p: &Parameters, path: &ProgrammedPath) -> Result<(), ParameterError> {
+    check_commission_time(p.commission.time, || plan::shortest_time(p, path.speed))
 }
 
 #[cfg(test)]

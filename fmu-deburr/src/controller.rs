@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::bank::kept::KeptPatterns;
 use crate::bank::pattern_bank::PatternBank;
 use crate::check::check;
-use crate::commission::commissioner::Commissioner;
+use crate::commission::commissioning_run::CommissioningRun;
 use crate::interface::{BankStatus, Fault, Input, Mode, Output, Parameters, State};
 use crate::learning::feedforward::Feedforward;
 use crate::learning::learner::Learner;
@@ -21,14 +21,14 @@ use crate::machine::{Events, Progress, next};
 use crate::monitoring::budget::budget;
 use crate::monitoring::delay::DelayMonitor;
 use crate::monitoring::finding::{Finding, Numbers};
-use crate::monitoring::standing::StandingTool;
+use crate::monitoring::frozen_spindle::FrozenSpindle;
 use crate::monitoring::tool::ToolMonitor;
 use crate::monitoring::watch::Watch;
 use crate::path::feasible;
 use crate::path::kinematics::{AXES, Joints};
+use crate::path::programmed_path::ProgrammedPath;
 use crate::path::route::Route;
-use crate::path::taught_path::TaughtPath;
-use crate::reading::{Known, Reader, Reading};
+use crate::reading::{Reader, Reading, ReadingContext};
 use crate::registration::plan;
 use crate::registration::registrar::Registrar;
 use crate::run::Run;
@@ -37,25 +37,25 @@ use crate::servo;
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Controller {
-    path: TaughtPath,
+    path: ProgrammedPath,
     /// axes at the start of the path, where the part lies and as programmed
     start: Joints,
-    start_as_taught: Joints,
+    programmed_start: Joints,
     bank: PatternBank,
     kept: KeptPatterns,
     feedforward: Feedforward,
     learner: Learner,
-    commissioner: Commissioner,
+    commissioning_run: CommissioningRun,
     /// a commissioning run continues, or stops
     commissioning: bool,
     /// an edge of `commission` waits for axes at rest
-    commission_asked: WaitingRequest,
+    commission_request: WaitingRequest,
     commission: Edge,
     registrar: Registrar,
     /// a registration continues, or stops
     registering: bool,
     /// an edge of `register` waits for axes at rest
-    register_asked: WaitingRequest,
+    register_request: WaitingRequest,
     register: Edge,
     /// something is being learned; all of it was learned
     learning: bool,
@@ -65,7 +65,7 @@ pub struct Controller {
     watch: Watch,
     delay: DelayMonitor,
     tool: ToolMonitor,
-    standing: StandingTool,
+    frozen_spindle: FrozenSpindle,
     reset: Edge,
     /// the inputs of this sample hold for more than one
     long_step: bool,
@@ -77,9 +77,9 @@ pub struct Controller {
     fault: Fault,
     numbers: Numbers,
     /// what is being done
-    job: Mode,
+    task: Mode,
     /// `mode` of the last sample with `enable`; none before the first one
-    asked: Option<Mode>,
+    requested: Option<Mode>,
     /// samples of the task, and how many it may take
     elapsed: Elapsed,
     budget: u64,
@@ -112,7 +112,7 @@ impl Controller {
     ///
     /// # Errors
     /// When a parameter does not fit the others, or the robot cannot follow the path.
-    pub fn new(p: &Parameters, path: TaughtPath) -> Result<Self, ParameterError> {
+    pub fn new(p: &Parameters, path: ProgrammedPath) -> Result<Self, ParameterError> {
         check(p, &path)?;
         let start = feasible::start(p, &path)?;
         plan::check(p, &path, &start)?;
@@ -122,24 +122,24 @@ impl Controller {
         if p.bank.compute {
             bank.fill(|pattern| feedforward.fill(p, &path, &start, pattern));
         }
-        let (learner, commissioner) = (Learner::new(p, bank.longest()), Commissioner::new(p, path.speed));
+        let (learner, commissioning_run) = (Learner::new(p, bank.longest()), CommissioningRun::new(p, path.speed));
         let (load, run, kept) =
             (LoadControl::new(path.speed), Run::new(p, &path, &[0.0; AXES]), KeptPatterns::new(&bank));
         Ok(Self {
             path,
             start,
-            start_as_taught: start,
+            programmed_start: start,
             bank,
             kept,
             feedforward,
             learner,
-            commissioner,
+            commissioning_run,
             commissioning: false,
-            commission_asked: WaitingRequest::default(),
+            commission_request: WaitingRequest::default(),
             commission: Edge::default(),
             registrar,
             registering: false,
-            register_asked: WaitingRequest::default(),
+            register_request: WaitingRequest::default(),
             register: Edge::default(),
             learning: false,
             learned: false,
@@ -148,7 +148,7 @@ impl Controller {
             watch: Watch::new(p),
             delay: DelayMonitor::new(p),
             tool: ToolMonitor::default(),
-            standing: StandingTool::default(),
+            frozen_spindle: FrozenSpindle::default(),
             reset: Edge::default(),
             long_step: false,
             disabled: false,
@@ -156,8 +156,8 @@ impl Controller {
             holds: false,
             fault: Fault::None,
             numbers: Numbers::START,
-            job: Mode::Idle,
-            asked: None,
+            task: Mode::Idle,
+            requested: None,
             elapsed: Elapsed::default(),
             budget: 0,
             progress: Progress::Busy,
@@ -178,7 +178,7 @@ impl Controller {
     }
 
     /// The programmed path.
-    pub fn path(&self) -> &TaughtPath {
+    pub fn path(&self) -> &ProgrammedPath {
         &self.path
     }
 
@@ -188,7 +188,7 @@ impl Controller {
     }
 
     /// The programmed path, and the control patterns to be read from a file.
-    pub fn path_and_bank(&mut self) -> (&TaughtPath, &mut PatternBank) {
+    pub fn path_and_bank(&mut self) -> (&ProgrammedPath, &mut PatternBank) {
         (&self.path, &mut self.bank)
     }
 
@@ -209,13 +209,13 @@ impl Controller {
         if !self.learning && !self.changed {
             self.origin = output.bank.status;
         }
-        if self.commissioner.take_renewed() {
+        if self.commissioning_run.take_renewed() {
             self.renew(p);
         }
         let before = self.reader.positions();
         let motions = self.sent.map(|sent| sent.before(p.io_delay as usize) * p.sample_period);
-        let known = Known { motions: &motions, closed: self.closed(), cuts: self.cuts() };
-        let (reading, found) = self.reader.read(p, input, &known);
+        let context = ReadingContext { motions: &motions, closed: self.closed(), cuts: self.cuts() };
+        let (reading, found) = self.reader.read(p, input, &context);
         let at_rest = servo::at_rest(p, &reading.positions, &before);
         let (axes, grown) = self.watch_axes(p, &reading, &motions);
         let grown = grown && self.abandon_repetition(p);
@@ -235,12 +235,12 @@ impl Controller {
 
     /// The tool cuts.
     fn cuts(&self) -> bool {
-        self.state == State::Run && self.job == Mode::Deburr
+        self.state == State::Run && self.task == Mode::Deburr
     }
 
     /// A task that uses patterns.
-    fn compensates(&self, p: &Parameters, job: Mode) -> bool {
-        matches!(job, Mode::Playback | Mode::Deburr) && p.lookup.enable
+    fn compensates(&self, p: &Parameters, task: Mode) -> bool {
+        matches!(task, Mode::Playback | Mode::Deburr) && p.lookup.enable
     }
 
     /// Enters the next state.
@@ -252,32 +252,32 @@ impl Controller {
         let enable = input.enable && self.reader.placed();
         self.disabled = !enable || self.disabled && before == State::Stop;
         let edge = self.commission.rises(input.commission);
-        let asked = self.commission_asked.update(before.waits(), edge, input.commission);
+        let requested = self.commission_request.update(before.waits(), edge, input.commission);
         let edge = self.register.rises(input.register);
-        let touches = self.register_asked.update(before.waits(), edge, input.register);
-        let wanted = if before == State::Register { input.register } else { input.commission };
+        let touches = self.register_request.update(before.waits(), edge, input.register);
+        let requested_on = if before == State::Register { input.register } else { input.commission };
         self.state = next(
             before,
             &Events {
                 enable,
                 disabled: self.disabled,
                 mode,
-                job: self.job,
+                task: self.task,
                 hold: input.hold,
                 reset: self.reset.rises(input.reset_fault) && at_rest,
                 end,
-                commission: asked && at_rest && !input.hold,
+                commission: requested && at_rest && !input.hold,
                 register: touches && at_rest && !input.hold,
-                break_off: !wanted || input.hold,
+                abort: !requested_on || input.hold,
                 measuring: self.commissioning || self.registering,
                 fault: found.is_fault(),
                 inside: self.inside,
                 grown,
-                learned: self.job == Mode::Learn && self.learned,
+                learned: self.task == Mode::Learn && self.learned,
                 progress: self.progress,
             },
         );
-        let begins = before.waits() && matches!(self.state, State::Approach | State::Done) && mode != self.job;
+        let begins = before.waits() && matches!(self.state, State::Approach | State::Done) && mode != self.task;
         if begins {
             self.begin(p, mode);
         }
@@ -287,7 +287,7 @@ impl Controller {
         self.take_mode(before, mode, enable);
         self.commissioning &= matches!(self.state, State::Commission | State::Stop | State::Retract);
         self.registering &= matches!(self.state, State::Register | State::Stop | State::Retract);
-        if self.learning && (self.job != Mode::Learn || !self.state.closed()) {
+        if self.learning && (self.task != Mode::Learn || !self.state.closed()) {
             (self.learning, self.changed) = (false, self.kept.end(&mut self.bank) || self.changed);
         }
     }
@@ -299,25 +299,25 @@ impl Controller {
         let ignored = !self.state.closed() || before == State::Fault || measured;
         if self.state == State::Off && !enable {
             // a mode that changes now does not begin with `enable`
-            self.job = if self.asked.is_none_or(|asked| asked == mode) { Mode::Idle } else { mode };
+            self.task = if self.requested.is_none_or(|requested| requested == mode) { Mode::Idle } else { mode };
         } else if ignored || self.state == State::Idle && mode == Mode::Idle {
-            self.job = mode;
+            self.task = mode;
         }
         if enable {
-            self.asked = Some(mode);
+            self.requested = Some(mode);
         }
     }
 
     fn enter(&mut self, p: &Parameters, reading: &Reading, before: State) {
         self.progress = Progress::Busy;
-        if before == State::Commission && !self.commissioner.finished {
-            self.commissioner.break_off();
+        if before == State::Commission && !self.commissioning_run.finished {
+            self.commissioning_run.abort();
         }
         if before == State::Fault {
             (self.fault, self.numbers) = (Fault::None, Numbers::START);
         }
         match self.state {
-            State::Idle if before.closed() => self.job = Mode::Idle,
+            State::Idle if before.closed() => self.task = Mode::Idle,
             State::Idle => {
                 self.joints = reading.positions;
                 self.watch.restart(p, &reading.positions);
@@ -359,9 +359,9 @@ impl Controller {
 
     /// A new job.
     fn begin(&mut self, p: &Parameters, mode: Mode) {
-        self.job = mode;
-        self.standing = StandingTool::default();
-        self.watch.begin_job();
+        self.task = mode;
+        self.frozen_spindle = FrozenSpindle::default();
+        self.watch.begin_task();
         self.elapsed.restart();
         self.budget = budget(p, &self.path, mode);
         self.export |= mode == Mode::Export;
@@ -384,7 +384,7 @@ impl Controller {
         }
         let (reference, encoder) = (servo::pulses(p, &self.joints), servo::pulses(p, &reading.positions));
         self.error = std::array::from_fn(|i| reference[i] - encoder[i]);
-        let learns = self.job == Mode::Learn && self.state == State::Run && self.progress == Progress::Busy;
+        let learns = self.task == Mode::Learn && self.state == State::Run && self.progress == Progress::Busy;
         if learns && (!self.path.cyclic || self.run.laps > 0) {
             let pattern = self.bank.pattern(self.learner.speed);
             if let Some(index) = self.run.index(pattern) {

@@ -23,17 +23,17 @@ pub struct Signs {
     /// Finding of the tool while it cuts.
     pub tool: Finding,
     /// Samples of the task, and their limit.
-    pub job: (u64, u64),
+    pub task: (u64, u64),
 }
 
 /// The first finding; causes come before consequences.
 pub fn find(p: &Parameters, signs: &Signs) -> Finding {
-    let &Signs { inputs, axes, run, nothing_learned, commission, registration, tool, job: (samples, most) } = signs;
+    let &Signs { inputs, axes, run, nothing_learned, commission, registration, tool, task: (samples, maximum) } = signs;
     let empty = if nothing_learned { Finding::plain(Fault::BankEmpty) } else { Finding::NONE };
     let rejected = commission.map_or(Finding::NONE, rejected);
     let seconds = |samples: u64| samples as f64 * p.sample_period;
-    let late = match samples > most {
-        true => Finding::beyond(Fault::NoProgress, seconds(samples), seconds(most)),
+    let late = match samples > maximum {
+        true => Finding::beyond(Fault::NoProgress, seconds(samples), seconds(maximum)),
         false => Finding::NONE,
     };
     [inputs, axes, run, empty, rejected, registration, tool, late]
@@ -174,7 +174,7 @@ mod tests {
         commission: None,
         registration: Finding::NONE,
         tool: Finding::NONE,
-        job: (7, 7),
+        task: (7, 7),
     };
 
     #[test]
@@ -183,9 +183,9 @@ mod tests {
         let plain = Finding::plain;
         let cases = [
             (GOOD, Fault::None),
-            (Signs { job: (8, 7), ..GOOD }, Fault::NoProgress),
-            (Signs { tool: plain(Fault::SpindleSlow), job: (8, 7), ..GOOD }, Fault::SpindleSlow),
-            (Signs { nothing_learned: true, job: (8, 7), ..GOOD }, Fault::BankEmpty),
+            (Signs { task: (8, 7), ..GOOD }, Fault::NoProgress),
+            (Signs { tool: plain(Fault::SpindleSlow), task: (8, 7), ..GOOD }, Fault::SpindleSlow),
+            (Signs { nothing_learned: true, task: (8, 7), ..GOOD }, Fault::BankEmpty),
             (Signs { run: plain(Fault::PatternTooLarge), nothing_learned: true, ..GOOD }, Fault::PatternTooLarge),
             (Signs { axes: plain(Fault::WeakDrive), run: plain(Fault::NoCut), ..GOOD }, Fault::WeakDrive),
         ];
@@ -194,7 +194,7 @@ mod tests {
             let invalid = Signs { inputs: plain(Fault::InvalidInput), ..signs };
             assert_eq!(find(&p, &invalid).fault, Fault::InvalidInput);
         }
-        assert_eq!(find(&p, &Signs { job: (800, 700), ..GOOD }).numbers.limit, 7.0);
+        assert_eq!(find(&p, &Signs { task: (800, 700), ..GOOD }).numbers.limit, 7.0);
     }
 
     #[test]
@@ -263,7 +263,7 @@ mod tests {
             ),
             (Rejection::Values, ["parameter `expert.learn.lead_in` would be `2`", "must be at least `", "do not fit"]),
         ] {
-            let found = find(&vars.in_force, &Signs { commission: Some(what), job: (8, 7), ..GOOD });
+            let found = find(&vars.in_force, &Signs { commission: Some(what), task: (8, 7), ..GOOD });
             assert_eq!(found.fault, Fault::CommissionRejected);
             vars.output.numbers = found.numbers;
             let message = numbers(&vars);

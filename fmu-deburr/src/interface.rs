@@ -24,8 +24,8 @@ mod variables {
     const JOINT: [Unit; 6] = [RADIAN, METRE, METRE, RADIAN, RADIAN, RADIAN];
     const SHOWN: [&str; 6] = ["deg", "mm", "mm", "deg", "deg", "deg"];
     const FINE: [&str; 6] = ["deg", "um", "um", "deg", "deg", "deg"];
-    const TURN: Unit = RADIAN_PER_SECOND;
-    const RATE: [Unit; 6] = [TURN, METRE_PER_SECOND, METRE_PER_SECOND, TURN, TURN, TURN];
+    const ANGULAR: Unit = RADIAN_PER_SECOND;
+    const RATE: [Unit; 6] = [ANGULAR, METRE_PER_SECOND, METRE_PER_SECOND, ANGULAR, ANGULAR, ANGULAR];
     const PULSE: [f64; 6] = [TAU / 640e3, 2.5e-6, 5e-6, TAU / 400e3, TAU / 400e3, TAU / 400e3];
     const RPM: f64 = TAU / 60.0;
     /// Largest displacement by which friction may hold a drive back, rad or m; also its standard deviation where the

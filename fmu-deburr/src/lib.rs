@@ -70,8 +70,8 @@ impl Model for Controller {
         }
         if self.take_export() {
             let bank = &mut vars.output.bank;
-            let taught = self.bank_as_taught(&vars.in_force);
-            let written = storage::export(&vars.in_force, self.path(), &taught, bank);
+            let programmed = self.programmed_bank(&vars.in_force);
+            let written = storage::export(&vars.in_force, self.path(), &programmed, bank);
             if written { env.event(&bank.message) } else { env.warn(&bank.message) }
         }
         Ok(())

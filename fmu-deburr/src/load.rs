@@ -23,12 +23,12 @@ pub struct LoadControl {
 
 impl LoadControl {
     /// Before the first sample, at the programmed speed (m/s).
-    pub fn new(taught: f64) -> Self {
-        Self { feed: taught, before: None, slowest: Consecutive::NONE }
+    pub fn new(programmed: f64) -> Self {
+        Self { feed: programmed, before: None, slowest: Consecutive::NONE }
     }
 
-    /// Desired feed (m/s) for the tool speed `n` (rad/s) while the feed is `realised` (m/s), at most `taught` (m/s).
-    pub fn step(&mut self, p: &Parameters, n: f64, realised: f64, taught: f64) -> f64 {
+    /// Desired feed (m/s) for the tool speed `n` (rad/s) while the feed is `realised` (m/s), at most `programmed` (m/s).
+    pub fn step(&mut self, p: &Parameters, n: f64, realised: f64, programmed: f64) -> f64 {
         let Load { k1, k2, speed_min, .. } = p.load;
         let nominal = p.load.scale * p.load.spindle_speed;
         let before = self.before.replace(n).unwrap_or(n);
@@ -38,10 +38,10 @@ impl LoadControl {
         // the feed moves on from where it is: no wind-up against its acceleration
         let margin = 2.0 * p.feed.acceleration * p.sample_period;
         let from = if change < 0.0 { self.feed.min(realised + margin) } else { self.feed.max(realised - margin) };
-        let least = speed_min.min(taught);
-        self.feed = (from + change).clamp(least, taught);
+        let minimum = speed_min.min(programmed);
+        self.feed = (from + change).clamp(minimum, programmed);
         // a feed that is asked to be slow is no overload
-        let free = self.feed > least || taught <= speed_min;
+        let free = self.feed > minimum || programmed <= speed_min;
         self.slowest.update(!free);
         self.feed
     }
@@ -64,7 +64,7 @@ mod tests {
     const NOMINAL: f64 = Load::START.spindle_speed;
 
     #[test]
-    fn without_load_the_feed_stays_at_the_taught_speed() {
+    fn without_load_the_feed_stays_at_the_programmed_speed() {
         let p = Parameters::START;
         let mut load = LoadControl::new(0.1);
         for k in 0..1000 {
@@ -114,14 +114,14 @@ mod tests {
     }
 
     #[test]
-    fn overload_is_told_after_a_time_at_the_slowest_feed() {
+    fn overload_is_reported_after_a_time_at_the_slowest_feed() {
         let p = Parameters::START;
         let mut load = LoadControl::new(0.1);
-        let told = (0..100).position(|_| {
+        let after = (0..100).position(|_| {
             let feed = load.step(&p, 0.5 * NOMINAL, 0.004, 0.1);
             load.overloaded(&p) && feed == p.load.speed_min
         });
-        assert_eq!(told, Some(20));
+        assert_eq!(after, Some(20));
         load.step(&p, 1.04 * NOMINAL, 0.004, 0.1);
         assert!(!load.overloaded(&p));
         (0..100).for_each(|_| assert_eq!(load.step(&p, 1.04 * NOMINAL, 0.0, 0.0), 0.0));

@@ -45,7 +45,7 @@ pub struct Events {
     /// What is asked for.
     pub mode: Mode,
     /// What is done.
-    pub job: Mode,
+    pub task: Mode,
     /// Stand during the motion.
     pub hold: bool,
     /// Rising edge of `reset_fault` while the axes are at rest.
@@ -57,7 +57,7 @@ pub struct Events {
     /// A registration is asked for, and the axes are at rest.
     pub register: bool,
     /// The commissioning run or registration is to be aborted.
-    pub break_off: bool,
+    pub abort: bool,
     /// What stops is a commissioning run or a registration.
     pub measuring: bool,
     /// Something is wrong in this sample.
@@ -99,15 +99,15 @@ fn ending(state: State, end: Reaction, events: &Events) -> State {
 
 /// The state after `state` without a fault.
 fn going_on(state: State, events: &Events) -> State {
-    let Events { enable, disabled, mode, job, hold, progress, .. } = *events;
+    let Events { enable, disabled, mode, task, hold, progress, .. } = *events;
     let over = progress != Progress::Busy;
     match state {
         State::Off | State::Fault | State::Retract => State::Idle,
         State::Idle | State::Settle | State::Done if !enable => State::Off,
         State::Approach | State::Run | State::Commission | State::Register if !enable => State::Stop,
-        State::Idle | State::Done if mode == job && events.commission => State::Commission,
-        State::Idle | State::Done if mode == job && events.register => State::Register,
-        State::Idle | State::Done if mode == job => state,
+        State::Idle | State::Done if mode == task && events.commission => State::Commission,
+        State::Idle | State::Done if mode == task && events.register => State::Register,
+        State::Idle | State::Done if mode == task => state,
         State::Idle | State::Done => match mode {
             Mode::Idle => State::Idle,
             Mode::Export => State::Done,
@@ -116,14 +116,14 @@ fn going_on(state: State, events: &Events) -> State {
         State::Stop if !over => State::Stop,
         State::Stop if disabled => State::Off,
         State::Stop if events.measuring => State::Idle,
-        State::Stop if mode != job => State::Idle,
+        State::Stop if mode != task => State::Idle,
         State::Stop if hold => State::Stop,
         State::Stop if events.learned => State::Done,
         State::Stop => State::Approach,
-        State::Approach | State::Run if mode != job => State::Stop,
-        State::Settle if mode != job => State::Idle,
+        State::Approach | State::Run if mode != task => State::Stop,
+        State::Settle if mode != task => State::Idle,
         // a repetition with a rest during its motion cannot be learned from
-        State::Run if hold && job == Mode::Learn => State::Stop,
+        State::Run if hold && task == Mode::Learn => State::Stop,
         State::Run if events.grown => State::Stop,
         State::Approach if over => State::Settle,
         State::Settle if over && !hold => State::Run,
@@ -131,7 +131,7 @@ fn going_on(state: State, events: &Events) -> State {
         State::Run if over => State::Done,
         // what has come to its end is not aborted any more
         State::Commission | State::Register if over => State::Idle,
-        State::Commission | State::Register if events.break_off || mode != job => State::Stop,
+        State::Commission | State::Register if events.abort || mode != task => State::Stop,
         State::Approach | State::Settle | State::Run | State::Commission | State::Register => state,
     }
 }
@@ -144,13 +144,13 @@ mod tests {
         enable: true,
         disabled: false,
         mode: Mode::Deburr,
-        job: Mode::Deburr,
+        task: Mode::Deburr,
         hold: false,
         reset: false,
         end: None,
         commission: false,
         register: false,
-        break_off: false,
+        abort: false,
         measuring: false,
         fault: false,
         inside: true,
@@ -158,7 +158,7 @@ mod tests {
         learned: false,
         progress: Progress::Busy,
     };
-    const LEARN: Events = Events { mode: Mode::Learn, job: Mode::Learn, ..EVENTS };
+    const LEARN: Events = Events { mode: Mode::Learn, task: Mode::Learn, ..EVENTS };
 
     #[test]
     fn without_enable_a_motion_stops_first_and_everything_else_is_off() {
@@ -170,29 +170,29 @@ mod tests {
             };
             assert_eq!(next(*state, &Events { enable: false, disabled: true, ..EVENTS }), expected, "{state:?}");
         }
-        let stands = Events { disabled: true, progress: Progress::Over, ..EVENTS };
-        assert_eq!(next(State::Stop, &Events { enable: false, ..stands }), State::Off);
+        let stopped = Events { disabled: true, progress: Progress::Over, ..EVENTS };
+        assert_eq!(next(State::Stop, &Events { enable: false, ..stopped }), State::Off);
         // too late for this stop
-        assert_eq!(next(State::Stop, &stands), State::Off);
+        assert_eq!(next(State::Stop, &stopped), State::Off);
     }
 
     #[test]
-    fn a_fault_that_no_command_helps_wins_at_once_and_stays_until_it_is_reset() {
+    fn a_fault_that_no_command_helps_wins_immediately_and_stays_until_it_is_reset() {
         let wrong = Events { end: Some(Reaction::DriveOff), fault: true, progress: Progress::Over, ..EVENTS };
         for state in State::ALL {
             assert_eq!(next(*state, &wrong), State::Fault);
         }
-        let told = Events { fault: false, ..wrong };
-        assert_eq!(next(State::Fault, &told), State::Fault);
-        assert_eq!(next(State::Fault, &Events { enable: false, ..told }), State::Fault);
-        let reset = Events { reset: true, ..told };
+        let reported = Events { fault: false, ..wrong };
+        assert_eq!(next(State::Fault, &reported), State::Fault);
+        assert_eq!(next(State::Fault, &Events { enable: false, ..reported }), State::Fault);
+        let reset = Events { reset: true, ..reported };
         assert_eq!(next(State::Fault, &reset), State::Idle);
         assert_eq!(next(State::Fault, &Events { enable: false, ..reset }), State::Off);
         assert_eq!(next(State::Fault, &Events { fault: true, ..reset }), State::Fault);
     }
 
     #[test]
-    fn a_gentle_end_stops_then_draws_back_then_stands() {
+    fn a_gentle_reaction_stops_then_retracts_then_holds() {
         let (busy, over) = (Progress::Busy, Progress::Over);
         for (end, inside, states) in [
             (Reaction::Retract, true, [State::Stop, State::Stop, State::Retract, State::Retract, State::Fault]),
@@ -223,17 +223,17 @@ mod tests {
     #[test]
     fn a_repetition_that_grows_stops_and_the_next_speed_follows() {
         assert_eq!(next(State::Run, &Events { grown: true, ..LEARN }), State::Stop);
-        let stands = Events { progress: Progress::Over, ..LEARN };
-        assert_eq!(next(State::Stop, &stands), State::Approach);
-        assert_eq!(next(State::Stop, &Events { learned: true, ..stands }), State::Done);
+        let stopped = Events { progress: Progress::Over, ..LEARN };
+        assert_eq!(next(State::Stop, &stopped), State::Approach);
+        assert_eq!(next(State::Stop, &Events { learned: true, ..stopped }), State::Done);
     }
 
     #[test]
-    fn a_job_goes_from_idle_to_done_and_stays_there() {
+    fn a_cycle_goes_from_idle_to_done_and_stays_there() {
         let mut state = State::Idle;
         let mut seen = vec![];
-        for job in [Mode::Idle, Mode::Deburr, Mode::Deburr, Mode::Deburr, Mode::Deburr] {
-            state = next(state, &Events { job, progress: Progress::Over, ..EVENTS });
+        for task in [Mode::Idle, Mode::Deburr, Mode::Deburr, Mode::Deburr, Mode::Deburr] {
+            state = next(state, &Events { task, progress: Progress::Over, ..EVENTS });
             seen.push(state);
         }
         assert_eq!(seen, [State::Approach, State::Settle, State::Run, State::Done, State::Done]);
@@ -268,31 +268,35 @@ mod tests {
 
     #[test]
     fn the_bank_is_exported_without_a_motion() {
-        let asked = Events { mode: Mode::Export, job: Mode::Idle, ..EVENTS };
+        let requested = Events { mode: Mode::Export, task: Mode::Idle, ..EVENTS };
         for state in [State::Idle, State::Done] {
-            assert_eq!(next(state, &asked), State::Done);
-            assert_eq!(next(state, &Events { mode: Mode::Idle, job: Mode::Export, ..EVENTS }), State::Idle);
+            assert_eq!(next(state, &requested), State::Done);
+            assert_eq!(next(state, &Events { mode: Mode::Idle, task: Mode::Export, ..EVENTS }), State::Idle);
         }
     }
 
     #[test]
-    fn another_mode_while_it_settles_ends_the_job() {
+    fn another_mode_while_it_settles_ends_the_cycle() {
         assert_eq!(next(State::Settle, &Events { mode: Mode::Learn, ..EVENTS }), State::Idle);
         assert_eq!(next(State::Settle, &EVENTS), State::Settle);
     }
 
     #[test]
     fn a_commission_begins_where_the_pose_is_held_and_ends_in_idle() {
-        let asked = Events { commission: true, ..EVENTS };
+        let requested = Events { commission: true, ..EVENTS };
         for state in State::ALL {
             let begins = state.waits();
-            assert_eq!(next(*state, &asked) == State::Commission, begins || *state == State::Commission, "{state:?}");
+            assert_eq!(
+                next(*state, &requested) == State::Commission,
+                begins || *state == State::Commission,
+                "{state:?}"
+            );
         }
         // a task that is asked for as well comes first
-        assert_eq!(next(State::Done, &Events { mode: Mode::Learn, ..asked }), State::Approach);
-        assert_eq!(next(State::Done, &Events { enable: false, ..asked }), State::Off);
+        assert_eq!(next(State::Done, &Events { mode: Mode::Learn, ..requested }), State::Approach);
+        assert_eq!(next(State::Done, &Events { enable: false, ..requested }), State::Off);
         // and a registration afterwards
-        assert_eq!(next(State::Done, &Events { register: true, ..asked }), State::Commission);
+        assert_eq!(next(State::Done, &Events { register: true, ..requested }), State::Commission);
         assert_eq!(next(State::Done, &Events { register: true, ..EVENTS }), State::Register);
         assert_eq!(next(State::Settle, &Events { register: true, ..EVENTS }), State::Settle);
         let over = Events { progress: Progress::Over, ..EVENTS };
@@ -300,14 +304,14 @@ mod tests {
             assert_eq!(next(measures, &EVENTS), measures);
             assert_eq!(next(measures, &over), State::Idle);
             for ends in [
-                Events { break_off: true, ..EVENTS },
+                Events { abort: true, ..EVENTS },
                 Events { mode: Mode::Learn, ..EVENTS },
                 Events { enable: false, ..EVENTS },
                 Events { end: Some(Reaction::Stop), ..EVENTS },
             ] {
                 assert_eq!(next(measures, &ends), State::Stop);
                 // what has come to its good end is taken, not aborted
-                let late = ends.break_off || ends.mode != ends.job;
+                let late = ends.abort || ends.mode != ends.task;
                 let over = Events { progress: Progress::Over, ..ends };
                 assert_eq!(next(measures, &over), if late { State::Idle } else { State::Stop });
             }

@@ -6,13 +6,13 @@ pub(crate) mod feed;
 pub(crate) mod geometry;
 pub(crate) mod kinematics;
 pub mod path_file;
+pub(crate) mod programmed_path;
 pub(crate) mod route;
-pub(crate) mod taught_path;
 pub(crate) mod touch;
 pub(crate) mod transfer;
 
 pub use feed::Point;
 pub use geometry::{Block, Pose, Vector};
 pub use kinematics::{AXES, Joints};
-pub use taught_path::{CORNER, TaughtPath};
+pub use programmed_path::{CORNER, ProgrammedPath};
 pub use touch::Touch;

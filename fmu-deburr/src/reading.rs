@@ -15,7 +15,7 @@ const POSITION_MAX: f64 = 1e4;
 /// Largest speed of any tool, rad/s.
 const SPINDLE_MAX: f64 = 1e5;
 /// An axis that is reported to move may stand, or go the other way as fast.
-const OTHER_WAY: f64 = 2.0;
+const REVERSED: f64 = 2.0;
 /// Ratio of its peak that the speed of an axis keeps for a sample longer.
 const FADING: f64 = 0.8;
 
@@ -32,7 +32,7 @@ pub struct Reading {
 
 /// What is known of the machine before a sample is read.
 #[derive(Clone, Copy, Debug)]
-pub struct Known<'a> {
+pub struct ReadingContext<'a> {
     /// Motion that was commanded for the sample that ends now, rad or m.
     pub motions: &'a Joints,
     /// The loops are closed: nothing else moves the axes.
@@ -70,7 +70,7 @@ impl AxisReader {
     fn read(&mut self, position: f64, motion: f64, anywhere: f64, spread: f64) -> f64 {
         self.carried += motion;
         self.fastest = motion.abs().max(FADING * self.fastest);
-        let reach = Reach { motion: (OTHER_WAY * self.fastest).max(anywhere), spread };
+        let reach = Reach { motion: (REVERSED * self.fastest).max(anywhere), spread };
         let unexplained = position - self.carried;
         if !self.confirmed && self.guard.believed().is_some() && position.is_finite() {
             self.confirmed = self.guard.reaches(unexplained, reach);
@@ -105,16 +105,16 @@ impl Reader {
     }
 
     /// Reads one sample: what to use, and what is wrong with it.
-    pub fn read(&mut self, p: &Parameters, input: &Input, known: &Known) -> (Reading, Finding) {
-        let number = |value: f64, most: f64| if is_plausible(value, most) { value } else { f64::NAN };
+    pub fn read(&mut self, p: &Parameters, input: &Input, context: &ReadingContext) -> (Reading, Finding) {
+        let number = |value: f64, maximum: f64| if is_plausible(value, maximum) { value } else { f64::NAN };
         let positions = input.axis.map(|axis| number(axis.position, POSITION_MAX));
         let speed = number(input.spindle_speed, SPINDLE_MAX);
         let valid = input.speed_override.is_finite();
         let placed = self.used.is_some() || positions.iter().all(|position| position.is_finite());
         self.invalid.update(!valid);
         let now = Reading {
-            positions: std::array::from_fn(|i| self.read_axis(p, i, positions[i], known)),
-            spindle_speed: self.read_spindle(p, speed, known.cuts),
+            positions: std::array::from_fn(|i| self.read_axis(p, i, positions[i], context)),
+            spindle_speed: self.read_spindle(p, speed, context.cuts),
             speed_override: if valid {
                 input.speed_override.clamp(0.0, 1.0)
             } else {
@@ -127,10 +127,10 @@ impl Reader {
         (self.used.unwrap_or_default(), self.doubted(p, input))
     }
 
-    fn read_axis(&mut self, p: &Parameters, i: usize, position: f64, known: &Known) -> f64 {
+    fn read_axis(&mut self, p: &Parameters, i: usize, position: f64, context: &ReadingContext) -> f64 {
         // by hand, or while the drives run out
-        let anywhere = if known.closed { 0.0 } else { p.axis[i].velocity_max * p.sample_period };
-        self.axes[i].read(position, known.motions[i], anywhere, p.limits.axis[i].error_max)
+        let anywhere = if context.closed { 0.0 } else { p.axis[i].velocity_max * p.sample_period };
+        self.axes[i].read(position, context.motions[i], anywhere, p.limits.axis[i].error_max)
     }
 
     fn read_spindle(&mut self, p: &Parameters, speed: f64, cuts: bool) -> f64 {
@@ -162,7 +162,7 @@ mod tests {
     use crate::interface::AxisInput;
     use control_blocks::with_nonsense;
 
-    const REST: Known = Known { motions: &[0.0; AXES], closed: true, cuts: true };
+    const REST: ReadingContext = ReadingContext { motions: &[0.0; AXES], closed: true, cuts: true };
 
     fn at(position: f64) -> Input {
         Input { axis: [AxisInput { position }; AXES], spindle_speed: 1800.0, ..Input::START }
@@ -185,7 +185,7 @@ mod tests {
         });
         for bad in with_nonsense(&good, &changes).into_iter().chain(absurd) {
             // a tool that does not cut may reach any speed in a sample
-            for known in [REST, Known { cuts: false, ..REST }] {
+            for context in [REST, ReadingContext { cuts: false, ..REST }] {
                 let placed = bad.axis.iter().all(|axis| is_plausible(axis.position, POSITION_MAX));
                 let fault = if !placed {
                     Fault::PositionLost
@@ -196,29 +196,29 @@ mod tests {
                 };
                 // nothing to bridge a measurement with
                 let mut reader = Reader::default();
-                let (nothing, found) = reader.read(&p, &bad, &known);
+                let (nothing, found) = reader.read(&p, &bad, &context);
                 assert_eq!((nothing.positions, found), (if placed { [0.5; AXES] } else { [0.0; AXES] }, Finding::NONE));
                 assert_eq!(
                     (nothing.speed_override > 0.0, nothing.spindle_speed > 0.0),
                     (placed && fault != Fault::InvalidInput, fault == Fault::InvalidInput)
                 );
                 assert_eq!(reader.placed(), placed);
-                let told = [0; 3].map(|_| reader.read(&p, &bad, &known).1.fault);
-                assert_eq!(told, [Fault::None, Fault::None, fault]);
+                let faults = [0; 3].map(|_| reader.read(&p, &bad, &context).1.fault);
+                assert_eq!(faults, [Fault::None, Fault::None, fault]);
                 let mut reader = Reader::default();
-                let (used, _) = reader.read(&p, &good, &known);
+                let (used, _) = reader.read(&p, &good, &context);
                 for _ in 0..3 {
-                    assert_eq!(reader.read(&p, &bad, &known), (used, Finding::NONE), "{bad:?}");
+                    assert_eq!(reader.read(&p, &bad, &context), (used, Finding::NONE), "{bad:?}");
                 }
-                let (reading, found) = reader.clone().read(&p, &bad, &known);
+                let (reading, found) = reader.clone().read(&p, &bad, &context);
                 assert_eq!((reading, found.fault), (used, fault), "{bad:?}");
-                assert_eq!(reader.read(&p, &good, &known), (used, Finding::NONE));
+                assert_eq!(reader.read(&p, &good, &context), (used, Finding::NONE));
             }
         }
     }
 
     #[test]
-    fn a_reading_that_is_lost_is_told_with_its_axis() {
+    fn a_reading_that_is_lost_is_reported_with_its_axis() {
         let p = Parameters::START;
         for axis in [3, 0] {
             let mut reader = Reader::default();
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_first_sample_that_is_wrong_is_forgotten_when_two_agree() {
+    fn a_first_sample_that_is_wrong_is_discarded_when_two_agree() {
         let p = Parameters::START;
         for (wrong, first) in [(0.53, true), (-0.2, true), (0.53, false)] {
             let mut reader = Reader::default();
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn readings_of_which_no_two_agree_are_told() {
+    fn readings_of_which_no_two_agree_are_reported() {
         let (p, mut reader) = (Parameters::START, Reader::default());
         let found = [0.1, 0.2, 0.1, 0.3, 0.1].map(|position| reader.read(&p, &at(position), &REST).1.fault);
         assert_eq!(found, [Fault::None, Fault::None, Fault::None, Fault::None, Fault::PositionJump]);
@@ -269,7 +269,7 @@ mod tests {
     fn one_sample_where_no_axis_can_be_is_bridged_along_the_commands() {
         let p = Parameters::START;
         let mut reader = Reader::default();
-        let moving = Known { motions: &[1e-3; AXES], ..REST };
+        let moving = ReadingContext { motions: &[1e-3; AXES], ..REST };
         for k in 0..10 {
             let position = 0.5 + 1e-3 * f64::from(k);
             let (reading, found) = reader.read(&p, &at(position), &moving);
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_stays_away_is_told_with_its_axis() {
+    fn a_reading_that_stays_away_is_reported_with_its_axis() {
         let p = Parameters::START;
         let mut reader = Reader::default();
         for _ in 0..2 {
@@ -299,13 +299,14 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_stands_or_runs_away_is_no_jump() {
+    fn a_drive_that_does_not_move_or_runs_away_is_no_jump() {
         let p = Parameters::START;
         for ratio in [0.0, -1.0, 2.0] {
             let mut reader = Reader::default();
             for k in 0..100 {
                 let position = 0.5 + ratio * 5e-3 * f64::from(k);
-                let (reading, found) = reader.read(&p, &at(position), &Known { motions: &[5e-3; AXES], ..REST });
+                let (reading, found) =
+                    reader.read(&p, &at(position), &ReadingContext { motions: &[5e-3; AXES], ..REST });
                 assert_eq!((reading.positions[2], found), (position, Finding::NONE), "{ratio}, {k}");
             }
         }
@@ -316,21 +317,21 @@ mod tests {
         let p = Parameters::START;
         let mut reader = Reader::default();
         for k in 0..50 {
-            let (_, found) = reader.read(&p, &at(9e-3 * f64::from(k)), &Known { closed: false, ..REST });
+            let (_, found) = reader.read(&p, &at(9e-3 * f64::from(k)), &ReadingContext { closed: false, ..REST });
             assert_eq!(found, Finding::NONE);
         }
         // no hand moves an axis by 0.1 m in a sample
-        let (reading, _) = reader.read(&p, &at(0.541), &Known { closed: false, ..REST });
+        let (reading, _) = reader.read(&p, &at(0.541), &ReadingContext { closed: false, ..REST });
         assert_eq!(reading.positions, [9e-3 * 49.0; AXES]);
     }
 
     #[test]
-    fn a_tool_that_starts_is_believed_and_one_bad_sample_while_it_cuts_is_not() {
+    fn a_tool_that_starts_is_accepted_and_one_bad_sample_while_it_cuts_is_not() {
         let p = Parameters::START;
         let mut reader = Reader::default();
         for speed in [0.0, 1800.0] {
             let input = Input { spindle_speed: speed, ..at(0.5) };
-            assert_eq!(reader.read(&p, &input, &Known { cuts: false, ..REST }).0.spindle_speed, speed);
+            assert_eq!(reader.read(&p, &input, &ReadingContext { cuts: false, ..REST }).0.spindle_speed, speed);
         }
         let lost = Input { spindle_speed: 0.0, ..at(0.5) };
         for _ in 0..3 {

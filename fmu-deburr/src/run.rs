@@ -7,7 +7,7 @@ use crate::learning::lookup::PatternLookup;
 use crate::learning::pattern::Pattern;
 use crate::path::feed::{FeedPlanner, Point};
 use crate::path::kinematics::Joints;
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 
 /// Most samples by which the feed is known in advance.
 pub const PREVIEW_MAX: usize = 8;
@@ -20,7 +20,7 @@ pub struct Run {
     ahead: [Point; PREVIEW_MAX + 1],
     /// whole samples by which the feed is known in advance, and those that the lookup of each axis wants
     preview: usize,
-    wanted: Joints,
+    requested: Joints,
     /// samples since the run began
     time: usize,
     /// rest before the start, samples
@@ -43,16 +43,16 @@ impl Parameters {
 
 impl Run {
     /// Before the first sample; each drive is `later` than the nominal one, s.
-    pub fn new(p: &Parameters, path: &TaughtPath, later: &Joints) -> Self {
-        let wanted = later.map(|later| p.preview(later));
-        let preview = wanted.into_iter().fold(0.0, f64::max).ceil() as usize;
+    pub fn new(p: &Parameters, path: &ProgrammedPath, later: &Joints) -> Self {
+        let requested = later.map(|later| p.preview(later));
+        let preview = requested.into_iter().fold(0.0, f64::max).ceil() as usize;
         let rest = if path.cyclic { preview } else { p.learn.lead_in as usize };
         let ahead = [Point::default(); PREVIEW_MAX + 1];
-        Self { feed: FeedPlanner::START, ahead, preview, wanted, time: 0, rest, beyond: 0, left: 0, laps: 0 }
+        Self { feed: FeedPlanner::START, ahead, preview, requested, time: 0, rest, beyond: 0, left: 0, laps: 0 }
     }
 
     /// One sample with the desired speed (m/s); false after the last one.
-    pub fn step(&mut self, p: &Parameters, path: &TaughtPath, target: f64) -> bool {
+    pub fn step(&mut self, p: &Parameters, path: &ProgrammedPath, target: f64) -> bool {
         let before = self.point();
         if self.time + self.preview >= self.rest {
             self.advance(p, path, target);
@@ -68,7 +68,7 @@ impl Run {
         path.cyclic || self.left <= p.learn.lead_out as usize
     }
 
-    fn advance(&mut self, p: &Parameters, path: &TaughtPath, target: f64) {
+    fn advance(&mut self, p: &Parameters, path: &ProgrammedPath, target: f64) {
         let mut point = self.feed.step(&p.feed, path, target, p.sample_period);
         if path.cyclic && point.distance >= path.length() {
             self.feed = FeedPlanner::START;
@@ -84,14 +84,14 @@ impl Run {
     }
 
     /// Outputs of the path; before the run the reference is at the start of the path.
-    pub fn report(&self, path: &TaughtPath, runs: bool, done: bool) -> PathOutput {
+    pub fn report(&self, path: &ProgrammedPath, runs: bool, done: bool) -> PathOutput {
         let Point { distance, speed } = if runs { self.point() } else { Point::default() };
-        let place = path.place(distance);
+        let location = path.locate(distance);
         PathOutput {
             distance,
             speed,
-            block: place.block as i32 + 1,
-            block_distance: place.distance,
+            block: location.block as i32 + 1,
+            block_distance: location.distance,
             length: path.length(),
             laps: self.laps as i32,
             done,
@@ -110,7 +110,7 @@ impl Run {
     }
 
     /// Whether neither feed nor reference move.
-    pub fn stands(&self) -> bool {
+    pub fn stopped(&self) -> bool {
         self.ahead[..=self.preview].iter().all(|point| point.speed == 0.0)
     }
 
@@ -122,25 +122,25 @@ impl Run {
     }
 
     /// The feed at the required preview, between two samples, and this preview.
-    fn previewed(&self, wanted: f64) -> (Point, f64) {
-        let late = self.preview as f64 - wanted;
+    fn previewed(&self, requested: f64) -> (Point, f64) {
+        let late = self.preview as f64 - requested;
         let whole = late.floor();
-        let (newest, share) = (self.ahead[whole as usize], late - whole);
-        if share == 0.0 {
-            return (newest, wanted);
+        let (newest, fraction) = (self.ahead[whole as usize], late - whole);
+        if fraction == 0.0 {
+            return (newest, requested);
         }
         let before = self.ahead[whole as usize + 1];
         // a new lap begins between both
         if newest.distance < before.distance {
             return (newest, self.preview as f64 - whole);
         }
-        let mix = |a: f64, b: f64| a + share * (b - a);
+        let mix = |a: f64, b: f64| a + fraction * (b - a);
         let point = Point { distance: mix(newest.distance, before.distance), speed: mix(newest.speed, before.speed) };
-        (point, wanted)
+        (point, requested)
     }
 
     /// Compensation in pulses from patterns at other speeds, the fastest first; not rounded.
-    pub fn compensation(&self, p: &Parameters, path: &TaughtPath, patterns: &[Pattern]) -> Joints {
+    pub fn compensation(&self, p: &Parameters, path: &ProgrammedPath, patterns: &[Pattern]) -> Joints {
         match patterns.first() {
             // at rest the time counts, not the distance
             Some(fastest) if !path.cyclic && self.time + self.preview <= self.rest + 1 => {
@@ -155,16 +155,16 @@ impl Run {
     }
 
     /// Eq. 2 to 4 for each axis, where and when it wants them.
-    fn look_up(&self, p: &Parameters, path: &TaughtPath, patterns: &[Pattern]) -> Joints {
+    fn look_up(&self, p: &Parameters, path: &ProgrammedPath, patterns: &[Pattern]) -> Joints {
         let nominal = (!p.lookup.recorded_speed).then_some(path.speed);
-        let look = |wanted: f64| {
-            let (point, back) = self.previewed(wanted);
+        let look = |requested: f64| {
+            let (point, back) = self.previewed(requested);
             PatternLookup { point, back, length: path.length(), nominal }.compensation(patterns)
         };
-        let mut found = look(self.wanted[0]);
-        for (axis, wanted) in self.wanted.into_iter().enumerate().skip(1) {
-            if wanted != self.wanted[0] {
-                found[axis] = look(wanted)[axis];
+        let mut found = look(self.requested[0]);
+        for (axis, requested) in self.requested.into_iter().enumerate().skip(1) {
+            if requested != self.requested[0] {
+                found[axis] = look(requested)[axis];
             }
         }
         found
@@ -178,7 +178,7 @@ mod tests {
     use crate::path::kinematics::AXES;
 
     /// Pattern whose compensation is the number of its sample.
-    fn numbered(p: &Parameters, path: &TaughtPath) -> Pattern {
+    fn numbered(p: &Parameters, path: &ProgrammedPath) -> Pattern {
         let mut pattern = Pattern::plan(p, path, 1.0).unwrap();
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
             sample.compensation = [k as f64; AXES];
@@ -235,12 +235,12 @@ mod tests {
     }
 
     /// Back and forth, repeatedly.
-    fn laps() -> TaughtPath {
+    fn laps() -> ProgrammedPath {
         let there = straight(0.05);
         let points = [there.at(0.0), there.at(0.05), there.at(0.0)];
         let blocks =
             points.windows(2).map(|pair| crate::path::geometry::Block::line(&pair[0], &pair[1]).unwrap()).collect();
-        TaughtPath::new(blocks, 0.1, true, 0.2).unwrap()
+        ProgrammedPath::new(blocks, 0.1, true, 0.2).unwrap()
     }
 
     #[test]
@@ -296,15 +296,15 @@ mod tests {
     }
 
     #[test]
-    fn a_held_run_stands_and_goes_on() {
+    fn a_held_run_rests_and_goes_on() {
         let p = Parameters::START;
         let path = straight(0.12);
         let mut run = Run::new(&p, &path, &[0.0; AXES]);
         for k in 0..200 {
             run.step(&p, &path, if (60..150).contains(&k) { 0.0 } else { path.speed });
-            assert!(!(100..150).contains(&k) || run.stands());
+            assert!(!(100..150).contains(&k) || run.stopped());
         }
-        assert!(!run.stands());
+        assert!(!run.stopped());
         let goes_on = (0..1000).any(|_| !run.step(&p, &path, path.speed));
         assert!(goes_on);
     }
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn the_outputs_tell_the_place_of_the_reference_while_it_runs() {
+    fn the_outputs_report_the_position_of_the_reference_while_it_runs() {
         let p = Parameters::START;
         let path = straight(0.12);
         let mut run = Run::new(&p, &path, &[0.0; AXES]);
@@ -335,9 +335,12 @@ mod tests {
             run.step(&p, &path, path.speed);
         }
         let Point { distance, speed } = run.point();
-        let told = run.report(&path, true, false);
-        assert_eq!((told.distance, told.speed, told.block, told.block_distance), (distance, speed, 1, distance));
-        assert!(distance > 0.0 && speed > 0.0 && !told.done && told.length == path.length());
+        let report = run.report(&path, true, false);
+        assert_eq!(
+            (report.distance, report.speed, report.block, report.block_distance),
+            (distance, speed, 1, distance)
+        );
+        assert!(distance > 0.0 && speed > 0.0 && !report.done && report.length == path.length());
         let waits = run.report(&path, false, true);
         assert_eq!((waits.distance, waits.speed, waits.done), (0.0, 0.0, true));
     }

@@ -56,11 +56,11 @@ mod tests {
         let mut p = Parameters::START;
         p.axis.iter_mut().enumerate().for_each(|(i, axis)| axis.velocity_max *= 1.0 + i as f64);
         for (i, axis) in p.axis.iter().enumerate() {
-            let most = 1e-3 * axis.velocity_max * p.sample_period + axis.pulse;
+            let maximum = 1e-3 * axis.velocity_max * p.sample_period + axis.pulse;
             for sign in [1.0, -1.0] {
-                let moved = |way: f64| std::array::from_fn(|k| if k == i { 0.3 + sign * way } else { 0.3 });
-                assert!(at_rest(&p, &moved(0.99 * most), &[0.3; AXES]), "{i}");
-                assert!(!at_rest(&p, &moved(1.01 * most), &[0.3; AXES]), "{i}");
+                let moved = |distance: f64| std::array::from_fn(|k| if k == i { 0.3 + sign * distance } else { 0.3 });
+                assert!(at_rest(&p, &moved(0.99 * maximum), &[0.3; AXES]), "{i}");
+                assert!(!at_rest(&p, &moved(1.01 * maximum), &[0.3; AXES]), "{i}");
             }
         }
     }

@@ -16,10 +16,10 @@ struct Loop {
     parameters: Parameters,
     input: Input,
     output: Output,
-    told: [f64; 6],
-    share: f64,
+    commanded: [f64; 6],
+    ratio: f64,
     /// signal of the probe, for the distance of the tip beyond the programmed position of a touch, m
-    feels: fn(usize, f64) -> bool,
+    in_contact: fn(usize, f64) -> bool,
 }
 
 impl Loop {
@@ -36,21 +36,30 @@ impl Loop {
         for (axis, position) in input.axis.iter_mut().zip([-0.1, 0.02, 0.7, 0.0, 0.0, 0.0]) {
             axis.position = position;
         }
-        Self { controller, parameters, input, output: Output::START, told: [0.0; 6], share: 1.0, feels: |_, _| false }
+        Self {
+            controller,
+            parameters,
+            input,
+            output: Output::START,
+            commanded: [0.0; 6],
+            ratio: 1.0,
+            in_contact: |_, _| false,
+        }
     }
 
     fn step(&mut self) {
         for i in 0..6 {
-            self.input.axis[i] = AxisInput { position: self.input.axis[i].position + 0.01 * self.share * self.told[i] };
+            self.input.axis[i] =
+                AxisInput { position: self.input.axis[i].position + 0.01 * self.ratio * self.commanded[i] };
         }
-        self.told = self.output.axis.map(|axis| axis.velocity);
+        self.commanded = self.output.axis.map(|axis| axis.velocity);
         let tip = self.parameters.arm.forward(&self.input.axis.map(|axis| axis.position)).tip;
         let number = self.output.registration.touches as usize;
         let touch = self.controller.path().touches.get(number);
         self.input.contact = touch.is_some_and(|touch| {
             let aside: Vector = tip - touch.pose.tip;
             let out = aside.dot(&touch.normal);
-            (aside - touch.normal * out).norm() < 1e-3 && (self.feels)(number, -out)
+            (aside - touch.normal * out).norm() < 1e-3 && (self.in_contact)(number, -out)
         });
         self.tick();
     }
@@ -75,7 +84,7 @@ impl Loop {
 }
 
 #[test]
-fn no_sample_of_a_job_allocates() {
+fn no_sample_of_a_cycle_allocates() {
     let laws: [fn(&mut Parameters); 5] = [
         |p| p.law = Law::Paper,
         |p| p.learn.identify = false,
@@ -93,9 +102,9 @@ fn no_sample_of_a_job_allocates() {
 }
 
 #[test]
-fn a_commission_that_is_applied_and_one_that_is_broken_off() {
+fn a_commission_that_is_applied_and_one_that_is_aborted() {
     let mut run = Loop::new(|p| p.commission.apply = true);
-    (run.input.spindle_speed, run.share) = (1884.0, 0.9);
+    (run.input.spindle_speed, run.ratio) = (1884.0, 0.9);
     for valid in [true, false] {
         run.input.commission = false;
         (0..200).for_each(|_| run.step());
@@ -111,7 +120,7 @@ fn a_commission_that_is_applied_and_one_that_is_broken_off() {
 }
 
 #[test]
-fn a_registration_that_moves_learned_patterns_and_one_that_is_broken_off() {
+fn a_registration_that_moves_learned_patterns_and_one_that_is_aborted() {
     let mut run = touching(|_, inside| inside > 1e-3);
     run.input.mode = Mode::Learn;
     run.step_until(|output| output.state == State::Done);
@@ -130,9 +139,9 @@ fn a_registration_that_moves_learned_patterns_and_one_that_is_broken_off() {
 }
 
 /// A part with touches, and what its probe detects.
-fn touching(feels: fn(usize, f64) -> bool) -> Loop {
+fn touching(in_contact: fn(usize, f64) -> bool) -> Loop {
     let mut run = Loop::new(|p| p.path.file = "touched.json".to_owned());
-    run.feels = feels;
+    run.in_contact = in_contact;
     (0..100).for_each(|_| run.step());
     run
 }
@@ -200,16 +209,16 @@ fn towards(fault: Fault) -> Loop {
         Fault::InvalidInput => run.input.speed_override = f64::NAN,
         Fault::SpindleLost => run.input.spindle_speed = f64::NAN,
         Fault::SpindleJump => run.input.spindle_speed = 0.0,
-        Fault::PositionLost => run.share = f64::NAN,
+        Fault::PositionLost => run.ratio = f64::NAN,
         Fault::PositionJump => run.input.axis[0].position += 0.5,
         Fault::SpindleSlow => run.input.spindle_speed = 1600.0,
         Fault::BankEmpty | Fault::PatternMismatch => run.input.mode = Mode::Playback,
-        Fault::PositionFrozen => run.share = 0.0,
-        Fault::WeakDrive => run.share = 0.3,
-        Fault::DriveSign => run.share = -1.0,
+        Fault::PositionFrozen => run.ratio = 0.0,
+        Fault::WeakDrive => run.ratio = 0.3,
+        Fault::DriveSign => run.ratio = -1.0,
         Fault::LongStep => run.controller.begin_long_step(),
         Fault::Oscillation => run.input.mode = Mode::DryRun,
-        Fault::FollowingError => run.share = 3.0,
+        Fault::FollowingError => run.ratio = 3.0,
         Fault::CommissionRejected => run.input.commission = true,
         Fault::NoTouches | Fault::NoPart | Fault::UnexpectedContact => run.input.register = true,
         Fault::ContactFrozen | Fault::TouchMismatch | Fault::Misplaced => run.input.register = true,
@@ -228,7 +237,7 @@ fn no_fault_allocates() {
         }
         assert_eq!((run.output.state, run.output.fault), (State::Fault, *fault));
         (run.input.commission, run.input.register) = (false, false);
-        (run.input.spindle_speed, run.input.speed_override, run.share) = (1885.0, 1.0, 1.0);
+        (run.input.spindle_speed, run.input.speed_override, run.ratio) = (1885.0, 1.0, 1.0);
         if *fault == Fault::PositionLost {
             run.input.axis = run.output.axis.map(|axis| AxisInput { position: axis.reference });
         }

@@ -366,7 +366,7 @@ impl Controller {
             tracking_error: direction * error,
             measured: self.identification.measured,
             calibrated: self.calibration.calibrated,
-            drive_gain_ratio: self.monitors.drive.share().unwrap_or(1.0),
+            drive_gain_ratio: self.monitors.drive.ratio().unwrap_or(1.0),
             numbers: self.numbers,
         };
     }

@@ -22,12 +22,12 @@ impl Response {
         self.square = keep * self.square + modelled * modelled;
     }
 
-    /// Ratio of the measured to the modeled response; none below the excitation `least`, in the unit of the square.
-    pub fn share(&self, least: f64) -> Option<f64> {
-        let least = least.max(f64::MIN_POSITIVE);
+    /// Ratio of the measured to the modeled response; none below `excitation_min`, in the unit of the square.
+    pub fn ratio(&self, excitation_min: f64) -> Option<f64> {
+        let excitation_min = excitation_min.max(f64::MIN_POSITIVE);
         // divided in any case: a compiler that divides before the comparison raises no exception
-        let share = self.product / self.square.max(least);
-        (self.square > least).then_some(share)
+        let ratio = self.product / self.square.max(excitation_min);
+        (self.square > excitation_min).then_some(ratio)
     }
 }
 
@@ -35,20 +35,20 @@ impl Response {
 mod tests {
     use super::*;
 
-    fn share(of: f64, offset: f64) -> Option<f64> {
+    fn ratio(of: f64, offset: f64) -> Option<f64> {
         let mut response = Response::default();
         for k in 0..2000 {
             let modelled = (f64::from(k) * 0.3).sin();
             response.update(modelled, of * modelled + offset * (f64::from(k) * 1.9).cos(), 500.0);
         }
-        response.share(1.0)
+        response.ratio(1.0)
     }
 
     #[test]
     fn the_share_is_that_of_the_machine() {
         for of in [1.0, 0.4, 0.0, -1.0, 1.7] {
-            assert!((share(of, 0.0).unwrap() - of).abs() < 1e-12);
-            assert!((share(of, 0.2).unwrap() - of).abs() < 0.01);
+            assert!((ratio(of, 0.0).unwrap() - of).abs() < 1e-12);
+            assert!((ratio(of, 0.2).unwrap() - of).abs() < 0.01);
         }
     }
 
@@ -57,9 +57,9 @@ mod tests {
         let mut response = Response::default();
         (0..1000).for_each(|_| response.update(1e-3, 5.0, 100.0));
         // the square tends to n c^2
-        assert_eq!(response.share(1.01e-4), None);
-        assert!(response.share(0.99e-4).is_some());
-        assert_eq!(Response::default().share(0.0), None);
+        assert_eq!(response.ratio(1.01e-4), None);
+        assert!(response.ratio(0.99e-4).is_some());
+        assert_eq!(Response::default().ratio(0.0), None);
     }
 
     #[test]
@@ -68,6 +68,6 @@ mod tests {
         (0..1000).for_each(|_| response.update(1.0, 1.0, 50.0));
         (0..500).for_each(|_| response.update(1.0, -1.0, 50.0));
         // 1 - 2 (1 - 0.98^500)
-        assert!((response.share(1.0).unwrap() + 1.0).abs() < 1e-3);
+        assert!((response.ratio(1.0).unwrap() + 1.0).abs() < 1e-3);
     }
 }

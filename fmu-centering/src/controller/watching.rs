@@ -137,7 +137,7 @@ impl Controller {
             return;
         }
         self.note_trial();
-        match self.trial.share() {
+        match self.trial.ratio() {
             None => self.try_probe(p, trial_move(p)),
             Some(share) if believable_share(share) => events.confirmed = true,
             Some(_) => events.fault = Some(Fault::ProbeFrozen),

@@ -76,10 +76,10 @@ impl DriveMonitor {
     }
 
     /// Ratio of recent slide travel to commanded travel; 1 if the motion was too small.
-    pub fn share(&self, p: &Parameters) -> f64 {
+    pub fn ratio(&self, p: &Parameters) -> f64 {
         // the smallest sum of squares for this way: evenly in all samples
         let samples = MEMORY / p.sample_period;
-        self.response.share(EXCITED.powi(2) / samples).unwrap_or(1.0)
+        self.response.ratio(EXCITED.powi(2) / samples).unwrap_or(1.0)
     }
 
     /// Number of samples for which the slide has been at rest within the resolution.
@@ -92,7 +92,7 @@ impl DriveMonitor {
         if self.error.abs() <= self.allowed {
             return None;
         }
-        let share = self.share(p);
+        let share = self.ratio(p);
         Some(if self.frozen.unanswered() > UNANSWERED * self.error.abs() {
             Fault::PositionFrozen
         } else if share < BACKWARDS {
@@ -171,11 +171,11 @@ mod tests {
 
     #[test]
     fn the_share_is_that_of_the_last_hundredths_of_a_second() {
-        assert!((moved(0.4, 300, 0.4, 0).share(&P) - 0.4).abs() < 1e-9);
+        assert!((moved(0.4, 300, 0.4, 0).ratio(&P) - 0.4).abs() < 1e-9);
         // 20 samples at 1 kHz: (1 - 1/20)^20 of what was before
         let kept = 0.95_f64.powi(20);
-        assert!((moved(1.0, 300, 0.0, 21).share(&P) - kept).abs() < 0.02, "{}", moved(1.0, 300, 0.0, 21).share(&P));
-        assert_eq!(DriveMonitor::default().share(&P), 1.0);
+        assert!((moved(1.0, 300, 0.0, 21).ratio(&P) - kept).abs() < 0.02, "{}", moved(1.0, 300, 0.0, 21).ratio(&P));
+        assert_eq!(DriveMonitor::default().ratio(&P), 1.0);
         // less than a micrometer in that time gives no ratio, a little more does
         let slow = |way: f64| {
             let mut drive = DriveMonitor::default();
@@ -184,11 +184,11 @@ mod tests {
             }
             drive
         };
-        assert_eq!([4e-8, 6e-8].map(|way| slow(way).share(&P)), [1.0, 0.0]);
+        assert_eq!([4e-8, 6e-8].map(|way| slow(way).ratio(&P)), [1.0, 0.0]);
         let mut drive = slow(4e-8);
         let setpoint = Trajectory { position: 1e-5, ..Trajectory::default() };
         (0..3).for_each(|_| drive.update(&P, &setpoint, 0.0, 0.0));
-        assert_eq!(drive.share(&P), 0.0);
+        assert_eq!(drive.ratio(&P), 0.0);
     }
 
     #[test]

@@ -30,7 +30,7 @@ impl ProbeTrial {
     }
 
     /// Gain ratio of the probe, once the move is over.
-    pub fn share(&self) -> Option<f64> {
+    pub fn ratio(&self) -> Option<f64> {
         let [a, b, c] = self.0.as_slice() else { return None };
         let turn = |i: usize| a[i] - 2.0 * b[i] + c[i];
         let share = turn(1) / turn(0);
@@ -47,10 +47,10 @@ pub fn believable_share(share: f64) -> bool {
 mod tests {
     use super::*;
 
-    fn share(places: [[f64; 2]; 3]) -> f64 {
+    fn ratio(places: [[f64; 2]; 3]) -> f64 {
         let mut trial = ProbeTrial::default();
         places.iter().for_each(|[slide, probe]| trial.note(*slide, *probe));
-        trial.share().unwrap()
+        trial.ratio().unwrap()
     }
 
     #[test]
@@ -58,15 +58,15 @@ mod tests {
         for (scale, drift) in [(1.0, 0.0), (1.0, 5e-5), (0.3, -5e-5), (0.0, 0.0)] {
             let probe = |slide: f64, time: f64| 4e-3 + scale * slide + drift * time;
             let places = [[0.1, probe(0.1, 0.0)], [0.0998, probe(0.0998, 1.0)], [0.1, probe(0.1, 2.0)]];
-            assert!((share(places) - scale).abs() < 1e-9);
-            assert_eq!(believable_share(share(places)), scale == 1.0);
+            assert!((ratio(places) - scale).abs() < 1e-9);
+            assert_eq!(believable_share(ratio(places)), scale == 1.0);
         }
     }
 
     #[test]
     fn a_slide_that_has_not_moved_proves_nothing() {
-        assert_eq!(share([[0.1, 4e-3]; 3]), 0.0);
-        assert_eq!(ProbeTrial::default().share(), None);
+        assert_eq!(ratio([[0.1, 4e-3]; 3]), 0.0);
+        assert_eq!(ProbeTrial::default().ratio(), None);
     }
 
     #[test]
@@ -79,11 +79,11 @@ mod tests {
     fn it_is_over_with_its_third_place_and_keeps_these() {
         let mut trial = ProbeTrial::default();
         for (k, probe) in [4e-3, 3.8e-3, 4e-3].into_iter().enumerate() {
-            assert!(!trial.over() && trial.share().is_none());
+            assert!(!trial.over() && trial.ratio().is_none());
             trial.note(if k == 1 { 0.0998 } else { 0.1 }, probe);
         }
-        let share = trial.share();
+        let share = trial.ratio();
         trial.note(9.0, 9.0);
-        assert!(trial.over() && trial.share() == share && (share.unwrap() - 1.0).abs() < 1e-9);
+        assert!(trial.over() && trial.ratio() == share && (share.unwrap() - 1.0).abs() < 1e-9);
     }
 }

@@ -56,13 +56,13 @@ mod tests {
     use crate::bank::pattern_bank::tests::numbered;
 
     #[test]
-    fn a_bank_comes_back_bit_for_bit() {
+    fn a_bank_is_restored_bit_for_bit() {
         let bank = numbered(|k| (k as f64).sqrt() * 1e-3);
         assert_eq!(decode(&encode(&bank)), Some(Ok(bank)));
     }
 
     #[test]
-    fn every_damaged_or_cut_file_is_refused() {
+    fn every_damaged_or_cut_file_is_rejected() {
         let bytes = encode(&numbered(|k| k as f64));
         for k in (0..bytes.len()).step_by(97).chain(bytes.len() - 9..bytes.len()) {
             let mut damaged = bytes.clone();

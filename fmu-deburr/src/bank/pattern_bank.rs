@@ -7,7 +7,7 @@ use crate::fingerprint::Fingerprint;
 use crate::interface::Parameters;
 use crate::learning::pattern::Pattern;
 use crate::path::kinematics::Joints;
-use crate::path::taught_path::{CORNER, TaughtPath};
+use crate::path::programmed_path::{CORNER, ProgrammedPath};
 
 /// What a bank belongs to; another path or machine needs another bank.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,7 +66,7 @@ impl PatternBank {
     ///
     /// # Errors
     /// When the path takes too long at one of them.
-    pub fn plan(p: &Parameters, path: &TaughtPath) -> Result<Self, ParameterError> {
+    pub fn plan(p: &Parameters, path: &ProgrammedPath) -> Result<Self, ParameterError> {
         let plan = |factor: &f64| Pattern::plan(p, path, *factor);
         let patterns = p.learn.factors.list().iter().map(plan).collect::<Result<Vec<_>, _>>();
         let patterns = patterns.map_err(|limit| ParameterError {
@@ -90,7 +90,7 @@ impl PatternBank {
     }
 
     /// The patterns are for commands that act after this number of samples.
-    pub fn tell_delay(&mut self, io_delay: i32) {
+    pub fn set_delay(&mut self, io_delay: i32) {
         self.identity.io_delay = io_delay as u16;
     }
 
@@ -171,7 +171,7 @@ impl PatternBank {
 }
 
 /// What a bank for this path and these parameters belongs to.
-fn identity(p: &Parameters, path: &TaughtPath) -> Identity {
+fn identity(p: &Parameters, path: &ProgrammedPath) -> Identity {
     let mut print = Fingerprint::default();
     path.fingerprint(&mut print);
     let numbers = [CORNER, p.feed.acceleration, p.feed.smoothing.into(), p.learn.lead_in.into()];
@@ -193,7 +193,7 @@ pub(crate) mod tests {
     use crate::learning::speeds::Speeds;
 
     /// The path of the test banks.
-    pub(crate) fn path() -> TaughtPath {
+    pub(crate) fn path() -> ProgrammedPath {
         straight(0.1)
     }
 
@@ -218,21 +218,21 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_bank_of_something_else_is_refused_with_the_difference() {
-        let refused = |change: fn(&mut Parameters), length: f64| {
+    fn a_bank_of_something_else_is_rejected_with_the_difference() {
+        let rejected = |change: fn(&mut Parameters), length: f64| {
             let mut p = Parameters::START;
             change(&mut p);
             let mut bank = PatternBank::plan(&p, &straight(length)).unwrap();
             bank.take_over(&numbered(|_| 1.0), 32_767.0).unwrap_err()
         };
         let cases = [
-            (refused(|p| p.sample_period = 0.005, 0.1), "sample period is `0.01 s`, must be `0.005 s`"),
-            (refused(|p| p.io_delay = 0, 0.1), "`io_delay` is `1`, must be `0`"),
-            (refused(|p| p.axis[2].pulse = 1e-5, 0.1), "pulses are"),
-            (refused(|p| p.learn.factors = Speeds::new(&[1.0, 0.5]).unwrap(), 0.1), "speeds are"),
-            (refused(|_| (), 0.1001), "another path"),
-            (refused(|p| p.feed.acceleration = 0.6, 0.1), "another path, feed or robot"),
-            (refused(|p| p.arm.tool_offset = 0.21, 0.1), "fingerprint is"),
+            (rejected(|p| p.sample_period = 0.005, 0.1), "sample period is `0.01 s`, must be `0.005 s`"),
+            (rejected(|p| p.io_delay = 0, 0.1), "`io_delay` is `1`, must be `0`"),
+            (rejected(|p| p.axis[2].pulse = 1e-5, 0.1), "pulses are"),
+            (rejected(|p| p.learn.factors = Speeds::new(&[1.0, 0.5]).unwrap(), 0.1), "speeds are"),
+            (rejected(|_| (), 0.1001), "another path"),
+            (rejected(|p| p.feed.acceleration = 0.6, 0.1), "another path, feed or robot"),
+            (rejected(|p| p.arm.tool_offset = 0.21, 0.1), "fingerprint is"),
         ];
         for (message, part) in cases {
             assert!(message.contains(part), "{message}");
@@ -240,7 +240,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn values_that_no_pattern_has_are_refused() {
+    fn values_that_no_pattern_has_are_rejected() {
         let mut bank = PatternBank::plan(&Parameters::START, &path()).unwrap();
         for value in [f64::NAN, f64::INFINITY, 40_000.0] {
             assert!(bank.take_over(&numbered(|_| value), 32_767.0).is_err());
@@ -248,7 +248,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn everything_that_the_way_depends_on_is_in_the_fingerprint() {
+    fn everything_that_the_path_depends_on_is_in_the_fingerprint() {
         let of = |change: fn(&mut Parameters)| {
             let mut p = Parameters::START;
             change(&mut p);

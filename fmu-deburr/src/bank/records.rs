@@ -8,7 +8,7 @@ use crate::bank::bank_file::{sign, verify};
 use crate::bank::pattern_bank::{Identity, PatternBank};
 use crate::learning::pattern::{Pattern, Sample};
 use crate::path::kinematics::{AXES, Joints};
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 
 const MAGIC: &[u8] = b"DEBURR-RECORDS-1\n";
 /// Bytes of a record.
@@ -22,7 +22,7 @@ const PHASE_BITS: u32 = 2;
 ///
 /// # Errors
 /// Message for the user if a number does not fit into its 16 bits.
-pub fn encode(bank: &PatternBank, path: &TaughtPath) -> Result<Vec<u8>, String> {
+pub fn encode(bank: &PatternBank, path: &ProgrammedPath) -> Result<Vec<u8>, String> {
     let Identity { path: print, pulses, period, io_delay, factors } = bank.identity();
     let mut bytes = MAGIC.to_vec();
     bytes.extend(print.to_le_bytes());
@@ -46,11 +46,11 @@ pub fn encode(bank: &PatternBank, path: &TaughtPath) -> Result<Vec<u8>, String> 
 ///
 /// # Errors
 /// Message for the user if the bytes are damaged, or another path or feed is in them than that of `bank`.
-pub fn decode(bytes: &[u8], bank: &PatternBank, path: &TaughtPath) -> Option<Result<PatternBank, String>> {
+pub fn decode(bytes: &[u8], bank: &PatternBank, path: &ProgrammedPath) -> Option<Result<PatternBank, String>> {
     bytes.strip_prefix(MAGIC).map(|rest| verify(bytes).and_then(|()| read(Bytes(rest), bank, path)))
 }
 
-fn read(mut from: Bytes, bank: &PatternBank, path: &TaughtPath) -> Result<PatternBank, String> {
+fn read(mut from: Bytes, bank: &PatternBank, path: &ProgrammedPath) -> Result<PatternBank, String> {
     let print = u64::from_le_bytes(from.take()?);
     let mut pulses = [0.0; AXES];
     for pulse in &mut pulses {
@@ -91,14 +91,14 @@ fn read(mut from: Bytes, bank: &PatternBank, path: &TaughtPath) -> Result<Patter
 }
 
 /// 18 bytes of one sample.
-fn record(sample: &Sample, phase: u32, path: &TaughtPath) -> Result<[u8; RECORD], String> {
-    let place = path.place(sample.point.distance);
+fn record(sample: &Sample, phase: u32, path: &ProgrammedPath) -> Result<[u8; RECORD], String> {
+    let position = path.locate(sample.point.distance);
     let mut bytes = [0; RECORD];
     for (i, value) in sample.compensation.iter().enumerate() {
         bytes[2 * i..2 * i + 2].copy_from_slice(&fit::<i16>(value.round(), "compensation in pulses")?.to_le_bytes());
     }
-    let distance = fit::<u16>((place.distance / UNIT).round(), "distance in its block in 0.01 mm")?;
-    let flags = fit::<u16>(((place.block as u32) << PHASE_BITS | phase).into(), "number of the block")?;
+    let distance = fit::<u16>((position.distance / UNIT).round(), "distance in its block in 0.01 mm")?;
+    let flags = fit::<u16>(((position.block as u32) << PHASE_BITS | phase).into(), "number of the block")?;
     let feed = fit::<u16>((sample.point.speed / UNIT).round(), "feed in 0.01 mm/s")?;
     for (i, value) in [distance, flags, feed].into_iter().enumerate() {
         bytes[12 + 2 * i..14 + 2 * i].copy_from_slice(&value.to_le_bytes());
@@ -144,7 +144,7 @@ mod tests {
     use crate::bank::pattern_bank::tests::{numbered, path};
 
     #[test]
-    fn whole_pulses_come_back_with_18_bytes_a_sample() {
+    fn whole_pulses_are_restored_with_18_bytes_a_sample() {
         let bank = numbered(|k| (k % 900) as f64 - 400.0);
         let bytes = encode(&bank, &path()).unwrap();
         let samples: usize = bank.patterns().iter().map(Pattern::len).sum();
@@ -155,13 +155,13 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_into_16_bits_is_told() {
+    fn what_does_not_fit_into_16_bits_is_reported() {
         let message = encode(&numbered(|k| 60.0 * k as f64), &path()).map(|bytes| bytes.len()).unwrap_err();
         assert!(message.contains("compensation in pulses is `3") && message.contains("hint:"), "{message}");
     }
 
     #[test]
-    fn damaged_and_cut_records_are_refused() {
+    fn damaged_and_cut_records_are_rejected() {
         let bank = numbered(|k| k as f64);
         let bytes = encode(&bank, &path()).unwrap();
         for k in (0..bytes.len()).step_by(61) {
@@ -180,9 +180,9 @@ mod tests {
         let at = bytes.len() - 8 - 2 * RECORD;
         let changed = |word: usize, by: i16| {
             let mut bytes = bytes[..bytes.len() - 8].to_vec();
-            let place = at + 12 + 2 * word;
-            let value = u16::from_le_bytes([bytes[place], bytes[place + 1]]).wrapping_add_signed(by);
-            bytes[place..place + 2].copy_from_slice(&value.to_le_bytes());
+            let position = at + 12 + 2 * word;
+            let value = u16::from_le_bytes([bytes[position], bytes[position + 1]]).wrapping_add_signed(by);
+            bytes[position..position + 2].copy_from_slice(&value.to_le_bytes());
             sign(&mut bytes);
             decode(&bytes, &bank, &path()).unwrap()
         };

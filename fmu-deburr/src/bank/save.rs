@@ -12,7 +12,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if fs::metadata(path).is_ok_and(|about| !about.is_file()) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there is a folder or device of this name"));
     }
-    let partial = beside(path)?;
+    let partial = neighbor(path)?;
     let written = write(&partial, bytes).and_then(|()| fs::rename(&partial, path));
     if written.is_err() {
         let _ = fs::remove_file(&partial);
@@ -27,7 +27,7 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// Name of the unfinished file; of this process alone.
-fn beside(path: &Path) -> io::Result<PathBuf> {
+fn neighbor(path: &Path) -> io::Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no name of a file"))?;
     let mut name = name.to_owned();
     name.push(format!(".{}.partial", std::process::id()));
@@ -38,32 +38,32 @@ fn beside(path: &Path) -> io::Result<PathBuf> {
 mod tests {
     use super::*;
 
-    fn names(place: &tempfile::TempDir) -> Vec<String> {
-        let entries = fs::read_dir(place.path()).unwrap();
+    fn names(folder: &tempfile::TempDir) -> Vec<String> {
+        let entries = fs::read_dir(folder.path()).unwrap();
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
     }
 
     #[test]
     fn a_file_is_written_and_replaced() {
-        let place = tempfile::tempdir().unwrap();
-        let file = place.path().join("bank.bin");
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("bank.bin");
         for text in ["one", "another"] {
             save(&file, text.as_bytes()).unwrap();
             assert_eq!(fs::read_to_string(&file).unwrap(), text);
         }
-        assert_eq!(names(&place), ["bank.bin"]);
+        assert_eq!(names(&folder), ["bank.bin"]);
     }
 
     #[test]
     fn what_cannot_be_written_leaves_the_old_file_and_nothing_else() {
-        let place = tempfile::tempdir().unwrap();
-        assert!(save(&place.path().join("missing").join("bank.bin"), b"x").is_err());
+        let folder = tempfile::tempdir().unwrap();
+        assert!(save(&folder.path().join("missing").join("bank.bin"), b"x").is_err());
         assert!(save(Path::new("/"), b"x").is_err());
         assert!(save(Path::new("/dev/full"), b"x").unwrap_err().to_string().contains("device"));
         // a folder is in the way
-        fs::create_dir(place.path().join("folder")).unwrap();
-        fs::write(place.path().join("folder").join("inside"), "kept").unwrap();
-        assert!(save(&place.path().join("folder"), b"x").is_err());
-        assert_eq!(names(&place), ["folder"]);
+        fs::create_dir(folder.path().join("folder")).unwrap();
+        fs::write(folder.path().join("folder").join("inside"), "kept").unwrap();
+        assert!(save(&folder.path().join("folder"), b"x").is_err());
+        assert_eq!(names(&folder), ["folder"]);
     }
 }

@@ -8,7 +8,7 @@ use crate::bank::pattern_bank::PatternBank;
 use crate::bank::save::save;
 use crate::bank::{bank_file, records};
 use crate::interface::{BankOutput, BankStatus, Format, Parameters};
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 
 /// Largest file that is read, bytes.
 const BYTES_MAX: u64 = 64 << 20;
@@ -20,7 +20,7 @@ const BYTES_MAX: u64 = 64 << 20;
 pub fn start(
     p: &Parameters,
     resources: Option<&Path>,
-    path: &TaughtPath,
+    path: &ProgrammedPath,
     bank: &mut PatternBank,
 ) -> Result<BankOutput, ParameterError> {
     let computed = bank.patterns().len();
@@ -50,7 +50,7 @@ pub fn start(
 /// Writes the bank to the file that `bank.export` names, if it names one; the message says what became of it.
 ///
 /// False when the file cannot be written; the bank stays where it is.
-pub fn export(p: &Parameters, path: &TaughtPath, bank: &PatternBank, output: &mut BankOutput) -> bool {
+pub fn export(p: &Parameters, path: &ProgrammedPath, bank: &PatternBank, output: &mut BankOutput) -> bool {
     if p.bank.export.is_empty() {
         "not written: `bank.export` is empty".clone_into(&mut output.message);
         return true;
@@ -96,9 +96,9 @@ mod tests {
     }
 
     #[test]
-    fn both_formats_come_back() {
-        let place = tempfile::tempdir().unwrap();
-        let file = place.path().join("bank.bin");
+    fn both_formats_are_restored() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("bank.bin");
         let bank = numbered(|k| (k % 50) as f64);
         for format in [Format::Full, Format::Records] {
             let (done, output) = exported(&file, format, &bank);
@@ -113,13 +113,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_bank_is_refused_and_what_cannot_be_written_is_told() {
-        let place = tempfile::tempdir().unwrap();
-        let file = place.path().join("path.json");
+    fn what_is_no_bank_is_rejected_and_what_cannot_be_written_is_reported() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("path.json");
         std::fs::write(&file, "{}").unwrap();
         let message = imported(&file, 0.1).unwrap_err();
         assert!(message.contains("none of the formats") && message.contains("hint:"), "{message}");
-        let missing = place.path().join("missing").join("bank.bin");
+        let missing = folder.path().join("missing").join("bank.bin");
         let (done, output) = exported(&missing, Format::Full, &numbered(|k| k as f64));
         assert!(!done && output.status == BankStatus::ExportFailed);
         assert!(output.message.contains("not written: No such file") && output.message.contains("hint:"));

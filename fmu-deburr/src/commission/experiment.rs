@@ -20,7 +20,7 @@ pub struct Experiment {
     stroke: u32,
     /// samples of this stroke
     tick: u32,
-    way: Quintic,
+    motion: Quintic,
     /// reference of the axis
     now: Trajectory,
 }
@@ -36,7 +36,7 @@ impl Experiment {
             strokes: Strokes::new(room(p, speed)),
             stroke: 0,
             tick: 0,
-            way: Quintic::resting(0.0),
+            motion: Quintic::resting(0.0),
             now: Trajectory::default(),
         }
     }
@@ -63,15 +63,15 @@ impl Experiment {
     /// From rest at `from` to the other end of the way.
     fn begin_stroke(&mut self, from: f64) {
         let (start, axis) = (self.start[self.axis], self.axis);
-        let goal = if self.stroke.is_multiple_of(2) { start + self.plan.way[axis] } else { start };
+        let goal = if self.stroke.is_multiple_of(2) { start + self.plan.travel[axis] } else { start };
         self.now = Trajectory::resting(from);
-        self.way = Quintic::new(self.now, goal, self.plan.time[axis]);
+        self.motion = Quintic::new(self.now, goal, self.plan.time[axis]);
     }
 
     /// Moves the reference of the axis on.
     pub fn advance(&mut self, joints: &mut Joints, dt: f64) {
         if self.axis < AXES {
-            self.now = self.way.at(f64::from(self.tick + 1) * dt);
+            self.now = self.motion.at(f64::from(self.tick + 1) * dt);
             joints[self.axis] = self.now.position;
         }
     }
@@ -99,7 +99,7 @@ impl Experiment {
             if self.stroke == STROKES {
                 return true;
             }
-            self.begin_stroke(self.way.goal());
+            self.begin_stroke(self.motion.goal());
         }
         false
     }
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn each_axis_strokes_alone_within_its_way_speed_and_acceleration_and_comes_back() {
+    fn each_axis_strokes_alone_within_its_travel_speed_and_acceleration_and_returns() {
         let p = Parameters::START;
         let all = references(&p);
         let plan = Plan::new(&p, 0.1, &START);
@@ -140,9 +140,10 @@ mod tests {
         let dt = p.sample_period;
         for i in 0..AXES {
             let lever = plan.brake[i].recip() * 0.5;
-            let far = all.iter().map(|place| (place[i] - START[i]) / plan.way[i]);
-            let (least, most) = far.fold((0.0f64, 0.0f64), |(least, most), x| (least.min(x), most.max(x)));
-            assert!(least > -1e-9 && (most - 1.0).abs() < 1e-9, "{i}: {least} {most}");
+            let far = all.iter().map(|position| (position[i] - START[i]) / plan.travel[i]);
+            let (minimum, maximum) =
+                far.fold((0.0f64, 0.0f64), |(minimum, maximum), x| (minimum.min(x), maximum.max(x)));
+            assert!(minimum > -1e-9 && (maximum - 1.0).abs() < 1e-9, "{i}: {minimum} {maximum}");
             let fast = all.windows(2).map(|two| (two[1][i] - two[0][i]).abs() / dt).fold(0.0, f64::max);
             assert!(fast * lever < 0.1001, "{i}: {fast}");
             let hard =
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_that_is_broken_off_stands_within_its_way_and_its_deceleration() {
+    fn a_stroke_that_is_aborted_is_at_rest_within_its_travel_and_its_deceleration() {
         let p = Parameters::START;
         for samples in [1, 20, 35, 60, 130, 170] {
             let mut experiment = Experiment::new(&p, 0.1);
@@ -165,10 +166,10 @@ mod tests {
             let stops = (0..100).position(|_| experiment.stop(&mut joints, p.sample_period));
             // 0.1 m/s at 0.5 m/s2
             assert!(stops.is_some_and(|after| after <= 21), "{samples}: {stops:?}");
-            let place = joints;
-            assert!(experiment.stop(&mut joints, p.sample_period) && joints == place);
-            let way = (joints[0] - START[0]) / experiment.plan.way[0];
-            assert!((-0.31..1.31).contains(&way) && joints[1..] == START[1..], "{samples}: {way}");
+            let position = joints;
+            assert!(experiment.stop(&mut joints, p.sample_period) && joints == position);
+            let travel = (joints[0] - START[0]) / experiment.plan.travel[0];
+            assert!((-0.31..1.31).contains(&travel) && joints[1..] == START[1..], "{samples}: {travel}");
         }
     }
 }

@@ -36,7 +36,7 @@ const SAME: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Plan {
     /// Distance from the rest position of each axis, rad or m.
-    pub way: Joints,
+    pub travel: Joints,
     /// Time of a stroke, s.
     pub time: Joints,
     /// Samples of a stroke and the rest after it.
@@ -49,10 +49,10 @@ impl Plan {
     /// From the position `joints` (rad or m); `speed` is that of the path, m/s.
     pub fn new(p: &Parameters, speed: f64, joints: &Joints) -> Self {
         let levers = levers(p, joints);
-        let way = std::array::from_fn(|i| side(p, joints, i, travel(p, speed) / levers[i]));
-        let time = std::array::from_fn(|i| duration(p, speed, i, way[i], levers[i]));
+        let travel = std::array::from_fn(|i| side(p, joints, i, travel(p, speed) / levers[i]));
+        let time = std::array::from_fn(|i| duration(p, speed, i, travel[i], levers[i]));
         Self {
-            way,
+            travel,
             time,
             samples: std::array::from_fn(|i| samples(p, i, time[i])),
             brake: levers.map(|lever| acceleration(p) / lever),
@@ -70,25 +70,25 @@ fn linear(axis: usize) -> bool {
     matches!(axis, 1 | 2)
 }
 
-/// The travel of the axis `axis`, at most `most` (rad or m) and within its travel, to the side that is free.
-fn side(p: &Parameters, joints: &Joints, axis: usize, most: f64) -> f64 {
+/// The travel of the axis `axis`, at most `maximum` (rad or m) and within its travel, to the side that is free.
+fn side(p: &Parameters, joints: &Joints, axis: usize, maximum: f64) -> f64 {
     let (here, at) = (p.arm.forward(joints), joints[axis]);
-    let away = |way: f64| {
+    let away = |travel: f64| {
         let mut there = *joints;
-        there[axis] += way;
+        there[axis] += travel;
         -(p.arm.forward(&there).tip - here.tip).dot(&here.axis)
     };
-    let (up, down) = (away(most), away(-most));
+    let (up, down) = (away(maximum), away(-maximum));
     let [below, above] = [at - p.axis[axis].minimum, p.axis[axis].maximum - at].map(|room| room.max(0.0));
     let forward = if (up - down).abs() > SAME { up > down } else { above >= below };
-    if forward { most.min(above) } else { -most.min(below) }
+    if forward { maximum.min(above) } else { -maximum.min(below) }
 }
 
-/// Time of a stroke of the axis `axis` over `way` (rad or m), s.
-fn duration(p: &Parameters, speed: f64, axis: usize, way: f64, lever: f64) -> f64 {
-    let most = (speed / lever).min(VELOCITY_RATIO * p.axis[axis].velocity_max);
-    let hard = (QUINTIC_ACCELERATION * way.abs() * lever / acceleration(p)).sqrt();
-    quintic_duration(way.abs(), most).max(hard).max(SAMPLES_MIN * p.sample_period)
+/// Time of a stroke of the axis `axis` over `travel` (rad or m), s.
+fn duration(p: &Parameters, speed: f64, axis: usize, travel: f64, lever: f64) -> f64 {
+    let maximum = (speed / lever).min(VELOCITY_RATIO * p.axis[axis].velocity_max);
+    let hard = (QUINTIC_ACCELERATION * travel.abs() * lever / acceleration(p)).sqrt();
+    quintic_duration(travel.abs(), maximum).max(hard).max(SAMPLES_MIN * p.sample_period)
 }
 
 /// Samples of a stroke of the axis `axis` that takes `time` (s), and of the rest after it.
@@ -122,16 +122,16 @@ fn acceleration(p: &Parameters) -> f64 {
 }
 
 /// Time of all motions (s), including the retract from the part.
-pub fn least_time(p: &Parameters, speed: f64) -> f64 {
+pub fn shortest_time(p: &Parameters, speed: f64) -> f64 {
     let strokes: u32 = (0..AXES).map(|i| STROKES * samples(p, i, longest(p, speed, i))).sum();
-    let slowest = p.axis.iter().fold(f64::INFINITY, |least, axis| least.min(axis.velocity_max));
+    let slowest = p.axis.iter().fold(f64::INFINITY, |minimum, axis| minimum.min(axis.velocity_max));
     let out = quintic_duration(p.transfer.clearance, VELOCITY_RATIO * slowest).max(p.transfer.time);
     f64::from(strokes) * p.sample_period + out
 }
 
 /// Longest time (s): `expert.commission.time`, or what the motions take and some more.
 pub fn time(p: &Parameters, speed: f64) -> f64 {
-    commission_time(p.commission.time, || least_time(p, speed))
+    commission_time(p.commission.time, || shortest_time(p, speed))
 }
 
 #[cfg(test)]
@@ -162,47 +162,47 @@ mod tests {
         let mut p = Parameters::START;
         let plan = Plan::new(&p, 0.1, &ABOVE);
         // both immediately
-        near(1.875 * plan.way[1] / plan.time[1], 0.1);
-        near(5.7735 * plan.way[2] / plan.time[2].powi(2), 0.5);
+        near(1.875 * plan.travel[1] / plan.time[1], 0.1);
+        near(5.7735 * plan.travel[2] / plan.time[2].powi(2), 0.5);
         // the reach is the lever of the column, and no lever is shorter than 0.1 m
-        near(plan.way[0].abs() * 0.7, plan.way[1]);
-        near(plan.way[4].abs() * 0.2, plan.way[1]);
-        near(plan.way[5].abs() * 0.1, plan.way[1]);
+        near(plan.travel[0].abs() * 0.7, plan.travel[1]);
+        near(plan.travel[4].abs() * 0.2, plan.travel[1]);
+        near(plan.travel[5].abs() * 0.1, plan.travel[1]);
         p.commission.travel = 0.2;
         let plan = Plan::new(&p, 0.1, &ABOVE);
-        near(1.875 * plan.way[1] / plan.time[1], 0.1);
-        assert!(5.7735 * plan.way[1] / plan.time[1].powi(2) < 0.5);
+        near(1.875 * plan.travel[1] / plan.time[1], 0.1);
+        assert!(5.7735 * plan.travel[1] / plan.time[1].powi(2) < 0.5);
         p.commission.travel = 0.01;
         let plan = Plan::new(&p, 0.1, &ABOVE);
-        near(5.7735 * plan.way[1] / plan.time[1].powi(2), 0.5);
-        assert!(1.875 * plan.way[1] / plan.time[1] < 0.1);
+        near(5.7735 * plan.travel[1] / plan.time[1].powi(2), 0.5);
+        assert!(1.875 * plan.travel[1] / plan.time[1] < 0.1);
         // an axis that may not turn so fast takes longer
         (p.axis[5].velocity_max, p.commission.travel) = (0.5, 0.03);
         let plan = Plan::new(&p, 0.1, &ABOVE);
-        near(1.875 * plan.way[5].abs() / plan.time[5], 0.3 * 0.5);
+        near(1.875 * plan.travel[5].abs() / plan.time[5], 0.3 * 0.5);
     }
 
     #[test]
     fn each_axis_goes_away_from_the_part_or_to_where_there_is_room() {
         let mut p = Parameters::START;
-        let ways = |p: &Parameters, joints: &Joints| Plan::new(p, 0.1, joints).way.map(f64::signum);
+        let travels = |p: &Parameters, joints: &Joints| Plan::new(p, 0.1, joints).travel.map(f64::signum);
         // up, and to the middle of the travel
-        assert_eq!(ways(&p, &ABOVE), [1.0; AXES]);
+        assert_eq!(travels(&p, &ABOVE), [1.0; AXES]);
         let mut there = [0.2, 0.9, 1.9, 0.2, 0.0, 0.2];
-        assert_eq!(ways(&p, &there), [-1.0, 1.0, -1.0, -1.0, 1.0, -1.0]);
+        assert_eq!(travels(&p, &there), [-1.0, 1.0, -1.0, -1.0, 1.0, -1.0]);
         // a tool that is tilted inwards comes away outwards, and the other way round
         (there[3], there[4]) = (0.0, 0.3);
-        assert_eq!(ways(&p, &there)[2], 1.0);
+        assert_eq!(travels(&p, &there)[2], 1.0);
         there[4] = -0.3;
-        assert_eq!(ways(&p, &there)[2], -1.0);
+        assert_eq!(travels(&p, &there)[2], -1.0);
         // an upside down one from below
         there[4] = 3.1;
-        assert_eq!(ways(&p, &there)[1], -1.0);
+        assert_eq!(travels(&p, &there)[1], -1.0);
         // no farther than the travel allows
         p.axis[1].maximum = 0.91;
-        near(Plan::new(&p, 0.1, &[0.2, 0.9, 1.9, 0.0, 0.0, 0.0]).way[1], 0.01);
+        near(Plan::new(&p, 0.1, &[0.2, 0.9, 1.9, 0.0, 0.0, 0.0]).travel[1], 0.01);
         p.axis[1].maximum = 0.8;
-        assert_eq!(Plan::new(&p, 0.1, &[0.2, 0.9, 1.9, 0.0, 0.0, 0.0]).way[1], 0.0);
+        assert_eq!(Plan::new(&p, 0.1, &[0.2, 0.9, 1.9, 0.0, 0.0, 0.0]).travel[1], 0.0);
     }
 
     #[test]
@@ -213,15 +213,15 @@ mod tests {
             let plan = Plan::new(&p, 0.1, &joints);
             assert!(plan.samples.iter().all(|samples| (STROKES * samples) as usize <= room(&p, 0.1)), "{plan:?}");
             let all = plan.samples.iter().map(|samples| 0.01 * f64::from(STROKES * samples)).sum::<f64>();
-            assert!(all + p.transfer.time <= least_time(&p, 0.1) + 1e-9);
+            assert!(all + p.transfer.time <= shortest_time(&p, 0.1) + 1e-9);
         }
-        near(time(&p, 0.1), 1.25 * least_time(&p, 0.1) + 1.0);
+        near(time(&p, 0.1), 1.25 * shortest_time(&p, 0.1) + 1.0);
         p.commission.time = 77.0;
         assert_eq!(time(&p, 0.1), 77.0);
         p.commission.time = 0.0;
         // a long way out at the speed of the slowest axis
-        let short = least_time(&p, 0.1);
+        let short = shortest_time(&p, 0.1);
         (p.transfer.clearance, p.axis[1].velocity_max) = (0.9, 0.4);
-        near(least_time(&p, 0.1) - short, 1.875 * 0.9 / (0.3 * 0.4) - p.transfer.time);
+        near(shortest_time(&p, 0.1) - short, 1.875 * 0.9 / (0.3 * 0.4) - p.transfer.time);
     }
 }

@@ -25,16 +25,16 @@ impl Strokes {
 
     /// Takes the reference and the control error of a sample, as long as there is memory.
     pub fn take(&mut self, reference: f64, error: f64) {
-        if let (Some(place), Some(left)) = (self.reference.get_mut(self.count), self.error.get_mut(self.count)) {
-            (*place, *left) = (reference, error);
+        if let (Some(slot), Some(left)) = (self.reference.get_mut(self.count), self.error.get_mut(self.count)) {
+            (*slot, *left) = (reference, error);
             self.count += 1;
         }
     }
 }
 
 impl BareRun for Strokes {
-    fn weight(share: f64) -> f64 {
-        share
+    fn weight(fraction: f64) -> f64 {
+        fraction
     }
 
     fn count(&self) -> usize {

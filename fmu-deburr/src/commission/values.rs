@@ -16,9 +16,9 @@ const EARLY: f64 = 0.1;
 pub const DELAY_STD_MAX: f64 = 0.05;
 
 /// A natural frequency is used where its standard deviation is at most this ratio of it.
-const FREQUENCY_SURE: f64 = 0.2;
+const FREQUENCY_STD_MAX: f64 = 0.2;
 /// So is friction.
-const FRICTION_SURE: f64 = 0.3;
+const FRICTION_STD_MAX: f64 = 0.3;
 /// Names of the parameters of the drives.
 const GAINS: [&str; AXES] = [
     "expert.model.axis1.gain",
@@ -104,9 +104,12 @@ impl Values {
             frequency: measured
                 .axis
                 .each_ref()
-                .map(|axis| if_sure(axis.natural_frequency, axis.natural_frequency_std, FREQUENCY_SURE)),
+                .map(|axis| if_certain(axis.natural_frequency, axis.natural_frequency_std, FREQUENCY_STD_MAX)),
             // an uncertain one may be 0
-            friction: measured.axis.each_ref().map(|axis| if_sure(axis.friction, axis.friction_std, FRICTION_SURE)),
+            friction: measured
+                .axis
+                .each_ref()
+                .map(|axis| if_certain(axis.friction, axis.friction_std, FRICTION_STD_MAX)),
             idle_speed: measured.idle_speed,
             scale: self.scale * measured.idle_speed / self.idle_speed,
         }
@@ -137,8 +140,8 @@ impl Values {
 }
 
 /// A value whose standard deviation is at most this ratio of it, else 0.
-fn if_sure(value: f64, deviation: f64, share: f64) -> f64 {
-    if deviation <= share * value { value } else { 0.0 }
+fn if_certain(value: f64, deviation: f64, ratio: f64) -> f64 {
+    if deviation <= ratio * value { value } else { 0.0 }
 }
 
 /// The delays that a controller tolerates with the configured `io_delay`.
@@ -146,7 +149,7 @@ pub fn delays(io_delay: i32) -> std::ops::RangeInclusive<i32> {
     (io_delay - DELAY_SPREAD).max(0)..=*tolerated_delays(io_delay).end()
 }
 
-/// What cannot be used of a measurement by a controller that was `told`.
+/// Why a measurement cannot be used with the `configured` values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Rejection {
     /// The drive of an axis, from 1.
@@ -160,7 +163,7 @@ pub enum Rejection {
 }
 
 /// Why a measurement cannot be used.
-pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejection> {
+pub fn rejection(p: &Parameters, configured: &Values, m: &Measured) -> Option<Rejection> {
     let whole = whole_delay(m.io_delay);
     let bad = |axis: &MeasuredAxis| {
         !(CREDIBLE.contains(&axis.gain)
@@ -172,10 +175,10 @@ pub fn rejection(p: &Parameters, told: &Values, m: &Measured) -> Option<Rejectio
     if let Some(i) = m.axis.iter().position(bad) {
         return Some(Rejection::Drive(i as i32 + 1));
     }
-    if !delays(told.io_delay).contains(&whole) {
+    if !delays(configured.io_delay).contains(&whole) {
         return Some(Rejection::Delay);
     }
-    let idles = within_factor(m.idle_speed, told.idle_speed, RATIO_MAX)
+    let idles = within_factor(m.idle_speed, configured.idle_speed, RATIO_MAX)
         && is_certain(m.idle_speed, m.idle_speed_std, p.commission.std_max);
     (!idles).then_some(Rejection::Tool)
 }
@@ -212,36 +215,36 @@ mod tests {
     #[test]
     fn what_is_put_is_what_was_taken() {
         let mut p = Parameters::START;
-        let told = Values::of(&p);
-        told.put(&mut p);
+        let configured = Values::of(&p);
+        configured.put(&mut p);
         assert_eq!(p, Parameters::START);
-        let values = told.derived(&good());
+        let values = configured.derived(&good());
         values.put(&mut p);
         assert_eq!(Values::of(&p), values);
         assert_eq!((p.io_delay, p.model.axis[4].gain, p.model.axis[4].lag, p.load.idle_speed), (2, 0.8, 5e-3, 1700.0));
         // what was configured of target and limit stays, and their ratio is in force
         assert_eq!(p.load.spindle_speed, Parameters::START.load.spindle_speed);
-        let share = 1700.0 / Parameters::START.load.idle_speed;
-        assert!((p.load.scale - share).abs() < 1e-12);
+        let ratio = 1700.0 / Parameters::START.load.idle_speed;
+        assert!((p.load.scale - ratio).abs() < 1e-12);
         let entries = values.entries(&p);
-        let told = |name| entries.iter().find(|entry| entry.0 == name).map(|entry| entry.1);
+        let entry_of = |name| entries.iter().find(|entry| entry.0 == name).map(|entry| entry.1);
         assert_eq!(
-            (told("io_delay"), told("expert.model.axis6.gain"), told("expert.model.axis1.lag")),
+            (entry_of("io_delay"), entry_of("expert.model.axis6.gain"), entry_of("expert.model.axis1.lag")),
             (Some(2.0), Some(0.8), Some(5e-3))
         );
-        assert_eq!(told("expert.model.axis2.natural_frequency"), Some(220.0));
-        let mut unsure = good();
-        unsure.axis[1].natural_frequency_std = 45.0;
-        let unsure = Values::of(&Parameters::START).derived(&unsure);
-        assert_eq!(unsure.frequency, [220.0, 0.0, 220.0, 220.0, 220.0, 220.0]);
-        assert_eq!((p.model.axis[4].friction, told("expert.model.axis5.friction")), (2e-5, Some(2e-5)));
-        let mut unsure = good();
-        (unsure.axis[1].friction_std, unsure.axis[4].friction) = (6.1e-6, -2e-5);
-        let unsure = Values::of(&Parameters::START).derived(&unsure);
-        assert_eq!(unsure.friction, [2e-5, 0.0, 2e-5, 2e-5, 0.0, 2e-5]);
+        assert_eq!(entry_of("expert.model.axis2.natural_frequency"), Some(220.0));
+        let mut uncertain = good();
+        uncertain.axis[1].natural_frequency_std = 45.0;
+        let uncertain = Values::of(&Parameters::START).derived(&uncertain);
+        assert_eq!(uncertain.frequency, [220.0, 0.0, 220.0, 220.0, 220.0, 220.0]);
+        assert_eq!((p.model.axis[4].friction, entry_of("expert.model.axis5.friction")), (2e-5, Some(2e-5)));
+        let mut uncertain = good();
+        (uncertain.axis[1].friction_std, uncertain.axis[4].friction) = (6.1e-6, -2e-5);
+        let uncertain = Values::of(&Parameters::START).derived(&uncertain);
+        assert_eq!(uncertain.friction, [2e-5, 0.0, 2e-5, 2e-5, 0.0, 2e-5]);
         assert!(entries.iter().all(|entry| !entry.0.is_empty()));
-        assert_eq!(told("limits.spindle_speed_min"), Some(p.load.scale * p.limits.spindle_speed_min));
-        assert_eq!(told("load.spindle_speed"), Some(p.load.scale * p.load.spindle_speed));
+        assert_eq!(entry_of("limits.spindle_speed_min"), Some(p.load.scale * p.limits.spindle_speed_min));
+        assert_eq!(entry_of("load.spindle_speed"), Some(p.load.scale * p.load.spindle_speed));
     }
 
     #[test]

@@ -14,8 +14,8 @@ use crate::reading::Reading;
 impl Controller {
     /// Puts what a commissioning run has measured into the parameters, where `commission.apply` says so; before each sample.
     pub fn bring_into_force(&mut self, p: &mut Parameters) {
-        self.commissioner.put(p);
-        if self.state == State::Commission && self.commissioner.finished {
+        self.commissioning_run.put(p);
+        if self.state == State::Commission && self.commissioning_run.finished {
             self.progress = Progress::Over;
         }
     }
@@ -25,17 +25,17 @@ impl Controller {
     /// # Errors
     /// When the file cannot be written.
     pub fn export(&self, p: &Parameters) -> Result<(), ParameterError> {
-        export_commission(&p.commission.export, &self.commissioner.derived(p))
+        export_commission(&p.commission.export, &self.commissioning_run.derived(p))
     }
 
     /// Starts; where the tool may be in the part, with a retract.
     pub(super) fn begin_commission(&mut self, p: &Parameters) {
-        let start = if self.inside { p.arm.drawn_back(&self.joints, p.transfer.clearance) } else { self.joints };
+        let start = if self.inside { p.arm.retracted(&self.joints, p.transfer.clearance) } else { self.joints };
         self.route = if self.inside { Route::out(p, &self.joints) } else { Route::at(&self.joints) };
         (self.on_path, self.commissioning) = (false, true);
         self.elapsed.restart();
         self.budget = u64::from(ticks(plan::time(p, self.path.speed), p.sample_period));
-        self.commissioner.begin(p, self.path.speed, &start);
+        self.commissioning_run.begin(p, self.path.speed, &start);
     }
 
     /// Moves the reference on: out of the part, then axis by axis.
@@ -46,14 +46,14 @@ impl Controller {
             return;
         }
         self.inside = false;
-        self.commissioner.experiment.advance(&mut self.joints, p.sample_period);
-        self.finish_if(self.commissioner.finished);
+        self.commissioning_run.experiment.advance(&mut self.joints, p.sample_period);
+        self.finish_if(self.commissioning_run.finished);
     }
 
     /// Takes what this sample has read.
     pub(super) fn observe_commission(&mut self, p: &Parameters, reading: &Reading) {
-        if self.state == State::Commission && !self.inside && !self.commissioner.finished {
-            self.commissioner.observe(p, &self.error, reading.spindle_speed);
+        if self.state == State::Commission && !self.inside && !self.commissioning_run.finished {
+            self.commissioning_run.observe(p, &self.error, reading.spindle_speed);
         }
     }
 
@@ -61,12 +61,12 @@ impl Controller {
     pub(super) fn renew(&mut self, p: &Parameters) {
         self.watch = Watch::new(p);
         self.watch.restart(p, &self.reader.positions());
-        self.learner.tell(p);
-        self.feedforward.tell(p);
-        self.commissioner.tell_deviations(&mut self.feedforward.drives);
-        self.bank.tell_delay(p.io_delay);
+        self.learner.configure(p);
+        self.feedforward.configure(p);
+        self.commissioning_run.report_std(&mut self.feedforward.drives);
+        self.bank.set_delay(p.io_delay);
         (self.changed, self.learned, self.origin) = (false, false, BankStatus::Empty);
-        if self.commissioner.applied() || p.bank.compute {
+        if self.commissioning_run.applied() || p.bank.compute {
             self.compute(p);
         } else {
             // those that the commissioning run has computed go with it

@@ -16,9 +16,9 @@ impl Controller {
     pub(super) fn advance(&mut self, p: &Parameters, reading: &Reading, input: &Input) {
         let hold = input.hold;
         self.compensation = [0.0; AXES];
-        let waits = hold || self.job != Mode::Learn && reading.speed_override == 0.0;
+        let waits = hold || self.task != Mode::Learn && reading.speed_override == 0.0;
         let measures = matches!(self.state, State::Commission | State::Register);
-        if measures || !waits && self.job.moves() && !self.state.waits() {
+        if measures || !waits && self.task.moves() && !self.state.waits() {
             self.elapsed.count();
         }
         match self.state {
@@ -35,20 +35,20 @@ impl Controller {
             State::Commission => self.follow_commission(p),
             State::Register => self.follow_registration(p),
             State::Stop if self.commissioning && self.route.over() => {
-                let stands = self.commissioner.experiment.stop(&mut self.joints, p.sample_period);
-                self.finish_if(stands);
+                let stopped = self.commissioning_run.experiment.stop(&mut self.joints, p.sample_period);
+                self.finish_if(stopped);
             }
             State::Stop if self.registering && self.route.over() => {
-                let stands = self.stop_registration(p);
-                self.finish_if(stands);
+                let stopped = self.stop_registration(p);
+                self.finish_if(stopped);
             }
             State::Stop if !self.on_path => {
                 self.follow_route(p, true);
-                self.finish_if(self.route.stands() || self.route.over());
+                self.finish_if(self.route.stopped() || self.route.over());
             }
             State::Stop => {
                 self.follow(p, 0.0);
-                self.finish_if(self.run.stands());
+                self.finish_if(self.run.stopped());
             }
             State::Run => {
                 let target = self.target(p, reading);
@@ -66,11 +66,11 @@ impl Controller {
 
     /// Desired speed on the path, m/s.
     fn target(&mut self, p: &Parameters, reading: &Reading) -> f64 {
-        let taught = self.path.speed * reading.speed_override;
-        match self.job {
+        let programmed = self.path.speed * reading.speed_override;
+        match self.task {
             Mode::Learn => self.bank.factor(self.learner.speed) * self.path.speed,
-            Mode::Deburr if p.load.enable => self.load.step(p, reading.spindle_speed, self.run.speed(), taught),
-            _ => taught,
+            Mode::Deburr if p.load.enable => self.load.step(p, reading.spindle_speed, self.run.speed(), programmed),
+            _ => programmed,
         }
     }
 
@@ -80,7 +80,7 @@ impl Controller {
         let goes_on = self.run.step(p, &self.path, target);
         let (runs, lap) = (self.state == State::Run, self.run.laps > laps);
         let repetition_over = if self.path.cyclic { laps > 0 && lap } else { !goes_on };
-        if lap && self.job != Mode::Learn {
+        if lap && self.task != Mode::Learn {
             self.elapsed.restart();
         }
         if runs && (lap || !goes_on) {
@@ -88,7 +88,7 @@ impl Controller {
             self.delay = DelayMonitor::new(p);
             self.tool.restart();
         }
-        if self.job == Mode::Learn && runs && repetition_over && !self.ended.is_fault() {
+        if self.task == Mode::Learn && runs && repetition_over && !self.ended.is_fault() {
             self.end_repetition(p);
         } else {
             self.finish_if(!goes_on);
@@ -102,7 +102,7 @@ impl Controller {
 
     /// What a run or a lap that has come to its end has wrong.
     fn after_run(&self, p: &Parameters) -> Finding {
-        let tool = if self.job == Mode::Deburr { self.tool.after_run(p) } else { Finding::NONE };
+        let tool = if self.task == Mode::Deburr { self.tool.after_run(p) } else { Finding::NONE };
         let found = [self.watch.after_run(p), self.delay.found(p), tool];
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
@@ -155,7 +155,7 @@ impl Controller {
 
     /// Compensation of this sample on the path, pulses, not rounded.
     fn compensate(&self, p: &Parameters) -> Joints {
-        match self.job {
+        match self.task {
             Mode::Learn => {
                 let pattern = self.bank.pattern(self.learner.speed);
                 match self.run.index(pattern) {
@@ -163,7 +163,7 @@ impl Controller {
                     _ => self.run.compensation(p, &self.path, std::slice::from_ref(pattern)),
                 }
             }
-            job if self.compensates(p, job) => self.run.compensation(p, &self.path, self.bank.patterns()),
+            task if self.compensates(p, task) => self.run.compensation(p, &self.path, self.bank.patterns()),
             _ => [0.0; AXES],
         }
     }

@@ -15,15 +15,15 @@ use crate::registration::plan;
 
 impl Controller {
     /// The control patterns for the path as programmed, wherever the part lies.
-    pub fn bank_as_taught(&self, p: &Parameters) -> PatternBank {
+    pub fn programmed_bank(&self, p: &Parameters) -> PatternBank {
         let mut other = self.clone();
-        other.lay_as_taught(p);
+        other.restore_programmed(p);
         other.bank
     }
 
     /// Begins on the path as programmed.
     pub(super) fn begin_registration(&mut self, p: &Parameters, reading: &Reading) {
-        self.lay_as_taught(p);
+        self.restore_programmed(p);
         self.registrar.begin(p.arm.forward(&reading.positions).tip);
         (self.on_path, self.registering) = (false, true);
         self.elapsed.restart();
@@ -62,8 +62,8 @@ impl Controller {
             }
         }
         self.finish_if(false);
-        if let Some(lies) = self.registrar.lies {
-            match self.lay(p, lies) {
+        if let Some(displacement) = self.registrar.displacement {
+            match self.displace(p, displacement) {
                 Ok(()) => {
                     self.registrar.found.valid = true;
                     self.finish_if(true);
@@ -81,32 +81,32 @@ impl Controller {
         if self.path.touches.is_empty() {
             return true;
         }
-        let (pose, stands) = self.registrar.brake(p, &self.path.touches);
+        let (pose, stopped) = self.registrar.brake(p, &self.path.touches);
         self.joints = p.arm.inverse(&pose, &self.joints).unwrap_or(self.joints);
-        stands
+        stopped
     }
 
     /// The part lies elsewhere: the path follows it, and the patterns change by what the drives need for the other motion.
-    fn lay(&mut self, p: &Parameters, lies: Displacement) -> Result<(), Obstacle> {
-        let before = std::mem::replace(&mut self.path.lies, lies);
+    fn displace(&mut self, p: &Parameters, displacement: Displacement) -> Result<(), Obstacle> {
+        let before = std::mem::replace(&mut self.path.displacement, displacement);
         let start = feasible::walk(p, &self.path);
-        self.path.lies = before;
-        self.move_path(p, lies, start?);
+        self.path.displacement = before;
+        self.move_path(p, displacement, start?);
         Ok(())
     }
 
     /// The part lies as programmed, where the path was found to be one that the robot can follow before the first sample.
-    fn lay_as_taught(&mut self, p: &Parameters) {
-        self.move_path(p, Displacement::default(), self.start_as_taught);
+    fn restore_programmed(&mut self, p: &Parameters) {
+        self.move_path(p, Displacement::default(), self.programmed_start);
     }
 
-    fn move_path(&mut self, p: &Parameters, lies: Displacement, start: Joints) {
-        if lies == self.path.lies {
+    fn move_path(&mut self, p: &Parameters, displacement: Displacement, start: Joints) {
+        if displacement == self.path.displacement {
             return;
         }
         let Self { feedforward, bank, path, .. } = self;
-        for (lies, start, sign) in [(path.lies, self.start, -1.0), (lies, start, 1.0)] {
-            path.lies = lies;
+        for (displacement, start, sign) in [(path.displacement, self.start, -1.0), (displacement, start, 1.0)] {
+            path.displacement = displacement;
             bank.change(|pattern| feedforward.add(p, path, &start, sign, pattern));
         }
         self.start = start;

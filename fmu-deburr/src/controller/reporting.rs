@@ -40,11 +40,11 @@ impl Controller {
         });
         *saturated = (0..AXES).any(|i| velocity[i].abs() >= p.axis[i].velocity_max);
         (*state, *fault, *numbers) = (self.state, self.fault, self.numbers);
-        *measured = self.commissioner.measured;
+        *measured = self.commissioning_run.measured;
         (*registration, *probe) = (self.registrar.found, self.registering);
         *drive_enable = self.state != State::Fault || self.fault.reaction() != Reaction::DriveOff;
-        *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.job.moves());
-        *learn = self.learner.report(p, self.job == Mode::Learn || self.learned, self.learned);
+        *path = self.run.report(&self.path, self.on_path, self.state == State::Done && self.task.moves());
+        *learn = self.learner.report(p, self.task == Mode::Learn || self.learned, self.learned);
         *load = self.load.report(p, self.state == State::Run);
         bank.patterns = self.bank.patterns().len() as i32;
         bank.status = match self.learning || self.changed {

@@ -5,7 +5,7 @@ use control_blocks::Reaction;
 use crate::controller::Controller;
 use crate::faults::{self, Signs};
 use crate::interface::{Fault, Input, Mode, Parameters, State};
-use crate::monitoring::axis::{Expectation, Verdict};
+use crate::monitoring::axis::{Expectation, Outcome};
 use crate::monitoring::finding::Finding;
 use crate::path::kinematics::Joints;
 use crate::reading::Reading;
@@ -28,17 +28,17 @@ impl Controller {
         if self.state.waits() {
             self.watch.forget_slips();
         }
-        let (runs, compensates) = (self.state == State::Run, self.compensates(p, self.job));
-        let expected = match self.job {
+        let (runs, compensates) = (self.state == State::Run, self.compensates(p, self.task));
+        let expected = match self.task {
             // the error that has ended a repetition fades while it stops
             Mode::Learn if runs && self.learner.repetition > 0 || self.state == State::Stop => Expectation::Learned,
             _ if runs && compensates => Expectation::Compensated,
             _ => Expectation::Bare,
         };
         match self.watch.look(p, &reading.positions, motions, &self.error, expected) {
-            Verdict::Good => (Finding::NONE, false),
-            Verdict::Grown => (Finding::NONE, runs),
-            Verdict::Wrong(finding) => (self.cause(p, finding), false),
+            Outcome::Good => (Finding::NONE, false),
+            Outcome::Grown => (Finding::NONE, runs),
+            Outcome::Wrong(finding) => (self.cause(p, finding), false),
         }
     }
 
@@ -47,8 +47,8 @@ impl Controller {
         let goes_on = matches!(self.state, State::Approach | State::Settle | State::Run) && !held;
         let (rests, on_path) = (goes_on || self.state.waits(), self.state == State::Run);
         let tool = reading.spindle_speed / p.load.idle_speed;
-        let (runs, stands) = (tool > TOOL.0, tool.abs() < TOOL.1);
-        let resting = if !(runs || stands) {
+        let (runs, stopped) = (tool > TOOL.0, tool.abs() < TOOL.1);
+        let resting = if !(runs || stopped) {
             // what it shakes while it runs up or down is no noise
             self.watch.forget_rests();
             Finding::NONE
@@ -85,10 +85,10 @@ impl Controller {
     fn watch_tool(&mut self, p: &Parameters, reading: &Reading) -> Finding {
         let speed = reading.spindle_speed;
         if !self.cuts() {
-            self.standing.idles(speed);
+            self.frozen_spindle.idles(speed);
             return Finding::NONE;
         }
-        let reads = self.standing.cuts(p, speed);
+        let reads = self.frozen_spindle.cuts(p, speed);
         let cuts = self.tool.update(p, speed, self.run.point().speed * p.sample_period);
         if reads.is_fault() { reads } else { cuts }
     }
@@ -102,14 +102,14 @@ impl Controller {
         input: &Input,
     ) -> Finding {
         let long_step = std::mem::take(&mut self.long_step);
-        let starts = input.enable && self.state.waits() && input.mode != self.job;
+        let starts = input.enable && self.state.waits() && input.mode != self.task;
         let empty = self.compensates(p, input.mode) && self.bank.patterns().is_empty();
         let flicker = self.watch_flicker(p, reading, input.hold || reading.speed_override == 0.0);
         let axes = if axes.is_fault() { axes } else { flicker };
         let tool = self.watch_tool(p, reading);
         let commissions = self.state == State::Commission;
         let registers = self.state == State::Register;
-        let works = commissions || registers || self.job.moves() && !self.state.waits() && self.state.closed();
+        let works = commissions || registers || self.task.moves() && !self.state.waits() && self.state.closed();
         faults::find(
             p,
             &Signs {
@@ -117,10 +117,10 @@ impl Controller {
                 axes,
                 run: std::mem::replace(&mut self.ended, Finding::NONE),
                 nothing_learned: starts && empty,
-                commission: if commissions { self.commissioner.rejected } else { None },
+                commission: if commissions { self.commissioning_run.rejected } else { None },
                 registration: if registers { self.registrar.wrong } else { Finding::NONE },
                 tool,
-                job: if works { (self.elapsed.samples(), self.budget) } else { (0, 0) },
+                task: if works { (self.elapsed.samples(), self.budget) } else { (0, 0) },
             },
         )
     }

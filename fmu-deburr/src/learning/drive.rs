@@ -24,7 +24,7 @@ pub struct Weights {
 
 /// A velocity drive as configured, and the position loop around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ToldDrive {
+pub struct NominalDrive {
     /// Gain Kp of the position loop, 1/s.
     pub servo_gain: f64,
     /// Velocity over commanded velocity.
@@ -46,20 +46,20 @@ impl Parameters {
     }
 }
 
-impl ToldDrive {
+impl NominalDrive {
     /// The drive of the axis `axis` (from 0); where its lag is reported, frequency or damping follow.
     pub fn new(p: &Parameters, axis: usize) -> Self {
-        let told = &p.model.axis[axis];
-        let lag = told.lag.max(LAG_MIN);
-        let (frequency, damping) = match (told.natural_frequency > 0.0, told.lag > 0.0) {
-            (true, true) => (told.natural_frequency, 0.5 * lag * told.natural_frequency),
-            (true, false) => (told.natural_frequency, p.model_damping),
+        let nominal = &p.model.axis[axis];
+        let lag = nominal.lag.max(LAG_MIN);
+        let (frequency, damping) = match (nominal.natural_frequency > 0.0, nominal.lag > 0.0) {
+            (true, true) => (nominal.natural_frequency, 0.5 * lag * nominal.natural_frequency),
+            (true, false) => (nominal.natural_frequency, p.model_damping),
             (false, true) => (2.0 * p.model_damping / lag, p.model_damping),
             (false, false) => (p.model_natural_frequency, p.model_damping),
         };
         Self {
             servo_gain: p.servo_gain[axis],
-            gain: told.gain,
+            gain: nominal.gain,
             frequency,
             damping,
             delay: p.io_delay as usize,
@@ -79,14 +79,14 @@ impl ToldDrive {
 
     /// Sample of the first weight, after the present one, and the weights with which this drive follows.
     pub fn weights(&self) -> (isize, [f64; TAPS]) {
-        let (delay, turn) = (self.delay as f64, self.frequency * self.period);
-        let (lambda, mu) = (2.0 * self.damping / turn, turn.powi(-2));
+        let (delay, angle) = (self.delay as f64, self.frequency * self.period);
+        let (lambda, mu) = (2.0 * self.damping / angle, angle.powi(-2));
         let (mean, square) = (delay + lambda, delay * delay + 2.0 * delay * lambda + 2.0 * mu - 1.0 / 6.0);
         let middle = mean.ceil();
         // moments about the middle weight
         let (skew, wide) = (mean - middle, square - 2.0 * middle * mean + middle * middle);
         let shape = [(wide - skew) / 2.0, 1.0 - wide, (wide + skew) / 2.0];
-        (middle as isize - 1, shape.map(|share| share * (self.bare_lag() / self.gain)))
+        (middle as isize - 1, shape.map(|fraction| fraction * (self.bare_lag() / self.gain)))
     }
 
     /// Standard deviation of each weight before a run.
@@ -114,35 +114,35 @@ pub struct Drive {
 
 impl Drive {
     /// As it is reported, before a run.
-    pub fn told(told: &ToldDrive) -> Self {
-        let (first, weights) = told.weights();
-        let unknown = Self::of(told, &Weights { first, weights, covariance: told.uncertain() });
-        let frequency = [told.frequency, unknown.frequency[1]];
-        Self { gain: [told.gain, unknown.gain[1]], lag: [told.lag(), unknown.lag[1]], frequency }
+    pub fn nominal(nominal: &NominalDrive) -> Self {
+        let (first, weights) = nominal.weights();
+        let unknown = Self::of(nominal, &Weights { first, weights, covariance: nominal.uncertain() });
+        let frequency = [nominal.frequency, unknown.frequency[1]];
+        Self { gain: [nominal.gain, unknown.gain[1]], lag: [nominal.lag(), unknown.lag[1]], frequency }
     }
 
     /// What weights and their covariance say of it.
-    pub fn of(told: &ToldDrive, found: &Weights) -> Self {
+    pub fn of(nominal: &NominalDrive, found: &Weights) -> Self {
         let Weights { first, weights, covariance } = found;
         let sum: f64 = weights.iter().sum();
-        let place = |tap: usize| (first + tap as isize) as f64;
-        let mean = (0..TAPS).map(|tap| place(tap) * weights[tap]).sum::<f64>() / sum;
+        let position = |tap: usize| (first + tap as isize) as f64;
+        let mean = (0..TAPS).map(|tap| position(tap) * weights[tap]).sum::<f64>() / sum;
         // d(mean)/d(weight) = (place - mean) / sum
         let deviation = |slope: &dyn Fn(usize) -> f64| {
             let pairs = (0..TAPS).flat_map(|i| (0..TAPS).map(move |k| (i, k)));
             pairs.map(|(i, k)| slope(i) * covariance[i][k] * slope(k)).sum::<f64>().max(0.0).sqrt()
         };
-        let square = (0..TAPS).map(|tap| place(tap).powi(2) * weights[tap]).sum::<f64>() / sum;
-        let delay = told.delay as f64;
+        let square = (0..TAPS).map(|tap| position(tap).powi(2) * weights[tap]).sum::<f64>() / sum;
+        let delay = nominal.delay as f64;
         // mu = 1/(wn T)^2, from the second moment d^2 + 2 d lambda + 2 mu - 1/6
         let mu = 0.5 * (square - 2.0 * delay * mean + delay * delay + 1.0 / 6.0);
-        let by_weight = |tap| 0.5 * (place(tap).powi(2) - square - 2.0 * delay * (place(tap) - mean)) / sum;
-        let frequency = if mu > 0.0 { mu.sqrt().recip() / told.period } else { 0.0 };
-        let gain = told.bare_lag() / sum;
-        let late = deviation(&|tap| (place(tap) - mean) / sum);
+        let by_weight = |tap| 0.5 * (position(tap).powi(2) - square - 2.0 * delay * (position(tap) - mean)) / sum;
+        let frequency = if mu > 0.0 { mu.sqrt().recip() / nominal.period } else { 0.0 };
+        let gain = nominal.bare_lag() / sum;
+        let late = deviation(&|tap| (position(tap) - mean) / sum);
         Self {
             gain: [gain, gain * deviation(&|_| 1.0 / sum)],
-            lag: [mean - delay, late].map(|samples| samples * told.period),
+            lag: [mean - delay, late].map(|samples| samples * nominal.period),
             frequency: [frequency, if mu > 0.0 { 0.5 * frequency * deviation(&by_weight) / mu } else { 0.0 }],
         }
     }
@@ -159,23 +159,26 @@ mod tests {
             p.io_delay = delay;
             (p.model.axis[3].gain, p.model.axis[3].lag) = (gain, lag);
             p.model.axis[3].natural_frequency = if delay > 1 { 200.0 } else { 0.0 };
-            let told = ToldDrive::new(&p, 3);
-            assert!(delay < 2 || told.frequency == 200.0);
-            assert!((told.lag() - if lag > 0.0 { lag } else { p.nominal_lag() }).abs() < 1e-15);
-            let (first, weights) = told.weights();
+            let nominal = NominalDrive::new(&p, 3);
+            assert!(delay < 2 || nominal.frequency == 200.0);
+            assert!((nominal.lag() - if lag > 0.0 { lag } else { p.nominal_lag() }).abs() < 1e-15);
+            let (first, weights) = nominal.weights();
             let moment = |order: i32| -> f64 {
                 (0..TAPS).map(|tap| weights[tap] * ((first + tap as isize) as f64).powi(order)).sum()
             };
-            let lambda = told.lag() / p.sample_period;
-            let mu = (told.frequency * p.sample_period).powi(-2);
+            let lambda = nominal.lag() / p.sample_period;
+            let mu = (nominal.frequency * p.sample_period).powi(-2);
             let (sum, d) = (1.0 / (gain * 13.0 * 0.01), f64::from(delay));
             let square = d * d + 2.0 * d * lambda + 2.0 * mu - 1.0 / 6.0;
             assert!((moment(0) / sum - 1.0).abs() < 1e-12 && (moment(1) / sum - d - lambda).abs() < 1e-12);
             assert!((moment(2) / sum - square).abs() < 1e-12);
-            let said = Drive::of(&told, &Weights { first, weights, covariance: told.uncertain() });
-            assert!((said.gain[0] - gain).abs() < 1e-12 && (said.lag[0] - told.lag()).abs() < 1e-12, "{said:?}");
-            assert!((said.frequency[0] / told.frequency - 1.0).abs() < 1e-9, "{said:?}");
-            assert_eq!(Drive::told(&told).gain[0], gain);
+            let reported = Drive::of(&nominal, &Weights { first, weights, covariance: nominal.uncertain() });
+            assert!(
+                (reported.gain[0] - gain).abs() < 1e-12 && (reported.lag[0] - nominal.lag()).abs() < 1e-12,
+                "{reported:?}"
+            );
+            assert!((reported.frequency[0] / nominal.frequency - 1.0).abs() < 1e-9, "{reported:?}");
+            assert_eq!(Drive::nominal(&nominal).gain[0], gain);
         }
     }
 
@@ -183,16 +186,16 @@ mod tests {
     fn the_deviations_are_the_slopes_of_what_is_said() {
         let mut p = Parameters::START;
         p.io_delay = 2;
-        let told = ToldDrive::new(&p, 3);
-        let (first, weights) = told.weights();
+        let nominal = NominalDrive::new(&p, 3);
+        let (first, weights) = nominal.weights();
         for tap in 0..TAPS {
-            let step = 1e-6 * told.bare_lag();
+            let step = 1e-6 * nominal.bare_lag();
             let (mut covariance, mut moved) = ([[0.0; TAPS]; TAPS], weights);
             covariance[tap][tap] = step * step;
             moved[tap] += step;
-            let said = [weights, moved].map(|weights| Drive::of(&told, &Weights { first, weights, covariance }));
+            let reported = [weights, moved].map(|weights| Drive::of(&nominal, &Weights { first, weights, covariance }));
             for of in [|drive: &Drive| drive.gain, |drive: &Drive| drive.lag, |drive: &Drive| drive.frequency] {
-                let [[before, deviation], [after, _]] = [of(&said[0]), of(&said[1])];
+                let [[before, deviation], [after, _]] = [of(&reported[0]), of(&reported[1])];
                 let change = (after - before).abs();
                 assert!((deviation / change - 1.0).abs() < 1e-3, "{tap}: {deviation} {change}");
             }

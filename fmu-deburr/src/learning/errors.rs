@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_are_told_in_physical_units() {
+    fn errors_are_reported_in_physical_units() {
         let mut sums = ErrorSums::default();
         (0..50).for_each(|k| sums.take(&[if k % 2 == 0 { 3.0 } else { -4.0 }; AXES], &[1e-6; AXES], &[2.0; AXES]));
         let Errors { rms, peak, cost, tip } = sums.errors();

@@ -13,16 +13,16 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::learning::drive::{Drive, TAPS, ToldDrive};
-use crate::learning::friction::for_each_turn;
+use crate::learning::drive::{Drive, NominalDrive, TAPS};
+use crate::learning::friction::for_each_reversal;
 use crate::learning::identification::{BareRun, Identification};
 use crate::learning::pattern::Pattern;
 use crate::learning::rates::Rates;
 use crate::path::kinematics::{AXES, Joints};
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 
 /// Standard deviation from which on the gain is that of the nominal drive.
-const KNOWN: f64 = 0.1;
+const GAIN_STD_MAX: f64 = 0.1;
 /// Gains of a drive that are accepted; others end the run with `FollowingError`.
 pub(crate) const CREDIBLE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
@@ -79,46 +79,46 @@ impl Feedforward {
             rates: Rates::new(samples),
             modelled: vec![0.0; samples],
         };
-        this.tell(p);
+        this.configure(p);
         this
     }
 
     /// The drives are those as configured now.
-    pub fn tell(&mut self, p: &Parameters) {
+    pub fn configure(&mut self, p: &Parameters) {
         for axis in 0..AXES {
-            let told = ToldDrive::new(p, axis);
-            (self.first[axis], self.weights[axis]) = told.weights();
-            self.drives[axis] = Drive::told(&told);
+            let nominal = NominalDrive::new(p, axis);
+            (self.first[axis], self.weights[axis]) = nominal.weights();
+            self.drives[axis] = Drive::nominal(&nominal);
         }
     }
 
     /// Fills a pattern; `start` are the axes at the start of the path, rad or m.
-    pub fn fill(&mut self, p: &Parameters, path: &TaughtPath, start: &Joints, pattern: &mut Pattern) {
+    pub fn fill(&mut self, p: &Parameters, path: &ProgrammedPath, start: &Joints, pattern: &mut Pattern) {
         self.rates.walk(p, path, start, pattern);
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
             sample.compensation = self.compensation(k);
         }
-        self.turn(p, 1.0, pattern);
+        self.add_reversals(p, 1.0, pattern);
     }
 
     /// Adds the same to a pattern, `sign` times.
-    pub fn add(&mut self, p: &Parameters, path: &TaughtPath, start: &Joints, sign: f64, pattern: &mut Pattern) {
+    pub fn add(&mut self, p: &Parameters, path: &ProgrammedPath, start: &Joints, sign: f64, pattern: &mut Pattern) {
         self.rates.walk(p, path, start, pattern);
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
             let more = self.compensation(k);
             sample.compensation = std::array::from_fn(|i| sample.compensation[i] + sign * more[i]);
         }
-        self.turn(p, sign, pattern);
+        self.add_reversals(p, sign, pattern);
     }
 
     /// Adds what friction asks for where an axis of the walk reverses, `sign` times.
-    fn turn(&self, p: &Parameters, sign: f64, pattern: &mut Pattern) {
+    fn add_reversals(&self, p: &Parameters, sign: f64, pattern: &mut Pattern) {
         for axis in 0..AXES {
             let held = p.model.axis[axis].friction / p.axis[axis].pulse;
             if held > 0.0 {
                 let needed = sign * held * self.weights[axis].iter().sum::<f64>();
-                for_each_turn(&self.rates, axis, |place, change| {
-                    pattern.add(axis, place - p.io_delay as f64 - 0.5, change * needed);
+                for_each_reversal(&self.rates, axis, |position, change| {
+                    pattern.add(axis, position - p.io_delay as f64 - 0.5, change * needed);
                 });
             }
         }
@@ -136,18 +136,18 @@ impl Feedforward {
     pub fn identify(
         &mut self,
         p: &Parameters,
-        path: &TaughtPath,
+        path: &ProgrammedPath,
         start: &Joints,
         pattern: &Pattern,
         errors: &[Joints],
     ) {
-        self.tell(p);
+        self.configure(p);
         self.rates.walk(p, path, start, pattern);
         for axis in 0..AXES {
-            let (told, run) = (ToldDrive::new(p, axis), PathRun { rates: &self.rates, errors, axis });
-            let found = Identification::new(&told, &run, &mut self.modelled).weights();
-            let drive = Drive::of(&told, &found);
-            if CREDIBLE.contains(&drive.gain[0]) && drive.gain[1] < KNOWN {
+            let (nominal, run) = (NominalDrive::new(p, axis), PathRun { rates: &self.rates, errors, axis });
+            let found = Identification::new(&nominal, &run, &mut self.modelled).weights();
+            let drive = Drive::of(&nominal, &found);
+            if CREDIBLE.contains(&drive.gain[0]) && drive.gain[1] < GAIN_STD_MAX {
                 (self.weights[axis], self.drives[axis]) = (found.weights, drive);
             }
         }
@@ -168,34 +168,34 @@ mod tests {
     use crate::path::geometry::Block;
 
     /// A pattern, and what the drives of `machine` make of a run with it: the control errors, counts.
-    fn run(p: &Parameters, machine: &Parameters, path: &TaughtPath, pattern: &Pattern, laps: usize) -> Vec<Joints> {
+    fn run(p: &Parameters, machine: &Parameters, path: &ProgrammedPath, pattern: &Pattern, laps: usize) -> Vec<Joints> {
         let start = feasible::start(p, path).unwrap();
         let mut rates = Rates::new(pattern.len());
         rates.walk(p, path, &start, pattern);
         let count = pattern.len();
         let mut errors = vec![[0.0; AXES]; laps * count];
         for axis in 0..AXES {
-            let mut way = 0.0;
-            let ways: Vec<f64> = (0..laps * count)
+            let mut distance = 0.0;
+            let distances: Vec<f64> = (0..laps * count)
                 .map(|k| {
-                    way += rates.at((k % count) as isize)[axis];
-                    way - rates.at((k % count) as isize)[axis]
+                    distance += rates.at((k % count) as isize)[axis];
+                    distance - rates.at((k % count) as isize)[axis]
                 })
                 .collect();
             let mut signal: Vec<f64> =
-                (0..laps * count).map(|k| ways[k] + pattern.samples[k % count].compensation[axis]).collect();
+                (0..laps * count).map(|k| distances[k] + pattern.samples[k % count].compensation[axis]).collect();
             Nominal::new(machine, axis).apply(&mut signal, false);
-            let left = ways.iter().zip(&signal).map(|(way, position)| way - position);
+            let left = distances.iter().zip(&signal).map(|(distance, position)| distance - position);
             errors.iter_mut().zip(left).for_each(|(error, left)| error[axis] = left);
         }
         errors.split_off((laps - 1) * count)
     }
 
     fn largest(errors: &[Joints]) -> f64 {
-        errors.iter().flatten().fold(0.0, |most, error| most.max(error.abs()))
+        errors.iter().flatten().fold(0.0, |maximum, error| maximum.max(error.abs()))
     }
 
-    fn nominal(p: &Parameters, path: &TaughtPath) -> Pattern {
+    fn nominal(p: &Parameters, path: &ProgrammedPath) -> Pattern {
         let mut pattern = Pattern::plan(p, path, 0.8).unwrap();
         Feedforward::new(p, pattern.len()).fill(p, path, &feasible::start(p, path).unwrap(), &mut pattern);
         assert!(pattern.largest() > 100.0);
@@ -218,7 +218,7 @@ mod tests {
         let (p, there) = (Parameters::START, straight(0.1));
         let ends = [there.at(0.0), there.at(0.1), there.at(0.0)];
         let blocks = ends.windows(2).map(|pair| Block::line(&pair[0], &pair[1]).unwrap()).collect();
-        let path = TaughtPath::new(blocks, 0.1, true, 0.2).unwrap();
+        let path = ProgrammedPath::new(blocks, 0.1, true, 0.2).unwrap();
         let left = largest(&run(&p, &p, &path, &nominal(&p, &path), 2));
         assert!(left < 1.0, "{left}");
     }
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn one_run_tells_gain_and_lag_and_what_the_drive_needs_at_any_speed() {
+    fn one_run_identifies_gain_and_lag_and_what_the_drive_needs_at_any_speed() {
         let (p, path) = (Parameters::START, straight(0.1));
         let start = feasible::start(&p, &path).unwrap();
         for (gain, frequency, damping) in
@@ -244,8 +244,8 @@ mod tests {
                 run(&p, &machine, &path, &bare, 1).iter().map(|error| error.map(f64::round)).collect();
             let mut feedforward = Feedforward::new(&p, 1000);
             feedforward.identify(&p, &path, &start, &bare, &errors);
-            let Drive { gain: [told, deviation], lag: [lag, late], .. } = feedforward.drives[2];
-            assert!((told - gain).abs() < 3.0 * deviation && deviation < 3e-3, "{gain}: {told} {deviation}");
+            let Drive { gain: [found, deviation], lag: [lag, late], .. } = feedforward.drives[2];
+            assert!((found - gain).abs() < 3.0 * deviation && deviation < 3e-3, "{gain}: {found} {deviation}");
             assert!((lag - 2.0 * damping / frequency).abs() < 3.0 * late && late < 1e-3, "{frequency}: {lag} {late}");
             for factor in [1.0, 0.3] {
                 let mut pattern = Pattern::plan(&p, &path, factor).unwrap();
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_that_no_drive_has_is_not_believed() {
+    fn a_gain_that_no_drive_has_is_not_accepted() {
         let (p, path) = (Parameters::START, straight(0.1));
         let start = feasible::start(&p, &path).unwrap();
         let bare = Pattern::plan(&p, &path, 1.0).unwrap();

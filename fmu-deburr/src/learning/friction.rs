@@ -14,33 +14,33 @@
 use crate::learning::rates::Rates;
 
 /// Motions back by less are none, counts.
-const LEAST: f64 = 1.0;
+const TRAVEL_MIN: f64 = 1.0;
 
 /// Reports where an axis (from 0) of the walk reverses, in samples, and the change of the sign of its velocity: 2, or 1 where it
 /// starts to move; negative in the other direction. Of laps it reports one that follows another; a reversal at the end of the previous one has a position below 0.
-pub fn for_each_turn(rates: &Rates, axis: usize, mut turn: impl FnMut(f64, f64)) {
+pub fn for_each_reversal(rates: &Rates, axis: usize, mut reversal: impl FnMut(f64, f64)) {
     let rate = |k: isize| rates.at(k)[axis];
     // direction, place, and the last samples at the lowest and at the highest place since it turned round
-    let (mut side, mut place, mut low, mut high) = (0.0, 0.0, (0.0, 0), (0.0, 0));
+    let (mut side, mut position, mut low, mut high) = (0.0, 0.0, (0.0, 0), (0.0, 0));
     // past its lowest and highest position a walk no longer depends on its start: a lap is walked once for that
     let count = rates.count() as isize;
-    let told = if rates.cyclic() { count } else { 0 };
-    for k in 0..told + count {
-        if place <= low.0 {
-            low = (place, k);
+    let warm_up = if rates.cyclic() { count } else { 0 };
+    for k in 0..warm_up + count {
+        if position <= low.0 {
+            low = (position, k);
         }
-        if place >= high.0 {
-            high = (place, k);
+        if position >= high.0 {
+            high = (position, k);
         }
-        let (up, down) = (side <= 0.0 && place > low.0 + LEAST, side >= 0.0 && place < high.0 - LEAST);
+        let (up, down) = (side <= 0.0 && position > low.0 + TRAVEL_MIN, side >= 0.0 && position < high.0 - TRAVEL_MIN);
         if up || down {
             let (now, at) = if up { (1.0, low.1) } else { (-1.0, high.1) };
-            if k >= told {
-                turn((at - told) as f64 + vertex(rate(at - 1), rate(at)), now - side);
+            if k >= warm_up {
+                reversal((at - warm_up) as f64 + vertex(rate(at - 1), rate(at)), now - side);
             }
-            (side, low, high) = (now, (place, k), (place, k));
+            (side, low, high) = (now, (position, k), (position, k));
         }
-        place += rate(k);
+        position += rate(k);
     }
 }
 
@@ -58,19 +58,19 @@ mod tests {
     use crate::learning::pattern::tests::straight;
 
     /// Where an axis with these positions reverses.
-    fn turns(place: impl Fn(f64) -> f64, count: u32) -> Vec<(f64, f64)> {
-        let rates: Vec<f64> = (0..count).map(|k| place(f64::from(k) + 1.0) - place(f64::from(k))).collect();
+    fn reversals(position: impl Fn(f64) -> f64, count: u32) -> Vec<(f64, f64)> {
+        let rates: Vec<f64> = (0..count).map(|k| position(f64::from(k) + 1.0) - position(f64::from(k))).collect();
         let mut found = Vec::new();
-        for_each_turn(&Rates::of(4, &rates, false), 4, |at, change| found.push((at, change)));
-        for_each_turn(&Rates::of(4, &rates, false), 2, |_, _| panic!("an axis at rest"));
+        for_each_reversal(&Rates::of(4, &rates, false), 4, |at, change| found.push((at, change)));
+        for_each_reversal(&Rates::of(4, &rates, false), 2, |_, _| panic!("an axis at rest"));
         found
     }
 
     #[test]
-    fn a_parabola_turns_at_its_vertex_between_two_samples() {
+    fn a_parabola_reverses_at_its_vertex_between_two_samples() {
         for vertex in [30.0, 30.2, 30.5, 30.9] {
             for side in [1.0, -1.0] {
-                let found = turns(|k| side * 0.5 * ((k.max(5.0) - vertex).powi(2)), 60);
+                let found = reversals(|k| side * 0.5 * ((k.max(5.0) - vertex).powi(2)), 60);
                 assert_eq!(found.len(), 2, "{found:?}");
                 // it begins to move at the sample 5
                 assert!((found[0].0 - 4.5).abs() < 1e-9 && found[0].1 == -side, "{found:?}");
@@ -80,34 +80,34 @@ mod tests {
     }
 
     #[test]
-    fn a_rest_on_the_way_is_no_turn_and_one_at_an_end_turns_where_it_ends() {
+    fn a_rest_in_a_motion_is_no_reversal_and_one_at_an_extreme_reverses_where_it_ends() {
         // up from 5 on, a rest at 10, up from 20 on, a rest at 30, down from 40 on
-        let found = turns(|k| k.clamp(5.0, 10.0) + (k - 20.0).clamp(0.0, 10.0) - (k - 40.0).max(0.0), 60);
+        let found = reversals(|k| k.clamp(5.0, 10.0) + (k - 20.0).clamp(0.0, 10.0) - (k - 40.0).max(0.0), 60);
         assert_eq!(found, [(4.5, 1.0), (39.5, -2.0)]);
     }
 
     #[test]
     fn what_is_less_than_a_count_is_no_motion() {
-        assert_eq!(turns(|k| 0.49 * (0.3 * k).sin(), 200), []);
-        let most = turns(|k| 0.51 * (0.3 * k).sin(), 200);
-        assert!(most.len() > 15, "{most:?}");
-        assert_eq!(turns(|k| 1e-12 * (7.0 * k).sin(), 200), []);
+        assert_eq!(reversals(|k| 0.49 * (0.3 * k).sin(), 200), []);
+        let maximum = reversals(|k| 0.51 * (0.3 * k).sin(), 200);
+        assert!(maximum.len() > 15, "{maximum:?}");
+        assert_eq!(reversals(|k| 1e-12 * (7.0 * k).sin(), 200), []);
     }
 
     /// Where an axis reverses in a lap of these rates.
     fn lap(rates: &[f64]) -> Vec<(f64, f64)> {
         let mut found = Vec::new();
-        for_each_turn(&Rates::of(4, rates, true), 4, |at, change| found.push((at, change)));
+        for_each_reversal(&Rates::of(4, rates, true), 4, |at, change| found.push((at, change)));
         found
     }
 
     /// Places of a lap of `count` samples, from the sample `from` of another one on.
-    fn lap_of(place: impl Fn(f64) -> f64, count: u32, from: u32) -> Vec<f64> {
-        (from..from + count).map(|k| place(f64::from((k + 1) % count)) - place(f64::from(k % count))).collect()
+    fn lap_of(position: impl Fn(f64) -> f64, count: u32, from: u32) -> Vec<f64> {
+        (from..from + count).map(|k| position(f64::from((k + 1) % count)) - position(f64::from(k % count))).collect()
     }
 
     #[test]
-    fn an_axis_that_goes_on_across_the_seam_does_not_turn_there() {
+    fn an_axis_that_goes_on_across_the_seam_does_not_reverse_there() {
         for side in [1.0, -1.0] {
             let mut rates = [side * 10.0; 60];
             (rates[0], rates[59]) = (side * 2.9, side * 3.0);
@@ -117,16 +117,16 @@ mod tests {
             assert_eq!(lap(&rates), []);
             // and back during the motion
             rates[20..40].fill(side * -19.295);
-            assert_eq!(lap(&rates).iter().map(|turn| turn.1).collect::<Vec<_>>(), [-2.0 * side, 2.0 * side]);
+            assert_eq!(lap(&rates).iter().map(|reversal| reversal.1).collect::<Vec<_>>(), [-2.0 * side, 2.0 * side]);
         }
     }
 
     #[test]
-    fn an_axis_that_turns_at_the_seam_turns_once_there() {
+    fn an_axis_that_reverses_at_the_seam_reverses_once_there() {
         // up from rest to rest and back from rest to rest: at the seam and in the middle
-        let place = |k: f64| 50.0 * (1.0 - (std::f64::consts::TAU * k / 60.0).cos());
+        let position = |k: f64| 50.0 * (1.0 - (std::f64::consts::TAU * k / 60.0).cos());
         for side in [1.0, -1.0] {
-            let found = lap(&lap_of(|k| side * place(k), 60, 0));
+            let found = lap(&lap_of(|k| side * position(k), 60, 0));
             assert_eq!(found.len(), 2, "{found:?}");
             assert!(found[0].0.abs() < 1e-9 && found[0].1 == 2.0 * side, "{found:?}");
             assert!((found[1].0 - 30.0).abs() < 1e-9 && found[1].1 == -2.0 * side, "{found:?}");
@@ -134,13 +134,13 @@ mod tests {
     }
 
     #[test]
-    fn a_lap_has_the_same_turns_wherever_it_begins_and_they_add_up_to_nothing() {
-        let place = |k: f64| {
+    fn a_lap_has_the_same_reversals_wherever_it_starts_and_they_add_up_to_zero() {
+        let position = |k: f64| {
             let angle = std::f64::consts::TAU * (k + 0.3) / 60.0;
             20.0 * angle.sin() + 15.0 * (2.0 * angle).cos() + 0.4 * (11.0 * angle).sin()
         };
         let turns_of = |from: u32| {
-            let mut found: Vec<_> = lap(&lap_of(place, 60, from))
+            let mut found: Vec<_> = lap(&lap_of(position, 60, from))
                 .iter()
                 .map(|(at, change)| ((at + f64::from(from)).rem_euclid(60.0), *change))
                 .collect();
@@ -148,10 +148,10 @@ mod tests {
             found
         };
         let expected = turns_of(0);
-        assert!(expected.len() >= 4 && expected.iter().all(|turn| turn.1.abs() == 2.0), "{expected:?}");
+        assert!(expected.len() >= 4 && expected.iter().all(|reversal| reversal.1.abs() == 2.0), "{expected:?}");
         for from in 0..60 {
             let found = turns_of(from);
-            assert_eq!(found.iter().map(|turn| turn.1).sum::<f64>(), 0.0, "{from}: {found:?}");
+            assert_eq!(found.iter().map(|reversal| reversal.1).sum::<f64>(), 0.0, "{from}: {found:?}");
             assert_eq!(found.len(), expected.len(), "{from}: {found:?}");
             for (one, other) in found.iter().zip(&expected) {
                 assert!((one.0 - other.0).abs() < 1e-6 && one.1 == other.1, "{from}: {found:?} {expected:?}");
@@ -176,12 +176,12 @@ mod tests {
             let run = &pattern.samples[pattern.lead_in..pattern.lead_in + pattern.run];
             let k = run.partition_point(|sample| sample.point.distance < 0.15);
             let step = factor * 1e-3;
-            let share = (0.15 - run[k - 1].point.distance) / step;
-            pattern.add(2, (pattern.lead_in + k) as f64 - 1.0 + share, 60.0);
+            let fraction = (0.15 - run[k - 1].point.distance) / step;
+            pattern.add(2, (pattern.lead_in + k) as f64 - 1.0 + fraction, 60.0);
             pattern
         });
         for speed in [0.1, 0.09, 0.07, 0.06, 0.05, 0.03, 0.02] {
-            let (mut least, mut most, mut mean) = (f64::INFINITY, 0.0f64, 0.0);
+            let (mut minimum, mut maximum, mut mean) = (f64::INFINITY, 0.0f64, 0.0);
             for from in 0..20 {
                 let mut area = 0.0;
                 for k in 0..1000 {
@@ -193,10 +193,13 @@ mod tests {
                         area += look.compensation(&patterns)[2];
                     }
                 }
-                (least, most, mean) = (least.min(area), most.max(area), mean + area / 20.0);
+                (minimum, maximum, mean) = (minimum.min(area), maximum.max(area), mean + area / 20.0);
             }
-            println!("{speed}: {least:.1} to {most:.1}, mean {mean:.1}");
-            assert!((mean - 60.0).abs() < 1.0 && least > 42.0 && most < 80.0, "{speed}: {least} {most} {mean}");
+            println!("{speed}: {minimum:.1} to {maximum:.1}, mean {mean:.1}");
+            assert!(
+                (mean - 60.0).abs() < 1.0 && minimum > 42.0 && maximum < 80.0,
+                "{speed}: {minimum} {maximum} {mean}"
+            );
         }
     }
 }

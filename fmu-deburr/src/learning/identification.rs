@@ -8,14 +8,14 @@
 //! Friction F after a velocity loop adds to the error in proportion to F', only where it reverses, because its effect on the
 //! position is in dy. A sample of a stroke therefore weighs less the slower it is: at low speed friction reverses and the axis sticks.
 
-use crate::learning::drive::{TAPS, ToldDrive, Weights};
+use crate::learning::drive::{NominalDrive, TAPS, Weights};
 use crate::learning::nominal::Nominal;
 use crate::learning::regression::Regression;
 
 /// A run of one axis with the bare servo, counts; a lap may follow the other.
 pub(crate) trait BareRun {
     /// Weight of a sample in which the configured loop has this ratio of its fastest rate.
-    fn weight(share: f64) -> f64;
+    fn weight(fraction: f64) -> f64;
     /// Number of samples.
     fn count(&self) -> usize;
     /// The sample that stands for the sample `index`; none outside the run.
@@ -35,22 +35,22 @@ pub(crate) struct Identification<'a, R> {
     /// fastest of these
     fastest: f64,
     /// weights of the configured drive, and their variance
-    told: ([f64; TAPS], f64),
+    nominal: ([f64; TAPS], f64),
     regression: Regression,
     weights: [f64; TAPS],
 }
 
 impl<'a, R: BareRun> Identification<'a, R> {
     /// Evaluates a run of a drive with this configuration, with memory for all its samples.
-    pub fn new(told: &ToldDrive, run: &'a R, room: &'a mut [f64]) -> Self {
+    pub fn new(nominal: &NominalDrive, run: &'a R, room: &'a mut [f64]) -> Self {
         let modelled = &mut room[..run.count()];
         modelled.iter_mut().enumerate().for_each(|(k, value)| *value = run.rate(k));
-        Nominal::of(told).apply(modelled, false);
-        let fastest = modelled.iter().fold(f64::MIN_POSITIVE, |most, rate| most.max(rate.abs()));
-        let (first, prior) = told.weights();
-        let told = (prior, told.spread().powi(2));
-        let regression = Regression::new(&told.0, told.1);
-        let mut this = Self { run, modelled, first, fastest, told, regression, weights: prior };
+        Nominal::of(nominal).apply(modelled, false);
+        let fastest = modelled.iter().fold(f64::MIN_POSITIVE, |maximum, rate| maximum.max(rate.abs()));
+        let (first, prior) = nominal.weights();
+        let nominal = (prior, nominal.spread().powi(2));
+        let regression = Regression::new(&nominal.0, nominal.1);
+        let mut this = Self { run, modelled, first, fastest, nominal, regression, weights: prior };
         for k in 0..this.samples() {
             let (instruments, answers) = (this.instruments(k), this.answers(k));
             this.regression.add(&instruments, &answers, this.error(k));
@@ -74,7 +74,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
     /// is that of u over the squares of the filter.
     pub fn weights_of_noise(&self) -> Weights {
         let [a, b, c] = self.weights;
-        let squares: f64 = [a, b - a, c - b, c].iter().map(|share| share * share).sum();
+        let squares: f64 = [a, b - a, c - b, c].iter().map(|fraction| fraction * fraction).sum();
         let (left, weight) = (0..self.samples()).fold((0.0, 0.0), |(left, sum), k| {
             let weight = self.weight(k);
             (left + weight * self.left(k).powi(2), sum + weight)
@@ -84,11 +84,11 @@ impl<'a, R: BareRun> Identification<'a, R> {
     }
 
     /// The weights that the loop of such a drive would show, evaluated in the same way, with memory for all its samples.
-    pub fn weights_of(&self, drive: &ToldDrive, room: &mut [f64]) -> [f64; TAPS] {
+    pub fn weights_of(&self, drive: &NominalDrive, room: &mut [f64]) -> [f64; TAPS] {
         let rates = &mut room[..self.run.count()];
         rates.iter_mut().enumerate().for_each(|(k, value)| *value = self.run.rate(k));
         Nominal::of(drive).apply(rates, false);
-        let (mut regression, mut error) = (Regression::new(&self.told.0, self.told.1), 0.0);
+        let (mut regression, mut error) = (Regression::new(&self.nominal.0, self.nominal.1), 0.0);
         for k in 0..self.samples() {
             let answers = self.taps(k, |k| self.run.inside(k).map_or(0.0, |k| rates[k]));
             regression.add(&self.instruments(k), &answers, error);

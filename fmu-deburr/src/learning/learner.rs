@@ -61,8 +61,8 @@ impl Learner {
     }
 
     /// The drives are those as configured now.
-    pub fn tell(&mut self, p: &Parameters) {
-        self.renewal.tell(p);
+    pub fn configure(&mut self, p: &Parameters) {
+        self.renewal.configure(p);
     }
 
     /// Begins with the first speed.
@@ -94,7 +94,7 @@ impl Learner {
 
     /// Ends the run of the bare servo, after which the drives fill all patterns in place of a renewal.
     pub fn finish_bare(&mut self, p: &Parameters, pattern: &Pattern) -> Next {
-        self.judge(pattern);
+        self.evaluate(pattern);
         if p.learn.repetitions == 0 {
             self.speed = p.learn.factors.list().len();
             return Next::Done;
@@ -105,9 +105,9 @@ impl Learner {
 
     /// Ends a repetition: evaluates it and renews the pattern.
     pub fn finish(&mut self, p: &Parameters, pattern: &mut Pattern) -> Next {
-        let least = self.judge(pattern);
+        let minimum = self.evaluate(pattern);
         let diverged = self.first_cost > 0.0 && self.errors.cost > DIVERGED * self.first_cost;
-        if self.repetition < p.learn.repetitions && !diverged && !self.converged(p, least) {
+        if self.repetition < p.learn.repetitions && !diverged && !self.converged(p, minimum) {
             self.renewal.renew(p, &self.record, pattern);
             self.repetition += 1;
             if pattern.largest() <= p.limits.pulses_max {
@@ -147,25 +147,25 @@ impl Learner {
         }
     }
 
-    /// Whether the error is small enough, or no longer falls; `least` is the smallest one before.
-    fn converged(&self, p: &Parameters, least: f64) -> bool {
-        let falls = p.learn.decrease == 0.0 || self.errors.cost <= (1.0 - p.learn.decrease) * least;
+    /// Whether the error is small enough, or no longer falls; `minimum` is the smallest one before.
+    fn converged(&self, p: &Parameters, minimum: f64) -> bool {
+        let falls = p.learn.decrease == 0.0 || self.errors.cost <= (1.0 - p.learn.decrease) * minimum;
         self.errors.tip < p.learn.tolerance || !falls
     }
 
     /// Takes the errors of a repetition; the smallest one before.
-    fn judge(&mut self, pattern: &Pattern) -> f64 {
+    fn evaluate(&mut self, pattern: &Pattern) -> f64 {
         self.errors = self.sums.errors();
         self.restart();
         if self.repetition == 0 {
             (self.first_cost, self.best_cost) = (self.errors.cost, f64::INFINITY);
         }
-        let least = self.best_cost;
+        let minimum = self.best_cost;
         if self.errors.cost < self.best_cost {
             (self.best_cost, self.best_repetition) = (self.errors.cost, self.repetition);
             self.best.iter_mut().zip(&pattern.samples).for_each(|(best, sample)| *best = sample.compensation);
         }
-        least
+        minimum
     }
 
     fn restore(&self, pattern: &mut Pattern) {
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn the_best_repetition_stays_when_asked_to() {
+    fn the_best_repetition_stays_when_requested() {
         for (stop_at_best, kept) in [(true, 1.0), (false, 3.0)] {
             let mut p = Parameters::PAPER;
             (p.learn.stop_at_best, p.learn.repetitions, p.io_delay) = (stop_at_best, 3, 0);
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pattern_beyond_16_bits_is_told() {
+    fn a_pattern_beyond_16_bits_is_reported() {
         let p = Parameters::PAPER;
         let (mut learner, mut pattern) = setup(&p);
         assert_eq!(repeat(&mut learner, &p, &mut pattern, |_| 40_000.0), Next::TooLarge);
@@ -282,14 +282,14 @@ mod tests {
         let (mut learner, mut pattern) = setup(&p);
         assert_eq!(learner.report(&p, false, false).speed_index, 0);
         for index in 1..=5 {
-            let told = learner.report(&p, true, false);
-            assert_eq!((told.speed_index, told.done), (index, false));
+            let report = learner.report(&p, true, false);
+            assert_eq!((report.speed_index, report.done), (index, false));
             repeat(&mut learner, &p, &mut pattern, |_| 7.0);
             assert_eq!(learner.report(&p, true, false).repetition, 1);
             let next = learner.abandon(&p, &mut pattern);
             assert_eq!(next, if index == 5 { Next::Done } else { Next::NextSpeed });
         }
-        let told = learner.report(&p, true, true);
-        assert_eq!((told.speed_index, told.done, told.cost), (5, true, learner.errors.cost));
+        let report = learner.report(&p, true, true);
+        assert_eq!((report.speed_index, report.done, report.cost), (5, true, learner.errors.cost));
     }
 }

@@ -18,7 +18,7 @@ pub struct PatternLookup {
     pub back: f64,
     /// Length of the path, m.
     pub length: f64,
-    /// Compare with the nominal speed of the pattern, `factor * taught` (m/s), instead of the recorded one.
+    /// Compare with the nominal speed of the pattern, `factor * programmed` (m/s), instead of the recorded one.
     pub nominal: Option<f64>,
 }
 
@@ -45,7 +45,7 @@ impl PatternLookup {
 
     fn of(&self, pattern: &Pattern) -> (Joints, f64) {
         let (compensation, recorded) = pattern.at(self.point.distance, self.back, self.length);
-        (compensation, self.nominal.map_or(recorded, |taught| taught * pattern.factor))
+        (compensation, self.nominal.map_or(recorded, |programmed| programmed * pattern.factor))
     }
 }
 
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn in_the_middle_every_speed_gets_its_share_also_below_the_slowest() {
+    fn in_the_middle_every_speed_has_its_weight_also_below_the_slowest() {
         for speed in [0.1, 0.09, 0.06, 0.05, 0.02, 0.011, 0.003, 0.0] {
             assert!((at(0.15, speed, None) - 1e4 * speed).abs() < 1e-6, "{speed}");
         }
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nominal_speed_of_a_pattern_is_its_multiple_of_the_taught_one() {
+    fn the_nominal_speed_of_a_pattern_is_its_multiple_of_the_programmed_one() {
         // in the middle both are the same
         for speed in [0.1, 0.08, 0.06, 0.04, 0.02, 0.01] {
             assert!((at(0.15, speed, Some(0.1)) - 1e4 * speed).abs() < 1e-6, "{speed}");

@@ -5,7 +5,7 @@ use nalgebra::Matrix4;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::learning::drive::ToldDrive;
+use crate::learning::drive::NominalDrive;
 
 /// y / c with y the position, both in pulses: eq. 1 after the gain Kp, closed over the encoder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -39,12 +39,12 @@ impl LoopState {
 impl Nominal {
     /// The loop of the axis `axis` (from 0).
     pub fn new(p: &Parameters, axis: usize) -> Self {
-        Self::of(&ToldDrive::new(p, axis))
+        Self::of(&NominalDrive::new(p, axis))
     }
 
     /// The loop around a drive.
-    pub fn of(told: &ToldDrive) -> Self {
-        let (wn, zeta, dt) = (told.frequency, told.damping, told.period);
+    pub fn of(drive: &NominalDrive) -> Self {
+        let (wn, zeta, dt) = (drive.frequency, drive.damping, drive.period);
         let mut continuous = Matrix4::zeros();
         // position, velocity, acceleration and the held command
         continuous[(0, 1)] = dt;
@@ -57,8 +57,8 @@ impl Nominal {
         Self {
             a: [row(0), row(1), row(2)],
             b: [sampled[(0, 3)], sampled[(1, 3)], sampled[(2, 3)]],
-            gain: told.servo_gain * told.gain,
-            delay: told.delay,
+            gain: drive.servo_gain * drive.gain,
+            delay: drive.delay,
         }
     }
 

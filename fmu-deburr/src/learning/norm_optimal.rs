@@ -41,8 +41,8 @@ pub fn solve(nominal: &Nominal, weight: f64, error: &mut [f64], work: &mut Work)
         add(error, step, direction);
         add(residual, -step, product);
         let next = dot(residual, residual);
-        let share = next / square;
-        direction.iter_mut().zip(residual.iter()).for_each(|(d, r)| *d = r + share * *d);
+        let fraction = next / square;
+        direction.iter_mut().zip(residual.iter()).for_each(|(d, r)| *d = r + fraction * *d);
         square = next;
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::path::feed::{FeedPlanner, Point};
 use crate::path::kinematics::{AXES, Joints};
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 
 /// Distances (m) and speeds (m/s) that differ by less are rounded differently.
 const ROUNDING: f64 = 1e-9;
@@ -44,7 +44,7 @@ impl Pattern {
     ///
     /// # Errors
     /// Message for the user if the pattern would be too long.
-    pub fn plan(p: &Parameters, path: &TaughtPath, factor: f64) -> Result<Self, String> {
+    pub fn plan(p: &Parameters, path: &ProgrammedPath, factor: f64) -> Result<Self, String> {
         let (lead_in, lead_out) = match path.cyclic {
             true => (0, 0),
             false => (p.learn.lead_in as usize, p.learn.lead_out as usize),
@@ -82,7 +82,7 @@ impl Pattern {
     /// Largest compensation, pulses.
     pub fn largest(&self) -> f64 {
         let values = self.samples.iter().flat_map(|sample| sample.compensation);
-        values.fold(0.0, |most, value| most.max(value.abs()))
+        values.fold(0.0, |maximum, value| maximum.max(value.abs()))
     }
 
     /// Whether another pattern has the same samples, except the compensation.
@@ -106,10 +106,10 @@ impl Pattern {
     /// Adds a value (pulses) to the compensation of an axis, in the two samples around the position `index`; beyond the ends nothing.
     pub fn add(&mut self, axis: usize, index: f64, value: f64) {
         let (whole, count) = (index.floor(), self.len() as isize);
-        for (k, share) in [(whole as isize, 1.0 - (index - whole)), (whole as isize + 1, index - whole)] {
+        for (k, fraction) in [(whole as isize, 1.0 - (index - whole)), (whole as isize + 1, index - whole)] {
             let k = if self.cyclic { k.rem_euclid(count) } else { k };
             if let Some(sample) = usize::try_from(k).ok().and_then(|k| self.samples.get_mut(k)) {
-                sample.compensation[axis] += share * value;
+                sample.compensation[axis] += fraction * value;
             }
         }
     }
@@ -129,15 +129,15 @@ impl Pattern {
         let here = run[j].point;
         // the run ends at rest at the end of the path
         let next = run.get(j + 1).map_or(Point { distance: length, speed: 0.0 }, |sample| sample.point);
-        let share =
+        let fraction =
             ((distance - here.distance) / (next.distance - here.distance).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        (self.between((self.lead_in + j) as f64 + share - back), here.speed + share * (next.speed - here.speed))
+        (self.between((self.lead_in + j) as f64 + fraction - back), here.speed + fraction * (next.speed - here.speed))
     }
 }
 
-/// `a + (b - a) share` for each axis.
-pub fn mix(a: &Joints, b: &Joints, share: f64) -> Joints {
-    std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
+/// `a + (b - a) fraction` for each axis.
+pub fn mix(a: &Joints, b: &Joints, fraction: f64) -> Joints {
+    std::array::from_fn(|i| a[i] + (b[i] - a[i]) * fraction)
 }
 
 #[cfg(test)]
@@ -146,9 +146,9 @@ pub(crate) mod tests {
     use crate::path::geometry::{Block, Pose, Vector};
 
     /// A straight path.
-    pub(crate) fn straight(length: f64) -> TaughtPath {
+    pub(crate) fn straight(length: f64) -> ProgrammedPath {
         let pose = |y: f64| Pose { tip: Vector::new(0.75, y, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
-        TaughtPath::new(vec![Block::line(&pose(0.0), &pose(length)).unwrap()], 0.1, false, 0.2).unwrap()
+        ProgrammedPath::new(vec![Block::line(&pose(0.0), &pose(length)).unwrap()], 0.1, false, 0.2).unwrap()
     }
 
     #[test]
@@ -165,7 +165,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn at_a_recorded_distance_the_recorded_sample_comes_back() {
+    fn at_a_recorded_distance_the_recorded_sample_is_restored() {
         let (p, path) = (Parameters::START, straight(0.1));
         let mut pattern = Pattern::plan(&p, &path, 1.0).unwrap();
         for (k, sample) in pattern.samples.iter_mut().enumerate() {
@@ -200,7 +200,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_path_without_end_is_refused() {
+    fn a_path_without_end_is_rejected() {
         let message = Pattern::plan(&Parameters::START, &straight(90.0), 1.0).unwrap_err();
         assert!(message.contains("60000"), "{message}");
     }
@@ -216,7 +216,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_pattern_fits_one_with_the_same_samples_but_for_rounding() {
+    fn a_pattern_fits_one_with_the_same_samples_except_for_rounding() {
         let (p, path) = (Parameters::START, straight(0.1));
         let pattern = Pattern::plan(&p, &path, 1.0).unwrap();
         let with = |change: fn(&mut Pattern)| {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::learning::pattern::Pattern;
 use crate::path::kinematics::{AXES, Joints};
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 
 /// Rates of one pattern at a time, with memory for the longest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -22,7 +22,7 @@ impl Rates {
     }
 
     /// Walks the path as a pattern does; `start` are the axes at the start of the path, rad or m.
-    pub fn walk(&mut self, p: &Parameters, path: &TaughtPath, start: &Joints, pattern: &Pattern) {
+    pub fn walk(&mut self, p: &Parameters, path: &ProgrammedPath, start: &Joints, pattern: &Pattern) {
         (self.count, self.cyclic) = (pattern.len(), pattern.cyclic);
         let mut joints = *start;
         for k in 0..self.count {
@@ -74,7 +74,7 @@ mod tests {
     use crate::path::feasible;
     use crate::path::geometry::Block;
 
-    fn walked(path: &TaughtPath) -> (Rates, Pattern) {
+    fn walked(path: &ProgrammedPath) -> (Rates, Pattern) {
         let p = Parameters::START;
         let pattern = Pattern::plan(&p, path, 0.8).unwrap();
         let mut rates = Rates::new(pattern.len() + 7);
@@ -83,14 +83,14 @@ mod tests {
     }
 
     #[test]
-    fn their_sum_is_the_way_and_outside_there_are_none() {
+    fn their_sum_is_the_travel_and_outside_there_are_none() {
         let (p, path) = (Parameters::START, straight(0.1));
         let (rates, pattern) = walked(&path);
         let start = feasible::start(&p, &path).unwrap();
         let end = p.arm.inverse(&path.at(path.length()), &start).unwrap();
         for axis in 0..AXES {
-            let way: f64 = (-5..400).map(|k| rates.at(k)[axis]).sum();
-            assert!((start[axis] + way * p.axis[axis].pulse - end[axis]).abs() < 1e-12, "{axis}: {way}");
+            let distance: f64 = (-5..400).map(|k| rates.at(k)[axis]).sum();
+            assert!((start[axis] + distance * p.axis[axis].pulse - end[axis]).abs() < 1e-12, "{axis}: {distance}");
         }
         assert!(rates.at(-1) == [0.0; AXES] && rates.at(pattern.len() as isize) == [0.0; AXES]);
         // the tip goes at 80 mm/s in the plane
@@ -106,10 +106,10 @@ mod tests {
         let there = straight(0.1);
         let ends = [there.at(0.0), there.at(0.1), there.at(0.0)];
         let blocks = ends.windows(2).map(|pair| Block::line(&pair[0], &pair[1]).unwrap()).collect();
-        let (rates, pattern) = walked(&TaughtPath::new(blocks, 0.1, true, 0.2).unwrap());
+        let (rates, pattern) = walked(&ProgrammedPath::new(blocks, 0.1, true, 0.2).unwrap());
         let count = pattern.len() as isize;
-        let way: f64 = (0..count).map(|k| rates.at(k)[2]).sum();
-        assert!(way.abs() < 1e-6, "{way}");
+        let distance: f64 = (0..count).map(|k| rates.at(k)[2]).sum();
+        assert!(distance.abs() < 1e-6, "{distance}");
         assert_eq!(rates.at(-3), rates.at(count - 3));
     }
 }

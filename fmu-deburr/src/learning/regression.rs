@@ -70,7 +70,7 @@ mod tests {
     fn regression(amplitude: f64, noisy: f64, instruments: bool) -> Regression {
         let mut regression = Regression::new(&[3.0, 3.0, 0.0], 1.0);
         for k in 0..2000 {
-            let clean: [f64; 3] = [0.05, 0.11, 0.23].map(|turn| amplitude * (turn * k as f64).sin());
+            let clean: [f64; 3] = [0.05, 0.11, 0.23].map(|frequency| amplitude * (frequency * k as f64).sin());
             let read: [f64; 3] = std::array::from_fn(|i| clean[i] + noisy * noise(3 * k + i));
             let explained = clean.iter().zip(TRUE).map(|(x, w)| w * x).sum::<f64>() + noisy * noise(9000 + k);
             regression.add(if instruments { &clean } else { &read }, &read, explained);
@@ -79,7 +79,7 @@ mod tests {
     }
 
     fn off(weights: [f64; 3]) -> f64 {
-        (0..3).fold(0.0, |most: f64, i| most.max((weights[i] - TRUE[i]).abs()))
+        (0..3).fold(0.0, |maximum: f64, i| maximum.max((weights[i] - TRUE[i]).abs()))
     }
 
     #[test]

@@ -37,7 +37,7 @@ impl Renewal {
     }
 
     /// The drives are those as configured now.
-    pub fn tell(&mut self, p: &Parameters) {
+    pub fn configure(&mut self, p: &Parameters) {
         self.nominal = std::array::from_fn(|axis| Nominal::new(p, axis));
     }
 

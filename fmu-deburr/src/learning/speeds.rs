@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_else_is_refused() {
+    fn everything_else_is_rejected() {
         for text in ["", "1 2", "0.5 0.5", "0.2 0.4", "one", "nan", "inf", "0", "-1", "1 .9 .8 .7 .6 .5 .4 .3 .2 .1"] {
             let message = Speeds::read(text).unwrap_err().to_string();
             assert!(message.starts_with(&format!("parameter `learn.speeds` is `{text}`")), "{message}");

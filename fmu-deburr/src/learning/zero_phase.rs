@@ -30,9 +30,9 @@ impl ZeroPhase {
             return;
         }
         let work = &mut work[..count + 2 * PAD];
-        for (k, place) in work.iter_mut().enumerate() {
+        for (k, slot) in work.iter_mut().enumerate() {
             let index = if periodic { (k + count * PAD - PAD) % count } else { k.saturating_sub(PAD).min(count - 1) };
-            *place = values[index];
+            *slot = values[index];
         }
         self.run(work.iter_mut());
         self.run(work.iter_mut().rev());

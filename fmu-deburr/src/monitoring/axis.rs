@@ -75,7 +75,7 @@ pub enum Expectation {
 
 /// What is wrong with an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict {
+pub enum Outcome {
     /// Nothing.
     Good,
     /// A pattern that is being learned grows.
@@ -103,9 +103,9 @@ impl AxisMonitor {
 
     /// The loop closes at rest at a position (rad or m); `pulse` is that of the encoder.
     pub fn restart(&mut self, position: f64, pulse: f64) {
-        let place = (position / pulse).round();
-        self.model = LoopState::resting(place);
-        (self.lag, self.answer) = (Lag::resting(place * pulse), Answer::resting(position));
+        let counts = (position / pulse).round();
+        self.model = LoopState::resting(counts);
+        (self.lag, self.answer) = (Lag::resting(counts * pulse), Answer::resting(position));
         self.unanswered = Unanswered::resting(position);
         self.forget_slips();
         (self.unexplained, self.far, self.off) = (Consecutive::NONE, Consecutive::NONE, Consecutive::NONE);
@@ -139,9 +139,9 @@ impl AxisMonitor {
 
     /// Takes what was sent: reference and compensation in counts, and the velocity command (rad/s or m/s).
     pub fn command(&mut self, p: &Parameters, axis: usize, reference: f64, compensation: f64, velocity: f64) {
-        let stood = self.nominal.step(&mut self.model, reference + compensation);
+        let previous = self.nominal.step(&mut self.model, reference + compensation);
         let left = reference + compensation - self.model.position();
-        let moves = (self.model.position() - stood).abs().max(p.servo_gain[axis] * p.sample_period * left.abs());
+        let moves = (self.model.position() - previous).abs().max(p.servo_gain[axis] * p.sample_period * left.abs());
         self.unanswered.expect(p, moves);
         let calm = moves < LAST * p.servo_gain[axis] * p.sample_period;
         self.calm = if calm { self.calm.saturating_add(1) } else { 0 };
@@ -150,52 +150,52 @@ impl AxisMonitor {
     }
 
     /// Looks at the axis `axis` (from 0) in a sample in which its loop is closed.
-    pub fn look(&mut self, p: &Parameters, axis: usize, motion: &Motion, expected: Expectation) -> Verdict {
+    pub fn look(&mut self, p: &Parameters, axis: usize, motion: &Motion, expected: Expectation) -> Outcome {
         let Motion { position, commanded, error } = *motion;
         let (pulse, limits) = (p.axis[axis].pulse, &p.limits.axis[axis]);
         self.unanswered.update(p, axis, position, commanded);
         self.answer.update(position, commanded);
         let slipped = self.slips.update(p, axis, position, commanded);
         let unanswered = self.unanswered.motion();
-        if self.unanswered.stands(p) && unanswered > limits.error_max {
+        if self.unanswered.stopped(p) && unanswered > limits.error_max {
             return self.wrong(axis, Fault::FollowingError, unanswered, limits.error_max, p);
         }
         let bridged = p.limits.lost_samples.unsigned_abs();
         let residual = self.residual(position, pulse).abs();
-        let most = limits.error_max + MISMATCH * self.lag.peak;
-        if self.unexplained.update(residual > most) > bridged {
-            return self.wrong(axis, Fault::FollowingError, residual, most, p);
+        let maximum = limits.error_max + MISMATCH * self.lag.peak;
+        if self.unexplained.update(residual > maximum) > bridged {
+            return self.wrong(axis, Fault::FollowingError, residual, maximum, p);
         }
         let lags = if expected == Expectation::Learned { GROWN } else { BARE };
-        let most = limits.error_max + lags * self.lag.peak;
-        if self.far.update(error.abs() > most) > bridged {
+        let maximum = limits.error_max + lags * self.lag.peak;
+        if self.far.update(error.abs() > maximum) > bridged {
             return match expected {
-                Expectation::Learned => Verdict::Grown,
-                _ => self.wrong(axis, Fault::FollowingError, error.abs(), most, p),
+                Expectation::Learned => Outcome::Grown,
+                _ => self.wrong(axis, Fault::FollowingError, error.abs(), maximum, p),
             };
         }
-        let most = limits.pattern_error;
-        if self.off.update(expected == Expectation::Compensated && error.abs() > most) > bridged {
+        let maximum = limits.pattern_error;
+        if self.off.update(expected == Expectation::Compensated && error.abs() > maximum) > bridged {
             // no drive of another gain is off like this: it is not the pattern
-            let explained = residual <= most + MISMATCH * self.lag.peak;
+            let explained = residual <= maximum + MISMATCH * self.lag.peak;
             let consequence = if explained { Fault::PatternMismatch } else { Fault::FollowingError };
-            return self.wrong(axis, consequence, error.abs(), most, p);
+            return self.wrong(axis, consequence, error.abs(), maximum, p);
         }
-        if slipped.is_fault() { Verdict::Wrong(slipped) } else { Verdict::Good }
+        if slipped.is_fault() { Outcome::Wrong(slipped) } else { Outcome::Good }
     }
 
-    fn wrong(&self, axis: usize, consequence: Fault, value: f64, limit: f64, p: &Parameters) -> Verdict {
+    fn wrong(&self, axis: usize, consequence: Fault, value: f64, limit: f64, p: &Parameters) -> Outcome {
         let pulse = p.axis[axis].pulse;
         let explained = self.unanswered.explained();
         let cause = match self.unanswered.motion() > EXCITED * pulse {
-            _ if !self.unanswered.stands(p) => self.answer.cause(pulse),
+            _ if !self.unanswered.stopped(p) => self.answer.cause(pulse),
             // it rests where the command compensates an offset
             _ if explained => None,
             true => Some(Fault::PositionFrozen),
             false => self.answer.cause(pulse),
         };
-        let ratio = self.answer.share(pulse).or((cause == Some(Fault::PositionFrozen)).then_some(0.0));
+        let ratio = self.answer.ratio(pulse).or((cause == Some(Fault::PositionFrozen)).then_some(0.0));
         let numbers = Numbers { axis: axis as i32 + 1, value, limit, ratio };
-        Verdict::Wrong(Finding { fault: cause.unwrap_or(consequence), numbers })
+        Outcome::Wrong(Finding { fault: cause.unwrap_or(consequence), numbers })
     }
 }

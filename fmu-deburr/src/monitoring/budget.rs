@@ -6,7 +6,7 @@
 use control_blocks::{quintic_duration, ticks};
 
 use crate::interface::{Mode, Parameters};
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 use crate::path::transfer::VELOCITY_RATIO;
 
 /// Budget over the time that is planned.
@@ -17,20 +17,20 @@ const LEGS: f64 = 3.0;
 const SLOWEST: f64 = 0.01;
 
 /// Samples that a task may take; of a cyclic path a lap, unless it is learned.
-pub fn budget(p: &Parameters, path: &TaughtPath, job: Mode) -> u64 {
-    let time = if p.limits.cycle_time > 0.0 { p.limits.cycle_time } else { derived(p, path, job) };
+pub fn budget(p: &Parameters, path: &ProgrammedPath, task: Mode) -> u64 {
+    let time = if p.limits.cycle_time > 0.0 { p.limits.cycle_time } else { derived(p, path, task) };
     u64::from(ticks(time, p.sample_period))
 }
 
 /// Time for a task (s) as the parameters say.
-fn derived(p: &Parameters, path: &TaughtPath, job: Mode) -> f64 {
+fn derived(p: &Parameters, path: &ProgrammedPath, task: Mode) -> f64 {
     let leg =
         p.axis.iter().map(|axis| quintic_duration(axis.maximum - axis.minimum, axis.velocity_max * VELOCITY_RATIO));
     let approach = LEGS * leg.fold(p.transfer.time, f64::max) + p.transfer.settle_time;
     let rests = f64::from(p.learn.lead_in + p.learn.lead_out) * p.sample_period;
     // up to speed and down again at each stop takes as long as the speed over the acceleration more
     let run = |speed: f64| path.length() / speed + path.stops() as f64 * speed / p.feed.acceleration + rests;
-    let runs = match job {
+    let runs = match task {
         Mode::Learn => {
             let once: f64 = p.learn.factors.list().iter().map(|factor| approach + run(factor * path.speed)).sum();
             once * f64::from(p.learn.repetitions + 1)

@@ -11,7 +11,7 @@ use control_blocks::SentCommands;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
-use crate::learning::drive::ToldDrive;
+use crate::learning::drive::NominalDrive;
 use crate::monitoring::finding::{Finding, Numbers};
 use crate::path::kinematics::{AXES, Joints};
 
@@ -59,7 +59,7 @@ impl DelayMonitor {
     /// Before a run.
     pub fn new(p: &Parameters) -> Self {
         let lag = |axis: usize| {
-            let ToldDrive { damping, frequency, period, .. } = ToldDrive::new(p, axis);
+            let NominalDrive { damping, frequency, period, .. } = NominalDrive::new(p, axis);
             (2.0 * damping / (frequency * period)).min(1.0)
         };
         Self {
@@ -94,19 +94,19 @@ impl DelayMonitor {
 
     /// What is wrong so far: another delay than `io_delay`, of all axes or of one.
     pub fn found(&self, p: &Parameters) -> Finding {
-        let told = p.io_delay as usize;
-        if told >= DELAYS {
+        let configured = p.io_delay as usize;
+        if configured >= DELAYS {
             return Finding::NONE;
         }
         let alone = |i: usize| {
-            self.axis[i].another(told).filter(|delay| self.axis[i].left(*delay) < MOVED * self.axis[i].answer)
+            self.axis[i].another(configured).filter(|delay| self.axis[i].left(*delay) < MOVED * self.axis[i].answer)
         };
         let one = || (0..AXES).find_map(|i| alone(i).map(|delay| (i + 1, delay)));
         let all = self.axis.iter().fold(Sums::default(), Sums::with);
-        match all.another(told).map(|delay| (0, delay)).or_else(one) {
+        match all.another(configured).map(|delay| (0, delay)).or_else(one) {
             None => Finding::NONE,
             Some((axis, delay)) => {
-                let numbers = Numbers { axis: axis as i32, value: delay as f64, limit: told as f64, ratio: None };
+                let numbers = Numbers { axis: axis as i32, value: delay as f64, limit: configured as f64, ratio: None };
                 Finding { fault: Fault::WrongDelay, numbers }
             }
         }
@@ -158,10 +158,10 @@ impl Sums {
     }
 
     /// The delay that explains the motion, if it is another one than was configured.
-    fn another(&self, told: usize) -> Option<usize> {
-        let best = (0..DELAYS).fold(told, |best, d| if self.left(d) < self.left(best) { d } else { best });
-        let off = (self.vertex(best) - told as f64).abs();
-        (best != told && self.left(best) < CLEAR * self.left(told) && off > ANOTHER).then_some(best)
+    fn another(&self, configured: usize) -> Option<usize> {
+        let best = (0..DELAYS).fold(configured, |best, d| if self.left(d) < self.left(best) { d } else { best });
+        let off = (self.vertex(best) - configured as f64).abs();
+        (best != configured && self.left(best) < CLEAR * self.left(configured) && off > ANOTHER).then_some(best)
     }
 }
 
@@ -174,14 +174,14 @@ mod tests {
         let mut p = Parameters::START;
         p.io_delay = io_delay;
         let (mut monitor, mut sent) = (DelayMonitor::new(&p), [SentCommands::default(); AXES]);
-        let mut place = 0.5;
+        let mut position = 0.5;
         for k in 0..400 {
             // back and forth with ramps of 0.5 m/s2
             let speed = (0.005 * f64::from(k % 80) - 0.05).clamp(0.0, 0.1) * if k % 160 < 80 { 1.0 } else { -1.0 };
-            place += gain * p.sample_period * (0.63 * sent[2].before(delay) + 0.37 * sent[2].before(delay + 1));
-            let seen = place + noise * 5e-6 * (f64::from(k) * 2.3).sin();
+            position += gain * p.sample_period * (0.63 * sent[2].before(delay) + 0.37 * sent[2].before(delay + 1));
+            let measured = position + noise * 5e-6 * (f64::from(k) * 2.3).sin();
             let mut positions = [0.0; AXES];
-            positions[2] = (seen / 5e-6).round() * 5e-6;
+            positions[2] = (measured / 5e-6).round() * 5e-6;
             monitor.update(&p, &positions, &sent);
             sent[2].send(speed);
         }
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn the_delay_that_was_told_is_good_whatever_gain_and_noise_are() {
+    fn the_delay_that_was_configured_is_good_whatever_gain_and_noise_are() {
         for delay in 0..5 {
             for (gain, noise) in [(1.0, 0.0), (0.7, 0.0), (1.3, 2.0), (1.0, 20.0), (1.0, 200.0)] {
                 assert_eq!(found(delay, delay as usize, gain, noise), Finding::NONE, "{delay} {gain} {noise}");
@@ -199,18 +199,18 @@ mod tests {
 
     #[test]
     fn a_delay_of_one_sample_more_or_less_is_found_under_noise_of_counts() {
-        for (told, true_delay) in [(1, 0), (1, 2), (0, 1), (2, 1), (3, 4)] {
-            let found = found(told, true_delay, 1.0, 12.0);
+        for (configured, true_delay) in [(1, 0), (1, 2), (0, 1), (2, 1), (3, 4)] {
+            let found = found(configured, true_delay, 1.0, 12.0);
             assert_eq!(
                 (found.fault, found.numbers.value),
                 (Fault::WrongDelay, true_delay as f64),
-                "{told} {true_delay}"
+                "{configured} {true_delay}"
             );
         }
     }
 
     #[test]
-    fn a_reading_that_flickers_on_an_axis_that_stands_tells_no_delay() {
+    fn a_reading_that_flickers_on_an_axis_at_rest_shows_no_delay() {
         for io_delay in 0..4 {
             for step in 2..9 {
                 let mut p = Parameters::START;
@@ -234,17 +234,17 @@ mod tests {
         let mut p = Parameters::START;
         p.io_delay = io_delay;
         let (mut monitor, mut sent) = (DelayMonitor::new(&p), [SentCommands::default(); AXES]);
-        let (mut place, mut command, whole) = (0.5, 0.0, delay.floor() as usize);
-        let share = delay - delay.floor() + 0.37;
+        let (mut position, mut command, whole) = (0.5, 0.0, delay.floor() as usize);
+        let fraction = delay - delay.floor() + 0.37;
         for k in 0..400 {
             let speed = (0.005 * f64::from(k % 80) - 0.05).clamp(0.0, 0.1) * if k % 160 < 80 { 1.0 } else { -1.0 };
             // a drive that is slower than a sample spreads over three
-            let (late, later) = if share < 1.0 { (share, 0.0) } else { (2.0 - share, share - 1.0) };
+            let (late, later) = if fraction < 1.0 { (fraction, 0.0) } else { (2.0 - fraction, fraction - 1.0) };
             let first = 1.0 - late - later;
             let commands = [0, 1, 2].map(|d| sent[2].before(whole + d));
-            place += p.sample_period * (first * commands[0] + late * commands[1] + later * commands[2]);
+            position += p.sample_period * (first * commands[0] + late * commands[1] + later * commands[2]);
             let mut positions = [0.0; AXES];
-            positions[2] = (place / 5e-6).round() * 5e-6;
+            positions[2] = (position / 5e-6).round() * 5e-6;
             monitor.update(&p, &positions, &sent);
             // as the servo follows a ramp
             command += 0.13 * (speed - command);
@@ -258,30 +258,30 @@ mod tests {
         for off in [-0.62, -0.4, 0.0, 0.4, 0.62] {
             assert_eq!(found_between(1, 1.0 + off), Finding::NONE, "{off}");
         }
-        for (told, delay, named) in [(1, 2.0, 2.0), (1, 1.85, 2.0), (1, 2.3, 2.0), (1, 0.0, 0.0), (2, 0.9, 1.0)] {
+        for (configured, delay, named) in [(1, 2.0, 2.0), (1, 1.85, 2.0), (1, 2.3, 2.0), (1, 0.0, 0.0), (2, 0.9, 1.0)] {
             assert_eq!(
-                found_between(told, delay),
-                Finding::beyond(Fault::WrongDelay, named, f64::from(told)),
+                found_between(configured, delay),
+                Finding::beyond(Fault::WrongDelay, named, f64::from(configured)),
                 "{delay}"
             );
         }
     }
 
     #[test]
-    fn an_axis_that_is_late_alone_is_told_and_one_that_stands_is_not() {
+    fn an_axis_that_is_late_alone_is_reported_and_one_at_rest_is_not() {
         let (p, mut noise) = (Parameters::START, 0.0);
         let (mut monitor, mut sent) = (DelayMonitor::new(&p), [SentCommands::default(); AXES]);
-        let mut places = [0.0, 0.2, 0.5];
+        let mut actual = [0.0, 0.2, 0.5];
         for k in 0..400 {
             let speed = (0.005 * f64::from(k % 80) - 0.05).clamp(0.0, 0.1) * if k % 160 < 80 { 1.0 } else { -1.0 };
             // the third is late; the first hardly moves, and its servo answers to the noise of its measurement
             for (i, delay) in [(1, 1), (2, 2)] {
-                places[i] += p.sample_period * (0.63 * sent[i].before(delay) + 0.37 * sent[i].before(delay + 1));
+                actual[i] += p.sample_period * (0.63 * sent[i].before(delay) + 0.37 * sent[i].before(delay + 1));
             }
             let last = noise;
             noise = 1e-4 * (f64::from(k * k) * 2.3).sin();
             let mut positions = [0.0; AXES];
-            (positions[0], positions[1], positions[2]) = (noise, places[1], places[2]);
+            (positions[0], positions[1], positions[2]) = (noise, actual[1], actual[2]);
             monitor.update(&p, &positions, &sent);
             for (axis, command) in sent.iter_mut().zip([-4.0 * (noise - 0.1 * last), speed, 0.1 * speed]) {
                 axis.send(command);
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_alone_is_told_where_its_delay_leaves_less_than_a_quarter_of_it() {
+    fn an_axis_alone_is_reported_where_its_delay_leaves_less_than_a_quarter_of_it() {
         let found = |explained: f64| {
             let mut monitor = DelayMonitor::new(&Parameters::START);
             // all together have the configured delay, compensated by another axis
@@ -306,14 +306,14 @@ mod tests {
     }
 
     #[test]
-    fn another_delay_is_told_with_its_number() {
-        for (told, delay) in [(0, 1), (1, 0), (1, 2), (1, 4), (3, 1)] {
+    fn another_delay_is_reported_with_its_number() {
+        for (configured, delay) in [(0, 1), (1, 0), (1, 2), (1, 4), (3, 1)] {
             for gain in [0.8, 1.0, 1.2] {
-                let finding = found(told, delay, gain, 0.3);
+                let finding = found(configured, delay, gain, 0.3);
                 assert_eq!(
                     finding,
-                    Finding::beyond(Fault::WrongDelay, delay as f64, f64::from(told)),
-                    "{told} {delay}"
+                    Finding::beyond(Fault::WrongDelay, delay as f64, f64::from(configured)),
+                    "{configured} {delay}"
                 );
             }
         }

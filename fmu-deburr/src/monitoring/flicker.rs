@@ -25,15 +25,15 @@ const DECADES: f64 = 9.0;
 const DECADES_ONCE: f64 = 6.0;
 const DECADES_DAYS: f64 = 12.0;
 /// Shortest constant interval that is a fault, s (default; six time constants 1/Kp).
-const STAND_MIN: f64 = 0.5;
+const FROZEN_MIN: f64 = 0.5;
 /// Smallest change that is a reversal, in the smallest change that was read: two steps.
-const TURN: f64 = 1.5;
+const REVERSAL: f64 = 1.5;
 /// Reversals that must show it, and their ratio to the samples: at the edge of a step a position reverses now and then with a noise that does not
 /// leave the middle of one.
-const TURNS_MIN: f64 = 3.0;
-const TURNS_SHARE: f64 = 0.01;
+const REVERSALS_MIN: f64 = 3.0;
+const REVERSALS_RATIO: f64 = 0.01;
 /// Ratio of the mean square that two changes consecutive have less than, in the middle between noise and a position that drifts.
-const FORGETS: f64 = -0.25;
+const INDEPENDENT: f64 = -0.25;
 /// Last samples before the stand, and the ratio of the mean square below which an oscillation dies away in them.
 const RECENT: f64 = 25.0;
 const DIED_AWAY: f64 = 0.4;
@@ -41,11 +41,11 @@ const DIED_AWAY: f64 = 0.4;
 const MEMORY: u32 = 10_000;
 /// Variance of a step, and deviations of the noise for which it may be less.
 const STEP: f64 = 1.0 / 12.0;
-const UNSURE: f64 = 2.0;
+const UNCERTAIN: f64 = 2.0;
 
 /// Where an axis is, rad or m.
 #[derive(Clone, Copy, Debug)]
-pub struct Places {
+pub struct AxisPosition {
     /// Encoder measurement.
     pub position: f64,
     /// Model of its loop.
@@ -64,7 +64,7 @@ pub struct Flicker {
     up: bool,
     /// samples since the measurement changed, and whether it has turned in this rest
     still: u32,
-    turned: bool,
+    reversed: bool,
     /// change of the last sample, rad or m
     last: f64,
     /// squares of the changes, products of two consecutive, (rad or m)^2, the recent mean of the squares, in how many samples, and
@@ -72,8 +72,8 @@ pub struct Flicker {
     squares: f64,
     products: f64,
     recent: f64,
-    seen: u32,
-    turns: u32,
+    observed: u32,
+    reversals: u32,
     /// squares before all axes came to rest, (rad or m)^2, and in how many samples
     earlier: (f64, u32),
 }
@@ -88,13 +88,13 @@ impl Default for Flicker {
             model: 0.0,
             up: true,
             still: 0,
-            turned: false,
+            reversed: false,
             last: 0.0,
             squares: 0.0,
             products: 0.0,
             recent: 0.0,
-            seen: 0,
-            turns: 0,
+            observed: 0,
+            reversals: 0,
             earlier: (0.0, 0),
         }
     }
@@ -103,26 +103,40 @@ impl Default for Flicker {
 impl Flicker {
     /// Takes a measurement of the axis `axis` (from 0) and the position of the model of its loop, rad or m: whether the axis `rests`, and
     /// whether it is `undisturbed`, so that only noise reverses it; what is wrong with it.
-    pub fn update(&mut self, p: &Parameters, axis: usize, places: Places, rests: bool, undisturbed: bool) -> Finding {
-        self.take(p, axis, places, rests, undisturbed);
-        self.stands(p, axis, DECADES)
+    pub fn update(
+        &mut self,
+        p: &Parameters,
+        axis: usize,
+        axis_position: AxisPosition,
+        rests: bool,
+        undisturbed: bool,
+    ) -> Finding {
+        self.take(p, axis, axis_position, rests, undisturbed);
+        self.frozen(p, axis, DECADES)
     }
 
     /// The same of a measurement that is watched for days, where no task continues as well.
-    pub fn watch(&mut self, p: &Parameters, axis: usize, places: Places, rests: bool, undisturbed: bool) -> Finding {
-        self.take(p, axis, places, rests, undisturbed);
-        self.stands(p, axis, DECADES_DAYS)
+    pub fn watch(
+        &mut self,
+        p: &Parameters,
+        axis: usize,
+        axis_position: AxisPosition,
+        rests: bool,
+        undisturbed: bool,
+    ) -> Finding {
+        self.take(p, axis, axis_position, rests, undisturbed);
+        self.frozen(p, axis, DECADES_DAYS)
     }
 
-    fn take(&mut self, p: &Parameters, axis: usize, places: Places, rests: bool, undisturbed: bool) {
-        let Places { position, model } = places;
+    fn take(&mut self, p: &Parameters, axis: usize, axis_position: AxisPosition, rests: bool, undisturbed: bool) {
+        let AxisPosition { position, model } = axis_position;
         let change = self.before.replace(position).map_or(0.0, |before| position - before);
         self.still = self.still.saturating_add(1);
         let measures = rests && undisturbed;
         if rests {
-            self.turn(places, measures);
+            self.note_reversal(axis_position, measures);
         } else {
-            (self.turned, self.farthest, self.model) = (false, position, model);
+            (self.reversed, self.farthest, self.model) = (false, position, model);
         }
         if change != 0.0 {
             self.bit = self.bit.min(change.abs().max(p.axis[axis].pulse));
@@ -131,8 +145,8 @@ impl Flicker {
                 self.recent = left * self.recent + change * change / RECENT;
                 self.squares += change * change;
                 self.products += change * self.last;
-                self.seen = self.seen.saturating_add(self.still);
-                if self.seen > MEMORY {
+                self.observed = self.observed.saturating_add(self.still);
+                if self.observed > MEMORY {
                     self.forget_half();
                 }
             }
@@ -144,77 +158,77 @@ impl Flicker {
     /// All that was seen counts half.
     fn forget_half(&mut self) {
         (self.squares, self.products) = (0.5 * self.squares, 0.5 * self.products);
-        (self.seen, self.turns) = (self.seen / 2, self.turns / 2);
+        (self.observed, self.reversals) = (self.observed / 2, self.reversals / 2);
     }
 
     /// A constant position during a hold is ignored, and so is the motion until the task continues.
     pub fn pause(&mut self) {
-        (self.before, self.still, self.turned, self.last) = (None, 0, false, 0.0);
+        (self.before, self.still, self.reversed, self.last) = (None, 0, false, 0.0);
     }
 
     /// What has shaken the axis may have ended: noise shows itself again.
     pub fn settle(&mut self) {
-        let Self { bit, farthest, model, still, squares, seen, .. } = *self;
-        *self = Self { bit, farthest, model, still, earlier: (squares, seen), ..Self::default() };
+        let Self { bit, farthest, model, still, squares, observed, .. } = *self;
+        *self = Self { bit, farthest, model, still, earlier: (squares, observed), ..Self::default() };
     }
 
     /// What is wrong with the measurement of the axis `axis` (from 0) at the end of a run.
     pub fn after_run(&self, p: &Parameters, axis: usize) -> Finding {
-        self.stands(p, axis, DECADES_ONCE)
+        self.frozen(p, axis, DECADES_ONCE)
     }
 
-    fn turn(&mut self, Places { position, model }: Places, measures: bool) {
+    fn note_reversal(&mut self, AxisPosition { position, model }: AxisPosition, measures: bool) {
         if (position >= self.farthest) == self.up {
             (self.farthest, self.model) = (position, model);
-        } else if (position - self.farthest).abs() - (model - self.model).abs() > TURN * self.bit {
+        } else if (position - self.farthest).abs() - (model - self.model).abs() > REVERSAL * self.bit {
             // the first one in a rest is of the motion before
-            self.turns = self.turns.saturating_add(u32::from(measures && self.turned));
-            (self.farthest, self.model, self.up, self.turned) = (position, model, !self.up, true);
+            self.reversals = self.reversals.saturating_add(u32::from(measures && self.reversed));
+            (self.farthest, self.model, self.up, self.reversed) = (position, model, !self.up, true);
         }
     }
 
-    fn stands(&self, p: &Parameters, axis: usize, decades: f64) -> Finding {
+    fn frozen(&self, p: &Parameters, axis: usize, decades: f64) -> Finding {
         let seconds = |samples: f64| samples * p.sample_period;
-        let stands = seconds(f64::from(self.still));
+        let frozen_time = seconds(f64::from(self.still));
         // asked in every sample of every axis
-        if stands <= STAND_MIN {
+        if frozen_time <= FROZEN_MIN {
             return Finding::NONE;
         }
-        let lasts = self.recent * f64::from(self.seen) > DIED_AWAY * self.squares;
-        let forgets = self.products < FORGETS * self.squares;
-        let turns = f64::from(self.turns) >= TURNS_MIN.max(TURNS_SHARE * f64::from(self.seen));
-        if !turns || !lasts || !forgets {
+        let lasts = self.recent * f64::from(self.observed) > DIED_AWAY * self.squares;
+        let independent = self.products < INDEPENDENT * self.squares;
+        let reversals = f64::from(self.reversals) >= REVERSALS_MIN.max(REVERSALS_RATIO * f64::from(self.observed));
+        if !reversals || !lasts || !independent {
             return Finding::NONE;
         }
-        let most = seconds(self.most(decades)).max(STAND_MIN);
-        if stands <= most {
+        let maximum = seconds(self.maximum(decades)).max(FROZEN_MIN);
+        if frozen_time <= maximum {
             return Finding::NONE;
         }
-        let numbers = Numbers { axis: axis as i32 + 1, value: stands, limit: most, ratio: None };
+        let numbers = Numbers { axis: axis as i32 + 1, value: frozen_time, limit: maximum, ratio: None };
         Finding { fault: Fault::PositionFrozen, numbers }
     }
 
     /// Samples for which a valid position is constant with the probability 10^-`decades`.
-    fn most(&self, decades: f64) -> f64 {
-        let (squares, seen) = self.shown();
-        let variance = squares / (2.0 * seen * self.bit * self.bit);
-        let least = variance * (1.0 - UNSURE * deviation(seen)) - STEP;
-        let leaves = 2.0 / (1.0 + (0.851 / least.max(1e-4).sqrt()).exp());
+    fn maximum(&self, decades: f64) -> f64 {
+        let (squares, observed) = self.shown();
+        let variance = squares / (2.0 * observed * self.bit * self.bit);
+        let minimum = variance * (1.0 - UNCERTAIN * deviation(observed)) - STEP;
+        let leaves = 2.0 / (1.0 + (0.851 / minimum.max(1e-4).sqrt()).exp());
         -decades * std::f64::consts::LN_10 / (-leaves).ln_1p()
     }
 
     /// Squares of the changes, (rad or m)^2, and in how many samples.
     fn shown(&self) -> (f64, f64) {
-        let (squares, seen) = (self.squares, f64::from(self.seen.max(1)));
+        let (squares, observed) = (self.squares, f64::from(self.observed.max(1)));
         let (before, long) = (self.earlier.0, f64::from(self.earlier.1));
-        let as_large = squares * long >= before * seen * (1.0 - deviation(seen));
-        if as_large { (squares + before, seen + long) } else { (squares, seen) }
+        let as_large = squares * long >= before * observed * (1.0 - deviation(observed));
+        if as_large { (squares + before, observed + long) } else { (squares, observed) }
     }
 }
 
-/// Relative standard deviation of the mean square of `seen` changes.
-fn deviation(seen: f64) -> f64 {
-    (3.0 / seen).sqrt()
+/// Relative standard deviation of the mean square of `observed` changes.
+fn deviation(observed: f64) -> f64 {
+    (3.0 / observed).sqrt()
 }
 
 #[cfg(test)]

@@ -34,28 +34,28 @@ impl ToolMonitor {
     }
 
     /// Takes the tool speed (rad/s) of a sample in which the tool cuts, and the way since the last one (m).
-    pub fn update(&mut self, p: &Parameters, speed: f64, way: f64) -> Finding {
-        let (least, bridged) = (p.load.scale * p.limits.spindle_speed_min, p.limits.lost_samples.unsigned_abs());
-        self.hold(p, speed, way);
-        if self.slow.update(speed < least) > bridged {
-            return Finding::beyond(Fault::SpindleSlow, speed, least);
+    pub fn update(&mut self, p: &Parameters, speed: f64, distance: f64) -> Finding {
+        let (minimum, bridged) = (p.load.scale * p.limits.spindle_speed_min, p.limits.lost_samples.unsigned_abs());
+        self.hold(p, speed, distance);
+        if self.slow.update(speed < minimum) > bridged {
+            return Finding::beyond(Fault::SpindleSlow, speed, minimum);
         }
         let band = p.limits.spindle_change;
-        let most = p.limits.idle_travel;
-        if band > 0.0 && most > 0.0 && self.idle.is_some_and(|way| way > most) {
+        let maximum = p.limits.idle_travel;
+        if band > 0.0 && maximum > 0.0 && self.idle.is_some_and(|distance| distance > maximum) {
             return Finding {
                 fault: Fault::NoCut,
-                numbers: Numbers { ratio: self.idle, limit: most, ..Numbers::START },
+                numbers: Numbers { ratio: self.idle, limit: maximum, ..Numbers::START },
             };
         }
         Finding::NONE
     }
 
-    fn hold(&mut self, p: &Parameters, speed: f64, way: f64) {
+    fn hold(&mut self, p: &Parameters, speed: f64, distance: f64) {
         let (slowest, fastest) = self.block.unwrap_or((speed, speed));
         let block = (slowest.min(speed), fastest.max(speed));
         (self.block, self.count) = (Some(block), self.count + 1);
-        self.idle = self.idle.map(|idle| idle + way);
+        self.idle = self.idle.map(|idle| idle + distance);
         if self.count > p.limits.lost_samples.unsigned_abs() {
             let (slowest, fastest) = self.held.unwrap_or((block.1, block.0));
             let held = (slowest.min(block.1), fastest.max(block.0));
@@ -69,8 +69,8 @@ impl ToolMonitor {
     /// What is wrong with a path that has come to its end: nothing was cut.
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let change = self.held.map_or(0.0, |(slowest, fastest)| (fastest - slowest).max(0.0));
-        let least = p.limits.spindle_change;
-        if change < least { Finding::beyond(Fault::NoCut, change, least) } else { Finding::NONE }
+        let minimum = p.limits.spindle_change;
+        if change < minimum { Finding::beyond(Fault::NoCut, change, minimum) } else { Finding::NONE }
     }
 }
 
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_slow_tool_is_told_after_the_samples_that_are_bridged() {
+    fn a_slow_tool_is_reported_after_the_samples_that_are_bridged() {
         let p = Parameters::START;
         let mut tool = ToolMonitor::default();
         let speeds = [1800.0, 1600.0, 1600.0, 1600.0, 1800.0, 1600.0, 1600.0, 1600.0, 1600.0];
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_without_a_cut_is_told_where_it_is_longer_than_the_longest_gap() {
+    fn a_distance_without_a_cut_is_reported_where_it_is_longer_than_the_longest_gap() {
         let mut p = Parameters::START;
         p.limits.idle_travel = 0.1;
         // cuts for 50 mm
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_without_a_cut_is_none_where_no_change_is_asked_for() {
+    fn a_distance_without_a_cut_is_none_where_no_change_is_requested() {
         let mut p = Parameters::START;
         (p.limits.spindle_change, p.limits.idle_travel) = (0.0, 0.01);
         let mut tool = ToolMonitor::default();

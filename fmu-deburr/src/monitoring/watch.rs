@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
-use crate::monitoring::axis::{AxisMonitor, Expectation, Motion, Verdict};
+use crate::monitoring::axis::{AxisMonitor, Expectation, Motion, Outcome};
 use crate::monitoring::finding::{Finding, Numbers};
-use crate::monitoring::flicker::{Flicker, Places};
+use crate::monitoring::flicker::{AxisPosition, Flicker};
 use crate::monitoring::rest::RestError;
 use crate::path::kinematics::{AXES, Joints};
 
@@ -48,13 +48,13 @@ impl Watch {
         motions: &Joints,
         error: &Joints,
         expected: Expectation,
-    ) -> Verdict {
-        let mut first = Verdict::Good;
+    ) -> Outcome {
+        let mut first = Outcome::Good;
         for (i, axis) in self.axes.iter_mut().enumerate() {
             let motion = Motion { position: positions[i], commanded: motions[i], error: error[i] * p.axis[i].pulse };
-            let verdict = axis.look(p, i, &motion, expected);
-            if first == Verdict::Good || matches!((first, verdict), (Verdict::Grown, Verdict::Wrong(_))) {
-                first = verdict;
+            let outcome = axis.look(p, i, &motion, expected);
+            if first == Outcome::Good || matches!((first, outcome), (Outcome::Grown, Outcome::Wrong(_))) {
+                first = outcome;
             }
         }
         first
@@ -68,15 +68,15 @@ impl Watch {
     }
 
     /// Begins a task: a tool that runs or not may shake the measurements.
-    pub fn begin_job(&mut self) {
+    pub fn begin_task(&mut self) {
         self.flicker = [Flicker::default(); AXES];
     }
 
     /// Looks at how the measurements (rad or m) of a task that continues flicker, undisturbed by a cut or not. The first that is frozen.
     pub fn look_at_flicker(&mut self, p: &Parameters, positions: &Joints, undisturbed: bool) -> Finding {
         let found: [Finding; AXES] = std::array::from_fn(|i| {
-            let places = Places { position: positions[i], model: self.axes[i].model(p.axis[i].pulse) };
-            self.flicker[i].update(p, i, places, self.axes[i].rests(p, i), undisturbed)
+            let axis_position = AxisPosition { position: positions[i], model: self.axes[i].model(p.axis[i].pulse) };
+            self.flicker[i].update(p, i, axis_position, self.axes[i].rests(p, i), undisturbed)
         });
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
@@ -92,8 +92,8 @@ impl Watch {
         let rests: [bool; AXES] = std::array::from_fn(|i| self.axes[i].rests(p, i));
         let undisturbed = !on_path && rests.iter().all(|rests| *rests);
         let found: [Finding; AXES] = std::array::from_fn(|i| {
-            let places = Places { position: positions[i], model: self.axes[i].model(p.axis[i].pulse) };
-            self.resting[i].watch(p, i, places, rests[i], undisturbed)
+            let axis_position = AxisPosition { position: positions[i], model: self.axes[i].model(p.axis[i].pulse) };
+            self.resting[i].watch(p, i, axis_position, rests[i], undisturbed)
         });
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
@@ -139,12 +139,12 @@ impl Watch {
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let (mean, allowed) = self.rest.means();
         let limit = |i: usize| p.limits.axis[i].rest_error + allowed[i];
-        let beside = (0..AXES).find(|i| mean[*i].abs() > limit(*i)).map(|i| {
+        let offset = (0..AXES).find(|i| mean[*i].abs() > limit(*i)).map(|i| {
             let numbers = Numbers { axis: i as i32 + 1, value: mean[i].abs(), limit: limit(i), ratio: None };
             Finding { fault: Fault::FollowingError, numbers }
         });
-        let dead = || (0..AXES).map(|i| self.flicker[i].after_run(p, i)).find(Finding::is_fault);
-        beside.or_else(dead).unwrap_or(Finding::NONE)
+        let frozen = || (0..AXES).map(|i| self.flicker[i].after_run(p, i)).find(Finding::is_fault);
+        offset.or_else(frozen).unwrap_or(Finding::NONE)
     }
 }
 
@@ -152,8 +152,8 @@ impl Watch {
 mod tests {
     use super::*;
 
-    /// Finding of the rest after a run for an axis `i` that rests `beside` its reference, after a motion by `counts`.
-    fn rested(i: usize, beside: f64, counts: f64) -> Finding {
+    /// Finding of the rest after a run for an axis `i` that rests at an `offset` from its reference, after a motion by `counts`.
+    fn rested(i: usize, offset: f64, counts: f64) -> Finding {
         let p = Parameters::START;
         let mut watch = Watch::new(&p);
         let mut positions = [0.0; AXES];
@@ -164,13 +164,13 @@ mod tests {
         // the rest of the previous run is discarded
         watch.rests(&p, &[1.0; AXES]);
         watch.begin_run();
-        positions[i] = beside;
+        positions[i] = offset;
         (0..10).for_each(|_| watch.rests(&p, &positions));
         watch.after_run(&p)
     }
 
     #[test]
-    fn an_axis_beside_its_reference_in_the_rest_is_told_with_its_number_and_limit() {
+    fn an_axis_away_from_its_reference_at_rest_is_reported_with_its_number_and_limit() {
         let p = Parameters::START;
         for i in 0..AXES {
             let limit = p.limits.axis[i].rest_error;
@@ -202,14 +202,14 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_stands_is_told_with_its_axis_but_of_another_job_or_where_it_is_held() {
+    fn a_frozen_measurement_is_reported_with_its_axis_except_in_another_task_or_where_it_is_held() {
         let (_, found) = frozen(|_, _| {});
         assert_eq!(found, Finding::NONE);
         let p = Parameters::START;
         let longer = |begin: usize, pause: usize| {
             let (mut watch, _) = frozen(|watch, k| {
                 if k == begin {
-                    watch.begin_job();
+                    watch.begin_task();
                 }
             });
             let mut positions = [0.0; AXES];
@@ -249,17 +249,17 @@ mod tests {
     }
 
     #[test]
-    fn noise_that_was_known_in_a_rest_is_known_in_the_next_whatever_job_begins() {
-        let told = (Fault::PositionFrozen, 5);
-        assert_eq!(rested_with(|_, _| (0.0, true, false)), told);
-        let jobs = rested_with(|watch, k| {
+    fn noise_that_was_known_in_a_rest_is_known_in_the_next_whatever_cycle_begins() {
+        let detected = (Fault::PositionFrozen, 5);
+        assert_eq!(rested_with(|_, _| (0.0, true, false)), detected);
+        let tasks = rested_with(|watch, k| {
             if k == 310 {
-                watch.begin_job();
+                watch.begin_task();
                 watch.settle();
             }
             (0.0, true, k > 320)
         });
-        assert_eq!(jobs, told);
+        assert_eq!(tasks, detected);
     }
 
     #[test]
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lag_of_a_motion_is_allowed_beside() {
+    fn the_lag_of_a_motion_is_allowed_in_addition() {
         let p = Parameters::START;
         // half of V/Kp of 5 counts in a sample; the model has not moved yet
         let limit = p.limits.axis[2].rest_error + 0.5 * 5.0 * p.axis[2].pulse / (p.servo_gain[2] * p.sample_period);
@@ -293,28 +293,28 @@ mod tests {
     }
 
     #[test]
-    fn the_first_axis_that_is_wrong_is_told_and_a_fault_before_a_pattern_that_grows() {
+    fn the_first_axis_that_is_wrong_is_reported_and_a_fault_before_a_pattern_that_grows() {
         let p = Parameters::START;
-        let told = |expected, places: [f64; 2], errors: [f64; 2]| {
+        let detected = |expected, axis_position: [f64; 2], errors: [f64; 2]| {
             let mut watch = Watch::new(&p);
             watch.restart(&p, &[0.0; AXES]);
             let (mut positions, mut error) = ([0.0; AXES], [0.0; AXES]);
             for k in 0..2 {
-                (positions[k + 1], error[k + 1]) = (places[k], errors[k] / p.axis[k + 1].pulse);
+                (positions[k + 1], error[k + 1]) = (axis_position[k], errors[k] / p.axis[k + 1].pulse);
             }
             let verdicts = [(); 4].map(|()| watch.look(&p, &positions, &[0.0; AXES], &error, expected));
             match verdicts[3] {
-                Verdict::Wrong(finding) => finding.numbers.axis,
-                Verdict::Good => 0,
-                Verdict::Grown => -1,
+                Outcome::Wrong(finding) => finding.numbers.axis,
+                Outcome::Good => 0,
+                Outcome::Grown => -1,
             }
         };
         let far = 2e-3;
-        assert_eq!(told(Expectation::Bare, [far, far], [0.0; 2]), 2);
-        assert_eq!(told(Expectation::Bare, [0.0, far], [0.0; 2]), 3);
-        assert_eq!(told(Expectation::Learned, [0.0; 2], [far, 0.0]), -1);
-        assert_eq!(told(Expectation::Learned, [0.0, far], [far, 0.0]), 3);
-        assert_eq!(told(Expectation::Learned, [far, 0.0], [0.0, far]), 2);
-        assert_eq!(told(Expectation::Bare, [0.0; 2], [0.0; 2]), 0);
+        assert_eq!(detected(Expectation::Bare, [far, far], [0.0; 2]), 2);
+        assert_eq!(detected(Expectation::Bare, [0.0, far], [0.0; 2]), 3);
+        assert_eq!(detected(Expectation::Learned, [0.0; 2], [far, 0.0]), -1);
+        assert_eq!(detected(Expectation::Learned, [0.0, far], [far, 0.0]), 3);
+        assert_eq!(detected(Expectation::Learned, [far, 0.0], [0.0, far]), 2);
+        assert_eq!(detected(Expectation::Bare, [0.0; 2], [0.0; 2]), 0);
     }
 }

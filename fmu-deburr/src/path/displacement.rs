@@ -22,19 +22,19 @@ impl Displacement {
         if *self == Self::default() {
             return *pose;
         }
-        let turned = |v: Vector2<f64>| turn(self.angle, v);
-        let (tip, axis) = (self.centre + self.shift + turned(pose.tip.xy() - self.centre), turned(pose.axis.xy()));
+        let rotate = |v: Vector2<f64>| rotated(self.angle, v);
+        let (tip, axis) = (self.centre + self.shift + rotate(pose.tip.xy() - self.centre), rotate(pose.axis.xy()));
         Pose { tip: Vector::new(tip.x, tip.y, pose.tip.z), axis: Vector::new(axis.x, axis.y, pose.axis.z) }
     }
 
     /// Where a position was before the part was displaced.
-    pub fn back(&self, place: Vector2<f64>) -> Vector2<f64> {
-        self.centre + turn(-self.angle, place - self.centre - self.shift)
+    pub fn back(&self, point: Vector2<f64>) -> Vector2<f64> {
+        self.centre + rotated(-self.angle, point - self.centre - self.shift)
     }
 }
 
 /// A vector turned about the vertical.
-pub fn turn(angle: f64, v: Vector2<f64>) -> Vector2<f64> {
+pub fn rotated(angle: f64, v: Vector2<f64>) -> Vector2<f64> {
     let (sin, cos) = angle.sin_cos();
     Vector2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y)
 }
@@ -46,12 +46,12 @@ mod tests {
     const POSE: Pose = Pose { tip: Vector::new(0.7, 0.1, -0.2), axis: Vector::new(0.6, 0.0, -0.8) };
 
     #[test]
-    fn a_part_that_lies_as_taught_is_the_same_to_the_bit() {
+    fn a_part_that_is_as_programmed_is_the_same_to_the_bit() {
         assert_eq!(Displacement::default().of(&POSE), POSE);
     }
 
     #[test]
-    fn a_quarter_turn_about_a_centre_is_known_and_goes_back() {
+    fn a_quarter_revolution_about_a_center_is_known_and_is_inverted() {
         let (shift, centre) = (Vector2::new(1e-3, -2e-3), Vector2::new(0.7, 0.0));
         let quarter = Displacement { shift, centre, angle: std::f64::consts::FRAC_PI_2 };
         let moved = quarter.of(&POSE);

@@ -4,13 +4,13 @@ use control_blocks::ParameterError;
 
 use crate::interface::Parameters;
 use crate::path::kinematics::{AXES, Joints};
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 
 /// Names of the axes and their units, as in the messages.
 const NAMES: [(&str, &str); AXES] =
     [("axis1", "rad"), ("axis2", "m"), ("axis3", "m"), ("axis4", "rad"), ("axis5", "rad"), ("axis6", "rad")];
 /// Most positions that are looked at.
-const PLACES_MAX: f64 = 2e5;
+const SAMPLES_MAX: f64 = 2e5;
 
 /// What is in the way of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,9 +54,9 @@ pub struct Obstacle {
 ///
 /// # Errors
 /// Names block, distance, axis, value and limit.
-pub fn start(p: &Parameters, path: &TaughtPath) -> Result<Joints, ParameterError> {
+pub fn start(p: &Parameters, path: &ProgrammedPath) -> Result<Joints, ParameterError> {
     walk(p, path).map_err(|Obstacle { distance, what, back }| {
-        let place = path.place(distance);
+        let location = path.locate(distance);
         let text = what.text(p);
         let (text, hint) = match what {
             Hindrance::Column => (text, "move the part"),
@@ -75,8 +75,8 @@ pub fn start(p: &Parameters, path: &TaughtPath) -> Result<Joints, ParameterError
             value: p.path.file.clone(),
             limit: format!(
                 "a path the robot can follow: block {}, {:.4} m from its start: {text}",
-                place.block + 1,
-                place.distance
+                location.block + 1,
+                location.distance
             ),
             hint,
         }
@@ -87,8 +87,8 @@ pub fn start(p: &Parameters, path: &TaughtPath) -> Result<Joints, ParameterError
 ///
 /// # Errors
 /// The first position that the robot cannot follow.
-pub fn walk(p: &Parameters, path: &TaughtPath) -> Result<Joints, Obstacle> {
-    let step = (path.speed * p.sample_period).max(path.length() / PLACES_MAX);
+pub fn walk(p: &Parameters, path: &ProgrammedPath) -> Result<Joints, Obstacle> {
+    let step = (path.speed * p.sample_period).max(path.length() / SAMPLES_MAX);
     let count = (path.length() / step).ceil() as usize;
     let mut before = upright_start(p, path, step, count);
     let mut first = None;
@@ -97,7 +97,7 @@ pub fn walk(p: &Parameters, path: &TaughtPath) -> Result<Joints, Obstacle> {
         let wrong = |back: bool| move |what: Hindrance| Obstacle { distance, what, back };
         let joints = p.arm.inverse(&path.at(distance), &before).ok_or(Hindrance::Column).map_err(wrong(false))?;
         travel(p, &joints).map_err(wrong(false))?;
-        travel(p, &p.arm.drawn_back(&joints, p.transfer.clearance)).map_err(wrong(true))?;
+        travel(p, &p.arm.retracted(&joints, p.transfer.clearance)).map_err(wrong(true))?;
         if first.is_some() {
             speed(p, &joints, &before, step / path.speed).map_err(wrong(false))?;
         }
@@ -108,7 +108,7 @@ pub fn walk(p: &Parameters, path: &TaughtPath) -> Result<Joints, Obstacle> {
 }
 
 /// Axes to compare the first position with: on an upright start the yaw is that of the first tilted place.
-fn upright_start(p: &Parameters, path: &TaughtPath, step: f64, count: usize) -> Joints {
+fn upright_start(p: &Parameters, path: &ProgrammedPath, step: f64, count: usize) -> Joints {
     let nothing = [0.0; AXES];
     let yaw = |k: usize| {
         let joints = p.arm.inverse(&path.at((k as f64 * step).min(path.length())), &nothing)?;
@@ -136,17 +136,17 @@ mod tests {
     use super::*;
     use crate::path::geometry::{Block, Pose, Vector};
 
-    fn path(places: &[([f64; 3], [f64; 3])]) -> TaughtPath {
-        let poses: Vec<Pose> = places
+    fn path(poses: &[([f64; 3], [f64; 3])]) -> ProgrammedPath {
+        let poses: Vec<Pose> = poses
             .iter()
             .map(|(tip, axis)| Pose { tip: Vector::from(*tip), axis: Vector::from(*axis).normalize() })
             .collect();
         let blocks = poses.windows(2).map(|pair| Block::line(&pair[0], &pair[1]).unwrap()).collect();
-        TaughtPath::new(blocks, 0.1, false, 4.0).unwrap()
+        ProgrammedPath::new(blocks, 0.1, false, 4.0).unwrap()
     }
 
-    fn message(places: &[([f64; 3], [f64; 3])]) -> String {
-        start(&Parameters::START, &path(places)).unwrap_err().to_string()
+    fn message(poses: &[([f64; 3], [f64; 3])]) -> String {
+        start(&Parameters::START, &path(poses)).unwrap_err().to_string()
     }
 
     const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
@@ -159,21 +159,21 @@ mod tests {
 
     #[test]
     fn an_upright_start_has_the_yaw_that_comes() {
-        let places = [([0.7, 0.0, -0.2], DOWN), ([0.7, 0.1, -0.2], [0.0, 0.3, -1.0])];
-        let joints = start(&Parameters::START, &path(&places)).unwrap();
+        let poses = [([0.7, 0.0, -0.2], DOWN), ([0.7, 0.1, -0.2], [0.0, 0.3, -1.0])];
+        let joints = start(&Parameters::START, &path(&poses)).unwrap();
         assert!((joints[3] - std::f64::consts::FRAC_PI_2).abs() < 0.01, "{joints:?}");
     }
 
     #[test]
-    fn a_tool_that_turns_about_the_vertical_near_it_is_refused() {
+    fn a_tool_that_rotates_about_the_vertical_near_it_is_rejected() {
         // tilt of 0.001, azimuth rotates by 180 degrees in 1 mm
-        let places = [([0.7, 0.0, -0.2], [0.1, 0.001, -1.0]), ([0.7, 0.1, -0.2], [-0.1, 0.001, -1.0])];
-        let message = message(&places);
+        let poses = [([0.7, 0.0, -0.2], [0.1, 0.001, -1.0]), ([0.7, 0.1, -0.2], [-0.1, 0.001, -1.0])];
+        let message = message(&poses);
         assert!(message.contains("block 1, 0.0") && message.contains("`axis4` moves at"), "{message}");
     }
 
     #[test]
-    fn a_tool_that_cannot_be_drawn_back_is_refused() {
+    fn a_tool_that_cannot_be_retracted_is_rejected() {
         let path = path(&[([0.7, 0.0, 0.79], DOWN), ([0.7, 0.1, 0.79], DOWN)]);
         let message = start(&Parameters::START, &path).unwrap_err().to_string();
         assert!(
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_the_travel_is_refused_with_the_place() {
+    fn outside_the_travel_is_rejected_with_the_position() {
         let message = message(&[([0.7, 0.0, -0.2], DOWN), ([2.2, 0.0, -0.2], DOWN)]);
         assert!(
             message.contains("block 1, 1.3")
@@ -206,9 +206,9 @@ mod tests {
                 joints[i] += out;
                 assert!(travel(&p, &joints).unwrap_err().text(&p).contains(NAMES[i].0));
             }
-            let moved = |way: f64| {
+            let moved = |fraction: f64| {
                 let mut joints = [0.0; AXES];
-                joints[i] = way * p.axis[i].velocity_max;
+                joints[i] = fraction * p.axis[i].velocity_max;
                 speed(&p, &joints, &[0.0; AXES], 1.0)
             };
             assert_eq!((moved(1.0), moved(-1.0)), (Ok(()), Ok(())));
@@ -217,14 +217,14 @@ mod tests {
     }
 
     #[test]
-    fn the_yaw_of_an_upright_start_is_that_of_the_first_place_that_is_tilted() {
-        let places = [
+    fn the_yaw_of_an_upright_start_is_that_of_the_first_position_that_is_tilted() {
+        let poses = [
             ([0.7, 0.0, -0.2], DOWN),
             ([0.7, 0.05, -0.2], DOWN),
             ([0.7, 0.1, -0.2], [0.0, 0.05, -1.0]),
             ([0.7, 0.2, -0.2], [0.05, 0.05, -1.0]),
         ];
-        let joints = start(&Parameters::START, &path(&places)).unwrap();
+        let joints = start(&Parameters::START, &path(&poses)).unwrap();
         // across the arm, which has turned by 50 mm on 700 mm
         let expected = std::f64::consts::FRAC_PI_2 - (0.05_f64 / 0.7).atan();
         assert!((joints[3] - expected).abs() < 0.01, "{joints:?}");

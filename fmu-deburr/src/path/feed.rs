@@ -4,7 +4,7 @@ use control_blocks::ramp_between;
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Feed;
-use crate::path::taught_path::TaughtPath;
+use crate::path::programmed_path::ProgrammedPath;
 
 /// Most samples of the moving average.
 pub const SMOOTHING_MAX: usize = 32;
@@ -45,12 +45,12 @@ impl FeedPlanner {
     };
 
     /// This sample's point, during the motion to the speed `target` (m/s); `dt` is the sample period, s.
-    pub fn step(&mut self, limits: &Feed, path: &TaughtPath, target: f64, dt: f64) -> Point {
+    pub fn step(&mut self, limits: &Feed, path: &ProgrammedPath, target: f64, dt: f64) -> Point {
         let speed = self.plan(limits.acceleration, path, if self.waits { 0.0 } else { target }, dt);
         let point = Point { distance: self.distance, speed: self.average(speed, limits.smoothing as usize) };
         self.distance += point.speed * dt;
-        let behind = self.planned.distance - self.distance;
-        if behind.abs() < ROUNDING {
+        let lag = self.planned.distance - self.distance;
+        if lag.abs() < ROUNDING {
             self.distance = self.planned.distance;
             self.waits = false;
         }
@@ -58,7 +58,7 @@ impl FeedPlanner {
     }
 
     /// Speed before smoothing (m/s) of this sample; moves the planned point.
-    fn plan(&mut self, acceleration: f64, path: &TaughtPath, target: f64, dt: f64) -> f64 {
+    fn plan(&mut self, acceleration: f64, path: &ProgrammedPath, target: f64, dt: f64) -> f64 {
         let stop = path.next_stop(self.planned.distance);
         let speed = limited(self.planned.speed, target, stop - self.planned.distance, acceleration, dt);
         let distance = self.planned.distance + speed * dt;
@@ -80,9 +80,9 @@ impl FeedPlanner {
 fn limited(speed: f64, target: f64, remaining: f64, acceleration: f64, dt: f64) -> f64 {
     let change = acceleration * dt;
     // what remains, in the way of one sample at one change of speed: n (n + 1) / 2 for the speeds n, n - 1, ..., 1
-    let way = remaining / (change * dt);
-    let n = ((0.5 * (1.0 + 8.0 * way).sqrt()) - 0.5).floor();
-    let curve = change * (0.5 * n + way / (n + 1.0));
+    let distance = remaining / (change * dt);
+    let n = ((0.5 * (1.0 + 8.0 * distance).sqrt()) - 0.5).floor();
+    let curve = change * (0.5 * n + distance / (n + 1.0));
     ramp_between(speed, target, change, change).min(curve).max(0.0)
 }
 
@@ -93,21 +93,21 @@ mod tests {
 
     const DT: f64 = 0.01;
 
-    fn path(lengths: &[f64]) -> TaughtPath {
+    fn path(lengths: &[f64]) -> ProgrammedPath {
         let pose = |x: f64, y: f64| Pose { tip: Vector::new(x, y, 0.0), axis: Vector::new(0.0, 0.0, -1.0) };
         let mut blocks = Vec::new();
         let mut from = pose(0.5, 0.0);
         // corners of 90 degrees
         for (i, length) in lengths.iter().enumerate() {
-            let way = if i % 2 == 0 { Vector::x() } else { Vector::y() };
-            let to = Pose { tip: from.tip + way * *length, ..from };
+            let distance = if i % 2 == 0 { Vector::x() } else { Vector::y() };
+            let to = Pose { tip: from.tip + distance * *length, ..from };
             blocks.push(Block::line(&from, &to).unwrap());
             from = to;
         }
-        TaughtPath::new(blocks, 0.1, false, 0.1).unwrap()
+        ProgrammedPath::new(blocks, 0.1, false, 0.1).unwrap()
     }
 
-    fn run(path: &TaughtPath, limits: &Feed, target: impl Fn(usize) -> f64) -> Vec<Point> {
+    fn run(path: &ProgrammedPath, limits: &Feed, target: impl Fn(usize) -> f64) -> Vec<Point> {
         let mut feed = FeedPlanner::START;
         let mut points = Vec::new();
         while points.last().is_none_or(|point: &Point| point.distance < path.length()) && points.len() < 100_000 {
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn stands_at_corners_and_the_smoothed_feed_stands_there_too() {
+    fn the_feed_and_the_smoothed_feed_rest_at_corners() {
         for smoothing in [1, 12] {
             let limits = Feed { smoothing, ..Feed::START };
             let path = path(&[0.1, 0.05, 0.07]);

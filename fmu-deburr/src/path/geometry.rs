@@ -47,7 +47,7 @@ pub struct Block {
     pub length: f64,
     axes: [Vector; 2],
     /// programmed positions: both ends, and the third one of an arc
-    taught: [Vector; 3],
+    programmed: [Vector; 3],
 }
 
 impl Block {
@@ -56,12 +56,12 @@ impl Block {
     /// # Errors
     /// Message for the user.
     pub fn line(from: &Pose, to: &Pose) -> Result<Self, String> {
-        let way = to.tip - from.tip;
-        let length = way.norm();
+        let chord = to.tip - from.tip;
+        let length = chord.norm();
         if length < LENGTH_MIN {
             return Err(format!("line: length is `{length} m`, must be at least `{LENGTH_MIN} m`"));
         }
-        Self::new(Curve::Line { from: from.tip, direction: way / length }, length, from, to.tip, to)
+        Self::new(Curve::Line { from: from.tip, direction: chord / length }, length, from, to.tip, to)
     }
 
     /// Arc through the position `via`.
@@ -96,7 +96,7 @@ impl Block {
         Self::arc(from, centre, normal.normalize(), centre, to)
     }
 
-    fn arc(from: &Pose, centre: Vector, normal: Vector, taught: Vector, to: &Pose) -> Result<Self, String> {
+    fn arc(from: &Pose, centre: Vector, normal: Vector, programmed: Vector, to: &Pose) -> Result<Self, String> {
         let (a, b) = (from.tip - centre, to.tip - centre);
         let radius = a.norm();
         let u = a / radius;
@@ -106,14 +106,14 @@ impl Block {
         if length < LENGTH_MIN {
             return Err(format!("arc: length is `{length} m`, must be at least `{LENGTH_MIN} m`"));
         }
-        Self::new(Curve::Arc { centre, radius, u, v }, length, from, taught, to)
+        Self::new(Curve::Arc { centre, radius, u, v }, length, from, programmed, to)
     }
 
     fn new(curve: Curve, length: f64, from: &Pose, third: Vector, to: &Pose) -> Result<Self, String> {
         if from.axis.dot(&to.axis) < -1.0 + PARALLEL {
             return Err("`axis` rotates by 180 degrees, the direction is not defined, must be less".to_owned());
         }
-        Ok(Self { curve, length, axes: [from.axis, to.axis], taught: [from.tip, third, to.tip] })
+        Ok(Self { curve, length, axes: [from.axis, to.axis], programmed: [from.tip, third, to.tip] })
     }
 
     /// Pose at the distance `s` (m) from the beginning of the block.
@@ -146,18 +146,18 @@ impl Block {
             Curve::Arc { .. } => 2.0,
         };
         print.add(kind);
-        self.taught.iter().chain(&self.axes).flatten().for_each(|value| print.add(*value));
+        self.programmed.iter().chain(&self.axes).flatten().for_each(|value| print.add(*value));
     }
 
     /// Tool direction: both ends joined on a great circle.
-    fn axis(&self, share: f64) -> Vector {
+    fn axis(&self, fraction: f64) -> Vector {
         let [from, to] = self.axes;
         let (sin, cos) = (from.cross(&to).norm(), from.dot(&to));
         if sin < PARALLEL {
             return from;
         }
         let angle = sin.atan2(cos);
-        (from * ((1.0 - share) * angle).sin() + to * (share * angle).sin()) / sin
+        (from * ((1.0 - fraction) * angle).sin() + to * (fraction * angle).sin()) / sin
     }
 }
 
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_the_shortest_way() {
+    fn a_line_is_the_shortest_path() {
         let block = Block::line(&pose(1.0, 0.0, 0.0), &pose(1.0, 0.3, 0.4)).unwrap();
         assert!((block.length - 0.5).abs() < 1e-15);
         assert!(close(block.at(0.25).tip, Vector::new(1.0, 0.15, 0.2)));
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_by_centre_goes_the_short_way() {
+    fn an_arc_by_center_takes_the_short_side() {
         let block = Block::arc_about(&pose(1.0, 0.0, 0.0), Vector::zeros(), &pose(0.0, -1.0, 0.0)).unwrap();
         assert!((block.length - 0.5 * PI).abs() < 1e-12);
         let middle = block.at(0.25 * PI).tip;
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_by_via_goes_through_it_also_the_long_way() {
+    fn an_arc_by_via_passes_through_it_also_on_the_long_side() {
         let (from, to) = (pose(1.0, 0.0, 0.2), pose(0.0, -1.0, 0.2));
         let via = Vector::new(-FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.2);
         let block = Block::arc_via(&from, via, &to).unwrap();
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_are_taken_and_refused_at_their_limits() {
+    fn shapes_are_taken_and_rejected_at_their_limits() {
         let here = pose(1.0, 0.0, 0.0);
         let line = |length: f64| Block::line(&here, &pose(1.0, length, 0.0));
         assert!(line(1.0001e-4).is_ok() && line(0.9999e-4).is_err());
@@ -258,19 +258,19 @@ mod tests {
     fn the_tangent_is_the_derivative_and_the_tool_turns_evenly() {
         let tilted = Pose { axis: Vector::new(0.6, 0.0, -0.8), ..pose(0.0, 1.0, 0.5) };
         let block = Block::arc_via(&pose(1.0, 0.0, 0.0), Vector::new(0.8, 0.6, 0.3), &tilted).unwrap();
-        let turn = (0.8_f64).acos();
+        let angle = (0.8_f64).acos();
         for k in 1..20 {
             let (s, h) = (0.05 * f64::from(k) * block.length, 1e-6);
             let difference = (block.at(s + h).tip - block.at(s - h).tip) / (2.0 * h);
             assert!((difference - block.tangent(s)).norm() < 1e-8);
             let axis = block.at(s).axis;
             assert!((axis.norm() - 1.0).abs() < 1e-12);
-            assert!((axis.dot(&DOWN).acos() - turn * s / block.length).abs() < 1e-9);
+            assert!((axis.dot(&DOWN).acos() - angle * s / block.length).abs() < 1e-9);
         }
     }
 
     #[test]
-    fn what_has_no_shape_is_refused_with_numbers() {
+    fn what_has_no_shape_is_rejected_with_numbers() {
         let here = pose(1.0, 0.0, 0.0);
         let there = pose(-1.0, 0.0, 0.0);
         let up = Pose { axis: -DOWN, ..there };

@@ -39,10 +39,10 @@ impl Arm {
         Pose { tip: wrist + axis * self.tool_offset, axis }
     }
 
-    /// Axes that hold the tool `way` (m) farther back along itself; where they are when it cannot go there.
-    pub fn drawn_back(&self, joints: &Joints, way: f64) -> Joints {
+    /// Axes that hold the tool `distance` (m) farther back along itself; where they are when it cannot go there.
+    pub fn retracted(&self, joints: &Joints, distance: f64) -> Joints {
         let Pose { tip, axis } = self.forward(joints);
-        self.inverse(&Pose { tip: tip - axis * way, axis }, joints).unwrap_or(*joints)
+        self.inverse(&Pose { tip: tip - axis * distance, axis }, joints).unwrap_or(*joints)
     }
 
     /// How far the tip moves for a unit motion of each axis, at most: m/rad or 1.
@@ -63,8 +63,8 @@ fn wrist_angles(radial: f64, tangential: f64, vertical: f64, before: f64) -> [f6
     }
     let azimuth = tangential.atan2(radial);
     let yaw = near(azimuth, before, PI);
-    let turned = ((yaw - azimuth) / PI).round().rem_euclid(2.0) == 1.0;
-    let sign = if turned { 1.0 } else { -1.0 };
+    let flipped = ((yaw - azimuth) / PI).round().rem_euclid(2.0) == 1.0;
+    let sign = if flipped { 1.0 } else { -1.0 };
     [yaw, sign * tilt.atan2(-vertical)]
 }
 
@@ -96,9 +96,9 @@ mod tests {
     }
 
     #[test]
-    fn a_tool_is_drawn_back_along_itself() {
+    fn a_tool_is_retracted_along_itself() {
         let joints = [0.7, 0.1, 0.5, 0.4, -0.3, 0.0];
-        let (before, after) = (ARM.forward(&joints), ARM.forward(&ARM.drawn_back(&joints, 0.02)));
+        let (before, after) = (ARM.forward(&joints), ARM.forward(&ARM.retracted(&joints, 0.02)));
         assert!(
             (after.tip - (before.tip - before.axis * 0.02)).norm() < 1e-12 && (after.axis - before.axis).norm() < 1e-12
         );
@@ -112,29 +112,29 @@ mod tests {
         for i in 0..3 {
             let mut moved = joints;
             moved[i] += 1e-6;
-            let way = (ARM.forward(&moved).tip - ARM.forward(&joints).tip).norm();
-            assert!((way - 1e-6 * levers[i]).abs() < 1e-11, "axis {}: {way}", i + 1);
+            let distance = (ARM.forward(&moved).tip - ARM.forward(&joints).tip).norm();
+            assert!((distance - 1e-6 * levers[i]).abs() < 1e-11, "axis {}: {distance}", i + 1);
         }
     }
 
     #[test]
-    fn many_turns_stay_continuous() {
+    fn many_revolutions_stay_continuous() {
         let mut joints = [0.0, 0.0, 0.5, 0.0, -0.3, 0.0];
         for k in 0..2000 {
-            let wanted = [0.01 * f64::from(k), 0.0, 0.5, -0.02 * f64::from(k), -0.3, 0.0];
-            joints = ARM.inverse(&ARM.forward(&wanted), &joints).unwrap();
-            assert!((joints[0] - wanted[0]).abs() < 1e-9 && (joints[3] - wanted[3]).abs() < 1e-9);
+            let target = [0.01 * f64::from(k), 0.0, 0.5, -0.02 * f64::from(k), -0.3, 0.0];
+            joints = ARM.inverse(&ARM.forward(&target), &joints).unwrap();
+            assert!((joints[0] - target[0]).abs() < 1e-9 && (joints[3] - target[3]).abs() < 1e-9);
         }
     }
 
     #[test]
-    fn a_tool_that_swings_through_the_vertical_keeps_its_yaw() {
+    fn a_tool_that_passes_through_the_vertical_keeps_its_yaw() {
         let mut joints = [0.3, 0.0, 0.5, 0.7, -0.2, 0.0];
         for k in 0..=400 {
-            let wanted = [0.3, 0.0, 0.5, 0.7, -0.2 + 0.001 * f64::from(k), 0.0];
-            joints = ARM.inverse(&ARM.forward(&wanted), &joints).unwrap();
+            let target = [0.3, 0.0, 0.5, 0.7, -0.2 + 0.001 * f64::from(k), 0.0];
+            joints = ARM.inverse(&ARM.forward(&target), &joints).unwrap();
             assert!((joints[3] - 0.7).abs() < 1e-9, "{joints:?}");
-            assert!((joints[4] - wanted[4]).abs() < 1e-9, "{joints:?}");
+            assert!((joints[4] - target[4]).abs() < 1e-9, "{joints:?}");
         }
     }
 

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::interface::Parameters;
 use crate::path::geometry::{Block, Pose, Vector};
-use crate::path::taught_path::{CORNER, TaughtPath};
+use crate::path::programmed_path::{CORNER, ProgrammedPath};
 use crate::path::touch::Touch;
 use crate::registration::fit::{TOUCHES_MIN, geometry};
 
@@ -16,7 +16,7 @@ const BLOCKS_MAX: usize = 10_000;
 /// Programmed speeds, m/s.
 const SPEEDS: (f64, f64) = (1e-3, 2.0);
 /// No place is farther from the base, m.
-const PLACE_MAX: f64 = 100.0;
+const COORDINATE_MAX: f64 = 100.0;
 /// Most touches of a part.
 const TOUCHES_MAX: usize = 100;
 /// Ways of an approach, m.
@@ -34,7 +34,7 @@ struct File {
     speed_m_s: f64,
     #[serde(default)]
     cyclic: bool,
-    start: TeachingPoint,
+    start: ProgrammedPoint,
     blocks: Vec<Step>,
     #[serde(default)]
     touches: Vec<TouchPoint>,
@@ -53,7 +53,7 @@ struct TouchPoint {
 /// A path point; without `axis` the tool keeps its direction.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct TeachingPoint {
+struct ProgrammedPoint {
     tip_m: [f64; 3],
     axis: Option<[f64; 3]>,
 }
@@ -61,8 +61,8 @@ struct TeachingPoint {
 #[derive(Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
 enum Step {
-    Line { to: TeachingPoint },
-    Arc { to: TeachingPoint, via_m: Option<[f64; 3]>, centre_m: Option<[f64; 3]> },
+    Line { to: ProgrammedPoint },
+    Arc { to: ProgrammedPoint, via_m: Option<[f64; 3]>, centre_m: Option<[f64; 3]> },
 }
 
 /// The path without a file: importers need not provide the folder of the resources.
@@ -72,7 +72,7 @@ const TEST_PIECE: &[u8] = include_bytes!("../../resources/path.json");
 ///
 /// # Errors
 /// Names the file, the block, the field, its value and the limit.
-pub fn read(p: &Parameters, resources: Option<&std::path::Path>) -> Result<TaughtPath, ParameterError> {
+pub fn read(p: &Parameters, resources: Option<&std::path::Path>) -> Result<ProgrammedPath, ParameterError> {
     let parameter = FileParameter {
         name: "path.file",
         file: &p.path.file,
@@ -85,7 +85,7 @@ pub fn read(p: &Parameters, resources: Option<&std::path::Path>) -> Result<Taugh
     path.map_err(|what| parameter.wrong(format!("a path: {what}")))
 }
 
-fn parse(p: &Parameters, bytes: &[u8]) -> Result<TaughtPath, String> {
+fn parse(p: &Parameters, bytes: &[u8]) -> Result<ProgrammedPath, String> {
     let file: File = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
     let count = file.blocks.len();
     require_or(count > 0 && count <= BLOCKS_MAX, || {
@@ -104,7 +104,7 @@ fn parse(p: &Parameters, bytes: &[u8]) -> Result<TaughtPath, String> {
         blocks.push(block);
         from = to;
     }
-    let mut path = TaughtPath::new(blocks, speed, file.cyclic, CORNER)?;
+    let mut path = ProgrammedPath::new(blocks, speed, file.cyclic, CORNER)?;
     path.touches = touches(&file.touches, upright)?;
     Ok(path)
 }
@@ -119,11 +119,11 @@ fn touches(points: &[TouchPoint], upright: Vector) -> Result<Vec<Touch>, String>
     })?;
     let read = |(i, point)| touch(point, upright).map_err(|what| format!("touch {}: {what}", i + 1));
     let touches = points.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
-    let sure = geometry(&touches).map(|deviations| 1e-3 * deviations[2]);
-    require_or(sure.is_some_and(|sure| sure <= ANGLE_MAX), || {
-        let sure = sure.map_or("no angle".to_owned(), |sure| format!("the angle to `{sure:.3} rad`"));
+    let std = geometry(&touches).map(|deviations| 1e-3 * deviations[2]);
+    require_or(std.is_some_and(|std| std <= ANGLE_MAX), || {
+        let std = std.map_or("no angle".to_owned(), |std| format!("the angle to `{std:.3} rad`"));
         format!(
-            "`touches` with errors of 1 mm determine {sure}, limit `{ANGLE_MAX} rad`: they must be far apart, on faces in two directions"
+            "`touches` with errors of 1 mm determine {std}, limit `{ANGLE_MAX} rad`: they must be far apart, on faces in two directions"
         )
     })?;
     Ok(touches)
@@ -131,8 +131,8 @@ fn touches(points: &[TouchPoint], upright: Vector) -> Result<Vec<Touch>, String>
 
 fn touch(point: &TouchPoint, upright: Vector) -> Result<Touch, String> {
     let TouchPoint { tip_m, axis, normal, approach_m } = point;
-    let pose = pose(&TeachingPoint { tip_m: *tip_m, axis: *axis }, upright)?;
-    let normal = place("normal", normal)?;
+    let pose = pose(&ProgrammedPoint { tip_m: *tip_m, axis: *axis }, upright)?;
+    let normal = vector("normal", normal)?;
     require_or(normal.norm() > 1e-6, || format!("`normal` has the length `{}`, limit `0.000001`", normal.norm()))?;
     let normal = normal.normalize();
     require_or(normal.z.abs() <= LEVEL, || {
@@ -151,31 +151,31 @@ fn block(step: &Step, from: &Pose) -> Result<(Block, Pose), String> {
     };
     let block = match step {
         Step::Line { .. } => Block::line(from, &to)?,
-        Step::Arc { via_m: Some(via), centre_m: None, .. } => Block::arc_via(from, place("via_m", via)?, &to)?,
+        Step::Arc { via_m: Some(via), centre_m: None, .. } => Block::arc_via(from, vector("via_m", via)?, &to)?,
         Step::Arc { via_m: None, centre_m: Some(centre), .. } => {
-            Block::arc_about(from, place("centre_m", centre)?, &to)?
+            Block::arc_about(from, vector("centre_m", centre)?, &to)?
         }
         Step::Arc { .. } => return Err("arc: it has both or none of `via_m` and `centre_m`, must have one".to_owned()),
     };
     Ok((block, to))
 }
 
-fn pose(corner: &TeachingPoint, before: Vector) -> Result<Pose, String> {
+fn pose(corner: &ProgrammedPoint, before: Vector) -> Result<Pose, String> {
     let axis = match &corner.axis {
         Some(axis) => {
-            let axis = place("axis", axis)?;
+            let axis = vector("axis", axis)?;
             require_or(axis.norm() > 1e-6, || format!("`axis` has the length `{}`, limit `0.000001`", axis.norm()))?;
             axis.normalize()
         }
         None => before,
     };
-    Ok(Pose { tip: place("tip_m", &corner.tip_m)?, axis })
+    Ok(Pose { tip: vector("tip_m", &corner.tip_m)?, axis })
 }
 
-fn place(field: &str, values: &[f64; 3]) -> Result<Vector, String> {
+fn vector(field: &str, values: &[f64; 3]) -> Result<Vector, String> {
     for value in values {
-        require_or(value.abs() <= PLACE_MAX, || {
-            format!("`{field}` has the entry `{value}`, limits `-{PLACE_MAX}` to `{PLACE_MAX}`")
+        require_or(value.abs() <= COORDINATE_MAX, || {
+            format!("`{field}` has the entry `{value}`, limits `-{COORDINATE_MAX}` to `{COORDINATE_MAX}`")
         })?;
     }
     Ok(Vector::from(*values))
@@ -195,10 +195,10 @@ mod tests {
         p
     }
 
-    fn read_text(text: &str) -> Result<TaughtPath, String> {
-        let place = tempfile::tempdir().unwrap();
-        std::fs::write(place.path().join("path.json"), text).unwrap();
-        read(&named("path.json"), Some(place.path())).map_err(|error| error.to_string())
+    fn read_text(text: &str) -> Result<ProgrammedPath, String> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("path.json"), text).unwrap();
+        read(&named("path.json"), Some(folder.path())).map_err(|error| error.to_string())
     }
 
     /// A path with these blocks.
@@ -218,13 +218,13 @@ mod tests {
     }
 
     #[test]
-    fn the_parameter_overrides_the_taught_speed() {
-        let place = tempfile::tempdir().unwrap();
-        std::fs::write(place.path().join("path.json"), file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#))
+    fn the_parameter_overrides_the_programmed_speed() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("path.json"), file(r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#))
             .unwrap();
         let mut p = named("path.json");
         p.path.programmed_speed = 0.06;
-        assert_eq!(read(&p, Some(place.path())).unwrap().speed, 0.06);
+        assert_eq!(read(&p, Some(folder.path())).unwrap().speed, 0.06);
     }
 
     #[test]
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn every_malformed_path_is_refused_with_block_field_value_and_limit() {
+    fn every_malformed_path_is_rejected_with_block_field_value_and_limit() {
         let line = |to: &str| file(&format!(r#"{{"type": "line", "to": {to}}}"#));
         let arc = |how: &str| file(&format!(r#"{{"type": "arc", {how} "to": {{"tip_m": [0.8, 0, -0.2]}}}}"#));
         let good = r#"{"type": "line", "to": {"tip_m": [0.8, 0, -0.2]}}"#;
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn every_malformed_touch_is_refused_with_its_number_field_value_and_limit() {
+    fn every_malformed_touch_is_rejected_with_its_number_field_value_and_limit() {
         let good = touch(0.7, "[0, 1, 0]", 5e-3);
         let with = |last: &str| touched(&[&good, &touch(0.8, "[0, 1, 0]", 5e-3), &good, last].join(", "));
         let cases = [

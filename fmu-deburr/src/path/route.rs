@@ -23,8 +23,8 @@ pub struct Route {
 
 impl Route {
     /// At rest at a position.
-    pub fn at(place: &Joints) -> Self {
-        let there = TransferMotion::at(place);
+    pub fn at(position: &Joints) -> Self {
+        let there = TransferMotion::at(position);
         Self { legs: [there.clone(), there.clone(), there], count: 1, leg: 0, inside: [false; LEGS] }
     }
 
@@ -38,15 +38,15 @@ impl Route {
 
     /// Back along the tool out of the part.
     pub fn out(p: &Parameters, from: &Joints) -> Self {
-        Self::straight(p, from, &p.arm.drawn_back(from, p.transfer.clearance), true)
+        Self::straight(p, from, &p.arm.retracted(from, p.transfer.clearance), true)
     }
 
     /// To the start `to` of the path; first out of the part when the tool is `inside`.
     pub fn around(p: &Parameters, from: &Joints, to: &Joints, inside: bool) -> Self {
         let mut route = Self::at(from);
         route.count = 0;
-        let above = p.arm.drawn_back(to, p.transfer.clearance);
-        let begin = if inside { p.arm.drawn_back(from, p.transfer.clearance) } else { *from };
+        let above = p.arm.retracted(to, p.transfer.clearance);
+        let begin = if inside { p.arm.retracted(from, p.transfer.clearance) } else { *from };
         if inside {
             route.add(p, *from, &begin, true);
         }
@@ -79,8 +79,8 @@ impl Route {
     }
 
     /// Whether the motion is held and at rest.
-    pub fn stands(&self) -> bool {
-        self.legs[self.leg].over() || self.legs[self.leg].stands()
+    pub fn stopped(&self) -> bool {
+        self.legs[self.leg].over() || self.legs[self.leg].stopped()
     }
 
     /// Time of all its legs, s.
@@ -101,27 +101,27 @@ mod tests {
     const END: Joints = [0.3, 0.0, 0.7, 0.0, 0.0, 0.0];
     const START: Joints = [-0.1, 0.0, 0.66, 0.0, 0.0, 0.0];
 
-    fn places(mut route: Route) -> Vec<(Joints, bool)> {
-        let mut places = Vec::new();
+    fn positions(mut route: Route) -> Vec<(Joints, bool)> {
+        let mut positions = Vec::new();
         while !route.over() {
-            let place = route.step(0.01, false);
-            places.push((place, route.inside()));
+            let position = route.step(0.01, false);
+            positions.push((position, route.inside()));
         }
-        places
+        positions
     }
 
     #[test]
-    fn out_of_the_part_the_tool_goes_back_across_and_in() {
+    fn out_of_the_part_the_tool_retracts_crosses_and_enters() {
         let p = Parameters::START;
-        let places = places(Route::around(&p, &END, &START, true));
-        for (place, inside) in &places {
+        let positions = positions(Route::around(&p, &END, &START, true));
+        for (position, inside) in &positions {
             // aside only above
-            assert!(*inside || (place[1] - 0.02).abs() < 1e-12, "{place:?}");
-            let aside = (place[0] - END[0]).abs() > 1e-12 && (place[0] - START[0]).abs() > 1e-12;
-            assert!(!(aside && *inside), "{place:?}");
+            assert!(*inside || (position[1] - 0.02).abs() < 1e-12, "{position:?}");
+            let aside = (position[0] - END[0]).abs() > 1e-12 && (position[0] - START[0]).abs() > 1e-12;
+            assert!(!(aside && *inside), "{position:?}");
         }
-        assert_eq!(places.last().map(|place| place.0), Some(START));
-        assert!(places.iter().any(|place| !place.1));
+        assert_eq!(positions.last().map(|position| position.0), Some(START));
+        assert!(positions.iter().any(|position| !position.1));
     }
 
     #[test]
@@ -130,35 +130,35 @@ mod tests {
         let mut above = START;
         above[1] = 0.0202;
         let mut straight = TransferMotion::new(&p, &above, &START);
-        for (place, _) in places(Route::around(&p, &above, &START, false)) {
-            assert_eq!(place, straight.step(0.01, false));
+        for (position, _) in positions(Route::around(&p, &above, &START, false)) {
+            assert_eq!(position, straight.step(0.01, false));
         }
     }
 
     #[test]
-    fn an_axis_within_a_thousandth_of_its_place_above_is_there() {
+    fn an_axis_within_a_thousandth_of_its_position_above_is_there() {
         let p = Parameters::START;
-        let above = p.arm.drawn_back(&START, p.transfer.clearance);
-        for (way, legs) in [(1e-3, 1), (-1e-3, 1), (1.001e-3, 2), (-1.001e-3, 2)] {
+        let above = p.arm.retracted(&START, p.transfer.clearance);
+        for (offset, legs) in [(1e-3, 1), (-1e-3, 1), (1.001e-3, 2), (-1.001e-3, 2)] {
             let mut begin = above;
-            begin[5] += way;
-            assert_eq!(Route::around(&p, &begin, &START, false).count, legs, "{way}");
+            begin[5] += offset;
+            assert_eq!(Route::around(&p, &begin, &START, false).count, legs, "{offset}");
             begin = above;
-            begin[0] += 1.01 * way;
+            begin[0] += 1.01 * offset;
             assert_eq!(Route::around(&p, &begin, &START, false).count, 2);
         }
     }
 
     #[test]
-    fn a_held_route_stands_within_a_leg_and_between_two() {
+    fn a_held_route_rests_within_a_leg_and_between_two() {
         let p = Parameters::START;
         for begin in [60, 151, 200] {
             let mut route = Route::around(&p, &END, &START, true);
             (0..begin).for_each(|_| assert!(!route.over() && route.step(0.01, false).len() == AXES));
             (0..40).for_each(|_| assert!(route.step(0.01, true).len() == AXES));
-            let place = route.step(0.01, true);
-            assert!(route.stands() && place == route.step(0.01, true));
-            assert_eq!(places(route).last().map(|place| place.0), Some(START));
+            let position = route.step(0.01, true);
+            assert!(route.stopped() && position == route.step(0.01, true));
+            assert_eq!(positions(route).last().map(|position| position.0), Some(START));
         }
     }
 }

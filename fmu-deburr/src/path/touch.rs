@@ -18,12 +18,12 @@ pub struct Touch {
 
 impl Touch {
     /// Pose at a distance (m) from the start of the approach towards the part; the programmed position is in the middle.
-    pub fn at(&self, way: f64) -> Pose {
-        Pose { tip: self.pose.tip + self.normal * (self.approach - way), ..self.pose }
+    pub fn at(&self, distance: f64) -> Pose {
+        Pose { tip: self.pose.tip + self.normal * (self.approach - distance), ..self.pose }
     }
 
     /// Way (m) at which a tip is.
-    pub fn way(&self, tip: &Vector) -> f64 {
+    pub fn distance(&self, tip: &Vector) -> f64 {
         self.approach - (tip - self.pose.tip).dot(&self.normal)
     }
 
@@ -44,14 +44,14 @@ pub mod tests {
     }
 
     #[test]
-    fn the_way_goes_from_outside_through_the_taught_place() {
+    fn the_approach_goes_from_outside_through_the_programmed_position() {
         let touch = touch(0.7, 0.1, 0.3);
-        for (way, out) in [(0.0, 5e-3), (5e-3, 0.0), (9e-3, -4e-3)] {
-            let pose = touch.at(way);
+        for (distance, out) in [(0.0, 5e-3), (5e-3, 0.0), (9e-3, -4e-3)] {
+            let pose = touch.at(distance);
             assert!((pose.tip - touch.pose.tip - touch.normal * out).norm() < 1e-15 && pose.axis == touch.pose.axis);
             // across the normal the distance is the same
             let aside = pose.tip + Vector::new(-touch.normal.y, touch.normal.x, 1.0);
-            assert!((touch.way(&aside) - way).abs() < 1e-12);
+            assert!((touch.distance(&aside) - distance).abs() < 1e-12);
         }
     }
 }

@@ -25,8 +25,8 @@ pub struct TransferMotion {
 
 impl TransferMotion {
     /// At rest at a position.
-    pub fn at(place: &Joints) -> Self {
-        Self { from: *place, to: *place, duration: 0.0, time: 0.0, rate: 1.0 }
+    pub fn at(position: &Joints) -> Self {
+        Self { from: *position, to: *position, duration: 0.0, time: 0.0, rate: 1.0 }
     }
 
     /// From rest at one position to rest at another.
@@ -44,7 +44,7 @@ impl TransferMotion {
         let change = dt / HOLD_TIME;
         self.rate = (self.rate + if hold { -change } else { change }).clamp(0.0, 1.0);
         self.time += self.rate * dt;
-        self.place()
+        self.position()
     }
 
     /// Time of the motion, s.
@@ -58,16 +58,16 @@ impl TransferMotion {
     }
 
     /// Whether the motion is held and at rest.
-    pub fn stands(&self) -> bool {
+    pub fn stopped(&self) -> bool {
         self.rate == 0.0
     }
 
-    fn place(&self) -> Joints {
+    fn position(&self) -> Joints {
         if self.over() {
             return self.to;
         }
-        let share = minimum_jerk(self.time / self.duration);
-        std::array::from_fn(|i| self.from[i] + (self.to[i] - self.from[i]) * share)
+        let fraction = minimum_jerk(self.time / self.duration);
+        std::array::from_fn(|i| self.from[i] + (self.to[i] - self.from[i]) * fraction)
     }
 }
 
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_held_motion_stands_and_goes_on_without_a_jump() {
+    fn a_held_motion_rests_and_goes_on_without_a_jump() {
         let p = Parameters::START;
         let mut transfer = TransferMotion::new(&p, &FROM, &TO);
         let (mut before, mut last_change) = (FROM[0], 0.0);
@@ -103,14 +103,14 @@ mod tests {
             let now = transfer.step(DT, (60..200).contains(&k))[0];
             let change = now - before;
             assert!((change - last_change).abs() < 1e-3, "{k}");
-            assert!(!(100..200).contains(&k) || (transfer.stands() && change == 0.0));
+            assert!(!(100..200).contains(&k) || (transfer.stopped() && change == 0.0));
             (before, last_change) = (now, change);
         }
         assert!(transfer.over());
     }
 
     #[test]
-    fn a_motion_to_the_same_place_takes_its_time_too() {
+    fn a_motion_to_the_same_position_takes_its_time_too() {
         let p = Parameters::START;
         let mut transfer = TransferMotion::new(&p, &FROM, &FROM);
         assert!(!transfer.over());
@@ -125,12 +125,12 @@ mod tests {
         for _ in 0..60 {
             transfer.step(DT, false);
         }
-        let stood = (1..100).find(|_| {
+        let rest = (1..100).find(|_| {
             transfer.step(DT, true);
-            transfer.stands()
+            transfer.stopped()
         });
         // the rate does not come to zero by its last bit
-        assert!(matches!(stood, Some(30 | 31)), "{stood:?}");
+        assert!(matches!(rest, Some(30 | 31)), "{rest:?}");
         let time = transfer.time;
         for _ in 0..30 {
             transfer.step(DT, false);

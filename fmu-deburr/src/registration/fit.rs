@@ -14,7 +14,7 @@ use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::path::displacement::{Displacement, turn};
+use crate::path::displacement::{Displacement, rotated};
 use crate::path::touch::Touch;
 
 /// Fewest touches: three unknowns, and one that tests them.
@@ -24,7 +24,7 @@ pub const TOUCHES_MIN: usize = 4;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Touched {
     /// Place.
-    pub place: Vector2<f64>,
+    pub position: Vector2<f64>,
     /// Standard deviation along the normal.
     pub deviation: f64,
 }
@@ -46,13 +46,13 @@ pub fn centre(touches: &[Touch]) -> Vector2<f64> {
 }
 
 /// Distance from the programmed face, m, and its derivatives by x, y and the angle.
-fn distance(touch: &Touch, place: Vector2<f64>, lies: &Displacement) -> (f64, Vector3<f64>) {
+fn distance(touch: &Touch, position: Vector2<f64>, offset: &Displacement) -> (f64, Vector3<f64>) {
     let (point, normal) = touch.level();
     // d/d angle of R' v is R' v turned back by a quarter
-    let arm = lies.back(place) - lies.centre;
-    let across = turn(lies.angle, normal);
+    let arm = offset.back(position) - offset.centre;
+    let across = rotated(offset.angle, normal);
     (
-        normal.dot(&(lies.back(place) - point)),
+        normal.dot(&(offset.back(position) - point)),
         Vector3::new(-across.x, -across.y, normal.dot(&Vector2::new(arm.y, -arm.x))),
     )
 }
@@ -65,17 +65,17 @@ pub fn fit(touches: &[Touch], touched: &[Touched]) -> Result<Fit, NoEstimate> {
     let centre = centre(touches);
     let displacement = |value: &Vector3<f64>| Displacement { shift: value.xy(), angle: value.z, centre };
     let observe = |i: usize, value: &Vector3<f64>| {
-        let (residual, gradient) = distance(&touches[i], touched[i].place, &displacement(value));
+        let (residual, gradient) = distance(&touches[i], touched[i].position, &displacement(value));
         let weight = touched[i].deviation.recip();
         Observation { residual: residual * weight, gradient: gradient * weight }
     };
     let count = touches.len().min(touched.len());
     let found = least_squares(Vector3::zeros(), count, observe)?;
-    let lies = displacement(&found.value);
-    let left = |i: usize| distance(&touches[i], touched[i].place, &lies).0;
+    let offset = displacement(&found.value);
+    let left = |i: usize| distance(&touches[i], touched[i].position, &offset).0;
     let farther = |worst: (usize, f64), i: usize| if left(i).abs() > worst.1.abs() { (i, left(i)) } else { worst };
     let worst = (0..count).fold((0, 0.0), farther);
-    Ok(Fit { displacement: lies, deviations: std::array::from_fn(|i| found.sigma(i)), worst })
+    Ok(Fit { displacement: offset, deviations: std::array::from_fn(|i| found.sigma(i)), worst })
 }
 
 /// Standard deviations of x, y (m) and the angle (rad) for touches that each have one of 1 m; none where the touches do not
@@ -108,27 +108,27 @@ mod tests {
     }
 
     /// Tips that touch the displaced faces, along the programmed normals, farther out by `off` each.
-    fn tips(touches: &[Touch], lies: &Displacement, off: impl Fn(usize) -> f64) -> Vec<Touched> {
+    fn tips(touches: &[Touch], offset: &Displacement, off: impl Fn(usize) -> f64) -> Vec<Touched> {
         let tip = |(i, touch): (usize, &Touch)| {
             let (point, normal) = touch.level();
-            let moved = lies.of(&touch.pose).tip.xy();
-            let face = turn(lies.angle, normal);
+            let moved = offset.of(&touch.pose).tip.xy();
+            let face = rotated(offset.angle, normal);
             // from the programmed line of approach to the displaced face
-            let way = (moved - point).dot(&face) / normal.dot(&face);
-            Touched { place: point + normal * (way + off(i)), deviation: 1e-6 * (1 + i % 2) as f64 }
+            let distance = (moved - point).dot(&face) / normal.dot(&face);
+            Touched { position: point + normal * (distance + off(i)), deviation: 1e-6 * (1 + i % 2) as f64 }
         };
         touches.iter().enumerate().map(tip).collect()
     }
 
     #[test]
-    fn a_displaced_part_is_found_where_it_lies() {
+    fn a_displaced_part_is_found_where_it_is() {
         let touches = corner();
         let centre = centre(&touches);
         for (x, y, angle) in [(0.0, 0.0, 0.0), (2e-3, -2e-3, 5e-3), (-3e-3, 1e-3, -0.1), (0.0, 0.0, 0.3)] {
-            let lies = Displacement { shift: Vector2::new(x, y), angle, centre };
-            let found = fit(&touches, &tips(&touches, &lies, |_| 0.0)).unwrap();
-            let Displacement { shift, angle: turned, .. } = found.displacement;
-            assert!((shift - lies.shift).norm() < 1e-12 && (turned - angle).abs() < 1e-11, "{lies:?}: {found:?}");
+            let offset = Displacement { shift: Vector2::new(x, y), angle, centre };
+            let found = fit(&touches, &tips(&touches, &offset, |_| 0.0)).unwrap();
+            let Displacement { shift, angle: rotation, .. } = found.displacement;
+            assert!((shift - offset.shift).norm() < 1e-12 && (rotation - angle).abs() < 1e-11, "{offset:?}: {found:?}");
             assert!(found.worst.1.abs() < 1e-12);
         }
     }
@@ -141,7 +141,7 @@ mod tests {
         let touched: Vec<Touched> = touches
             .iter()
             .zip(off)
-            .map(|(touch, off)| Touched { place: touch.level().0 + touch.level().1 * off, deviation: 1e-6 })
+            .map(|(touch, off)| Touched { position: touch.level().0 + touch.level().1 * off, deviation: 1e-6 })
             .collect();
         let found = fit(&touches, &touched).unwrap();
         // middle of each face from the center of all: 50 mm; slope: sum of arms times distances over sum of squared arms
@@ -149,43 +149,43 @@ mod tests {
         let slope = (-0.03 * off[0] + 0.03 * off[2] + 0.03 * off[3] - 0.03 * off[5]) / (4.0 * 0.03 * 0.03);
         let c = centre(&touches);
         let expected = Vector2::new(mean_x + slope * (-0.02 - c.y), mean_y - slope * (0.7 - c.x));
-        let lies = found.displacement;
+        let offset = found.displacement;
         assert!(
-            (lies.angle - slope).abs() < 1e-8 && (lies.shift - expected).norm() < 1e-9,
+            (offset.angle - slope).abs() < 1e-8 && (offset.shift - expected).norm() < 1e-9,
             "{found:?} {slope} {expected}"
         );
         // the angle rests on four arms of 30 mm; larger residuals than deviations enlarge it
-        let residuals = (0..6).map(|i| distance(&touches[i], touched[i].place, &lies).0.powi(2)).sum::<f64>();
+        let residuals = (0..6).map(|i| distance(&touches[i], touched[i].position, &offset).0.powi(2)).sum::<f64>();
         let excess = (residuals / 3.0).sqrt().max(1e-6);
         assert!((found.deviations[2] / (excess / 0.06) - 1.0).abs() < 1e-3, "{found:?}");
-        let sure = geometry(&touches).unwrap();
-        assert!((found.deviations[0] / (excess * sure[0]) - 1.0).abs() < 1e-3, "{found:?} {sure:?}");
+        let std = geometry(&touches).unwrap();
+        assert!((found.deviations[0] / (excess * std[0]) - 1.0).abs() < 1e-3, "{found:?} {std:?}");
     }
 
     #[test]
     fn a_touch_on_something_else_is_left_over_and_a_lighter_one_counts_less() {
         let touches = corner();
-        let lies = Displacement { shift: Vector2::new(1e-3, 1e-3), angle: 2e-3, centre: centre(&touches) };
-        let found = fit(&touches, &tips(&touches, &lies, |i| if i == 3 { 3e-4 } else { 0.0 })).unwrap();
+        let offset = Displacement { shift: Vector2::new(1e-3, 1e-3), angle: 2e-3, centre: centre(&touches) };
+        let found = fit(&touches, &tips(&touches, &offset, |i| if i == 3 { 3e-4 } else { 0.0 })).unwrap();
         assert_eq!(found.worst.0, 3);
         assert!(found.worst.1 > 1e-4, "{found:?}");
         // the touches 1, 3 and 5 have twice the deviation of the others
         let moved = |which: usize| {
-            let found = fit(&touches, &tips(&touches, &lies, |i| if i == which { 1e-5 } else { 0.0 })).unwrap();
-            (found.displacement.shift - lies.shift).norm()
+            let found = fit(&touches, &tips(&touches, &offset, |i| if i == which { 1e-5 } else { 0.0 })).unwrap();
+            (found.displacement.shift - offset.shift).norm()
         };
         assert!(moved(4) > 1.5 * moved(1), "{} {}", moved(4), moved(1));
     }
 
     #[test]
-    fn touches_that_do_not_tell_are_known() {
+    fn touches_that_show_nothing_are_known() {
         let one_face: Vec<Touch> = [-0.03, 0.0, 0.01, 0.03].map(|x| touch(0.7 + x, 0.1, FRAC_PI_2)).to_vec();
         assert_eq!(geometry(&one_face), None);
         // all normals through one position: it may turn about it
         let round: Vec<Touch> =
             [0.0, 1.0, 2.0, 4.0].map(|a: f64| touch(0.7 + 0.05 * a.cos(), 0.05 * a.sin(), a)).to_vec();
-        assert!(geometry(&round).is_none_or(|sure| sure[2] > 1e6), "{:?}", geometry(&round));
-        let lies = Displacement::default();
-        assert_eq!(fit(&corner()[..3], &tips(&corner()[..3], &lies, |_| 0.0)), Err(NoEstimate::TooFew));
+        assert!(geometry(&round).is_none_or(|std| std[2] > 1e6), "{:?}", geometry(&round));
+        let offset = Displacement::default();
+        assert_eq!(fit(&corner()[..3], &tips(&corner()[..3], &offset, |_| 0.0)), Err(NoEstimate::TooFew));
     }
 }

@@ -11,8 +11,8 @@ use crate::interface::Parameters;
 use crate::path::feasible;
 use crate::path::geometry::Vector;
 use crate::path::kinematics::{AXES, Joints};
+use crate::path::programmed_path::ProgrammedPath;
 use crate::path::route::Route;
-use crate::path::taught_path::TaughtPath;
 use crate::path::touch::Touch;
 
 /// Axes at the start of the approach to a touch, near others.
@@ -21,17 +21,17 @@ pub fn outside(p: &Parameters, touch: &Touch, near: &Joints) -> Joints {
 }
 
 /// Time of a return (m), s.
-pub fn back_time(p: &Parameters, way: f64) -> f64 {
-    quintic_duration(way.abs(), p.register.speed).max(p.sample_period)
+pub fn back_time(p: &Parameters, distance: f64) -> f64 {
+    quintic_duration(distance.abs(), p.register.speed).max(p.sample_period)
 }
 
 /// Longest time of a registration that begins at rest at `from`, s: as configured, or as of a commissioning run with these motions.
-pub fn time(p: &Parameters, path: &TaughtPath, from: &Joints, inside: bool) -> f64 {
+pub fn time(p: &Parameters, path: &ProgrammedPath, from: &Joints, inside: bool) -> f64 {
     commission_time(p.register.time, || motions(p, path, from, inside))
 }
 
 /// Time of all motions, s.
-fn motions(p: &Parameters, path: &TaughtPath, from: &Joints, inside: bool) -> f64 {
+fn motions(p: &Parameters, path: &ProgrammedPath, from: &Joints, inside: bool) -> f64 {
     let (mut from, mut inside, mut time) = (*from, inside, 0.0);
     let register = &p.register;
     let bridged = f64::from(p.limits.lost_samples + 1) * p.sample_period;
@@ -57,15 +57,15 @@ pub fn deviation(p: &Parameters, normal: &Vector, joints: &Joints) -> f64 {
         (p.arm.forward(&moved).tip - tip).dot(normal)
     };
     let counts = (0..AXES).map(|i| count(i).powi(2)).sum::<f64>() / 24.0;
-    let way = p.register.touch_speed * p.sample_period;
-    (way * way / 12.0 + counts + p.register.touch_std.powi(2)).sqrt()
+    let distance = p.register.touch_speed * p.sample_period;
+    (distance * distance / 12.0 + counts + p.register.touch_std.powi(2)).sqrt()
 }
 
 /// Every touch must be within the travel of the axes, drawn back along the tool as well.
 ///
 /// # Errors
 /// Names the touch, the axis, its value and its limit.
-pub fn check(p: &Parameters, path: &TaughtPath, start: &Joints) -> Result<(), ParameterError> {
+pub fn check(p: &Parameters, path: &ProgrammedPath, start: &Joints) -> Result<(), ParameterError> {
     let wrong = |number: usize, what: String| ParameterError {
         name: "path.file",
         value: p.path.file.clone(),
@@ -73,10 +73,10 @@ pub fn check(p: &Parameters, path: &TaughtPath, start: &Joints) -> Result<(), Pa
         hint: "touch at other positions, reduce `approach_m`, or widen `axisN.minimum` and `.maximum`",
     };
     for (number, touch) in path.touches.iter().enumerate() {
-        for way in [0.0, 2.0 * touch.approach] {
-            let joints = p.arm.inverse(&touch.at(way), start);
+        for distance in [0.0, 2.0 * touch.approach] {
+            let joints = p.arm.inverse(&touch.at(distance), start);
             let joints = joints.ok_or_else(|| wrong(number, "the wrist is on the axis of the column".to_owned()))?;
-            for joints in [joints, p.arm.drawn_back(&joints, p.transfer.clearance)] {
+            for joints in [joints, p.arm.retracted(&joints, p.transfer.clearance)] {
                 feasible::travel(p, &joints).map_err(|what| wrong(number, what.text(p)))?;
             }
         }
@@ -90,31 +90,31 @@ mod tests {
     use crate::learning::pattern::tests::straight;
     use crate::path::touch::tests::touch;
 
-    fn touched() -> TaughtPath {
+    fn touched() -> ProgrammedPath {
         let mut path = straight(0.1);
         path.touches = vec![touch(0.7, 0.0, 0.0), touch(0.7, 0.05, 0.0)];
         path
     }
 
     #[test]
-    fn a_touch_is_as_sure_as_a_sample_and_a_count() {
+    fn a_touch_is_as_certain_as_a_sample_and_a_count() {
         let mut p = Parameters::START;
         (p.register.touch_std, p.register.touch_speed) = (0.0, 1e-3);
         let joints = [0.0, 0.0, 0.7, 0.0, 0.0, 0.0];
         // out along the arm: 10 um of way in a sample, counts of 5 um, and those of the pitch at the length of the tool
         let squares = 1e-10 / 12.0 + (25e-12 + (0.2 * p.axis[4].pulse).powi(2)) / 24.0;
-        let sure = deviation(&p, &Vector::new(1.0, 0.0, 0.0), &joints);
-        assert!((sure - squares.sqrt()).abs() < 1e-11, "{sure}");
+        let std = deviation(&p, &Vector::new(1.0, 0.0, 0.0), &joints);
+        assert!((std - squares.sqrt()).abs() < 1e-11, "{std}");
         // across it: counts of axis 1 at 0.7 m; the wrist is above its tip
-        let sure = deviation(&p, &Vector::new(0.0, 1.0, 0.0), &joints);
-        assert!((sure - (1e-10 / 12.0 + (0.7 * p.axis[0].pulse).powi(2) / 24.0).sqrt()).abs() < 1e-9, "{sure}");
+        let std = deviation(&p, &Vector::new(0.0, 1.0, 0.0), &joints);
+        assert!((std - (1e-10 / 12.0 + (0.7 * p.axis[0].pulse).powi(2) / 24.0).sqrt()).abs() < 1e-9, "{std}");
         p.register.touch_std = 3e-6;
-        let sure = deviation(&p, &Vector::new(1.0, 0.0, 0.0), &joints);
-        assert!((sure - (squares + 9e-12).sqrt()).abs() < 1e-11, "{sure}");
+        let std = deviation(&p, &Vector::new(1.0, 0.0, 0.0), &joints);
+        assert!((std - (squares + 9e-12).sqrt()).abs() < 1e-11, "{std}");
     }
 
     #[test]
-    fn the_time_is_a_quarter_more_than_the_motions_or_as_told() {
+    fn the_time_is_a_quarter_more_than_the_motions_or_as_configured() {
         let (mut p, path) = (Parameters::START, touched());
         let from = outside(&p, &path.touches[0], &[0.0, 0.0, 0.7, 0.0, 0.0, 0.0]);
         let register = &p.register;
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_touch_out_of_reach_is_refused_with_its_number() {
+    fn a_touch_out_of_reach_is_rejected_with_its_number() {
         let (mut p, path) = (Parameters::START, touched());
         let start = [0.0, 0.0, 0.7, 0.0, 0.0, 0.0];
         assert!(check(&p, &path, &start).is_ok());

@@ -33,7 +33,7 @@ pub struct Registrar {
     /// What is wrong with it.
     pub wrong: Finding,
     /// It has come to its end, and this is where the part lies.
-    pub lies: Option<Displacement>,
+    pub displacement: Option<Displacement>,
     touched: Vec<Touched>,
     /// number of the touch, from 0
     touch: usize,
@@ -48,7 +48,7 @@ pub struct Registrar {
     contact: Consecutive,
     /// tip by the last measurement, and where the contact began, m
     tip: Vector,
-    place: Vector,
+    position: Vector,
 }
 
 impl Registrar {
@@ -57,7 +57,7 @@ impl Registrar {
         Self {
             found: Registration::START,
             wrong: Finding::NONE,
-            lies: None,
+            displacement: None,
             touched: vec![Touched::default(); touches],
             touch: 0,
             phase: Phase::Travel,
@@ -67,20 +67,20 @@ impl Registrar {
             time: 0.0,
             contact: Consecutive::NONE,
             tip: Vector::zeros(),
-            place: Vector::zeros(),
+            position: Vector::zeros(),
         }
     }
 
     /// Begins with the tip at a position.
     pub fn begin(&mut self, tip: Vector) {
-        (self.found, self.lies) = (Registration::START, None);
+        (self.found, self.displacement) = (Registration::START, None);
         self.wrong = if self.touched.is_empty() { Finding::plain(Fault::NoTouches) } else { Finding::NONE };
         (self.touch, self.phase, self.contact, self.tip) = (0, Phase::Travel, Consecutive::NONE, tip);
     }
 
     /// The touch that is in turn; none when there is nothing left to do.
     pub fn touch<'a>(&self, touches: &'a [Touch]) -> Option<&'a Touch> {
-        touches.get(self.touch).filter(|_| !self.wrong.is_fault() && self.lies.is_none())
+        touches.get(self.touch).filter(|_| !self.wrong.is_fault() && self.displacement.is_none())
     }
 
     /// Whether the tip moves to the start of an approach.
@@ -97,7 +97,7 @@ impl Registrar {
     pub fn observe(&mut self, p: &Parameters, tip: Vector, contact: bool) {
         let bridged = p.limits.lost_samples.unsigned_abs();
         if self.contact.update(contact) == 1 {
-            self.place = (self.tip + tip) * 0.5;
+            self.position = (self.tip + tip) * 0.5;
         }
         self.tip = tip;
         if self.travels() && self.contact.count() > bridged {
@@ -109,20 +109,20 @@ impl Registrar {
     pub fn advance(&mut self, p: &Parameters, touches: &[Touch], joints: &Joints) -> Pose {
         let touch = &touches[self.touch];
         let (register, dt) = (&p.register, p.sample_period);
-        let felt = self.contact.count() > p.limits.lost_samples.unsigned_abs();
+        let in_contact = self.contact.count() > p.limits.lost_samples.unsigned_abs();
         match self.phase {
             Phase::Travel => {}
-            Phase::Seek if felt => {
+            Phase::Seek if in_contact => {
                 if self.slow {
                     self.take(p, touch, joints);
                 }
                 self.phase = Phase::Brake;
             }
             Phase::Seek => {
-                let begun = self.back.goal() + register.retract;
-                let most = if self.slow { begun + register.retract } else { 2.0 * touch.approach };
-                if self.now.position >= most {
-                    self.stop_with(Fault::NoPart, self.now.position, most);
+                let started = self.back.goal() + register.retract;
+                let maximum = if self.slow { started + register.retract } else { 2.0 * touch.approach };
+                if self.now.position >= maximum {
+                    self.stop_with(Fault::NoPart, self.now.position, maximum);
                 }
                 let speed = if self.slow { register.touch_speed } else { register.speed };
                 self.now.step(speed, p.feed.acceleration, dt);
@@ -130,8 +130,9 @@ impl Registrar {
             Phase::Brake => {
                 self.stop(p);
                 if self.now.velocity == 0.0 {
-                    let way = if self.slow { 0.0 } else { (touch.way(&self.place) - register.retract).max(0.0) };
-                    self.back = Quintic::new(self.now, way, back_time(p, self.now.position - way));
+                    let distance =
+                        if self.slow { 0.0 } else { (touch.distance(&self.position) - register.retract).max(0.0) };
+                    self.back = Quintic::new(self.now, distance, back_time(p, self.now.position - distance));
                     (self.phase, self.time) = (Phase::Back, 0.0);
                 }
             }
@@ -139,7 +140,7 @@ impl Registrar {
                 self.time += dt;
                 self.now = self.back.at(self.time);
                 if self.back.over(self.time) {
-                    self.come_back(p, touches, felt);
+                    self.come_back(p, touches, in_contact);
                 }
             }
         }
@@ -162,8 +163,8 @@ impl Registrar {
         self.contact = Consecutive::NONE;
     }
 
-    fn come_back(&mut self, p: &Parameters, touches: &[Touch], felt: bool) {
-        if felt {
+    fn come_back(&mut self, p: &Parameters, touches: &[Touch], in_contact: bool) {
+        if in_contact {
             self.stop_with(Fault::ContactFrozen, self.back.goal(), 0.0);
         } else if !self.slow {
             self.seek(self.back.goal(), true);
@@ -179,8 +180,8 @@ impl Registrar {
 
     /// Takes the position where the contact began.
     fn take(&mut self, p: &Parameters, touch: &Touch, joints: &Joints) {
-        let place = self.place + touch.normal * p.register.pretravel;
-        self.touched[self.touch] = Touched { place: place.xy(), deviation: deviation(p, &touch.normal, joints) };
+        let position = self.position + touch.normal * p.register.pretravel;
+        self.touched[self.touch] = Touched { position: position.xy(), deviation: deviation(p, &touch.normal, joints) };
     }
 
     fn finish(&mut self, p: &Parameters, touches: &[Touch]) {
@@ -188,28 +189,30 @@ impl Registrar {
             self.wrong = Finding::plain(Fault::TouchMismatch);
             return;
         };
-        let (lies, [x_std, y_std, angle_std]) = (fit.displacement, fit.deviations);
+        let (displacement, [x_std, y_std, angle_std]) = (fit.displacement, fit.deviations);
         let (worst, residual) = (fit.worst.0, fit.worst.1.abs());
-        (self.found.x, self.found.y, self.found.angle) = (lies.shift.x, lies.shift.y, lies.angle);
+        (self.found.x, self.found.y, self.found.angle) =
+            (displacement.shift.x, displacement.shift.y, displacement.angle);
         (self.found.x_std, self.found.y_std) = (x_std, y_std);
         (self.found.angle_std, self.found.residual) = (angle_std, residual);
-        let (shift, turn) = (lies.shift.norm(), lies.angle.abs());
-        let told = |fault, axis, value, limit| Finding { fault, numbers: Numbers { axis, value, limit, ratio: None } };
+        let (shift, rotation) = (displacement.shift.norm(), displacement.angle.abs());
+        let finding =
+            |fault, axis, value, limit| Finding { fault, numbers: Numbers { axis, value, limit, ratio: None } };
         self.wrong = if residual > p.limits.touch_residual {
-            told(Fault::TouchMismatch, worst as i32 + 1, residual, p.limits.touch_residual)
+            finding(Fault::TouchMismatch, worst as i32 + 1, residual, p.limits.touch_residual)
         } else if shift > p.limits.shift {
-            told(Fault::Misplaced, 1, shift, p.limits.shift)
-        } else if turn > p.limits.angle {
-            told(Fault::Misplaced, 2, turn, p.limits.angle)
+            finding(Fault::Misplaced, 1, shift, p.limits.shift)
+        } else if rotation > p.limits.angle {
+            finding(Fault::Misplaced, 2, rotation, p.limits.angle)
         } else {
-            self.lies = Some(lies);
+            self.displacement = Some(displacement);
             return;
         };
     }
 
     /// The path that would follow cannot be run.
     pub fn reject(&mut self, wrong: Finding) {
-        (self.wrong, self.lies) = (wrong, None);
+        (self.wrong, self.displacement) = (wrong, None);
     }
 
     fn stop_with(&mut self, fault: Fault, value: f64, limit: f64) {

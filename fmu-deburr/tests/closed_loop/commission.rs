@@ -68,14 +68,14 @@ fn unknown(seed: u64) -> Build {
 
 /// Largest error of the axes 1 and 3 at the tip at five speeds, mm.
 fn worst(run: &mut Loop) -> f64 {
-    [1.0, 0.9, 0.7, 0.5, 0.3].into_iter().fold(0.0, |most, factor| {
+    [1.0, 0.9, 0.7, 0.5, 0.3].into_iter().fold(0.0, |maximum, factor| {
         let errors = run.largest_errors(Mode::Playback, |_| factor);
-        errors[0].max(errors[2]).max(most)
+        errors[0].max(errors[2]).max(maximum)
     })
 }
 
 #[test]
-fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
+fn unknown_robots_are_measured_within_their_deviations_and_follow_immediately() {
     let (mut gains, mut lags, mut frequencies, mut delays) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for seed in 70..100 {
         let build = unknown(seed);
@@ -103,7 +103,7 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
         }
     }
     // deviations that were three times too small or too large would show; these drives have neither friction nor steps of their own
-    for (what, errors, least, most) in [
+    for (what, errors, minimum, maximum) in [
         ("gain", gains, 0.25, 1.0),
         ("lag", lags, 0.1, 0.4),
         ("natural frequency", frequencies, 0.3, 1.2),
@@ -112,14 +112,14 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_at_once() {
         let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
         println!("{what}: {rms:.2} rms");
         assert!(
-            (least..most).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0),
+            (minimum..maximum).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0),
             "{what}: {rms} {errors:?}"
         );
     }
 }
 
 #[test]
-fn a_feed_that_swings_is_followed_as_well() {
+fn a_feed_that_oscillates_is_followed_as_well() {
     let mut run = resting(&applied(), &Build { gain: 0.8, dynamics: 0.75, damping: 1.2, delay: 2, ..Build::NOMINAL });
     commission(&mut run);
     let errors = run.largest_errors(Mode::Playback, swinging(1.0));
@@ -177,7 +177,7 @@ fn only_on_request_is_what_was_measured_used() {
 }
 
 #[test]
-fn a_delay_is_as_sure_as_its_lag_and_the_lag_of_the_nominal_drive() {
+fn a_delay_is_as_certain_as_its_lag_and_the_lag_of_the_nominal_drive() {
     let mut run = resting(&Parameters::START, &Build::NOMINAL);
     commission(&mut run);
     let m = run.output.measured;
@@ -199,12 +199,12 @@ fn the_file_of_the_results_is_taken_as_parameters() {
     let folder = tempfile::tempdir().unwrap();
     run.parameters.commission.export = folder.path().join("found.json").to_str().unwrap().into();
     run.controller.export(&run.parameters).unwrap();
-    let told = std::fs::read_to_string(&run.parameters.commission.export).unwrap();
-    let found: std::collections::BTreeMap<String, f64> = serde_json::from_str(&told).unwrap();
+    let text = std::fs::read_to_string(&run.parameters.commission.export).unwrap();
+    let found: std::collections::BTreeMap<String, f64> = serde_json::from_str(&text).unwrap();
     assert_eq!(found["io_delay"], 2.0);
     assert_eq!(found["expert.model.axis3.gain"], run.output.measured.axis[2].gain);
-    let share = found["load.spindle_speed"] / run.parameters.load.spindle_speed;
-    assert!((share - found["load.idle_speed"] / run.parameters.load.idle_speed).abs() < 1e-12);
+    let ratio = found["load.spindle_speed"] / run.parameters.load.spindle_speed;
+    assert!((ratio - found["load.idle_speed"] / run.parameters.load.idle_speed).abs() < 1e-12);
     // configured before, without a commissioning run
     let mut p = Parameters::START;
     (p.io_delay, p.bank.compute) = (2, true);

@@ -29,10 +29,10 @@ fn errors() {
             }
             let mut run = Loop::new(&p, &Build { delay: delay as usize, ..Build::NOMINAL });
             assert!(p.bank.compute || run.finish(Mode::Learn));
-            let mut told = format!("measured: deburr-speeds | {name}, delay {delay} |");
+            let mut line = format!("measured: deburr-speeds | {name}, delay {delay} |");
             let mut worst = |at: &str, speed: &dyn Fn(f64) -> f64| {
                 let errors = run.largest_errors(Mode::Playback, speed);
-                told += &format!(" {at}_1={} {at}_3={}", errors[0], errors[2]);
+                line += &format!(" {at}_1={} {at}_3={}", errors[0], errors[2]);
             };
             for percent in [100, 90, 70, 50, 30, 17] {
                 let factor = if percent == 17 { 0.167 } else { f64::from(percent) / 100.0 };
@@ -41,7 +41,7 @@ fn errors() {
             for (at, hertz) in [("half_hertz", 0.5), ("one_hertz", 1.0), ("two_hertz", 2.0)] {
                 worst(at, &swinging(hertz));
             }
-            println!("{told}");
+            println!("{line}");
         }
     }
 }

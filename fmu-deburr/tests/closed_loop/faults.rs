@@ -8,7 +8,7 @@ mod tool;
 use fmu_deburr::interface::{Fault, Input, Mode, Parameters, State};
 
 use crate::robot::Build;
-use crate::setup::{Loop, running, stands_with};
+use crate::setup::{Loop, assert_rests_with, running};
 
 fn everything_is_finite(run: &Loop) {
     for axis in run.output.axis {
@@ -50,14 +50,14 @@ fn nonsense_in_any_input_is_bridged_for_three_samples() {
             let driven = expected != Fault::PositionLost;
             assert_eq!((run.output.fault, run.output.drive_enable), (expected, driven), "{which} {nonsense}");
             if !driven {
-                stands_with(&run, fault);
+                assert_rests_with(&run, fault);
             }
         }
     }
 }
 
 #[test]
-fn a_reading_that_stands_is_named_before_what_it_causes() {
+fn a_frozen_measurement_is_named_before_what_it_causes() {
     let mut run = running(Mode::DryRun);
     let stuck = run.robot.read();
     for _ in 0..1000 {
@@ -67,7 +67,7 @@ fn a_reading_that_stands_is_named_before_what_it_causes() {
             break;
         }
     }
-    stands_with(&run, Fault::PositionFrozen);
+    assert_rests_with(&run, Fault::PositionFrozen);
     assert!(!run.output.drive_enable);
 }
 
@@ -104,13 +104,13 @@ fn a_drive_that_does_something_else_is_named_by_what_it_does() {
         (Fault::WeakDrive, 1.0, 0.02, 0.015),
         (Fault::PositionFrozen, 0.0, 1.0, 0.015),
     ];
-    for (fault, gain, fastest, most) in cases {
+    for (fault, gain, fastest, maximum) in cases {
         let bend = |velocity: &mut fmu_deburr::path::Joints| {
             velocity[2] = (gain * velocity[2]).clamp(-fastest, fastest);
         };
         let (found, off) = bent(Mode::DryRun, |run, _| commanded(run, bend));
         assert_eq!(found, fault);
-        assert!(off < most, "{fault:?}: {off}");
+        assert!(off < maximum, "{fault:?}: {off}");
     }
 }
 
@@ -132,7 +132,7 @@ fn a_jump_of_a_reading_is_bridged_for_three_samples_and_moves_nothing() {
 }
 
 #[test]
-fn a_reading_that_drifts_is_told_before_done() {
+fn a_reading_that_drifts_is_reported_before_done() {
     let (found, _) = bent(Mode::DryRun, |run, k| {
         let mut positions = run.robot.read();
         positions[2] += 2e-5 * k as f64;
@@ -155,12 +155,12 @@ fn a_loop_that_is_not_stable_is_an_oscillation() {
         run.step();
         off = off.max((run.output.axis[2].reference - run.robot.positions()[2]).abs());
     }
-    stands_with(&run, Fault::Oscillation);
+    assert_rests_with(&run, Fault::Oscillation);
     assert!(off < 0.02, "{off}");
 }
 
 #[test]
-fn a_delay_that_is_not_the_one_told_is_named() {
+fn a_delay_that_is_not_the_configured_one_is_named() {
     for (delay, io_delay) in [(0, 1), (1, 0), (2, 1)] {
         let mut p = Parameters::START;
         p.io_delay = io_delay;
@@ -188,7 +188,7 @@ fn a_drive_that_is_weak_is_switched_off_also_where_the_delay_is_wrong() {
 }
 
 #[test]
-fn a_job_that_takes_too_long_ends_whatever_it_does() {
+fn a_cycle_that_takes_too_long_ends_whatever_it_does() {
     for mode in [Mode::DryRun, Mode::Learn] {
         let mut run = running(mode);
         (run.input.mode, run.parameters.limits.cycle_time) = (Mode::Idle, 5.0);
@@ -212,7 +212,7 @@ fn time_that_is_held_does_not_count() {
 }
 
 #[test]
-fn a_graver_fault_takes_over_and_a_lighter_one_does_not() {
+fn a_more_severe_fault_takes_over_and_a_less_severe_one_does_not() {
     let mut run = running(Mode::Deburr);
     run.input.spindle_speed = 1600.0;
     while run.output.fault == Fault::None {
@@ -224,18 +224,18 @@ fn a_graver_fault_takes_over_and_a_lighter_one_does_not() {
         run.set_positions(&stuck);
         run.controller.tick(&run.input, &run.parameters, &mut run.output);
     }
-    stands_with(&run, Fault::PositionFrozen);
+    assert_rests_with(&run, Fault::PositionFrozen);
     assert!(!run.output.drive_enable);
     run.input.mode = Mode::Playback;
     (0..10).for_each(|_| run.step());
-    stands_with(&run, Fault::PositionFrozen);
+    assert_rests_with(&run, Fault::PositionFrozen);
     run.input.reset_fault = true;
     (0..10).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.drive_enable), (State::Idle, true));
 }
 
 #[test]
-fn a_run_that_is_too_slow_for_its_job_time_makes_no_progress() {
+fn a_run_that_is_too_slow_for_its_cycle_time_makes_no_progress() {
     let mut p = Parameters::START;
     (p.lookup.enable, p.limits.cycle_time) = (false, 6.0);
     let mut run = Loop::new(&p, &Build::NOMINAL);
@@ -252,7 +252,7 @@ fn a_run_that_is_too_slow_for_its_job_time_makes_no_progress() {
 }
 
 #[test]
-fn a_command_at_its_limit_is_told_and_is_no_fault() {
+fn a_command_at_its_limit_is_reported_and_is_no_fault() {
     let mut run = running(Mode::DryRun);
     assert!(!run.output.saturated);
     run.parameters.axis[2].velocity_max = 0.03;
@@ -268,7 +268,7 @@ fn without_patterns_nothing_is_deburred_blindly() {
         run.step();
         run.input.mode = mode;
         run.step();
-        stands_with(&run, Fault::BankEmpty);
+        assert_rests_with(&run, Fault::BankEmpty);
         // a reset alone moves nothing
         run.input.reset_fault = true;
         (0..100).for_each(|_| run.step());
@@ -277,12 +277,12 @@ fn without_patterns_nothing_is_deburred_blindly() {
 }
 
 #[test]
-fn a_communication_step_that_is_too_long_is_told_in_its_first_sample() {
+fn a_communication_step_that_is_too_long_is_reported_in_its_first_sample() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL);
     run.input.mode = Mode::DryRun;
     run.controller.begin_long_step();
     run.step();
-    stands_with(&run, Fault::LongStep);
+    assert_rests_with(&run, Fault::LongStep);
     assert!(!run.output.drive_enable);
     run.input.reset_fault = true;
     (0..2).for_each(|_| run.step());
@@ -297,7 +297,7 @@ fn a_fault_counts_in_a_stop_without_enable_and_not_while_off() {
     assert_eq!(run.output.state, State::Stop);
     run.controller.begin_long_step();
     run.step();
-    stands_with(&run, Fault::LongStep);
+    assert_rests_with(&run, Fault::LongStep);
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL);
     (run.input.enable, run.input.speed_override) = (false, f64::NAN);
     (0..10).for_each(|_| run.step());
@@ -317,7 +317,7 @@ fn of_two_faults_with_the_same_end_the_first_stays() {
 }
 
 #[test]
-fn a_tool_reading_or_an_override_that_is_lost_ends_behind_the_retract() {
+fn a_tool_speed_or_an_override_that_is_lost_ends_after_the_retract() {
     type Lose = fn(&mut Input);
     let lost: [(Fault, Lose); 3] = [
         (Fault::SpindleLost, |input| input.spindle_speed = f64::NAN),
@@ -337,7 +337,7 @@ fn a_tool_reading_or_an_override_that_is_lost_ends_behind_the_retract() {
         let height = run.robot.positions()[1];
         assert_eq!((run.output.fault, run.output.state), (fault, State::Stop));
         (0..300).for_each(|_| run.step());
-        stands_with(&run, fault);
+        assert_rests_with(&run, fault);
         assert!(run.output.drive_enable);
         assert!((run.robot.positions()[1] - height - p.transfer.clearance).abs() < 1e-4, "{fault:?}");
     }

@@ -19,9 +19,9 @@ fn time(run: &mut Loop, mode: Mode) -> f64 {
 
 /// Largest error of the axes 1 and 3 at the tip at five speeds, mm.
 fn worst(run: &mut Loop) -> f64 {
-    [1.0, 0.9, 0.7, 0.5, 0.3].into_iter().fold(0.0, |most, factor| {
+    [1.0, 0.9, 0.7, 0.5, 0.3].into_iter().fold(0.0, |maximum, factor| {
         let errors = run.largest_errors(Mode::Playback, |_| factor);
-        errors[0].max(errors[2]).max(most)
+        errors[0].max(errors[2]).max(maximum)
     })
 }
 
@@ -36,11 +36,11 @@ fn one_run_leaves_hundredths_on_machines_that_are_three_tenths_off() {
             let time = time(&mut run, Mode::Learn);
             assert!(time <= 10.0 && run.output.bank.patterns == 5, "{time} s, {:?}", run.output.bank);
             for axis in [0, 2] {
-                let told = &run.output.axis[axis];
+                let estimate = &run.output.axis[axis];
                 let lag = 2.0 * 0.52 / (280.0 * dynamics);
-                assert!((told.gain - gain).abs() < 3.0 * told.gain_std, "{gain} {dynamics}: {told:?}");
-                assert!((told.lag - lag).abs() < 3.0 * told.lag_std, "{gain} {dynamics}: {told:?}");
-                assert!(told.gain_std < 0.002 && told.lag_std < 5e-4, "{told:?}");
+                assert!((estimate.gain - gain).abs() < 3.0 * estimate.gain_std, "{gain} {dynamics}: {estimate:?}");
+                assert!((estimate.lag - lag).abs() < 3.0 * estimate.lag_std, "{gain} {dynamics}: {estimate:?}");
+                assert!(estimate.gain_std < 0.002 && estimate.lag_std < 5e-4, "{estimate:?}");
             }
             let error = worst(&mut run);
             println!("gain {gain}, dynamics {dynamics}: {time:.1} s, {error:.3} mm");
@@ -50,15 +50,15 @@ fn one_run_leaves_hundredths_on_machines_that_are_three_tenths_off() {
 }
 
 #[test]
-fn an_axis_that_stands_keeps_the_nominal_drive_and_says_that_nothing_is_known() {
+fn an_axis_at_rest_keeps_the_nominal_drive_and_says_that_nothing_is_known() {
     let mut p = parameters(&Parameters::START, 1);
     p.learn.repetitions = 0;
     let mut run = Loop::new(&p, &Build { gain: 0.8, ..Build::NOMINAL });
     assert!(run.finish(Mode::Learn));
     for axis in [1, 3, 4, 5] {
-        let told = &run.output.axis[axis];
-        assert!(told.gain == 1.0 && (told.gain_std - 0.3).abs() < 1e-9, "{told:?}");
-        assert!((told.lag - 2.0 * 0.52 / 280.0).abs() < 1e-9, "{told:?}");
+        let estimate = &run.output.axis[axis];
+        assert!(estimate.gain == 1.0 && (estimate.gain_std - 0.3).abs() < 1e-9, "{estimate:?}");
+        assert!((estimate.lag - 2.0 * 0.52 / 280.0).abs() < 1e-9, "{estimate:?}");
     }
 }
 

@@ -12,14 +12,14 @@ use fmu_deburr::path::Point;
 use crate::robot::{Build, Robot, STEP};
 
 /// Way of half a cycle, m.
-const WAY: f64 = 0.2 / PI;
+const DISTANCE: f64 = 0.2 / PI;
 /// Pulse of axis 3, m.
 const PULSE: f64 = 5e-6;
 
 /// Samples of a half cycle of a sine in speed, `factor` times 100 mm/s.
 fn half_cycle(p: &Parameters, factor: f64) -> Pattern {
     let (speed, rate) = (0.1 * factor, PI * factor);
-    let distance = |k: usize| (speed / rate * (1.0 - (rate * STEP * k as f64).cos())).clamp(0.0, WAY);
+    let distance = |k: usize| (speed / rate * (1.0 - (rate * STEP * k as f64).cos())).clamp(0.0, DISTANCE);
     let run = (1.0 / (factor * STEP)).round() as usize;
     let rest = |distance: f64| Sample { point: Point { distance, speed: 0.0 }, compensation: [0.0; AXES] };
     let mut samples = vec![rest(0.0); p.learn.lead_in as usize];
@@ -27,7 +27,7 @@ fn half_cycle(p: &Parameters, factor: f64) -> Pattern {
         let point = Point { distance: distance(k), speed: (distance(k + 1) - distance(k)) / STEP };
         Sample { point, compensation: [0.0; AXES] }
     }));
-    samples.resize(samples.len() + p.learn.lead_out as usize, rest(WAY));
+    samples.resize(samples.len() + p.learn.lead_out as usize, rest(DISTANCE));
     Pattern { factor, samples, lead_in: p.learn.lead_in as usize, run, cyclic: false }
 }
 
@@ -63,11 +63,11 @@ fn differences(delay: i32) -> [f64; 2] {
         let lookup = PatternLookup {
             point: formed.samples[k + preview].point,
             back: preview as f64,
-            length: WAY,
+            length: DISTANCE,
             nominal: None,
         };
         let difference = (lookup.compensation(&stored)[2] - formed.samples[k].compensation[2]).abs();
-        let middle = (0.1 * WAY..0.9 * WAY).contains(&formed.samples[k].point.distance);
+        let middle = (0.1 * DISTANCE..0.9 * DISTANCE).contains(&formed.samples[k].point.distance);
         worst[0] = worst[0].max(if middle { difference } else { 0.0 });
         worst[1] = worst[1].max(difference);
     }

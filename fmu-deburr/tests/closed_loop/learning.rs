@@ -2,7 +2,7 @@
 
 use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
-use fmu_deburr::path::{Block, Joints, Pose, TaughtPath, Vector};
+use fmu_deburr::path::{Block, Joints, Pose, ProgrammedPath, Vector};
 
 use crate::robot::Build;
 use crate::setup::{Loop, parameters, swinging};
@@ -25,7 +25,7 @@ fn worst(run: &mut Loop, speed: impl Fn(f64) -> f64) -> f64 {
 fn the_bare_servo_lags_by_its_speed_over_its_gain() {
     let p = parameters(&Parameters::START, 0);
     let pose = |x: f64| Pose { tip: Vector::new(x, 0.0, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
-    let path = TaughtPath::new(vec![Block::line(&pose(0.6), &pose(0.9)).unwrap()], 0.1, false, 0.2).unwrap();
+    let path = ProgrammedPath::new(vec![Block::line(&pose(0.6), &pose(0.9)).unwrap()], 0.1, false, 0.2).unwrap();
     let mut run = Loop::with_path(&p, &Build { delay: 0, ..Build::NOMINAL }, path);
     let bare = run.largest_errors(Mode::DryRun, |_| 1.0);
     assert!((bare[2] - 100.0 / 13.0).abs() < 0.02, "{bare:.3?}");

@@ -6,7 +6,7 @@ use fmu_deburr::interface::{BankStatus, Fault, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
-use crate::setup::{Loop, taught};
+use crate::setup::{Loop, trained};
 
 fn bare() -> Loop {
     let mut p = Parameters::START;
@@ -27,7 +27,7 @@ fn run_until(run: &mut Loop, condition: impl Fn(&Loop) -> bool) {
 }
 
 #[test]
-fn references_never_jump_whatever_is_asked_for() {
+fn references_never_jump_whatever_is_requested() {
     let mut run = bare();
     let modes = [Mode::DryRun, Mode::Idle, Mode::Learn, Mode::Deburr, Mode::Idle, Mode::Learn, Mode::DryRun];
     let mut before = [0.0; 6];
@@ -39,24 +39,24 @@ fn references_never_jump_whatever_is_asked_for() {
         assert_ne!(run.output.state, State::Fault);
         let now = run.output.axis.map(|axis| axis.reference);
         for i in 0..6 {
-            let most = 0.011 * run.parameters.axis[i].velocity_max * 0.5;
-            assert!(k == 0 || (now[i] - before[i]).abs() < most, "sample {k}, axis {}: {now:?} {before:?}", i + 1);
+            let maximum = 0.011 * run.parameters.axis[i].velocity_max * 0.5;
+            assert!(k == 0 || (now[i] - before[i]).abs() < maximum, "sample {k}, axis {}: {now:?} {before:?}", i + 1);
         }
         before = now;
     }
 }
 
 #[test]
-fn a_held_run_stands_on_the_path_and_goes_on() {
+fn a_held_run_rests_on_the_path_and_goes_on() {
     let mut run = bare();
     run.input.mode = Mode::DryRun;
     run_until(&mut run, |run| run.output.path.distance > 0.1);
     run.input.hold = true;
     (0..100).for_each(|_| run.step());
-    let place = run.output.path.distance;
-    assert!(run.output.path.speed == 0.0 && place < 0.12 && run.output.state == State::Run);
+    let distance = run.output.path.distance;
+    assert!(run.output.path.speed == 0.0 && distance < 0.12 && run.output.state == State::Run);
     (0..100).for_each(|_| run.step());
-    assert_eq!(run.output.path.distance, place);
+    assert_eq!(run.output.path.distance, distance);
     assert!(run.output.axis.iter().all(|axis| axis.error.abs() < 1e-4));
     run.input.hold = false;
     run_until(&mut run, |run| run.output.path.done);
@@ -82,8 +82,8 @@ fn a_held_repetition_is_done_again_and_learns_the_same() {
 }
 
 #[test]
-fn the_bank_is_written_after_learning_and_whenever_it_is_asked_for() {
-    let mut run = taught();
+fn the_bank_is_written_after_learning_and_whenever_it_is_requested() {
+    let mut run = trained();
     assert!(run.controller.take_export() && !run.controller.take_export());
     // from Done, again, and from Idle
     for mode in [Mode::Export, Mode::DryRun, Mode::Export, Mode::Idle, Mode::Export] {
@@ -138,7 +138,7 @@ fn blocks_are_counted_with_the_distance_from_their_teaching_point() {
 }
 
 #[test]
-fn a_bank_that_learning_has_begun_to_change_is_not_told_as_that_of_a_file() {
+fn a_bank_that_learning_has_begun_to_change_is_not_reported_as_that_of_a_file() {
     let mut p = Parameters::START;
     (p.learn.repetitions, p.learn.identify) = (0, false);
     p.learn.factors = Speeds::new(&[1.0, 0.5]).unwrap();
@@ -163,7 +163,7 @@ fn a_bank_that_learning_has_begun_to_change_is_not_told_as_that_of_a_file() {
 }
 
 #[test]
-fn a_bank_that_learning_has_not_changed_before_it_was_broken_off_is_still_that_of_a_file() {
+fn a_bank_that_learning_has_not_changed_before_it_was_aborted_is_still_that_of_a_file() {
     let mut p = Parameters::START;
     p.learn.from_bank = true;
     let mut run = Loop::new(&p, &Build::NOMINAL);
@@ -181,12 +181,12 @@ fn a_bank_that_learning_has_not_changed_before_it_was_broken_off_is_still_that_o
 
 #[test]
 fn time_at_an_override_of_zero_does_not_count_but_when_it_learns() {
-    let job = |mode: Mode, share: f64, hold: bool| {
+    let cycle = |mode: Mode, ratio: f64, hold: bool| {
         let mut p = Parameters::START;
         p.limits.cycle_time = 1.0;
         let mut run = Loop::new(&p, &Build::NOMINAL);
         run.step();
-        (run.input.mode, run.input.speed_override, run.input.hold) = (mode, share, hold);
+        (run.input.mode, run.input.speed_override, run.input.hold) = (mode, ratio, hold);
         let ended = (0..300).position(|_| {
             run.step();
             run.output.fault == Fault::NoProgress
@@ -194,14 +194,14 @@ fn time_at_an_override_of_zero_does_not_count_but_when_it_learns() {
         (ended.is_some(), ended.is_none_or(|samples| (100..=102).contains(&samples)))
     };
     // learning has its own speeds
-    for (mode, share, hold, ends) in [
+    for (mode, ratio, hold, ends) in [
         (Mode::DryRun, 0.0, false, false),
         (Mode::DryRun, 0.01, false, true),
         (Mode::DryRun, 1.0, true, false),
         (Mode::Learn, 0.0, false, true),
         (Mode::Learn, 1.0, true, false),
     ] {
-        assert_eq!(job(mode, share, hold), (ends, true), "{mode:?} {share} {hold}");
+        assert_eq!(cycle(mode, ratio, hold), (ends, true), "{mode:?} {ratio} {hold}");
     }
 }
 

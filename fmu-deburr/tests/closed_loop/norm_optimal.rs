@@ -38,8 +38,8 @@ fn a_machine_that_is_a_fifth_off_costs_one_or_two_repetitions_more() {
     for (gain, dynamics) in [(0.8, 0.8), (0.8, 1.2), (1.2, 0.8), (1.2, 1.2)] {
         let costs = costs(0.01, &Build { gain, dynamics, ..Build::NOMINAL }, 8);
         assert!(costs[3] < 8.0 && costs[5] < 3.0, "{gain} {dynamics}: {costs:.1?}");
-        let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
-        assert!(costs[costs.len() - 1] <= least + 1.0, "{gain} {dynamics}: {costs:.1?}");
+        let minimum = costs.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(costs[costs.len() - 1] <= minimum + 1.0, "{gain} {dynamics}: {costs:.1?}");
     }
 }
 
@@ -56,13 +56,13 @@ fn more_weight_is_slower() {
 #[ignore = "a measurement: a table of the README"]
 fn every_weight() {
     for weight in [0.001, 0.01, 0.1, 1.0] {
-        let mut told = format!("measured: deburr-weights | {weight} |");
+        let mut line = format!("measured: deburr-weights | {weight} |");
         for (machine, factor) in [("nominal", 1.0), ("slow", 0.8), ("fast", 1.2)] {
             let build = Build { gain: factor, dynamics: factor, ..Build::NOMINAL };
             for (renewal, cost) in costs(weight, &build, 4).iter().enumerate() {
-                told += &format!(" {machine}_{renewal}={cost}");
+                line += &format!(" {machine}_{renewal}={cost}");
             }
         }
-        println!("{told}");
+        println!("{line}");
     }
 }

@@ -3,7 +3,7 @@
 use fmu_deburr::interface::{Fault, Mode, Parameters, State};
 
 use crate::robot::Build;
-use crate::setup::{Loop, running, stands_with};
+use crate::setup::{Loop, assert_rests_with, running};
 
 /// A robot whose fault was reset with a mode set, at rest.
 fn recovered() -> Loop {
@@ -83,7 +83,7 @@ fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
     }
     // the edge came before or with the cause
     (0..100).for_each(|_| run.step());
-    stands_with(&run, Fault::LongStep);
+    assert_rests_with(&run, Fault::LongStep);
     run.input.reset_fault = false;
     run.step();
     // pushed by hand at 20 mm/s
@@ -93,11 +93,11 @@ fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
         positions[2] += 2e-4;
         run.set_positions(&positions);
         run.controller.tick(&run.input, &run.parameters, &mut run.output);
-        stands_with(&run, Fault::LongStep);
+        assert_rests_with(&run, Fault::LongStep);
     }
     // that edge was too early
     (0..100).for_each(|_| run.controller.tick(&run.input, &run.parameters, &mut run.output));
-    stands_with(&run, Fault::LongStep);
+    assert_rests_with(&run, Fault::LongStep);
     for reset in [false, true] {
         run.input.reset_fault = reset;
         run.controller.tick(&run.input, &run.parameters, &mut run.output);
@@ -106,7 +106,7 @@ fn a_reset_needs_a_rising_edge_without_its_cause_and_axes_at_rest() {
 }
 
 #[test]
-fn without_enable_a_motion_stops_on_its_way_and_then_everything_is_off() {
+fn without_enable_a_motion_stops_on_its_path_and_then_everything_is_off() {
     let mut run = running(Mode::DryRun);
     let mut speed = run.output.path.speed;
     assert!(speed > 0.09);
@@ -131,7 +131,7 @@ fn without_enable_a_motion_stops_on_its_way_and_then_everything_is_off() {
 }
 
 #[test]
-fn a_moment_without_enable_ends_the_job() {
+fn a_moment_without_enable_ends_the_cycle() {
     let mut run = running(Mode::DryRun);
     run.input.enable = false;
     run.step();

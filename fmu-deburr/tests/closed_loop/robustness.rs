@@ -17,7 +17,7 @@ impl Dice {
 }
 
 #[test]
-fn random_inputs_do_no_harm() {
+fn random_inputs_do_no_damage() {
     const NONSENSE: [f64; 4] = [f64::NAN, f64::INFINITY, 1e300, -1e5];
     let mut p = Parameters::START;
     p.learn.repetitions = 1;

@@ -3,16 +3,16 @@
 use fmu_deburr::interface::{LearningLaw, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
 use fmu_deburr::path::{Block, Pose, Vector};
-use fmu_deburr::path::{CORNER, TaughtPath};
+use fmu_deburr::path::{CORNER, ProgrammedPath};
 
 use crate::robot::Build;
 use crate::setup::{Loop, from_zero, parameters};
 
 /// 0.8 m out and back along the arm at up to 500 mm/s; 1.2 s of acceleration, smoothed over 120 ms.
-fn round_trip() -> TaughtPath {
+fn round_trip() -> ProgrammedPath {
     let pose = |x: f64| Pose { tip: Vector::new(x, 0.0, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
     let blocks = vec![Block::line(&pose(0.4), &pose(1.2)).unwrap(), Block::line(&pose(1.2), &pose(0.4)).unwrap()];
-    TaughtPath::new(blocks, 0.5, true, CORNER).unwrap()
+    ProgrammedPath::new(blocks, 0.5, true, CORNER).unwrap()
 }
 
 /// Error of the bare servo over that of each repetition, axis 3.

@@ -38,7 +38,7 @@ pub fn from_zero(mut p: Parameters) -> Parameters {
 }
 
 /// A loop that has learned, without a repetition.
-pub fn taught() -> Loop {
+pub fn trained() -> Loop {
     let mut p = from_zero(Parameters::START);
     p.learn.repetitions = 0;
     let mut run = Loop::new(&p, &Build::NOMINAL);
@@ -59,7 +59,7 @@ impl Loop {
     }
 
     /// Another path.
-    pub fn with_path(p: &Parameters, build: &Build, path: fmu_deburr::path::TaughtPath) -> Self {
+    pub fn with_path(p: &Parameters, build: &Build, path: fmu_deburr::path::ProgrammedPath) -> Self {
         Self {
             robot: Robot::new(build, &[-0.1, 0.02, 0.7, 0.0, 0.0, 0.0]),
             controller: Controller::new(p, path).unwrap(),
@@ -157,8 +157,8 @@ pub fn running(mode: Mode) -> Loop {
 }
 
 /// In the fault, with zero commands, or with a pose that is held by commands as small as the last counts.
-pub fn stands_with(run: &Loop, fault: Fault) {
+pub fn assert_rests_with(run: &Loop, fault: Fault) {
     assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
-    let least = if run.output.drive_enable { 2e-4 } else { 0.0 };
-    assert!(run.output.axis.iter().all(|axis| axis.velocity.abs() <= least), "{:?}", run.output.axis);
+    let minimum = if run.output.drive_enable { 2e-4 } else { 0.0 };
+    assert!(run.output.axis.iter().all(|axis| axis.velocity.abs() <= minimum), "{:?}", run.output.axis);
 }

@@ -139,7 +139,7 @@ impl Controller {
             diverged: monitors.diverged.count(),
             overloaded: monitors.overloaded.count(),
             bent: !self.tracked() && self.reader.recent.bend() > bend_limit(p),
-            gain_ratio: monitors.drive.share(),
+            gain_ratio: monitors.drive.ratio(),
             evaluated: retracted || self.has_started(p),
             travelled: state.approaching() && self.motion.beyond_travel(p),
             learned: (learning && elapsed).then(|| self.detector.learned()),

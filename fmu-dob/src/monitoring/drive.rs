@@ -38,11 +38,11 @@ pub struct DriveResponse {
 impl DriveResponse {
     /// Nothing commanded so far.
     pub fn new(p: &Parameters) -> Self {
-        let share = |g: f64| g * p.sample_period / (1.0 + g * p.sample_period);
+        let ratio = |g: f64| g * p.sample_period / (1.0 + g * p.sample_period);
         Self {
-            force_share: share(p.observer.bandwidth),
-            velocity_share: share(p.observer.velocity_bandwidth),
-            slow_share: share(MEMORY.recip()),
+            force_share: ratio(p.observer.bandwidth),
+            velocity_share: ratio(p.observer.velocity_bandwidth),
+            slow_share: ratio(MEMORY.recip()),
             memory: MEMORY / p.sample_period,
             least: (EXCITATION * p.guard_force).powi(2),
             thrust: 0.0,
@@ -80,8 +80,8 @@ impl DriveResponse {
 
     /// Ratio of measured to commanded acceleration; none while too little was commanded. Partly used positions do not
     /// show a weak drive, because they reduce the motion themselves, but they show one that pushes the wrong way.
-    pub fn share(&self) -> Option<f64> {
-        self.response.share(self.least).filter(|share| !self.doubted || *share < 0.0)
+    pub fn ratio(&self) -> Option<f64> {
+        self.response.ratio(self.least).filter(|share| !self.doubted || *share < 0.0)
     }
 }
 
@@ -92,7 +92,7 @@ mod tests {
 
     /// Ratio after a push in both directions on a stage with `strength` times the commanded force, under a weight of 3
     /// N.
-    fn share(strength: f64, amplitude: f64) -> Option<f64> {
+    fn ratio(strength: f64, amplitude: f64) -> Option<f64> {
         let p = Parameters::START;
         let (mut observer, mut drive) = (DisturbanceObserver::new(&p), DriveResponse::new(&p));
         let (dt, constant) = (p.sample_period, p.stage.force_constant);
@@ -109,20 +109,20 @@ mod tests {
             observer.update(z, current);
             drive.update(constant * current, observer.force(), true);
         }
-        drive.share()
+        drive.ratio()
     }
 
     #[test]
     fn the_share_is_the_strength_and_its_sign() {
         for strength in [1.0, 0.3, -1.0, 1.5] {
-            let share = share(strength, 5.0).unwrap();
+            let share = ratio(strength, 5.0).unwrap();
             assert!((share - strength).abs() < 0.05, "{strength}: {share}");
         }
     }
 
     #[test]
     fn a_weak_push_shows_nothing() {
-        assert_eq!(share(1.0, 0.1), None);
+        assert_eq!(ratio(1.0, 0.1), None);
     }
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
                 let thrust = if k < 200 { 20.0 } else { -20.0 };
                 drive.update(thrust, (1.0 - answer) * thrust, doubted != Some(k));
             });
-            drive.share()
+            drive.ratio()
         };
         assert!(push(0.3, None).is_some());
         assert_eq!(push(0.3, Some(57)), None);

@@ -22,7 +22,7 @@ impl Controller {
         output.state = self.state;
         output.fault = self.ending.fault();
         output.drive_enable = self.ending.drive_enable();
-        output.drive_gain_ratio = self.watch.share(p).unwrap_or(1.0);
+        output.drive_gain_ratio = self.watch.ratio(p).unwrap_or(1.0);
         output.reference = ReferenceOutput { depth: wanted.depth, angle: wanted.motion.position };
         output.error = ErrorOutput {
             // the message of a fault shows the last error

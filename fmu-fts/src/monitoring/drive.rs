@@ -92,7 +92,7 @@ impl DriveWatch {
             return None;
         }
         let noise = NOISE * p.limits.arm_spread / (dt * dt * least_share);
-        self.now.share(undisturbed(p, NOW).max(noise * noise))
+        self.now.ratio(undisturbed(p, NOW).max(noise * noise))
     }
 
     /// The last ratio of [`Self::now`], for `MEMORY` after it: a torque that moves the arm 1 mm off its path in that time
@@ -103,25 +103,25 @@ impl DriveWatch {
 
     /// The ratio that identifies the cause: that of `now` without its margin for noise, or the latest.
     pub fn cause(&self, p: &Parameters) -> Option<f64> {
-        self.now.share(undisturbed(p, NOW)).or(self.latest(p))
+        self.now.ratio(undisturbed(p, NOW)).or(self.latest(p))
     }
 
     /// What it does now; of a small torque over the last 2 ms, where what was before hardly blurs what a fault has become.
     pub fn latest(&self, p: &Parameters) -> Option<f64> {
         let least = disturbance(p) / p.servo.inertia;
-        self.now(p).or(self.latest.share(SHORT / p.sample_period * least * least))
+        self.now(p).or(self.latest.ratio(SHORT / p.sample_period * least * least))
     }
 
     /// The same, over 2 ms, when the reading last changed: an arm that its drive has left comes to rest, an encoder freezes in motion.
     pub fn moving(&self, p: &Parameters) -> Option<f64> {
         let least = disturbance(p) / p.servo.inertia;
-        self.moving.share(SHORT / p.sample_period * least * least)
+        self.moving.ratio(SHORT / p.sample_period * least * least)
     }
 
     /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could move the
     /// ratio, at worst 1 - d / u, of a good drive below `expert.limits.drive_gain_ratio`.
-    pub fn share(&self, p: &Parameters) -> Option<f64> {
-        self.response.share(undisturbed(p, MEMORY))
+    pub fn ratio(&self, p: &Parameters) -> Option<f64> {
+        self.response.ratio(undisturbed(p, MEMORY))
     }
 }
 
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     /// The ratio of a rigid arm with `gain` under a torque over the time, after 0.1 s.
-    fn share(gain: f64, torque: impl Fn(f64) -> f64, resolution: f64) -> Option<f64> {
+    fn ratio(gain: f64, torque: impl Fn(f64) -> f64, resolution: f64) -> Option<f64> {
         let (p, dt) = (Parameters::START, 1e-4);
         let mut watch = DriveWatch::default();
         let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
@@ -154,7 +154,7 @@ mod tests {
             velocity += dt * acceleration;
             before = command;
         }
-        watch.share(&p)
+        watch.ratio(&p)
     }
 
     #[test]
@@ -184,7 +184,7 @@ mod tests {
             for (hertz, torque) in [(20.0, 2.0), (80.0, 2.0), (500.0, 5.0)] {
                 let swing = |t: f64| torque * (TAU * hertz * t).cos();
                 for resolution in [1e-9, 7.5e-7, 1.2e-5] {
-                    let share = share(gain, swing, resolution).unwrap();
+                    let share = ratio(gain, swing, resolution).unwrap();
                     assert!((share - gain).abs() < 0.06, "{gain} {hertz} Hz {resolution}: {share}");
                 }
             }
@@ -203,7 +203,7 @@ mod tests {
                 angle += dt * velocity;
                 velocity += dt * before / p.servo.inertia;
                 before = motion * phase;
-                assert!(watch.share(&p).is_none_or(|share| share >= p.limits.drive_gain_ratio), "{motion}");
+                assert!(watch.ratio(&p).is_none_or(|share| share >= p.limits.drive_gain_ratio), "{motion}");
             }
         }
     }
@@ -260,7 +260,7 @@ mod tests {
 
     #[test]
     fn a_small_torque_gives_no_ratio() {
-        assert_eq!(share(1.0, |t| 0.2 * (TAU * 20.0 * t).cos(), 1e-9), None);
-        assert_eq!(share(0.0, |_| 5.0, 1e-9), None);
+        assert_eq!(ratio(1.0, |t| 0.2 * (TAU * 20.0 * t).cos(), 1e-9), None);
+        assert_eq!(ratio(0.0, |_| 5.0, 1e-9), None);
     }
 }

@@ -80,7 +80,7 @@ impl Watch {
 
     /// The cause of what is wrong, if something is.
     pub fn find(&self, p: &Parameters, length: f64) -> Option<Fault> {
-        let share = self.drive.share(p);
+        let share = self.drive.ratio(p);
         // an arm that turns late stands for a moment, too
         let stands = i64::from(self.life.still()) > i64::from(p.limits.lost_samples);
         let frozen = stands && self.life.unanswered(p, length) > 1.0;
@@ -109,8 +109,8 @@ impl Watch {
     }
 
     /// Acceleration of the arm over that of the torque, if the torque is large enough.
-    pub fn share(&self, p: &Parameters) -> Option<f64> {
-        self.drive.share(p)
+    pub fn ratio(&self, p: &Parameters) -> Option<f64> {
+        self.drive.ratio(p)
     }
 
     /// Known response of the arm to a torque: 1 if the drive responded when last observed, without a contradiction since;
@@ -125,7 +125,7 @@ impl Watch {
 
     /// The ratio for the message of a drive fault: that of 10 ms, or the latest if it is less.
     pub fn least_share(&self, p: &Parameters) -> f64 {
-        [self.drive.share(p), self.drive.latest(p)].into_iter().flatten().reduce(f64::min).unwrap_or(1.0)
+        [self.drive.ratio(p), self.drive.latest(p)].into_iter().flatten().reduce(f64::min).unwrap_or(1.0)
     }
 
     /// Cause of a following error: a fast path leaves its limit before a whole `MEMORY` has evaluated the drive.
@@ -336,7 +336,7 @@ mod tests {
         assert_eq!([0.003, 0.007].map(|after| answer(-1.0, after)), [-1.0; 2]);
         // the message shows the smallest ratio
         let reported = turned(&p, -1.0, 2e-3).least_share(&p);
-        assert!(reported < TURNED && turned(&p, -1.0, 2e-3).share(&p).is_some_and(|share| share > 0.4), "{reported}");
+        assert!(reported < TURNED && turned(&p, -1.0, 2e-3).ratio(&p).is_some_and(|share| share > 0.4), "{reported}");
         assert_eq!(Watch::default().least_share(&p), 1.0);
     }
 

@@ -106,7 +106,7 @@ impl Axis {
 
     /// Measured over commanded motion, if the commanded motion is significant.
     fn motion_ratio(&self, p: &Parameters) -> Option<f64> {
-        let share = self.response.share((3.0 * p.encoder_resolution).powi(2))?;
+        let share = self.response.ratio((3.0 * p.encoder_resolution).powi(2))?;
         (self.compared >= COMPARED).then_some(share)
     }
 }

@@ -18,9 +18,9 @@ const WEAK: f64 = 0.7;
 /// Ratio below which it goes the other way.
 const OPPOSITE: f64 = -0.2;
 /// Ratio of the command for `error_max` from which a command oscillates.
-const SWING: f64 = 0.1;
+const SPEED_MIN: f64 = 0.1;
 /// Reversals of a loop that is not stable, and the longest time between two, samples.
-const SWINGS: (u32, u32) = (3, 20);
+const OSCILLATIONS: (u32, u32) = (3, 20);
 
 /// Ratio of what a drive of another strength leaves, below which an answer is that of a drive with an offset.
 const SHIFTED: f64 = 0.25;
@@ -66,8 +66,8 @@ pub struct Answer {
     before: f64,
     response: Response,
     sums: AnswerSums,
-    swing: Reversals,
-    swings: u32,
+    reversals: Reversals,
+    oscillations: u32,
 }
 
 impl Answer {
@@ -78,8 +78,8 @@ impl Answer {
 
     /// Takes the velocity command (rad/s or m/s) that was sent to the axis `axis` (from 0).
     pub fn command(&mut self, p: &Parameters, axis: usize, velocity: f64) {
-        let limit = SWING * p.servo_gain[axis] * p.limits.axis[axis].error_max;
-        self.swings = self.swing.update(velocity, limit, SWINGS.1);
+        let limit = SPEED_MIN * p.servo_gain[axis] * p.limits.axis[axis].error_max;
+        self.oscillations = self.reversals.update(velocity, limit, OSCILLATIONS.1);
     }
 
     /// Takes a measurement and the motion that was commanded for the sample that it ends, rad or m.
@@ -91,19 +91,19 @@ impl Answer {
     }
 
     /// Ratio of the commanded motion that was done; none where too little was commanded.
-    pub fn share(&self, pulse: f64) -> Option<f64> {
-        self.response.share((EXCITED * pulse).powi(2))
+    pub fn ratio(&self, pulse: f64) -> Option<f64> {
+        self.response.ratio((EXCITED * pulse).powi(2))
     }
 
     /// What a drive of this answer is a fault by, if anything.
     pub fn cause(&self, pulse: f64) -> Option<Fault> {
-        if self.swings >= SWINGS.0 {
+        if self.oscillations >= OSCILLATIONS.0 {
             return Some(Fault::Oscillation);
         }
-        match self.share(pulse) {
+        match self.ratio(pulse) {
             _ if self.sums.shifted() => None,
-            Some(share) if share < OPPOSITE => Some(Fault::DriveSign),
-            Some(share) if share < WEAK => Some(Fault::WeakDrive),
+            Some(ratio) if ratio < OPPOSITE => Some(Fault::DriveSign),
+            Some(ratio) if ratio < WEAK => Some(Fault::WeakDrive),
             _ => None,
         }
     }

@@ -32,9 +32,9 @@ impl Lag {
         let moved = (reference - self.reference).abs();
         self.reference = reference;
         // gain of the loop times the sample period
-        let turns = p.servo_gain[axis] * p.model.axis[axis].gain * p.sample_period;
-        let lag = moved / turns;
-        let [slow, fast] = FADING.map(|fading| (-fading * turns).exp());
+        let decay = p.servo_gain[axis] * p.model.axis[axis].gain * p.sample_period;
+        let lag = moved / decay;
+        let [slow, fast] = FADING.map(|fading| (-fading * decay).exp());
         (self.peak, self.tail) = ((self.peak * slow).max(lag), (self.tail * fast).max(lag));
     }
 }
@@ -53,7 +53,7 @@ mod tests {
         let lag = 0.1 / kp;
         assert!((held.peak - lag).abs() < 1e-12 && (held.tail - lag).abs() < 1e-12);
         held.command(&p, 2, 1e-3);
-        let faded = |share: f64| lag * (-share * kp * p.sample_period).exp();
+        let faded = |fraction: f64| lag * (-fraction * kp * p.sample_period).exp();
         assert!((held.peak - faded(0.06)).abs() < 1e-12 && (held.tail - faded(0.5)).abs() < 1e-12);
     }
 }

@@ -19,7 +19,7 @@ const SQUARES: f64 = 10.0;
 /// Samples less the unknowns: two means and a slope.
 const FREE: f64 = 5.0;
 /// Smallest step that is used, in counts and in standard deviations (default; nominal drives leave 4 counts, drives of 0.4 of their bandwidth 7).
-const LEAST: (f64, f64) = (8.0, 10.0);
+const STEP_MIN: (f64, f64) = (8.0, 10.0);
 /// Deviation of what the fit leaves, in counts, from which it is noise that steps.
 const NOISY: f64 = 2.0;
 /// Steps to one side more than to the other that are no accident.
@@ -66,7 +66,9 @@ impl Slips {
     /// Whether there is a step in the middle; it is used if no larger one followed on the same samples.
     fn find(&mut self, pulse: f64) {
         let (step, deviation) = self.step();
-        if deviation < NOISY * pulse && step.abs() > (LEAST.0 * pulse).max(LEAST.1 * deviation).max(self.peak.abs()) {
+        if deviation < NOISY * pulse
+            && step.abs() > (STEP_MIN.0 * pulse).max(STEP_MIN.1 * deviation).max(self.peak.abs())
+        {
             (self.peak, self.since) = (step, 0);
         } else if self.peak != 0.0 {
             self.since += 1;
@@ -99,12 +101,12 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// Finding for axis 3 that moves by ten counts in a sample, with `beside` as the error of its position in counts, and its sample.
-    fn said(beside: impl Fn(u32) -> f64) -> Option<(u32, Finding)> {
+    /// Finding for axis 3 that moves by ten counts in a sample, with `offset` as the error of its position in counts, and its sample.
+    fn first_finding(offset: impl Fn(u32) -> f64) -> Option<(u32, Finding)> {
         let (mut slips, pulse) = (Slips::default(), P.axis[2].pulse);
         (0..1000).find_map(|k| {
-            let place = 10.0 * f64::from(k) + beside(k);
-            let found = slips.update(&P, 2, place.round() * pulse, 10.0 * pulse);
+            let position = 10.0 * f64::from(k) + offset(k);
+            let found = slips.update(&P, 2, position.round() * pulse, 10.0 * pulse);
             found.is_fault().then_some((k, found))
         })
     }
@@ -114,9 +116,9 @@ mod tests {
     }
 
     #[test]
-    fn counts_that_are_lost_again_and_again_are_told_where_they_add_up_to_the_limit() {
+    fn counts_that_are_lost_again_and_again_are_reported_where_they_add_up_to_the_limit() {
         for (lost, every) in [(40.0, 10), (-40.0, 10), (20.0, 10), (80.0, 40), (10.0, 5)] {
-            let (k, found) = said(|k| noise(k) + lost * f64::from(k / every)).unwrap();
+            let (k, found) = first_finding(|k| noise(k) + lost * f64::from(k / every)).unwrap();
             assert_eq!((found.fault, found.numbers.axis, found.numbers.limit), (Fault::PositionJump, 3, 1e-3));
             // 200 counts, with the last one found eight samples later
             let steps = (200.0 / f64::abs(lost)).ceil() as u32;
@@ -127,24 +129,24 @@ mod tests {
 
     #[test]
     fn fewer_than_three_steps_or_less_than_the_limit_are_bridged() {
-        assert_eq!(said(|k| noise(k) + 150.0 * f64::from((k / 100).min(2))), None);
-        assert!(said(|k| noise(k) + 150.0 * f64::from((k / 100).min(3))).is_some());
-        assert_eq!(said(|k| noise(k) + 45.0 * f64::from((k / 100).min(4))), None);
+        assert_eq!(first_finding(|k| noise(k) + 150.0 * f64::from((k / 100).min(2))), None);
+        assert!(first_finding(|k| noise(k) + 150.0 * f64::from((k / 100).min(3))).is_some());
+        assert_eq!(first_finding(|k| noise(k) + 45.0 * f64::from((k / 100).min(4))), None);
         // back and forth
-        assert_eq!(said(|k| noise(k) + 300.0 * f64::from(k / 50 % 2)), None);
+        assert_eq!(first_finding(|k| noise(k) + 300.0 * f64::from(k / 50 % 2)), None);
     }
 
     #[test]
     fn an_offset_a_gain_that_bends_noise_and_single_samples_lose_nothing() {
-        assert_eq!(said(|k| noise(k) + 2.6 * f64::from(k)), None);
+        assert_eq!(first_finding(|k| noise(k) + 2.6 * f64::from(k)), None);
         // 0.3 of 0.5 m/s2 up and down
         let speed = |k: u32| 3.0 * f64::from((k % 60).min(60 - k % 60));
-        assert_eq!(said(|k| noise(k) + (0..k).map(speed).sum::<f64>()), None);
-        assert_eq!(said(|k| 40.0 * noise(k)), None);
+        assert_eq!(first_finding(|k| noise(k) + (0..k).map(speed).sum::<f64>()), None);
+        assert_eq!(first_finding(|k| 40.0 * noise(k)), None);
         // steps of a measurement that is as noisy
-        assert_eq!(said(|k| 20.0 * noise(k) + 300.0 * f64::from(k / 20)), None);
+        assert_eq!(first_finding(|k| 20.0 * noise(k) + 300.0 * f64::from(k / 20)), None);
         // held for a sample of three
-        assert_eq!(said(|k| if k % 3 == 0 { -10.0 } else { 0.0 }), None);
+        assert_eq!(first_finding(|k| if k % 3 == 0 { -10.0 } else { 0.0 }), None);
     }
 
     #[test]

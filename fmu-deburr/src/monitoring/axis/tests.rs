@@ -21,7 +21,7 @@ impl Bench {
     }
 
     /// One sample; `bends` makes of commanded motion and position (counts) what the machine does and what is read.
-    fn step(&mut self, speed: f64, expected: Expectation, bends: impl Fn(f64, f64) -> (f64, f64)) -> Verdict {
+    fn step(&mut self, speed: f64, expected: Expectation, bends: impl Fn(f64, f64) -> (f64, f64)) -> Outcome {
         let pulse = self.p.axis[2].pulse;
         let commanded = self.sent.before(1) * self.p.sample_period;
         let (moved, seen) = bends(commanded / pulse, self.position);
@@ -30,21 +30,21 @@ impl Bench {
         let read = seen + moved;
         let error = self.reference - read;
         let motion = Motion { position: read.floor() * pulse, commanded, error: error * pulse };
-        let verdict = self.monitor.look(&self.p, 2, &motion, expected);
+        let outcome = self.monitor.look(&self.p, 2, &motion, expected);
         self.reference += speed * self.p.sample_period / pulse;
         let velocity = 13.0 * pulse * (self.reference - read);
         self.sent.send(velocity);
         self.nominal.step(&mut self.drive, self.reference);
         self.monitor.command(&self.p, 2, self.reference.round(), 0.0, velocity);
-        verdict
+        outcome
     }
 
     fn faulted(&mut self, bends: impl Fn(f64, f64) -> (f64, f64)) -> Option<(usize, Finding)> {
         for _ in 0..150 {
-            assert_eq!(self.step(0.1, Expectation::Bare, |moved, at| (moved, at)), Verdict::Good);
+            assert_eq!(self.step(0.1, Expectation::Bare, |moved, at| (moved, at)), Outcome::Good);
         }
         (0..300).find_map(|k| match self.step(0.1, Expectation::Bare, &bends) {
-            Verdict::Wrong(finding) => Some((k, finding)),
+            Outcome::Wrong(finding) => Some((k, finding)),
             _ => None,
         })
     }
@@ -55,7 +55,7 @@ fn a_good_axis_is_good_at_any_speed_and_when_it_stops() {
     let mut bench = Bench::new();
     for speed in [0.0, 0.02, 0.5, -0.5, 0.1, 0.0] {
         for _ in 0..100 {
-            assert_eq!(bench.step(speed, Expectation::Bare, |moved, at| (moved, at)), Verdict::Good);
+            assert_eq!(bench.step(speed, Expectation::Bare, |moved, at| (moved, at)), Outcome::Good);
         }
     }
 }
@@ -73,10 +73,10 @@ fn a_drive_of_seven_tenths_of_its_gain_is_good_in_a_quick_motion_and_after_it() 
         let mut bench = Bench::new();
         for k in 0..300 {
             // 0.22 m in 1.5 s, as to the start of the path, and rest
-            let share = (f64::from(k) / 150.0).min(1.0);
-            let speed = 0.22 / 1.5 * 30.0 * (share * (1.0 - share)).powi(2);
-            let verdict = bench.step(speed, Expectation::Bare, |moved, at| (gain * moved, at));
-            assert_eq!(verdict, Verdict::Good, "{gain}, sample {k}");
+            let fraction = (f64::from(k) / 150.0).min(1.0);
+            let speed = 0.22 / 1.5 * 30.0 * (fraction * (1.0 - fraction)).powi(2);
+            let outcome = bench.step(speed, Expectation::Bare, |moved, at| (gain * moved, at));
+            assert_eq!(outcome, Outcome::Good, "{gain}, sample {k}");
         }
     }
 }
@@ -103,24 +103,26 @@ fn what_the_commands_do_not_explain_is_a_following_error() {
 }
 
 #[test]
-fn a_drive_with_an_offset_stands_where_its_command_cancels_it() {
+fn a_drive_with_an_offset_rests_where_its_command_cancels_it() {
     // 1 and 2 mm/s of 1 m/s, for a minute after a motion
     for offset in [2.0, -2.0, 4.0] {
         let mut bench = Bench::new();
         for k in 0..6000 {
             let speed = if (200..400).contains(&k) { 0.02 } else { 0.0 };
-            let verdict = bench.step(speed, Expectation::Bare, |moved, at| (moved + offset, at));
-            assert_eq!(verdict, Verdict::Good, "{offset}, sample {k}");
+            let outcome = bench.step(speed, Expectation::Bare, |moved, at| (moved + offset, at));
+            assert_eq!(outcome, Outcome::Good, "{offset}, sample {k}");
         }
         // and its encoder freezes still
-        let said = (0..100).map(|_| bench.step(0.02, Expectation::Bare, |_, at| (0.0, at)));
-        let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else { panic!() };
+        let outcome = (0..100).map(|_| bench.step(0.02, Expectation::Bare, |_, at| (0.0, at)));
+        let Some(Outcome::Wrong(finding)) = outcome.into_iter().find(|outcome| *outcome != Outcome::Good) else {
+            panic!()
+        };
         assert_eq!(finding.fault, Fault::PositionFrozen);
     }
 }
 
 #[test]
-fn a_reading_that_freezes_just_before_the_rest_is_told_before_the_axis_has_crept_a_millimetre() {
+fn a_reading_that_freezes_just_before_the_rest_is_reported_before_the_axis_has_crept_a_millimetre() {
     // 0.5 to 0.05 mm are left
     for left in [100.0, 50.0, 10.0] {
         let mut bench = Bench::new();
@@ -129,11 +131,11 @@ fn a_reading_that_freezes_just_before_the_rest_is_told_before_the_axis_has_crept
         }
         bench.reference += left;
         let mut crept = 0.0;
-        let said = (0..4000).map(|_| {
+        let outcome = (0..4000).map(|_| {
             crept += bench.sent.before(1) * bench.p.sample_period;
             bench.step(0.0, Expectation::Bare, |_, at| (0.0, at))
         });
-        let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else {
+        let Some(Outcome::Wrong(finding)) = outcome.into_iter().find(|outcome| *outcome != Outcome::Good) else {
             panic!("{left}")
         };
         assert_eq!(finding.fault, Fault::PositionFrozen);
@@ -145,11 +147,11 @@ fn a_reading_that_freezes_just_before_the_rest_is_told_before_the_axis_has_crept
 fn what_no_gain_explains_is_not_the_pattern() {
     let mut bench = Bench::new();
     for _ in 0..50 {
-        assert_eq!(bench.step(0.0, Expectation::Compensated, |moved, at| (moved, at)), Verdict::Good);
+        assert_eq!(bench.step(0.0, Expectation::Compensated, |moved, at| (moved, at)), Outcome::Good);
     }
     // pushed by 10 mm/s at rest: 0.77 mm, more than a pattern leaves and less than `error_max`
-    let said = (0..200).map(|_| bench.step(0.0, Expectation::Compensated, |moved, at| (moved + 20.0, at)));
-    let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else { panic!() };
+    let outcome = (0..200).map(|_| bench.step(0.0, Expectation::Compensated, |moved, at| (moved + 20.0, at)));
+    let Some(Outcome::Wrong(finding)) = outcome.into_iter().find(|outcome| *outcome != Outcome::Good) else { panic!() };
     // retracting would move an axis that is not under control
     assert_eq!(finding.fault.reaction(), control_blocks::Reaction::DriveOff, "{finding:?}");
 }
@@ -158,23 +160,23 @@ fn what_no_gain_explains_is_not_the_pattern() {
 fn only_what_should_be_compensated_has_the_narrow_limit() {
     let run = |expected| {
         let mut bench = Bench::new();
-        (0..100).map(|_| bench.step(0.05, expected, |moved, at| (moved, at))).find(|said| *said != Verdict::Good)
+        (0..100).map(|_| bench.step(0.05, expected, |moved, at| (moved, at))).find(|outcome| *outcome != Outcome::Good)
     };
     assert_eq!(run(Expectation::Bare), None);
-    let Some(Verdict::Wrong(finding)) = run(Expectation::Compensated) else { panic!("nothing was found") };
+    let Some(Outcome::Wrong(finding)) = run(Expectation::Compensated) else { panic!("nothing was found") };
     assert_eq!((finding.fault, finding.numbers.limit), (Fault::PatternMismatch, 5e-4));
 }
 
 /// Samples consecutive with a motion until something is said, and what; counted from 1.
-fn said(expected: Expectation, motion: Motion) -> Option<(usize, Verdict)> {
+fn outcome(expected: Expectation, motion: Motion) -> Option<(usize, Outcome)> {
     let p = Parameters::START;
     let mut monitor = AxisMonitor::new(&p, 2);
     monitor.restart(0.0, p.axis[2].pulse);
-    (1..20).map(|k| (k, monitor.look(&p, 2, &motion, expected))).find(|(_, verdict)| *verdict != Verdict::Good)
+    (1..20).map(|k| (k, monitor.look(&p, 2, &motion, expected))).find(|(_, outcome)| *outcome != Outcome::Good)
 }
 
 #[test]
-fn what_is_wrong_for_the_samples_that_are_bridged_and_one_more_is_told() {
+fn what_is_wrong_for_the_samples_that_are_bridged_and_one_more_is_reported() {
     let [bare, learned, compensated] = [Expectation::Bare, Expectation::Learned, Expectation::Compensated];
     let motion = |position: f64, error: f64| Motion { position, commanded: 0.0, error };
     for (expected, motion) in [
@@ -185,7 +187,7 @@ fn what_is_wrong_for_the_samples_that_are_bridged_and_one_more_is_told() {
         (compensated, motion(0.0, 5.1e-4)),
         (compensated, motion(0.0, -5.1e-4)),
     ] {
-        assert_eq!(said(expected, motion).map(|said| said.0), Some(4), "{expected:?} {motion:?}");
+        assert_eq!(outcome(expected, motion).map(|outcome| outcome.0), Some(4), "{expected:?} {motion:?}");
     }
     for (expected, motion) in [
         (bare, motion(9.9e-4, 9.9e-4)),
@@ -195,25 +197,26 @@ fn what_is_wrong_for_the_samples_that_are_bridged_and_one_more_is_told() {
         (compensated, motion(0.0, 5e-4)),
         (bare, motion(0.0, 1e-3)),
     ] {
-        assert_eq!(said(expected, motion), None, "{expected:?} {motion:?}");
+        assert_eq!(outcome(expected, motion), None, "{expected:?} {motion:?}");
     }
 }
 
 #[test]
 fn the_consequence_says_what_the_error_is_of() {
-    let fault = |expected, position: f64, error: f64| match said(expected, Motion { position, commanded: 0.0, error })
-        .unwrap()
-        .1
-    {
-        Verdict::Wrong(finding) => (finding.fault, finding.numbers.value, finding.numbers.limit),
-        verdict => panic!("{verdict:?}"),
-    };
+    let fault =
+        |expected, position: f64, error: f64| match outcome(expected, Motion { position, commanded: 0.0, error })
+            .unwrap()
+            .1
+        {
+            Outcome::Wrong(finding) => (finding.fault, finding.numbers.value, finding.numbers.limit),
+            outcome => panic!("{outcome:?}"),
+        };
     assert_eq!(fault(Expectation::Bare, 1.5e-3, 0.0), (Fault::FollowingError, 1.5e-3, 1e-3));
     assert_eq!(fault(Expectation::Bare, 0.0, -1.5e-3), (Fault::FollowingError, 1.5e-3, 1e-3));
     assert_eq!(fault(Expectation::Compensated, 4e-4, 6e-4), (Fault::PatternMismatch, 6e-4, 5e-4));
     assert_eq!(fault(Expectation::Compensated, -6e-4, 6e-4), (Fault::FollowingError, 6e-4, 5e-4));
-    let grown = said(Expectation::Learned, Motion { position: 0.0, commanded: 0.0, error: 1.1e-3 });
-    assert_eq!(grown.unwrap().1, Verdict::Grown);
+    let grown = outcome(Expectation::Learned, Motion { position: 0.0, commanded: 0.0, error: 1.1e-3 });
+    assert_eq!(grown.unwrap().1, Outcome::Grown);
 }
 
 #[test]
@@ -239,14 +242,14 @@ fn a_compensation_moves_the_model_as_the_reference_does() {
 
 /// The first thing that is said in half a minute in which an offset (counts in a sample) comes in the sample `begin`, after a motion
 /// of 0.1 m/s for this number of samples.
-fn said_of_an_offset(offset: f64, begin: usize, motion: usize) -> Option<Fault> {
+fn fault_of_an_offset(offset: f64, begin: usize, motion: usize) -> Option<Fault> {
     let mut bench = Bench::new();
-    let said = (0..3000).map(|k| {
-        let (speed, beside) = (if k < motion { 0.1 } else { 0.0 }, if k < begin { 0.0 } else { offset });
-        bench.step(speed, Expectation::Bare, |moved, at| (moved + beside, at))
+    let outcome = (0..3000).map(|k| {
+        let (speed, shift) = (if k < motion { 0.1 } else { 0.0 }, if k < begin { 0.0 } else { offset });
+        bench.step(speed, Expectation::Bare, |moved, at| (moved + shift, at))
     });
-    match said.into_iter().find(|said| *said != Verdict::Good) {
-        Some(Verdict::Wrong(finding)) => Some(finding.fault),
+    match outcome.into_iter().find(|outcome| *outcome != Outcome::Good) {
+        Some(Outcome::Wrong(finding)) => Some(finding.fault),
         _ => None,
     }
 }
@@ -255,17 +258,17 @@ fn said_of_an_offset(offset: f64, begin: usize, motion: usize) -> Option<Fault> 
 fn an_offset_that_comes_in_motion_is_a_following_error_and_no_frozen_reading() {
     // 1 to 10 mm/s
     for offset in [2.0, -2.0, 10.0, -20.0, 20.0] {
-        assert_eq!(said_of_an_offset(offset, 150, 200), Some(Fault::FollowingError), "{offset}");
+        assert_eq!(fault_of_an_offset(offset, 150, 200), Some(Fault::FollowingError), "{offset}");
     }
     // 0.1 mm/s are hidden by the band of the measurement
-    assert_eq!(said_of_an_offset(0.2, 150, 200), None);
+    assert_eq!(fault_of_an_offset(0.2, 150, 200), None);
 }
 
 #[test]
 fn an_offset_that_comes_at_rest_or_with_the_first_sample_is_no_frozen_reading() {
     for (offset, begin) in [(1.0, 0), (4.0, 0), (-10.0, 0), (20.0, 0), (10.0, 100), (-20.0, 100)] {
-        let said = said_of_an_offset(offset, begin, 0);
-        assert!(matches!(said, None | Some(Fault::FollowingError)), "{offset} from {begin}: {said:?}");
+        let outcome = fault_of_an_offset(offset, begin, 0);
+        assert!(matches!(outcome, None | Some(Fault::FollowingError)), "{offset} from {begin}: {outcome:?}");
     }
 }
 
@@ -274,14 +277,16 @@ fn a_drive_with_a_large_offset_has_neither_the_wrong_sign_nor_too_little_strengt
     // 20 and 40 mm/s from the first sample on
     for offset in [40.0, -40.0, 80.0] {
         let mut bench = Bench::new();
-        let said = (0..200).map(|_| bench.step(0.0, Expectation::Bare, |moved, at| (moved + offset, at)));
-        let Some(Verdict::Wrong(finding)) = said.into_iter().find(|said| *said != Verdict::Good) else { panic!() };
+        let outcome = (0..200).map(|_| bench.step(0.0, Expectation::Bare, |moved, at| (moved + offset, at)));
+        let Some(Outcome::Wrong(finding)) = outcome.into_iter().find(|outcome| *outcome != Outcome::Good) else {
+            panic!()
+        };
         assert_eq!(finding.fault, Fault::FollowingError, "{finding:?}");
     }
 }
 
 #[test]
-fn a_weak_drive_that_still_creeps_when_its_model_begins_anew_has_no_offset() {
+fn a_weak_drive_that_still_creeps_when_its_model_starts_again_has_no_offset() {
     let mut bench = Bench::new();
     let pulse = bench.p.axis[2].pulse;
     // 8 counts before its position, with commands in the delay
@@ -289,13 +294,13 @@ fn a_weak_drive_that_still_creeps_when_its_model_begins_anew_has_no_offset() {
     bench.position = 8.0;
     (0..2).for_each(|_| bench.sent.send(-13.0 * 9.0 * pulse));
     for k in 0..6000 {
-        let verdict = bench.step(0.0, Expectation::Bare, |moved, at| (0.72 * moved, at));
-        assert_eq!(verdict, Verdict::Good, "{k}");
+        let outcome = bench.step(0.0, Expectation::Bare, |moved, at| (0.72 * moved, at));
+        assert_eq!(outcome, Outcome::Good, "{k}");
     }
 }
 
 #[test]
-fn an_axis_rests_while_its_patterns_go_to_and_fro_by_a_count_and_not_before_it_has_come_to_rest() {
+fn an_axis_rests_while_its_patterns_go_back_and_forth_by_a_count_and_not_before_it_has_come_to_rest() {
     let p = Parameters::START;
     let mut monitor = AxisMonitor::new(&p, 2);
     monitor.restart(0.0, p.axis[2].pulse);
@@ -307,8 +312,8 @@ fn an_axis_rests_while_its_patterns_go_to_and_fro_by_a_count_and_not_before_it_h
         (0..samples).map(sample).collect()
     };
     // four time constants of 1/13 s
-    let stands = rests(200, 0.0, |_| 0.0);
-    assert_eq!(stands.iter().position(|rests| *rests), Some(30));
+    let stopped = rests(200, 0.0, |_| 0.0);
+    assert_eq!(stopped.iter().position(|rests| *rests), Some(30));
     assert!(rests(200, 0.0, |k| f64::from(k / 8 % 3) - 1.0).iter().all(|rests| *rests));
     // a hundred counts away it continues for some more
     let comes = rests(200, 100.0, |_| 0.0);

@@ -14,7 +14,7 @@ use crate::interface::Parameters;
 /// Counts within which a position is frozen.
 const BAND: f64 = 1.5;
 /// Counts in a sample below which the model is at rest, and the time in 1/Kp until the axis is at rest, too.
-const STANDS: (f64, f64) = (0.1, 4.0);
+const STOPPED: (f64, f64) = (0.1, 4.0);
 /// Counts from its position that a measurement may be held to have come to rest: the band, half of it in its last step, and rounding.
 const HIDDEN: f64 = 3.0;
 
@@ -35,10 +35,10 @@ pub struct Unanswered {
     /// what of the commanded motion was missing in the last way of the measurement, in a sample, how unsure that is, and whether it
     /// explains what is commanded now
     missing: f64,
-    unsure: f64,
+    uncertain: f64,
     explained: bool,
     /// where the measurement last moved to, what was commanded since, rad or m, and in how many samples
-    place: f64,
+    origin: f64,
     commanded: f64,
     samples: u32,
     /// time for which the model has been at rest, s; none before the first command
@@ -52,9 +52,9 @@ impl Unanswered {
             frozen: Frozen::default(),
             offset: 0.0,
             missing: 0.0,
-            unsure: 0.0,
+            uncertain: 0.0,
             explained: false,
-            place: position,
+            origin: position,
             commanded: 0.0,
             samples: 0,
             rest: None,
@@ -63,38 +63,38 @@ impl Unanswered {
 
     /// Motion of the loop model in a sample, counts, past or future.
     pub fn expect(&mut self, p: &Parameters, counts: f64) {
-        let stands = counts.abs() < STANDS.0;
-        self.rest = Some(if stands { self.rest.map_or(f64::INFINITY, |rest| rest + p.sample_period) } else { 0.0 });
+        let stopped = counts.abs() < STOPPED.0;
+        self.rest = Some(if stopped { self.rest.map_or(f64::INFINITY, |rest| rest + p.sample_period) } else { 0.0 });
     }
 
     /// Takes a measurement of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends, rad or m.
     pub fn update(&mut self, p: &Parameters, axis: usize, position: f64, commanded: f64) {
         let (kp, pulse) = (p.servo_gain[axis], p.axis[axis].pulse);
-        let turns = kp * p.sample_period;
-        let hidden = HIDDEN * pulse * turns;
+        let decay = kp * p.sample_period;
+        let hidden = HIDDEN * pulse * decay;
         let beyond = commanded - self.offset;
         self.frozen.update(position, beyond - beyond.clamp(-hidden, hidden), BAND * pulse);
         (self.commanded, self.samples) = (self.commanded + commanded, self.samples.saturating_add(1));
         if self.frozen.still() == 0 {
-            self.missing = (self.commanded - (position - self.place)) / f64::from(self.samples);
-            self.unsure = ROUNDED * pulse / f64::from(self.samples);
+            self.missing = (self.commanded - (position - self.origin)) / f64::from(self.samples);
+            self.uncertain = ROUNDED * pulse / f64::from(self.samples);
             if self.rests(kp) {
                 self.offset = commanded;
             }
-            (self.place, self.commanded, self.samples) = (position, 0.0, 0);
+            (self.origin, self.commanded, self.samples) = (position, 0.0, 0);
         }
-        let large = LARGEST * turns * p.limits.axis[axis].error_max;
-        let told = self.unsure.max((commanded - self.missing).abs()) < EXPLAINED * commanded.abs();
-        self.explained = told && commanded.abs() < large;
+        let large = LARGEST * decay * p.limits.axis[axis].error_max;
+        let certain = self.uncertain.max((commanded - self.missing).abs()) < EXPLAINED * commanded.abs();
+        self.explained = certain && commanded.abs() < large;
     }
 
     /// Whether the model has been at rest until the axis is, too; `kp` in 1/s.
     fn rests(&self, kp: f64) -> bool {
-        self.rest.is_some_and(|rest| kp * rest > STANDS.1)
+        self.rest.is_some_and(|rest| kp * rest > STOPPED.1)
     }
 
     /// Whether the position has been constant for longer than is bridged.
-    pub fn stands(&self, p: &Parameters) -> bool {
+    pub fn stopped(&self, p: &Parameters) -> bool {
         self.frozen.still() > p.limits.lost_samples.unsigned_abs()
     }
 
@@ -126,19 +126,19 @@ mod tests {
         }
     }
     #[test]
-    fn a_reading_stands_for_more_samples_than_are_bridged() {
+    fn a_measurement_is_constant_for_more_samples_than_are_bridged() {
         let mut p = Parameters::START;
         for bridged in [0, 3, 10] {
             p.limits.lost_samples = bridged;
             let mut axis = Unanswered::resting(0.0);
             // far from where it was, then there
-            let stands: Vec<_> = (0..20)
+            let stopped: Vec<_> = (0..20)
                 .map(|_| {
                     axis.update(&p, 2, 0.5, 1e-3);
-                    axis.stands(&p)
+                    axis.stopped(&p)
                 })
                 .collect();
-            assert_eq!(stands.iter().position(|stands| *stands), Some(bridged as usize + 1));
+            assert_eq!(stopped.iter().position(|stopped| *stopped), Some(bridged as usize + 1));
         }
     }
 }

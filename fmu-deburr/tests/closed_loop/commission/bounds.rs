@@ -7,7 +7,7 @@ use crate::robot::Build;
 use crate::setup::Loop;
 
 #[test]
-fn it_is_broken_off_into_rest_and_what_was_told() {
+fn it_is_aborted_into_rest_and_the_configured_values() {
     type Cause = fn(&mut Loop);
     let causes: [(Cause, State); 4] = [
         (|run| run.input.commission = false, State::Idle),
@@ -45,7 +45,7 @@ fn it_is_broken_off_into_rest_and_what_was_told() {
 }
 
 #[test]
-fn a_second_one_that_is_broken_off_takes_back_what_the_first_has_found() {
+fn a_second_one_that_is_aborted_takes_back_what_the_first_has_found() {
     let mut run = resting(&applied(), &Build { gain: 0.8, delay: 2, ..Build::NOMINAL });
     commission(&mut run);
     assert_eq!(run.output.bank.patterns, 5);
@@ -120,8 +120,8 @@ fn after_a_run_it_first_comes_out_of_the_part() {
     let mut rises = true;
     while run.output.state == State::Commission {
         run.step();
-        let way = p.arm.forward(&run.robot.positions()).tip - tip;
-        rises &= way.z > p.transfer.clearance - 2e-4 || way.x.hypot(way.y) < 2e-5;
+        let moved = p.arm.forward(&run.robot.positions()).tip - tip;
+        rises &= moved.z > p.transfer.clearance - 2e-4 || moved.x.hypot(moved.y) < 2e-5;
     }
     assert!(rises && run.output.measured.valid, "{:?}", run.output);
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));

@@ -7,7 +7,7 @@ use crate::robot::Build;
 use crate::setup::Loop;
 
 #[test]
-fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() {
+fn what_is_not_certain_enough_is_rejected_with_its_axis_and_the_configured_values_are_used() {
     let rejected = |change: fn(&mut Parameters), build: Build, idle: f64| {
         let mut p = applied();
         change(&mut p);
@@ -36,7 +36,7 @@ fn what_is_not_sure_enough_is_rejected_with_its_axis_and_what_was_told_counts() 
 }
 
 #[test]
-fn a_drive_that_is_lost_turns_round_or_stands_is_found_at_once() {
+fn a_drive_that_is_lost_reverses_or_does_not_move_is_found_immediately() {
     for samples in [40, 700, 2000] {
         for (gain, faults) in [
             (0.0, &[Fault::PositionFrozen, Fault::WeakDrive][..]),

@@ -7,11 +7,11 @@ use crate::robot::{Build, LEVERS};
 use crate::setup::Loop;
 
 /// Way at the tip by which the drives are held back, m; the corner of the test piece reverses axis 3.
-const HELD: f64 = 1.8e-5;
+const HELD_DRIVE: f64 = 1.8e-5;
 
 #[test]
 fn friction_is_found_within_its_deviation_and_none_is_found_where_there_is_none() {
-    for held in [0.0, 6e-6, HELD] {
+    for held in [0.0, 6e-6, HELD_DRIVE] {
         let (mut squares, mut count) = (0.0, 0.0);
         for seed in 300..308 {
             let build = Build { friction: held, ..unknown(seed) };
@@ -35,7 +35,7 @@ fn friction_is_found_within_its_deviation_and_none_is_found_where_there_is_none(
 
 /// Largest error of axis 3 at five speeds after the first 10 mm of the path, where its drive may have rested on either side, m.
 fn in_the_corner(run: &mut Loop) -> f64 {
-    let mut most = 0.0;
+    let mut maximum = 0.0;
     for factor in [1.0, 0.9, 0.7, 0.5, 0.3] {
         run.input.mode = Mode::Idle;
         run.step();
@@ -44,27 +44,27 @@ fn in_the_corner(run: &mut Loop) -> f64 {
         while !matches!(run.output.state, State::Done | State::Fault) {
             run.step();
             if run.output.state == State::Run && run.output.path.distance > 0.01 {
-                most = f64::max(most, run.output.axis[2].error.abs());
+                maximum = f64::max(maximum, run.output.axis[2].error.abs());
             }
         }
         assert_eq!(run.output.fault, Fault::None);
     }
-    most
+    maximum
 }
 
 #[test]
-fn an_axis_that_turns_round_is_followed_as_if_it_had_no_friction() {
+fn an_axis_that_reverses_is_followed_as_if_it_had_no_friction() {
     for seed in [310, 311] {
-        let build = Build { friction: HELD, dynamics: 0.75, noise: 0.3, ..unknown(seed) };
+        let build = Build { friction: HELD_DRIVE, dynamics: 0.75, noise: 0.3, ..unknown(seed) };
         let mut run = resting(&applied(), &build);
         commission(&mut run);
         let with = in_the_corner(&mut run);
         // the same patterns without what friction asks for
-        let mut told = run.parameters.clone();
-        run.controller.bring_into_force(&mut told);
-        told.model.axis.iter_mut().for_each(|axis| axis.friction = 0.0);
-        told.bank.compute = true;
-        let without = in_the_corner(&mut resting(&told, &build));
+        let mut configured = run.parameters.clone();
+        run.controller.bring_into_force(&mut configured);
+        configured.model.axis.iter_mut().for_each(|axis| axis.friction = 0.0);
+        configured.bank.compute = true;
+        let without = in_the_corner(&mut resting(&configured, &build));
         println!("{seed}: {with} m with, {without} m without");
         // three counts of 5 um
         assert!(with < 1.6e-5 && without > 2.9e-5, "{seed}: {with} {without}");

@@ -4,11 +4,11 @@ use fmu_deburr::interface::{Fault, LearningLaw, Mode, Parameters, State};
 use fmu_deburr::learning::speeds::Speeds;
 
 use crate::robot::Build;
-use crate::setup::{Loop, stands_with, taught};
+use crate::setup::{Loop, assert_rests_with, trained};
 
 #[test]
-fn a_fault_in_the_sample_in_which_learning_is_asked_for_forgets_nothing() {
-    let mut run = taught();
+fn a_fault_in_the_sample_in_which_learning_is_requested_discards_nothing() {
+    let mut run = trained();
     run.input.mode = Mode::Idle;
     run.step();
     (run.input.mode, run.input.enable) = (Mode::Learn, false);
@@ -22,13 +22,13 @@ fn a_pattern_beyond_its_limit_ends_the_learning_and_the_others_stay() {
     p.limits.pulses_max = 500.0;
     let mut run = Loop::new(&p, &Build::NOMINAL);
     assert!(!run.finish(Mode::Learn));
-    stands_with(&run, Fault::PatternTooLarge);
+    assert_rests_with(&run, Fault::PatternTooLarge);
     assert_eq!(run.output.bank.patterns, 0);
 }
 
 /// A robot with a bank that learns again, during its motion in the second repetition of the second speed.
 fn learning_anew() -> (Loop, fmu_deburr::bank::pattern_bank::PatternBank) {
-    let mut run = taught();
+    let mut run = trained();
     let before = run.controller.bank().clone();
     run.parameters.learn.repetitions = 2;
     run.input.mode = Mode::Idle;
@@ -70,7 +70,7 @@ fn a_fault_in_the_middle_of_learning_keeps_what_is_learned_and_the_rest_of_befor
                 break;
             }
         }
-        stands_with(&run, fault);
+        assert_rests_with(&run, fault);
         assert!(!run.output.drive_enable);
         // 80 mm/s for the samples until then
         let moved = (run.robot.positions()[2] - from[2]).abs();
@@ -83,11 +83,11 @@ fn a_fault_in_the_middle_of_learning_keeps_what_is_learned_and_the_rest_of_befor
 }
 
 #[test]
-fn learning_that_is_begun_again_after_a_fault_begins_with_the_first_speed() {
+fn learning_that_is_started_again_after_a_fault_begins_with_the_first_speed() {
     let (mut run, _) = learning_anew();
     run.controller.begin_long_step();
     run.step();
-    stands_with(&run, Fault::LongStep);
+    assert_rests_with(&run, Fault::LongStep);
     run.input.mode = Mode::Idle;
     (0..100).for_each(|_| run.step());
     run.input.reset_fault = true;
@@ -111,17 +111,17 @@ fn a_pattern_that_grows_ends_its_speed_in_the_middle_of_the_path_and_is_no_fault
     run.step();
     run.input.mode = Mode::Learn;
     let mut before = run.output.clone();
-    let (mut reached, mut least) = (Vec::new(), Vec::new());
+    let (mut reached, mut minimum) = (Vec::new(), Vec::new());
     while !matches!(run.output.state, State::Done | State::Fault) {
         run.step();
         // a repetition that is not finished ends with a stop
         if (before.state, run.output.state) == (State::Run, State::Stop) {
             reached.push(before.learn.repetition);
-            least.push(before.learn.best);
+            minimum.push(before.learn.best);
         }
         before = run.output.clone();
     }
     assert_eq!((run.output.state, run.output.fault, run.output.bank.patterns), (State::Done, Fault::None, 2));
     assert!(reached.len() == 2 && reached.iter().all(|repetition| *repetition < 60), "{reached:?}");
-    assert!(least.iter().zip(&reached).all(|(best, last)| best < last), "{least:?} {reached:?}");
+    assert!(minimum.iter().zip(&reached).all(|(best, last)| best < last), "{minimum:?} {reached:?}");
 }

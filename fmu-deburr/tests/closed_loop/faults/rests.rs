@@ -3,7 +3,7 @@
 use fmu_deburr::interface::{Fault, Mode, Parameters, State};
 
 use crate::robot::Build;
-use crate::setup::{Loop, stands_with};
+use crate::setup::{Loop, assert_rests_with};
 
 /// A robot whose encoders have a noise of half a count, after a task and two seconds of rest.
 fn worked() -> Loop {
@@ -40,7 +40,7 @@ fn frozen(run: &mut Loop, axis: usize) -> Option<u32> {
 }
 
 #[test]
-fn one_that_freezes_in_the_rest_before_a_job_is_told_whether_the_job_goes_on_or_is_ended() {
+fn one_that_freezes_in_the_rest_before_a_cycle_is_reported_whether_the_cycle_goes_on_or_is_ended() {
     for axis in [1, 4] {
         for wait in [0, 5, 10, 20, 30, 50, 70] {
             for idle in [false, true] {
@@ -50,7 +50,7 @@ fn one_that_freezes_in_the_rest_before_a_job_is_told_whether_the_job_goes_on_or_
                     run.input.mode = Mode::Idle;
                 }
                 let after = frozen(&mut run, axis);
-                stands_with(&run, Fault::PositionFrozen);
+                assert_rests_with(&run, Fault::PositionFrozen);
                 assert_eq!(run.output.numbers.axis, axis as i32 + 1);
                 assert!(!run.output.drive_enable && after.is_some_and(|after| (49..140).contains(&after)), "{after:?}");
             }
@@ -59,10 +59,10 @@ fn one_that_freezes_in_the_rest_before_a_job_is_told_whether_the_job_goes_on_or_
 }
 
 #[test]
-fn one_that_freezes_between_two_jobs_is_told_and_a_live_one_may_stand_there_for_ever() {
+fn one_that_freezes_between_two_cycles_is_reported_and_a_live_one_may_be_constant_there_for_ever() {
     let mut run = worked();
     let after = frozen(&mut run, 4);
-    stands_with(&run, Fault::PositionFrozen);
+    assert_rests_with(&run, Fault::PositionFrozen);
     assert!(after.is_some_and(|after| after < 140), "{after:?}");
     for noise in [0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 1.0] {
         let mut run = Loop::new(&Parameters::START, &Build { noise, ..Build::NOMINAL });
@@ -72,7 +72,7 @@ fn one_that_freezes_between_two_jobs_is_told_and_a_live_one_may_stand_there_for_
 }
 
 #[test]
-fn what_a_tool_or_a_motion_has_shaken_may_stand() {
+fn what_a_tool_or_a_motion_has_shaken_may_be_constant() {
     // it runs down between two tasks, and the next one is in air
     let mut run = worked();
     (run.input.spindle_speed, run.robot.noise) = (0.0, 0.0);
@@ -84,8 +84,8 @@ fn what_a_tool_or_a_motion_has_shaken_may_stand() {
         let idle = run.input.spindle_speed;
         (0..7 * start).for_each(|_| run.step());
         for k in 1..=300 {
-            let share = 1.0 - f64::from(k) / 300.0;
-            (run.input.spindle_speed, run.robot.noise) = (idle * share, (2.0 * share).max(0.1));
+            let fraction = 1.0 - f64::from(k) / 300.0;
+            (run.input.spindle_speed, run.robot.noise) = (idle * fraction, (2.0 * fraction).max(0.1));
             run.step();
         }
         (0..1000).for_each(|_| run.step());

@@ -1,16 +1,16 @@
 //! Faults of the tool that cuts, and what is tested in each lap.
 
 use fmu_deburr::interface::{Fault, Mode, Parameters, State};
-use fmu_deburr::path::{Block, Pose, TaughtPath, Vector};
+use fmu_deburr::path::{Block, Pose, ProgrammedPath, Vector};
 
 use crate::robot::Build;
-use crate::setup::{Loop, running, stands_with};
+use crate::setup::{Loop, assert_rests_with, running};
 
 /// There and back again, without end.
 fn cyclic(p: &Parameters, build: &Build, mode: Mode) -> Loop {
     let pose = |y: f64| Pose { tip: Vector::new(0.75, y, -0.2), axis: Vector::new(0.0, 0.0, -1.0) };
     let blocks = [0.0, 0.1, 0.0].map(pose).windows(2).map(|ends| Block::line(&ends[0], &ends[1]).unwrap()).collect();
-    let mut run = Loop::with_path(p, build, TaughtPath::new(blocks, 0.1, true, 0.2).unwrap());
+    let mut run = Loop::with_path(p, build, ProgrammedPath::new(blocks, 0.1, true, 0.2).unwrap());
     run.step();
     run.input.mode = mode;
     run
@@ -37,11 +37,11 @@ fn every_lap_tests_the_delay_and_the_tool() {
 }
 
 #[test]
-fn nothing_that_was_cut_is_told_and_the_tool_drawn_back() {
+fn a_run_without_a_cut_is_reported_and_the_tool_retracted() {
     let mut run = running(Mode::Deburr);
     let height = run.robot.positions()[1];
     (0..3000).for_each(|_| run.step());
-    stands_with(&run, Fault::NoCut);
+    assert_rests_with(&run, Fault::NoCut);
     assert!(run.output.drive_enable);
     assert!((run.robot.positions()[1] - height - run.parameters.transfer.clearance).abs() < 1e-4);
 }
@@ -83,21 +83,21 @@ fn bad_samples_of_the_tool_do_not_end_a_casting() {
 }
 
 #[test]
-fn a_long_way_without_a_cut_is_told_before_the_end_of_the_path() {
+fn a_long_distance_without_a_cut_is_reported_before_the_end_of_the_path() {
     let mut run = running(Mode::Deburr);
     run.parameters.limits.idle_travel = 0.1;
-    let (mut cut, mut told) = (0.0, None);
+    let (mut cut, mut detected) = (0.0, None);
     for k in 0..300 {
         run.input.spindle_speed = if k < 20 { 1850.0 } else { 1885.0 };
         run.step();
         let distance = run.output.path.distance;
         cut = if k < 20 { distance } else { cut };
-        told = told.or((run.output.fault != Fault::None).then_some(distance));
+        detected = detected.or((run.output.fault != Fault::None).then_some(distance));
     }
-    stands_with(&run, Fault::NoCut);
+    assert_rests_with(&run, Fault::NoCut);
     // a few samples of 1 mm until the tool is accepted to be idle
-    let (way, idle) = (run.output.numbers.ratio.unwrap(), told.unwrap() - cut);
-    assert!((0.1..0.102).contains(&way) && (0.1..0.107).contains(&idle), "{way} {idle}");
+    let (travel, idle) = (run.output.numbers.ratio.unwrap(), detected.unwrap() - cut);
+    assert!((0.1..0.102).contains(&travel) && (0.1..0.107).contains(&idle), "{travel} {idle}");
 }
 
 #[test]
@@ -108,19 +108,19 @@ fn in_a_fault_with_live_drives_the_pose_is_held() {
         run.input.spindle_speed = if k < 20 { 1850.0 } else { 1885.0 };
         run.step();
     });
-    stands_with(&run, Fault::NoCut);
-    let place = run.robot.positions();
+    assert_rests_with(&run, Fault::NoCut);
+    let position = run.robot.positions();
     // drives with an offset of 2 mm/s: they stand where the loop makes up for it
     for _ in 0..300 {
         run.step();
         run.robot.advance(&[2e-3; 6]);
     }
-    let moved = (0..6).map(|i| (run.robot.positions()[i] - place[i]).abs()).fold(0.0, f64::max);
+    let moved = (0..6).map(|i| (run.robot.positions()[i] - position[i]).abs()).fold(0.0, f64::max);
     assert!(run.output.drive_enable && (1e-5..5e-4).contains(&moved), "{moved} {:?}", run.output.fault);
 }
 
 #[test]
-fn a_tool_reading_that_freezes_under_load_is_told_in_half_a_second_and_the_tool_drawn_back() {
+fn a_tool_speed_that_freezes_under_load_is_reported_in_half_a_second_and_the_tool_retracted() {
     let mut p = Parameters::START;
     p.lookup.enable = false;
     for flicker in [0.5, 0.0] {
@@ -145,7 +145,7 @@ fn a_tool_reading_that_freezes_under_load_is_told_in_half_a_second_and_the_tool_
             assert!((50..=55).contains(&samples), "{samples}");
             let height = run.robot.positions()[1];
             (0..300).for_each(|_| run.step());
-            stands_with(&run, Fault::SpindleFrozen);
+            assert_rests_with(&run, Fault::SpindleFrozen);
             assert!(run.output.drive_enable);
             assert!((run.robot.positions()[1] - height - p.transfer.clearance).abs() < 1e-4);
         }
@@ -153,7 +153,7 @@ fn a_tool_reading_that_freezes_under_load_is_told_in_half_a_second_and_the_tool_
 }
 
 #[test]
-fn the_second_casting_is_begun_with_the_taught_feed() {
+fn the_second_casting_is_started_with_the_programmed_feed() {
     let mut p = Parameters::START;
     (p.lookup.enable, p.limits.spindle_change) = (false, 0.0);
     let mut run = Loop::new(&p, &Build::NOMINAL);
@@ -175,7 +175,7 @@ fn the_second_casting_is_begun_with_the_taught_feed() {
 }
 
 #[test]
-fn the_time_of_a_cyclic_job_counts_anew_in_every_lap() {
+fn the_time_of_a_cyclic_path_starts_again_in_every_lap() {
     let mut p = Parameters::START;
     p.lookup.enable = false;
     // a lap takes 2 s

@@ -54,16 +54,16 @@ impl Touching {
 
     /// How far the tip is inside the wall at a touch, m; negative outside.
     fn inside(&self) -> f64 {
-        let place = self.back(&self.run.parameters.arm.forward(&self.run.robot.positions()).tip);
-        let beside = |(i, touch): (usize, &fmu_deburr::path::Touch)| {
-            let way = place - touch.pose.tip;
+        let position = self.back(&self.run.parameters.arm.forward(&self.run.robot.positions()).tip);
+        let contact = |(i, touch): (usize, &fmu_deburr::path::Touch)| {
+            let offset = position - touch.pose.tip;
             let chip = if i + 1 == self.chip.0 { self.chip.1 } else { 0.0 };
-            let out = way.dot(&touch.normal);
-            let along = (way - touch.normal * out - Vector::z() * way.z).norm();
-            (along < 0.015 && way.z.abs() < 5e-3).then_some(chip - out)
+            let out = offset.dot(&touch.normal);
+            let along = (offset - touch.normal * out - Vector::z() * offset.z).norm();
+            (along < 0.015 && offset.z.abs() < 5e-3).then_some(chip - out)
         };
         let touches = &self.run.controller.path().touches;
-        touches.iter().enumerate().filter_map(beside).fold(-1.0, f64::max)
+        touches.iter().enumerate().filter_map(contact).fold(-1.0, f64::max)
     }
 
     fn step(&mut self) {
@@ -114,14 +114,14 @@ impl Touching {
 /// A part that lies within 2 mm and 5 mrad.
 fn part(seed: u64) -> Part {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
-    let mut draw = |most: f64| random.random_range(-most..most);
-    Part { x: draw(2e-3), y: draw(2e-3), angle: draw(5e-3) }
+    let mut random_in = |maximum: f64| random.random_range(-maximum..maximum);
+    Part { x: random_in(2e-3), y: random_in(2e-3), angle: random_in(5e-3) }
 }
 
 const NOISY: Build = Build { noise: 0.5, ..Build::NOMINAL };
 
 #[test]
-fn parts_are_found_where_they_lie_within_their_deviations() {
+fn parts_are_found_where_they_are_within_their_deviations() {
     let mut off = Vec::new();
     for seed in 300..330 {
         let part = part(seed);
@@ -138,9 +138,9 @@ fn parts_are_found_where_they_lie_within_their_deviations() {
         off.push((found.y - part.y) / found.y_std);
         off.push((found.angle - part.angle) / found.angle_std);
         // the path is that of the part
-        let (start, taught) =
+        let (start, programmed) =
             (touching.run.controller.path().at(0.0), path_file::read(&Parameters::START, None).unwrap());
-        assert!((touching.back(&start.tip) - taught.at(0.0).tip).norm() < 3e-5, "{part:?}");
+        assert!((touching.back(&start.tip) - programmed.at(0.0).tip).norm() < 3e-5, "{part:?}");
     }
     let scatter = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
     println!("errors in deviations: {scatter:.2}, {off:.1?}");
@@ -153,7 +153,7 @@ fn learned_patterns_follow_the_part() {
     let mut touching =
         Touching::new(|p| p.learn.speeds = "1.0".to_owned(), &build, Part { x: 2e-3, y: -2e-3, angle: 5e-3 });
     assert!(touching.run.finish(Mode::Learn));
-    let taught = touching.run.controller.bank_as_taught(&touching.run.parameters);
+    let programmed = touching.run.controller.programmed_bank(&touching.run.parameters);
     let before = touching.run.largest_errors(Mode::Playback, |_| 1.0);
     touching.run.input.mode = Mode::Idle;
     (0..50).for_each(|_| touching.step());
@@ -166,13 +166,13 @@ fn learned_patterns_follow_the_part() {
         assert!(after[axis] < before[axis] + 0.01, "{before:?} {after:?}");
     }
     // what is written belongs to the path as programmed
-    let back = touching.run.controller.bank_as_taught(&touching.run.parameters);
+    let back = touching.run.controller.programmed_bank(&touching.run.parameters);
     let values = |bank: &fmu_deburr::bank::pattern_bank::PatternBank| -> Vec<f64> {
         bank.patterns().iter().flat_map(|pattern| &pattern.samples).flat_map(|sample| sample.compensation).collect()
     };
-    let differ = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
-    assert!(differ(&values(&back), &values(&taught)) < 1e-6);
-    assert!(differ(&values(touching.run.controller.bank()), &values(&taught)) > 5.0);
+    let differ = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0f64, |maximum, (a, b)| maximum.max((a - b).abs()));
+    assert!(differ(&values(&back), &values(&programmed)) < 1e-6);
+    assert!(differ(&values(touching.run.controller.bank()), &values(&programmed)) > 5.0);
 }
 
 #[test]
@@ -193,8 +193,8 @@ fn what_is_wrong_with_the_part_is_named_with_its_numbers_and_the_path_stays() {
         assert_eq!(touching.ended(), (State::Fault, fault), "{:?}", touching.run.output.registration);
         assert_eq!(touching.run.output.numbers.axis, number, "{fault:?}: {:?}", touching.run.output.numbers);
         assert!(touching.run.output.drive_enable && !touching.run.output.registration.valid);
-        let taught = path_file::read(&Parameters::START, None).unwrap();
-        assert_eq!(touching.run.controller.path().at(0.1), taught.at(0.1));
+        let programmed = path_file::read(&Parameters::START, None).unwrap();
+        assert_eq!(touching.run.controller.path().at(0.1), programmed.at(0.1));
         // back from the part, drawn out of it where it might be in the way
         touching.stuck = None;
         assert!(touching.inside() <= 0.0);
@@ -206,7 +206,7 @@ fn what_is_wrong_with_the_part_is_named_with_its_numbers_and_the_path_stays() {
 }
 
 #[test]
-fn a_contact_that_sticks_is_told_on_the_way_and_after_a_touch() {
+fn a_contact_that_sticks_is_reported_before_and_after_a_touch() {
     let mut touching = Touching::new(|_| (), &NOISY, Part::default());
     touching.begin(30);
     touching.stuck = Some(true);
@@ -242,7 +242,7 @@ fn a_few_bad_samples_of_the_contact_decide_nothing() {
 }
 
 #[test]
-fn it_is_broken_off_into_rest_and_the_path_as_it_was_taught() {
+fn it_is_aborted_into_rest_and_the_path_as_it_was_programmed() {
     type Cause = fn(&mut Loop);
     let causes: [(Cause, State); 4] = [
         (|run| run.input.register = false, State::Idle),
@@ -250,15 +250,15 @@ fn it_is_broken_off_into_rest_and_the_path_as_it_was_taught() {
         (|run| run.input.mode = Mode::DryRun, State::Idle),
         (|run| run.input.enable = false, State::Off),
     ];
-    let mut begun = Touching::new(|_| (), &NOISY, part(8));
-    begun.register();
-    assert!(begun.run.output.registration.valid);
-    begun.begin(0);
+    let mut started = Touching::new(|_| (), &NOISY, part(8));
+    started.register();
+    assert!(started.run.output.registration.valid);
+    started.begin(0);
     // during the motion, towards the part, against it, and during the motion to another touch
     for samples in [0, 60, 150, 140, 700] {
-        (0..samples).for_each(|_| begun.step());
+        (0..samples).for_each(|_| started.step());
         for (cause, end) in causes {
-            let mut touching = begun.clone();
+            let mut touching = started.clone();
             touching.deep = 0.0;
             cause(&mut touching.run);
             (0..150).for_each(|_| touching.step());
@@ -269,14 +269,14 @@ fn it_is_broken_off_into_rest_and_the_path_as_it_was_taught() {
             assert_eq!(touching.ended(), (State::Idle, Fault::None), "{samples}");
             assert!(touching.run.output.axis.iter().all(|axis| axis.velocity.abs() < 1e-3));
             assert!(!touching.run.output.registration.valid);
-            let taught = path_file::read(&Parameters::START, None).unwrap();
-            assert_eq!(touching.run.controller.path().at(0.1), taught.at(0.1));
+            let programmed = path_file::read(&Parameters::START, None).unwrap();
+            assert_eq!(touching.run.controller.path().at(0.1), programmed.at(0.1));
         }
     }
 }
 
 #[test]
-fn one_that_is_told_to_be_good_is_not_broken_off_any_more() {
+fn one_that_is_reported_as_good_is_not_aborted_any_more() {
     let mut touching = Touching::new(|_| (), &NOISY, part(8));
     touching.begin(0);
     while !touching.run.output.registration.valid {
@@ -288,13 +288,13 @@ fn one_that_is_told_to_be_good_is_not_broken_off_any_more() {
     assert_eq!(touching.ended(), (State::Idle, Fault::None));
     (0..100).for_each(|_| touching.step());
     assert_eq!(touching.ended(), (State::Idle, Fault::None));
-    let taught = path_file::read(&Parameters::START, None).unwrap();
-    let moved = (touching.run.controller.path().at(0.1).tip - taught.at(0.1).tip).norm();
+    let programmed = path_file::read(&Parameters::START, None).unwrap();
+    let moved = (touching.run.controller.path().at(0.1).tip - programmed.at(0.1).tip).norm();
     assert!(touching.run.output.registration.valid && moved > 1e-4, "{moved}");
 }
 
 #[test]
-fn a_contact_on_the_way_is_braked_from_without_a_jerk() {
+fn a_contact_during_a_transfer_is_braked_from_without_a_jerk() {
     let mut touching = Touching::new(|_| (), &Build::NOMINAL, Part::default());
     let reference = |touching: &Touching| touching.run.output.axis.each_ref().map(|axis| axis.reference);
     // out after the third touch, and half of the way across to the fourth
@@ -303,20 +303,20 @@ fn a_contact_on_the_way_is_braked_from_without_a_jerk() {
         touching.step();
     }
     (0..225).for_each(|_| touching.step());
-    let mut places = vec![reference(&touching)];
+    let mut positions = vec![reference(&touching)];
     touching.stuck = Some(true);
     while touching.run.output.state != State::Fault {
         touching.step();
-        places.push(reference(&touching));
+        positions.push(reference(&touching));
     }
     assert_eq!(touching.run.output.fault, Fault::UnexpectedContact);
-    let levers = touching.run.parameters.arm.levers(&places[0]);
-    let most = |at: &dyn Fn(usize, usize) -> f64| {
-        (1..places.len() - 1)
-            .fold(0.0f64, |most, k| (0..6).fold(most, |most, i| most.max((at(k, i) * levers[i]).abs())))
+    let levers = touching.run.parameters.arm.levers(&positions[0]);
+    let maximum = |at: &dyn Fn(usize, usize) -> f64| {
+        (1..positions.len() - 1)
+            .fold(0.0f64, |maximum, k| (0..6).fold(maximum, |maximum, i| maximum.max((at(k, i) * levers[i]).abs())))
     };
-    let fastest = most(&|k, i| places[k][i] - places[k - 1][i]);
-    let hardest = most(&|k, i| places[k + 1][i] - 2.0 * places[k][i] + places[k - 1][i]);
+    let fastest = maximum(&|k, i| positions[k][i] - positions[k - 1][i]);
+    let hardest = maximum(&|k, i| positions[k + 1][i] - 2.0 * positions[k][i] + positions[k - 1][i]);
     // a thirtieth of its speed is taken in each sample
     assert!(fastest > 2e-4 && hardest < 0.15 * fastest, "{fastest} m in a sample, changed by {hardest}");
 }
@@ -354,7 +354,7 @@ fn it_does_not_take_longer_than_it_may() {
 }
 
 #[test]
-fn a_part_that_cannot_be_followed_where_it_lies_is_misplaced() {
+fn a_part_that_cannot_be_followed_where_it_is_is_misplaced() {
     // axis 3 ends where the path is farthest out, and half a millimeter beyond
     let mut touching = Touching::new(|p| p.axis[2].maximum = 0.7455, &NOISY, Part { x: 2e-3, ..Part::default() });
     touching.register();

@@ -20,7 +20,7 @@ const READING_RANGE: f64 = 1.25;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Commissioner {
+pub struct CommissioningRun {
     /// The present or last experiment.
     pub experiment: Experiment,
     /// What was measured.
@@ -37,7 +37,7 @@ pub struct Commissioner {
     room: Vec<f64>,
 }
 
-impl Commissioner {
+impl CommissioningRun {
     /// Nothing measured so far; `speed` is that of the path, m/s.
     pub fn new(p: &Parameters, speed: f64) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl Commissioner {
     }
 
     /// Ends before its end: what was configured counts.
-    pub fn break_off(&mut self) {
+    pub fn abort(&mut self) {
         self.values.restore();
     }
 
@@ -92,7 +92,7 @@ impl Commissioner {
     }
 
     /// Sets the uncertainty of the active drives.
-    pub fn tell_deviations(&self, drives: &mut [Drive; AXES]) {
+    pub fn report_std(&self, drives: &mut [Drive; AXES]) {
         if self.applied() {
             for (drive, measured) in drives.iter_mut().zip(&self.measured.axis) {
                 (drive.gain[1], drive.lag[1]) = (measured.gain_std, measured.lag_std);
@@ -120,15 +120,15 @@ impl Commissioner {
     }
 
     fn finish(&mut self, p: &Parameters) {
-        self.measured = self.tell(p);
-        let told = self.values.configured();
-        self.rejected = rejection(p, &told, &self.measured);
+        self.measured = self.evaluate(p);
+        let configured = self.values.configured();
+        self.rejected = rejection(p, &configured, &self.measured);
         if self.rejected.is_none() {
-            self.values.propose(told.derived(&self.measured));
+            self.values.propose(configured.derived(&self.measured));
         }
     }
 
-    fn tell(&self, p: &Parameters) -> Measured {
+    fn evaluate(&self, p: &Parameters) -> Measured {
         let (dt, count) = (p.sample_period, AXES as f64);
         let (delays, spread) = (self.responses.map(|one| [one.delay(p), one.late[1] / dt]), Response::delay_spread(p));
         let (idle, noise) = (self.tool.mean(), self.tool.sigma());
@@ -160,14 +160,14 @@ impl Commissioner {
     }
 }
 
-/// Standard deviation (rad/s) that the steps of a measurement leave to mean and noise of a speed, of a tool that was configured to idle at `told`. Noise s carries a mean
+/// Standard deviation (rad/s) that the steps of a measurement leave to mean and noise of a speed, of a tool that was configured to idle at `configured`. Noise s carries a mean
 /// across the steps d: of the deviation d/12^(1/2) of a speed that is still it leaves exp(-2 pi^2 s^2/d^2) (Widrow, Kollar 2008).
-fn unseen_step(speed: f64, told: f64, noise: f64) -> f64 {
+fn unseen_step(speed: f64, configured: f64, noise: f64) -> f64 {
     // a stopped tool is at no step
     if speed == 0.0 {
         return 0.0;
     }
-    let step = READING_RANGE * speed.abs().max(told) / READING_STEPS;
+    let step = READING_RANGE * speed.abs().max(configured) / READING_STEPS;
     let rounding = step * step / 12.0;
     let carried = (noise * noise - rounding).max(0.0);
     rounding.sqrt() * (-2.0 * (PI / step).powi(2) * carried).exp()
@@ -180,27 +180,27 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     #[test]
-    fn a_tool_that_stands_is_as_sure_as_its_noise() {
+    fn a_tool_at_rest_is_as_certain_as_its_noise() {
         assert_eq!([unseen_step(0.0, 1885.0, 0.0), unseen_step(0.0, 1885.0, 0.1)], [0.0, 0.0]);
     }
 
     #[test]
-    fn the_speed_of_the_tool_is_as_sure_as_the_steps_of_its_reading_let_it_be() {
+    fn the_speed_of_the_tool_is_as_certain_as_the_steps_of_its_reading_let_it_be() {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(11);
         // of tools that idle at 0.7 to 1.3 times what is reported; the measurement goes to 20,000 rpm
-        let (told, step) = (1885.0, 2094.4 / READING_STEPS);
-        let (mut squares, mut most) = (0.0, 0.0f64);
+        let (configured, step) = (1885.0, 2094.4 / READING_STEPS);
+        let (mut squares, mut maximum) = (0.0, 0.0f64);
         for _ in 0..1000 {
-            let (speed, noise) = (told * random.random_range(0.7..1.3), random.random_range(0.0..1.0));
+            let (speed, noise) = (configured * random.random_range(0.7..1.3), random.random_range(0.0..1.0));
             let mut read = Welford::default();
             for _ in 0..1000 {
                 let normal: f64 = StandardNormal.sample(&mut random);
                 read.push(((speed + noise * normal) / step).round() * step);
             }
-            let sure = unseen_step(read.mean(), told, read.sigma()).hypot(read.sigma() / 1000f64.sqrt());
-            let off = (read.mean() - speed) / sure;
-            (squares, most) = (squares + off * off / 1000.0, most.max(off.abs()));
+            let std = unseen_step(read.mean(), configured, read.sigma()).hypot(read.sigma() / 1000f64.sqrt());
+            let off = (read.mean() - speed) / std;
+            (squares, maximum) = (squares + off * off / 1000.0, maximum.max(off.abs()));
         }
-        assert!((0.6..1.3).contains(&squares.sqrt()) && most < 5.0, "{} {most}", squares.sqrt());
+        assert!((0.6..1.3).contains(&squares.sqrt()) && maximum < 5.0, "{} {maximum}", squares.sqrt());
     }
 }

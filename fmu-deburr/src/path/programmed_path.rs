@@ -14,7 +14,7 @@ pub const CORNER: f64 = 0.2;
 
 /// A path of blocks.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct TaughtPath {
+pub struct ProgrammedPath {
     blocks: Vec<Block>,
     /// distance from the start to the beginning of each block, and to the end, m
     starts: Vec<f64>,
@@ -27,19 +27,19 @@ pub struct TaughtPath {
     /// Where its part is touched.
     pub touches: Vec<Touch>,
     /// Where its part lies.
-    pub lies: Displacement,
+    pub displacement: Displacement,
 }
 
 /// A position on the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct Location {
     /// Number of the block, from 0.
     pub block: usize,
     /// Distance from the beginning of the block (the paper's L*), m.
     pub distance: f64,
 }
 
-impl TaughtPath {
+impl ProgrammedPath {
     /// Joins blocks (at least one); the feed stops where the tangent changes by more than `corner` rad.
     ///
     /// # Errors
@@ -51,12 +51,13 @@ impl TaughtPath {
         for (i, block) in blocks.iter().enumerate() {
             end += block.length;
             starts.push(end);
-            let turn = blocks.get(i + 1).map(|next| turn(block, next));
-            if turn.is_none_or(|turn| turn > corner) {
+            let corner_angle = blocks.get(i + 1).map(|next| corner_angle(block, next));
+            if corner_angle.is_none_or(|corner_angle| corner_angle > corner) {
                 stops.push(end);
             }
         }
-        let path = Self { blocks, starts, stops, speed, cyclic, touches: Vec::new(), lies: Displacement::default() };
+        let path =
+            Self { blocks, starts, stops, speed, cyclic, touches: Vec::new(), displacement: Displacement::default() };
         let gap = path.gap();
         if cyclic && gap > CLOSED {
             return Err(format!("a cyclic path: its ends are `{gap} m` apart, limit `{CLOSED} m`"));
@@ -86,16 +87,16 @@ impl TaughtPath {
     }
 
     /// Block and distance in it at the distance (m) from the start.
-    pub fn place(&self, distance: f64) -> Place {
+    pub fn locate(&self, distance: f64) -> Location {
         let begun = self.starts[..self.blocks.len()].partition_point(|start| *start <= distance);
         let block = begun.saturating_sub(1);
-        Place { block, distance: distance - self.starts[block] }
+        Location { block, distance: distance - self.starts[block] }
     }
 
     /// Pose at the distance (m) from the start, where the part lies.
     pub fn at(&self, distance: f64) -> Pose {
-        let place = self.place(distance.clamp(0.0, self.length()));
-        self.lies.of(&self.blocks[place.block].at(place.distance))
+        let locate = self.locate(distance.clamp(0.0, self.length()));
+        self.displacement.of(&self.blocks[locate.block].at(locate.distance))
     }
 
     /// Adds the programmed values to a fingerprint.
@@ -113,7 +114,7 @@ impl TaughtPath {
 }
 
 /// Angle between the end of a block and the beginning of the next, rad.
-fn turn(block: &Block, next: &Block) -> f64 {
+fn corner_angle(block: &Block, next: &Block) -> f64 {
     let (a, b) = (block.tangent(block.length), next.tangent(0.0));
     a.cross(&b).norm().atan2(a.dot(&b))
 }
@@ -127,18 +128,18 @@ mod tests {
         Pose { tip: Vector::new(x, y, 0.0), axis: Vector::new(0.0, 0.0, -1.0) }
     }
 
-    fn path(points: &[(f64, f64)], cyclic: bool) -> Result<TaughtPath, String> {
+    fn path(points: &[(f64, f64)], cyclic: bool) -> Result<ProgrammedPath, String> {
         let block = |pair: &[(f64, f64)]| Block::line(&pose(pair[0].0, pair[0].1), &pose(pair[1].0, pair[1].1));
         let blocks = points.windows(2).map(block).collect::<Result<Vec<_>, _>>()?;
-        TaughtPath::new(blocks, 0.1, cyclic, 0.1)
+        ProgrammedPath::new(blocks, 0.1, cyclic, 0.1)
     }
 
     #[test]
-    fn places_are_counted_from_the_beginning_of_their_block() {
+    fn positions_are_counted_from_the_beginning_of_their_block() {
         let path = path(&[(1.0, 0.0), (1.0, 0.2), (1.3, 0.2)], false).unwrap();
         assert!((path.length() - 0.5).abs() < 1e-15);
-        assert_eq!(path.place(0.1).block, 0);
-        let later = path.place(0.35);
+        assert_eq!(path.locate(0.1).block, 0);
+        let later = path.locate(0.35);
         assert!(later.block == 1 && (later.distance - 0.15).abs() < 1e-15);
         assert!((path.at(0.35).tip - Vector::new(1.15, 0.2, 0.0)).norm() < 1e-15);
         assert_eq!(path.at(-1.0), path.at(0.0));
@@ -163,7 +164,7 @@ mod tests {
 
     #[test]
     fn another_path_has_another_fingerprint() {
-        let print = |path: TaughtPath| {
+        let print = |path: ProgrammedPath| {
             let mut print = Fingerprint::default();
             path.fingerprint(&mut print);
             print.value()
