@@ -38,7 +38,7 @@ def check(
 ) -> None:
     """Check scenario, study and optimization files.
 
-    Nothing runs. Checked are names, types, units, ranges, wires and metrics.
+    Checks names, types, units, ranges, wires and metrics. Nothing runs.
     """
     configure_logging(verbose, quiet)
     with place(checked_limits(timeout, None, in_process)) as do:

@@ -40,8 +40,9 @@ def optimize(
 
     The criteria of the scenario are constraints. To calibrate parameters, name a
     measured trace: objective = {trace = "measured.csv", columns = ["plant.x"]}.
-    All keys of search and limits are optional. batch points are proposed at a
-    time; several seeds are averaged; timeout is in s and memory in MB per run.
+    All keys of search and limits are optional. batch is the number of points that
+    are proposed at a time. Several seeds are averaged. timeout (s) and memory (MB)
+    apply to each run.
 
     Optuna proposes the points. The same file gives the same trials with any
     number of workers. Completed runs are not repeated: the command continues

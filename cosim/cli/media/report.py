@@ -49,7 +49,7 @@ def report(
     """Write an HTML report of scenarios and studies.
 
     The report holds claims, descriptions, videos, plots and parameters, and needs only a browser.
-    Each scenario runs once with its own seed; of a study only the missing cases run.
+    Each scenario runs once with its own seed. Only the missing cases of a study run.
     Exit code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
     Requires the extra `report`.
     """
