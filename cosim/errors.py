@@ -78,9 +78,10 @@ def readable(text: str) -> str:
 
 def similar(name: str, choices: Iterable[str]) -> str:
     """Hint that names the closest of `choices` or the new name, empty when none is close."""
-    if hint := replacement(name):
+    known = list(choices)
+    if hint := replacement(name, known):
         return hint
-    match = difflib.get_close_matches(name, list(choices), n=1, cutoff=0.6)
+    match = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
     return f"Use `{match[0]}`." if match else ""
 
 

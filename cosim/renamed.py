@@ -13,12 +13,15 @@ An FMU lists them in `resources/renamed.toml`:
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from pathlib import Path
 
 FILE = "resources/renamed.toml"
 
-REPLACEMENTS: dict[str, str] = {}
-"""New names by old ones, of all FMUs that this process has opened; empty for a removed one."""
+REPLACEMENTS: dict[str, list[str]] = {}
+"""New names by old ones, of all FMUs that this process has opened; empty for a removed one.
+
+FMUs may replace one old name by different new names."""
 
 
 def learn(folder: Path) -> None:
@@ -31,27 +34,34 @@ def learn(folder: Path) -> None:
         return
     items = content.get("items")
     for table in [content.get("variables"), *(items.values() if isinstance(items, dict) else ())]:
-        if isinstance(table, dict):
-            REPLACEMENTS.update({old: new for old, new in table.items() if isinstance(new, str)})
+        for old, new in table.items() if isinstance(table, dict) else ():
+            known = REPLACEMENTS.setdefault(old, [])
+            if isinstance(new, str) and new not in known:
+                known.append(new)
 
 
-def replacement(name: str) -> str:
+def replacement(name: str, choices: Collection[str] = ()) -> str:
     """Hint about a name that was replaced; empty for any other.
 
     Parameters
     ----------
     name
         Variable or item; a variable may have an owner (`controller.teach.place`) and an index.
+    choices
+        Known names, which select among the replacements of several FMUs.
     """
-    found = re.fullmatch(r"(.*?)(\[\d+\])?", name, re.DOTALL)
-    whole, index = found.groups("") if found else (name, "")
+    parts = re.fullmatch(r"(.*?)(\[\d+\])?", name, re.DOTALL)
+    whole, index = parts.groups("") if parts else (name, "")
     owner, _, rest = whole.partition(".")
     for before, old in (("", whole), (f"{owner}.", rest)):
         # an array may be listed by its elements, or once
         for key, end in ((old + index, ""), (old, index)):
-            new = REPLACEMENTS.get(key)
-            if new == "":
-                return f"Remove `{before}{old}{index}`: the FMU no longer has it."
+            found = REPLACEMENTS.get(key)
+            if not found:
+                continue
+            # without a known one: removed, if one of the FMUs has no replacement
+            new = next((new for new in found if f"{before}{new}{end}" in choices), min(found))
             if new:
                 return f"Use `{before}{new}{end}`, the new name of `{before}{old}{index}`."
+            return f"Remove `{before}{old}{index}`: the FMU no longer has it."
     return ""

@@ -102,7 +102,9 @@ def settable(variables: dict[str, Variable], name: str, owner: FmuChoice) -> Var
 def is_settable(variable: Variable) -> bool:
     """Whether a variable accepts a start value."""
     derived = variable.causality in ("output", "calculatedParameter", "independent")
-    return variable.variability != "constant" and not derived
+    # a continuous local variable may be a state with a start value; a discrete one is a result
+    result = variable.causality == "local" and variable.variability == "discrete"
+    return variable.variability != "constant" and not derived and not result
 
 
 def lookup(variables: dict[str, Variable], name: str, owner: FmuChoice = ALONE) -> Variable:

@@ -194,7 +194,12 @@ def recorded(file: FmuFile, record_locals: bool | None) -> list[Variable]:
         Whether local variables are; None for those of an FMU with at most `LOCALS_MAX`.
     """
     numeric = [variable for variable in file.variables.values() if BASE[variable.kind] != "String"]
-    moving = [v for v in numeric if v.causality == "local" and v.variability not in ("constant", "fixed")]
+    moving = sum(is_moving_local(variable) for variable in numeric)
     if record_locals is None:
-        record_locals = len(moving) <= LOCALS_MAX
-    return [v for v in numeric if v.causality == "output" or (record_locals and v in moving)]
+        record_locals = moving <= LOCALS_MAX
+    return [v for v in numeric if v.causality == "output" or (record_locals and is_moving_local(v))]
+
+
+def is_moving_local(variable: Variable) -> bool:
+    """Whether a local variable may change during a run."""
+    return variable.causality == "local" and variable.variability not in ("constant", "fixed")

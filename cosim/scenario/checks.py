@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+from collections.abc import Iterable
 
 from cosim.errors import closest
 from cosim.scenario.injection import INJECTED, Injection
@@ -35,6 +36,7 @@ def check(scenario: Scenario, merged: Overrides) -> None:
     check_unique([("criterion", criterion.id) for criterion in scenario.criterion], merged.fail)
     for wire in scenario.wire:
         check_wire(wire, scenario.loop, merged.fail)
+    check_streams(scenario.wire, merged.fail)
     for signal in scenario.signal:
         check_signal(signal, merged.fail)
     for injection in scenario.inject:
@@ -121,6 +123,21 @@ def check_wire(wire: Wire, loop: Loop, fail: Fail) -> None:
             f"{key}.delay", f"is `{wire.delay}` steps, it must be in 0 .. {loop.steps}, the steps of the run"
         )
     check_order(key, wire, fail)
+
+
+def check_streams(wires: Iterable[Wire], fail: Fail) -> None:
+    """Check that no two wires share a random stream: their noise would be the same."""
+    seen: dict[str, Wire] = {}
+    for wire in wires:
+        stream = wire.stream or wire.to
+        other = seen.setdefault(stream, wire)
+        if other is not wire:
+            named, without = (wire, other) if wire.stream else (other, wire)
+            fail(
+                f"wire.{named.to}.stream",
+                f"is `{stream}`, the stream of `wire.{without.to}`",
+                "Give each wire its own stream.",
+            )
 
 
 def check_order(key: str, limited: Wire | Criterion, fail: Fail) -> None:

@@ -177,8 +177,8 @@ MISTAKES = {
     "plant.body.trolly.mass=1": r"`plant.body.trolly.mass` is not a .*\nhint: .* `body.trolley.mass`",
     "plant.body.trolley.mass=0": r"`plant.body.trolley.mass` is `0.0`, it must be in 1e-15",
     "plant.timestep=0.01": r"`loop.substeps` = `10` plant steps of 0.01 s .*\nhint: Set `loop.substeps = 1`",
-    "wire.controller.position.from=plant.positon": r"no reading `positon`\nhint: Use `position`",
-    "wire.controller.position.from=plant.slide.position": r"no reading `slide.position`\nhint: .* `position`",
+    "wire.controller.position.from=plant.positon": r"no measurement `positon`\nhint: Use `position`",
+    "wire.controller.position.from=plant.slide.position": r"no measurement `slide.position`\n.* `position`",
     "wire.plant.drive.to=plant.drve": r"no command `drve`\nhint: Use `drive`",
     "metric.swing.value=max(plant.swing.postion)": r"names `plant.swing.postion`.*\nhint: .* `plant.swing",
 }
@@ -193,7 +193,7 @@ def test_mistakes_give_an_error_with_the_nearest_name(crane: Path, change: str) 
 def test_a_file_without_named_sensors_is_reported(crane: Path) -> None:
     text = (crane / "crane.xml").read_text().replace('name="position" ', "").replace('name="velocity" ', "")
     (crane / "crane.xml").write_text(text)
-    with pytest.raises(CosimError, match=r"no reading `position`\nhint: It has no"):
+    with pytest.raises(CosimError, match=r"no measurement `position`\nhint: It has no"):
         cosim.run(cosim.load("crane.toml"))
 
 

@@ -45,3 +45,14 @@ def test_a_file_of_another_form_is_ignored(tmp_path: Path, text: str) -> None:
     (tmp_path / renamed.FILE).write_text(text)
     renamed.learn(tmp_path)
     assert renamed.replacement("teach.place")
+
+
+def test_the_known_names_select_among_the_replacements_of_several_fmus(tmp_path: Path) -> None:
+    for table in ('"time" = ""\n"job" = "cycle"\n', '"time" = "expert.time"\n"job" = "expert.cycle"\n'):
+        (tmp_path / renamed.FILE).write_text(f"[variables]\n{table}")
+        renamed.learn(tmp_path)
+    known = ["c.expert.time", "c.expert.cycle"]
+    assert renamed.replacement("c.time", known) == "Use `c.expert.time`, the new name of `c.time`."
+    assert renamed.replacement("c.job", known) == "Use `c.expert.cycle`, the new name of `c.job`."
+    assert renamed.replacement("job", ["cycle"]) == "Use `cycle`, the new name of `job`."
+    assert renamed.replacement("time", ["cycle"]) == "Remove `time`: the FMU no longer has it."

@@ -118,7 +118,7 @@ class Connector:
 
     def reading(self, wire: Wire, target: Slot) -> Link:
         """Wire from a measurement of the plant to an input of an FMU."""
-        index, channel = self.channel(self.readings, wire.source.partition(".")[2], "reading")
+        index, channel = self.channel(self.readings, wire.source.partition(".")[2], "measurement")
         shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
         return Link(Slot(self.sensed, index), target, shape, Delay(wire.delay))
 

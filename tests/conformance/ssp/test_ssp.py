@@ -268,7 +268,7 @@ def test_fmpy_closes_a_loop_with_a_mode_and_a_delay(tmp_path: Path) -> None:
     [
         (["loop.compute_delay=0"], "`loop.compute_delay` = 0"),
         (["loop.seed=2147483648"], "the seed 2147483648"),
-        (["wire.controller.position.from=plant.positon"], "no reading `positon`"),
+        (["wire.controller.position.from=plant.positon"], "no measurement `positon`"),
         (["wire.controller.position.from=plnt.position"], "`plnt"),
         (["wire.plant.current.from=contoller.current"], "`contoller"),
         (["wire.plant.current.from=plant.position"], "`plant.position`"),

@@ -103,7 +103,7 @@ FILES: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "no reading": (
         edited('<sensor><jointpos name="position" joint="slide"/></sensor>', ""),
-        ("no reading `position`",),
+        ("no measurement `position`",),
     ),
     "nameless actuator": (edited('<motor name="drive"', "<motor"), ("no command `drive`",)),
     "no mass": (edited('size="0.1" mass="1"', 'size="0.1" mass="0"'), ("MuJoCo cannot load", "mass")),

@@ -55,7 +55,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "seed negative": ("loop.seed=-1", ("it must not be negative",)),
     "substeps": ("loop.substeps=2", ("do not fill `loop.step` = `0.001` s", "Set `loop.substeps = 1`")),
     # wires
-    "wire from": ("wire.controller.in.from=plant.y", ("no reading `y`",)),
+    "wire from": ("wire.controller.in.from=plant.y", ("no measurement `y`",)),
     "wire from the wrong side": ("wire.controller.in.from=controller.out", ("needs a `plant.` measurement",)),
     "command from the plant": ("wire.plant.u.from=plant.x", ("needs a `controller.` output",)),
     "wire to": ("wire.controller.in.to=controller.inn", ("no variable `inn`", "Use `in`")),

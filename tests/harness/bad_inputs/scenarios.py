@@ -83,7 +83,7 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
         edited('to = "plant.u"', 'to = "plant.u"\ndealy = 1'),
         ("`wire.plant.u.dealy`",),
     ),
-    "unknown reading": (edited('"plant.x"', '"plant.y"'), ("no reading `y`", "`x`")),
+    "unknown reading": (edited('"plant.x"', '"plant.y"'), ("no measurement `y`", "`x`")),
     "unknown command": (edited('"plant.u"', '"plant.v"'), ("no command `v`",)),
     "unknown input": (edited('"controller.in"', '"controller.inn"'), ("no variable `inn`", "`in`")),
     "unknown output": (edited('"controller.out"', '"controller.otu"'), ("no variable `otu`", "`out`")),
@@ -99,6 +99,10 @@ FILES: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "wire twice": (
         WHOLE + '[[wire]]\nfrom = "plant.x"\nto = "controller.in"\n',
         ("`wire.controller.in`", "twice"),
+    ),
+    "two wires with one stream": (
+        WHOLE.replace('to = "plant.u"\n', 'to = "plant.u"\nstream = "controller.in"\n'),
+        ("`wire.plant.u.stream` is `controller.in`", "`wire.controller.in`", "its own stream"),
     ),
     "wire and signal": (WHOLE + SIGNAL.replace("count", "in"), ("controller.in", "twice")),
     "metric twice": (WHOLE + END, ("`metric.end`", "twice")),

@@ -101,7 +101,7 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_reported(write:
         ("[controller.parameters]\ngian = 1.0\n", "no variable `gian`"),
         ("[controller.parameters]\ngain = 99.0\n", "the FMU rejected"),
         ("[plant.parameters]\npole = 2.0\n", "must be in 0 .. 1"),
-        ('[[wire]]\nfrom = "plant.rmap"\nto = "controller.count"\n', "no reading `rmap`"),
+        ('[[wire]]\nfrom = "plant.rmap"\nto = "controller.count"\n', "no measurement `rmap`"),
         ('[[wire]]\nfrom = "controller.label_out"\nto = "plant.extra"\n', "not a numeric output"),
         ('[[signal]]\nto = "controller.mode"\ntimes = [0.0]\nvalues = ["Fats"]\n', "`controller.mode` is"),
         ('[[metric]]\nname = "m"\nvalue = "last(plant.y)"\n', "names `plant.y`"),
