@@ -31,8 +31,15 @@ class Member:
 
     def text(self, attribute: str) -> str | None:
         """Text of an attribute: `#[hint("...")]`."""
-        found = re.search(rf'#\[{attribute}\("((?:\\.|[^"\\])*)"\)\]', self.attributes, re.DOTALL)
+        string = r'"((?:\\.|[^"\\])*)"'
+        found = re.search(rf"#\[{attribute}\(\s*r?{string}\s*,?\s*\)\]", self.attributes, re.DOTALL)
         return found[1] if found else None
+
+    @property
+    def fields(self) -> int:
+        """Number of variables of a struct that is declared elsewhere: `fields = f64[x, y, z]`."""
+        found = re.search(r"\bfields\s*=\s*\w+\s*\[([^\]]*)\]", STRING.sub('""', self.attributes))
+        return len(re.findall(r"\w+", found[1])) if found else 1
 
 
 @dataclass(frozen=True)
@@ -74,11 +81,11 @@ class Interface:
             if any(member.flag(word) for word in without):
                 continue
             length, of = 1, member.type
-            if found := re.fullmatch(r"\[\s*(\w+)\s*;\s*(\w+)\s*\]", member.type):
+            if found := re.fullmatch(r"\[\s*(\w+)\s*;\s*([\w:]+)\s*\]", member.type):
                 of = found[1]
-                length = int(found[2]) if found[2].isdigit() else self.constants.get(found[2], 1)
+                length = int(found[2]) if found[2].isdigit() else self.constants[found[2].rpartition("::")[2]]
             group = self.items.get(of)
-            inside = self.elements(group, without) if group and group.kind == "struct" else 1
+            inside = self.elements(group, without) if group and group.kind == "struct" else member.fields
             total += length * inside
         return total
 

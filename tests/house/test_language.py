@@ -114,13 +114,16 @@ def test_lengths_of_a_page_are_counted(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 INTERFACE = """
+const AXES: usize = 9;
 mod variables {{
     /// Cause of a fault
     pub enum Fault {{
         /// No fault
         None,
         /// {cause}
-        #[hint("{hint}")] Lost,
+        #[hint(
+            "{hint}"
+        )] Lost,
     }}
     #[inputs] pub struct Input {{ pub axis: [Axis; 20] }}
     pub struct Axis {{
@@ -130,6 +133,10 @@ mod variables {{
     #[outputs] pub struct Output {{
         #[var(local)] pub axis: [Axis; 20],
         pub fault: Fault,
+        /// Speed
+        #[var(name = "speed", fields = f64[x, y, z])] pub speed: Axes,
+        /// Position
+        pub position: [f64; super::AXES],
     }}
     #[parameters] pub struct Parameters {{
         /// Gain; "expert" in a string is no flag
@@ -155,5 +162,6 @@ def test_descriptions_hints_and_ports_of_an_interface_are_checked(
         ("hint", "23 words"),
         ("hint", "a question; write an instruction"),
         ("count", "20 inputs"),
+        ("count", "13 outputs"),
         ("count", "50 visible parameters"),
     ]
