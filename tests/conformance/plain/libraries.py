@@ -40,7 +40,7 @@ DRIVER = """
 #include <stdlib.h>
 #include "{id}.h"
 
-static void log(void *user, int level, const char *text) {{
+static void log_message(void *user, int level, const char *text) {{
     (void)user;
     if (level > 0) fprintf(stderr, "%s\\n", text);
 }}
@@ -53,7 +53,7 @@ int main(int count, char **words) {{
     {id}_start_parameters(&p);
     {id}_start_inputs(&in);
 {parameters}
-    {id} *one = {id}_new(&p, count > 2 ? words[2] : NULL, log, NULL), *other = NULL;
+    {id} *one = {id}_new(&p, count > 2 ? words[2] : NULL, log_message, NULL), *other = NULL;
     if (one == NULL) return 1;
     const long half = atol(words[1]);
     for (long k = 0; fread(row, sizeof *row, {columns}, stdin) == {columns}; k++) {{
@@ -62,7 +62,7 @@ int main(int count, char **words) {{
             const size_t size = {id}_save(one, NULL, 0);
             void *bytes = malloc(size);
             {id}_start_parameters(&p);
-            other = {id}_new(&p, count > 2 ? words[2] : NULL, log, NULL);
+            other = {id}_new(&p, count > 2 ? words[2] : NULL, log_message, NULL);
             if (size == 0 || {id}_save(one, bytes, size) != size) return 2;
             if (!{id}_restore(other, bytes, size)) return 2;
             {id}_free(one);

@@ -146,7 +146,7 @@ def lists(text: str) -> list[list[str]]:
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-def test_a_block_and_the_its_code_have_one_order(name: str) -> None:
+def test_a_block_and_its_code_have_one_order(name: str) -> None:
     text = block_of(name).read_text()
     code = (PACKAGE / f"Resources/Include/fmu_{name}_modelica.h").read_text()
 
