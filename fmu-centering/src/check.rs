@@ -39,16 +39,16 @@ fn stroke(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn park(p: &Parameters) -> Result<(), ParameterError> {
-    let most = (p.park.probe - p.probe.contact).min(p.probe.at_pusher - p.park.probe);
+    let maximum = (p.park.probe - p.probe.contact).min(p.probe.at_pusher - p.park.probe);
     let hint = "otherwise a turning ring loses the probe or meets the pusher";
     Parameter::new("park.dead_zone", p.park.dead_zone, "m", hint)
-        .less_than(most, "from `park.probe` to `probe.contact` and to `probe.at_pusher`")
+        .less_than(maximum, "from `park.probe` to `probe.contact` and to `probe.at_pusher`")
 }
 
 fn gap(p: &Parameters) -> Result<(), ParameterError> {
-    let most = p.probe.at_pusher - 2.0 * p.probe.contact;
+    let maximum = p.probe.at_pusher - 2.0 * p.probe.contact;
     Parameter::new("expert.follow.gap", p.follow.gap, "m", "the probe must touch while the slide follows")
-        .at_most(most, "`probe.at_pusher` less twice `probe.contact`")
+        .at_most(maximum, "`probe.at_pusher` less twice `probe.contact`")
 }
 
 /// Travel (m) that must remain on the ring for the test of the probe: twice the smallest move.
@@ -102,10 +102,10 @@ fn follow_delay(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn follow_braking(p: &Parameters) -> Result<(), ParameterError> {
-    let most = p.slide.acceleration_max / p.follow.velocity_max;
+    let maximum = p.slide.acceleration_max / p.follow.velocity_max;
     let hint = "a larger gain cannot brake from `follow.velocity_max` before the pusher touches; lower one of them";
     Parameter::new("expert.follow.gain", p.follow.gain, "1/s", hint)
-        .at_most(most, "`slide.acceleration_max` over `follow.velocity_max`")
+        .at_most(maximum, "`slide.acceleration_max` over `follow.velocity_max`")
 }
 
 fn bands(p: &Parameters) -> Result<(), ParameterError> {
@@ -118,7 +118,7 @@ fn bands(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn rates(p: &Parameters) -> Result<(), ParameterError> {
-    let most = 1.0 / p.sample_period;
+    let maximum = 1.0 / p.sample_period;
     let rates = [
         ("expert.rates.control", p.rates.control),
         ("expert.rates.collect", p.rates.collect),
@@ -126,16 +126,16 @@ fn rates(p: &Parameters) -> Result<(), ParameterError> {
     ];
     rates.into_iter().try_for_each(|(name, value)| {
         let rate = Parameter::new(name, value, "Hz", "shorten `sample_period` or run this loop less often");
-        rate.must_be(value <= most * (1.0 + 1e-9), || format!("at most `{most} Hz`, one in each `sample_period`"))
+        rate.must_be(value <= maximum * (1.0 + 1e-9), || format!("at most `{maximum} Hz`, one in each `sample_period`"))
     })
 }
 
 fn push_velocities(p: &Parameters) -> Result<(), ParameterError> {
     let minimum = Parameter::new("expert.push.velocity_min", p.push.velocity_min, "m/s", "small pushes are slower");
     minimum.at_most(p.push.velocity_max, "the `expert.push.velocity_max`")?;
-    let most =
+    let maximum =
         Parameter::new("expert.push.velocity_max", p.push.velocity_max, "m/s", "the 3500 mm/s of the paper are um/s");
-    most.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
+    maximum.at_most(p.slide.velocity_max, "the `slide.velocity_max`")
 }
 
 /// On a table that the controller turns, friction must exceed centrifugal force and acceleration of the ring.
@@ -152,9 +152,9 @@ fn spindle_speed(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "otherwise the ring slips; reduce it or `ring.radius`, or raise `limits.friction` to a certain value";
     Parameter::new("spindle.acceleration", spindle_acceleration(p), "rad/s2", hint)
         .less_than(held / p.ring.radius, "what `limits.friction` holds at `ring.radius`")?;
-    let most = ((held * held - rim * rim).sqrt() / eccentricity).sqrt();
+    let maximum = ((held * held - rim * rim).sqrt() / eccentricity).sqrt();
     let hint = "otherwise the ring flies off; reduce it, `spindle.acceleration` or `ring.eccentricity_max`";
-    speed(hint).at_most(most, "what `limits.friction` holds at `ring.eccentricity_max` (eq. 2)")
+    speed(hint).at_most(maximum, "what `limits.friction` holds at `ring.eccentricity_max` (eq. 2)")
 }
 
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {

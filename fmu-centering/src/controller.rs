@@ -11,7 +11,7 @@ use crate::check::check;
 use crate::commission::Identification;
 use crate::faults::{Supervisor, cause, evaluate, line_moved};
 use crate::interface::{Fault, Input, MonitorReport, Output, Parameters, PushReport, Setpoint, State};
-use crate::law::{ActiveLaw, Observation, Verdict};
+use crate::law::{ActiveLaw, Decision, Observation};
 use crate::machine::{Events, next};
 use crate::monitoring::{DriveMonitor, EarlyContact, FrozenProbe, Numbers, ProbeTrial};
 use crate::motion::{Follower, Motion, Table};
@@ -53,7 +53,7 @@ pub struct Controller {
     /// eccentricity of the first model, m
     first: Option<f64>,
     /// the most certain model so far
-    surest: Option<Estimate>,
+    best: Option<Estimate>,
     /// motion of the line of a centered ring and its limit (m), where it exceeds the limit
     line: Option<[f64; 2]>,
     /// ring position before the last push, until the model after it
@@ -63,7 +63,7 @@ pub struct Controller {
     centered: Option<f64>,
     identification: Identification,
     /// an edge of `commission` waits for a slide at rest
-    commission_asked: WaitingRequest,
+    commission_request: WaitingRequest,
     long_step: bool,
 }
 
@@ -99,14 +99,14 @@ impl Controller {
             settled: Consecutive::default(),
             estimate: None,
             first: None,
-            surest: None,
+            best: None,
             line: None,
             before: None,
             report: PushReport::START,
             started: 0.0,
             centered: None,
             identification: Identification::new(p),
-            commission_asked: WaitingRequest::default(),
+            commission_request: WaitingRequest::default(),
             long_step: false,
         })
     }
@@ -138,8 +138,8 @@ impl Controller {
     pub fn tick(&mut self, input: &Input, p: &Parameters, output: &mut Output) {
         let reading = self.reader.read(p, input, self.freedom(p));
         let due = self.clock.advance(p);
-        let turned = self.observe(p, &reading, due);
-        self.decide(p, &reading, due, turned);
+        let rotation = self.observe(p, &reading, due);
+        self.decide(p, &reading, due, rotation);
         self.long_step = false;
         self.move_on(p, due);
         *output = self.report(p);
@@ -148,7 +148,7 @@ impl Controller {
     /// Updates spindle, surface and model; the rotation (rad) since the last sample.
     fn observe(&mut self, p: &Parameters, reading: &Reading, due: Due) -> f64 {
         if let Some(slide) = reading.slide {
-            self.motion.place(slide, reading.jumped && self.state == State::Idle);
+            self.motion.reseat(slide, reading.jumped && self.state == State::Idle);
         }
         let Some(sample) = reading.sample else { return 0.0 };
         (self.sample, self.calm) = (sample, reading.calm);
@@ -167,7 +167,7 @@ impl Controller {
         if reading.jumped {
             self.spindle.restart();
         }
-        let turned = self.spindle.update(sample.angle);
+        let rotation = self.spindle.update(sample.angle);
         if due.control {
             self.follower.update(p, &self.calm);
         }
@@ -176,23 +176,23 @@ impl Controller {
             let now = self.observation(p, due);
             self.law.observe(p, &now);
         }
-        self.probe_delay.update(p, turned, &sample, reading.fresh);
-        turned
+        self.probe_delay.update(p, rotation, &sample, reading.fresh);
+        rotation
     }
 
     /// State machine.
-    fn decide(&mut self, p: &Parameters, reading: &Reading, due: Due, turned: f64) {
+    fn decide(&mut self, p: &Parameters, reading: &Reading, due: Due, rotation: f64) {
         let mut events = Events {
             enabled: reading.enabled,
             start: reading.start,
             reset: reading.reset,
             at_rest: self.motion.resting(p) && (self.driven() || self.drive.still() > p.ticks(STILL_TIME)),
-            fault: self.find_fault(p, reading, turned),
+            fault: self.find_fault(p, reading, rotation),
             touched: self.calm.probe > p.probe.contact,
             settled: self.settle(p),
             collected: self.law.collected(),
             stroke_over: self.state == State::Push && self.law.stroke_over(p, &self.motion),
-            commission: self.commission_asked.update(
+            commission: self.commission_request.update(
                 self.state == State::Idle,
                 reading.begin_commission,
                 reading.commission,
@@ -205,11 +205,11 @@ impl Controller {
         if events.fault.is_none() {
             self.conclude(p, &now, &mut events);
             self.confirm(p, &mut events);
-            self.judge_servo(p, &mut events);
+            self.check_servo(p, &mut events);
         }
         events.fault = events.fault.map(|fault| cause(fault, self.probe_delay.late()));
         self.escalate(p, events.fault);
-        let ready = self.state == State::Wait && matches!(events.verdict, None | Some(Verdict::Push));
+        let ready = self.state == State::Wait && matches!(events.decision, None | Some(Decision::Push));
         let ready = ready && self.table.steady(p);
         let launch = if ready { self.law.launch(p, &now) } else { None };
         events.launched = launch.is_some();
@@ -239,35 +239,35 @@ impl Controller {
         match self.law.conclude(p, now) {
             None => {}
             Some(Err(fault)) => events.fault = Some(fault),
-            Some(Ok((ring, verdict))) => {
-                events.verdict = Some(verdict);
+            Some(Ok((ring, decision))) => {
+                events.decision = Some(decision);
                 if let Some(ring) = ring {
-                    events.fault = self.note(p, &ring, verdict);
+                    events.fault = self.note(p, &ring, decision);
                 }
             }
         }
     }
 
     /// Stores a new estimate; its fault, if any.
-    fn note(&mut self, p: &Parameters, ring: &Estimate, verdict: Verdict) -> Option<Fault> {
+    fn note(&mut self, p: &Parameters, ring: &Estimate, decision: Decision) -> Option<Fault> {
         self.estimate = Some(*ring);
-        match verdict {
-            Verdict::Measure => return None,
-            Verdict::Unresolved => return Some(Fault::Unresolved),
-            Verdict::Centered | Verdict::Push => {}
+        match decision {
+            Decision::Measure => return None,
+            Decision::Unresolved => return Some(Fault::Unresolved),
+            Decision::Centered | Decision::Push => {}
         }
         if let Some(before) = self.before.take() {
             self.report.overshoot = ring.center.overshoot(&before);
             self.report.overshoot_max = self.report.overshoot_max.max(self.report.overshoot);
         }
-        let surest = *self.surest.get_or_insert(*ring);
-        if ring.sigma < surest.sigma {
-            self.surest = Some(*ring);
+        let best = *self.best.get_or_insert(*ring);
+        if ring.sigma < best.sigma {
+            self.best = Some(*ring);
         }
         let first = *self.first.get_or_insert(ring.center.eccentricity());
-        self.line = line_moved(p, &surest, ring);
+        self.line = line_moved(p, &best, ring);
         if self.line.is_some() {
-            return Some(if self.frozen.stands() { Fault::ProbeFrozen } else { Fault::ProbeJump });
+            return Some(if self.frozen.tip_frozen() { Fault::ProbeFrozen } else { Fault::ProbeJump });
         }
         evaluate(p, self.spindle.speed(), self.report.count, first, ring)
     }
@@ -296,7 +296,7 @@ impl Controller {
         let press = if self.state == State::Push { self.law.press(p, &now) } else { None };
         match press {
             Some(setpoint) => self.motion.setpoint = setpoint,
-            None => self.motion.step(p, self.wished_velocity(p)),
+            None => self.motion.step(p, self.target_velocity(p)),
         }
         self.ahead = match self.state {
             State::Push => self.law.ahead(),
@@ -307,7 +307,7 @@ impl Controller {
     }
 
     /// Velocity of the slide when it is not on a move, m/s.
-    fn wished_velocity(&self, p: &Parameters) -> f64 {
+    fn target_velocity(&self, p: &Parameters) -> f64 {
         match self.state {
             State::Approach => p.approach.velocity,
             State::Idle | State::Push | State::Confirm | State::Fault | State::Commission => 0.0,

@@ -11,7 +11,7 @@ use crate::commission::response::braked_late;
 use crate::commission::{DELAY_STD_MAX, STD_MAX, plan};
 use crate::interface::{Fault, Input, Parameters, State, Vars};
 use crate::limits::{GRAVITY, cycle_time, held_surface_velocity, servo_damping, slowest_servo, speed_limit};
-use crate::monitoring::{Numbers, SHARE_ERROR, believable_share};
+use crate::monitoring::{Numbers, RATIO_ERROR, plausible_ratio};
 use crate::motion::TOLERANCE;
 use crate::sensing::ProbeDelay;
 
@@ -26,9 +26,9 @@ const STILL_TIME: f64 = 0.5;
 /// Time to settle, in addition to the travel of the probe to its position and the time of settling, s.
 const UNSETTLED_TIME: f64 = 3.0;
 /// Rotation (revolutions) within which every collection and every wait must end.
-const TURNS_MAX: f64 = 1.1;
+const REVOLUTIONS_MAX: f64 = 1.1;
 /// Rotation (revolutions) from push to push: three models of the ring and the wait, with a tenth to spare.
-const CYCLE_TURNS_MAX: f64 = 4.4;
+const CYCLE_REVOLUTIONS_MAX: f64 = 4.4;
 /// Allowed motion of the line of a centered ring in a cycle, m (default; thermal drift is less).
 const LINE_MOVED: f64 = 1e-4;
 /// Standard deviations, of both models, and ratio of the height of the arc for a radius that is configured wrong.
@@ -74,7 +74,7 @@ pub struct Watched<'a> {
     /// Probe deflection, m.
     pub probe: f64,
     /// Rotation since the step before, rad.
-    pub turned: f64,
+    pub rotation: f64,
     /// Spindle speed, rad/s.
     pub speed: f64,
     /// Velocity of the surface along the probe, m/s.
@@ -94,7 +94,7 @@ pub struct Supervisor {
     still: Consecutive,
     unsettled: Consecutive,
     /// rotation in the present state, rad
-    turned: f64,
+    rotation: f64,
     /// the same with its sign, rad
     forward: f64,
     /// rotation since the last push, rad
@@ -106,7 +106,7 @@ pub struct Supervisor {
 impl Supervisor {
     /// The state has changed to `state`.
     pub fn enter(&mut self, state: State) {
-        (self.turned, self.forward) = (0.0, 0.0);
+        (self.rotation, self.forward) = (0.0, 0.0);
         (self.unsettled, self.still) = (Consecutive::NONE, Consecutive::NONE);
         if matches!(state, State::Approach | State::Settle) {
             self.cycle = 0.0;
@@ -120,7 +120,7 @@ impl Supervisor {
 
     /// Ratio of forward rotation to all rotation in the present state; 1 before the spindle turned.
     pub fn forward(&self) -> f64 {
-        if self.turned > 0.0 { self.forward.abs() / self.turned } else { 1.0 }
+        if self.rotation > 0.0 { self.forward.abs() / self.rotation } else { 1.0 }
     }
 
     /// The fault of the highest severity in this step.
@@ -132,10 +132,10 @@ impl Supervisor {
         let over = |count: Consecutive, time: f64| count.count() > p.ticks(time);
         let too_far = view.probe >= p.probe.stroke || over(self.pressed, PRESSED_TIME);
         let unsettled = over(self.unsettled, UNSETTLED_TIME + p.null() / p.follow.velocity_max + p.settling().1);
-        let turnings = [(self.turned, TURNS_MAX), (self.cycle, CYCLE_TURNS_MAX)];
-        let endless = turnings.into_iter().find(|(turned, most)| *turned > most * TAU);
-        self.endless = endless.map(|(turned, most)| [turned / TAU, most]);
-        let reversing = self.turned > TURNS_MAX * TAU && self.forward.abs() < FORWARD * self.turned;
+        let turnings = [(self.rotation, REVOLUTIONS_MAX), (self.cycle, CYCLE_REVOLUTIONS_MAX)];
+        let endless = turnings.into_iter().find(|(rotation, maximum)| *rotation > maximum * TAU);
+        self.endless = endless.map(|(rotation, maximum)| [rotation / TAU, maximum]);
+        let reversing = self.rotation > REVOLUTIONS_MAX * TAU && self.forward.abs() < FORWARD * self.rotation;
         let flying = over(self.flying, FLYING_TIME) || view.estimate.is_some_and(|ring| too_fast(p, view.speed, ring));
         (too_far || unsettled)
             .then_some(Fault::ProbeRange)
@@ -154,9 +154,9 @@ impl Supervisor {
         self.still.update(view.state.needs_rotation() && view.speed.abs() < p.limits.spindle_speed_min);
         self.unsettled.update(settling);
         if view.state.needs_rotation() {
-            self.turned += view.turned.abs();
-            self.forward += view.turned;
-            self.cycle += view.turned.abs();
+            self.rotation += view.rotation.abs();
+            self.forward += view.rotation;
+            self.cycle += view.rotation.abs();
         }
     }
 }
@@ -178,8 +178,8 @@ fn shows_too_fast(p: &Parameters, view: &Watched) -> bool {
 /// Distance (m) between the lines of a centered ring in a new model and in the most certain one so far, and its limit (m),
 /// where it exceeds the limit. Neither ring nor spindle can move that line, so a measurement has jumped.
 pub fn line_moved(p: &Parameters, most_certain: &Estimate, ring: &Estimate) -> Option<[f64; 2]> {
-    let most = most_certain.center.eccentricity().max(ring.center.eccentricity());
-    let bend = LINE_BEND * most.powi(2) / (4.0 * p.ring.radius);
+    let maximum = most_certain.center.eccentricity().max(ring.center.eccentricity());
+    let bend = LINE_BEND * maximum.powi(2) / (4.0 * p.ring.radius);
     let distance = (ring.mean - most_certain.mean).abs();
     let limit = LINE_MOVED + LINE_SIGMAS * (most_certain.sigma + ring.sigma) + bend;
     (distance > limit).then_some([distance, limit])
@@ -239,8 +239,8 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
             p.probe.stroke
         ),
         Fault::Centrifugal if e > 0.0 => {
-            let most = speed_limit(p.limits.friction, output.eccentricity);
-            format!(": `{speed:.3} rad/s`, limit `{most:.3} rad/s` at B = `{e:.2} um` of the last model")
+            let maximum = speed_limit(p.limits.friction, output.eccentricity);
+            format!(": `{speed:.3} rad/s`, limit `{maximum:.3} rad/s` at B = `{e:.2} um` of the last model")
         }
         Fault::Centrifugal => format!(": `{speed:.3} rad/s`, before the first model"),
         Fault::PushBudget => format!(
@@ -255,17 +255,21 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
         ),
         Fault::ProbeLost => format!(": probe at `{probe_position} m` {row}"),
         Fault::ProbeJump => match line {
-            Some([way, limit]) => {
-                format!(": the line of the centered ring moved by `{:.3} mm`, limit `{:.3} mm`", 1e3 * way, 1e3 * limit)
+            Some([distance, limit]) => {
+                format!(
+                    ": the line of the centered ring moved by `{:.3} mm`, limit `{:.3} mm`",
+                    1e3 * distance,
+                    1e3 * limit
+                )
             }
             None => format!(": probe at `{probe_position} m` {row}"),
         },
         Fault::ProbeFrozen => {
-            let share = output.monitor.probe_gain_ratio;
-            let tested = if believable_share(share) {
+            let ratio = output.monitor.probe_gain_ratio;
+            let tested = if plausible_ratio(ratio) {
                 String::new()
             } else {
-                format!(", gain ratio in the probe test `{share:.2}`, limits 1 +- `{SHARE_ERROR}`")
+                format!(", gain ratio in the probe test `{ratio:.2}`, limits 1 +- `{RATIO_ERROR}`")
             };
             format!(": probe at `{probe_position} m`{tested}")
         }
@@ -308,7 +312,9 @@ fn of_fault(vars: &Vars, fault: Fault, e: f64) -> String {
         ),
         Fault::NoProgress => {
             let lasted = match endless {
-                Some([turns, most]) => format!("`{turns:.2}` revolutions without a result, limit `{most}`"),
+                Some([revolutions, maximum]) => {
+                    format!("`{revolutions:.2}` revolutions without a result, limit `{maximum}`")
+                }
                 None => {
                     let (limit, commission) = (cycle_time(p, speed), plan::time(p));
                     let lasted = output.monitor.cycle_time;

@@ -4,4 +4,4 @@ mod active;
 mod centering;
 
 pub use active::ActiveLaw;
-pub use centering::{CenteringLaw, Conclusion, Launch, Observation, Verdict};
+pub use centering::{CenteringLaw, Conclusion, Decision, Launch, Observation};

@@ -13,9 +13,9 @@ pub const GRAVITY: f64 = 9.807;
 /// From push to push, in addition to the travel of the probe to its position: settling and stroke (s), and a revolution each of measuring
 /// and waiting with a tenth to spare.
 const CYCLE_TIME: f64 = 5.0;
-const CYCLE_TURNS: f64 = 2.2;
+const CYCLE_REVOLUTIONS: f64 = 2.2;
 /// Fraction of the friction that accelerates the rim of a ring during the ramp of the table; 0.8 remain at right angles.
-const RIM_SHARE: f64 = 0.6;
+const RIM_RATIO: f64 = 0.6;
 /// Move of the slide that tests the probe, m (default: a thousand times its noise); and its minimum, at which a resolution
 /// of 20 um does not decide.
 const TRIAL_MOVE: f64 = 2e-4;
@@ -50,7 +50,7 @@ pub fn spindle_acceleration(p: &Parameters) -> f64 {
     if p.spindle_acceleration > 0.0 {
         return p.spindle_acceleration;
     }
-    RIM_SHARE * p.limits.friction * GRAVITY / p.ring.radius
+    RIM_RATIO * p.limits.friction * GRAVITY / p.ring.radius
 }
 
 /// Stroke (m) of the probe before the pusher that the fastest permissible approach needs.
@@ -69,7 +69,7 @@ pub fn cycle_time(p: &Parameters, speed: f64) -> f64 {
     }
     let revolution = TAU / speed.abs().max(p.limits.spindle_speed_min);
     // after a push that loses the ring the whole travel is repeated
-    let cycle = CYCLE_TIME + p.null() / p.follow.velocity_max + CYCLE_TURNS * revolution;
+    let cycle = CYCLE_TIME + p.null() / p.follow.velocity_max + CYCLE_REVOLUTIONS * revolution;
     p.approach.travel_max / p.approach.velocity + f64::from(p.limits.pushes + 1) * cycle
 }
 
@@ -87,9 +87,9 @@ pub fn slowest_servo(p: &Parameters) -> f64 {
 /// leave a factor 2; and at k, beyond which it is below 1, the servo takes atan(2 zeta x / (1 - x^2)) of its phase, x = k / w, which
 /// must be at most 45 degrees.
 pub fn servo_damping(p: &Parameters, bandwidth: f64) -> RangeInclusive<f64> {
-    let share = p.slide.acceleration_max / (bandwidth * bandwidth * p.limits.following_error);
-    let turn = FRAC_2_PI * share.min(1.0).atanh();
-    let following = if turn.is_finite() { turn / (1.0 + turn * turn).sqrt() } else { 1.0 };
+    let ratio = p.slide.acceleration_max / (bandwidth * bandwidth * p.limits.following_error);
+    let growth = FRAC_2_PI * ratio.min(1.0).atanh();
+    let following = if growth.is_finite() { growth / (1.0 + growth * growth).sqrt() } else { 1.0 };
     let x = match p.law {
         Law::Default => p.stroke.feedback / bandwidth,
         Law::Paper => 0.0,
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn without_eccentricity_the_surface_stands_still() {
+    fn without_eccentricity_the_surface_does_not_move() {
         assert_eq!(surface_velocity(0.0, 0.05, 4.0), 0.0);
         assert!(speed_limit(0.05, 0.0).is_infinite());
     }
@@ -132,8 +132,8 @@ mod tests {
     fn a_surface_that_is_too_fast_shows_a_ring_that_is_not_held() {
         // 45 rpm: 22.1 mm are held
         let w = 45.0 * TAU / 60.0;
-        let most = held_surface_velocity(0.05, 0.05, w);
-        assert!(surface_velocity(0.022, 0.05, w) < most && surface_velocity(0.0222, 0.05, w) > most);
+        let maximum = held_surface_velocity(0.05, 0.05, w);
+        assert!(surface_velocity(0.022, 0.05, w) < maximum && surface_velocity(0.0222, 0.05, w) > maximum);
         assert!(held_surface_velocity(0.05, 0.05, 1e-9).is_finite());
         assert!(held_surface_velocity(0.05, 0.05, 0.0).is_finite());
         // at most twice e w, for a ring whose rim is on the axis
@@ -187,11 +187,8 @@ mod tests {
             let range = servo_damping(&p, bandwidth);
             let zeta = range.start();
             let peak = (FRAC_PI_2 * zeta / (1.0 - zeta * zeta).sqrt()).tanh().recip();
-            let behind = p.slide.acceleration_max / (bandwidth * bandwidth) * peak;
-            assert!(
-                (behind / p.limits.following_error - 1.0).abs() < 1e-9 && (zeta - expected).abs() < 1e-4,
-                "{range:?}"
-            );
+            let lag = p.slide.acceleration_max / (bandwidth * bandwidth) * peak;
+            assert!((lag / p.limits.following_error - 1.0).abs() < 1e-9 && (zeta - expected).abs() < 1e-4, "{range:?}");
             assert_eq!(*range.end(), f64::INFINITY);
         }
         // a servo that is too slow at any damping, and the control law without feedback

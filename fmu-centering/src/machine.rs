@@ -1,7 +1,7 @@
 //! State machine of one centering: states, faults and the transitions between them.
 
 use crate::interface::{Fault, State};
-use crate::law::Verdict;
+use crate::law::Decision;
 
 impl State {
     /// Whether a cycle is running or finished, without a fault.
@@ -45,7 +45,7 @@ pub struct Events {
     /// The data suffice for a model.
     pub collected: bool,
     /// Conclusion from the new model.
-    pub verdict: Option<Verdict>,
+    pub decision: Option<Decision>,
     /// The push starts now.
     pub launched: bool,
     /// The stroke of the push is over.
@@ -76,9 +76,9 @@ pub fn next(state: State, events: &Events) -> State {
         Approach if events.touched => Follow,
         Follow | Settle if events.settled => Collect,
         Wait if events.launched => Push,
-        Collect | Model | Wait if events.verdict.is_some() => match events.verdict {
-            Some(Verdict::Centered) => Confirm,
-            Some(Verdict::Push) => Wait,
+        Collect | Model | Wait if events.decision.is_some() => match events.decision {
+            Some(Decision::Centered) => Confirm,
+            Some(Decision::Push) => Wait,
             _ => Collect,
         },
         Collect if events.collected => Model,
@@ -110,21 +110,21 @@ mod tests {
     fn the_whole_way_of_one_centering() {
         let settled = enabled(|events| events.settled = true);
         let collected = enabled(|events| events.collected = true);
-        let way = [
+        let sequence = [
             (enabled(|events| events.start = true), State::Approach),
             (enabled(|events| events.touched = true), State::Follow),
             (settled, State::Collect),
             (collected, State::Model),
-            (enabled(|events| events.verdict = Some(Verdict::Push)), State::Wait),
+            (enabled(|events| events.decision = Some(Decision::Push)), State::Wait),
             (enabled(|events| events.launched = true), State::Push),
             (enabled(|events| events.stroke_over = true), State::Settle),
             (settled, State::Collect),
             (collected, State::Model),
-            (enabled(|events| events.verdict = Some(Verdict::Centered)), State::Confirm),
+            (enabled(|events| events.decision = Some(Decision::Centered)), State::Confirm),
             (enabled(|events| events.confirmed = true), State::Centered),
         ];
         let mut state = State::Idle;
-        for (events, expected) in way {
+        for (events, expected) in sequence {
             state = next(state, &events);
             assert_eq!(state, expected);
         }
@@ -138,7 +138,7 @@ mod tests {
             |events| (events.reset, events.at_rest) = (true, true),
             |events| (events.touched, events.settled) = (true, true),
             |events| events.collected = true,
-            |events| events.verdict = Some(Verdict::Centered),
+            |events| events.decision = Some(Decision::Centered),
             |events| events.launched = true,
             |events| events.stroke_over = true,
             |events| events.confirmed = true,

@@ -11,4 +11,4 @@ pub use drive::DriveMonitor;
 pub use early_contact::EarlyContact;
 pub use frozen::{FrozenProbe, PRESSED_IN_PUSH, Phase};
 pub use numbers::Numbers;
-pub use trial::{ProbeTrial, SHARE_ERROR, believable_share};
+pub use trial::{ProbeTrial, RATIO_ERROR, plausible_ratio};

@@ -73,17 +73,17 @@ mod tests {
     #[test]
     fn a_sine_is_found_exactly() {
         let (b0, b1, b2) = (0.123, -3e-4, 4e-4);
-        let turn = |k| TAU * f64::from(k) / 198.0 + 0.7;
-        let sine = fitted((0..198).map(|k| (turn(k), b0 + b1 * turn(k).sin() + b2 * turn(k).cos()))).unwrap();
+        let angle = |k| TAU * f64::from(k) / 198.0 + 0.7;
+        let sine = fitted((0..198).map(|k| (angle(k), b0 + b1 * angle(k).sin() + b2 * angle(k).cos()))).unwrap();
         assert!((sine.mean - b0).abs() < 1e-15 && (sine.sine - b1).abs() < 1e-15 && (sine.cosine - b2).abs() < 1e-15);
         assert!(sine.sigma < 1e-10, "{}", sine.sigma);
     }
 
     #[test]
     fn lobes_do_not_leak_into_a_full_turn() {
-        let turn = |k| TAU * f64::from(k) / 200.0;
+        let angle = |k| TAU * f64::from(k) / 200.0;
         let lobed = |x: f64| 1e-6 * (x.sin() + 3.0 * (2.0 * x + 1.0).cos() + 2.0 * (3.0 * x).sin());
-        let sine = fitted((0..200).map(|k| (turn(k), lobed(turn(k))))).unwrap();
+        let sine = fitted((0..200).map(|k| (angle(k), lobed(angle(k))))).unwrap();
         assert!((sine.sine - 1e-6).abs() < 1e-15 && sine.cosine.abs() < 1e-15);
     }
 

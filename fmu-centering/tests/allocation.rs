@@ -119,9 +119,9 @@ fn disturb(fault: Fault, run: &mut Loop) {
         Fault::Centrifugal => run.ring.speed = SPEED * 130.0 / 20.0,
         _ => {}
     }
-    let mut told = [0.0; 6];
+    let mut delayed = [0.0; 6];
     let (mut slow, mut speed) = (run.output.slide.position_setpoint, 0.0);
-    let (place, probe) = (run.output.slide.position_setpoint, AT_PUSHER - run.output.pusher_gap);
+    let (position, probe) = (run.output.slide.position_setpoint, AT_PUSHER - run.output.pusher_gap);
     for k in 0..4000 {
         if run.output.state == State::Fault {
             return;
@@ -131,7 +131,7 @@ fn disturb(fault: Fault, run: &mut Loop) {
             // there and back by a radian
             run.ring.speed = 4.0 * SPEED * (8e-3 * f64::from(k)).cos();
         }
-        let (fast, moved) = (1e-4 * f64::from(k), run.output.slide.position_setpoint - place);
+        let (fast, moved) = (1e-4 * f64::from(k), run.output.slide.position_setpoint - position);
         // a servo of 8 Hz
         let (target, servo) = (run.output.slide, 50.0);
         speed += 1e-3
@@ -143,14 +143,14 @@ fn disturb(fault: Fault, run: &mut Loop) {
             Fault::ProbeLost => input.probe_position = f64::NAN,
             Fault::ProbeJump => input.probe_position += 5e-3,
             Fault::ProbeDelayed => {
-                told.rotate_right(1);
-                told[0] = input.probe_position;
-                input.probe_position = told[5];
+                delayed.rotate_right(1);
+                delayed[0] = input.probe_position;
+                input.probe_position = delayed[5];
             }
             Fault::PositionDelayed => {
-                told.rotate_right(1);
-                told[0] = input.slide_position;
-                input.slide_position = told[5];
+                delayed.rotate_right(1);
+                delayed[0] = input.slide_position;
+                input.slide_position = delayed[5];
             }
             // a pusher that meets the ring there
             Fault::EarlyContact => input.probe_position = input.probe_position.min(0.032 - input.probe_position),
@@ -159,17 +159,17 @@ fn disturb(fault: Fault, run: &mut Loop) {
             Fault::SpindleJump => input.spindle_angle += 1.0,
             Fault::PositionLost => input.slide_position = f64::NAN,
             Fault::PositionJump => input.slide_position += 0.01,
-            Fault::PositionFrozen => input.slide_position = place,
-            Fault::FollowingError => input.slide_position = place + 0.9 * moved,
-            Fault::DriveSign => input.slide_position = place - moved,
-            Fault::WeakDrive => input.slide_position = place + 0.3 * moved,
+            Fault::PositionFrozen => input.slide_position = position,
+            Fault::FollowingError => input.slide_position = position + 0.9 * moved,
+            Fault::DriveSign => input.slide_position = position - moved,
+            Fault::WeakDrive => input.slide_position = position + 0.3 * moved,
             _ => {}
         });
     }
 }
 
 #[test]
-fn a_commission_that_is_broken_off_rejected_and_used() {
+fn a_commission_that_is_aborted_rejected_and_used() {
     let mut p = Parameters::START;
     p.commission.apply = true;
     let mut ring = Ring::new(4, 2e-4, 0.5);

@@ -37,17 +37,19 @@ pub fn check(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn loop_delay(p: &Parameters) -> Result<(), ParameterError> {
-    let most = DELAY_MAX as i32 - p.io_delay;
+    let maximum = DELAY_MAX as i32 - p.io_delay;
     let delay =
         Parameter::new("arm_delay", p.arm_delay, "", "the loop tolerates no more; use a faster link to the encoder");
-    delay.must_be(p.arm_delay <= most, || format!("at most `{most}`, `{DELAY_MAX}` less `io_delay` = `{}`", p.io_delay))
+    delay.must_be(p.arm_delay <= maximum, || {
+        format!("at most `{maximum}`, `{DELAY_MAX}` less `io_delay` = `{}`", p.io_delay)
+    })
 }
 
 fn tip_frequency(p: &Parameters) -> Result<(), ParameterError> {
-    let (value, least) = (p.tip.frequency, min_tip_frequency(p.servo.bandwidth));
+    let (value, minimum) = (p.tip.frequency, min_tip_frequency(p.servo.bandwidth));
     let frequency = Parameter::new("tip.frequency", value, "rad/s", "use a stiffer arm or reduce `servo.bandwidth`");
-    frequency.must_be(value == 0.0 || value >= least, || {
-        format!("`0` (rigid) or at least `{least} rad/s`, {TIP_OVER_LOOP} times `servo.bandwidth`")
+    frequency.must_be(value == 0.0 || value >= minimum, || {
+        format!("`0` (rigid) or at least `{minimum} rad/s`, {TIP_OVER_LOOP} times `servo.bandwidth`")
     })
 }
 
@@ -72,10 +74,10 @@ fn roll_off(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn path_harmonics(p: &Parameters) -> Result<(), ParameterError> {
-    let least = p.surface.wave_harmonic;
+    let minimum = p.surface.wave_harmonic;
     let harmonics = Parameter::new("path.harmonics", p.path.harmonics, "", "the wave must be a harmonic of the path");
-    harmonics.must_be(p.surface.kind != SurfaceKind::Wave || p.path.harmonics >= least, || {
-        format!("at least `surface.wave_harmonic` = `{least}`")
+    harmonics.must_be(p.surface.kind != SurfaceKind::Wave || p.path.harmonics >= minimum, || {
+        format!("at least `surface.wave_harmonic` = `{minimum}`")
     })
 }
 
@@ -90,13 +92,13 @@ fn automatic(p: &Parameters) -> Result<(), ParameterError> {
 
 /// All harmonics together learn with 2 N / tau. The limit for the position loop follows from the eigenvalues of both.
 fn time_constant(p: &Parameters) -> Result<(), ParameterError> {
-    let (count, least) = (learned(p), least_time_constant(p, p.servo.bandwidth));
+    let (count, minimum) = (learned(p), minimum_time_constant(p, p.servo.bandwidth));
     let tau = Parameter::new("afc.tau", p.afc.tau, "s", "cancel fewer harmonics, or increase `servo.bandwidth`");
-    tau.at_least(least, format_args!("5 / `servo.bandwidth` for each of `{count}` harmonics"))
+    tau.at_least(minimum, format_args!("5 / `servo.bandwidth` for each of `{count}` harmonics"))
 }
 
 /// Shortest `afc.tau` (s) that a loop of this bandwidth (rad/s) tolerates.
-pub fn least_time_constant(p: &Parameters, bandwidth: f64) -> f64 {
+pub fn minimum_time_constant(p: &Parameters, bandwidth: f64) -> f64 {
     5.0 * learned(p) / bandwidth
 }
 
@@ -114,18 +116,18 @@ fn frequencies(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn commission_torque(p: &Parameters) -> Result<(), ParameterError> {
-    let (value, least, most) = (p.commission.torque, disturbance(p), p.limits.torque_ratio * p.servo.torque_max);
+    let (value, minimum, maximum) = (p.commission.torque, disturbance(p), p.limits.torque_ratio * p.servo.torque_max);
     let hint = "a smaller torque is below friction and cut; a larger one leaves too little for control";
     let torque = Parameter::new("commission.torque", value, "N.m", hint);
-    torque.must_be(value == 0.0 || (least..=most).contains(&value), || {
+    torque.must_be(value == 0.0 || (minimum..=maximum).contains(&value), || {
         format!(
-            "`0`, or from the disturbances, `{least} N.m`, to `expert.limits.torque_ratio` of `servo.torque_max`, `{most} N.m`"
+            "`0`, or from the disturbances, `{minimum} N.m`, to `expert.limits.torque_ratio` of `servo.torque_max`, `{maximum} N.m`"
         )
     })
 }
 
 fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
-    check_commission_time(p.commission.time, || plan::least_time(p))
+    check_commission_time(p.commission.time, || plan::shortest_time(p))
         .map_err(|error| ParameterError { name: "expert.commission.time", ..error })
 }
 

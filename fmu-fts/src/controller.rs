@@ -32,7 +32,7 @@ use crate::servo::loop_response::LoopResponse;
 use crate::servo::response::FrequencyResponse;
 use crate::texts::Tables;
 use crate::tracking::spindle::Spindle;
-use crate::tracking::tracker::{Tracker, Wanted};
+use crate::tracking::tracker::{Target, Tracker};
 
 /// The controller between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -48,7 +48,7 @@ pub struct Controller {
     ending: Ending,
     watch: Watch,
     feed: FeedWatch,
-    job: Progress,
+    cycle: Progress,
     /// time and limit (s) of a task that takes too long
     late: Option<[f64; 2]>,
     /// the last command, N.m
@@ -69,7 +69,7 @@ pub struct Controller {
     /// `commission` and `enable` in the last sample
     before: Option<[bool; 2]>,
     /// an edge of `commission` waits for an arm at rest
-    commission_asked: WaitingRequest,
+    commission_request: WaitingRequest,
     /// the arm is held by the compensator of the commissioning run
     slow: bool,
     calibration: Calibrator,
@@ -105,7 +105,7 @@ impl Controller {
             ending: Ending::default(),
             watch: Watch::default(),
             feed: FeedWatch::default(),
-            job: Progress::default(),
+            cycle: Progress::default(),
             late: None,
             torque: 0.0,
             hold: HoldMotion::at(0.0),
@@ -118,7 +118,7 @@ impl Controller {
             file_response: tables.response,
             commissioning: CommissioningRun::new(p),
             before: None,
-            commission_asked: WaitingRequest::default(),
+            commission_request: WaitingRequest::default(),
             slow: false,
             calibration: Calibrator::new(p),
         })
@@ -154,12 +154,12 @@ impl Controller {
         let phasors = self.tracker.locate(p, reading.slide_position, &self.spindle);
         self.decide(p, input, &reading);
         let layers = self.layers(input);
-        let wanted = self.refer(p, &reading, layers, &phasors);
-        let torque = self.act(p, &wanted, &reading);
+        let target = self.refer(p, &reading, layers, &phasors);
+        let torque = self.act(p, &target, &reading);
         self.torque = torque;
-        self.monitor(p, torque, &wanted, &reading, layers.learning);
+        self.monitor(p, torque, &target, &reading, layers.learning);
         self.calibrate(p, input, &reading, torque);
-        self.report(p, torque, &wanted, &reading, output);
+        self.report(p, torque, &target, &reading, output);
         output.afc_frozen = !layers.learning;
         self.long_step = false;
         if self.state == State::Commission {
@@ -167,7 +167,7 @@ impl Controller {
         }
         if self.on_path() {
             self.feed.update(p, self.spindle.angle, reading.slide_position);
-            self.tracker.judge(output.error.tracking, &self.spindle, &phasors);
+            self.tracker.evaluate(output.error.tracking, &self.spindle, &phasors);
         }
     }
 
@@ -203,7 +203,7 @@ impl Controller {
     }
 
     /// Whether the arm is at rest off the path.
-    fn stands(&self, p: &Parameters) -> bool {
+    fn stopped(&self, p: &Parameters) -> bool {
         self.tracker.gone(p) && self.motion.velocity == 0.0 && !self.oscillating()
     }
 
@@ -238,14 +238,14 @@ impl Controller {
     }
 
     /// Monitors this sample for the faults of the next one.
-    fn monitor(&mut self, p: &Parameters, torque: f64, wanted: &Wanted, reading: &Reading, learning: bool) {
+    fn monitor(&mut self, p: &Parameters, torque: f64, target: &Target, reading: &Reading, learning: bool) {
         let sample = Sample {
-            wanted: wanted.motion.position,
+            reference: target.motion.position,
             arm_angle: reading.arm_angle,
             torque,
             oscillating: self.oscillating(),
             learning,
-            rms: self.tracker.last_turn().rms,
+            rms: self.tracker.last_revolution().rms,
             spindle_speed: self.spindle.speed,
         };
         if self.closed() {
@@ -253,7 +253,7 @@ impl Controller {
             // what is measured and held has no end
             let over = self.state == State::Identify && self.identification.done();
             if !over {
-                self.job.count();
+                self.cycle.count();
             }
         }
     }
@@ -269,15 +269,15 @@ impl Controller {
     }
 
     /// Position loop.
-    fn act(&mut self, p: &Parameters, wanted: &Wanted, reading: &Reading) -> f64 {
+    fn act(&mut self, p: &Parameters, target: &Target, reading: &Reading) -> f64 {
         if !self.closed() {
             return self.ending.torque();
         }
-        let (error, limit) = (wanted.set_point - reading.arm_angle, p.servo.torque_max);
+        let (error, limit) = (target.set_point - reading.arm_angle, p.servo.torque_max);
         if self.slow {
             return self.recursion.update(self.commissioning.compensator(), error, limit);
         }
-        let torque = self.recursion.update(&self.compensator, error, limit) + dry_friction(p, wanted.motion);
+        let torque = self.recursion.update(&self.compensator, error, limit) + dry_friction(p, target.motion);
         torque.clamp(-limit, limit)
     }
 }

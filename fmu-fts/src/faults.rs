@@ -82,9 +82,9 @@ pub fn find(p: &Parameters, now: &Situation) -> Option<Fault> {
 /// Values and limits of the present fault, for its message.
 pub fn numbers(vars: &Vars) -> String {
     let Vars { input, output, in_force: p, .. } = vars;
-    let Numbers { saturated, turns, begin, share, late, fed, table: [first, last] } = output.numbers;
-    let share = format!(
-        "`{share:.2}` of the expected acceleration, minimum `expert.limits.drive_gain_ratio` = `{}`",
+    let Numbers { saturated, revolutions, begin, drive_ratio, late, fed, table: [first, last] } = output.numbers;
+    let drive_ratio = format!(
+        "`{drive_ratio:.2}` of the expected acceleration, minimum `expert.limits.drive_gain_ratio` = `{}`",
         p.limits.drive_gain_ratio
     );
     let lost = format!("more than `limits.lost_samples` = `{}` samples", p.limits.lost_samples);
@@ -96,11 +96,11 @@ pub fn numbers(vars: &Vars) -> String {
     match output.fault {
         Fault::None => String::new(),
         Fault::FollowingError => format!(
-            ": `{:.3} mm`, limit `{} mm`; the arm has {share}",
+            ": `{:.3} mm`, limit `{} mm`; the arm has {drive_ratio}",
             1e3 * output.error.tracking,
             1e3 * p.limits.following_error
         ),
-        Fault::DriveSign | Fault::WeakDrive => format!(": the arm has {share}"),
+        Fault::DriveSign | Fault::WeakDrive => format!(": the arm has {drive_ratio}"),
         Fault::Saturation => format!(
             ": `{saturated:.2}` of the samples at `servo.torque_max` = `{} N.m`, maximum `expert.limits.saturated_ratio` = `{}`",
             p.servo.torque_max, p.limits.saturated_ratio
@@ -112,7 +112,7 @@ pub fn numbers(vars: &Vars) -> String {
             Some([time, limit]) => format!(": `{time:.1} s`, limit `{limit:.1} s`"),
             None => format!(": {error}, after `{} s` of learning", SETTLED * p.afc.tau),
         },
-        Fault::Divergence => format!(": from `{:.1} um` in `{turns}` revolutions; {error}", 1e6 * begin),
+        Fault::Divergence => format!(": from `{:.1} um` in `{revolutions}` revolutions; {error}", 1e6 * begin),
         Fault::Infeasible => format!(
             ": required `{:.3} N.m` at `{:.2} rad/s`, available `{:.3} N.m`",
             output.path_torque,
@@ -133,8 +133,8 @@ pub fn numbers(vars: &Vars) -> String {
             format!(": `spindle_angle` = `{} rad`, {lost}", input.spindle_angle)
         }
         SlideLost | SlideFrozen | SlideJump => match fed.filter(|_| output.fault == SlideFrozen) {
-            Some(way) => format!(
-                ": `slide_position` moved `{way:.2e} m` in a revolution, `limits.feed` = `{} m`, tolerance 50 %",
+            Some(travel) => format!(
+                ": `slide_position` moved `{travel:.2e} m` in a revolution, `limits.feed` = `{} m`, tolerance 50 %",
                 p.limits.feed
             ),
             None => format!(": `slide_position` = `{} m`, {lost}", input.slide_position),
@@ -237,8 +237,14 @@ mod tests {
         let mut vars = <Vars as fmi2_export::Interface>::START;
         vars.input.spindle_angle = 7.0;
         vars.output.error.rms = 50e-6;
-        vars.output.numbers =
-            Numbers { saturated: 0.31, turns: 5, begin: 24e-6, share: -0.9, fed: Some(1e-6), ..Numbers::START };
+        vars.output.numbers = Numbers {
+            saturated: 0.31,
+            revolutions: 5,
+            begin: 24e-6,
+            drive_ratio: -0.9,
+            fed: Some(1e-6),
+            ..Numbers::START
+        };
         vars.output.numbers.table = [0.04, 0.09];
         let tracking = "error of a revolution `50.0 um`, `expert.limits.tracking_error` = `20.0 um`";
         let mut check = |fault, expected: &str| {

@@ -8,7 +8,7 @@ use crate::interface::{Fault, Input, Mode, State};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Request {
     /// What the inputs ask for.
-    asked: Mode,
+    requested: Mode,
     /// It ended with a fault: until something else is asked for, nothing is.
     spent: bool,
     /// Something else is asked for than in the last sample.
@@ -17,18 +17,18 @@ pub struct Request {
 
 impl Default for Request {
     fn default() -> Self {
-        Self { asked: Mode::Idle, spent: false, renewed: false }
+        Self { requested: Mode::Idle, spent: false, renewed: false }
     }
 }
 
 impl Request {
     /// The task of this sample: `mode` while `enable` is true.
     pub fn read(&mut self, input: &Input) -> Mode {
-        let asked = if input.enable { input.mode } else { Mode::Idle };
-        self.renewed = asked != self.asked;
+        let requested = if input.enable { input.mode } else { Mode::Idle };
+        self.renewed = requested != self.requested;
         self.spent &= !self.renewed;
-        self.asked = asked;
-        if self.spent { Mode::Idle } else { asked }
+        self.requested = requested;
+        if self.spent { Mode::Idle } else { requested }
     }
 
     /// Whether this sample is the first that asks for it.
@@ -228,22 +228,22 @@ mod tests {
 
     #[test]
     fn a_commission_begins_at_rest_and_ends_in_idle() {
-        let asked = Events { commission: true, ..NOTHING };
+        let requested = Events { commission: true, ..NOTHING };
         for state in State::ALL {
             let (begins, state) = (matches!(state, State::Idle | State::Done), *state);
-            assert_eq!(next(state, Mode::Idle, &asked) == State::Commission, begins || state == State::Commission);
+            assert_eq!(next(state, Mode::Idle, &requested) == State::Commission, begins || state == State::Commission);
             assert_eq!(
-                next(state, Mode::Hold, &asked) == State::Commission,
+                next(state, Mode::Hold, &requested) == State::Commission,
                 state == State::Done || state == State::Commission
             );
             assert_eq!(state.waits(), begins, "{state:?}");
         }
         // not before the arm is known, not in a fault, and a mode has priority
-        assert_eq!(next(State::Idle, Mode::Idle, &Events { arm_known: false, ..asked }), State::Idle);
-        assert_eq!(next(State::Done, Mode::Track, &Events { at_rest: false, ..asked }), State::Done);
-        assert_eq!(next(State::Idle, Mode::Idle, &Events { fault: Some(Fault::LongStep), ..asked }), State::Fault);
-        assert_eq!(next(State::Idle, Mode::Hold, &Events { renewed: true, ..asked }), State::Hold);
-        assert_eq!(next(State::Done, Mode::Hold, &Events { renewed: true, ..asked }), State::Hold);
+        assert_eq!(next(State::Idle, Mode::Idle, &Events { arm_known: false, ..requested }), State::Idle);
+        assert_eq!(next(State::Done, Mode::Track, &Events { at_rest: false, ..requested }), State::Done);
+        assert_eq!(next(State::Idle, Mode::Idle, &Events { fault: Some(Fault::LongStep), ..requested }), State::Fault);
+        assert_eq!(next(State::Idle, Mode::Hold, &Events { renewed: true, ..requested }), State::Hold);
+        assert_eq!(next(State::Done, Mode::Hold, &Events { renewed: true, ..requested }), State::Hold);
         for end in [Events { abort: true, ..NOTHING }, Events { commissioned: true, ..NOTHING }] {
             assert_eq!(next(State::Commission, Mode::Idle, &end), State::Idle);
             assert_eq!(next(State::Commission, Mode::Idle, &Events { at_rest: false, ..end }), State::Retract);

@@ -190,11 +190,11 @@ mod tests {
         ];
         for bad in bads {
             for begin in 500..900 {
-                let (mut reader, reading, truth) = after(begin, 1, bad);
+                let (mut reader, reading, actual) = after(begin, 1, bad);
                 // a path of 340 rad/s2 bends by 3.4 urad in a sample
-                assert!((reading.arm_angle - truth.arm_angle).abs() < 6e-6, "{begin}");
-                assert!(wrap(reading.spindle_angle - truth.spindle_angle).abs() < 1e-9, "{begin}");
-                assert!((reading.slide_position - truth.slide_position).abs() < 1e-7, "{begin}");
+                assert!((reading.arm_angle - actual.arm_angle).abs() < 6e-6, "{begin}");
+                assert!(wrap(reading.spindle_angle - actual.spindle_angle).abs() < 1e-9, "{begin}");
+                assert!((reading.slide_position - actual.slide_position).abs() < 1e-7, "{begin}");
                 assert!(!reader.known());
                 let next = on_path(begin + 1);
                 assert_eq!(reader.read(&Parameters::START, &next, 0.4).arm_angle, next.arm_angle);
@@ -221,9 +221,9 @@ mod tests {
                 bad(&mut first);
                 reader.read(&p, &first, 0.4);
                 for k in begin + 1..begin + 1000 {
-                    let (truth, reading) = (on_path(k), reader.read(&p, &on_path(k), 0.4));
+                    let (actual, reading) = (on_path(k), reader.read(&p, &on_path(k), 0.4));
                     let read = (reading.arm_angle, reading.spindle_angle, reading.slide_position);
-                    assert_eq!(read, (truth.arm_angle, truth.spindle_angle, truth.slide_position), "sample {k}");
+                    assert_eq!(read, (actual.arm_angle, actual.spindle_angle, actual.slide_position), "sample {k}");
                     assert_eq!(reader.missing(), &Missing::default());
                     // the loop is not closed on a velocity that the bad one has made
                     let velocity = if reader.arm_known() { reader.arm_velocity(&p) } else { 0.0 };
@@ -247,11 +247,11 @@ mod tests {
 
     #[test]
     fn what_stays_away_is_named_after_the_samples_that_may_be_lost() {
-        let most = Parameters::START.limits.lost_samples as u32;
+        let maximum = Parameters::START.limits.lost_samples as u32;
         let stuck = on_path(499);
         let (arm, spindle) = (stuck.arm_angle, stuck.spindle_angle);
         for count in 1..20 {
-            let lost = |loss| (count > most).then_some(loss);
+            let lost = |loss| (count > maximum).then_some(loss);
             assert_eq!(after(500, count, |i| i.arm_angle = f64::NAN).0.missing().arm, lost(Loss::Invalid));
             assert_eq!(after(500, count, |i| i.arm_angle += 5e-4).0.missing().arm, lost(Loss::Jump));
             assert_eq!(after(500, count, |i| i.arm_angle = arm).0.missing().arm, lost(Loss::Frozen));
@@ -264,22 +264,22 @@ mod tests {
     #[test]
     fn a_hub_that_full_torque_accelerates_without_its_tool_is_accepted() {
         let p = Parameters::START;
-        let most = (7.0 + disturbance(&p)) / (p.servo.inertia * (1.0 - p.tip.inertia));
-        for (share, missing) in [(0.99, None), (1.3, Some(Loss::Jump))] {
+        let maximum = (7.0 + disturbance(&p)) / (p.servo.inertia * (1.0 - p.tip.inertia));
+        for (ratio, missing) in [(0.99, None), (1.3, Some(Loss::Jump))] {
             let mut reader = Reader::default();
             for k in 0..600 {
                 let pushed = 1e-4 * f64::from(k.max(500) - 500);
-                let arm_angle = 0.1 + 0.5 * share * most * pushed * pushed;
+                let arm_angle = 0.1 + 0.5 * ratio * maximum * pushed * pushed;
                 reader.read(&p, &Input { arm_angle, ..on_path(k) }, 7.0);
             }
-            assert_eq!(reader.missing().arm, missing, "{share}");
+            assert_eq!(reader.missing().arm, missing, "{ratio}");
         }
     }
 
     #[test]
     fn a_lost_spindle_goes_on_as_a_flywheel() {
-        let (_, reading, truth) = after(600, 3000, |i| i.spindle_angle = f64::NAN);
-        assert!(wrap(reading.spindle_angle - truth.spindle_angle).abs() < 1e-6);
+        let (_, reading, actual) = after(600, 3000, |i| i.spindle_angle = f64::NAN);
+        assert!(wrap(reading.spindle_angle - actual.spindle_angle).abs() < 1e-6);
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub fn commission_time(configured: f64, motions: impl FnOnce() -> f64) -> f64 {
     configured_or(configured, || TIME_SPARE.0 * motions() + TIME_SPARE.1)
 }
 
-/// Checks that the parameter `expert.commission.time` is at minimum the time (s) of the motions.
+/// Checks that the parameter `expert.commission.time` is at least the time (s) of the motions.
 ///
 /// # Errors
 /// If it does not.
@@ -60,7 +60,7 @@ pub fn check_commission_time(configured: f64, motions: impl FnOnce() -> f64) -> 
     }
     let (minimum, hint) = (motions(), "otherwise every commissioning run raises `NoProgress`");
     Parameter::new("expert.commission.time", configured, "s", hint)
-        .must_be(configured >= minimum, || format!("`0`, or at minimum `{minimum} s`, the time of its motions"))
+        .must_be(configured >= minimum, || format!("`0`, or at least `{minimum} s`, the time of its motions"))
 }
 
 #[cfg(test)]
@@ -98,7 +98,7 @@ mod tests {
         assert_eq!([check(0.0), check(8.0)], [Ok(()), Ok(())]);
         let message = check(7.5).unwrap_err().to_string();
         assert!(
-            message.starts_with("parameter `expert.commission.time` is `7.5 s`, must be `0`, or at minimum `8 s`"),
+            message.starts_with("parameter `expert.commission.time` is `7.5 s`, must be `0`, or at least `8 s`"),
             "{message}"
         );
     }

@@ -63,8 +63,8 @@ impl Experiment {
 
     /// Starts the motion of this stroke.
     fn lead(&self, p: &Parameters, motion: &mut Motion) {
-        if let Some((place, speed)) = plan::stroke(self.stroke) {
-            let end = self.start + place * plan::travel(p);
+        if let Some((position, speed)) = plan::stroke(self.stroke) {
+            let end = self.start + position * plan::travel(p);
             motion.go_gently(end, speed * p.approach.velocity, plan::acceleration(p));
         }
     }
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn its_motions_take_the_time_that_is_told_and_are_not_faster_than_an_approach() {
+    fn its_motions_take_the_configured_time_and_are_not_faster_than_an_approach() {
         let p = Parameters::START;
         let mut motion = Motion::default();
         motion.start(0.1);
@@ -104,7 +104,7 @@ mod tests {
         }
         // a stroke ends with a sample
         let strokes = f64::from(ROUNDS) * (0..).map_while(plan::stroke).count() as f64;
-        let early = plan::least_time(&p) - f64::from(samples) * p.sample_period;
+        let early = plan::shortest_time(&p) - f64::from(samples) * p.sample_period;
         assert!((0.0..=strokes * p.sample_period).contains(&early), "{early} s");
     }
 }

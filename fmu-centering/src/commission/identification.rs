@@ -77,11 +77,11 @@ impl Identification {
         if !last {
             return;
         }
-        let told = self.values.configured();
-        self.rejected = !told.accept(p, &self.measured, shift);
+        let configured = self.values.configured();
+        self.rejected = !configured.accept(p, &self.measured, shift);
         if !self.rejected {
             (self.measured.valid, self.finished) = (true, true);
-            self.values.conclude(told.derived(&self.measured), p.commission.apply);
+            self.values.conclude(configured.derived(&self.measured), p.commission.apply);
         }
     }
 }

@@ -42,7 +42,7 @@ const ROUNDS_SPARE: u32 = 1;
 pub const REST: f64 = 0.3;
 /// Period of the longest stroke back and forth in periods of the servo, and largest fraction of `probe.at_pusher`.
 const PERIODS: f64 = 4.0;
-const PUSHER_SHARE: f64 = 0.1;
+const PUSHER_RATIO: f64 = 0.1;
 
 /// Position (travels from the start) and speed (in `approach.velocity`) of a stroke; none after the last one of a round.
 pub fn stroke(number: usize) -> Option<(f64, f64)> {
@@ -54,8 +54,8 @@ pub fn stroke(number: usize) -> Option<(f64, f64)> {
 pub fn travel(p: &Parameters) -> f64 {
     configured_or(p.commission.travel, || {
         let period = PERIODS * std::f64::consts::TAU / configured_or(p.slide.bandwidth, || slowest_servo(p));
-        let way = acceleration(p) * (0.25 * period).powi(2);
-        way.min(PUSHER_SHARE * p.probe.at_pusher).min(p.approach.travel_max)
+        let distance = acceleration(p) * (0.25 * period).powi(2);
+        distance.min(PUSHER_RATIO * p.probe.at_pusher).min(p.approach.travel_max)
     })
 }
 
@@ -71,19 +71,19 @@ pub fn time(p: &Parameters) -> f64 {
 
 /// Time (s) that the motions of a commissioning run take.
 #[cfg(test)]
-pub fn least_time(p: &Parameters) -> f64 {
+pub fn shortest_time(p: &Parameters) -> f64 {
     f64::from(ROUNDS) * round_time(p)
 }
 
 /// Time (s) of a round.
 fn round_time(p: &Parameters) -> f64 {
-    let mut place = 0.0;
+    let mut position = 0.0;
     let strokes: f64 = (0..)
         .map_while(stroke)
         .map(|(next, speed)| {
-            let way = (next - std::mem::replace(&mut place, next)) * travel(p);
+            let distance = (next - std::mem::replace(&mut position, next)) * travel(p);
             // a stroke ends with a sample
-            duration(way.abs(), speed * p.approach.velocity, acceleration(p)) + p.sample_period
+            duration(distance.abs(), speed * p.approach.velocity, acceleration(p)) + p.sample_period
         })
         .sum();
     strokes + REST
@@ -95,13 +95,13 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     #[test]
-    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+    fn bounds_of_the_defaults_and_configured_bounds() {
         let mut p = Parameters::START;
         let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-12, "{value} {expected}");
         // 2.56 m/s2, and a period of 40 Hz
         near(travel(&p), 2.56 * 0.025f64.powi(2));
         near(acceleration(&p), 2.56);
-        near(time(&p), 5.0 / 3.0 * least_time(&p) + 1.0);
+        near(time(&p), 5.0 / 3.0 * shortest_time(&p) + 1.0);
         p.slide.bandwidth = TAU * 30.0;
         near(travel(&p), 2e-3);
         p.slide.bandwidth = 0.0;
@@ -113,29 +113,29 @@ mod tests {
     }
 
     #[test]
-    fn a_round_comes_back_to_where_it_began() {
+    fn a_round_returns_to_its_start() {
         let last = (0..).map_while(stroke).last().unwrap();
         assert_eq!((last.0, stroke(0).unwrap().0), (0.0, 1.0));
-        assert!((0..).map_while(stroke).all(|(place, _)| (0.0..=1.0).contains(&place)));
+        assert!((0..).map_while(stroke).all(|(position, _)| (0.0..=1.0).contains(&position)));
     }
 
     #[test]
     fn a_slide_whose_setpoint_turns_at_the_worst_moments_stays_within_what_is_said() {
         let (w, a, dt) = (TAU * 40.0, 2.56, 1e-6);
-        for (zeta, told) in [(0.7, 1.1), (0.3, 2.2)] {
+        for (zeta, expected) in [(0.7, 1.1), (0.3, 2.2)] {
             let root = f64::sqrt(1.0 - zeta * zeta);
             let bound = a / (w * w) / (0.5 * PI * zeta / root).tanh();
-            assert!((bound * w * w / a / told - 1.0).abs() < 0.05, "{bound}");
+            assert!((bound * w * w / a / expected - 1.0).abs() < 0.05, "{bound}");
             // it reverses with every half period of the damped servo
             let half = PI / (w * root);
-            let (mut error, mut rate, mut most) = (0.0f64, 0.0, 0.0f64);
+            let (mut error, mut rate, mut maximum) = (0.0f64, 0.0, 0.0f64);
             for k in 0..1_000_000 {
                 let turning = if ((dt * f64::from(k) / half) as u32).is_multiple_of(2) { a } else { -a };
                 rate += dt * (turning - 2.0 * zeta * w * rate - w * w * error);
                 error += dt * rate;
-                most = most.max(error.abs());
+                maximum = maximum.max(error.abs());
             }
-            assert!((most / bound - 1.0).abs() < 1e-3, "{zeta}: {most} {bound}");
+            assert!((maximum / bound - 1.0).abs() < 1e-3, "{zeta}: {maximum} {bound}");
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::sensing::{Fit, TERMS};
 /// Half a step of the servo over the sample period: motion boards close their loops about ten times for each setpoint.
 const SERVO_LATE: f64 = 0.05;
 /// Smallest standard deviation of the delay, samples: setpoints in steps are no lines.
-const LEAST_DELAY: f64 = 2.5e-3;
+const DELAY_MIN: f64 = 2.5e-3;
 /// Correlation time of the residuals that determine the integral action, relative to the others: 48 ms instead of 8, the
 /// time of a reversal of the slow strokes (measured: 2.4 times the scatter on servos within 30 %).
 const SLOW: f64 = 6.0;
@@ -30,7 +30,7 @@ pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured
         slide_bandwidth_std: m.slide_bandwidth_std.hypot(m.slide_bandwidth * braked_late),
         slide_damping_std: m.slide_damping_std.hypot(m.slide_damping * (braked_late + lines)),
         slide_integral_std: SLOW.sqrt() * m.slide_integral_std,
-        io_delay_std: m.io_delay_std.hypot(LEAST_DELAY),
+        io_delay_std: m.io_delay_std.hypot(DELAY_MIN),
         ..m
     })
 }
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn the_factors_are_told_in_the_words_of_a_servo() {
+    fn the_factors_are_expressed_in_terms_of_the_servo() {
         let fit = Fit { value: factors(), covariance: SMatrix::zeros() };
         let m = of_factors(&P, &fit, 1.0).unwrap();
         for (word, expected) in WORDS.iter().zip([200.0, 0.6, 10.0, 2.5]) {

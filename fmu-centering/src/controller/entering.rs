@@ -74,7 +74,7 @@ impl Controller {
         self.progress.restart();
         (self.frozen, self.drive, self.trial) = Default::default();
         (self.servo_estimator, self.servo, self.probe_delay) = Default::default();
-        (self.fault, self.estimate, self.first, self.surest, self.before) = (Fault::None, None, None, None, None);
+        (self.fault, self.estimate, self.first, self.best, self.before) = (Fault::None, None, None, None, None);
         self.line = None;
         self.identification.forget_rejected();
         (self.report, self.started, self.centered) = (PushReport::START, self.clock.time(p), None);

@@ -5,7 +5,7 @@ const P: Parameters = Parameters::START;
 /// A controller in `state` with this probe position, m.
 fn reading(state: State, probe: f64) -> Controller {
     let mut controller = Controller::new(&P).unwrap();
-    controller.motion.place(0.1, true);
+    controller.motion.reseat(0.1, true);
     controller.state = state;
     controller.sample.probe = probe;
     controller.calm.probe = probe;

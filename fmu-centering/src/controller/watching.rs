@@ -8,7 +8,7 @@ use crate::faults::{Watched, most_severe};
 use crate::interface::{Fault, Measured, Parameters, State};
 use crate::limits::{cycle_time, slowest_servo, trial_move};
 use crate::machine::Events;
-use crate::monitoring::{Phase, believable_share};
+use crate::monitoring::{Phase, plausible_ratio};
 use crate::sensing::{Freedom, Reading};
 
 /// Velocity of the slide in the test of the probe (m/s), and the time after which it is at rest there, s.
@@ -31,14 +31,15 @@ impl Controller {
     }
 
     /// The fault of the highest severity in this sample.
-    pub(super) fn find_fault(&mut self, p: &Parameters, reading: &Reading, turned: f64) -> Option<Fault> {
-        let frozen = reading.fresh && self.frozen.update(p, self.phase(), &self.sample, turned) && self.state.active();
+    pub(super) fn find_fault(&mut self, p: &Parameters, reading: &Reading, rotation: f64) -> Option<Fault> {
+        let frozen =
+            reading.fresh && self.frozen.update(p, self.phase(), &self.sample, rotation) && self.state.active();
         let pushing = self.state == State::Push;
         if pushing {
             self.early_contact.update(self.calm.probe);
         }
         let hit = pushing && self.early_contact.met(p).is_some();
-        let astray = pushing && self.law.astray(p);
+        let diverged = pushing && self.law.diverged(p);
         // a ring that was found moves away by at most the stroke of the probe
         let slack = if self.state == State::Approach { 0.0 } else { p.probe.stroke };
         let travel = p.approach.travel_max + slack;
@@ -46,7 +47,7 @@ impl Controller {
             state: self.state,
             probe: self.calm.probe,
             // during the ramp of the table no state can end
-            turned: if self.table.steady(p) { turned } else { 0.0 },
+            rotation: if self.table.steady(p) { rotation } else { 0.0 },
             speed: self.spindle.speed(),
             surface: self.follower.surface(),
             beyond_travel: self.motion.beyond(p, travel),
@@ -64,7 +65,7 @@ impl Controller {
         let found = [
             (self.long_step && (self.state.active() || commission)).then_some(Fault::LongStep),
             reading.fault,
-            (frozen || astray).then_some(if hit { Fault::EarlyContact } else { Fault::ProbeFrozen }),
+            (frozen || diverged).then_some(if hit { Fault::EarlyContact } else { Fault::ProbeFrozen }),
             self.drive.fault(p),
             self.supervisor.check(p, &view),
             (self.state.active() && self.table.disobeys(p)).then_some(Fault::SpindleSpeed),
@@ -99,7 +100,7 @@ impl Controller {
     }
 
     /// Uses the servo as identified during the approach, and checks whether the control law can work with it.
-    pub(super) fn judge_servo(&mut self, p: &Parameters, events: &mut Events) {
+    pub(super) fn check_servo(&mut self, p: &Parameters, events: &mut Events) {
         if self.state != State::Follow || !events.settled {
             return;
         }
@@ -139,19 +140,19 @@ impl Controller {
         self.note_trial();
         match self.trial.ratio() {
             None => self.try_probe(p, trial_move(p)),
-            Some(share) if believable_share(share) => events.confirmed = true,
+            Some(ratio) if plausible_ratio(ratio) => events.confirmed = true,
             Some(_) => events.fault = Some(Fault::ProbeFrozen),
         }
     }
 
     /// A position of that test, minus the motion of the ring towards the probe.
     pub(super) fn note_trial(&mut self) {
-        let turned = self.estimate.map_or(0.0, |ring| ring.center.along(self.spindle.angle()));
-        self.trial.note(self.sample.slide, self.calm.probe - turned);
+        let rotation = self.estimate.map_or(0.0, |ring| ring.center.along(self.spindle.angle()));
+        self.trial.note(self.sample.slide, self.calm.probe - rotation);
     }
 
     /// One move of that test, m.
-    pub(super) fn try_probe(&mut self, p: &Parameters, way: f64) {
-        self.motion.go(p, self.motion.setpoint.position + way, TRIAL_VELOCITY.min(p.approach.velocity));
+    pub(super) fn try_probe(&mut self, p: &Parameters, distance: f64) {
+        self.motion.go(p, self.motion.setpoint.position + distance, TRIAL_VELOCITY.min(p.approach.velocity));
     }
 }

@@ -8,7 +8,7 @@ const P: Parameters = Parameters::PAPER;
 const GOOD: Watched = Watched {
     state: State::Collect,
     probe: 0.0195,
-    turned: 2.0944e-3,
+    rotation: 2.0944e-3,
     speed: 2.0944,
     surface: 1e-3,
     beyond_travel: false,
@@ -36,8 +36,8 @@ fn a_revolution_has_no_fault_and_more_than_that_has() {
 fn one_that_reverses_is_distinguished_from_one_that_turns() {
     let mut supervisor = Supervisor::default();
     let found = (0..3400).find_map(|k| {
-        let turned = if k % 1000 < 500 { GOOD.turned } else { -GOOD.turned };
-        supervisor.check(&P, &Watched { turned, ..GOOD })
+        let rotation = if k % 1000 < 500 { GOOD.rotation } else { -GOOD.rotation };
+        supervisor.check(&P, &Watched { rotation, ..GOOD })
     });
     assert_eq!(found, Some(Fault::SpindleUneven));
 }
@@ -53,14 +53,14 @@ fn no_change_of_state_gives_back_the_turning_since_the_last_push() {
     // 3000 samples for a revolution
     let found = (0..20_000).find_map(|k| Some((k, flip(k)?)));
     assert_eq!(found, Some((13_199, Fault::NoProgress)));
-    let [turns, most] = supervisor.endless().unwrap();
-    assert!((turns - 4.4).abs() < 1e-3 && most == 4.4, "{turns} of {most}");
+    let [revolutions, maximum] = supervisor.endless().unwrap();
+    assert!((revolutions - 4.4).abs() < 1e-3 && maximum == 4.4, "{revolutions} of {maximum}");
     supervisor.enter(State::Settle);
     assert_eq!(supervisor.check(&P, &GOOD), None);
 }
 
 #[test]
-fn only_a_slide_that_knows_its_place_goes_back() {
+fn only_a_slide_with_a_known_position_retracts() {
     for &fault in Fault::ALL {
         let readings = [Fault::PositionLost, Fault::PositionJump, Fault::PositionFrozen];
         let own = [Fault::FollowingError, Fault::DriveSign, Fault::WeakDrive, Fault::LongStep];
@@ -74,7 +74,7 @@ fn only_a_slide_that_knows_its_place_goes_back() {
 
 #[test]
 fn a_standing_spindle_has_a_name_when_rotation_is_needed() {
-    let still = Watched { speed: 0.0, turned: 0.0, ..GOOD };
+    let still = Watched { speed: 0.0, rotation: 0.0, ..GOOD };
     assert_eq!(fault(still, 1000), Some((500, Fault::SpindleFrozen)));
     assert_eq!(fault(Watched { state: State::Centered, ..still }, 10_000), None);
 }
@@ -175,12 +175,12 @@ fn a_fault_is_logged_with_its_values_and_a_state_without() {
 #[test]
 fn a_line_that_moves_is_a_jump_of_a_reading() {
     let seen = |mean: f64, sigma: f64, x: f64| Estimate { center: Center { x, y: 0.0 }, mean, sigma };
-    let sure = seen(0.08, 1e-6, 1e-5);
+    let certain = seen(0.08, 1e-6, 1e-5);
     // 0.1 mm and 6 x (1 + 4) um
-    for way in [1.29e-4, -1.29e-4] {
-        assert_eq!(line_moved(&P, &sure, &seen(0.08 + way, 4e-6, 0.0)), None);
-        let [moved, limit] = line_moved(&P, &sure, &seen(0.08 + 1.02 * way, 4e-6, 0.0)).unwrap();
-        assert!((moved - 1.02 * way.abs()).abs() < 1e-9 && (limit - 1.3e-4).abs() < 1e-6, "{moved} {limit}");
+    for distance in [1.29e-4, -1.29e-4] {
+        assert_eq!(line_moved(&P, &certain, &seen(0.08 + distance, 4e-6, 0.0)), None);
+        let [moved, limit] = line_moved(&P, &certain, &seen(0.08 + 1.02 * distance, 4e-6, 0.0)).unwrap();
+        assert!((moved - 1.02 * distance.abs()).abs() < 1e-9 && (limit - 1.3e-4).abs() < 1e-6, "{moved} {limit}");
     }
     // 20 mm off, a radius that is configured 25 % wrong moves the line by 0.5 mm
     let far = seen(0.08, 0.0, 0.02);
@@ -189,17 +189,17 @@ fn a_line_that_moves_is_a_jump_of_a_reading() {
 }
 
 #[test]
-fn a_limit_itself_is_good_but_for_the_end_of_the_stroke_of_the_probe() {
+fn a_limit_itself_is_good_except_for_the_end_of_the_stroke_of_the_probe() {
     let never = |view: Watched| assert_eq!(fault(view, 700), None, "{view:?}");
     never(Watched { probe: P.probe.at_pusher, ..GOOD });
     never(Watched { probe: 0.5 * P.probe.contact, ..GOOD });
-    never(Watched { speed: P.limits.spindle_speed_min, turned: 0.0, ..GOOD });
+    never(Watched { speed: P.limits.spindle_speed_min, rotation: 0.0, ..GOOD });
     let push = |probe: f64| Watched { state: State::Push, probe, ..GOOD };
     never(push(P.probe.stroke - 1e-9));
     assert_eq!(fault(push(P.probe.stroke), 1), Some((0, Fault::ProbeRange)));
-    let below = |share: f64| Watched { probe: share * P.probe.contact, ..GOOD };
+    let below = |ratio: f64| Watched { probe: ratio * P.probe.contact, ..GOOD };
     assert_eq!(fault(below(0.499), 700), Some((100, Fault::NoPart)));
-    let slow = Watched { speed: -0.999 * P.limits.spindle_speed_min, turned: 0.0, ..GOOD };
+    let slow = Watched { speed: -0.999 * P.limits.spindle_speed_min, rotation: 0.0, ..GOOD };
     assert_eq!(fault(slow, 700), Some((500, Fault::SpindleFrozen)));
 }
 
@@ -212,11 +212,11 @@ fn no_ring_flies_off_a_table_so_slow_that_friction_holds_it_everywhere() {
 }
 
 #[test]
-fn a_spindle_that_has_come_back_after_as_much_turning_as_there_may_be_has_no_fault_yet() {
+fn a_spindle_signal_restored_after_the_longest_allowed_rotation_raises_no_fault() {
     let mut supervisor = Supervisor::default();
-    let mut turn = |turned: f64| supervisor.check(&P, &Watched { turned, ..GOOD });
-    let half = 0.5 * TURNS_MAX * TAU;
-    assert_eq!([half, -half, 1e-9].map(&mut turn), [None, None, Some(Fault::SpindleUneven)]);
+    let mut rotate = |rotation: f64| supervisor.check(&P, &Watched { rotation, ..GOOD });
+    let half = 0.5 * REVOLUTIONS_MAX * TAU;
+    assert_eq!([half, -half, 1e-9].map(&mut rotate), [None, None, Some(Fault::SpindleUneven)]);
 }
 
 #[test]
@@ -225,8 +225,8 @@ fn nine_tenths_of_the_turning_forwards_are_no_reversal() {
     let found = |back: u32| {
         let mut supervisor = Supervisor::default();
         (0..4000).find_map(|k| {
-            let turned = if k % 100 < back { -GOOD.turned } else { GOOD.turned };
-            supervisor.check(&P, &Watched { turned, ..GOOD })
+            let rotation = if k % 100 < back { -GOOD.rotation } else { GOOD.rotation };
+            supervisor.check(&P, &Watched { rotation, ..GOOD })
         })
     };
     assert_eq!([4, 6].map(found), [Some(Fault::NoProgress), Some(Fault::SpindleUneven)]);
@@ -237,8 +237,8 @@ fn what_was_counted_is_reset_with_the_state_and_the_cycle_with_the_push() {
     let mut supervisor = Supervisor::default();
     (0..3000).for_each(|_| assert_eq!(supervisor.check(&P, &GOOD), None));
     supervisor.enter(State::Wait);
-    assert_eq!((supervisor.turned, supervisor.forward), (0.0, 0.0));
-    assert!((supervisor.cycle - 3000.0 * GOOD.turned).abs() < 1e-6);
+    assert_eq!((supervisor.rotation, supervisor.forward), (0.0, 0.0));
+    assert!((supervisor.cycle - 3000.0 * GOOD.rotation).abs() < 1e-6);
     for state in [State::Approach, State::Settle] {
         let mut supervisor = supervisor.clone();
         supervisor.enter(state);

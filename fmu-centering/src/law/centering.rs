@@ -43,7 +43,7 @@ pub struct Launch {
 
 /// Conclusion from the model of the ring for the next step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum Decision {
     /// The ring is centered.
     Centered,
     /// A push is needed.
@@ -55,7 +55,7 @@ pub enum Verdict {
 }
 
 /// The estimate of the ring, if there is one, and the next step.
-pub type Conclusion = (Option<Estimate>, Verdict);
+pub type Conclusion = (Option<Estimate>, Decision);
 
 /// A control law measures the ring and plans pushes.
 pub trait CenteringLaw {
@@ -84,7 +84,7 @@ pub trait CenteringLaw {
     fn press(&mut self, p: &Parameters, now: &Observation) -> Option<Trajectory>;
 
     /// Whether the surface differs too much from the model while the slide approaches for a push.
-    fn astray(&self, p: &Parameters) -> bool;
+    fn diverged(&self, p: &Parameters) -> bool;
 
     /// Intended excess of the setpoint over the stroke of a push, m.
     fn ahead(&self) -> f64;

@@ -30,7 +30,7 @@ pub struct DriveMonitor {
     frozen: Frozen,
     response: Response,
     /// samples with a constant setpoint, and the slide off it
-    beside: Consecutive,
+    away: Consecutive,
     error: f64,
     allowed: f64,
 }
@@ -52,16 +52,16 @@ impl DriveMonitor {
         self.error = self.following.update(setpoint.position, slide, p.io_delay.unsigned_abs() as usize);
         let now = Place { setpoint: self.error + slide, slide };
         let before = self.before.replace(now).unwrap_or(now);
-        let (told, done) = (now.setpoint - before.setpoint, now.slide - before.slide);
-        self.frozen.update(slide, told, RESOLUTION);
+        let (commanded, done) = (now.setpoint - before.setpoint, now.slide - before.slide);
+        self.frozen.update(slide, commanded, RESOLUTION);
         let samples = MEMORY / p.sample_period;
-        self.response.update(told, done, samples);
+        self.response.update(commanded, done, samples);
         let moving = setpoint.velocity.abs() * p.sample_period;
         self.allowed = p.limits.following_error + moving + ahead.abs();
-        let standing = AT_REST * p.limits.following_error + ahead.abs();
-        let stands = setpoint.velocity == 0.0 && told.abs() < RESOLUTION;
-        if self.beside.update(stands && self.error.abs() > standing) > p.ticks(REST_TIME) {
-            self.allowed = standing;
+        let limit_at_rest = AT_REST * p.limits.following_error + ahead.abs();
+        let constant = setpoint.velocity == 0.0 && commanded.abs() < RESOLUTION;
+        if self.away.update(constant && self.error.abs() > limit_at_rest) > p.ticks(REST_TIME) {
+            self.allowed = limit_at_rest;
         }
     }
 
@@ -92,12 +92,12 @@ impl DriveMonitor {
         if self.error.abs() <= self.allowed {
             return None;
         }
-        let share = self.ratio(p);
+        let ratio = self.ratio(p);
         Some(if self.frozen.unanswered() > UNANSWERED * self.error.abs() {
             Fault::PositionFrozen
-        } else if share < BACKWARDS {
+        } else if ratio < BACKWARDS {
             Fault::DriveSign
-        } else if share < WEAK {
+        } else if ratio < WEAK {
             Fault::WeakDrive
         } else {
             Fault::FollowingError
@@ -115,28 +115,28 @@ mod tests {
     fn found(slide: impl Fn(f64) -> f64) -> Option<(Fault, f64)> {
         let mut drive = DriveMonitor::default();
         (0..300u32).find_map(|k| {
-            let told = |k: u32| 1e-4 * f64::from(k);
+            let commanded = |k: u32| 1e-4 * f64::from(k);
             // what is read answers the setpoint of `io_delay` samples before the last
-            let setpoint = Trajectory { position: told(k), velocity: 0.1, acceleration: 0.0 };
-            drive.update(&P, &setpoint, 0.0, slide(told(k.saturating_sub(P.io_delay as u32))));
+            let setpoint = Trajectory { position: commanded(k), velocity: 0.1, acceleration: 0.0 };
+            drive.update(&P, &setpoint, 0.0, slide(commanded(k.saturating_sub(P.io_delay as u32))));
             drive.fault(&P).map(|fault| (fault, drive.error()))
         })
     }
 
     #[test]
     fn a_slide_that_follows_has_no_fault() {
-        assert_eq!(found(|told| told), None);
-        assert_eq!(found(|told| told - 9e-4), None);
+        assert_eq!(found(|commanded| commanded), None);
+        assert_eq!(found(|commanded| commanded - 9e-4), None);
     }
 
     #[test]
     fn every_cause_has_its_name_at_the_same_limit() {
         type Cause = (Fault, fn(f64) -> f64);
         let causes: [Cause; 4] = [
-            (Fault::DriveSign, |told| -told),
-            (Fault::WeakDrive, |told| 0.3 * told),
-            (Fault::FollowingError, |told| 0.9 * told),
-            (Fault::PositionFrozen, |told| 1e-5 * (1e4 * told).sin()),
+            (Fault::DriveSign, |commanded| -commanded),
+            (Fault::WeakDrive, |commanded| 0.3 * commanded),
+            (Fault::FollowingError, |commanded| 0.9 * commanded),
+            (Fault::PositionFrozen, |commanded| 1e-5 * (1e4 * commanded).sin()),
         ];
         for (fault, slide) in causes {
             let (name, error) = found(slide).unwrap();
@@ -155,36 +155,36 @@ mod tests {
         assert_eq!(drive.fault(&P), Some(Fault::FollowingError));
     }
 
-    /// Monitor of a slide with the gain ratio `share` at 0.1 mm a sample, and then the ratio `then`.
-    fn moved(share: f64, samples: u32, then: f64, later: u32) -> DriveMonitor {
+    /// Monitor of a slide with the gain ratio `ratio` at 0.1 mm a sample, and then the ratio `then`.
+    fn moved(ratio: f64, samples: u32, then: f64, later: u32) -> DriveMonitor {
         let mut drive = DriveMonitor::default();
-        let (mut told, mut slide) = (0.0, 0.0);
+        let (mut commanded, mut slide) = (0.0, 0.0);
         for k in 0..samples + later {
-            let before = told;
-            told += 1e-4;
-            drive.update(&P, &Trajectory { position: told, ..Trajectory::default() }, 0.0, slide);
+            let before = commanded;
+            commanded += 1e-4;
+            drive.update(&P, &Trajectory { position: commanded, ..Trajectory::default() }, 0.0, slide);
             // the slide answers the setpoint of the last sample
-            slide += (told - before) * if k < samples { share } else { then };
+            slide += (commanded - before) * if k < samples { ratio } else { then };
         }
         drive
     }
 
     #[test]
-    fn the_share_is_that_of_the_last_hundredths_of_a_second() {
+    fn the_ratio_is_that_of_the_last_hundredths_of_a_second() {
         assert!((moved(0.4, 300, 0.4, 0).ratio(&P) - 0.4).abs() < 1e-9);
         // 20 samples at 1 kHz: (1 - 1/20)^20 of what was before
         let kept = 0.95_f64.powi(20);
         assert!((moved(1.0, 300, 0.0, 21).ratio(&P) - kept).abs() < 0.02, "{}", moved(1.0, 300, 0.0, 21).ratio(&P));
         assert_eq!(DriveMonitor::default().ratio(&P), 1.0);
         // less than a micrometer in that time gives no ratio, a little more does
-        let slow = |way: f64| {
+        let slow = |distance: f64| {
             let mut drive = DriveMonitor::default();
             for k in 0..100 {
-                drive.update(&P, &Trajectory { position: way * f64::from(k), ..Trajectory::default() }, 0.0, 0.0);
+                drive.update(&P, &Trajectory { position: distance * f64::from(k), ..Trajectory::default() }, 0.0, 0.0);
             }
             drive
         };
-        assert_eq!([4e-8, 6e-8].map(|way| slow(way).ratio(&P)), [1.0, 0.0]);
+        assert_eq!([4e-8, 6e-8].map(|distance| slow(distance).ratio(&P)), [1.0, 0.0]);
         let mut drive = slow(4e-8);
         let setpoint = Trajectory { position: 1e-5, ..Trajectory::default() };
         (0..3).for_each(|_| drive.update(&P, &setpoint, 0.0, 0.0));
@@ -192,16 +192,19 @@ mod tests {
     }
 
     #[test]
-    fn a_slide_stands_as_long_as_it_is_within_the_resolution() {
+    fn a_slide_is_at_rest_as_long_as_it_is_within_the_resolution() {
         let mut drive = DriveMonitor::default();
-        let stood = |drive: &mut DriveMonitor, slide: f64| {
+        let samples_at_rest = |drive: &mut DriveMonitor, slide: f64| {
             drive.update(&P, &Trajectory::default(), 0.0, slide);
             drive.still()
         };
-        let first = stood(&mut drive, 0.0);
-        assert_eq!([1.9e-5, 0.0, 1e-5].map(|slide| stood(&mut drive, slide)), [first + 1, first + 2, first + 3]);
-        assert_eq!(stood(&mut drive, 1e-3), 0);
-        assert_eq!(stood(&mut drive, 1e-3), 1);
+        let first = samples_at_rest(&mut drive, 0.0);
+        assert_eq!(
+            [1.9e-5, 0.0, 1e-5].map(|slide| samples_at_rest(&mut drive, slide)),
+            [first + 1, first + 2, first + 3]
+        );
+        assert_eq!(samples_at_rest(&mut drive, 1e-3), 0);
+        assert_eq!(samples_at_rest(&mut drive, 1e-3), 1);
     }
 
     #[test]
@@ -221,10 +224,10 @@ mod tests {
     }
 
     #[test]
-    fn a_slide_beside_a_setpoint_that_stands_does_not_follow() {
+    fn a_slide_away_from_a_constant_setpoint_does_not_follow() {
         let (rest, limit) = (P.ticks(REST_TIME), AT_REST * P.limits.following_error);
         // the limit that is logged with the fault, and after how many samples
-        let beside = |error: f64, ahead: f64| {
+        let away = |error: f64, ahead: f64| {
             let mut drive = DriveMonitor::default();
             (0..4 * rest).find_map(|k| {
                 drive.update(&P, &Trajectory::default(), ahead, error);
@@ -232,15 +235,15 @@ mod tests {
             })
         };
         for side in [1.0, -1.0] {
-            assert_eq!(beside(1.01 * side * limit, 0.0), Some((Fault::FollowingError, limit, true)));
-            assert_eq!(beside(0.99 * side * limit, 0.0), None);
+            assert_eq!(away(1.01 * side * limit, 0.0), Some((Fault::FollowingError, limit, true)));
+            assert_eq!(away(0.99 * side * limit, 0.0), None);
             // ahead on purpose
-            assert_eq!(beside(2.0 * side * limit, 1.1 * limit), None);
+            assert_eq!(away(2.0 * side * limit, 1.1 * limit), None);
         }
     }
 
     #[test]
-    fn a_slide_on_its_way_or_a_bad_sample_is_not_beside_a_setpoint_that_stands() {
+    fn a_slide_in_motion_or_a_bad_sample_is_not_away_from_a_constant_setpoint() {
         let error = 10.0 * AT_REST * P.limits.following_error;
         let found = |setpoint: fn(u32) -> Trajectory, slide: &dyn Fn(u32) -> f64| {
             let mut drive = DriveMonitor::default();
@@ -251,14 +254,14 @@ mod tests {
         };
         let moving = |k: u32| Trajectory { position: 1e-5 * f64::from(k), velocity: 0.01, acceleration: 0.0 };
         assert_eq!(found(moving, &|k| moving(k).position - 1e-5 - error), None);
-        let standing = |_: u32| Trajectory::default();
-        assert_eq!(found(standing, &|k| if k % 100 == 0 { 0.0 } else { error }), None);
-        assert_eq!(found(standing, &|_| error), Some(Fault::FollowingError));
+        let limit_at_rest = |_: u32| Trajectory::default();
+        assert_eq!(found(limit_at_rest, &|k| if k % 100 == 0 { 0.0 } else { error }), None);
+        assert_eq!(found(limit_at_rest, &|_| error), Some(Fault::FollowingError));
     }
 
     #[test]
     fn half_of_the_way_is_not_weak_and_a_fifth_backwards_is_not_the_sign() {
-        let fault = |share: f64| moved(share, 300, share, 0).fault(&P);
+        let fault = |ratio: f64| moved(ratio, 300, ratio, 0).fault(&P);
         assert_eq!([0.51, 0.49].map(fault), [Some(Fault::FollowingError), Some(Fault::WeakDrive)]);
         assert_eq!([-0.19, -0.21].map(fault), [Some(Fault::WeakDrive), Some(Fault::DriveSign)]);
     }

@@ -26,7 +26,7 @@ const PUSHED_BACK: f64 = 5e-3;
 /// Time below which a constant value is chance, s (default: three samples at a surface of 80 mm/s).
 const STILL_TIME: f64 = 0.02;
 /// Rotation (rad) in which an eccentric ring moves its surface by more than a last bit, also at a reversal.
-const STANDS_TURN: f64 = 0.125 * TAU;
+const FROZEN_ANGLE: f64 = 0.125 * TAU;
 /// Band of a last bit, in bits.
 const FLICKER: f64 = 1.5;
 /// Coarsest last bit that can be seen while following, m.
@@ -51,9 +51,9 @@ pub struct FrozenProbe {
     monitor: Frozen,
     before: Option<Sample>,
     /// surface without a change, compared with the rotation (rad) of the ring
-    standing: Frozen,
+    tip: Frozen,
     /// rotation since it moved, rad
-    turned: f64,
+    rotation: f64,
     /// smallest change that was ever read, m
     bit: f64,
 }
@@ -61,24 +61,24 @@ pub struct FrozenProbe {
 impl Default for FrozenProbe {
     /// Before the first sample.
     fn default() -> Self {
-        Self { monitor: Frozen::default(), standing: Frozen::default(), before: None, turned: 0.0, bit: f64::MAX }
+        Self { monitor: Frozen::default(), tip: Frozen::default(), before: None, rotation: 0.0, bit: f64::MAX }
     }
 }
 
 impl FrozenProbe {
     /// Whether the surface does not change while the ring turns: a wrong model is then the fault of the probe.
-    pub fn stands(&self) -> bool {
-        self.standing.unanswered() > STANDS_TURN
+    pub fn tip_frozen(&self) -> bool {
+        self.tip.unanswered() > FROZEN_ANGLE
     }
 
     /// Adds a sample and the rotation (rad) since the one before; whether the probe is frozen.
-    pub fn update(&mut self, p: &Parameters, phase: Phase, sample: &Sample, turned: f64) -> bool {
+    pub fn update(&mut self, p: &Parameters, phase: Phase, sample: &Sample, rotation: f64) -> bool {
         let before = self.before.replace(*sample).unwrap_or(*sample);
         let change = (sample.probe - before.probe).abs();
         if change > 0.0 {
             self.bit = self.bit.min(change);
         }
-        self.standing.update(sample.tip(), turned, FLICKER * self.bit.clamp(BIT_MAX / FLICKER, RESOLUTION / FLICKER));
+        self.tip.update(sample.tip(), rotation, FLICKER * self.bit.clamp(BIT_MAX / FLICKER, RESOLUTION / FLICKER));
         // a ring at the pusher moves with the slide, and without contact there is no signal
         let pressed = |distance: f64| sample.probe >= p.probe.at_pusher - distance;
         // far from its position a probe returns to it, by more than the coarsest resolution
@@ -97,10 +97,10 @@ impl FrozenProbe {
             self.monitor.clear();
         }
         self.monitor.update(sample.probe, sample.slide - before.slide, band);
-        self.turned = if self.monitor.still() == 0 { 0.0 } else { self.turned + turned };
+        self.rotation = if self.monitor.still() == 0 { 0.0 } else { self.rotation + rotation };
         let fine = self.bit <= FINE;
         let still = self.monitor.still() > p.ticks(STILL_TIME);
-        (still && self.monitor.unanswered() > limit) || (fine && self.turned.abs() >= TAU)
+        (still && self.monitor.unanswered() > limit) || (fine && self.rotation.abs() >= TAU)
     }
 }
 
@@ -111,11 +111,11 @@ mod tests {
     const P: Parameters = Parameters::START;
 
     /// Angle at which the probe is detected as frozen, in samples of 0.01 rad of a probe that has read steps of `bit` m.
-    fn broken(bit: f64, sample: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
-        broken_in(Phase::Follow, bit, sample)
+    fn faulty(bit: f64, sample: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+        faulty_in(Phase::Follow, bit, sample)
     }
 
-    fn broken_in(phase: Phase, bit: f64, sample: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+    fn faulty_in(phase: Phase, bit: f64, sample: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
         let mut frozen = FrozenProbe { bit, ..FrozenProbe::default() };
         (0..3000).map(|k| 0.01 * f64::from(k)).find(|&angle| {
             let (slide, probe) = sample(angle);
@@ -124,41 +124,41 @@ mod tests {
     }
 
     #[test]
-    fn a_live_probe_is_not_broken() {
-        assert_eq!(broken(1e-7, |angle| (0.1, 5e-3 + 1e-6 * angle.sin())), None);
-        assert_eq!(broken(1e-7, |angle| (0.1 + 1e-3 * angle, 5e-3 + 1e-3 * angle)), None);
+    fn an_updating_probe_is_not_faulty() {
+        assert_eq!(faulty(1e-7, |angle| (0.1, 5e-3 + 1e-6 * angle.sin())), None);
+        assert_eq!(faulty(1e-7, |angle| (0.1 + 1e-3 * angle, 5e-3 + 1e-3 * angle)), None);
     }
 
     #[test]
     fn a_slide_that_moves_or_a_whole_turn_shows_a_frozen_one() {
-        let moved = broken(1e-7, |angle| (0.1 + 1e-3 * angle, 5e-3)).unwrap();
+        let moved = faulty(1e-7, |angle| (0.1 + 1e-3 * angle, 5e-3)).unwrap();
         assert!((moved - 0.2).abs() < 0.02, "{moved} rad");
-        let turned = broken(1e-7, |_| (0.1, 5e-3)).unwrap();
-        assert!((turned - TAU).abs() < 0.02, "{turned} rad");
+        let rotation = faulty(1e-7, |_| (0.1, 5e-3)).unwrap();
+        assert!((rotation - TAU).abs() < 0.02, "{rotation} rad");
     }
 
     #[test]
     fn a_last_bit_that_flickers_hides_nothing() {
         let flicker = |angle: f64| 5e-3 + if (100.0 * angle) as i32 % 2 == 0 { 0.0 } else { 5e-8 };
-        assert!(broken(5e-8, |angle| (0.1 + 1e-3 * angle, flicker(angle))).is_some_and(|angle| angle < 0.25));
-        let turned = broken(5e-8, |angle| (0.1, flicker(angle))).unwrap();
-        assert!((turned - TAU).abs() < 0.03, "{turned} rad");
+        assert!(faulty(5e-8, |angle| (0.1 + 1e-3 * angle, flicker(angle))).is_some_and(|angle| angle < 0.25));
+        let rotation = faulty(5e-8, |angle| (0.1, flicker(angle))).unwrap();
+        assert!((rotation - TAU).abs() < 0.03, "{rotation} rad");
     }
 
     #[test]
     fn in_a_stroke_even_a_coarse_probe_must_answer() {
         let rounded = |x: f64| (x / 5e-6).round() * 5e-6;
         let live = |angle: f64| (0.1 + 1e-3 * angle, 5e-3 + rounded(1e-4 * angle));
-        assert_eq!(broken_in(Phase::Push, 5e-6, live), None);
-        let jammed = broken_in(Phase::Push, 5e-6, |angle| (0.1 + 1e-3 * angle, 5e-3)).unwrap();
+        assert_eq!(faulty_in(Phase::Push, 5e-6, live), None);
+        let jammed = faulty_in(Phase::Push, 5e-6, |angle| (0.1 + 1e-3 * angle, 5e-3)).unwrap();
         assert!((jammed - 1.0).abs() < 0.02, "{jammed} rad");
         // a millimeter before the pusher it may be at the ring
-        assert_eq!(broken_in(Phase::Push, 5e-6, |angle| (0.1 + 1e-3 * angle, 19.5e-3)), None);
+        assert_eq!(faulty_in(Phase::Push, 5e-6, |angle| (0.1 + 1e-3 * angle, 19.5e-3)), None);
     }
 
     #[test]
-    fn far_from_its_place_even_a_coarse_probe_must_come_back() {
-        let jammed = |probe: f64| broken_in(Phase::Follow, 5e-6, move |angle| (0.1 + 1e-3 * angle, probe));
+    fn far_from_its_position_even_a_coarse_probe_must_return() {
+        let jammed = |probe: f64| faulty_in(Phase::Follow, 5e-6, move |angle| (0.1 + 1e-3 * angle, probe));
         assert!(jammed(0.9e-3).is_some_and(|moved| moved < 1.1) && jammed(8.1e-3).is_some_and(|moved| moved < 1.1));
         // otherwise before the pusher meets the ring
         for probe in [1.1e-3, 4.5e-3] {
@@ -169,39 +169,39 @@ mod tests {
 
     #[test]
     fn a_coarse_probe_may_read_the_same_for_long() {
-        assert!(broken(1e-7, |_| (0.1, 5e-3)).is_some());
-        assert_eq!(broken(1.1e-7, |_| (0.1, 5e-3)), None);
+        assert!(faulty(1e-7, |_| (0.1, 5e-3)).is_some());
+        assert_eq!(faulty(1.1e-7, |_| (0.1, 5e-3)), None);
     }
 
     #[test]
-    fn one_that_keeps_its_value_for_an_eighth_of_a_turn_stands() {
+    fn one_that_keeps_its_value_for_an_eighth_of_a_revolution_is_frozen() {
         for (bit, flicker) in [(1e-7, 1e-7), (1e-9, 5e-7), (5e-6, 7e-6)] {
             let mut frozen = FrozenProbe { bit, ..FrozenProbe::default() };
             for k in 0..300 {
                 let moves = 1e-4 * f64::from(k.min(100)) + if k % 2 == 0 { flicker } else { 0.0 };
                 frozen.update(&P, Phase::Follow, &Sample { probe: 5e-3 + moves, ..Sample::default() }, 0.01);
-                assert_eq!(frozen.stands(), k > 178, "{bit}: {k}");
+                assert_eq!(frozen.tip_frozen(), k > 178, "{bit}: {k}");
             }
         }
     }
 
     #[test]
-    fn an_eighth_of_a_turn_itself_is_not_enough_to_stand() {
+    fn exactly_an_eighth_of_a_revolution_is_not_yet_frozen() {
         let mut frozen = FrozenProbe::default();
-        let mut stands = |turned: f64| {
-            frozen.update(&P, Phase::Follow, &Sample { probe: 5e-3, ..Sample::default() }, turned);
-            frozen.stands()
+        let mut tip_frozen = |rotation: f64| {
+            frozen.update(&P, Phase::Follow, &Sample { probe: 5e-3, ..Sample::default() }, rotation);
+            frozen.tip_frozen()
         };
-        assert_eq!([0.0, TAU / 8.0, 1e-9].map(&mut stands), [false, false, true]);
+        assert_eq!([0.0, TAU / 8.0, 1e-9].map(&mut tip_frozen), [false, false, true]);
     }
 
     #[test]
     fn without_contact_and_at_the_pusher_it_may_rest() {
         for probe in [0.0, P.probe.at_pusher - 3e-5, P.probe.at_pusher + 3e-5] {
-            assert_eq!(broken_in(Phase::Push, 1e-7, |angle| (1e-3 * angle, probe)), None);
+            assert_eq!(faulty_in(Phase::Push, 1e-7, |angle| (1e-3 * angle, probe)), None);
         }
         // but not while the slide moves away
-        assert!(broken_in(Phase::Retract, 1e-7, |angle| (-1e-3 * angle, P.probe.at_pusher)).is_some());
+        assert!(faulty_in(Phase::Retract, 1e-7, |angle| (-1e-3 * angle, P.probe.at_pusher)).is_some());
     }
 
     #[test]
@@ -212,25 +212,25 @@ mod tests {
             for k in 0..300 {
                 let probe = 5e-3 + if k % 2 == 0 { flicker } else { 0.0 };
                 frozen.update(&P, Phase::Follow, &Sample { probe, ..Sample::default() }, 0.01);
-                assert!(!frozen.stands(), "{bit}: {k}");
+                assert!(!frozen.tip_frozen(), "{bit}: {k}");
             }
         }
     }
 
     #[test]
-    fn a_value_that_stands_for_twenty_samples_is_chance() {
-        let broken = |samples: u32| {
+    fn a_value_constant_for_twenty_samples_is_chance() {
+        let faulty = |samples: u32| {
             let mut frozen = FrozenProbe { bit: 1e-7, ..FrozenProbe::default() };
             // 0.1 mm a sample
             let at = |k: u32| Sample { slide: 1e-4 * f64::from(k), probe: 5e-3, ..Sample::default() };
             (0..=samples).map(|k| frozen.update(&P, Phase::Follow, &at(k), 0.0)).last().unwrap()
         };
-        assert_eq!([20, 22].map(broken), [false, true]);
+        assert_eq!([20, 22].map(faulty), [false, true]);
     }
 
     #[test]
-    fn a_ring_at_the_pusher_may_push_the_slide_back_on_its_way_out() {
-        let moved = |probe: f64| broken_in(Phase::Retract, 5e-6, move |angle| (-1e-3 * angle, probe)).unwrap();
+    fn a_ring_at_the_pusher_may_push_the_slide_back_during_its_stroke() {
+        let moved = |probe: f64| faulty_in(Phase::Retract, 5e-6, move |angle| (-1e-3 * angle, probe)).unwrap();
         // 5 mm at the pusher, otherwise 1 mm
         assert!((moved(P.probe.at_pusher - 0.9e-4) - 5.0).abs() < 0.03);
         assert!((moved(P.probe.at_pusher - 1.1e-4) - 1.0).abs() < 0.03);
@@ -247,7 +247,7 @@ mod tests {
         for k in 0..40 {
             assert!(!read(k, 0.1, 5e-3 + [0.0, 5e-7, 4e-7, 0.0][k as usize % 4]).0);
         }
-        let broken = (0..1000).map(|k| read(k, 0.1 + 5e-6 * f64::from(k), 5e-3)).find(|read| read.0);
-        assert!(matches!(broken, Some((_, 40..=42))), "{broken:?}");
+        let faulty = (0..1000).map(|k| read(k, 0.1 + 5e-6 * f64::from(k), 5e-3)).find(|read| read.0);
+        assert!(matches!(faulty, Some((_, 40..=42))), "{faulty:?}");
     }
 }

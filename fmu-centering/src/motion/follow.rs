@@ -57,9 +57,9 @@ impl Follower {
         let error = p.null() - calm.probe;
         let beyond = error - error.clamp(-p.dead_zone(), p.dead_zone());
         if beyond != 0.0 || p.dead_zone() == 0.0 {
-            let (most, limit) = (p.follow.velocity_max, p.slide.velocity_max);
+            let (maximum, limit) = (p.follow.velocity_max, p.slide.velocity_max);
             // the probe signal is corrected slowly: the surface may be nearer
-            let correction = (p.follow.gain * beyond).clamp(-most, most);
+            let correction = (p.follow.gain * beyond).clamp(-maximum, maximum);
             self.velocity = (correction + self.surface).clamp(-limit, limit);
         }
     }
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn the_outer_loop_is_damped_with_twice_the_gain_and_swings_beyond_its_limit() {
+    fn the_outer_loop_is_damped_with_twice_the_gain_and_oscillates_beyond_its_limit() {
         let mut p = Parameters::PAPER;
         p.follow.gain = 25.0;
         assert!(error(&p, 0.0, 2.0, 0) < 1e-9);
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn within_the_dead_zone_the_slide_stands_still() {
+    fn within_the_dead_zone_the_slide_does_not_move() {
         let mut p = Parameters::PAPER;
         p.follow.dead_zone = 1e-4;
         let mut follower = Follower::default();
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn place_dead_zone_and_settling_are_those_of_the_law() {
+    fn position_dead_zone_and_settling_are_those_of_the_law() {
         let (paper, start) = (Parameters::PAPER, Parameters::START);
         assert_eq!((paper.null(), start.null()), (0.02 - 5e-4, 4.5e-3));
         assert_eq!((paper.dead_zone(), start.dead_zone()), (paper.follow.dead_zone, start.park.dead_zone));

@@ -39,8 +39,8 @@ impl Trapezoid {
         // without a cruise the peak is where acceleration meets deceleration
         let peak = (acceleration * distance + 0.5 * initial * initial).max(0.0).sqrt().min(velocity.max(initial));
         let speed_up = (peak - initial) / acceleration;
-        let way = (2.0 * peak * peak - initial * initial) / (2.0 * acceleration);
-        let cruise = if peak > 0.0 { ((distance - way) / peak).max(0.0) } else { 0.0 };
+        let ramps = (2.0 * peak * peak - initial * initial) / (2.0 * acceleration);
+        let cruise = if peak > 0.0 { ((distance - ramps) / peak).max(0.0) } else { 0.0 };
         let times = [speed_up, speed_up + cruise, speed_up + cruise + peak / acceleration];
         Self { start, end, direction, acceleration, peak, times }
     }

@@ -25,7 +25,7 @@ struct Course {
 
 impl Motion {
     /// Sets a setpoint at rest to the slide position (m); the first time in any case.
-    pub fn place(&mut self, position: f64, jumped: bool) {
+    pub fn reseat(&mut self, position: f64, jumped: bool) {
         if !self.placed || (jumped && self.at_rest()) {
             self.setpoint = Trajectory { position, ..Trajectory::default() };
             (self.placed, self.home, self.course) = (true, position, None);
@@ -34,7 +34,7 @@ impl Motion {
 
     /// Starts an approach at the measured position (m); an active retract reverses and keeps its start position.
     pub fn start(&mut self, position: f64) {
-        self.place(position, true);
+        self.reseat(position, true);
         self.course = None;
     }
 
@@ -93,8 +93,8 @@ impl Motion {
     pub fn beyond(&self, p: &Parameters, travel: f64) -> bool {
         let velocity = self.setpoint.velocity.max(0.0);
         // one sample early is better than late
-        let way = velocity * p.sample_period + stopping_distance(velocity, p.slide.acceleration_max);
-        self.setpoint.position + way - self.home >= travel
+        let distance = velocity * p.sample_period + stopping_distance(velocity, p.slide.acceleration_max);
+        self.setpoint.position + distance - self.home >= travel
     }
 
     /// Whether the setpoint is at rest, and no move will change that.
@@ -180,32 +180,32 @@ mod tests {
     fn only_a_setpoint_at_rest_is_put_elsewhere() {
         let mut motion = approaching(100);
         let before = motion.setpoint;
-        motion.place(0.7, true);
+        motion.reseat(0.7, true);
         assert_eq!(motion.setpoint, before);
         let mut motion = Motion::default();
-        motion.place(0.2, false);
-        motion.place(0.7, false);
+        motion.reseat(0.2, false);
+        motion.reseat(0.7, false);
         assert_eq!(motion.setpoint.position, 0.2);
-        motion.place(0.7, true);
+        motion.reseat(0.7, true);
         assert_eq!(motion.setpoint.position, 0.7);
     }
 
     #[test]
     fn the_end_of_the_travel_is_seen_a_sample_and_the_braking_before_it() {
         let motion = approaching(200);
-        let way = motion.setpoint.position - 0.3 + 0.12 * 1e-3 + 0.12 * 0.12 / 5.12;
-        assert!(motion.beyond(&P, way - 1e-9) && !motion.beyond(&P, way + 1e-9));
+        let distance = motion.setpoint.position - 0.3 + 0.12 * 1e-3 + 0.12 * 0.12 / 5.12;
+        assert!(motion.beyond(&P, distance - 1e-9) && !motion.beyond(&P, distance + 1e-9));
         // during the return only the position matters
         let mut back = approaching(200);
         back.setpoint.velocity = -0.12;
-        let way = back.setpoint.position - 0.3;
-        assert!(back.beyond(&P, way - 1e-9) && !back.beyond(&P, way + 1e-9));
+        let distance = back.setpoint.position - 0.3;
+        assert!(back.beyond(&P, distance - 1e-9) && !back.beyond(&P, distance + 1e-9));
     }
 
     #[test]
     fn a_move_has_arrived_at_its_end_and_dwells_from_then_on() {
         let mut motion = Motion::default();
-        motion.place(0.1, false);
+        motion.reseat(0.1, false);
         assert!(!motion.arrived(&P, 0.0) && !motion.moving() && motion.resting(&P));
         motion.go(&P, 0.101, 0.05);
         let ticks = (0.001 / 0.05 + 0.05 / 2.56) * 1e3;

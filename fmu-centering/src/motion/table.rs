@@ -16,18 +16,18 @@ const LAG_TIME: f64 = 1.0;
 pub struct Table {
     setpoint: f64,
     /// consecutive samples since the end of the ramp, and those with a wrong speed
-    told: Consecutive,
-    astray: Consecutive,
+    constant: Consecutive,
+    diverged: Consecutive,
 }
 
 impl Table {
     /// Moves the setpoint for one sample, towards `spindle.speed` if the table is to turn; `speed` rad/s is measured.
-    pub fn update(&mut self, p: &Parameters, turns: bool, speed: f64) {
-        let target = if turns { p.spindle_speed } else { 0.0 };
+    pub fn update(&mut self, p: &Parameters, rotates: bool, speed: f64) {
+        let target = if rotates { p.spindle_speed } else { 0.0 };
         let change = spindle_acceleration(p) * p.sample_period;
         self.setpoint = ramp_between(self.setpoint, target, change, change);
-        self.told.update(turns && self.setpoint == target);
-        self.astray.update(self.settled(p) && (speed - target).abs() > TOLERANCE * target.abs());
+        self.constant.update(rotates && self.setpoint == target);
+        self.diverged.update(self.settled(p) && (speed - target).abs() > TOLERANCE * target.abs());
     }
 
     /// Speed to command, rad/s.
@@ -37,17 +37,17 @@ impl Table {
 
     /// The measured speed is the commanded one, or none is commanded.
     pub fn steady(&self, p: &Parameters) -> bool {
-        p.spindle_speed == 0.0 || (self.settled(p) && self.astray.count() == 0)
+        p.spindle_speed == 0.0 || (self.settled(p) && self.diverged.count() == 0)
     }
 
     /// The table does not turn as commanded.
     pub fn disobeys(&self, p: &Parameters) -> bool {
-        p.spindle_speed != 0.0 && self.astray.count() > p.ticks(LAG_TIME)
+        p.spindle_speed != 0.0 && self.diverged.count() > p.ticks(LAG_TIME)
     }
 
     /// The whole window of the speed regression is after the ramp.
     fn settled(&self, p: &Parameters) -> bool {
-        self.told.count() > p.ticks(p.spindle_window)
+        self.constant.count() > p.ticks(p.spindle_window)
     }
 }
 
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn it_comes_back_to_rest_as_evenly() {
+    fn it_returns_to_rest_as_evenly() {
         let p = configured();
         let mut table = after(600, &p, |w| w);
         for _ in 0..250 {
@@ -101,11 +101,11 @@ mod tests {
     }
 
     #[test]
-    fn a_table_that_does_not_turn_as_told_is_found_a_second_later() {
+    fn a_table_that_does_not_turn_as_configured_is_found_a_second_later() {
         let p = configured();
-        for share in [0.0, 0.94, 1.06, -1.0] {
-            assert!(!after(1699, &p, |w| share * w).disobeys(&p), "{share}");
-            assert!(after(1700, &p, |w| share * w).disobeys(&p), "{share}");
+        for ratio in [0.0, 0.94, 1.06, -1.0] {
+            assert!(!after(1699, &p, |w| ratio * w).disobeys(&p), "{ratio}");
+            assert!(after(1700, &p, |w| ratio * w).disobeys(&p), "{ratio}");
         }
         assert!(!after(9000, &p, |w| 0.96 * w).disobeys(&p));
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::center::Estimate;
 use crate::interface::{Fault, Parameters, State};
-use crate::law::{CenteringLaw, Conclusion, Launch, Observation, Verdict};
+use crate::law::{CenteringLaw, Conclusion, Decision, Launch, Observation};
 use crate::motion::Motion;
 use crate::paper::model::SineModel;
 use crate::paper::offset::{LastStroke, Learner};
@@ -77,7 +77,7 @@ impl CenteringLaw for PaperLaw {
         None
     }
 
-    fn astray(&self, _: &Parameters) -> bool {
+    fn diverged(&self, _: &Parameters) -> bool {
         false
     }
 
@@ -106,7 +106,7 @@ impl PaperLaw {
         }
         self.estimate = Some(ring);
         let centered = ring.center.eccentricity() <= p.tolerance;
-        Ok((Some(ring), if centered { Verdict::Centered } else { Verdict::Push }))
+        Ok((Some(ring), if centered { Decision::Centered } else { Decision::Push }))
     }
 }
 
@@ -160,12 +160,12 @@ mod tests {
         for (state, due) in [(State::Collect, ALL), (State::Wait, ALL), (State::Model, Due { model: false, ..ALL })] {
             assert_eq!(law.conclude(&P, &now(state, due, 2e-4, 0.0)), None);
         }
-        let (estimate, verdict) = concluded(&mut law, 2e-4);
-        assert_eq!(verdict, Verdict::Push);
+        let (estimate, decision) = concluded(&mut law, 2e-4);
+        assert_eq!(decision, Decision::Push);
         // the filter lags by 1.56 samples
         assert!((estimate.unwrap().center.eccentricity() - 2e-4).abs() < 1e-6);
-        assert_eq!(concluded(&mut collected(1e-6), 1e-6).1, Verdict::Centered);
-        assert_eq!(concluded(&mut collected(2.6e-6), 2.6e-6).1, Verdict::Push);
+        assert_eq!(concluded(&mut collected(1e-6), 1e-6).1, Decision::Centered);
+        assert_eq!(concluded(&mut collected(2.6e-6), 2.6e-6).1, Decision::Push);
     }
 
     #[test]
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_push_goes_to_the_place_of_the_centered_ring() {
+    fn a_push_goes_to_the_position_of_the_centered_ring() {
         let (_, launch) = launched();
         let sample = 0.1 + launch.distance;
         assert!((launch.end.unwrap() - sample).abs() < 1e-12);
@@ -244,18 +244,18 @@ mod tests {
             law.offset()
         };
         // and the whole desired distance
-        let wished = learned(0.0);
-        assert!((wished - 1e-4).abs() < 1e-6);
-        assert!([3e-5, 1e-5].iter().all(|&gap| (learned(gap) - wished - gap).abs() < 1e-12));
+        let requested = learned(0.0);
+        assert!((requested - 1e-4).abs() < 1e-6);
+        assert!([3e-5, 1e-5].iter().all(|&gap| (learned(gap) - requested - gap).abs() < 1e-12));
     }
 
     #[test]
     fn a_stroke_is_left_to_the_motion_and_over_after_its_dwell() {
         let (mut law, launch) = launched();
         assert_eq!((law.press(&P, &now(State::Push, ALL, 1e-4, 0.0)), law.ahead()), (None, 0.0));
-        assert!(!law.astray(&P));
+        assert!(!law.diverged(&P));
         let mut motion = Motion::default();
-        motion.place(0.1, false);
+        motion.reseat(0.1, false);
         motion.go(&P, launch.end.unwrap(), launch.velocity);
         while !law.stroke_over(&P, &motion) {
             assert!(!motion.arrived(&P, P.push.dwell));

@@ -43,15 +43,15 @@ impl Learner {
     }
 
     fn recurse(&mut self, stroke: &LastStroke, after: &Estimate) {
-        let wished = stroke.before.center.eccentricity();
-        if wished >= GATE {
+        let requested = stroke.before.center.eccentricity();
+        if requested >= GATE {
             return;
         }
         let actual = stroke.before.center.distance(&after.center);
         // 38: the remaining gap is used when the pusher has not reached the ring
-        let remaining = if actual < UNTOUCHED * wished { stroke.remaining.max(0.0) } else { 0.0 };
+        let remaining = if actual < UNTOUCHED * requested { stroke.remaining.max(0.0) } else { 0.0 };
         // 37, 39: desired minus actual; P is not part of the desired distance, otherwise it would grow by itself
-        self.offset = (self.offset + remaining + wished - actual).clamp(-LIMIT, LIMIT);
+        self.offset = (self.offset + remaining + requested - actual).clamp(-LIMIT, LIMIT);
     }
 }
 

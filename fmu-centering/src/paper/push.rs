@@ -32,12 +32,12 @@ pub fn velocity(p: &Push, b: f64) -> f64 {
 /// `time` is t(d(L)), s. Repeated insertion converges only while w B sin(L) / v < 1; this bisects.
 pub fn lead_angle(w: f64, time: impl Fn(f64) -> f64) -> f64 {
     let excess = |lead: f64| lead - w.abs() * time(lead);
-    // no travel is longer than that from L = 0, so the excess is not negative at `most`
-    let most = w.abs() * time(0.0);
-    let step = (PI / 16.0).max(most / BRACKETS);
-    let mut high = step.min(most);
-    while high < most && excess(high) < 0.0 {
-        high = (high + step).min(most);
+    // no travel is longer than that from L = 0, so the excess is not negative at `maximum`
+    let maximum = w.abs() * time(0.0);
+    let step = (PI / 16.0).max(maximum / BRACKETS);
+    let mut high = step.min(maximum);
+    while high < maximum && excess(high) < 0.0 {
+        high = (high + step).min(maximum);
     }
     let mut low = (high - step).max(0.0);
     for _ in 0..HALVINGS {

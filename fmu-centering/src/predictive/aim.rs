@@ -135,9 +135,9 @@ fn plan(p: &Parameters, input: &AimInput, approach: &PlannedApproach, angle: f64
 /// Time until the stroke must start, s; it ends in a sample, so that all strokes are sampled alike.
 fn wait_for(p: &Parameters, input: &AimInput, approach: &PlannedApproach, stroke: &Stroke) -> f64 {
     let center = Rotation2::new(input.angle) * input.ring.center();
-    let turn = input.speed.signum() * (approach.meeting.direction() - center.y.atan2(center.x));
+    let rotation = input.speed.signum() * (approach.meeting.direction() - center.y.atan2(center.x));
     let ahead = stroke.duration() - approach.meeting.time;
-    let left = turn - input.speed.abs() * ahead;
+    let left = rotation - input.speed.abs() * ahead;
     let wait = ((left + LATE).rem_euclid(TAU) - LATE) / input.speed.abs();
     // one that is late begins now: within a stroke the setpoint would jump
     let samples = ((wait.max(0.0) + stroke.duration()) / p.sample_period).round();
@@ -256,8 +256,8 @@ mod tests {
         assert_eq!(planned.velocity, 0.06);
         let direction = 0.05_f64.atan();
         assert!(wrap(planned.angle - direction).abs() < 3e-3, "{}", planned.angle);
-        let way = P.probe.at_pusher - P.park.probe - e * planned.angle.cos();
-        assert!((planned.distance - way).abs() < 1e-9, "{} of {way}", planned.distance);
+        let distance = P.probe.at_pusher - P.park.probe - e * planned.angle.cos();
+        assert!((planned.distance - distance).abs() < 1e-9, "{} of {distance}", planned.distance);
     }
 
     #[test]
@@ -282,9 +282,9 @@ mod tests {
             };
             (0..200).find_map(at).unwrap()
         };
-        let way = P.probe.at_pusher - P.park.probe;
-        assert!((planned(None).distance - way - 8e-6).abs() < 1e-12);
+        let distance = P.probe.at_pusher - P.park.probe;
+        assert!((planned(None).distance - distance - 8e-6).abs() < 1e-12);
         let tap = planned(Some(0.06));
-        assert!((tap.distance - way - 5e-6 + e * tap.angle.cos()).abs() < 1e-9);
+        assert!((tap.distance - distance - 5e-6 + e * tap.angle.cos()).abs() < 1e-9);
     }
 }

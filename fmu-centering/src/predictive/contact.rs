@@ -99,8 +99,8 @@ impl Contact {
 /// Linear interpolation to the eccentricity.
 fn between(a: &FirstContact, b: &FirstContact, eccentricity: f64) -> FirstContact {
     let (near, far) = (a.center.norm(), b.center.norm());
-    let share = (eccentricity - near) / (far - near);
-    FirstContact { center: a.center.lerp(&b.center, share), time: a.time + share * (b.time - a.time) }
+    let fraction = (eccentricity - near) / (far - near);
+    FirstContact { center: a.center.lerp(&b.center, fraction), time: a.time + fraction * (b.time - a.time) }
 }
 
 #[cfg(test)]
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn between_two_places_the_meeting_is_on_their_line() {
+    fn between_two_positions_the_meeting_is_on_their_line() {
         let at = |x: f64, y: f64, time: f64| FirstContact { center: Vector2::new(x, y), time };
         let (near, far) = (at(3e-3, 4e-3, 0.1), at(6e-3, 8e-3, 0.2));
         let met = between(&near, &far, 7.5e-3);

@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_has_changed_is_believed_soon() {
+    fn a_number_that_has_changed_is_accepted_soon() {
         let mut belief = (0..100).fold(GaussianEstimate::new(0.0, 1.0), |belief, _| belief.after(0.0, 0.1));
         assert!(belief.sigma < 0.02);
         for _ in 0..3 {

@@ -49,7 +49,7 @@ impl GroundRing {
     }
 
     /// Center before the measurements (table frame, m), and its standard deviation, m.
-    pub fn told(&self) -> (Vector2<f64>, f64) {
+    pub fn center_and_sigma(&self) -> (Vector2<f64>, f64) {
         (self.before.mean.fixed_rows::<2>(1).into_owned(), self.before.root.row(1).norm())
     }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::center::{Center, Estimate};
 use crate::interface::{Fault, Parameters, State};
-use crate::law::{CenteringLaw, Conclusion, Launch, Observation, Verdict};
+use crate::law::{CenteringLaw, Conclusion, Decision, Launch, Observation};
 use crate::monitoring::PRESSED_IN_PUSH;
 use crate::motion::Motion;
 use crate::predictive::aim::{AimInput, aim};
@@ -26,15 +26,15 @@ const REJECTIONS_MAX: u32 = 5;
 const SPREAD: f64 = 0.3;
 const SPREAD_MIN: f64 = 5e-6;
 /// Minimum fraction of a push for a valid measurement of the contact.
-const FELT: f64 = 0.3;
+const SENSED: f64 = 0.3;
 /// Error of the surface before the contact above which a stroke stops: relative to the eccentricity, more than
 /// twice the `expert.estimator.certainty` of a push, and the minimum, m (the apparent error of a probe that is 10 ms late).
-const ASTRAY: f64 = 0.5;
-const ASTRAY_MIN: f64 = 1.5e-3;
+const DIVERGED: f64 = 0.5;
+const DIVERGED_MIN: f64 = 1.5e-3;
 /// Largest distance for a tap, in deflections of the servo (default; a farther ring is pushed first).
 const TAP_REACH: f64 = 1.5;
 /// Rotation (revolutions) after which more measurements of the same positions give no new information.
-const TURNS: f64 = 1.05;
+const REVOLUTIONS: f64 = 1.05;
 /// A slower spindle never brings the ring to the pusher, rad/s: nothing is divided by less.
 const STANDING: f64 = 1e-9;
 
@@ -54,7 +54,7 @@ pub struct PredictiveLaw {
     /// spindle angle of the first measurement since the ring was moved
     since: Option<f64>,
     /// rotation since then, rad
-    turned: f64,
+    rotation: f64,
 }
 
 impl PredictiveLaw {
@@ -69,7 +69,7 @@ impl PredictiveLaw {
             last_push: None,
             rest: 0,
             since: None,
-            turned: 0.0,
+            rotation: 0.0,
         }
     }
 }
@@ -96,11 +96,11 @@ impl CenteringLaw for PredictiveLaw {
             && self.ring.observe(seen.angle, seen.tip)
         {
             let since = *self.since.get_or_insert(seen.angle);
-            self.turned = (seen.angle - since).abs();
+            self.rotation = (seen.angle - since).abs();
         }
         if !self.ring.advance() {
             self.ring = RingModel::new(assumptions(p));
-            (self.since, self.turned) = (None, 0.0);
+            (self.since, self.rotation) = (None, 0.0);
         }
     }
 
@@ -120,9 +120,9 @@ impl CenteringLaw for PredictiveLaw {
         }
         let sigma = self.ring.center_sigma();
         let certain = self.ring.settled() && sigma < p.estimator.certainty * self.ring.eccentricity();
-        let verdict = self.verdict(p, now.speed, sigma, certain);
-        let known = certain || matches!(verdict, Verdict::Centered | Verdict::Unresolved);
-        Some(Ok((known.then(|| self.estimate(sigma)), verdict)))
+        let decision = self.decision(p, now.speed, sigma, certain);
+        let known = certain || matches!(decision, Decision::Centered | Decision::Unresolved);
+        Some(Ok((known.then(|| self.estimate(sigma)), decision)))
     }
 
     /// The next stroke, if it must begin before the next measurement.
@@ -164,11 +164,11 @@ impl CenteringLaw for PredictiveLaw {
         Some(press.step(p, &goal, seen, now.sample.slide))
     }
 
-    fn astray(&self, p: &Parameters) -> bool {
+    fn diverged(&self, p: &Parameters) -> bool {
         let (Some(_), Some(seen)) = (&self.press, &self.seen) else { return false };
         let far = seen.probe() < p.probe.at_pusher - PRESSED_IN_PUSH;
-        let most = (ASTRAY * self.ring.eccentricity()).max(ASTRAY_MIN);
-        far && (seen.tip - self.ring.line(seen.angle)).abs() > most
+        let maximum = (DIVERGED * self.ring.eccentricity()).max(DIVERGED_MIN);
+        far && (seen.tip - self.ring.line(seen.angle)).abs() > maximum
     }
 
     fn ahead(&self) -> f64 {
@@ -204,13 +204,13 @@ impl PredictiveLaw {
         } else if let PushKind::Push(reached) = &mut last_push.kind {
             *reached = press.last().tip;
             last_push.angle = press.last().angle;
-            match press.felt(FELT * last_push.eccentricity) {
+            match press.sensed(SENSED * last_push.eccentricity) {
                 Some((deflection, probe)) => self.learned.touched(p, deflection, probe),
                 None => self.learned.missed(p, press.last().probe()),
             }
         }
         self.ring.displaced(Vector2::zeros(), spread);
-        (self.since, self.turned) = (None, 0.0);
+        (self.since, self.rotation) = (None, 0.0);
         self.rest = p.ticks(REST);
     }
 
@@ -221,21 +221,21 @@ impl PredictiveLaw {
     }
 
     /// Next step.
-    fn verdict(&self, p: &Parameters, speed: f64, sigma: f64, certain: bool) -> Verdict {
-        let (eccentricity, full) = (self.ring.eccentricity(), self.turned >= TAU);
+    fn decision(&self, p: &Parameters, speed: f64, sigma: f64, certain: bool) -> Decision {
+        let (eccentricity, full) = (self.ring.eccentricity(), self.rotation >= TAU);
         if full && eccentricity + p.estimator.margin * sigma <= p.tolerance {
-            return Verdict::Centered;
+            return Decision::Centered;
         }
         // uncertainty after a full revolution
         let samples = p.rates.collect * TAU / speed.abs().max(STANDING);
-        let doubt = p.estimator.noise * self.ring.misfit() * (2.0 / samples).sqrt();
-        let worth = eccentricity > p.tolerance - p.estimator.margin * doubt;
+        let uncertainty = p.estimator.noise * self.ring.misfit() * (2.0 / samples).sqrt();
+        let worth = eccentricity > p.tolerance - p.estimator.margin * uncertainty;
         if certain && (full || (p.estimator.partial && worth)) {
-            Verdict::Push
-        } else if self.turned < TURNS * TAU {
-            Verdict::Measure
+            Decision::Push
+        } else if self.rotation < REVOLUTIONS * TAU {
+            Decision::Measure
         } else {
-            Verdict::Unresolved
+            Decision::Unresolved
         }
     }
 

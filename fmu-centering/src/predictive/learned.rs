@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_ring_lies_after_the_stroke_teaches_the_recoil() {
+    fn the_ring_position_after_the_stroke_identifies_the_recoil() {
         let learned = LearnedParameters::new();
         // the surface was 3 um before the line of the centered ring, and is 5 um beyond it
         let after = learned.after(&P, &push(1.0, PushKind::Push(-3e-6)), &left(5e-6, 0.0));

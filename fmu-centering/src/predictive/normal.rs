@@ -49,9 +49,9 @@ impl NormalEquations {
         self.product.axpy(weight * innovation, gradient, 1.0);
         let (gradient, sums) = (gradient.as_slice(), self.information.as_mut_slice());
         for (i, column) in sums.chunks_exact_mut(ANY).enumerate() {
-            let share = weight * gradient[i];
+            let factor = weight * gradient[i];
             for (sum, term) in column[i..].iter_mut().zip(&gradient[i..]) {
-                *sum += share * term;
+                *sum += factor * term;
             }
         }
     }
@@ -105,14 +105,14 @@ mod tests {
     #[test]
     fn states_that_are_measured_together_are_the_least_squares() {
         let (prior, linear) = (prior(1e6), Vector::zeros());
-        let wanted = Vector::from_fn(|i, _| 1.0 + i as f64);
+        let target = Vector::from_fn(|i, _| 1.0 + i as f64);
         let mut equations = NormalEquations::new(&prior, &linear);
         for k in 0..3 * ANY {
             let gradient = Vector::<ANY>::from_fn(|i, _| (1.0 + 0.7 * k as f64 * (i + 1) as f64).sin());
-            equations.add(gradient.dot(&wanted), &gradient, 1.0);
+            equations.add(gradient.dot(&target), &gradient, 1.0);
         }
         let found = equations.solve().unwrap();
-        assert!((found.step - wanted).amax() < 1e-6, "{}", (found.step - wanted).amax());
+        assert!((found.step - target).amax() < 1e-6, "{}", (found.step - target).amax());
     }
 
     #[test]

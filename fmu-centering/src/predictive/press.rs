@@ -60,7 +60,7 @@ pub struct Press {
     sent: SentCommands,
     deflection: f64,
     /// largest deflection and probe position since contact, m
-    most: [f64; 2],
+    maximum: [f64; 2],
     first: Option<f64>,
     last: Measurement,
     arrived: bool,
@@ -81,7 +81,7 @@ impl Press {
             ahead: 0.0,
             sent: SentCommands::resting(start),
             deflection: 0.0,
-            most: [0.0; 2],
+            maximum: [0.0; 2],
             first: None,
             last: Measurement::default(),
             arrived: false,
@@ -121,10 +121,10 @@ impl Press {
     }
 
     /// Deflection (m) while the ring was pushed, and the probe position (m) if it is still at the pusher; nothing if the
-    /// ring has moved by less than `way` m.
-    pub fn felt(&self, way: f64) -> Option<(f64, Option<f64>)> {
-        let ([deflection, deepest], probe) = (self.most, self.last.probe());
-        let pushed = self.first.is_some_and(|first| self.last.tip - first >= way);
+    /// ring has moved by less than `distance` m.
+    pub fn sensed(&self, distance: f64) -> Option<(f64, Option<f64>)> {
+        let ([deflection, deepest], probe) = (self.maximum, self.last.probe());
+        let pushed = self.first.is_some_and(|first| self.last.tip - first >= distance);
         pushed.then_some((deflection, (deepest - probe < APART).then_some(probe)))
     }
 
@@ -144,7 +144,7 @@ impl Press {
     fn measure(&mut self, dt: f64, slide: f64, delay: usize, seen: &Measurement) {
         let deflection = self.sent.before(delay) - slide;
         self.deflection += dt / SMOOTHING * (deflection - self.deflection);
-        self.most = [self.most[0].max(self.deflection), self.most[1].max(seen.probe())];
+        self.maximum = [self.maximum[0].max(self.deflection), self.maximum[1].max(seen.probe())];
     }
 
     fn setpoint(&mut self, goal: &Goal, time: f64) -> Trajectory {
@@ -193,16 +193,16 @@ mod tests {
             let time = press.time;
             let left = END - stroke.at(time - LAG * P.sample_period).position;
             let tip = goal.line - left - error;
-            let told = press.step(&P, goal, &Measurement { angle: 0.0, slide: tip + probe, tip }, tip + probe);
+            let setpoint = press.step(&P, goal, &Measurement { angle: 0.0, slide: tip + probe, tip }, tip + probe);
             let plan = stroke.at(time + P.sample_period);
-            told.position - plan.position - feed_forward(P.slide.bandwidth, plan.acceleration)
+            setpoint.position - plan.position - feed_forward(P.slide.bandwidth, plan.acceleration)
         });
         let added = added.collect();
         (press, added)
     }
 
     #[test]
-    fn how_far_the_setpoint_is_beyond_the_stroke_is_told_with_preload_and_correction() {
+    fn how_far_the_setpoint_is_beyond_the_stroke_is_reported_with_preload_and_correction() {
         let goal = Goal { deflection: 4e-5, ..GOAL };
         let (press, added) = added(&goal, 60, 2e-5, goal.contact);
         let last = added[added.len() - 1];
@@ -211,16 +211,16 @@ mod tests {
     }
 
     #[test]
-    fn a_blow_is_the_stroke_told_in_advance() {
+    fn a_blow_is_the_predicted_stroke() {
         let stroke = stroke();
         let mut press = Press::new(stroke.clone(), Ending::Blow, 0.0, 0.003, P.slide.bandwidth);
         for k in 0..300 {
-            let told = press.step(&P, &GOAL, &Measurement::default(), 0.1);
+            let setpoint = press.step(&P, &GOAL, &Measurement::default(), 0.1);
             // a wait of 3 samples, and a delay of one
             let plan = stroke.at(1e-3 * (f64::from(k) - 2.0));
             let ahead = plan.acceleration / P.slide.bandwidth.powi(2);
-            assert!((told.position - plan.position - ahead).abs() < 1e-12, "{k}");
-            assert!((told.velocity - plan.velocity).abs() < 1e-12);
+            assert!((setpoint.position - plan.position - ahead).abs() < 1e-12, "{k}");
+            assert!((setpoint.velocity - plan.velocity).abs() < 1e-12);
             let late = 1e-3 * (f64::from(k) - 2.0) - stroke.duration();
             assert_eq!(press.over(&P), late >= 2e-3 - 1e-12, "{k}");
         }
@@ -273,16 +273,16 @@ mod tests {
     }
 
     #[test]
-    fn what_was_felt_is_the_deflection_and_where_the_probe_stood() {
+    fn a_sensed_push_gives_the_deflection_and_the_probe_position() {
         let (press, _) = added(&GOAL, 70, 0.0, 0.02);
-        let (deflection, probe) = press.felt(1e-4).unwrap();
+        let (deflection, probe) = press.sensed(1e-4).unwrap();
         // surface and pusher determine the slide position, two samples after the plan; the filter has 10 ms
         assert!(deflection > 0.0 && deflection < 5e-5, "{deflection}");
         assert_eq!(probe, Some(press.last().probe()));
-        assert!(press.felt(6e-4).is_none());
+        assert!(press.sensed(6e-4).is_none());
         // a ring that has left the pusher does not determine the contact
         let mut gone = press.clone();
         gone.last = Measurement { tip: gone.last.tip, slide: gone.last.slide - 1.1e-5, ..gone.last };
-        assert_eq!(gone.felt(1e-4).unwrap().1, None);
+        assert_eq!(gone.sensed(1e-4).unwrap().1, None);
     }
 }

@@ -90,16 +90,16 @@ mod tests {
 
     /// The prior, and a revolution of a ring that is 0.2 mm off with a lobe of 3 um, as its own model has it.
     fn revolution() -> (Prior, Vector<ANY>, Vec<(f64, f64)>) {
-        let told = RingEstimate::new(ASSUMED, Vector2::zeros(), ASSUMED.center);
+        let estimate = RingEstimate::new(ASSUMED, Vector2::zeros(), ASSUMED.center);
         let mut state = Vector::zeros();
         (state[0], state[1], state[2], state[2 * 11]) = (0.07, 2e-4, -1e-4, 3e-6);
         let angles = (0..200).map(|k| std::f64::consts::TAU * f64::from(k) / 200.0);
         let seen = angles.map(|angle| (angle, line(ASSUMED.radius, &state, angle, &state).0)).collect();
-        (Prior::of(&told.now), state, seen)
+        (Prior::of(&estimate.now), state, seen)
     }
 
     #[test]
-    fn the_last_pass_of_a_fit_has_found_the_ring_and_is_told() {
+    fn the_last_pass_of_a_fit_has_found_the_ring_and_is_reported() {
         for (purpose, passes) in [(Purpose::Widen, 4), (Purpose::Reconsider, 4), (Purpose::Refine, 3)] {
             let (before, state, seen) = revolution();
             let mut refit = Refit::new(purpose, if purpose == Purpose::Refine { state } else { Vector::zeros() });

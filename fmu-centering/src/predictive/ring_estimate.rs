@@ -7,7 +7,7 @@ use crate::predictive::assumptions::Assumptions;
 use crate::predictive::ring_line::{Vector, form, line};
 
 /// Relative change of b0 and form by a motion of the ring (derived: a lateral ratio of 0.1 turns it, lobes of 2 um).
-const TURN: f64 = 1e-4;
+const ROTATION: f64 = 1e-4;
 /// Relative uncertainty of the radius.
 const RADIUS: f64 = 0.02;
 /// Largest misfit of a ring that is only rough (default: 2 um with the default noise); beyond it the ring was moved.
@@ -37,8 +37,8 @@ impl<const N: usize> Gaussian<N> {
         let spread = seen.norm_squared() + noise;
         let cross = self.root * seen;
         self.mean += cross * (innovation / spread);
-        let share = 1.0 / (spread + (noise * spread).sqrt());
-        self.root.ger(-share, &cross, &seen, 1.0);
+        let factor = 1.0 / (spread + (noise * spread).sqrt());
+        self.root.ger(-factor, &cross, &seen, 1.0);
     }
 }
 
@@ -105,11 +105,11 @@ impl<const N: usize> RingEstimate<N> {
     /// b0 and form are less certain at the new position: the ring has turned a little, and the radius is
     /// not known exactly.
     pub fn displaced(&mut self, center: Vector2<f64>, sigma: f64) -> bool {
-        let way = (self.center() - center).norm();
-        let doubt = TURN * way + RADIUS * way * way / (4.0 * self.assumed.radius);
+        let distance = (self.center() - center).norm();
+        let uncertainty = ROTATION * distance + RADIUS * distance * distance / (4.0 * self.assumed.radius);
         let mut covariance = self.now.root * self.now.root.transpose() * self.misfit.powi(2);
         for i in 0..N {
-            covariance[(i, i)] += doubt.powi(2);
+            covariance[(i, i)] += uncertainty.powi(2);
         }
         for i in [1, 2] {
             covariance.row_mut(i).fill(0.0);

@@ -148,9 +148,9 @@ impl RingModel {
 
     /// Starts to test whether a ring of any form explains the measurements; a few measurements are explained by any form.
     fn widen(&mut self) {
-        let (center, sigma) = self.ground.told();
-        let tell = self.history.len() > 2 * GROUND && self.widens();
-        self.any = tell.then(|| AnyForm::new(self.assumed, center, sigma, &self.ground.estimate.now.mean));
+        let (center, sigma) = self.ground.center_and_sigma();
+        let informative = self.history.len() > 2 * GROUND && self.widens();
+        self.any = informative.then(|| AnyForm::new(self.assumed, center, sigma, &self.ground.estimate.now.mean));
     }
 
     /// Starts to test whether a ring with more form than assumed, or a rougher one, explains the rejected measurements; false if
@@ -170,7 +170,7 @@ impl RingModel {
     /// form than assumed: with so few, any roughness explains them, too.
     fn waits(&self) -> bool {
         let few = self.any.is_none() && self.history.len() <= 2 * GROUND;
-        self.lost() && few && self.widens() && self.ground.told().1 >= self.assumed.center
+        self.lost() && few && self.widens() && self.ground.center_and_sigma().1 >= self.assumed.center
     }
 
     /// Whether a ground ring that is rougher than assumed explains the rejected measurements; the model is then that ring.

@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_begins_and_ends_where_it_should_and_keeps_its_limits() {
+    fn a_stroke_starts_and_ends_where_it_should_and_keeps_its_limits() {
         let finish = Finish::braked(5e-4, 0.08, 0.04);
         for velocity in [0.0, 0.04, -0.04] {
             let begin = Trajectory { position: 0.1, velocity, acceleration: 0.0 };
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_stroke_cruises_and_a_short_one_has_the_peak_of_its_way() {
+    fn a_long_stroke_cruises_and_a_short_one_has_the_peak_of_its_distance() {
         let finish = Finish { velocity: 0.02, deceleration: 0.4 };
         let fastest = |end: f64| {
             let stroke = Stroke::plan(&rest(0.0), end, 0.0, &finish, &LIMITS);

@@ -95,8 +95,8 @@ mod tests {
         for (d, speed) in [(-1e-6, 0.035_995_8), (0.0, 0.035_995_8), (1e-5, 0.070_133_0), (1e-4, 0.143_947_1)] {
             assert!((guess().speed(d) - speed).abs() < 1e-7, "{d} m: {} m/s", guess().speed(d));
         }
-        let doubt = guess().covariance.diagonal().map(f64::sqrt);
-        assert!((doubt - 0.5 * guess().mean).norm() < 1e-12);
+        let uncertainty = guess().covariance.diagonal().map(f64::sqrt);
+        assert!((uncertainty - 0.5 * guess().mean).norm() < 1e-12);
     }
 
     #[test]

@@ -30,18 +30,18 @@ const BETWEEN: f64 = 40.0;
 const LATE: (f64, f64) = (0.5, 12.0);
 /// Smallest residual, m: encoders have steps. Larger residuals than those of a coarse probe come from
 /// lobes, which look like a delay by chance.
-const LEAST: f64 = 1e-8;
-const MOST: f64 = 1e-6;
+const LOWEST: f64 = 1e-8;
+const HIGHEST: f64 = 1e-6;
 
 /// The sums of one window, and the result of the last one.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ProbeDelay {
     /// slide positions (m) and tips (m) where they were measured, in a ring buffer, and the present index
-    places: [f64; DELAYS],
+    positions: [f64; DELAYS],
     tips: [Option<f64>; DELAYS],
     now: usize,
     /// rotation (rad) in the window, while it is open
-    turned: Option<f64>,
+    rotation: Option<f64>,
     first: Option<Sample>,
     /// samples since then, and those of them that were measured
     time: u32,
@@ -58,28 +58,28 @@ pub struct ProbeDelay {
 impl ProbeDelay {
     /// Opens a window: the probe touches and the slide moves.
     pub fn begin(&mut self) {
-        let Self { places, tips, now, late, .. } = *self;
-        *self = Self { places, tips, now, late, turned: Some(0.0), ..Self::default() };
+        let Self { positions, tips, now, late, .. } = *self;
+        *self = Self { positions, tips, now, late, rotation: Some(0.0), ..Self::default() };
     }
 
     /// Closes a window, at its end or at the start of a push; data that do not determine the delay change nothing.
     pub fn end(&mut self, p: &Parameters) {
-        let open = self.turned.take().is_some();
+        let open = self.rotation.take().is_some();
         if let Some(late) = self.result(p).filter(|_| open && f64::from(self.samples) >= FEWEST) {
             self.late = late;
         }
     }
 
-    /// Adds a sample, `turned` rad after the one before; the probe is used where it was `measured` and not bridged.
-    pub fn update(&mut self, p: &Parameters, turned: f64, sample: &Sample, measured: bool) {
+    /// Adds a sample, `rotation` rad after the one before; the probe is used where it was `measured` and not bridged.
+    pub fn update(&mut self, p: &Parameters, rotation: f64, sample: &Sample, measured: bool) {
         self.now = (self.now + 1) % DELAYS;
-        self.places[self.now] = sample.slide;
+        self.positions[self.now] = sample.slide;
         self.tips[self.now] = measured.then(|| sample.tip());
-        let Some(so_far) = self.turned else { return };
-        if so_far + turned.abs() > WINDOW.1 {
+        let Some(so_far) = self.rotation else { return };
+        if so_far + rotation.abs() > WINDOW.1 {
             return self.end(p);
         }
-        self.turned = Some(so_far + turned.abs());
+        self.rotation = Some(so_far + rotation.abs());
         let first = *self.first.get_or_insert(*sample);
         if let Some(tip) = self.tips[self.before(EARLY)].filter(|_| self.time >= EARLY as u32) {
             self.take(p, tip - first.tip(), &first);
@@ -93,15 +93,15 @@ impl ProbeDelay {
     /// Adds the sample of [`EARLY`] samples ago to the sums, its tip counted from the first.
     fn take(&mut self, p: &Parameters, tip: f64, first: &Sample) {
         let time = f64::from(self.time) * p.sample_period / WINDOW.0;
-        let slide = self.places[self.before(EARLY)];
+        let slide = self.positions[self.before(EARLY)];
         let terms = SVector::from([1.0, time, time * time, slide - first.slide]);
         self.information += terms * terms.transpose();
         for delay in 0..DELAYS {
-            let way = slide - self.places[self.before(delay)];
-            self.products.column_mut(delay).axpy(tip - way, &terms, 1.0);
-            self.squares[delay] += (tip - way).powi(2);
+            let distance = slide - self.positions[self.before(delay)];
+            self.products.column_mut(delay).axpy(tip - distance, &terms, 1.0);
+            self.squares[delay] += (tip - distance).powi(2);
         }
-        self.steps += (slide - self.places[self.before(EARLY + 1)]).powi(2);
+        self.steps += (slide - self.positions[self.before(EARLY + 1)]).powi(2);
         self.samples += 1;
     }
 
@@ -129,21 +129,21 @@ impl ProbeDelay {
             let product = self.products.fixed_view::<SURFACE, 1>(0, delay).clone_owned();
             self.squares[delay] - product.dot(&(surface * product))
         };
-        let beside = |square: f64, product: SVector<f64, TERMS>| square - product.dot(&(all * product));
+        let residual = |square: f64, product: SVector<f64, TERMS>| square - product.dot(&(all * product));
         let best = (0..DELAYS).min_by(|&a, &b| left(a).total_cmp(&left(b)))?;
-        let (place, between) = lowest(best, left);
-        let least = if f64::from(self.samples) < BETWEEN { left(best) } else { between };
-        let variance = (least / (f64::from(self.samples) - TERMS as f64)).max(LEAST.powi(2));
+        let (position, between) = lowest(best, left);
+        let minimum = if f64::from(self.samples) < BETWEEN { left(best) } else { between };
+        let variance = (minimum / (f64::from(self.samples) - TERMS as f64)).max(LOWEST.powi(2));
         let seen = LATE.1.powi(2) * variance;
         // the residual of a sample of delay in addition to any scale
-        if variance > MOST.powi(2)
-            || beside(self.steps, self.products.column(EARLY) - self.products.column(EARLY + 1)) < seen
+        if variance > HIGHEST.powi(2)
+            || residual(self.steps, self.products.column(EARLY) - self.products.column(EARLY + 1)) < seen
         {
             return None;
         }
-        let scaled = beside(self.squares[EARLY], self.products.column(EARLY).clone_owned());
-        let delay = (place - EARLY as f64) * p.sample_period;
-        Some(Some(delay).filter(|_| delay.abs() > LATE.0 * p.sample_period && least + seen < scaled))
+        let scaled = residual(self.squares[EARLY], self.products.column(EARLY).clone_owned());
+        let delay = (position - EARLY as f64) * p.sample_period;
+        Some(Some(delay).filter(|_| delay.abs() > LATE.0 * p.sample_period && minimum + seen < scaled))
     }
 }
 
@@ -152,12 +152,12 @@ fn lowest(best: usize, value: impl Fn(usize) -> f64) -> (f64, f64) {
     if best == 0 || best + 1 == DELAYS {
         return (best as f64, value(best));
     }
-    let [before, least, after] = [best - 1, best, best + 1].map(value);
-    let (slope, bend) = (0.5 * (before - after), before - 2.0 * least + after);
+    let [before, minimum, after] = [best - 1, best, best + 1].map(value);
+    let (slope, bend) = (0.5 * (before - after), before - 2.0 * minimum + after);
     if bend <= 0.0 {
-        return (best as f64, least);
+        return (best as f64, minimum);
     }
-    (best as f64 + slope / bend, least - 0.5 * slope.powi(2) / bend)
+    (best as f64 + slope / bend, minimum - 0.5 * slope.powi(2) / bend)
 }
 
 #[cfg(test)]
@@ -173,10 +173,10 @@ mod tests {
     /// with a slide that brakes from 80 mm/s.
     fn found(late: i32, scale: f64, speed: f64) -> Option<f64> {
         // 4 m/s2 for 20 ms
-        told_by(late, scale, speed, |k| 8e-4 - 2e-6 * (20.0 - k.min(20.0)).powi(2))
+        shown_by(late, scale, speed, |k| 8e-4 - 2e-6 * (20.0 - k.min(20.0)).powi(2))
     }
 
-    fn told_by(late: i32, scale: f64, speed: f64, slide: impl Fn(f64) -> f64) -> Option<f64> {
+    fn shown_by(late: i32, scale: f64, speed: f64, slide: impl Fn(f64) -> f64) -> Option<f64> {
         let p = Parameters::START;
         let mut delay = ProbeDelay::default();
         let surface = |k: f64| 0.02 + 5e-4 * (4.7e-3 * k + 1.0).sin();
@@ -227,7 +227,7 @@ mod tests {
                 delay.begin();
             }
             let [probe, now] = [late.max(0.0), (-late).max(0.0)].map(|late| period * (f64::from(k) - late));
-            let step = |place: f64| (place / 5e-8).round() * 5e-8;
+            let step = |position: f64| (position / 5e-8).round() * 5e-8;
             let probe = step(slide(probe) - surface(probe));
             let sample = Sample { angle: 0.0, slide: step(slide(now)), probe };
             delay.update(&p, speed * period, &sample, true);
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_samples_tell_it_too_at_the_speeds_of_the_paper() {
+    fn slow_samples_show_it_too_at_the_speeds_of_the_paper() {
         let slow = [1e-3, 3e-3, 5.5e-3, 6e-3, 6.6e-3, 8e-3, 0.01].map(|period| (2.1, period));
         for (speed, period) in slow.into_iter().chain([(4.7, 3e-3), (4.7, 6e-3), (4.7, 6.6e-3)]) {
             assert_eq!(found_in_samples(period, 0.0, speed, [0.0, 1.0], braking), None, "{period}");
@@ -279,7 +279,7 @@ mod tests {
                 delay.begin();
             }
             let time = |late: f64| period * (begin + f64::from(k) - late);
-            let step = |place: f64| (place / 5e-8).round() * 5e-8;
+            let step = |position: f64| (position / 5e-8).round() * 5e-8;
             let surface = 0.02 + 5e-4 * (speed * time(late) + 1.0).sin();
             let normal: f64 = StandardNormal.sample(&mut random);
             let probe = step(braking(time(late)) - surface + noise * normal);
@@ -366,20 +366,20 @@ mod tests {
     }
 
     #[test]
-    fn a_slide_whose_velocity_is_a_share_of_its_way_tells_nothing() {
+    fn a_slide_whose_velocity_is_a_fraction_of_its_travel_shows_nothing() {
         for scale in [0.7, 1.0, 1.3] {
-            assert_eq!(told_by(5, scale, 4.7, |k| 2e-3 * (1.0 - (-k / 25.0).exp())), None, "{scale}");
+            assert_eq!(shown_by(5, scale, 4.7, |k| 2e-3 * (1.0 - (-k / 25.0).exp())), None, "{scale}");
         }
     }
 
     #[test]
-    fn a_spindle_that_is_too_fast_for_a_parabola_tells_nothing() {
+    fn a_spindle_that_is_too_fast_for_a_parabola_shows_nothing() {
         assert!(found(5, 1.0, 8.0).is_some());
         assert_eq!(found(5, 1.0, 17.0), None);
     }
 
     #[test]
-    fn a_window_that_tells_nothing_keeps_what_the_one_before_has_told() {
+    fn a_window_without_evidence_keeps_the_result_of_the_one_before() {
         let p = Parameters::START;
         let mut delay = ProbeDelay { late: Some(3e-3), ..ProbeDelay::default() };
         delay.begin();

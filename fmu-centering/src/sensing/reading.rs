@@ -84,7 +84,7 @@ pub struct Reading {
 /// State between two samples; by default before the first sample.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Reader {
-    believed: Option<Sample>,
+    accepted: Option<Sample>,
     angle: JumpGuard,
     slide: JumpGuard,
     probe: JumpGuard,
@@ -104,7 +104,7 @@ impl Reader {
         // an input that is true from the first sample on has not risen
         let begun = std::mem::replace(&mut self.begun, true);
         let (start, begin_commission) = (begun && start, begun && begin_commission);
-        let number = |value: f64, most: f64| if is_plausible(value, most) { value } else { f64::NAN };
+        let number = |value: f64, maximum: f64| if is_plausible(value, maximum) { value } else { f64::NAN };
         let raw = Sample {
             angle: number(input.spindle_angle, ANGLE_MAX),
             slide: number(input.slide_position, POSITION_MAX),
@@ -116,9 +116,9 @@ impl Reader {
 
     /// Bridges implausible values.
     fn believe(&mut self, p: &Parameters, raw: &Sample, freedom: Freedom) -> Reading {
-        let before = self.believed.unwrap_or(*raw);
+        let before = self.accepted.unwrap_or(*raw);
         // the spindle turns without limit: its monitor uses the angle relative to the last accepted one
-        let turned = take(&mut self.angle, wrap(raw.angle - before.angle), turning(p), freedom);
+        let rotated = take(&mut self.angle, wrap(raw.angle - before.angle), turning(p), freedom);
         let slid = take(&mut self.slide, raw.slide, sliding(p), freedom);
         let kept = |guard: &JumpGuard, now: f64, last: f64| if guard.doubted() > 0 { last } else { now };
         let (angle, slide) = (kept(&self.angle, raw.angle, before.angle), kept(&self.slide, raw.slide, before.slide));
@@ -128,8 +128,8 @@ impl Reader {
             self.angle.update(0.0, turning(p));
         }
         let sample = Sample { angle, slide, probe };
-        let known = self.believed.is_some() || sample == *raw;
-        let jumped = self.believed.is_none() || turned || slid;
+        let known = self.accepted.is_some() || sample == *raw;
+        let jumped = self.accepted.is_none() || rotated || slid;
         let events = Reading {
             slide: (self.slide.doubted() == 0).then_some(raw.slide),
             jumped,
@@ -139,7 +139,7 @@ impl Reader {
         if !known {
             return events;
         }
-        self.believed = Some(sample);
+        self.accepted = Some(sample);
         let calm = self.calm.update(Calm { probe: sample.probe, tip: sample.tip() });
         Reading { sample: Some(sample), fresh: sample == *raw, calm, ..events }
     }
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn a_probe_that_tells_nothing_does_not_hide_the_slide() {
+    fn a_probe_that_shows_nothing_does_not_hide_the_slide() {
         let slid = |k: u32| 0.1 + 1.2e-4 * f64::from(k);
         let inputs: Vec<Input> = (0..100).map(|k| at(1.0, slid(k), if k > 0 { f64::NAN } else { 0.01 })).collect();
         for (k, reading) in (0..).zip(read(&inputs)) {
@@ -253,25 +253,25 @@ mod tests {
     fn a_held_ring_goes_with_the_table_and_a_pushed_one_with_the_slide() {
         // 25 mm: 0.22 mm in a sample; a ring that is hit, and the slide springing back
         for (freedom, slid, reach) in [(Freedom::Held, 0.0, 2.41e-4), (Freedom::Pushed, 3e-4, 8.73e-4)] {
-            for (step, believed) in [(reach - 1e-6, true), (reach + 1e-6, false)] {
+            for (step, accepted) in [(reach - 1e-6, true), (reach + 1e-6, false)] {
                 let mut reader = Reader::default();
                 reader.read(&P, &at(1.0, 0.1, 0.01), freedom);
                 let reading = reader.read(&P, &at(1.0, 0.1 + slid, 0.01 + step), freedom);
-                assert_eq!(reading.fresh, believed, "{freedom:?}: {step} m");
+                assert_eq!(reading.fresh, accepted, "{freedom:?}: {step} m");
             }
         }
     }
 
     #[test]
-    fn the_fastest_machine_is_believed_and_a_wrap_is_no_jump() {
+    fn the_fastest_machine_is_accepted_and_a_wrap_is_no_jump() {
         let inputs: Vec<Input> = (0..100)
             .map(|k| f64::from(k) * 1e-3)
             .map(|t| at((99.0 * t).rem_euclid(std::f64::consts::TAU), 0.3 * t, 0.5 * t))
             .collect();
         for (reading, input) in read(&inputs).iter().zip(&inputs) {
-            let believed = (reading.sample.unwrap(), reading.fresh, reading.fault);
+            let accepted = (reading.sample.unwrap(), reading.fresh, reading.fault);
             let raw = Sample { angle: input.spindle_angle, slide: input.slide_position, probe: input.probe_position };
-            assert_eq!(believed, (raw, true, None));
+            assert_eq!(accepted, (raw, true, None));
         }
     }
 
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn a_probe_that_springs_out_is_believed_when_it_lasts_and_when_it_comes_back() {
+    fn a_probe_that_springs_out_is_accepted_when_it_lasts_and_when_it_returns() {
         let (good, out) = (at(1.0, 0.1, 0.0195), at(1.0, 0.1, 0.0));
         let mut inputs = vec![good.clone()];
         inputs.extend(std::iter::repeat_n(out, 80));
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_hand_does_is_believed_at_once() {
+    fn what_a_hand_does_is_accepted_immediately() {
         let mut reader = Reader::default();
         for (k, slide) in [0.1, 0.3, 0.2].into_iter().enumerate() {
             let reading = reader.read(&P, &at(f64::from(k as u8), slide, 0.0), Freedom::Hand);
@@ -347,18 +347,18 @@ mod tests {
     }
 
     #[test]
-    fn a_probe_that_goes_out_within_its_reach_is_believed_at_once() {
+    fn a_probe_that_goes_out_within_its_reach_is_accepted_immediately() {
         let reach = collapsing(&P, 0.0, Freedom::Pushed);
-        let most = reach.motion + reach.spread;
+        let maximum = reach.motion + reach.spread;
         let free = 0.499 * P.probe.contact;
-        for (way, probe) in [(0.99 * most, free), (1.01 * most, free + 1.01 * most)] {
-            let readings = read(&[at(1.0, 0.1, free + way), at(1.0, 0.1, free)]);
-            assert_eq!(readings[1].sample.unwrap().probe, probe, "{way}");
+        for (distance, probe) in [(0.99 * maximum, free), (1.01 * maximum, free + 1.01 * maximum)] {
+            let readings = read(&[at(1.0, 0.1, free + distance), at(1.0, 0.1, free)]);
+            assert_eq!(readings[1].sample.unwrap().probe, probe, "{distance}");
         }
     }
 
     #[test]
-    fn a_free_probe_that_was_believed_is_so_from_the_fourth_sample_on() {
+    fn a_free_probe_that_was_accepted_is_so_from_the_fourth_sample_on() {
         let (good, out) = (at(1.0, 0.1, 0.0195), at(1.0, 0.1, 0.0));
         let mut inputs = vec![good.clone()];
         inputs.extend(std::iter::repeat_n(out, 3));

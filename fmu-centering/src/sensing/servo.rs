@@ -104,7 +104,7 @@ impl<const N: usize> Fit<N> {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ServoEstimator {
     /// reference position and position of the sample before, m
-    places: Option<[f64; 2]>,
+    positions: Option<[f64; 2]>,
     /// means of position (m) and velocity (m/s) over the sample of each setpoint
     sent: [SentCommands; 2],
     position: Filtered,
@@ -122,11 +122,11 @@ pub struct ServoEstimator {
 impl ServoEstimator {
     /// Adds the last setpoint and the slide position (m) that responds to it, `delay` samples later.
     pub fn update(&mut self, dt: f64, delay: f64, setpoint: &Trajectory, slide: f64) {
-        let [start, before] = *self.places.get_or_insert_with(|| {
+        let [start, before] = *self.positions.get_or_insert_with(|| {
             self.sent[0] = SentCommands::resting(setpoint.position);
             [slide, slide]
         });
-        self.places = Some([start, slide]);
+        self.positions = Some([start, slide]);
         let means = [setpoint.position + 0.5 * setpoint.velocity * dt, setpoint.velocity];
         for (sent, mean) in self.sent.iter_mut().zip(means) {
             sent.send(mean);
@@ -138,9 +138,9 @@ impl ServoEstimator {
         let error = self.position.twice - self.slide.twice;
         self.integral += 0.5 * (self.error + error) * dt;
         self.error = error;
-        let [place, velocity, acceleration] = [self.position.twice, self.velocity.twice, self.velocity.rate()];
+        let [position, velocity, acceleration] = [self.position.twice, self.velocity.twice, self.velocity.rate()];
         let late = velocity - self.slide.rate();
-        let terms = SVector::from([error, late, velocity, acceleration, self.integral, place, 1.0]);
+        let terms = SVector::from([error, late, velocity, acceleration, self.integral, position, 1.0]);
         let acceleration = self.slide.rate_of_rate(slide - start);
         self.information += terms * terms.transpose();
         self.product += terms * acceleration;
@@ -207,8 +207,8 @@ mod tests {
             let acts = waiting.pop_front().unwrap();
             for i in 0..FINE {
                 let fine = dt / f64::from(FINE);
-                let place = acts.position + acts.velocity * fine * f64::from(i);
-                let error = place - x;
+                let position = acts.position + acts.velocity * fine * f64::from(i);
+                let error = position - x;
                 sum += error * fine / integral;
                 let force = w * w * (error + sum) + 1.4 * w * (acts.velocity - v);
                 v += force * fine;
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bandwidth_is_found_far_from_what_was_told_with_its_deviation() {
+    fn the_bandwidth_is_found_far_from_the_configured_values_with_its_deviation() {
         for hertz in [24.0, 30.0, 40.0, 60.0] {
             let servos: Vec<Servo> = (0..8).map(|seed| found(hertz, 1e9, seed).unwrap()).collect();
             for servo in servos {
@@ -261,12 +261,12 @@ mod tests {
             let alike = 2.0 * FILTER_TIME / dt;
             let mut estimator = ServoEstimator::default();
             let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(1);
-            let mut place = 0.0;
+            let mut position = 0.0;
             let first = (1..1000).find(|_| {
                 let [velocity, noise]: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
-                place += 5e-3 * velocity * dt;
-                let setpoint = Trajectory { position: place, velocity: 5e-3 * velocity, acceleration: 0.0 };
-                estimator.update(dt, 1.0, &setpoint, place + 1e-5 * noise);
+                position += 5e-3 * velocity * dt;
+                let setpoint = Trajectory { position, velocity: 5e-3 * velocity, acceleration: 0.0 };
+                estimator.update(dt, 1.0, &setpoint, position + 1e-5 * noise);
                 estimator.fit::<FEW_TERMS>(dt).is_some()
             });
             assert_eq!(first.map(f64::from), Some(alike * (FEW_TERMS + 1) as f64), "{dt} s");
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slide_that_does_not_move_tells_nothing() {
+    fn a_slide_that_does_not_move_shows_nothing() {
         let mut estimator = ServoEstimator::default();
         let rest = Trajectory { position: 0.1, ..Trajectory::default() };
         (0..1000).for_each(|_| estimator.update(P.sample_period, 1.0, &rest, 0.1));
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_default_law_with_a_told_servo_learns_it() {
+    fn only_the_default_law_with_a_configured_servo_learns_it() {
         let with = |change: fn(&mut Parameters)| {
             let mut p = P;
             p.learn.servo = true;

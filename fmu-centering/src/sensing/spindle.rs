@@ -83,11 +83,11 @@ mod tests {
     #[test]
     fn quantised_angle_and_speed_are_smoothed_in_both_directions() {
         // 20 and 45 rpm: the quantum is 1.6 mrad, half of it the error of one sample
-        for (speed, share) in [(2.0944, 0.25), (-2.0944, 0.25), (4.6, 0.25), (4.712, 0.8), (-4.712, 0.8)] {
+        for (speed, ratio) in [(2.0944, 0.25), (-2.0944, 0.25), (4.6, 0.25), (4.712, 0.8), (-4.712, 0.8)] {
             let (of_speed, of_angle) = errors(speed, 20, |angle| angle);
             assert!(of_speed < 2e-3, "{speed} rad/s: speed {of_speed}");
             // 45 rpm are three quanta per sample: the rounding is the same for many samples
-            assert!(of_angle < share * QUANTUM, "{speed} rad/s: angle {of_angle} rad");
+            assert!(of_angle < ratio * QUANTUM, "{speed} rad/s: angle {of_angle} rad");
         }
     }
 
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn at_rest_it_stands_still() {
+    fn at_rest_it_does_not_move() {
         let mut spindle = Spindle::new(&Parameters::PAPER);
         for _ in 0..2000 {
             spindle.update(1.0);

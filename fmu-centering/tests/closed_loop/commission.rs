@@ -45,8 +45,8 @@ fn commission(run: &mut Loop) -> [f64; 2] {
     let mut reach = [0.0f64; 2];
     while run.output.state == State::Commission {
         run.step_with(ask);
-        let place = run.ring.slide() - start;
-        reach = [reach[0].min(place), reach[1].max(place)];
+        let position = run.ring.slide() - start;
+        reach = [reach[0].min(position), reach[1].max(position)];
         assert!(run.time() < 30.0, "{:?}", run.output);
     }
     reach
@@ -60,13 +60,13 @@ fn unknown(seed: u64) -> Servo {
         damping: random.random_range(0.4..1.0),
         integral: if random.random_bool(0.5) { random.random_range(2.0..20.0) } else { 0.0 },
         delay: random.random_range(0..3),
-        share: 1.0,
+        ratio: 1.0,
         steps: 20,
     }
 }
 
 #[test]
-fn unknown_machines_are_measured_and_the_slide_keeps_to_its_way() {
+fn unknown_machines_are_measured_and_the_slide_keeps_to_its_travel() {
     for seed in 0..16 {
         let servo = unknown(seed);
         let mut run = machine(&P, servo);
@@ -138,7 +138,7 @@ fn what_was_measured_is_used_on_request_and_kept_in_a_file() {
 }
 
 #[test]
-fn it_is_broken_off_by_commission_and_by_enable_into_rest_and_what_was_told() {
+fn it_is_aborted_by_commission_and_by_enable_into_rest_and_the_configured_values() {
     let mut p = P;
     p.commission.apply = true;
     for time in [0.01, 0.1, 1.0, 4.0] {
@@ -163,7 +163,7 @@ fn it_is_broken_off_by_commission_and_by_enable_into_rest_and_what_was_told() {
 }
 
 #[test]
-fn a_good_one_that_is_followed_by_a_broken_one_counts_no_more() {
+fn a_good_one_that_is_followed_by_a_faulty_one_counts_no_more() {
     let mut p = P;
     p.commission.apply = true;
     let mut run = machine(&p, Servo { frequency: 30.0, ..NOMINAL });
@@ -214,21 +214,21 @@ fn a_table_is_not_turned_for_it_and_a_ring_that_is_met_ends_it() {
 }
 
 #[test]
-fn a_bound_of_travel_and_of_acceleration_that_is_told_is_kept() {
+fn a_configured_bound_of_travel_and_of_acceleration_is_kept() {
     let mut p = P;
     (p.commission.travel, p.commission.acceleration) = (8e-4, 1.0);
     let mut run = machine(&p, Servo { frequency: 35.0, ..NOMINAL });
     begin(&mut run, 0.0);
-    let (mut most, mut before) = (0.0f64, run.output.slide.velocity_setpoint);
+    let (mut maximum, mut before) = (0.0f64, run.output.slide.velocity_setpoint);
     while run.output.state == State::Commission {
         run.step_with(ask);
         let setpoint = &run.output.slide;
-        most = most.max(setpoint.position_setpoint);
+        maximum = maximum.max(setpoint.position_setpoint);
         assert!(setpoint.position_setpoint >= -1e-12);
         assert!((setpoint.velocity_setpoint - before).abs() < 1.001e-3);
         before = setpoint.velocity_setpoint;
     }
-    assert!((most / 8e-4 - 1.0).abs() < 1e-9, "{most}");
+    assert!((maximum / 8e-4 - 1.0).abs() < 1e-9, "{maximum}");
     assert!(run.output.measured.valid && (run.output.measured.slide_bandwidth / TAU / 35.0 - 1.0).abs() < 0.005);
 }
 
@@ -280,7 +280,7 @@ fn a_servo_that_oscillates_or_creeps_is_rejected() {
 #[test]
 fn a_drive_that_is_lost_or_turns_round_is_found_immediately() {
     // in the first stroke there is no response before it; later the slide has moved half of its travel and stops or reverses
-    for (time, lost, turned) in [
+    for (time, lost, reversed) in [
         (0.0, &[Fault::PositionFrozen, Fault::WeakDrive][..], &[Fault::DriveSign][..]),
         (
             2.0,
@@ -288,17 +288,17 @@ fn a_drive_that_is_lost_or_turns_round_is_found_immediately() {
             &[Fault::DriveSign, Fault::FollowingError],
         ),
     ] {
-        for (share, faults) in [(0.0, lost), (-1.0, turned)] {
+        for (ratio, faults) in [(0.0, lost), (-1.0, reversed)] {
             let mut run = machine(&P, NOMINAL);
             begin(&mut run, time);
-            let place = run.ring.slide();
-            run.ring.servo = Some(Servo { share, ..NOMINAL });
+            let position = run.ring.slide();
+            run.ring.servo = Some(Servo { ratio, ..NOMINAL });
             let until = run.time() + 1.0;
             while run.output.state == State::Commission && run.time() < until {
                 run.step_with(ask);
             }
-            assert!(faults.contains(&run.output.fault), "{time} {share}: {:?}", run.output);
-            assert!(!run.output.drive_enable && (run.ring.slide() - place).abs() < 3e-3);
+            assert!(faults.contains(&run.output.fault), "{time} {ratio}: {:?}", run.output);
+            assert!(!run.output.drive_enable && (run.ring.slide() - position).abs() < 3e-3);
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::run::{Loop, running};
 const P: Parameters = Parameters::PAPER;
 
 #[test]
-fn without_enable_it_stops_and_goes_back_from_every_state() {
+fn without_enable_it_stops_and_retracts_from_every_state() {
     for state in [State::Approach, State::Follow, State::Collect, State::Wait, State::Push, State::Settle] {
         let mut run = running(&P, state);
         let mut before = run.output.slide.velocity_setpoint;
@@ -23,7 +23,7 @@ fn without_enable_it_stops_and_goes_back_from_every_state() {
 }
 
 #[test]
-fn enable_that_drops_in_a_push_ends_the_push_at_once() {
+fn enable_that_drops_in_a_push_ends_the_push_immediately() {
     let mut run = running(&P, State::Push);
     (0..20).for_each(|_| run.step());
     let from = run.output.slide.position_setpoint;
@@ -36,7 +36,7 @@ fn enable_that_drops_in_a_push_ends_the_push_at_once() {
 }
 
 #[test]
-fn enable_again_on_the_way_back_begins_anew() {
+fn enable_again_during_the_retract_starts_again() {
     let mut run = running(&P, State::Wait);
     (0..100).for_each(|_| run.step_with(|input| input.enable = false));
     run.step();
@@ -56,26 +56,26 @@ fn faulted() -> Loop {
 }
 
 /// Steps 1 s with `change`, in which nothing moves in `state`.
-fn stands(run: &mut Loop, state: State, change: impl Fn(&mut Input)) {
-    let place = run.output.slide.position_setpoint;
+fn stays(run: &mut Loop, state: State, change: impl Fn(&mut Input)) {
+    let position = run.output.slide.position_setpoint;
     for _ in 0..1000 {
         run.step_with(&change);
         assert_eq!(run.output.state, state);
-        assert_eq!((run.output.slide.position_setpoint, run.output.slide.velocity_setpoint), (place, 0.0));
+        assert_eq!((run.output.slide.position_setpoint, run.output.slide.velocity_setpoint), (position, 0.0));
     }
 }
 
 #[test]
 fn nothing_moves_after_a_reset_until_enable_rises_again() {
     let mut run = faulted();
-    stands(&mut run, State::Fault, |input| input.enable = false);
-    stands(&mut run, State::Fault, |_| ());
+    stays(&mut run, State::Fault, |input| input.enable = false);
+    stays(&mut run, State::Fault, |_| ());
     run.step_with(|input| input.reset_fault = true);
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
     // enable is set, but has no edge
-    stands(&mut run, State::Idle, |input| input.reset_fault = true);
-    stands(&mut run, State::Idle, |_| ());
-    stands(&mut run, State::Idle, |input| input.enable = false);
+    stays(&mut run, State::Idle, |input| input.reset_fault = true);
+    stays(&mut run, State::Idle, |_| ());
+    stays(&mut run, State::Idle, |input| input.enable = false);
     run.step();
     assert_eq!((run.output.state, run.output.fault), (State::Approach, Fault::None));
     assert!(run.run_to(State::Centered, 90.0));
@@ -86,11 +86,11 @@ fn an_edge_of_enable_together_with_the_reset_begins_nothing() {
     let mut run = faulted();
     run.step_with(|input| input.enable = false);
     run.step_with(|input| input.reset_fault = true);
-    stands(&mut run, State::Idle, |_| ());
+    stays(&mut run, State::Idle, |_| ());
 }
 
 #[test]
-fn a_reset_on_the_way_back_is_too_early() {
+fn a_reset_during_the_retract_is_too_early() {
     let mut run = running(&P, State::Wait);
     run.spoil(|input| input.probe_position = f64::NAN);
     (0..3000).for_each(|k| run.step_with(|input| input.reset_fault = k == 0 || k == 100));
@@ -106,7 +106,7 @@ fn a_slide_that_stopped_without_its_encoder_stays_there_after_the_reset() {
     (0..1000).for_each(|_| run.step());
     assert!(run.output.slide.position_setpoint > 0.04, "{} m", run.output.slide.position_setpoint);
     run.step_with(|input| input.reset_fault = true);
-    stands(&mut run, State::Idle, |_| ());
+    stays(&mut run, State::Idle, |_| ());
 }
 
 #[test]

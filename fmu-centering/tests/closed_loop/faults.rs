@@ -86,7 +86,7 @@ fn a_spindle_axis_outside_the_ring_is_too_small_a_ring() {
 }
 
 #[test]
-fn a_ring_that_does_not_contain_the_axis_is_lost_on_the_way() {
+fn a_ring_that_does_not_contain_the_axis_is_lost_during_the_stroke() {
     // r = 10 mm, 11 mm off: no part on the far side
     let mut ring = Ring::new(2, 0.011, 0.0);
     ring.radius = 0.010;
@@ -155,7 +155,7 @@ fn a_ring_that_cannot_be_moved_exhausts_the_pushes() {
 }
 
 #[test]
-fn a_tolerance_below_what_the_probe_can_tell_has_a_name() {
+fn a_tolerance_below_the_resolution_of_the_probe_is_reported() {
     let mut p = Parameters::START;
     p.tolerance = 1e-9;
     let run = retreats(Loop::new(&p, Ring::new(6, 1e-4, 0.5)), Fault::Unresolved, 60.0);
@@ -221,13 +221,13 @@ fn a_spindle_that_reverses_once_while_waiting_is_used_in_its_new_direction() {
 fn a_wrapped_angle_gives_the_same_as_an_unwrapped_one() {
     let trace = |unwrapped: bool| {
         let mut run = Loop::new(&P, Ring::new(6, 2e-4, 0.5));
-        let mut turns = 0.0;
+        let mut revolutions = 0.0;
         let mut before = 0.0;
         while run.output.state != State::Centered {
             run.step_with(|input| {
-                turns += if input.spindle_angle < before - 3.0 { TAU } else { 0.0 };
+                revolutions += if input.spindle_angle < before - 3.0 { TAU } else { 0.0 };
                 before = input.spindle_angle;
-                input.spindle_angle += if unwrapped { turns } else { 0.0 };
+                input.spindle_angle += if unwrapped { revolutions } else { 0.0 };
             });
         }
         run.output.time_to_center

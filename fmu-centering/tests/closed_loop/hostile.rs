@@ -81,7 +81,7 @@ fn nonsense_before_the_first_good_sample_moves_nothing() {
 }
 
 #[test]
-fn hostile_inputs_never_give_a_wild_output() {
+fn bad_inputs_never_give_a_wild_output() {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(7);
     let mut controller = Controller::new(&P).unwrap();
     let wild = [f64::NAN, f64::INFINITY, -1e308, 1e3, -1e3, 100.0, 0.0, 5e-324, 1e-9, 0.02, 0.0195, 3.0];

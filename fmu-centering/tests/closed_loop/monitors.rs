@@ -62,12 +62,12 @@ fn with_late_probe(late: usize, state: State) -> (Fault, f64) {
     ring.speed = 4.71;
     let mut run = Loop::new(&P, ring);
     assert!(run.run_to(state, 10.0), "{:?}", run.output);
-    let mut told = std::collections::VecDeque::new();
+    let mut delayed = std::collections::VecDeque::new();
     while !matches!(run.output.state, State::Fault | State::Centered) {
         run.step_with(|input| {
-            told.push_front(input.probe_position);
-            told.truncate(late + 1);
-            input.probe_position = *told.back().unwrap();
+            delayed.push_front(input.probe_position);
+            delayed.truncate(late + 1);
+            input.probe_position = *delayed.back().unwrap();
         });
         assert!(run.time() < 30.0, "{:?}", run.output);
     }
@@ -90,12 +90,12 @@ fn a_slide_that_is_late_is_named() {
     ring.speed = 4.71;
     let mut run = Loop::new(&P, ring);
     assert!(run.run_to(State::Approach, 10.0), "{:?}", run.output);
-    let mut told = std::collections::VecDeque::new();
+    let mut delayed = std::collections::VecDeque::new();
     while run.output.state != State::Fault {
         run.step_with(|input| {
-            told.push_front(input.slide_position);
-            told.truncate(6);
-            input.slide_position = *told.back().unwrap();
+            delayed.push_front(input.slide_position);
+            delayed.truncate(6);
+            input.slide_position = *delayed.back().unwrap();
         });
         assert!(run.time() < 30.0 && run.output.state != State::Centered, "{:?}", run.output);
     }
@@ -104,7 +104,7 @@ fn a_slide_that_is_late_is_named() {
 }
 
 #[test]
-fn a_pusher_that_meets_the_ring_too_early_is_named_with_its_place() {
+fn a_pusher_that_meets_the_ring_too_early_is_named_with_its_position() {
     // from there on the ring runs ahead of the slide as fast as that follows
     let met = 0.016;
     let run = running(&P, State::Push);
@@ -115,10 +115,10 @@ fn a_pusher_that_meets_the_ring_too_early_is_named_with_its_place() {
 }
 
 #[test]
-fn an_encoder_of_the_slide_that_stands_ends_a_stroke_before_the_ring() {
+fn a_frozen_slide_encoder_ends_a_stroke_before_the_ring() {
     let run = running(&P, State::Push);
-    let stands = run.output.slide.position_setpoint;
-    let run = faulted(run, Fault::PositionFrozen, |_, input| input.slide_position = stands);
+    let position = run.output.slide.position_setpoint;
+    let run = faulted(run, Fault::PositionFrozen, |_, input| input.slide_position = position);
     assert!(!run.output.drive_enable && run.ring.gap() > 5e-3, "{} m", run.ring.gap());
 }
 
@@ -133,7 +133,7 @@ fn a_centering_that_is_too_long_ends_with_a_name() {
 }
 
 #[test]
-fn a_second_fault_on_the_way_back_switches_the_drive_off_and_a_lighter_one_does_not_take_that_back() {
+fn a_second_fault_during_the_retract_switches_the_drive_off_and_a_less_severe_one_does_not_revert_that() {
     let mut run = running(&P, State::Wait);
     run.spoil(|input| input.probe_position = f64::NAN);
     (0..50).for_each(|_| run.step());
@@ -151,7 +151,7 @@ fn a_second_fault_on_the_way_back_switches_the_drive_off_and_a_lighter_one_does_
 }
 
 #[test]
-fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
+fn during_the_retract_from_a_failed_probe_the_drive_is_monitored() {
     let spoilt = || {
         let mut run = running(&P, State::Wait);
         run.spoil(|input| input.probe_position = f64::NAN);
@@ -168,9 +168,9 @@ fn on_the_way_back_from_a_probe_that_tells_nothing_the_drive_is_watched() {
     }
     // one at rest does not
     let mut run = spoilt();
-    let stands = run.ring.slide();
-    let slide_stands = |input: &mut Input| (input.probe_position, input.slide_position) = (f64::NAN, stands);
-    (0..100).for_each(|_| run.step_with(slide_stands));
+    let position = run.ring.slide();
+    let frozen_slide = |input: &mut Input| (input.probe_position, input.slide_position) = (f64::NAN, position);
+    (0..100).for_each(|_| run.step_with(frozen_slide));
     assert!(run.output.fault == Fault::PositionFrozen && !run.output.drive_enable, "{:?}", run.output);
 }
 
@@ -223,7 +223,7 @@ fn a_ring_that_turns_fast_spoils_no_test_of_the_probe() {
 }
 
 #[test]
-fn a_probe_that_answers_seven_tenths_of_its_test_is_not_believed() {
+fn a_probe_that_answers_seven_tenths_of_its_test_is_not_accepted() {
     let run = running(&P, State::Confirm);
     let rest = AT_PUSHER - run.output.pusher_gap;
     let answers = |_, input: &mut Input| input.probe_position = rest + 0.7 * (input.probe_position - rest);
@@ -258,7 +258,7 @@ fn a_coarse_probe_that_is_frozen_as_it_touches_does_not_let_the_pusher_meet_the_
 }
 
 #[test]
-fn an_enable_that_stands_from_the_first_sample_on_begins_nothing() {
+fn an_enable_set_from_the_first_sample_on_starts_nothing() {
     let mut run = Loop::new(&P, Ring::new(1, 5e-4, 0.5));
     (0..100).for_each(|_| run.step_with(|input| input.enable = true));
     assert_eq!((run.output.state, run.output.slide.position_setpoint), (State::Idle, 0.0));

@@ -42,13 +42,13 @@ pub struct Servo {
     /// Samples between a setpoint and its action, at most 3.
     pub delay: usize,
     /// Gain of the motion relative to the setpoint.
-    pub share: f64,
+    pub ratio: f64,
     /// Its own steps in 0.1 ms.
     pub steps: u32,
 }
 
 /// A servo of 40 Hz as configured in the controller.
-pub const NOMINAL: Servo = Servo { frequency: 40.0, damping: 0.7, integral: 0.0, delay: 1, share: 1.0, steps: 20 };
+pub const NOMINAL: Servo = Servo { frequency: 40.0, damping: 0.7, integral: 0.0, delay: 1, ratio: 1.0, steps: 20 };
 
 /// The machine at one instant.
 #[derive(Clone)]
@@ -141,8 +141,8 @@ impl Ring {
         let (w, dt) = (TAU * servo.frequency, DT / f64::from(servo.steps));
         for k in 0..servo.steps {
             let [speed, sum] = self.moving;
-            let error = servo.share * (setpoint + velocity * dt * f64::from(k)) - self.free_slide;
-            let force = w * w * (error + sum) + 2.0 * servo.damping * w * (servo.share * velocity - speed);
+            let error = servo.ratio * (setpoint + velocity * dt * f64::from(k)) - self.free_slide;
+            let force = w * w * (error + sum) + 2.0 * servo.damping * w * (servo.ratio * velocity - speed);
             self.moving = [speed + dt * force, sum + dt * servo.integral * error];
             self.free_slide += dt * self.moving[0];
         }
@@ -153,15 +153,15 @@ impl Ring {
         self.deflection = 0.0;
         let overlap = -self.gap();
         self.deflection = overlap.clamp(0.0, self.compliance);
-        let way = overlap - self.deflection;
-        if way > 0.0 {
+        let distance = overlap - self.deflection;
+        if distance > 0.0 {
             let [x, y] = self.world();
             // along the normal of the contact, and across it against the turning
             let (sine, drag) = (y / self.radius, self.speed.signum() * self.pusher_friction);
             let cosine = (1.0 - sine * sine).sqrt();
             let [along, across] = [-cosine - drag * sine, sine - drag * cosine];
-            let share = way / (across * sine / cosine - along);
-            self.center = turned([x + share * along, y + share * across], -self.angle);
+            let ratio = distance / (across * sine / cosine - along);
+            self.center = rotated([x + ratio * along, y + ratio * across], -self.angle);
         }
     }
 
@@ -175,7 +175,7 @@ impl Ring {
     }
 
     fn world(&self) -> [f64; 2] {
-        turned(self.center, self.angle)
+        rotated(self.center, self.angle)
     }
 
     /// Place of the surface on the line of the slide, m; far away without a ring.
@@ -190,7 +190,7 @@ impl Ring {
     }
 }
 
-fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+fn rotated([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (sine, cosine) = angle.sin_cos();
     [x * cosine - y * sine, x * sine + y * cosine]
 }

@@ -28,7 +28,7 @@ const SAMPLES_MAX: usize = 512;
 /// Largest travel of the slide at rest while a toroid is cut, m.
 const TRAVEL_MAX: f64 = 1e-5;
 /// Largest motion of the arm at rest while a flat is cut, rad.
-const SWING_MAX: f64 = 1e-3;
+const DEFLECTION_MAX: f64 = 1e-3;
 /// No probe reads more, m.
 const READING_MAX: f64 = 1e3;
 
@@ -182,14 +182,14 @@ impl Calibrator {
 
     fn store(&mut self, p: &Parameters, input: &Input, path: &PathTable) {
         let (lateral, depth) = (input.probe_lateral, input.probe_depth);
-        let refused = match input.mode {
+        let rejected = match input.mode {
             _ if ![lateral, depth].into_iter().all(|reading| is_plausible(reading, READING_MAX)) => {
                 Some(Status::InvalidProbe)
             }
             Mode::CalibrateForm => self.keep_lens(p, input, path),
             mode => self.keep(p, mode, ProbePoint { lateral, depth }),
         };
-        match refused {
+        match rejected {
             Some(status) => self.status = status,
             None => self.stored_at = lateral,
         }
@@ -199,7 +199,7 @@ impl Calibrator {
     fn keep(&mut self, p: &Parameters, mode: Mode, point: ProbePoint) -> Option<Status> {
         let flat = mode == Mode::CalibrateFlats;
         let Some(cut) = self.cut.mean() else { return Some(Status::NoCut) };
-        let still = if flat { self.cut.swing() <= SWING_MAX } else { self.cut.travel() <= TRAVEL_MAX };
+        let still = if flat { self.cut.deflection() <= DEFLECTION_MAX } else { self.cut.travel() <= TRAVEL_MAX };
         if !still {
             return Some(Status::Moved);
         }
@@ -222,13 +222,13 @@ impl Calibrator {
         let (side, angle) = if lateral < 0.0 { (-1.0, angle + PI) } else { (1.0, angle) };
         let radii = [p.tool.nose_radius[p.tool.index()], p.probe.radius];
         let found = contact(path, radii, lateral.abs(), Phasors::new(angle, HIGHEST).from_zero());
-        let Some(place) = found else { return Some(Status::OutsidePath) };
+        let Some(nominal) = found else { return Some(Status::OutsidePath) };
         let reading = FormReading {
-            slide_position: place.slide_position,
+            slide_position: nominal.slide_position,
             angle,
-            excess: depth - place.depth,
-            gain: place.gain,
-            slope: side * place.slope,
+            excess: depth - nominal.depth,
+            gain: nominal.gain,
+            slope: side * nominal.slope,
         };
         (!self.lens.push(reading)).then_some(Status::Full)
     }
@@ -307,8 +307,8 @@ impl From<NoEstimate> for Status {
 }
 
 /// Whether a sample of the probe or of the spindle (m, rad) is valid.
-fn is_plausible(reading: f64, most: f64) -> bool {
-    reading.abs() <= most
+fn is_plausible(reading: f64, maximum: f64) -> bool {
+    reading.abs() <= maximum
 }
 
 /// Angle (rad) by which the tool lags the encoder when the arm carries a torque (N.m): the thrust of the cut.

@@ -9,7 +9,7 @@ pub struct Cut {
     first: Moment,
     /// Sums of the differences to the first sample.
     sum: Moment,
-    swing: f64,
+    deflection: f64,
     travel: f64,
 }
 
@@ -30,12 +30,12 @@ impl Cut {
         if self.samples == 0 {
             self.first = now;
         }
-        let swing = now.arm_angle - self.first.arm_angle;
+        let deflection = now.arm_angle - self.first.arm_angle;
         let travel = now.slide_position - self.first.slide_position;
-        self.sum.arm_angle += swing;
+        self.sum.arm_angle += deflection;
         self.sum.torque += now.torque - self.first.torque;
         self.sum.slide_position += travel;
-        self.swing = self.swing.max(swing.abs());
+        self.deflection = self.deflection.max(deflection.abs());
         self.travel = self.travel.max(travel.abs());
         self.samples = self.samples.saturating_add(1);
     }
@@ -51,8 +51,8 @@ impl Cut {
     }
 
     /// Largest difference of the arm angle from its beginning, rad.
-    pub fn swing(&self) -> f64 {
-        self.swing
+    pub fn deflection(&self) -> f64 {
+        self.deflection
     }
 
     /// Largest difference of the slide position from its beginning, m.
@@ -76,6 +76,6 @@ mod tests {
         let mean = cut.mean().unwrap();
         assert!((mean.arm_angle - 0.700_005).abs() < 1e-15);
         assert!((mean.torque - 1.0).abs() < 1e-12 && (mean.slide_position - 0.095).abs() < 1e-15);
-        assert!((cut.swing() - 1e-5).abs() < 1e-15 && (cut.travel() - 0.01).abs() < 1e-15);
+        assert!((cut.deflection() - 1e-5).abs() < 1e-15 && (cut.travel() - 0.01).abs() < 1e-15);
     }
 }

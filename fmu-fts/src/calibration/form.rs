@@ -12,7 +12,7 @@ use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Complex, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::path::correction::{Correction, HIGHEST_CORRECTED, POLYNOMIALS, legendre, place};
+use crate::path::correction::{Correction, HIGHEST_CORRECTED, POLYNOMIALS, legendre, scaled};
 use crate::tracking::phasors::Phasors;
 
 /// Standard deviations that a coefficient must exceed.
@@ -99,8 +99,8 @@ pub fn fit(
             Observation { residual: value[UNKNOWNS - 1] / accuracy.axis, gradient }
         }
     })?;
-    let sure = FormUnknowns::from_fn(|i, _| found.value[i] * certainty(found.value[i], found.sigma(i)));
-    let (whole, correction) = (correction(span, &found.value), correction(span, &sure));
+    let certain = FormUnknowns::from_fn(|i, _| found.value[i] * certainty(found.value[i], found.sigma(i)));
+    let (whole, correction) = (correction(span, &found.value), correction(span, &certain));
     let mean = readings.iter().map(|reading| error(reading, cut_with, &whole)).sum::<f64>() / readings.len() as f64;
     let rms = |part: &dyn Fn(&FormReading) -> f64| {
         (readings.iter().map(|reading| part(reading).powi(2)).sum::<f64>() / readings.len() as f64).sqrt()
@@ -137,7 +137,7 @@ fn depth(correction: &Correction, reading: &FormReading) -> f64 {
 
 /// Derivatives of [`needed`] with respect to the unknowns: for each wave its polynomials, then the position of the axis.
 fn row(reading: &FormReading, span: &[f64; 2]) -> FormUnknowns {
-    let basis = legendre(place(span, reading.slide_position));
+    let basis = legendre(scaled(span, reading.slide_position));
     let phasors = Phasors::new(reading.angle, HIGHEST_CORRECTED);
     FormUnknowns::from_fn(|i, _| match (i / POLYNOMIALS, i % POLYNOMIALS) {
         (0, 0) => 1.0,
@@ -240,9 +240,9 @@ mod tests {
     fn a_second_lens_corrects_the_first() {
         let mut random = Pcg64Mcg::seed_from_u64(4);
         // cut with the half of what it needs: the other half is its error
-        let half = |share: f64| {
+        let half = |factor: f64| {
             let mut part = wrong();
-            part.coefficients.iter_mut().flatten().for_each(|c| *c *= share);
+            part.coefficients.iter_mut().flatten().for_each(|c| *c *= factor);
             part
         };
         let (cut_with, error) = (half(-0.5), half(0.5));

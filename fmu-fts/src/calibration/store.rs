@@ -17,10 +17,10 @@ impl<T: Copy> Store<T> {
 
     /// Stores one more sample; false when the store is full.
     pub fn push(&mut self, sample: T) -> bool {
-        let place = self.room.get_mut(self.count);
-        let fits = place.is_some();
-        if let Some(place) = place {
-            *place = sample;
+        let slot = self.room.get_mut(self.count);
+        let fits = slot.is_some();
+        if let Some(slot) = slot {
+            *slot = sample;
             self.count += 1;
         }
         fits
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keeps_what_fits_and_forgets() {
+    fn keeps_what_fits_and_discards() {
         let mut store = Store::new(2, 0);
         assert_eq!([store.push(7), store.push(8), store.push(9)], [true, true, false]);
         assert_eq!(store.samples(), [7, 8]);

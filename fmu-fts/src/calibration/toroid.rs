@@ -155,14 +155,14 @@ mod tests {
     fn the_search_begins_at_the_arc_where_the_points_are_exact() {
         for (low, high) in [(60.0, 120.0), (30.0, 60.0), (5.0, 20.0)] {
             let begin = start(&arc(low, high, 50)).unwrap();
-            for (value, truth) in begin.iter().zip([0.0, DISTANCE, DEPTH, RADIUS]) {
-                assert!((value - truth).abs() < 1e-9, "{low}..{high}: {begin}");
+            for (value, actual) in begin.iter().zip([0.0, DISTANCE, DEPTH, RADIUS]) {
+                assert!((value - actual).abs() < 1e-9, "{low}..{high}: {begin}");
             }
         }
     }
 
     #[test]
-    fn an_exact_arc_comes_back() {
+    fn an_exact_arc_is_recovered() {
         for (low, high) in [(60.0, 120.0), (30.0, 60.0), (20.0, 40.0), (5.0, 20.0)] {
             let found = fit(&arc(low, high, 200), &ACCURACY).unwrap();
             assert!((found.radius - RADIUS).abs() < 1e-12, "{low}..{high}: {:e}", found.radius - RADIUS);
@@ -218,12 +218,12 @@ mod tests {
 
     #[test]
     fn sigma_too_small_is_corrected_by_the_residuals() {
-        let told = ProbeAccuracy { depth: 65e-10, lateral: 30e-10, ..ACCURACY };
+        let configured = ProbeAccuracy { depth: 65e-10, lateral: 30e-10, ..ACCURACY };
         let points = arc(30.0, 60.0, 200);
         let mut random = Pcg64Mcg::seed_from_u64(7);
         let sample = noisy(&points, &ACCURACY, &mut random);
-        let (honest, corrected) = (fit(&sample, &ACCURACY).unwrap(), fit(&sample, &told).unwrap());
-        assert!((corrected.radius_std / honest.radius_std - 1.0).abs() < 0.2);
+        let (nominal, corrected) = (fit(&sample, &ACCURACY).unwrap(), fit(&sample, &configured).unwrap());
+        assert!((corrected.radius_std / nominal.radius_std - 1.0).abs() < 0.2);
     }
 
     #[test]

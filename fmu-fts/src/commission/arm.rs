@@ -40,7 +40,7 @@ const PRESLIDING: f64 = 1e-4;
 /// Early reversal of the speed by friction, over the ratio of friction to torque: pi^2 / 8 - 1.
 const BENT: f64 = PI * PI / 8.0 - 1.0;
 /// Standard deviation of the lead t of the reversal of dry friction, s; and the smallest friction that has one, as F.
-const TURN: (f64, f64) = (1e-4, 1e-3);
+const DRAG_DELAY: (f64, f64) = (1e-4, 1e-3);
 /// Fits, each with the weights of the arm that the one before has found.
 const FITS: u32 = 3;
 /// Standard deviations of frequency, damping and inertia of the nominal flexure.
@@ -50,7 +50,7 @@ const UNIT: f64 = 0.1;
 
 /// Result of a commissioning run for the arm, with standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FoundArm {
+pub struct ArmEstimate {
     /// Inertia, kg.m2.
     pub inertia: [f64; 2],
     /// Viscous friction, N.m.s/rad.
@@ -64,11 +64,11 @@ pub struct FoundArm {
     /// Damping ratio of it.
     pub damping: [f64; 2],
     /// Part of the inertia beyond it.
-    pub share: [f64; 2],
+    pub tip_ratio: [f64; 2],
 }
 
 /// A measured point: the response relative to the nominal rigid arm, the amplitude of the hub (rad), and its standard deviation.
-struct Swing {
+struct Oscillation {
     omega: f64,
     over_rigid: Complex<f64>,
     amplitude: f64,
@@ -85,7 +85,7 @@ struct Nominals<'a> {
 ///
 /// # Errors
 /// When it does not determine the unknowns.
-pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<FoundArm, NoEstimate> {
+pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<ArmEstimate, NoEstimate> {
     let nominal = Nominals::new(plan);
     let mut found = nominal.fit(response, nominal.start())?;
     for _ in 1..FITS {
@@ -109,8 +109,8 @@ impl<'a> Nominals<'a> {
     /// The fit with the weights of the arm `at`, from there on.
     fn fit(&self, response: &FrequencyResponse, at: Unknowns) -> Result<Estimate<8>, NoEstimate> {
         let (points, nominal) = (response.points(), self.start());
-        let [frequency, damping, share] = NOMINAL_SIGMA;
-        let known = [(2, frequency), (3, damping), (4, share), (7, at[6].abs().max(TURN.1))];
+        let [frequency, damping, tip_ratio] = NOMINAL_SIGMA;
+        let known = [(2, frequency), (3, damping), (4, tip_ratio), (7, at[6].abs().max(DRAG_DELAY.1))];
         least_squares(at, 2 * points.len() + known.len(), |i, x| {
             if let Some(beyond) = i.checked_sub(2 * points.len()) {
                 let (unknown, sigma) = known[beyond];
@@ -118,63 +118,64 @@ impl<'a> Nominals<'a> {
                 gradient[unknown] = sigma.recip();
                 return Observation { residual: (x[unknown] - nominal[unknown]) / sigma, gradient };
             }
-            let swing = self.swing(&points[i / 2]);
-            let deviation = self.deviation(&swing, &at);
+            let oscillation = self.oscillation(&points[i / 2]);
+            let deviation = self.deviation(&oscillation, &at);
             let residual = |x: &Unknowns| {
-                let residual = self.residual(&swing, x) / deviation;
+                let residual = self.residual(&oscillation, x) / deviation;
                 if i % 2 == 0 { residual.re } else { residual.im }
             };
             Observation { residual: residual(x), gradient: gradient(residual, x) }
         })
     }
 
-    fn swing(&self, point: &Point) -> Swing {
-        let [amplitude, noise] = self.plan.swing(point.frequency);
+    fn oscillation(&self, point: &Point) -> Oscillation {
+        let [amplitude, noise] = self.plan.oscillation(point.frequency);
         let over_rigid = self.shape.measured(&self.plan.model, point);
-        Swing { omega: point.frequency, over_rigid, amplitude: amplitude * point.magnitude, noise }
+        Oscillation { omega: point.frequency, over_rigid, amplitude: amplitude * point.magnitude, noise }
     }
 
     /// N times (e^(-j w d T_s) times the nominal arm over the measured one, less the found arm), relative to the nominal rigid arm.
-    fn residual(&self, swing: &Swing, x: &Unknowns) -> Complex<f64> {
-        let &[inertia, delay, frequency, damping, share, viscous, dry, turned] = &x.data.0[0];
-        let (omega, servo) = (swing.omega, &self.plan.nominal.servo);
-        let [zero, pole] = self.shape.zero_and_pole(omega, [frequency, damping, share]);
-        let drag = Complex::new(dry, omega * TURN.0 * turned) * dry_drag(swing) + viscous / (omega * UNIT);
+    fn residual(&self, oscillation: &Oscillation, x: &Unknowns) -> Complex<f64> {
+        let &[inertia, delay, frequency, damping, tip_ratio, viscous, dry, drag_delay] = &x.data.0[0];
+        let (omega, servo) = (oscillation.omega, &self.plan.nominal.servo);
+        let [zero, pole] = self.shape.zero_and_pole(omega, [frequency, damping, tip_ratio]);
+        let drag =
+            Complex::new(dry, omega * DRAG_DELAY.0 * drag_delay) * dry_drag(oscillation) + viscous / (omega * UNIT);
         let nominal = 1.0 - Complex::I * servo.viscous_friction / (omega * servo.inertia) * self.shape.rigid(omega);
         let late = Complex::from_polar(1.0, -omega * self.plan.nominal.sample_period * delay);
-        late * nominal * zero - swing.over_rigid * (pole * inertia - zero * drag * Complex::I)
+        late * nominal * zero - oscillation.over_rigid * (pole * inertia - zero * drag * Complex::I)
     }
 
     /// Standard deviation of each part of it.
-    fn deviation(&self, swing: &Swing, x: &Unknowns) -> f64 {
-        let &[inertia, _, frequency, damping, share, _, dry, _] = &x.data.0[0];
-        let [zero, pole] = self.shape.zero_and_pole(swing.omega, [frequency, damping, share]);
-        let all = (swing.over_rigid * pole * inertia).norm();
-        let drag = (swing.over_rigid * zero).norm() * dry_drag(swing) * dry.abs();
-        let phase = (PRESLIDING / (PRESLIDING + swing.amplitude)).hypot((BENT * drag / all).min(1.0));
-        (all * POINT_SIGMA.hypot(swing.noise / swing.amplitude)).hypot(drag * phase)
+    fn deviation(&self, oscillation: &Oscillation, x: &Unknowns) -> f64 {
+        let &[inertia, _, frequency, damping, tip_ratio, _, dry, _] = &x.data.0[0];
+        let [zero, pole] = self.shape.zero_and_pole(oscillation.omega, [frequency, damping, tip_ratio]);
+        let all = (oscillation.over_rigid * pole * inertia).norm();
+        let drag = (oscillation.over_rigid * zero).norm() * dry_drag(oscillation) * dry.abs();
+        let phase = (PRESLIDING / (PRESLIDING + oscillation.amplitude)).hypot((BENT * drag / all).min(1.0));
+        (all * POINT_SIGMA.hypot(oscillation.noise / oscillation.amplitude)).hypot(drag * phase)
     }
 
-    fn arm(&self, found: &Estimate<8>) -> FoundArm {
+    fn arm(&self, found: &Estimate<8>) -> ArmEstimate {
         let Nominal { servo, tip, io_delay, .. } = &self.plan.nominal;
         let scaled = |i: usize, unit: f64| [unit * found.value[i], unit * found.sigma(i)];
         let [late, deviation] = scaled(1, 1.0);
-        FoundArm {
+        ArmEstimate {
             inertia: scaled(0, servo.inertia),
             viscous_friction: scaled(5, servo.inertia / UNIT),
             dry_friction: scaled(6, servo.inertia / (UNIT * UNIT)),
             delay: [f64::from(*io_delay) + late, deviation],
             frequency: scaled(2, tip.frequency),
             damping: scaled(3, 1.0),
-            share: scaled(4, 1.0),
+            tip_ratio: scaled(4, 1.0),
         }
     }
 }
 
 /// Fundamental of the dry friction F = 1 over the torque of the nominal rigid arm.
-fn dry_drag(swing: &Swing) -> f64 {
-    let slow = swing.omega * UNIT;
-    4.0 / (PI * swing.amplitude * slow * slow)
+fn dry_drag(oscillation: &Oscillation) -> f64 {
+    let slow = oscillation.omega * UNIT;
+    4.0 / (PI * oscillation.amplitude * slow * slow)
 }
 
 #[cfg(test)]
@@ -192,28 +193,28 @@ mod tests {
         (&p).into()
     }
 
-    /// What the tones of a plan measure on a machine with dry friction, which turns round `turn` (s) before the speed, and with
+    /// What the tones of a plan measure on a machine with dry friction, which turns round `drag_delay` (s) before the speed, and with
     /// `noise` times the errors that a point may have.
-    fn response(plan: &Plan, truth: &Nominal, turn: f64, [noise, seed]: [f64; 2]) -> FrequencyResponse {
+    fn response(plan: &Plan, actual: &Nominal, drag_delay: f64, [noise, seed]: [f64; 2]) -> FrequencyResponse {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed as u64);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
-        let model = LoopModel::new(*truth, *plan.model.compensator());
+        let model = LoopModel::new(*actual, *plan.model.compensator());
         let mut seen = FrequencyResponse::EMPTY;
         for tone in &plan.tones {
-            let omega = std::f64::consts::TAU * tone.frequency() / truth.sample_period;
+            let omega = std::f64::consts::TAU * tone.frequency() / actual.sample_period;
             let (arm, compensator) = (model.arm(omega), model.open(omega) / model.arm(omega));
             // hold, current loop and delay of this machine: its response over that of the arm without them
-            let shape = Shape::nominal(truth);
-            let stiff = -truth.servo.inertia * omega * omega / shape.rigid(omega)
-                + Complex::I * omega * truth.servo.viscous_friction;
+            let shape = Shape::nominal(actual);
+            let stiff = -actual.servo.inertia * omega * omega / shape.rigid(omega)
+                + Complex::I * omega * actual.servo.viscous_friction;
             let (mut open, mut amplitude) = (model.open(omega), 0.0);
             for _ in 0..60 {
                 amplitude = tone.amplitude * (open / (open + 1.0)).norm();
-                let dry =
-                    Complex::from_polar(4.0 * truth.servo.dry_friction / (PI * amplitude), omega * turn) * Complex::I;
+                let dry = Complex::from_polar(4.0 * actual.servo.dry_friction / (PI * amplitude), omega * drag_delay)
+                    * Complex::I;
                 open = compensator * arm * stiff / (stiff + dry);
             }
-            let deviation = noise * POINT_SIGMA.hypot(plan.swing(omega)[1] / amplitude);
+            let deviation = noise * POINT_SIGMA.hypot(plan.oscillation(omega)[1] / amplitude);
             open *= 1.0 + deviation * Complex::new(normal(), normal());
             seen.push(omega, open / (open + 1.0));
         }
@@ -223,17 +224,17 @@ mod tests {
     #[test]
     fn every_unknown_is_found_far_from_its_nominal_value() {
         let plan = Plan::new(&Parameters::START);
-        for (inertia, dry, frequency, delay, share, damping) in [
+        for (inertia, dry, frequency, delay, tip_ratio, damping) in [
             (1.4e-3, 0.015, 0.75, 2, 0.5, 0.014),
             (5e-4, 0.007, 1.28, 0, 0.36, 0.026),
             (8e-4, 0.0, 1.0, 1, 0.4375, 0.02),
         ] {
-            let truth = machine(|p| {
+            let actual = machine(|p| {
                 (p.servo.inertia, p.servo.dry_friction, p.servo.viscous_friction) = (inertia, dry, 3e-3);
-                (p.tip.inertia, p.tip.damping, p.io_delay) = (share, damping, delay);
+                (p.tip.inertia, p.tip.damping, p.io_delay) = (tip_ratio, damping, delay);
                 p.tip.frequency *= frequency;
             });
-            let arm = find(&plan, &response(&plan, &truth, 0.0, [0.0, 1.0])).unwrap();
+            let arm = find(&plan, &response(&plan, &actual, 0.0, [0.0, 1.0])).unwrap();
             let near = |[value, deviation]: [f64; 2], expected: f64, spread: f64| {
                 assert!((value - expected).abs() < spread && deviation > 0.0, "{value} {expected}: {arm:?}");
             };
@@ -241,8 +242,8 @@ mod tests {
             near(arm.viscous_friction, 3e-3, 1e-4);
             near(arm.dry_friction, dry, 1e-4);
             near(arm.delay, f64::from(delay), 0.01);
-            near(arm.frequency, truth.tip.frequency, 3e-3 * truth.tip.frequency);
-            near(arm.share, share, 5e-3);
+            near(arm.frequency, actual.tip.frequency, 3e-3 * actual.tip.frequency);
+            near(arm.tip_ratio, tip_ratio, 5e-3);
             near(arm.damping, damping, 1e-3);
         }
     }
@@ -250,11 +251,11 @@ mod tests {
     #[test]
     fn the_deviation_is_the_scatter_of_the_estimates() {
         let plan = Plan::new(&Parameters::START);
-        let truth = machine(|p| p.servo.inertia = 9e-4);
-        let all: Vec<FoundArm> =
-            (0..60).map(|seed| find(&plan, &response(&plan, &truth, 0.0, [1.0, seed.into()])).unwrap()).collect();
-        type Of = fn(&FoundArm) -> [f64; 2];
-        let (servo, tip) = (truth.servo, truth.tip);
+        let actual = machine(|p| p.servo.inertia = 9e-4);
+        let all: Vec<ArmEstimate> =
+            (0..60).map(|seed| find(&plan, &response(&plan, &actual, 0.0, [1.0, seed.into()])).unwrap()).collect();
+        type Of = fn(&ArmEstimate) -> [f64; 2];
+        let (servo, tip) = (actual.servo, actual.tip);
         for (of, expected) in [
             ((|arm| arm.inertia) as Of, 9e-4),
             (|arm| arm.viscous_friction, servo.viscous_friction),
@@ -262,7 +263,7 @@ mod tests {
             (|arm| arm.delay, 1.0),
             (|arm| arm.frequency, tip.frequency),
             (|arm| arm.damping, tip.damping),
-            (|arm| arm.share, tip.inertia),
+            (|arm| arm.tip_ratio, tip.inertia),
         ] {
             let nominal = all.iter().map(|arm| of(arm)[1]).sum::<f64>() / all.len() as f64;
             let scatter = all.iter().map(|arm| (of(arm)[0] - expected).powi(2)).sum::<f64>() / all.len() as f64;
@@ -274,12 +275,15 @@ mod tests {
     #[test]
     fn friction_that_turns_round_before_the_speed_or_after_it_is_not_taken_for_anything_else() {
         let plan = Plan::new(&Parameters::START);
-        let truth = machine(|p| p.servo.dry_friction = 0.015);
-        for turn in [-1e-4, 1e-4] {
-            let arm = find(&plan, &response(&plan, &truth, turn, [0.0, 1.0])).unwrap();
+        let actual = machine(|p| p.servo.dry_friction = 0.015);
+        for drag_delay in [-1e-4, 1e-4] {
+            let arm = find(&plan, &response(&plan, &actual, drag_delay, [0.0, 1.0])).unwrap();
             let of = |[value, _]: [f64; 2], expected: f64| value / expected - 1.0;
-            let errors = [of(arm.inertia, 8e-4), of(arm.dry_friction, 0.015), of(arm.frequency, truth.tip.frequency)];
-            assert!(errors[0].abs() < 2e-3 && errors[1].abs() < 0.02 && errors[2].abs() < 5e-3, "{turn}: {errors:?}");
+            let errors = [of(arm.inertia, 8e-4), of(arm.dry_friction, 0.015), of(arm.frequency, actual.tip.frequency)];
+            assert!(
+                errors[0].abs() < 2e-3 && errors[1].abs() < 0.02 && errors[2].abs() < 5e-3,
+                "{drag_delay}: {errors:?}"
+            );
         }
     }
 
@@ -305,9 +309,9 @@ mod tests {
             let small = PRESLIDING / (PRESLIDING + amplitude);
             let bent = (BENT * drag).min(1.0);
             for noise in [0.0, 3.0] {
-                let swing = Swing { omega, over_rigid: Complex::ONE, amplitude, noise: noise * amplitude };
+                let oscillation = Oscillation { omega, over_rigid: Complex::ONE, amplitude, noise: noise * amplitude };
                 let expected = POINT_SIGMA.hypot(noise).hypot(drag * small.hypot(bent));
-                let deviation = nominal.deviation(&swing, &x);
+                let deviation = nominal.deviation(&oscillation, &x);
                 assert!((deviation / expected - 1.0).abs() < 1e-3, "{omega} {amplitude}: {deviation} {expected}");
             }
         }

@@ -49,11 +49,11 @@ const HIGHEST: f64 = 0.2;
 /// Time at a tone before it is measured, s: the integral of the slow loop.
 const SETTLE: f64 = 0.15;
 /// Default torque over `servo.torque_max`.
-const TORQUE_SHARE: f64 = 0.2;
+const TORQUE_RATIO: f64 = 0.2;
 /// What a machine between those that are tried may do beyond them.
 const BETWEEN: f64 = 1.1;
 /// Part of `limits.following_error` that a tone may have.
-const ERROR_SHARE: f64 = 0.7;
+const ERROR_RATIO: f64 = 0.7;
 
 /// Loop and tones of a commissioning run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -80,9 +80,9 @@ impl Plan {
     }
 
     /// Amplitude (rad) of the set-point at the tone of this frequency (rad/s), and standard deviation of each part of what is measured.
-    pub fn swing(&self, omega: f64) -> [f64; 2] {
-        let turns = omega * self.nominal.sample_period / TAU;
-        let near = |tone: &&Tone| (tone.frequency() / turns - 1.0).abs() < 1e-9;
+    pub fn oscillation(&self, omega: f64) -> [f64; 2] {
+        let cycles = omega * self.nominal.sample_period / TAU;
+        let near = |tone: &&Tone| (tone.frequency() / cycles - 1.0).abs() < 1e-9;
         let of = |tone: &Tone| [tone.amplitude, self.noise * (2.0 / f64::from(tone.samples)).sqrt()];
         self.tones.iter().find(near).map_or([0.0; 2], of)
     }
@@ -94,7 +94,7 @@ impl Plan {
 }
 
 /// A machine that the plan is for: the loop on it, and its flexure.
-type Bearable = (LoopModel, Tip);
+type Tolerances = (LoopModel, Tip);
 
 /// The compensator that holds all of them.
 fn compensator(nominal: &Nominal) -> LeadLag {
@@ -127,15 +127,15 @@ fn damping(nominal: &Nominal) -> f64 {
 /// Frequencies of the tones (rad/s) and the part of its full size that each has.
 fn tones(nominal: &Nominal, crossover: f64) -> impl Iterator<Item = (f64, f64)> {
     let flexure = if nominal.tip.frequency > 0.0 { nominal.tip.frequency } else { RIGID };
-    let slow = SLOW.map(|(share, part)| (share * crossover, part));
-    let quick = QUICK.map(|share| (share * flexure, 1.0));
+    let slow = SLOW.map(|(ratio, part)| (ratio * crossover, part));
+    let quick = QUICK.map(|ratio| (ratio * flexure, 1.0));
     let highest = HIGHEST * TAU / nominal.sample_period;
     let above = slow[SLOW.len() - 1].0;
     slow.into_iter().chain(quick.into_iter().filter(move |(omega, _)| *omega > 1.05 * above && *omega <= highest))
 }
 
 /// The loop on machines at the edges of the class and between.
-fn machines(nominal: &Nominal, compensator: LeadLag) -> Vec<Bearable> {
+fn machines(nominal: &Nominal, compensator: LeadLag) -> Vec<Tolerances> {
     let mut all = Vec::new();
     for ratio in [RATIO_MAX.recip(), 1.0, RATIO_MAX] {
         for io_delay in [0, nominal.io_delay, nominal.io_delay + DELAY_SPREAD] {
@@ -153,12 +153,12 @@ fn machines(nominal: &Nominal, compensator: LeadLag) -> Vec<Bearable> {
 }
 
 /// A tone that keeps all bounds on all machines.
-fn tone(p: &Parameters, omega: f64, part: f64, machines: &[Bearable]) -> Tone {
+fn tone(p: &Parameters, omega: f64, part: f64, machines: &[Tolerances]) -> Tone {
     let length = p.tool.arm_length[p.tool.index()];
-    let (mut swing, mut push, mut error) = (0.0f64, 0.0f64, 0.0f64);
+    let (mut oscillation, mut push, mut error) = (0.0f64, 0.0f64, 0.0f64);
     for (model, tip) in machines {
         let closed = model.closed(omega);
-        swing = swing.max(closed.norm()).max((closed * tool_over_hub(tip, omega)).norm());
+        oscillation = oscillation.max(closed.norm()).max((closed * tool_over_hub(tip, omega)).norm());
         push = push.max((closed / model.arm(omega)).norm());
         error = error.max((1.0 - closed).norm());
     }
@@ -167,10 +167,11 @@ fn tone(p: &Parameters, omega: f64, part: f64, machines: &[Bearable]) -> Tone {
     } else {
         torque(p).min(bending(p))
     };
-    let most =
-        (travel(p) / length / swing).min(torque / push).min(ERROR_SHARE * p.limits.following_error / length / error);
+    let maximum = (travel(p) / length / oscillation)
+        .min(torque / push)
+        .min(ERROR_RATIO * p.limits.following_error / length / error);
     let any = Expected { response: Complex::ONE, stiffness: 1.0, hub_over_tool: 1.0 };
-    Tone { amplitude: part * most / BETWEEN, ..Tone::new(p, omega, &any) }
+    Tone { amplitude: part * maximum / BETWEEN, ..Tone::new(p, omega, &any) }
 }
 
 /// Motion of the tool over that of the hub.
@@ -195,16 +196,16 @@ pub fn travel(p: &Parameters) -> f64 {
 
 /// Largest torque (N.m) of a tone: `commission.torque`, or a fifth of the drive's.
 pub fn torque(p: &Parameters) -> f64 {
-    configured_or(p.commission.torque, || TORQUE_SHARE * p.servo.torque_max)
+    configured_or(p.commission.torque, || TORQUE_RATIO * p.servo.torque_max)
 }
 
 /// Longest commission (s): `expert.commission.time`, or what its motions take and some more.
 pub fn time(p: &Parameters) -> f64 {
-    commission_time(p.commission.time, || least_time(p))
+    commission_time(p.commission.time, || shortest_time(p))
 }
 
 /// Time (s) of the motions of a commissioning run.
-pub fn least_time(p: &Parameters) -> f64 {
+pub fn shortest_time(p: &Parameters) -> f64 {
     Plan::new(p).experiment(p).duration()
 }
 
@@ -252,11 +253,11 @@ mod tests {
 
     #[test]
     fn no_machine_goes_beyond_travel_torque_or_following_error() {
-        for (way, push) in [(0.0, 0.0), (2e-4, 0.0), (0.0, 0.5)] {
+        for (distance, push) in [(0.0, 0.0), (2e-4, 0.0), (0.0, 0.5)] {
             let mut p = Parameters::START;
-            (p.commission.travel, p.commission.torque) = (way, push);
+            (p.commission.travel, p.commission.torque) = (distance, push);
             let plan = Plan::new(&p);
-            let mut most = [0.0f64; 3];
+            let mut maximum = [0.0f64; 3];
             others(&Nominal::from(&p), |machine| {
                 let model = LoopModel::new(*machine, *plan.model.compensator());
                 for tone in &plan.tones {
@@ -264,11 +265,11 @@ mod tests {
                     let closed = model.closed(omega);
                     let tool = (closed * tool_over_hub(&machine.tip, omega)).norm().max(closed.norm());
                     let sizes = [0.08 * tool, (closed / model.arm(omega)).norm(), 0.08 * (1.0 - closed).norm()];
-                    (0..3).for_each(|i| most[i] = most[i].max(tone.amplitude * sizes[i]));
+                    (0..3).for_each(|i| maximum[i] = maximum[i].max(tone.amplitude * sizes[i]));
                 }
             });
-            let limits = [travel(&p), torque(&p), ERROR_SHARE * p.limits.following_error];
-            (0..3).for_each(|i| assert!(most[i] < limits[i], "{way} {push}, {i}: {most:?}"));
+            let limits = [travel(&p), torque(&p), ERROR_RATIO * p.limits.following_error];
+            (0..3).for_each(|i| assert!(maximum[i] < limits[i], "{distance} {push}, {i}: {maximum:?}"));
         }
     }
 
@@ -290,9 +291,9 @@ mod tests {
         assert_eq!(travel(&p), 1.75e-3);
         assert!((torque(&p) - 1.4).abs() < 1e-12);
         // 24 tones of 0.05 + 0.15 s and at least 0.2 s, and the glide to rest
-        let least = least_time(&p);
-        assert!(least > 24.0 * 0.4 + 0.05 && least < 24.0 * 0.42, "{least}");
-        assert_eq!(time(&p), 1.25 * least + 1.0);
+        let minimum = shortest_time(&p);
+        assert!(minimum > 24.0 * 0.4 + 0.05 && minimum < 24.0 * 0.42, "{minimum}");
+        assert_eq!(time(&p), 1.25 * minimum + 1.0);
         (p.commission.travel, p.commission.torque, p.commission.time) = (2e-4, 3.0, 33.0);
         assert_eq!((travel(&p), torque(&p), time(&p)), (2e-4, 3.0, 33.0));
     }

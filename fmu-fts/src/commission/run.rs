@@ -3,8 +3,8 @@
 use control_blocks::{ActiveValues, ticks};
 use serde::{Deserialize, Serialize};
 
-use crate::check::{least_time_constant, min_tip_frequency};
-use crate::commission::arm::{FoundArm, find};
+use crate::check::{min_tip_frequency, minimum_time_constant};
+use crate::commission::arm::{ArmEstimate, find};
 use crate::commission::plan::{self, Plan};
 use crate::commission::values::{Values, acceptable};
 use crate::identify::experiment::Identification;
@@ -19,7 +19,7 @@ const NARROWER: f64 = 0.96;
 const BANDWIDTH_MIN: f64 = 0.3;
 
 /// Time in which an oscillating arm must be seen to move, s: three tones, because the hub hardly moves at the zero of the flexure.
-const STANDS: f64 = 1.2;
+const REST_MAX: f64 = 1.2;
 
 /// One commission after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -109,7 +109,7 @@ impl CommissioningRun {
     pub fn observe(&mut self, p: &Parameters, angle: f64) {
         let before = std::mem::replace(&mut self.angle, angle);
         self.still = if angle == before { self.still + 1 } else { 0 };
-        self.rejected |= self.still > ticks(STANDS, p.sample_period);
+        self.rejected |= self.still > ticks(REST_MAX, p.sample_period);
         if self.finished || self.rejected || !self.experiment.done() {
             return;
         }
@@ -137,7 +137,7 @@ impl CommissioningRun {
         if soft || !margins.enough() || margins.sensitivity > p.commission.sensitivity_max {
             servo.bandwidth *= NARROWER;
             self.rejected = servo.bandwidth < BANDWIDTH_MIN * self.values.configured().nominal.servo.bandwidth
-                || p.afc.tau < least_time_constant(p, servo.bandwidth);
+                || p.afc.tau < minimum_time_constant(p, servo.bandwidth);
             return;
         }
         (self.measured.valid, self.finished) = (true, true);
@@ -146,8 +146,8 @@ impl CommissioningRun {
 }
 
 /// The outputs of an arm.
-fn measured(arm: &FoundArm) -> Measured {
-    let FoundArm { inertia, viscous_friction, dry_friction, delay, frequency, damping, share } = *arm;
+fn measured(arm: &ArmEstimate) -> Measured {
+    let ArmEstimate { inertia, viscous_friction, dry_friction, delay, frequency, damping, tip_ratio } = *arm;
     Measured {
         valid: false,
         inertia: inertia[0],
@@ -160,8 +160,8 @@ fn measured(arm: &FoundArm) -> Measured {
         io_delay_std: delay[1],
         tip_frequency: frequency[0],
         tip_frequency_std: frequency[1],
-        tip_inertia: share[0],
-        tip_inertia_std: share[1],
+        tip_inertia: tip_ratio[0],
+        tip_inertia_std: tip_ratio[1],
         tip_damping: damping[0],
         tip_damping_std: damping[1],
     }

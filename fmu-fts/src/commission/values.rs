@@ -67,11 +67,11 @@ pub fn longest_delay(nominal: &Nominal) -> i32 {
 /// Whether the result is certain enough and within the class of machines; `nominal` is the nominal machine that it
 /// for it.
 pub fn acceptable(p: &Parameters, nominal: &Nominal, m: &Measured) -> bool {
-    let share = p.commission.std_max;
+    let std_max = p.commission.std_max;
     within_factor(m.inertia, nominal.servo.inertia, RATIO_MAX)
-        && is_certain(m.inertia, m.inertia_std, share)
+        && is_certain(m.inertia, m.inertia_std, std_max)
         && within_factor(m.tip_frequency, nominal.tip.frequency, FLEXURE_MAX)
-        && is_certain(m.tip_frequency, m.tip_frequency_std, share)
+        && is_certain(m.tip_frequency, m.tip_frequency_std, std_max)
         && (0..=longest_delay(nominal)).contains(&whole_delay(m.io_delay))
         && m.io_delay_std <= p.commission.delay_std_max
 }

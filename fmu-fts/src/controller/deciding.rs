@@ -4,13 +4,13 @@ use crate::controller::Controller;
 use crate::faults::{self, Situation};
 use crate::interface::{Input, Mode, Parameters, State};
 use crate::machine::{Events, next};
-use crate::monitoring::job::late;
+use crate::monitoring::cycle::late;
 use crate::path::feasibility::infeasible;
 use crate::reading::Reading;
 
 impl Controller {
     /// The requested mode; `Idle` while the arm is held for a commissioning run.
-    fn asked(&mut self, input: &Input) -> Mode {
+    fn requested(&mut self, input: &Input) -> Mode {
         let mode = self.request.read(input);
         if !self.slow {
             return mode;
@@ -28,22 +28,22 @@ impl Controller {
 
     /// State machine.
     pub(super) fn decide(&mut self, p: &Parameters, input: &Input, reading: &Reading) {
-        let mode = self.asked(input);
+        let mode = self.requested(input);
         if self.request.renewed() {
-            self.job.restart();
+            self.cycle.restart();
         }
         let [commission, enable] = self.edges(input);
-        let asked = self.commission_asked.update(self.state.waits(), commission, input.commission);
+        let requested = self.commission_request.update(self.state.waits(), commission, input.commission);
         // the message of a fault shows the last value
         if self.state != State::Fault {
-            self.late = late(p, self.tracker.path(), self.measurements(), self.state, &self.job);
+            self.late = late(p, self.tracker.path(), self.measurements(), self.state, &self.cycle);
         }
         let events = Events {
             fault: faults::find(p, &self.situation(p, mode, reading)),
             reset: self.reset_fault.rises(input.reset_fault),
-            at_rest: !self.ending.braking() && (!self.closed() || self.stands(p)),
+            at_rest: !self.ending.braking() && (!self.closed() || self.stopped(p)),
             renewed: self.request.renewed(),
-            commission: asked && self.reader.arm_velocity(p) == 0.0,
+            commission: requested && self.reader.arm_velocity(p) == 0.0,
             abort: !input.commission || enable || self.request.renewed(),
             commissioned: self.commissioning.finished,
             arm_known: self.reader.arm_known(),
@@ -59,7 +59,7 @@ impl Controller {
             self.enter(p, state, &events, reading);
         } else if self.state == State::Fault {
             self.ending.escalate(p, events.fault, self.last_motion(p));
-            if !input.enable && self.stands(p) {
+            if !input.enable && self.stopped(p) {
                 self.ending.release();
             }
         }
@@ -75,7 +75,8 @@ impl Controller {
     /// What faults are found from.
     fn situation(&self, p: &Parameters, mode: Mode, reading: &Reading) -> Situation<'_> {
         let path = self.tracker.path();
-        let wanted = matches!(mode, Mode::Approach | Mode::Track) && !matches!(self.state, State::Fault | State::Done);
+        let requested =
+            matches!(mode, Mode::Approach | Mode::Track) && !matches!(self.state, State::Fault | State::Done);
         Situation {
             missing: self.reader.missing(),
             long_step: self.long_step,
@@ -83,7 +84,7 @@ impl Controller {
             feed_lost: self.on_path() && self.feed.lost().is_some(),
             overdue: self.state != State::Fault && self.late.is_some(),
             rejected: self.state == State::Commission && self.commissioning.rejected,
-            path: wanted.then_some(path),
+            path: requested.then_some(path),
             outside: self.left(reading) && !(self.on_path() && path.cut_over(self.joined, reading.slide_position)),
             spindle_speed: if self.reader.spindle_begins() { 0.0 } else { self.spindle.speed },
         }

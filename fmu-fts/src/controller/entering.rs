@@ -35,7 +35,7 @@ impl Controller {
             State::Commission => {
                 self.commissioning.begin();
                 self.request.spend();
-                self.job.restart();
+                self.cycle.restart();
                 self.slow = true;
             }
             State::Retract if self.tracker.gone(p) => {
@@ -90,7 +90,7 @@ impl Controller {
             return;
         }
         if !self.hold.stops(p) {
-            self.hold.turn(p, goal);
+            self.hold.redirect(p, goal);
         }
         if !self.tracker.gone(p) {
             self.tracker.leave(p, duration(p, self.motion.position, goal));
@@ -104,7 +104,7 @@ impl Controller {
             return angle;
         }
         let depth = self.arm.depth(angle);
-        let least = if self.tracker.gone(p) { depth } else { depth.min(self.tracker.lowest()) };
-        self.arm.angle(least - p.limits.retract)
+        let minimum = if self.tracker.gone(p) { depth } else { depth.min(self.tracker.lowest()) };
+        self.arm.angle(minimum - p.limits.retract)
     }
 }

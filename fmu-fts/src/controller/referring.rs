@@ -9,7 +9,7 @@ use crate::interface::{Input, Parameters, State};
 use crate::motion::sweep::sweep;
 use crate::reading::Reading;
 use crate::tracking::phasors::Phasors;
-use crate::tracking::tracker::{Layers, Wanted};
+use crate::tracking::tracker::{Layers, Target};
 
 /// Spindle speed (rad/s) below which nothing is learned: 60 rpm. A slower revolution takes longer than `afc.tau`.
 const SPEED_MIN: f64 = TAU;
@@ -29,10 +29,10 @@ impl Controller {
     }
 
     /// What the arm should do.
-    pub(super) fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Wanted {
-        let wanted = if self.closed() {
+    pub(super) fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Target {
+        let target = if self.closed() {
             let held = self.held(p, reading);
-            let held = self.swing(p, held, reading);
+            let held = self.oscillate(p, held, reading);
             if self.tracker.gone(p) {
                 self.still(held)
             } else {
@@ -41,8 +41,8 @@ impl Controller {
         } else {
             self.still(Trajectory::resting(reading.arm_angle))
         };
-        self.motion = wanted.motion;
-        wanted
+        self.motion = target.motion;
+        target
     }
 
     /// The motion off the path.
@@ -60,13 +60,13 @@ impl Controller {
     }
 
     /// A motion that needs no correction.
-    fn still(&self, motion: Trajectory) -> Wanted {
-        Wanted { motion, depth: self.arm.depth(motion.position), set_point: motion.position }
+    fn still(&self, motion: Trajectory) -> Target {
+        Target { motion, depth: self.arm.depth(motion.position), set_point: motion.position }
     }
 
     /// Once the arm holds its angle it oscillates about it, until the frequency response is complete and in use; an aborted
     /// oscillation fades.
-    fn swing(&mut self, p: &Parameters, center: Trajectory, reading: &Reading) -> Trajectory {
+    fn oscillate(&mut self, p: &Parameters, center: Trajectory, reading: &Reading) -> Trajectory {
         let measures = matches!(self.state, State::Identify | State::Commission);
         let ready = measures && self.hold.arrived(p) && self.tracker.gone(p);
         let experiment = if self.slow { &mut self.commissioning.experiment } else { &mut self.identification };

@@ -11,7 +11,7 @@ use control_blocks::ticks;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use crate::identify::glide::{glide, share};
+use crate::identify::glide::{glide, progress};
 use crate::identify::tone::{Expected, Tone};
 use crate::interface::Parameters;
 use crate::servo::response::FrequencyResponse;
@@ -146,11 +146,11 @@ impl Identification {
 
     /// Amplitude (rad) and frequency (periods in a sample) now.
     fn excitation(&self) -> (f64, f64) {
-        let share = share(self.tick, self.glide);
+        let progress = progress(self.tick, self.glide);
         if let Some((amplitude, frequency)) = self.fading {
-            return ((1.0 - share) * amplitude, frequency);
+            return ((1.0 - progress) * amplitude, frequency);
         }
-        glide(share, self.tone.checked_sub(1).map(|i| &self.tones[i]), self.tones.get(self.tone))
+        glide(progress, self.tone.checked_sub(1).map(|i| &self.tones[i]), self.tones.get(self.tone))
     }
 
     /// Adds one sample to the sums of the tone, and the tone to the response when its periods are whole.
@@ -261,9 +261,9 @@ mod tests {
         for (point, tone) in identification.response().points().iter().zip(&identification.tones) {
             let t = Loop::response(point.frequency);
             // few samples a period have the same errors again and again: half a quantum is not averaged
-            let most = f64::max(1e-3, 0.5 * quantum / (tone.amplitude * t.norm()));
+            let maximum = f64::max(1e-3, 0.5 * quantum / (tone.amplitude * t.norm()));
             let error = (point.value() / t - 1.0).norm();
-            assert!(error < most, "{} Hz: {error:e}, {most:e}", point.frequency / TAU);
+            assert!(error < maximum, "{} Hz: {error:e}, {maximum:e}", point.frequency / TAU);
         }
     }
 
@@ -354,13 +354,13 @@ mod tests {
         for after in [1, 100, 700, 3400, 3600, 9000] {
             let (mut identification, mut plant) = (experiment(&p), Loop::default());
             assert!(!identification.oscillating() && !identification.aborted());
-            let mut swing = |identification: &mut Identification| {
+            let mut excite = |identification: &mut Identification| {
                 let set_point = identification.step(plant.angle(), false);
                 plant.step(set_point);
                 set_point
             };
-            (0..after).for_each(|_| assert!(swing(&mut identification).is_finite()));
-            let (measured, most) = (identification.response().points().len(), identification.excitation().0);
+            (0..after).for_each(|_| assert!(excite(&mut identification).is_finite()));
+            let (measured, maximum) = (identification.response().points().len(), identification.excitation().0);
             identification.stop();
             identification.stop();
             let glide = ticks(GLIDE_TIME, p.sample_period);
@@ -370,14 +370,14 @@ mod tests {
                     "{after} {k}"
                 );
                 // level at its begin, a half in the middle, level at its end
-                let share = f64::from(k + 1) / f64::from(glide);
-                let left = most * (1.0 - share * share * (3.0 - 2.0 * share));
+                let progress = f64::from(k + 1) / f64::from(glide);
+                let left = maximum * (1.0 - progress * progress * (3.0 - 2.0 * progress));
                 assert!(
-                    (identification.excitation().0 - left).abs() < 1e-12 && swing(&mut identification).abs() <= left
+                    (identification.excitation().0 - left).abs() < 1e-12 && excite(&mut identification).abs() <= left
                 );
             }
             assert!(identification.aborted() && !identification.oscillating() && !identification.done());
-            assert_eq!((swing(&mut identification), identification.response().points().len()), (0.0, measured));
+            assert_eq!((excite(&mut identification), identification.response().points().len()), (0.0, measured));
         }
     }
 

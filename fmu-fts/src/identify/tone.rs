@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 
 /// Largest error of the oscillation over the limit of the following error.
-const ERROR_SHARE: f64 = 0.7;
+const ERROR_RATIO: f64 = 0.7;
 
 /// Smallest averaging time, in whole periods, s: two periods of the lowest default frequency.
 const AVERAGE_TIME: f64 = 0.2;
@@ -52,8 +52,8 @@ impl Tone {
 
     /// exp(-j phase) at sample `k` of the average.
     pub fn rotation(&self, k: u32) -> Complex<f64> {
-        let turns = u64::from(k) * u64::from(self.periods) % u64::from(self.samples);
-        Complex::from_polar(1.0, -TAU * turns as f64 / f64::from(self.samples))
+        let cycles = u64::from(k) * u64::from(self.periods) % u64::from(self.samples);
+        Complex::from_polar(1.0, -TAU * cycles as f64 / f64::from(self.samples))
     }
 }
 
@@ -63,7 +63,7 @@ fn amplitude(p: &Parameters, omega: f64, expected: &Expected) -> f64 {
     let tool = identify.amplitude.min(identify.acceleration_max / (omega * omega));
     let torque = identify.torque_ratio * p.servo.torque_max;
     let arm = (expected.hub_over_tool * tool / length).min(torque / expected.stiffness);
-    let error = ERROR_SHARE * p.limits.following_error / length;
+    let error = ERROR_RATIO * p.limits.following_error / length;
     let (arm, behind) = (arm / expected.response.norm(), (1.0 - expected.response).norm());
     // without an error only the other limit counts
     if behind > 0.0 { arm.min(error / behind) } else { arm }

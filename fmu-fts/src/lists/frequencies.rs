@@ -53,16 +53,16 @@ impl FromStr for Frequencies {
         for (part, number) in real_numbers(text) {
             let above = if list.count > 0 { list.hertz[list.count - 1] } else { 0.0 };
             let fits = |hertz: &f64| *hertz >= LIMITS.0 && *hertz <= LIMITS.1 && *hertz > above;
-            let hertz = number.filter(fits).ok_or_else(|| refused(text, &format!("not `{part}`")))?;
-            *list.hertz.get_mut(list.count).ok_or_else(|| refused(text, "not more"))? = hertz;
+            let hertz = number.filter(fits).ok_or_else(|| rejected(text, &format!("not `{part}`")))?;
+            *list.hertz.get_mut(list.count).ok_or_else(|| rejected(text, "not more"))? = hertz;
             list.count += 1;
         }
-        require(list.count > 0, || refused(text, "not ``"))?;
+        require(list.count > 0, || rejected(text, "not ``"))?;
         Ok(list)
     }
 }
 
-fn refused(text: &str, what: &str) -> ParameterError {
+fn rejected(text: &str, what: &str) -> ParameterError {
     let (low, high) = LIMITS;
     ParameterError {
         name: "expert.identify.frequencies",

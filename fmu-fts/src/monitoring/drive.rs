@@ -79,26 +79,26 @@ impl DriveWatch {
             if arm_angle != before {
                 self.moving = self.latest;
             }
-            let kept = self.seen.map(|(share, age)| (share, age + 1));
-            self.seen = self.now(p).map(|share| (share, 0)).or(kept.filter(|&(_, age)| f64::from(age) * dt < MEMORY));
+            let kept = self.seen.map(|(ratio, age)| (ratio, age + 1));
+            self.seen = self.now(p).map(|ratio| (ratio, 0)).or(kept.filter(|&(_, age)| f64::from(age) * dt < MEMORY));
         }
     }
 
     /// The same of the last millisecond, with what is fast; none while disturbances could take it below `expert.limits.drive_gain_ratio`, or three
     /// deviations of the noise a drive that does nothing above it.
     pub fn now(&self, p: &Parameters) -> Option<f64> {
-        let (dt, least_share) = (p.sample_period, p.limits.drive_gain_ratio);
-        if least_share == 0.0 {
+        let (dt, minimum_ratio) = (p.sample_period, p.limits.drive_gain_ratio);
+        if minimum_ratio == 0.0 {
             return None;
         }
-        let noise = NOISE * p.limits.arm_spread / (dt * dt * least_share);
+        let noise = NOISE * p.limits.arm_spread / (dt * dt * minimum_ratio);
         self.now.ratio(undisturbed(p, NOW).max(noise * noise))
     }
 
     /// The last ratio of [`Self::now`], for `MEMORY` after it: a torque that moves the arm 1 mm off its path in that time
     /// is large enough to give one.
     pub fn seen(&self) -> Option<f64> {
-        self.seen.map(|(share, _)| share)
+        self.seen.map(|(ratio, _)| ratio)
     }
 
     /// The ratio that identifies the cause: that of `now` without its margin for noise, or the latest.
@@ -108,14 +108,14 @@ impl DriveWatch {
 
     /// What it does now; of a small torque over the last 2 ms, where what was before hardly blurs what a fault has become.
     pub fn latest(&self, p: &Parameters) -> Option<f64> {
-        let least = disturbance(p) / p.servo.inertia;
-        self.now(p).or(self.latest.ratio(SHORT / p.sample_period * least * least))
+        let minimum = disturbance(p) / p.servo.inertia;
+        self.now(p).or(self.latest.ratio(SHORT / p.sample_period * minimum * minimum))
     }
 
     /// The same, over 2 ms, when the reading last changed: an arm that its drive has left comes to rest, an encoder freezes in motion.
     pub fn moving(&self, p: &Parameters) -> Option<f64> {
-        let least = disturbance(p) / p.servo.inertia;
-        self.moving.ratio(SHORT / p.sample_period * least * least)
+        let minimum = disturbance(p) / p.servo.inertia;
+        self.moving.ratio(SHORT / p.sample_period * minimum * minimum)
     }
 
     /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could move the
@@ -127,8 +127,8 @@ impl DriveWatch {
 
 /// Square of accelerations in the time `memory` (s), of a torque that disturbances cannot take below `expert.limits.drive_gain_ratio`.
 fn undisturbed(p: &Parameters, memory: f64) -> f64 {
-    let least = disturbance(p) / (p.servo.inertia * (1.0 - p.limits.drive_gain_ratio));
-    memory / p.sample_period * least * least
+    let minimum = disturbance(p) / (p.servo.inertia * (1.0 - p.limits.drive_gain_ratio));
+    memory / p.sample_period * minimum * minimum
 }
 
 /// Torque of friction and cut that may come without a command, N.m.
@@ -179,13 +179,13 @@ mod tests {
     }
 
     #[test]
-    fn the_share_is_that_of_the_drive() {
+    fn the_ratio_is_that_of_the_drive() {
         for gain in [1.0, 0.3, 0.0, -1.0] {
             for (hertz, torque) in [(20.0, 2.0), (80.0, 2.0), (500.0, 5.0)] {
-                let swing = |t: f64| torque * (TAU * hertz * t).cos();
+                let oscillation = |t: f64| torque * (TAU * hertz * t).cos();
                 for resolution in [1e-9, 7.5e-7, 1.2e-5] {
-                    let share = ratio(gain, swing, resolution).unwrap();
-                    assert!((share - gain).abs() < 0.06, "{gain} {hertz} Hz {resolution}: {share}");
+                    let ratio = ratio(gain, oscillation, resolution).unwrap();
+                    assert!((ratio - gain).abs() < 0.06, "{gain} {hertz} Hz {resolution}: {ratio}");
                 }
             }
         }
@@ -203,7 +203,7 @@ mod tests {
                 angle += dt * velocity;
                 velocity += dt * before / p.servo.inertia;
                 before = motion * phase;
-                assert!(watch.ratio(&p).is_none_or(|share| share >= p.limits.drive_gain_ratio), "{motion}");
+                assert!(watch.ratio(&p).is_none_or(|ratio| ratio >= p.limits.drive_gain_ratio), "{motion}");
             }
         }
     }
@@ -221,9 +221,9 @@ mod tests {
                 velocity += dt * acceleration;
                 before = command;
             }
-            for share in [watch.latest(&p), watch.moving(&p)] {
-                assert_eq!(share.is_some_and(|share| (share - 1.0).abs() < 0.05), tells, "{torque}: {share:?}");
-                assert_eq!(share.is_some(), tells, "{torque}: {share:?}");
+            for ratio in [watch.latest(&p), watch.moving(&p)] {
+                assert_eq!(ratio.is_some_and(|ratio| (ratio - 1.0).abs() < 0.05), tells, "{torque}: {ratio:?}");
+                assert_eq!(ratio.is_some(), tells, "{torque}: {ratio:?}");
             }
         }
     }
@@ -247,7 +247,7 @@ mod tests {
         let mut p = Parameters::START;
         for gain in [1.0, 0.5, 0.0, -1.0] {
             // after two milliseconds 2 % of what was before is left
-            assert!(now(&p, gain, 5.0).is_some_and(|share| (share - gain).abs() < 0.07), "{gain}");
+            assert!(now(&p, gain, 5.0).is_some_and(|ratio| (ratio - gain).abs() < 0.07), "{gain}");
         }
         // 0.21 N.m are 0.35 N.m for a ratio of 0.4; the spread of 20 um requires 2.2 N.m
         assert_eq!([1.8, 2.9].map(|torque| now(&p, 1.0, torque).is_some()), [false, true]);

@@ -25,10 +25,10 @@ impl FeedWatch {
     pub fn update(&mut self, p: &Parameters, spindle_angle: f64, slide_position: f64) {
         let (angle, position) = *self.begin.get_or_insert((spindle_angle, slide_position));
         if p.limits.feed > 0.0 && (spindle_angle - angle).abs() >= TAU {
-            let way = (slide_position - position).abs();
-            let right = (way - p.limits.feed).abs() <= 0.5 * p.limits.feed;
+            let travel = (slide_position - position).abs();
+            let right = (travel - p.limits.feed).abs() <= 0.5 * p.limits.feed;
             if self.fed && !right {
-                self.lost.get_or_insert(way);
+                self.lost.get_or_insert(travel);
             }
             self.fed |= right;
             self.begin = Some((spindle_angle, slide_position));
@@ -50,24 +50,25 @@ mod tests {
         let (mut p, mut watch) = (Parameters::START, FeedWatch::default());
         p.limits.feed = feed;
         (0..3000).find_map(|k| {
-            let turns = 0.0105 * f64::from(k);
-            watch.update(&p, -TAU * turns, (position(turns) * 1e7).round() * 1e-7);
-            watch.lost().map(|_| turns as u32)
+            let revolutions = 0.0105 * f64::from(k);
+            watch.update(&p, -TAU * revolutions, (position(revolutions) * 1e7).round() * 1e-7);
+            watch.lost().map(|_| revolutions as u32)
         })
     }
 
     #[test]
     fn a_slide_that_feeds_either_way_or_never_did_is_not_lost() {
-        assert_eq!(lost_in(1e-5, |turns| 1e-5 * turns), None);
-        assert_eq!(lost_in(1e-5, |turns| -1.4e-5 * turns), None);
+        assert_eq!(lost_in(1e-5, |revolutions| 1e-5 * revolutions), None);
+        assert_eq!(lost_in(1e-5, |revolutions| -1.4e-5 * revolutions), None);
         assert_eq!(lost_in(1e-5, |_| 0.03), None);
-        assert_eq!(lost_in(0.0, |turns| 1e-5 * turns.min(5.0)), None);
+        assert_eq!(lost_in(0.0, |revolutions| 1e-5 * revolutions.min(5.0)), None);
     }
 
     #[test]
     fn one_that_is_frozen_or_drifts_after_that_is_lost_within_two_revolutions() {
         for drift in [0.0, 0.3, 2.0] {
-            let lost = lost_in(1e-5, |turns| 1e-5 * (turns.min(10.0) + drift * (turns - 10.0).max(0.0)));
+            let lost =
+                lost_in(1e-5, |revolutions| 1e-5 * (revolutions.min(10.0) + drift * (revolutions - 10.0).max(0.0)));
             assert!(matches!(lost, Some(10..=12)), "{drift}: {lost:?}");
         }
     }

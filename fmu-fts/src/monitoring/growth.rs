@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 
 /// Smallest and largest number of consecutive revolutions: an error that doubles over more of them follows the path.
-const TURNS: [u32; 2] = [4, 10];
+const REVOLUTIONS: [u32; 2] = [4, 10];
 /// Growth over them.
 const GROWTH: f64 = 2.0;
 /// Smallest and largest growth in one revolution: noise rises by less, a step of the path by more.
@@ -27,7 +27,7 @@ pub struct GrowthWatch {
     begin: f64,
     /// speed of the spindle there, rad/s
     speed: f64,
-    turns: u32,
+    revolutions: u32,
 }
 
 impl GrowthWatch {
@@ -39,22 +39,22 @@ impl GrowthWatch {
         }
         let steady = (speed - self.speed).abs() <= STEADY * self.speed.abs();
         let grown = rms > EACH[0] * self.last && rms < EACH[1] * self.last;
-        if grown && steady && self.turns < TURNS[1] {
-            self.turns += 1;
+        if grown && steady && self.revolutions < REVOLUTIONS[1] {
+            self.revolutions += 1;
         } else {
-            (self.begin, self.speed, self.turns) = (rms, speed, 0);
+            (self.begin, self.speed, self.revolutions) = (rms, speed, 0);
         }
         self.last = rms;
     }
 
     /// Consecutive revolutions with a rise, and the error at their start (m, root mean square).
     pub fn rise(&self) -> (u32, f64) {
-        (self.turns, self.begin)
+        (self.revolutions, self.begin)
     }
 
     /// Whether it grows.
     pub fn grows(&self, p: &Parameters) -> bool {
-        self.turns >= TURNS[0] && self.last >= GROWTH * self.begin && self.last > p.limits.tracking_error
+        self.revolutions >= REVOLUTIONS[0] && self.last >= GROWTH * self.begin && self.last > p.limits.tracking_error
     }
 }
 
@@ -65,44 +65,53 @@ mod tests {
     /// The first revolution of 30, each of 100 samples, after which the error (um) is growing.
     fn grows(error: impl Fn(i32) -> f64, speed: impl Fn(i32) -> f64) -> Option<i32> {
         let (p, mut watch) = (Parameters::START, GrowthWatch::default());
-        (0..30).find(|turn| {
-            (0..100).for_each(|_| watch.update(1e-6 * error(*turn), speed(*turn)));
+        (0..30).find(|revolution| {
+            (0..100).for_each(|_| watch.update(1e-6 * error(*revolution), speed(*revolution)));
             watch.grows(&p)
         })
     }
 
     #[test]
     fn an_error_that_doubles_over_four_turns_or_more_grows() {
-        assert_eq!(grows(|turn| 20.0 * 1.19_f64.powi(turn), |_| 62.8), Some(4));
-        assert_eq!(grows(|turn| 20.0 * 1.10_f64.powi(turn), |_| -62.8), Some(8));
+        assert_eq!(grows(|revolution| 20.0 * 1.19_f64.powi(revolution), |_| 62.8), Some(4));
+        assert_eq!(grows(|revolution| 20.0 * 1.10_f64.powi(revolution), |_| -62.8), Some(8));
         // after it fell
-        assert_eq!(grows(|turn| 20.0 * 1.3_f64.powi((turn - 9).abs()), |_| 62.8), Some(13));
+        assert_eq!(grows(|revolution| 20.0 * 1.3_f64.powi((revolution - 9).abs()), |_| 62.8), Some(13));
     }
 
     #[test]
     fn small_errors_and_short_rises_raise_no_fault() {
-        assert_eq!(grows(|turn| (0.05 * 1.19_f64.powi(turn)).min(19.9), |_| 62.8), None);
-        assert_eq!(grows(|turn| 20.1 * 1.19_f64.powi(turn.min(3)), |_| 62.8), None);
-        assert_eq!(grows(|turn| 2.0 * 3.0_f64.powi(turn % 4), |_| 62.8), None);
+        assert_eq!(grows(|revolution| (0.05 * 1.19_f64.powi(revolution)).min(19.9), |_| 62.8), None);
+        assert_eq!(grows(|revolution| 20.1 * 1.19_f64.powi(revolution.min(3)), |_| 62.8), None);
+        assert_eq!(grows(|revolution| 2.0 * 3.0_f64.powi(revolution % 4), |_| 62.8), None);
         // from nothing, and to less than twice
-        assert_eq!(grows(|turn| if turn == 0 { 0.0 } else { 30.0 + 0.9 * f64::from(turn) }, |_| 62.8), None);
+        assert_eq!(
+            grows(|revolution| if revolution == 0 { 0.0 } else { 30.0 + 0.9 * f64::from(revolution) }, |_| 62.8),
+            None
+        );
     }
 
     #[test]
     fn a_step_among_rising_revolutions_restarts_the_count() {
-        assert_eq!(grows(|turn| 20.0 * 1.3_f64.powi(turn) * if turn < 3 { 1.0 } else { 3.2 }, |_| 62.8), Some(7));
+        assert_eq!(
+            grows(|revolution| 20.0 * 1.3_f64.powi(revolution) * if revolution < 3 { 1.0 } else { 3.2 }, |_| 62.8),
+            Some(7)
+        );
         // less than four times is part of the growth
-        assert_eq!(grows(|turn| 20.0 * 1.3_f64.powi(turn) * if turn < 3 { 1.0 } else { 3.0 }, |_| 62.8), Some(4));
+        assert_eq!(
+            grows(|revolution| 20.0 * 1.3_f64.powi(revolution) * if revolution < 3 { 1.0 } else { 3.0 }, |_| 62.8),
+            Some(4)
+        );
         // and it is detected beyond the largest error alone
-        assert_eq!(grows(|turn| 20.0 / 16.0 * 2.0_f64.powi(turn), |_| 62.8), Some(5));
+        assert_eq!(grows(|revolution| 20.0 / 16.0 * 2.0_f64.powi(revolution), |_| 62.8), Some(5));
     }
 
     #[test]
     fn a_step_after_noise_that_rose_by_chance_does_not_grow() {
-        let error = |turn: i32| match turn {
-            0..5 => 0.40 + 0.01 * f64::from(turn),
+        let error = |revolution: i32| match revolution {
+            0..5 => 0.40 + 0.01 * f64::from(revolution),
             5 => 20.0,
-            _ => 49.0 + 0.1 * f64::from(turn),
+            _ => 49.0 + 0.1 * f64::from(revolution),
         };
         assert_eq!(grows(error, |_| 62.8), None);
     }
@@ -110,18 +119,27 @@ mod tests {
     #[test]
     fn an_error_that_follows_the_radius_does_not_grow() {
         let (p, mut watch) = (Parameters::START, GrowthWatch::default());
-        for turn in 0..300 {
-            watch.update(1e-4 * (1.0 + 0.01 * f64::from(turn)).powi(2), 62.8);
-            assert!(!watch.grows(&p), "turn {turn}");
+        for revolution in 0..300 {
+            watch.update(1e-4 * (1.0 + 0.01 * f64::from(revolution)).powi(2), 62.8);
+            assert!(!watch.grows(&p), "turn {revolution}");
         }
     }
 
     #[test]
     fn at_another_speed_the_count_restarts() {
-        assert_eq!(grows(|turn| 20.0 * 1.19_f64.powi(turn), |turn| 62.8 * 1.02_f64.powi(turn)), None);
-        assert_eq!(grows(|turn| 20.0 * 1.19_f64.powi(turn), |turn| 62.8 * 1.002_f64.powi(turn)), Some(4));
         assert_eq!(
-            grows(|turn| 20.0 * 1.19_f64.powi(turn), |turn| if turn < 5 { 62.8 - f64::from(turn) } else { 60.0 }),
+            grows(|revolution| 20.0 * 1.19_f64.powi(revolution), |revolution| 62.8 * 1.02_f64.powi(revolution)),
+            None
+        );
+        assert_eq!(
+            grows(|revolution| 20.0 * 1.19_f64.powi(revolution), |revolution| 62.8 * 1.002_f64.powi(revolution)),
+            Some(4)
+        );
+        assert_eq!(
+            grows(
+                |revolution| 20.0 * 1.19_f64.powi(revolution),
+                |revolution| if revolution < 5 { 62.8 - f64::from(revolution) } else { 60.0 }
+            ),
             Some(9)
         );
     }

@@ -25,7 +25,7 @@ const CORNER: f64 = TAU * 50.0;
 pub struct LifeWatch {
     by_path: Frozen,
     by_torque: Frozen,
-    wanted: Option<f64>,
+    reference: Option<f64>,
     /// velocity since the anchor, rad/s
     drift: f64,
     /// without its fast part: now and at the anchor, N.m
@@ -35,9 +35,9 @@ pub struct LifeWatch {
 
 impl LifeWatch {
     /// Takes the reference and the measured angle (rad) and the torque (N.m) of a sample.
-    pub fn update(&mut self, p: &Parameters, wanted: f64, arm_angle: f64, torque: f64) {
+    pub fn update(&mut self, p: &Parameters, reference: f64, arm_angle: f64, torque: f64) {
         let (band, dt) = (p.limits.arm_spread, p.sample_period);
-        let motion = wanted - self.wanted.replace(wanted).unwrap_or(wanted);
+        let motion = reference - self.reference.replace(reference).unwrap_or(reference);
         self.by_path.update(arm_angle, motion, band);
         self.by_torque.update(arm_angle, self.drift * dt, band);
         let before = self.torque.unwrap_or(torque);
@@ -70,11 +70,11 @@ mod tests {
     const LENGTH: f64 = 0.08;
 
     /// The most that is unanswered in 1 s.
-    fn most(wanted: impl Fn(f64) -> f64, read: impl Fn(f64) -> f64, torque: impl Fn(f64) -> f64) -> f64 {
+    fn maximum(reference: impl Fn(f64) -> f64, read: impl Fn(f64) -> f64, torque: impl Fn(f64) -> f64) -> f64 {
         let (p, mut watch) = (Parameters::START, LifeWatch::default());
         let unanswered = (0..10_000).map(|k| {
             let t = 1e-4 * f64::from(k);
-            watch.update(&p, wanted(t), read(t), torque(t));
+            watch.update(&p, reference(t), read(t), torque(t));
             watch.unanswered(&p, LENGTH)
         });
         unanswered.fold(0.0, f64::max)
@@ -84,14 +84,14 @@ mod tests {
     fn an_arm_that_follows_late_is_valid() {
         // 100 um of following error at 1.75 mm and 20 Hz
         let path = |t: f64| 0.0219 * (125.7 * t).sin();
-        assert!(most(path, |t| path(t) - 1.25e-3 * (125.7 * t).cos(), |_| 0.0) < 0.8);
+        assert!(maximum(path, |t| path(t) - 1.25e-3 * (125.7 * t).cos(), |_| 0.0) < 0.8);
     }
 
     #[test]
     fn an_encoder_that_is_frozen_or_flickers_is_detected_by_the_path() {
         let path = |t: f64| 0.004 * (125.7 * t).sin();
-        assert!(most(path, |_| 0.0, |_| 0.0) > 1.0);
-        assert!(most(path, |t| 7.5e-7 * ((1e4 * t) as i32 % 2) as f64, |_| 0.0) > 1.0);
+        assert!(maximum(path, |_| 0.0, |_| 0.0) > 1.0);
+        assert!(maximum(path, |t| 7.5e-7 * ((1e4 * t) as i32 % 2) as f64, |_| 0.0) > 1.0);
     }
 
     #[test]
@@ -114,8 +114,8 @@ mod tests {
 
     #[test]
     fn at_rest_only_a_torque_beyond_the_disturbances_detects_it() {
-        assert_eq!(most(|_| 0.3, |_| 0.3, |t| 0.2 * (100.0 * t).sin()), 0.0);
-        assert_eq!(most(|_| 0.3, |_| 0.3, |t| 5.0 * (1.2e4 * t).sin()), 0.0);
-        assert!(most(|_| 0.3, |_| 0.3, |t| t) > 1.0);
+        assert_eq!(maximum(|_| 0.3, |_| 0.3, |t| 0.2 * (100.0 * t).sin()), 0.0);
+        assert_eq!(maximum(|_| 0.3, |_| 0.3, |t| 5.0 * (1.2e4 * t).sin()), 0.0);
+        assert!(maximum(|_| 0.3, |_| 0.3, |t| t) > 1.0);
     }
 }

@@ -8,11 +8,11 @@ pub struct Numbers {
     /// Ratio of the samples of 0.1 s with the torque at its limit.
     pub saturated: f64,
     /// Consecutive revolutions with a rising error.
-    pub turns: u32,
+    pub revolutions: u32,
     /// Error of a revolution at the start of the rise, root mean square, m.
     pub begin: f64,
     /// Acceleration of the arm over that of the torque, as evaluated for a fault of the drive.
-    pub share: f64,
+    pub drive_ratio: f64,
     /// Time of a task that takes too long, and its limit, s.
     pub late: Option<[f64; 2]>,
     /// Travel of the slide in a revolution without its feed, m.
@@ -24,5 +24,5 @@ pub struct Numbers {
 impl Numbers {
     /// Before the first sample.
     pub const START: Self =
-        Self { saturated: 0.0, turns: 0, begin: 0.0, share: 1.0, late: None, fed: None, table: [0.0; 2] };
+        Self { saturated: 0.0, revolutions: 0, begin: 0.0, drive_ratio: 1.0, late: None, fed: None, table: [0.0; 2] };
 }

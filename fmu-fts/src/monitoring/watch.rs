@@ -12,7 +12,7 @@ use crate::monitoring::numbers::Numbers;
 /// Below this ratio the arm accelerates against the torque.
 const AGAINST: f64 = -0.2;
 /// Below this one of the last milliseconds, too; a drive that is just off is taken for up to -0.4.
-const TURNED: f64 = -0.6;
+const REVERSED: f64 = -0.6;
 /// Time over which the samples at the limit are averaged, s: a revolution at 600 rpm.
 const SATURATION_MEAN: f64 = 0.1;
 /// Time within which the torque of an unstable loop turns, s: 100 Hz and more.
@@ -26,7 +26,7 @@ pub const SETTLED: f64 = 8.0;
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Where the hub should be, rad.
-    pub wanted: f64,
+    pub reference: f64,
     /// Where its encoder says it is, rad.
     pub arm_angle: f64,
     /// Torque command, N.m.
@@ -47,7 +47,7 @@ pub struct Watch {
     drive: DriveWatch,
     life: LifeWatch,
     reversals: Reversals,
-    turns: u32,
+    reversal_count: u32,
     saturated: f64,
     /// samples that the cancellation has learned with too large an error
     poor: u32,
@@ -64,8 +64,8 @@ impl Watch {
         if sample.oscillating {
             self.life = LifeWatch::default();
         }
-        self.life.update(p, sample.wanted, sample.arm_angle, sample.torque);
-        self.turns = self.reversals.update(sample.torque, limit, ticks(REVERSAL, dt));
+        self.life.update(p, sample.reference, sample.arm_angle, sample.torque);
+        self.reversal_count = self.reversals.update(sample.torque, limit, ticks(REVERSAL, dt));
         let full = f64::from(u8::from(sample.torque.abs() >= limit));
         self.saturated += (full - self.saturated) * (dt / SATURATION_MEAN);
         self.growth.update(sample.rms, sample.spindle_speed);
@@ -75,23 +75,23 @@ impl Watch {
         } else if sample.learning {
             self.poor = self.poor.saturating_add(1);
         }
-        self.following_error = length * (sample.wanted - sample.arm_angle);
+        self.following_error = length * (sample.reference - sample.arm_angle);
     }
 
     /// The cause of what is wrong, if something is.
     pub fn find(&self, p: &Parameters, length: f64) -> Option<Fault> {
-        let share = self.drive.ratio(p);
+        let ratio = self.drive.ratio(p);
         // an arm that turns late stands for a moment, too
-        let stands = i64::from(self.life.still()) > i64::from(p.limits.lost_samples);
-        let frozen = stands && self.life.unanswered(p, length) > 1.0;
-        let behind = self.following_error.abs() > p.limits.following_error;
+        let constant = i64::from(self.life.still()) > i64::from(p.limits.lost_samples);
+        let frozen = constant && self.life.unanswered(p, length) > 1.0;
+        let lag = self.following_error.abs() > p.limits.following_error;
         let poor = f64::from(self.poor) * p.sample_period > SETTLED * p.afc.tau;
         let left = self.drive.moving(p).is_some_and(|moving| moving.abs() < p.limits.drive_gain_ratio);
         frozen
             .then_some(if left { Fault::WeakDrive } else { Fault::PositionFrozen })
-            .or(share.and_then(|share| self.drive_fault(p, share)))
-            .or((self.turns >= REVERSALS).then_some(Fault::Oscillation))
-            .or(behind.then(|| self.left_behind(p)))
+            .or(ratio.and_then(|ratio| self.drive_fault(p, ratio)))
+            .or((self.reversal_count >= REVERSALS).then_some(Fault::Oscillation))
+            .or(lag.then(|| self.lagging(p)))
             .or((self.saturated > p.limits.saturated_ratio).then_some(Fault::Saturation))
             .or(self.growth.grows(p).then_some(Fault::Divergence))
             .or(poor.then_some(Fault::NoProgress))
@@ -104,8 +104,8 @@ impl Watch {
 
     /// Numbers of what it finds.
     pub fn numbers(&self) -> Numbers {
-        let (turns, begin) = self.growth.rise();
-        Numbers { saturated: self.saturated, turns, begin, ..Numbers::START }
+        let (revolutions, begin) = self.growth.rise();
+        Numbers { saturated: self.saturated, revolutions, begin, ..Numbers::START }
     }
 
     /// Acceleration of the arm over that of the torque, if the torque is large enough.
@@ -116,37 +116,37 @@ impl Watch {
     /// Known response of the arm to a torque: 1 if the drive responded when last observed, without a contradiction since;
     /// -1 if it is reversed; 0 if neither is certain.
     pub fn answer(&self, p: &Parameters) -> f64 {
-        let obeys = |share: f64| share >= p.limits.drive_gain_ratio;
-        if self.drive.cause(p).is_some_and(|share| share < TURNED) {
+        let obeys = |ratio: f64| ratio >= p.limits.drive_gain_ratio;
+        if self.drive.cause(p).is_some_and(|ratio| ratio < REVERSED) {
             return -1.0;
         }
         f64::from(u8::from(self.drive.seen().is_some_and(obeys) && self.drive.latest(p).is_none_or(obeys)))
     }
 
     /// The ratio for the message of a drive fault: that of 10 ms, or the latest if it is less.
-    pub fn least_share(&self, p: &Parameters) -> f64 {
+    pub fn minimum_ratio(&self, p: &Parameters) -> f64 {
         [self.drive.ratio(p), self.drive.latest(p)].into_iter().flatten().reduce(f64::min).unwrap_or(1.0)
     }
 
     /// Cause of a following error: a fast path leaves its limit before a whole `MEMORY` has evaluated the drive.
-    fn left_behind(&self, p: &Parameters) -> Fault {
-        match self.drive.cause(p).filter(|share| *share < p.limits.drive_gain_ratio) {
+    fn lagging(&self, p: &Parameters) -> Fault {
+        match self.drive.cause(p).filter(|ratio| *ratio < p.limits.drive_gain_ratio) {
             None => Fault::FollowingError,
             Some(_) if p.limits.drive_gain_ratio == 0.0 => Fault::FollowingError,
-            Some(share) if share < TURNED => Fault::DriveSign,
+            Some(ratio) if ratio < REVERSED => Fault::DriveSign,
             Some(_) => Fault::WeakDrive,
         }
     }
 
     /// Fault of a drive with this ratio.
-    fn drive_fault(&self, p: &Parameters, share: f64) -> Option<Fault> {
-        if p.limits.drive_gain_ratio == 0.0 || share >= p.limits.drive_gain_ratio {
+    fn drive_fault(&self, p: &Parameters, ratio: f64) -> Option<Fault> {
+        if p.limits.drive_gain_ratio == 0.0 || ratio >= p.limits.drive_gain_ratio {
             return None;
         }
-        let stands = share.abs() < 0.1 && f64::from(self.life.still()) * p.sample_period > 5e-3;
-        Some(if share < AGAINST || self.drive.cause(p).is_some_and(|cause| cause < TURNED) {
+        let constant = ratio.abs() < 0.1 && f64::from(self.life.still()) * p.sample_period > 5e-3;
+        Some(if ratio < AGAINST || self.drive.cause(p).is_some_and(|cause| cause < REVERSED) {
             Fault::DriveSign
-        } else if stands {
+        } else if constant {
             Fault::PositionFrozen
         } else {
             Fault::WeakDrive
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
 
     const REST: Sample = Sample {
-        wanted: 0.0,
+        reference: 0.0,
         arm_angle: 0.0,
         torque: 0.0,
         oscillating: false,
@@ -172,13 +172,13 @@ mod tests {
         spindle_speed: 0.0,
     };
 
-    /// Fault after 0.5 s at full torque, of an arm that lags its reference by `behind` (rad).
-    fn at_full_torque(behind: f64) -> Option<Fault> {
+    /// Fault after 0.5 s at full torque, of an arm that lags its reference by `lag` (rad).
+    fn at_full_torque(lag: f64) -> Option<Fault> {
         let (p, length, mut watch) = (Parameters::START, 0.08, Watch::default());
         for k in 0..5000 {
             let arm_angle = 1e-3 * f64::from(k);
-            let (wanted, torque) = (arm_angle + behind, p.servo.torque_max);
-            watch.update(&p, length, &Sample { wanted, arm_angle, torque, ..REST });
+            let (reference, torque) = (arm_angle + lag, p.servo.torque_max);
+            watch.update(&p, length, &Sample { reference, arm_angle, torque, ..REST });
         }
         watch.find(&p, length)
     }
@@ -223,11 +223,12 @@ mod tests {
 
     #[test]
     fn a_torque_that_turns_again_and_again_is_an_oscillation() {
-        let found = |turns: u32, every: u32| {
+        let found = |reversals: u32, every: u32| {
             let (p, mut watch) = (Parameters::START, Watch::default());
-            for k in 0..turns * every {
+            for k in 0..reversals * every {
                 let torque = if (k / every).is_multiple_of(2) { p.servo.torque_max } else { -p.servo.torque_max };
-                watch.turns = watch.reversals.update(torque, p.servo.torque_max, ticks(REVERSAL, p.sample_period));
+                watch.reversal_count =
+                    watch.reversals.update(torque, p.servo.torque_max, ticks(REVERSAL, p.sample_period));
             }
             watch.find(&p, 0.08)
         };
@@ -240,19 +241,19 @@ mod tests {
     #[test]
     fn a_growing_error_is_reported_with_its_revolutions_and_its_start() {
         let (p, mut watch) = (Parameters::START, Watch::default());
-        for turn in 0..6 {
-            let rms = 5e-6 * 1.5_f64.powi(turn);
+        for revolution in 0..6 {
+            let rms = 5e-6 * 1.5_f64.powi(revolution);
             watch.update(&p, 0.08, &Sample { rms, spindle_speed: 62.8, ..REST });
         }
         assert_eq!(watch.find(&p, 0.08), Some(Fault::Divergence));
-        let Numbers { turns, begin, saturated, .. } = watch.numbers();
-        assert_eq!((turns, begin, saturated), (5, 5e-6, 0.0));
+        let Numbers { revolutions, begin, saturated, .. } = watch.numbers();
+        assert_eq!((revolutions, begin, saturated), (5, 5e-6, 0.0));
     }
 
     #[test]
     fn nothing_goes_on_at_full_torque() {
-        for behind in [0.02, 0.001] {
-            assert_eq!(at_full_torque(behind).map(Fault::reaction), Some(Reaction::DriveOff));
+        for lag in [0.02, 0.001] {
+            assert_eq!(at_full_torque(lag).map(Fault::reaction), Some(Reaction::DriveOff));
         }
     }
 
@@ -263,7 +264,7 @@ mod tests {
         for k in 0..ticks(until, dt) {
             let time = dt * f64::from(k);
             let torque = 6.0 * (TAU * 80.0 * time).cos();
-            watch.update(p, 0.08, &Sample { wanted: angle, arm_angle: angle, torque, ..REST });
+            watch.update(p, 0.08, &Sample { reference: angle, arm_angle: angle, torque, ..REST });
             let acceleration = gain(time) * before / p.servo.inertia;
             angle += dt * (velocity + 0.5 * dt * acceleration);
             velocity += dt * acceleration;
@@ -273,7 +274,7 @@ mod tests {
     }
 
     /// The same of a drive that is good until `after` s before the end.
-    fn turned(p: &Parameters, gain: f64, after: f64) -> Watch {
+    fn reversed(p: &Parameters, gain: f64, after: f64) -> Watch {
         watched(p, |time| if time < 0.1 { 1.0 } else { gain }, 0.1 + after)
     }
 
@@ -286,7 +287,7 @@ mod tests {
         assert_eq!([1.0, 0.3, -1.0].map(driven), [None, Some(Fault::WeakDrive), Some(Fault::DriveSign)]);
         // half of the stored motion is from before
         let p = Parameters::START;
-        let first = (1..100).find_map(|k| turned(&p, -1.0, 1e-4 * f64::from(k)).find(&p, 0.08));
+        let first = (1..100).find_map(|k| reversed(&p, -1.0, 1e-4 * f64::from(k)).find(&p, 0.08));
         assert_eq!(first, Some(Fault::DriveSign));
     }
 
@@ -299,8 +300,8 @@ mod tests {
         (0..2000).find_map(|k| {
             let time = dt * f64::from(k);
             let torque = 3.0 * (TAU * 80.0 * time).cos();
-            let wanted = (3.0 - torque) / (p.servo.inertia * (TAU * 80.0).powi(2));
-            watch.update(&p, 0.08, &Sample { wanted, arm_angle: seen(time, angle), torque, ..REST });
+            let reference = (3.0 - torque) / (p.servo.inertia * (TAU * 80.0).powi(2));
+            watch.update(&p, 0.08, &Sample { reference, arm_angle: seen(time, angle), torque, ..REST });
             let free = velocity + dt * before / p.servo.inertia;
             let coasting = velocity.signum() * (velocity.abs() - 900.0 * dt).max(0.0);
             velocity = if lost && time > 0.103 { coasting } else { free };
@@ -314,18 +315,18 @@ mod tests {
     fn a_fast_path_that_leaves_its_limit_names_the_drive_by_the_last_milliseconds() {
         let mut p = Parameters::START;
         for after in [2e-3, 7e-3] {
-            let found = [1.0, 0.7, 0.1, -1.0].map(|gain| turned(&p, gain, after).left_behind(&p));
+            let found = [1.0, 0.7, 0.1, -1.0].map(|gain| reversed(&p, gain, after).lagging(&p));
             assert_eq!(found, [Fault::FollowingError, Fault::FollowingError, Fault::WeakDrive, Fault::DriveSign]);
         }
         // where the drive is not watched
         p.limits.drive_gain_ratio = 0.0;
-        assert_eq!([0.1, -1.0].map(|gain| turned(&p, gain, 7e-3).left_behind(&p)), [Fault::FollowingError; 2]);
+        assert_eq!([0.1, -1.0].map(|gain| reversed(&p, gain, 7e-3).lagging(&p)), [Fault::FollowingError; 2]);
     }
 
     #[test]
     fn a_torque_does_what_it_was_last_seen_to_do() {
         let p = Parameters::START;
-        let answer = |gain: f64, after: f64| turned(&p, gain, after).answer(&p);
+        let answer = |gain: f64, after: f64| reversed(&p, gain, after).answer(&p);
         for k in 15..200 {
             let after = 1e-4 * f64::from(k);
             // where the torque turns, too
@@ -335,9 +336,12 @@ mod tests {
         }
         assert_eq!([0.003, 0.007].map(|after| answer(-1.0, after)), [-1.0; 2]);
         // the message shows the smallest ratio
-        let reported = turned(&p, -1.0, 2e-3).least_share(&p);
-        assert!(reported < TURNED && turned(&p, -1.0, 2e-3).ratio(&p).is_some_and(|share| share > 0.4), "{reported}");
-        assert_eq!(Watch::default().least_share(&p), 1.0);
+        let reported = reversed(&p, -1.0, 2e-3).minimum_ratio(&p);
+        assert!(
+            reported < REVERSED && reversed(&p, -1.0, 2e-3).ratio(&p).is_some_and(|ratio| ratio > 0.4),
+            "{reported}"
+        );
+        assert_eq!(Watch::default().minimum_ratio(&p), 1.0);
     }
 
     #[test]
@@ -349,7 +353,7 @@ mod tests {
             let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);
             for k in 0..200 + rest {
                 let torque = if k >= 200 { 0.0 } else { 5.0 * f64::from(1 - 2 * ((k / 10) as i32 % 2)) };
-                watch.update(&p, 0.08, &Sample { wanted: angle, arm_angle: angle, torque, ..REST });
+                watch.update(&p, 0.08, &Sample { reference: angle, arm_angle: angle, torque, ..REST });
                 angle += dt * velocity + 0.5 * dt * dt * before / p.servo.inertia;
                 velocity += dt * before / p.servo.inertia;
                 before = torque;
@@ -376,7 +380,7 @@ mod tests {
     #[test]
     fn a_ratio_of_zero_is_a_frozen_position_if_the_angle_does_not_change() {
         let p = Parameters::START;
-        for (speed, share, fault) in [
+        for (speed, ratio, fault) in [
             (0.0, 0.05, Fault::PositionFrozen),
             (0.0, -0.05, Fault::PositionFrozen),
             (0.0, 0.15, Fault::WeakDrive),
@@ -388,7 +392,7 @@ mod tests {
                 let arm_angle = speed * f64::from(k);
                 watch.update(&p, 0.08, &Sample { arm_angle, ..REST });
             }
-            assert_eq!(watch.drive_fault(&p, share), Some(fault), "{speed} {share}");
+            assert_eq!(watch.drive_fault(&p, ratio), Some(fault), "{speed} {ratio}");
         }
     }
 }

@@ -107,9 +107,9 @@ impl Ending {
 impl Pulse {
     /// Takes a speed (rad/s) from the arm, in whole samples.
     fn against(p: &Parameters, velocity: f64) -> Self {
-        let (impulse, dt, most) = (p.servo.inertia * velocity, p.sample_period, p.servo.torque_max);
-        let samples = ((impulse.abs() / most).min(PULSE_MAX) / dt).ceil();
-        let torque = (-impulse / (samples.max(1.0) * dt)).clamp(-most, most);
+        let (impulse, dt, maximum) = (p.servo.inertia * velocity, p.sample_period, p.servo.torque_max);
+        let samples = ((impulse.abs() / maximum).min(PULSE_MAX) / dt).ceil();
+        let torque = (-impulse / (samples.max(1.0) * dt)).clamp(-maximum, maximum);
         Self { torque, left: samples as u32, acts: false }
     }
 }
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_graver_fault_takes_over_and_a_lighter_one_never_does() {
+    fn a_more_severe_fault_takes_over_and_a_less_severe_one_never_does() {
         let (p, mut ending) = (Parameters::START, Ending::default());
         ending.begin(&p, Fault::SpindleLost, true, MOVES);
         assert_eq!((ending.retracting(), ending.braking(), ending.drive_enable()), (true, false, true));

@@ -48,7 +48,7 @@ impl HoldMotion {
     }
 
     /// From the present motion to rest at `goal` (rad).
-    pub fn turn(&mut self, p: &Parameters, goal: f64) {
+    pub fn redirect(&mut self, p: &Parameters, goal: f64) {
         let motion = self.now(p);
         self.go(p, motion, goal);
     }
@@ -56,7 +56,7 @@ impl HoldMotion {
     /// Reference (rad) of this sample; `goal` is the requested angle.
     pub fn step(&mut self, p: &Parameters, goal: f64) -> Trajectory {
         if goal != self.quintic.goal() && !self.stops(p) {
-            self.turn(p, goal);
+            self.redirect(p, goal);
         }
         self.coast(p)
     }
@@ -117,21 +117,24 @@ mod tests {
         let p = Parameters::START;
         for velocity in [-34.0, -1.0, 2.7, 10.0] {
             let mut hold = HoldMotion::stopping(&p, Trajectory { position: 0.1, velocity, acceleration: 0.0 });
-            let (mut before, mut most) = (velocity, 0.0f64);
+            let (mut before, mut maximum) = (velocity, 0.0f64);
             while hold.stops(&p) {
                 let now = hold.step(&p, -0.5);
                 assert!((now.velocity - before).abs() < 0.3 * p.servo.torque_max / p.servo.inertia * p.sample_period);
                 assert!(now.velocity * velocity >= -1e-9);
-                (before, most) = (now.velocity, most.max((now.position - 0.1).abs()));
+                (before, maximum) = (now.velocity, maximum.max((now.position - 0.1).abs()));
             }
-            assert!(most < 0.51 * velocity.abs() * (0.012 * velocity.abs() / 10.0).max(0.02), "{velocity}: {most}");
+            assert!(
+                maximum < 0.51 * velocity.abs() * (0.012 * velocity.abs() / 10.0).max(0.02),
+                "{velocity}: {maximum}"
+            );
             let last = (0..20_000).map(|_| hold.step(&p, -0.5)).last();
             assert_eq!(last, Some(Trajectory::resting(-0.5)));
         }
     }
 
     #[test]
-    fn a_new_goal_on_the_way_is_reached_without_a_jump() {
+    fn a_new_goal_during_a_motion_is_reached_without_a_jump() {
         let p = Parameters::START;
         let mut hold = HoldMotion::at(0.0);
         let mut before = Trajectory::default();

@@ -16,9 +16,9 @@ pub fn sweep(p: &Parameters, before: Trajectory, goal: f64) -> Trajectory {
         return Trajectory::resting(goal);
     }
     // what can still be stopped in time, with a fourth of the deceleration in reserve
-    let wanted = speed.min((1.5 * slope * away.abs()).sqrt()).copysign(away);
+    let target = speed.min((1.5 * slope * away.abs()).sqrt()).copysign(away);
     let mut next = before;
-    next.step(wanted, slope, dt);
+    next.step(target, slope, dt);
     next
 }
 

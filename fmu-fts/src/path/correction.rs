@@ -24,7 +24,7 @@ pub struct Correction {
 impl Correction {
     /// Harmonics c_n (m) at a slide position (m).
     pub fn harmonics(&self, slide_position: f64) -> [Complex<f64>; HIGHEST_CORRECTED + 1] {
-        let basis = legendre(place(&self.span, slide_position));
+        let basis = legendre(scaled(&self.span, slide_position));
         self.coefficients.each_ref().map(|row| row.iter().zip(basis).map(|(c, p)| c * p).sum())
     }
 
@@ -50,7 +50,7 @@ impl Correction {
 }
 
 /// Place of a slide position between two others, -1 to 1.
-pub fn place(span: &[f64; 2], slide_position: f64) -> f64 {
+pub fn scaled(span: &[f64; 2], slide_position: f64) -> f64 {
     ((2.0 * slide_position - span[0] - span[1]) / (span[1] - span[0])).clamp(-1.0, 1.0)
 }
 

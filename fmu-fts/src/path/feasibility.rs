@@ -56,8 +56,8 @@ mod tests {
     fn only_what_needs_more_torque_than_it_may_have_is_infeasible() {
         let p = Parameters::START;
         let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
-        for (rpm, refused) in [(0.0, false), (600.0, false), (-600.0, false), (2400.0, true), (-2400.0, true)] {
-            assert_eq!(infeasible(&p, &path, rpm * RPM), refused, "{rpm}");
+        for (rpm, rejected) in [(0.0, false), (600.0, false), (-600.0, false), (2400.0, true), (-2400.0, true)] {
+            assert_eq!(infeasible(&p, &path, rpm * RPM), rejected, "{rpm}");
         }
     }
 }

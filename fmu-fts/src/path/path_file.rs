@@ -14,7 +14,7 @@ use crate::texts::json_table::Table;
 /// Rows of a table.
 const ROWS: (f64, f64) = (3.0, 2000.0);
 /// Part of the arm length that the depth may have.
-const DEPTH_SHARE: f64 = 0.99;
+const DEPTH_RATIO: f64 = 0.99;
 
 /// The file: for each slide position the coefficients a_0, a_1, ... and b_0, b_1, ... of z.
 #[derive(Debug, Deserialize)]
@@ -47,7 +47,7 @@ pub fn read(file: &str, resources: Option<&Path>, p: &Parameters) -> Result<Dept
     table.count(|| "sine_m".into(), content.sine_m.len(), content.cosine_m.len())?;
     let harmonics = content.cosine_m[0].len();
     table.within(|| "number of entries in cosine_m[0]".into(), harmonics as f64, 1.0, HIGHEST as f64 + 1.0)?;
-    let depth_max = DEPTH_SHARE * p.tool.arm_length[p.tool.index()];
+    let depth_max = DEPTH_RATIO * p.tool.arm_length[p.tool.index()];
     let row = |i: usize| row(&table, &content, i, harmonics, depth_max);
     let rows = (0..content.cosine_m.len()).map(row).collect::<Result<_, _>>()?;
     Ok(DepthTable { first: content.slide_start_m, step: content.slide_step_m, rows, truncation: 0.0 })
@@ -82,7 +82,7 @@ mod tests {
     use crate::texts::json_table::tests::{assert_refusals, with_resource};
 
     fn read_text(text: &str) -> Result<DepthTable, String> {
-        with_resource("path.json", text, |place| read("path.json", Some(place), &Parameters::START))
+        with_resource("path.json", text, |folder| read("path.json", Some(folder), &Parameters::START))
     }
 
     fn file(start: &str, step: &str, cosine: &str, sine: &str) -> String {
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_comes_back() {
+    fn a_table_is_restored() {
         let cosine = "[[1e-3, 0, 2e-3], [1e-3, 0, 3e-3], [1e-3, 0, 4e-3]]";
         let sine = "[[0, 1e-4, 0], [0, 2e-4, 0], [0, 3e-4, 0]]";
         let table = read_text(&file("0.02", "0.5e-3", cosine, sine)).unwrap();

@@ -109,8 +109,8 @@ impl PathTable {
 
     /// Whether the table reaches to a slide position (m).
     pub fn covers(&self, slide_position: f64) -> bool {
-        let place = (slide_position - self.first) / self.step;
-        place >= -MARGIN && place <= (self.rows - 1) as f64 + MARGIN
+        let position = (slide_position - self.first) / self.step;
+        position >= -MARGIN && position <= (self.rows - 1) as f64 + MARGIN
     }
 
     /// Whether the slide has left the table by an end to which it has come from where the path was joined (m): at least a row
@@ -164,11 +164,11 @@ impl PathTable {
     /// The four rows about a slide position (m), and its fraction between the middle two.
     fn neighbors(&self, slide_position: f64) -> ([&[Complex<f64>]; 4], f64) {
         let last = (self.rows - 2) as f64;
-        let place = ((slide_position - self.first) / self.step).clamp(-MARGIN, last + 1.0 + MARGIN);
-        let before = place.floor().clamp(0.0, last);
+        let position = ((slide_position - self.first) / self.step).clamp(-MARGIN, last + 1.0 + MARGIN);
+        let before = position.floor().clamp(0.0, last);
         // the row before the first one is number 0
         let (from, width) = (before as usize, self.width());
-        ([0, 1, 2, 3].map(|i| &self.values[(from + i) * width..][..width]), place - before)
+        ([0, 1, 2, 3].map(|i| &self.values[(from + i) * width..][..width]), position - before)
     }
 
     /// The arm for which the angles are made.
@@ -332,8 +332,8 @@ mod tests {
         let mut p = Parameters::START;
         p.path.harmonics = 20;
         let table = DepthTable::of_surface(&p).unwrap();
-        for (wanted, given) in [(0, 0), (4, 20), (20, 20), (32, 32)] {
-            let path = PathTable::new(Arm::new(&p), &table, wanted);
+        for (requested, given) in [(0, 0), (4, 20), (20, 20), (32, 32)] {
+            let path = PathTable::new(Arm::new(&p), &table, requested);
             assert_eq!((path.harmonics(), path.row().angle_harmonics().len()), (20, given));
         }
     }
@@ -357,10 +357,10 @@ mod tests {
         let bare = [path.velocity, path.acceleration];
         let mut correction = Correction { span: [0.04, 0.05], coefficients: Default::default() };
         correction.coefficients[3][1] = Complex::new(0.0, 8e-6);
-        for (share, given) in [(1.0, Some(correction)), (1.0, Some(correction)), (0.0, None)] {
+        for (weight, given) in [(1.0, Some(correction)), (1.0, Some(correction)), (0.0, None)] {
             path.correct(given);
             let added = [path.velocity - bare[0], path.acceleration - bare[1]];
-            assert!((added[0] - share * 3e-4).abs() < 1e-12 && (added[1] - share * 9e-4).abs() < 1e-12, "{added:?}");
+            assert!((added[0] - weight * 3e-4).abs() < 1e-12 && (added[1] - weight * 9e-4).abs() < 1e-12, "{added:?}");
         }
     }
 

@@ -29,7 +29,7 @@ pub struct Contact {
 /// Where a ball of radius `ball` (m) at a distance (m) from the spindle axis rests on what a nose of radius `nose` (m) cuts on the
 /// path without its correction, at the spindle angle of `phasors` (n = 0 first); none where the path does not reach.
 pub fn contact(path: &PathTable, [nose, ball]: [f64; 2], distance: f64, phasors: &[Complex<f64>]) -> Option<Contact> {
-    let (arm, beside) = (path.arm(), nose - ball);
+    let (arm, nose_offset) = (path.arm(), nose - ball);
     let mut slide_position = arm.slide_position(distance, 0.0);
     for _ in 0..STEPS_MAX {
         let [depth, along] = path.nominal_depth(slide_position, phasors);
@@ -37,9 +37,9 @@ pub fn contact(path: &PathTable, [nose, ball]: [f64; 2], distance: f64, phasors:
         // drho/dx = -1 + tan(phi) dz/dx
         let slope = along / (tangent * along - 1.0);
         let root = slope.hypot(1.0);
-        let miss = arm.distance(slide_position, depth) - beside * slope / root - distance;
+        let miss = arm.distance(slide_position, depth) - nose_offset * slope / root - distance;
         if miss.abs() < TOLERANCE {
-            let depth = depth + beside / root + ball;
+            let depth = depth + nose_offset / root + ball;
             let found = Contact { slide_position, depth, slope, gain: 1.0 - slope * tangent };
             return path.covers(slide_position).then_some(found);
         }

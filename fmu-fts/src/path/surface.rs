@@ -142,12 +142,12 @@ impl<'a> ToolPath<'a> {
 
     /// The nose at a point of contact, where q = sqrt(1 + s'^2).
     fn nose(&self, section: &Section, q: f64, contact: f64) -> Nose {
-        let turn = self.nose_radius * section.bend / (q * q * q);
+        let curvature = self.nose_radius * section.bend / (q * q * q);
         Nose {
             depth: self.center_depth - section.sag + self.nose_radius * (1.0 - 1.0 / q),
             distance: contact - self.nose_radius * section.slope / q,
-            depth1: section.slope * (turn - 1.0),
-            distance1: 1.0 - turn,
+            depth1: section.slope * (curvature - 1.0),
+            distance1: 1.0 - curvature,
         }
     }
 
@@ -281,8 +281,8 @@ mod tests {
         for sign in [1.0, -1.0] {
             assert!((center_depth(&surface(sign / 0.1325)) - 0.5 * sign * sag).abs() < 1e-12);
         }
-        let told = crate::interface::Surface { depth_auto: false, depth: 0.007, ..surface(5.0) };
-        assert_eq!(center_depth(&told), 0.007);
+        let configured = crate::interface::Surface { depth_auto: false, depth: 0.007, ..surface(5.0) };
+        assert_eq!(center_depth(&configured), 0.007);
     }
 
     #[test]
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn a_nose_that_nearly_fills_a_hollow_finds_its_place_beside_the_middle() {
+    fn a_nose_that_nearly_fills_a_hollow_finds_its_contact_next_to_the_middle() {
         let mut p = Parameters::START;
         (p.surface.cross_curvature, p.surface.outer_radius, p.tool.nose_radius[0]) = (40.0, 0.02, 0.024);
         for rho in [0.0, 2e-4, 4e-4, 7e-4] {

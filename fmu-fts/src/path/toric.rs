@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rim_lies_within_the_smaller_radius() {
+    fn the_rim_is_within_the_smaller_radius() {
         for (base, cross, radius) in [(2.0, 6.0, 1.0 / 6.0), (-8.0, 5.0, 0.125), (3.0, -4.0, 0.25)] {
             assert!((rim(&surface((base, cross))) - 0.995 * radius).abs() < 1e-12, "{base} {cross}");
         }

@@ -31,7 +31,7 @@ pub enum Loss {
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
     /// Largest accepted value.
-    pub most: f64,
+    pub maximum: f64,
     /// Largest difference of two samples at rest.
     pub spread: f64,
     /// Largest velocity that is not foreseen, per sample.
@@ -58,7 +58,7 @@ pub struct GuardedAxis {
     known: bool,
     /// it has moved, and was sampled several times at rest before
     moved: bool,
-    stood: bool,
+    was_frozen: bool,
     /// samples since the last accepted one
     age: u32,
     /// lost samples, less those restored by good ones
@@ -74,15 +74,15 @@ impl GuardedAxis {
         // the tolerance must not grow forever after a permanent loss
         self.age = self.age.saturating_add(1).min(axis.lost + 1);
         let (velocity, n) = (self.velocity.unwrap_or_default(), f64::from(self.age));
-        let (valid, again) = (is_plausible(raw, axis.most), self.raw.replace(raw) == Some(raw));
-        let stands = again && velocity.abs() > axis.spread && (self.confirmed || self.stood);
+        let (valid, again) = (is_plausible(raw, axis.maximum), self.raw.replace(raw) == Some(raw));
+        let frozen = again && velocity.abs() > axis.spread && (self.confirmed || self.was_frozen);
         self.guard.shift(velocity);
         // two equal samples may be one that was sampled twice
         let begins = self.velocity.is_none() || (axis.runs && !self.moved);
         let spread = n * axis.spread + 0.5 * axis.change * n * (n + 1.0);
         // after a permanent loss nothing is accepted before `restart`
         let given_up = self.exhausted(axis);
-        let usable = valid && !stands && !given_up;
+        let usable = valid && !frozen && !given_up;
         // a last bit may flicker, and all consecutive lost samples must be frozen
         self.standing &= self.last.is_some_and(|last| (raw - last).abs() <= axis.spread);
         let raw = if usable { raw } else { f64::NAN };
@@ -92,7 +92,7 @@ impl GuardedAxis {
         let used = self.guard.update(raw, Reach { motion, spread });
         if self.guard.doubted() == 0 {
             self.velocity = self.last.replace(used).map(|last| (used - last) / n);
-            self.stood = !self.moved && n > 1.0;
+            self.was_frozen = !self.moved && n > 1.0;
             self.moved |= self.velocity.is_some_and(|velocity| velocity != 0.0);
             self.standing = true;
             if begins || self.confirmed {
@@ -124,7 +124,7 @@ impl GuardedAxis {
     /// The same for an angle that may be wrapped.
     pub fn update_angle(&mut self, raw: f64, axis: &Axis) -> f64 {
         let expected = self.last.unwrap_or(raw) + self.velocity.unwrap_or_default() * f64::from(self.age + 1);
-        let near = if is_plausible(raw, axis.most) { expected + wrap(raw - expected) } else { f64::NAN };
+        let near = if is_plausible(raw, axis.maximum) { expected + wrap(raw - expected) } else { f64::NAN };
         let used = self.update(near, axis);
         if self.guard.doubted() == 0 { raw } else { used }
     }

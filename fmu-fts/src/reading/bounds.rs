@@ -16,7 +16,7 @@ pub fn arm(p: &Parameters, torque: f64) -> Axis {
     let (limits, dt) = (&p.limits, p.sample_period);
     let acceleration = (torque + disturbance(p)) / (p.servo.inertia * (1.0 - p.tip.inertia));
     Axis {
-        most: ANGLE_MAX,
+        maximum: ANGLE_MAX,
         spread: limits.arm_spread,
         motion: 0.0,
         change: acceleration * dt * dt,
@@ -29,7 +29,7 @@ pub fn arm(p: &Parameters, torque: f64) -> Axis {
 pub fn spindle(p: &Parameters) -> Axis {
     let (limits, dt) = (&p.limits, p.sample_period);
     Axis {
-        most: ANGLE_MAX,
+        maximum: ANGLE_MAX,
         spread: limits.spindle_spread,
         motion: 0.0,
         change: limits.spindle_acceleration * dt * dt,
@@ -41,7 +41,7 @@ pub fn spindle(p: &Parameters) -> Axis {
 /// An external drive moves the slide: its full speed may occur immediately.
 pub fn slide(p: &Parameters) -> Axis {
     Axis {
-        most: POSITION_MAX,
+        maximum: POSITION_MAX,
         spread: SLIDE_SPREAD,
         motion: p.limits.slide_speed * p.sample_period,
         change: 0.0,

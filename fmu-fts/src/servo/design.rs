@@ -48,15 +48,15 @@ impl LoopMargins {
 
 /// The compensator that gives `servo.bandwidth`, and the margins that it leaves.
 pub fn shape(nominal: &Nominal) -> (LeadLag, LoopMargins) {
-    let wanted = nominal.servo.bandwidth;
+    let target = nominal.servo.bandwidth;
     // more crossover, more bandwidth
-    let (mut low, mut high) = (0.1 * wanted, 1.5 * wanted);
+    let (mut low, mut high) = (0.1 * target, 1.5 * target);
     let model = LoopModel::new(*nominal, LeadLag::new(*nominal, low));
     let grid = Grid::new(nominal, &model);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         let tried = model.with(LeadLag::new(*nominal, middle));
-        if bandwidth(&tried, grid.points()) < wanted { low = middle } else { high = middle }
+        if bandwidth(&tried, grid.points()) < target { low = middle } else { high = middle }
     }
     let compensator = LeadLag::new(*nominal, low);
     (compensator, margins(&model.with(compensator), grid.points()))
@@ -67,11 +67,11 @@ pub fn shape(nominal: &Nominal) -> (LeadLag, LoopMargins) {
 /// # Errors
 /// When the loop would be without sufficient margins.
 pub fn design(p: &Parameters) -> Result<LeadLag, ParameterError> {
-    let wanted = p.servo.bandwidth;
+    let target = p.servo.bandwidth;
     let (compensator, margins) = shape(&p.into());
     require(margins.enough(), || ParameterError {
         name: "servo.bandwidth",
-        value: format!("{wanted} rad/s"),
+        value: format!("{target} rad/s"),
         limit: format!(
             "less: it leaves a phase margin of `{:.3} rad` (at least `{PHASE_MARGIN_MIN}`) and a gain margin of \
              `{:.2}` (at least `{GAIN_MARGIN_MIN}`)",
@@ -118,9 +118,9 @@ fn margins(model: &LoopModel, grid: &[ArmPoint]) -> LoopMargins {
 
 /// Phase above -pi where the magnitude passes 1 between two points.
 fn lag_left(here: Complex<f64>, there: Complex<f64>) -> f64 {
-    let share = here.norm().ln() / (here.norm() / there.norm()).ln();
-    let turned = (there / here).arg();
-    (-here).arg() + share * turned
+    let fraction = here.norm().ln() / (here.norm() / there.norm()).ln();
+    let rotation = (there / here).arg();
+    (-here).arg() + fraction * rotation
 }
 
 /// The arm at frequencies from 1 Hz (or below) to half the sampling rate, and about its resonance; it is the same for
@@ -198,10 +198,10 @@ mod tests {
             // two inertias: the free arm has a higher frequency than that on the locked hub, and more damping
             let peak = p.tip.frequency / (1.0 - p.tip.inertia).sqrt();
             let width = damping / (1.0 - p.tip.inertia).sqrt();
-            for beside in [0.0, 0.8, 2.5, 8.0, 30.0] {
-                for omega in [1.0 - beside * width, 1.0 + beside * width].map(|share| peak * share) {
+            for offset in [0.0, 0.8, 2.5, 8.0, 30.0] {
+                for omega in [1.0 - offset * width, 1.0 + offset * width].map(|fraction| peak * fraction) {
                     let nearest = points.iter().map(|point| (point / omega - 1.0).abs()).fold(1.0, f64::min);
-                    assert!(omega > model.nyquist() || nearest < 1e-9, "{damping} {beside}: {nearest}");
+                    assert!(omega > model.nyquist() || nearest < 1e-9, "{damping} {offset}: {nearest}");
                 }
             }
             // so that the highest of its points is the peak
@@ -275,7 +275,7 @@ mod tests {
         let mut p = Parameters::START;
         (p.io_delay, p.arm_delay) = (0, 2);
         assert_eq!(designed(&p).1.phase.to_degrees(), phases[2]);
-        let refused = late(6).map(|_| ()).unwrap_err();
-        assert!(refused.limit.contains("a phase margin of `0."), "{refused:?}");
+        let rejected = late(6).map(|_| ()).unwrap_err();
+        assert!(rejected.limit.contains("a phase margin of `0."), "{rejected:?}");
     }
 }

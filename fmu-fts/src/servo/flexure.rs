@@ -21,7 +21,7 @@ use crate::servo::nominal::Nominal;
 use crate::servo::response::{FrequencyResponse, Point};
 
 /// Up to this ratio to the natural frequency the flexure is compensated; above, as at this ratio.
-const SHARE_MAX: f64 = 0.7;
+const RATIO_MAX: f64 = 0.7;
 /// From this ratio to the nominal frequency on the flexure is identified: dry friction dominates below.
 const LOOK_FROM: f64 = 0.3;
 /// Accepted standard deviation of the identified frequency, relative, and largest ratio to the nominal frequency.
@@ -52,9 +52,9 @@ impl Flexure {
         if self.frequency == 0.0 {
             return Complex::ONE;
         }
-        let share = (omega / self.frequency).clamp(-SHARE_MAX, SHARE_MAX);
-        let spring = Complex::new(1.0, 2.0 * self.damping * share);
-        (spring - share * share) / spring
+        let ratio = (omega / self.frequency).clamp(-RATIO_MAX, RATIO_MAX);
+        let spring = Complex::new(1.0, 2.0 * self.damping * ratio);
+        (spring - ratio * ratio) / spring
     }
 
     /// The flexure that a measured response of the position loop `model` identifies; none if it is uncertain.
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn it_is_found_whatever_drive_inertia_and_delay_are() {
-        for (inertia, share, frequency, damping, delay, current) in [
+        for (inertia, ratio, frequency, damping, delay, current) in [
             (8e-4, 0.4375, 1200.0, 0.02, 1, 2000.0),
             (1e-3, 0.4375, 1080.0, 0.01, 1, 2000.0),
             (6.6e-4, 0.4375, 1320.0, 0.03, 1, 2000.0),
@@ -179,7 +179,7 @@ mod tests {
             (8e-4, 0.5, 1300.0, 0.015, 0, 1500.0),
         ] {
             let flexure = found(&GRID, |p| {
-                (p.servo.inertia, p.tip.inertia, p.io_delay) = (inertia, share, delay);
+                (p.servo.inertia, p.tip.inertia, p.io_delay) = (inertia, ratio, delay);
                 (p.tip.frequency, p.tip.damping) = (TAU * frequency, damping);
                 p.servo.current_bandwidth = TAU * current;
             })
@@ -236,12 +236,12 @@ mod tests {
     fn hub_and_tool_are_a_spring_and_a_damper() {
         let mut p = Parameters::START;
         p.tip.damping = 0.1;
-        for share in [0.1, 0.3, 0.69, -0.5] {
+        for ratio in [0.1, 0.3, 0.69, -0.5] {
             // the tool is pulled by spring and damper alone: s^2 y = (w^2 + 2 d w s) (x - y)
-            let (s, w) = (Complex::new(0.0, share * p.tip.frequency), p.tip.frequency);
-            let (hub, tool) = (Flexure::nominal(&p).hub_over_tool(share * w), Complex::new(1.0, 0.0));
+            let (s, w) = (Complex::new(0.0, ratio * p.tip.frequency), p.tip.frequency);
+            let (hub, tool) = (Flexure::nominal(&p).hub_over_tool(ratio * w), Complex::new(1.0, 0.0));
             let pull = (s * 2.0 * p.tip.damping * w + w * w) * (hub - tool);
-            assert!((pull / (s * s * tool) - 1.0).norm() < 1e-9, "{share}: {hub}");
+            assert!((pull / (s * s * tool) - 1.0).norm() < 1e-9, "{ratio}: {hub}");
         }
     }
 

@@ -77,9 +77,9 @@ impl Recursion {
         let (b, a) = (&k.numerator, &k.denominator);
         let [e1, e2, e3] = self.errors;
         let [u1, u2, u3] = self.torques;
-        let wanted = b[0] * error + b[1] * e1 + b[2] * e2 + b[3] * e3 - a[1] * u1 - a[2] * u2 - a[3] * u3;
-        let torque = wanted.clamp(-limit, limit);
-        self.saturated = torque != wanted;
+        let unlimited = b[0] * error + b[1] * e1 + b[2] * e2 + b[3] * e3 - a[1] * u1 - a[2] * u2 - a[3] * u3;
+        let torque = unlimited.clamp(-limit, limit);
+        self.saturated = torque != unlimited;
         (self.errors, self.torques) = ([error, e1, e2], [torque, u1, u2]);
         torque
     }

@@ -168,8 +168,8 @@ mod tests {
             let (j, z) = (p.servo.inertia, p.tip.frequency);
             let rigid = 1.0 / (s * (s * j + p.servo.viscous_friction));
             // hub of two inertias with a flexure
-            let swing = s * s + s * 2.0 * p.tip.damping * z + z * z;
-            let flexible = swing / (s * s * (1.0 - p.tip.inertia) + s * 2.0 * p.tip.damping * z + z * z);
+            let oscillator = s * s + s * 2.0 * p.tip.damping * z + z * z;
+            let flexible = oscillator / (s * s * (1.0 - p.tip.inertia) + s * 2.0 * p.tip.damping * z + z * z);
             // the hold and the delay are late by 1.5 samples, the current loop by its time constant
             let late = (s * -1.5e-4).exp() / (s / p.servo.current_bandwidth + 1.0);
             let expected = rigid * flexible * late;

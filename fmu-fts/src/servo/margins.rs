@@ -34,7 +34,7 @@ impl Margins {
 impl ResponseOutput {
     /// The points of a response, what follows from the loop in use that they belong to, and the flexure that is compensated.
     pub fn of(response: &FrequencyResponse, in_use: &LoopResponse, flexure: &Flexure) -> Self {
-        let frequency = |place: Option<&Point>| place.map_or(0.0, |point| point.frequency);
+        let frequency = |point: Option<&Point>| point.map_or(0.0, |point| point.frequency);
         let (first, last) = (frequency(response.points().first()), frequency(response.points().last()));
         let Margins { bandwidth, phase_margin, sensitivity_peak } = margins(first, last, |omega| in_use.at(omega));
         let mut output = Self {
@@ -134,10 +134,10 @@ mod tests {
             ([50.0, 100.0, 150.0, 200.0, 250.0, 300.0, 350.0], [0.0, 30.0, 30.0, 60.0, 60.0, 45.0, 80.0]);
         let t = |w: f64| {
             let k = frequencies.iter().rposition(|at| *at <= w).unwrap_or(0).min(5);
-            let share = (w - frequencies[k]) / 50.0;
-            let phase: f64 = phases[k] + share * (phases[k + 1] - phases[k]);
+            let fraction = (w - frequencies[k]) / 50.0;
+            let phase: f64 = phases[k] + fraction * (phases[k + 1] - phases[k]);
             let real = [1.0, 0.5, 0.3, 0.5, 0.8, 0.5, 0.1];
-            let re: f64 = real[k] + share * (real[k + 1] - real[k]);
+            let re: f64 = real[k] + fraction * (real[k + 1] - real[k]);
             Complex::new(re, -re * phase.to_radians().tan())
         };
         let found = margins(50.0, 350.0, t);

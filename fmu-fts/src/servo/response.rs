@@ -60,9 +60,9 @@ impl FrequencyResponse {
         let above = points.partition_point(|point| point.frequency < frequency);
         let before = above.checked_sub(1).map_or(Point::REST, |i| points[i]);
         let Some(after) = points.get(above) else { return before.value() };
-        let share = (frequency - before.frequency) / (after.frequency - before.frequency);
-        let magnitude = before.magnitude * (after.magnitude / before.magnitude).powf(share);
-        Complex::from_polar(magnitude, before.phase + share * (after.phase - before.phase))
+        let fraction = (frequency - before.frequency) / (after.frequency - before.frequency);
+        let magnitude = before.magnitude * (after.magnitude / before.magnitude).powf(fraction);
+        Complex::from_polar(magnitude, before.phase + fraction * (after.phase - before.phase))
     }
 }
 
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn points_come_back_and_the_phase_is_continuous() {
+    fn points_are_restored_and_the_phase_is_continuous() {
         let response = FrequencyResponse::from_model(&grid(120.0, 32), model);
         assert_eq!(response.points().len(), 32);
         for point in response.points() {

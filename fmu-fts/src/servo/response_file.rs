@@ -56,11 +56,11 @@ mod tests {
     use crate::texts::json_table::tests::{assert_refusals, with_resource};
 
     fn read_text(text: &str) -> Result<FrequencyResponse, String> {
-        with_resource("response.json", text, |place| read("response.json", Some(place)))
+        with_resource("response.json", text, |folder| read("response.json", Some(folder)))
     }
 
     #[test]
-    fn a_table_comes_back_with_a_phase_without_jumps() {
+    fn a_table_is_restored_with_a_phase_without_jumps() {
         let text =
             r#"{"frequency_hz": [20, 100.5, 400], "magnitude": [1.05, 1.3, 0.2], "phase_rad": [-0.1, -2.5, 2.9]}"#;
         let response = read_text(text).unwrap();

@@ -68,9 +68,9 @@ pub(crate) mod tests {
         text: &str,
         read: impl FnOnce(&Path) -> Result<T, ParameterError>,
     ) -> Result<T, String> {
-        let place = tempfile::tempdir().unwrap();
-        std::fs::write(place.path().join(name), text).unwrap();
-        read(place.path()).map_err(|error| error.to_string())
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(name), text).unwrap();
+        read(folder.path()).map_err(|error| error.to_string())
     }
 
     /// `read` rejects each text with a message that starts with `start`, contains its part, and has a hint.
@@ -84,7 +84,7 @@ pub(crate) mod tests {
 
     fn read(text: &str) -> Result<[f64; 3], String> {
         let file = FileParameter { name: "path.file", file: "table.json", hint: "write three numbers" };
-        with_resource("table.json", text, |place| Table { file, content: "three numbers" }.read(Some(place)))
+        with_resource("table.json", text, |folder| Table { file, content: "three numbers" }.read(Some(folder)))
     }
 
     #[test]

@@ -31,7 +31,7 @@ use crate::interface::Parameters;
 use crate::tracking::resonators::FADE;
 
 /// s: relative uncertainty of the torque of the path.
-const SHARE: f64 = 0.25;
+const WEIGHT: f64 = 0.25;
 /// r: torque of ripple, friction and cut at one harmonic, relative to the largest torque.
 const RIPPLE: f64 = 1.5e-3;
 /// q at first: harmonics of `afc.tau` that the quicker learning of the strongest ones is worth.
@@ -93,7 +93,7 @@ impl AdaptiveFeedforward {
             return 0.0;
         };
         (self.factors[n - 1], self.strengths[n - 1]) = (factor, (factor * path).norm_sqr());
-        let torque = SHARE * p.servo.inertia * omega * omega;
+        let torque = WEIGHT * p.servo.inertia * omega * omega;
         let ripple = RIPPLE * p.servo.torque_max;
         // w / |B|^2 is finite where there is no path
         let slope = torque * torque / (torque * torque * path.norm_sqr() + ripple * ripple);
@@ -122,7 +122,7 @@ impl AdaptiveFeedforward {
     }
 
     /// 1 + Re eps of the harmonic that takes most: torque that the path takes over that which the response says.
-    pub fn torque_share(&self) -> f64 {
+    pub fn torque_ratio(&self) -> f64 {
         let strongest = self.strengths.iter().zip(&self.learned).max_by(|a, b| a.0.total_cmp(b.0));
         strongest.map_or(1.0, |(_, learned)| 1.0 + learned.output(Complex::ONE))
     }
@@ -171,25 +171,25 @@ mod tests {
         /// Follows for `time` (s) the path that `path` gives over the time, at `omega` of harmonic 2; the largest error (rad)
         /// of the last tenth.
         fn follow(&mut self, time: f64, omega: f64, path: impl Fn(f64) -> Complex<f64>) -> f64 {
-            let (told, real) = (closed(omega, 1.0), closed(omega, self.k));
+            let (nominal, real) = (closed(omega, 1.0), closed(omega, self.k));
             let (steps, mut largest) = ((time / PERIOD) as u32, 0.0);
             for step in 0..steps {
                 let b = path(PERIOD * f64::from(step));
-                let harmonic = PathHarmonic { omega, path: b, response: told, hub_over_tool: Complex::ONE };
-                let gain = gain_in_use(&self.p, told, omega, true);
-                let share = self.adaptive.tune(&self.p, 2, &harmonic, gain);
-                self.resonators.tune(2, gain.map(|gain| gain * (1.0 - share)));
+                let harmonic = PathHarmonic { omega, path: b, response: nominal, hub_over_tool: Complex::ONE };
+                let gain = gain_in_use(&self.p, nominal, omega, true);
+                let weight = self.adaptive.tune(&self.p, 2, &harmonic, gain);
+                self.resonators.tune(2, gain.map(|gain| gain * (1.0 - weight)));
                 self.angle += 0.5 * omega * PERIOD;
                 let phasors = Phasors::new(self.angle, 4);
                 let path = [Complex::ZERO, b, Complex::ZERO, Complex::ZERO];
                 // the amplitude of what is added, from two phases
-                let amplitude = |turn: Complex<f64>| {
-                    let turned = phasors.from_one().iter().map(|phasor| phasor * turn).collect::<Vec<_>>();
-                    self.adaptive.output(&path, &turned) + self.resonators.output(&turned)
+                let amplitude = |rotation: Complex<f64>| {
+                    let rotated = phasors.from_one().iter().map(|phasor| phasor * rotation).collect::<Vec<_>>();
+                    self.adaptive.output(&path, &rotated) + self.resonators.output(&rotated)
                 };
                 let added =
                     Complex::new(amplitude(Complex::ONE), -amplitude(Complex::I)) * phasors.from_one()[1].conj();
-                let error = ((b - real * (b / told + added)) * phasors.from_one()[1]).re;
+                let error = ((b - real * (b / nominal + added)) * phasors.from_one()[1]).re;
                 self.resonators.learn(error, phasors.from_one());
                 self.adaptive.learn(error, phasors.from_one());
                 if step > steps - steps / 10 {
@@ -207,7 +207,7 @@ mod tests {
             let left = steady.follow(4.0, 500.0, |_| Complex::new(0.01, -0.02));
             assert!(left < 1e-7, "{left}");
             // (1 + eps) / L = 1 / (k L); what the resonators have taken is 1 - w of it
-            assert!((steady.adaptive.torque_share() * k - 1.0).abs() < 2e-3, "{k}: {}", steady.adaptive.torque_share());
+            assert!((steady.adaptive.torque_ratio() * k - 1.0).abs() < 2e-3, "{k}: {}", steady.adaptive.torque_ratio());
         }
     }
 
@@ -217,7 +217,7 @@ mod tests {
             // a small difference, so that the loop is nominal
             let mut steady = Steady::new(1.001);
             steady.follow(part * steady.p.afc.tau, 500.0, |_| Complex::new(0.02, 0.01));
-            let learned = (1.0 - steady.adaptive.torque_share()) / (1.0 - 1.0 / 1.001);
+            let learned = (1.0 - steady.adaptive.torque_ratio()) / (1.0 - 1.0 / 1.001);
             let left = (-part - QUICKER * (1.0 - (-part).exp())).exp();
             assert!((learned - (1.0 - left)).abs() < 0.02, "{part}: {learned}");
         }
@@ -248,21 +248,21 @@ mod tests {
         let mut adaptive = AdaptiveFeedforward::new(p, 2);
         let gain = gain_in_use(p, t, omega, true);
         let harmonic = PathHarmonic { omega, path, response: t, hub_over_tool: Complex::ONE };
-        let share = adaptive.tune(p, 2, &harmonic, gain);
+        let weight = adaptive.tune(p, 2, &harmonic, gain);
         let phasors = [Complex::ZERO, Complex::ONE];
         adaptive.learn(1e-6, &phasors);
         let added = adaptive.output(&[Complex::ZERO, path], &phasors);
-        (share, added / (1e-6 * gain.unwrap().re))
+        (weight, added / (1e-6 * gain.unwrap().re))
     }
 
     #[test]
     fn both_explain_an_error_by_what_they_may_be() {
         let p = Parameters::START;
         // as much torque from a wrong gain as from ripple
-        let even = RIPPLE * p.servo.torque_max / (SHARE * p.servo.inertia * 500.0 * 500.0);
+        let even = RIPPLE * p.servo.torque_max / (WEIGHT * p.servo.inertia * 500.0 * 500.0);
         for (path, w) in [(0.0, 0.0), (even / 3.0, 0.1), (even, 0.5), (3.0 * even, 0.9), (1e3 * even, 1.0)] {
-            let (share, change) = tuned(&p, path);
-            assert!((share - w).abs() < 1e-5, "{path}: {share}");
+            let (weight, change) = tuned(&p, path);
+            assert!((weight - w).abs() < 1e-5, "{path}: {weight}");
             // the resonators have 1 - w of it: without the quicker learning the sum is that of a resonator alone
             assert!((change - w * (1.0 + QUICKER)).abs() < 1e-4, "{path}: {change}");
         }
@@ -304,13 +304,13 @@ mod tests {
                 assert_eq!(fading.tune(&p, 2, &harmonic(response), gain), 0.0);
                 fading.learn(1.0, &[Complex::ONE; 4]);
             }
-            assert!((fading.torque_share() - 1.0).abs() < 1e-6, "{response}: {}", fading.torque_share());
+            assert!((fading.torque_ratio() - 1.0).abs() < 1e-6, "{response}: {}", fading.torque_ratio());
             let added = |of: &AdaptiveFeedforward| of.output(&[Complex::ONE; 4], &[Complex::ONE; 4]).abs();
             assert!(added(&fading) < 1e-6 * added(&adaptive), "{response}: {:e}", added(&fading));
         }
-        assert!(adaptive.torque_share() > 1.2);
+        assert!(adaptive.torque_ratio() > 1.2);
         adaptive.clear();
-        assert_eq!(adaptive.torque_share(), 1.0);
+        assert_eq!(adaptive.torque_ratio(), 1.0);
         assert_eq!(adaptive.tune(&p, 9, &harmonic(Complex::I), Some(Complex::ONE)), 0.0);
     }
 }

@@ -10,14 +10,14 @@ use crate::interface::ERROR_HARMONICS;
 use crate::lists::harmonics::Harmonics;
 
 /// Revolutions that are evaluated together.
-const TURNS: u32 = 8;
+const REVOLUTIONS: u32 = 8;
 /// Mean over its standard deviation; noise alone reaches it in one of 300 cases.
 const LEVEL: f64 = 3.0;
 
 /// Sums over the present turns and the choice so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Chooser {
-    turns: u32,
+    revolutions: u32,
     sums: [Complex<f64>; ERROR_HARMONICS],
     squares: [f64; ERROR_HARMONICS],
     chosen: Harmonics,
@@ -26,19 +26,19 @@ pub struct Chooser {
 impl Default for Chooser {
     fn default() -> Self {
         let sums = [Complex::new(0.0, 0.0); ERROR_HARMONICS];
-        Self { turns: 0, sums, squares: [0.0; ERROR_HARMONICS], chosen: Harmonics::NONE }
+        Self { revolutions: 0, sums, squares: [0.0; ERROR_HARMONICS], chosen: Harmonics::NONE }
     }
 }
 
 impl Chooser {
     /// Takes the harmonics of the error over one full turn, n = 1 first.
-    pub fn add(&mut self, turn: &[Complex<f64>; ERROR_HARMONICS]) {
-        for ((sum, square), c) in self.sums.iter_mut().zip(&mut self.squares).zip(turn) {
+    pub fn add(&mut self, revolution: &[Complex<f64>; ERROR_HARMONICS]) {
+        for ((sum, square), c) in self.sums.iter_mut().zip(&mut self.squares).zip(revolution) {
             *sum += c;
             *square += c.norm_sqr();
         }
-        self.turns += 1;
-        if self.turns == TURNS {
+        self.revolutions += 1;
+        if self.revolutions == REVOLUTIONS {
             let repeats = (1..=ERROR_HARMONICS).filter(|n| self.repeats(n - 1));
             *self = Self { chosen: repeats.fold(self.chosen, Harmonics::with), ..Self::default() };
         }
@@ -50,7 +50,7 @@ impl Chooser {
     }
 
     fn repeats(&self, i: usize) -> bool {
-        let count = f64::from(TURNS);
+        let count = f64::from(REVOLUTIONS);
         let mean = self.sums[i].norm_sqr() / (count * count);
         let variance = (self.squares[i] - count * mean) / (count - 1.0);
         mean > LEVEL * LEVEL * variance / count
@@ -62,19 +62,19 @@ mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
 
-    fn chosen(turns: u32, harmonic: impl Fn(usize, f64) -> Complex<f64>) -> Harmonics {
+    fn chosen(revolutions: u32, harmonic: impl Fn(usize, f64) -> Complex<f64>) -> Harmonics {
         let mut chooser = Chooser::default();
-        for turn in 0..turns {
-            chooser.add(&std::array::from_fn(|i| harmonic(i + 1, f64::from(turn))));
+        for revolution in 0..revolutions {
+            chooser.add(&std::array::from_fn(|i| harmonic(i + 1, f64::from(revolution))));
         }
         chooser.chosen()
     }
 
     #[test]
     fn what_repeats_is_chosen_after_eight_turns_and_stays() {
-        let error = |n: usize, turn: f64| {
+        let error = |n: usize, revolution: f64| {
             let amplitude = if n == 2 || n == 12 { 1e-6 } else { 0.0 };
-            Complex::new(amplitude + 1e-7 * (turn * n as f64).sin(), 1e-7 * (1.7 * turn * n as f64).cos())
+            Complex::new(amplitude + 1e-7 * (revolution * n as f64).sin(), 1e-7 * (1.7 * revolution * n as f64).cos())
         };
         assert_eq!(chosen(7, error), Harmonics::NONE);
         let first = chosen(8, error);
@@ -85,8 +85,8 @@ mod tests {
     #[test]
     fn a_phase_that_runs_away_is_not_chosen() {
         // 120 Hz at 580 rpm: 12.41 cycles per revolution
-        let error = |n: usize, turn: f64| {
-            Complex::from_polar(if n == 12 { 1e-6 } else { 1e-9 }, 0.41 * std::f64::consts::TAU * turn)
+        let error = |n: usize, revolution: f64| {
+            Complex::from_polar(if n == 12 { 1e-6 } else { 1e-9 }, 0.41 * std::f64::consts::TAU * revolution)
         };
         assert_eq!(chosen(80, error), Harmonics::NONE);
     }
@@ -97,7 +97,7 @@ mod tests {
         let mut count = 0;
         for _ in 0..1000 {
             let mut chooser = Chooser::default();
-            for _ in 0..TURNS {
+            for _ in 0..REVOLUTIONS {
                 // twelve uniform numbers make a normal one
                 let mut normal = || (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>();
                 chooser.add(&std::array::from_fn(|_| Complex::new(normal(), normal())));

@@ -43,18 +43,18 @@ impl HarmonicFeedforward {
     pub fn shift(&self, angle: &[Complex<f64>], phasors: &[Complex<f64>]) -> Shift {
         let mut shift = Shift::default();
         for (((b, phasor), target), set_point) in angle.iter().zip(phasors).zip(&self.target).zip(&self.set_point) {
-            let turned = b * phasor;
-            shift.target += target.re * turned.re - target.im * turned.im;
-            shift.set_point += set_point.re * turned.re - set_point.im * turned.im;
+            let rotated = b * phasor;
+            shift.target += target.re * rotated.re - target.im * rotated.im;
+            shift.set_point += set_point.re * rotated.re - set_point.im * rotated.im;
         }
         shift
     }
 }
 
-/// The same phase with a magnitude of at least `least`.
-fn at_least(t: Complex<f64>, least: f64) -> Complex<f64> {
+/// The same phase with a magnitude of at least `minimum`.
+fn at_least(t: Complex<f64>, minimum: f64) -> Complex<f64> {
     let magnitude = t.norm();
-    if magnitude >= least { t } else { Complex::from_polar(least, t.arg()) }
+    if magnitude >= minimum { t } else { Complex::from_polar(minimum, t.arg()) }
 }
 
 #[cfg(test)]
@@ -71,11 +71,11 @@ mod tests {
         for theta in [0.0, 0.5, 2.0] {
             let phasors = Phasors::new(theta, 3);
             let shift = feedforward.shift(&harmonics, phasors.from_one());
-            let turned = b * phasors.from_one()[1];
+            let rotated = b * phasors.from_one()[1];
             // set-point B (1 + shift) times T is the motion of the hub H B
             let set_point = (b * (h / t - 1.0) * phasors.from_one()[1]).re;
             assert!((shift.set_point - set_point).abs() < 1e-15);
-            assert!((shift.target - (turned * (h - 1.0)).re).abs() < 1e-15);
+            assert!((shift.target - (rotated * (h - 1.0)).re).abs() < 1e-15);
         }
     }
 

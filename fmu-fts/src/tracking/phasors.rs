@@ -16,10 +16,10 @@ impl Phasors {
     pub fn new(theta: f64, highest: usize) -> Self {
         let mut values = [Complex::new(1.0, 0.0); HIGHEST + 1];
         let (sine, cosine) = theta.sin_cos();
-        let turn = Complex::new(cosine, sine);
+        let rotation = Complex::new(cosine, sine);
         let count = highest.min(HIGHEST) + 1;
         for n in 1..count {
-            values[n] = values[n - 1] * turn;
+            values[n] = values[n - 1] * rotation;
         }
         Self { values, count }
     }

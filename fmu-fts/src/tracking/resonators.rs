@@ -85,9 +85,9 @@ impl Resonators {
     }
 }
 
-/// The gain of a harmonic at `omega` (rad/s) with the response `t` of the position loop, none if it is not `wanted` or too high.
-pub fn gain_in_use(p: &Parameters, t: Complex<f64>, omega: f64, wanted: bool) -> Option<Complex<f64>> {
-    (wanted && omega.abs() <= p.afc.frequency_max).then(|| gain_of(&p.afc, p.sample_period, t))
+/// The gain of a harmonic at `omega` (rad/s) with the response `t` of the position loop, none if it is not `enabled` or too high.
+pub fn gain_in_use(p: &Parameters, t: Complex<f64>, omega: f64, enabled: bool) -> Option<Complex<f64>> {
+    (enabled && omega.abs() <= p.afc.frequency_max).then(|| gain_of(&p.afc, p.sample_period, t))
 }
 
 /// 2 T_s / (tau |T|) exp(-j arg T); without the advance, eq. 3 as printed, the phase is missing.

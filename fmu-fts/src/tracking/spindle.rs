@@ -72,7 +72,7 @@ mod tests {
 
     const QUANTUM: f64 = TAU / 1_048_576.0;
 
-    fn turned(speed: impl Fn(f64) -> f64, wrap: bool, time: f64) -> (Spindle, f64) {
+    fn rotated(speed: impl Fn(f64) -> f64, wrap: bool, time: f64) -> (Spindle, f64) {
         let p = Parameters::START;
         let (mut spindle, mut angle, dt) = (Spindle::default(), 5.0f64, p.sample_period);
         for k in 0..ticks(time, dt) {
@@ -87,7 +87,7 @@ mod tests {
     fn the_speed_is_exact_at_constant_speed_both_ways() {
         for speed in [62.83, -251.3, 0.0] {
             for wrap in [false, true] {
-                let (spindle, _) = turned(|_| speed, wrap, 0.3);
+                let (spindle, _) = rotated(|_| speed, wrap, 0.3);
                 assert!((spindle.speed - speed).abs() < 2e-3, "{} rad/s", spindle.speed);
             }
         }
@@ -95,15 +95,15 @@ mod tests {
 
     #[test]
     fn wrapped_and_unwrapped_angles_are_the_same() {
-        let (wrapped, _) = turned(|_| 62.83, true, 1.0);
-        let (unwrapped, _) = turned(|_| 62.83, false, 1.0);
+        let (wrapped, _) = rotated(|_| 62.83, true, 1.0);
+        let (unwrapped, _) = rotated(|_| 62.83, false, 1.0);
         assert!((wrapped.angle - unwrapped.angle).abs() < 1.1 * QUANTUM);
     }
 
     #[test]
     fn a_ramp_lags_by_acceleration_over_bandwidth() {
         // 600 to 900 rpm in 1 s
-        let (spindle, _) = turned(|t| 62.83 + 31.4 * t, false, 0.5);
+        let (spindle, _) = rotated(|t| 62.83 + 31.4 * t, false, 0.5);
         let lag = 2.0 * 31.4 / BANDWIDTH;
         assert!((spindle.speed - (62.83 + 31.4 * 0.5) + lag).abs() < 0.02, "{}", spindle.speed);
     }

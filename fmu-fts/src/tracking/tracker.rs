@@ -17,7 +17,7 @@ use crate::tracking::feedforward::HarmonicFeedforward;
 use crate::tracking::phasors::Phasors;
 use crate::tracking::resonators::{Resonators, gain_in_use};
 use crate::tracking::spindle::Spindle;
-use crate::tracking::statistics::{ErrorStatistics, Turn};
+use crate::tracking::statistics::{ErrorStatistics, RevolutionStatistics};
 use crate::tracking::transition::Transition;
 use control_blocks::Trajectory;
 
@@ -34,7 +34,7 @@ pub struct Layers {
 
 /// What the arm should do in a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wanted {
+pub struct Target {
     /// Motion of the hub.
     pub motion: Trajectory,
     /// Depth of the tool, m.
@@ -113,8 +113,8 @@ impl Tracker {
             self.resonators.tune(n, gain);
             return;
         };
-        let share = self.adaptive.tune(p, n, &PathHarmonic { omega, path, response, hub_over_tool }, gain);
-        self.resonators.tune(n, gain.map(|gain| gain * (1.0 - share)));
+        let weight = self.adaptive.tune(p, n, &PathHarmonic { omega, path, response, hub_over_tool }, gain);
+        self.resonators.tune(n, gain.map(|gain| gain * (1.0 - weight)));
         if !p.feedforward_adaptive {
             self.resonators.carry(n, path);
         }
@@ -149,13 +149,13 @@ impl Tracker {
         arm_angle: f64,
         layers: Layers,
         phasors: &Phasors,
-    ) -> Wanted {
+    ) -> Target {
         let blend = self.transition.step(p);
         let mut motion = blend.motion(held, self.motion);
         let depth = self.path.arm().depth(motion.position);
         let shift = self.feedforward.shift(self.row.angle_harmonics(), phasors.from_one());
         let straight = motion.position;
-        motion.position += blend.share * shift.target;
+        motion.position += blend.weight * shift.target;
         if layers.learning {
             let error = motion.position - arm_angle;
             self.resonators.learn(error, phasors.from_one());
@@ -166,12 +166,12 @@ impl Tracker {
             added += self.resonators.output(phasors.from_one());
             added += self.adaptive.output(self.row.angle_harmonics(), phasors.from_one());
         }
-        let set_point = straight + blend.share * added;
-        Wanted { motion, depth, set_point }
+        let set_point = straight + blend.weight * added;
+        Target { motion, depth, set_point }
     }
 
     /// Adds the error (m) of this sample to the statistics.
-    pub fn judge(&mut self, error: f64, spindle: &Spindle, phasors: &Phasors) {
+    pub fn evaluate(&mut self, error: f64, spindle: &Spindle, phasors: &Phasors) {
         if let Some(harmonics) = self.statistics.add(error, spindle.angle, phasors.from_one()) {
             self.chooser.add(&harmonics);
         }
@@ -233,12 +233,12 @@ impl Tracker {
     }
 
     /// Torque that the path takes over that which the response in use says.
-    pub fn torque_share(&self) -> f64 {
-        self.adaptive.torque_share()
+    pub fn torque_ratio(&self) -> f64 {
+        self.adaptive.torque_ratio()
     }
 
     /// The error over the last full turn.
-    pub fn last_turn(&self) -> &Turn {
+    pub fn last_revolution(&self) -> &RevolutionStatistics {
         self.statistics.last()
     }
 }
@@ -323,9 +323,9 @@ mod tests {
         let gain = gain_in_use(&p, response, omega, true);
         let learned = |path: Complex<f64>| {
             let harmonic = PathHarmonic { omega, path, response, hub_over_tool };
-            let share = AdaptiveFeedforward::new(&p, 24).tune(&p, 2, &harmonic, gain);
+            let weight = AdaptiveFeedforward::new(&p, 24).tune(&p, 2, &harmonic, gain);
             let mut alone = Resonators::new(&p);
-            alone.tune(2, gain.map(|gain| gain * (1.0 - share)));
+            alone.tune(2, gain.map(|gain| gain * (1.0 - weight)));
             alone.learn(1e-6, &only);
             alone.output(&only)
         };

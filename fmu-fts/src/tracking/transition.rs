@@ -12,7 +12,7 @@ use crate::interface::Parameters;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
     /// Fraction of the path, 0 to 1.
-    pub share: f64,
+    pub weight: f64,
     /// First derivative, 1/s.
     pub first: f64,
     /// Second derivative, 1/s2.
@@ -25,10 +25,10 @@ impl Blend {
         let (angle, velocity) = (path.position - held.position, path.velocity - held.velocity);
         let acceleration = path.acceleration - held.acceleration;
         Trajectory {
-            position: held.position + self.share * angle,
-            velocity: held.velocity + self.share * velocity + self.first * angle,
+            position: held.position + self.weight * angle,
+            velocity: held.velocity + self.weight * velocity + self.first * angle,
             acceleration: held.acceleration
-                + self.share * acceleration
+                + self.weight * acceleration
                 + 2.0 * self.first * velocity
                 + self.second * angle,
         }
@@ -38,51 +38,51 @@ impl Blend {
 /// Fraction of the path over the time; by default none.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Transition {
-    share: Quintic,
+    weight: Quintic,
     ticks: u32,
 }
 
 impl Default for Transition {
     fn default() -> Self {
         // long over
-        Self { share: Quintic::resting(0.0), ticks: u32::MAX }
+        Self { weight: Quintic::resting(0.0), ticks: u32::MAX }
     }
 }
 
 impl Transition {
     /// From the present share onto the path, within `expert.approach.time`.
     pub fn approach(&mut self, p: &Parameters) {
-        *self = Self { share: Quintic::new(self.now(p), 1.0, p.approach_time), ticks: 0 };
+        *self = Self { weight: Quintic::new(self.now(p), 1.0, p.approach_time), ticks: 0 };
     }
 
     /// From the present share off the path, within `duration` (s).
     pub fn leave(&mut self, p: &Parameters, duration: f64) {
-        *self = Self { share: Quintic::new(self.now(p), 0.0, duration), ticks: 0 };
+        *self = Self { weight: Quintic::new(self.now(p), 0.0, duration), ticks: 0 };
     }
 
     /// One sample farther.
     pub fn step(&mut self, p: &Parameters) -> Blend {
         self.ticks = self.ticks.saturating_add(1);
         let Trajectory { position, velocity, acceleration } = self.now(p);
-        Blend { share: position, first: velocity, second: acceleration }
+        Blend { weight: position, first: velocity, second: acceleration }
     }
 
     /// Whether the path is reached.
     pub fn arrived(&self, p: &Parameters) -> bool {
-        self.over(p) && self.share.goal() == 1.0
+        self.over(p) && self.weight.goal() == 1.0
     }
 
     /// Whether nothing of the path is left.
     pub fn gone(&self, p: &Parameters) -> bool {
-        self.over(p) && self.share.goal() == 0.0
+        self.over(p) && self.weight.goal() == 0.0
     }
 
     fn over(&self, p: &Parameters) -> bool {
-        self.share.over(f64::from(self.ticks) * p.sample_period)
+        self.weight.over(f64::from(self.ticks) * p.sample_period)
     }
 
     fn now(&self, p: &Parameters) -> Trajectory {
-        self.share.at(f64::from(self.ticks) * p.sample_period)
+        self.weight.at(f64::from(self.ticks) * p.sample_period)
     }
 }
 
@@ -114,11 +114,11 @@ mod tests {
         }
         assert!(transition.arrived(&p));
         assert!((before.position - path(0.3).position).abs() < 1e-15);
-        assert_eq!(transition.step(&p), Blend { share: 1.0, first: 0.0, second: 0.0 });
+        assert_eq!(transition.step(&p), Blend { weight: 1.0, first: 0.0, second: 0.0 });
     }
 
     #[test]
-    fn nothing_goes_beyond_the_path_on_the_way_off() {
+    fn nothing_goes_beyond_the_path_during_the_retract() {
         let p = Parameters::START;
         let mut transition = Transition::default();
         transition.approach(&p);
@@ -128,8 +128,8 @@ mod tests {
         transition.leave(&p, 0.3);
         for k in 0..3000 {
             assert!(!transition.gone(&p), "sample {k}");
-            let share = transition.step(&p).share;
-            assert!((0.0..=1.0).contains(&share), "sample {k}: {share}");
+            let weight = transition.step(&p).weight;
+            assert!((0.0..=1.0).contains(&weight), "sample {k}: {weight}");
         }
         assert!(transition.gone(&p) && !transition.arrived(&p));
     }
@@ -137,16 +137,16 @@ mod tests {
     #[test]
     fn the_way_back_begins_anywhere_without_a_jump() {
         let p = Parameters::START;
-        for turn in [1, 700, 1500, 2999] {
+        for reversal in [1, 700, 1500, 2999] {
             let mut transition = Transition::default();
             let mut before = 0.0;
             for k in 0..6000 {
-                if k == 0 || k == turn {
+                if k == 0 || k == reversal {
                     if k == 0 { transition.approach(&p) } else { transition.leave(&p, 0.3) }
                 }
-                let share = transition.step(&p).share;
-                assert!((share - before).abs() < 1e-3 && (-1e-12..=1.0).contains(&share), "{turn} {k}: {share}");
-                before = share;
+                let weight = transition.step(&p).weight;
+                assert!((weight - before).abs() < 1e-3 && (-1e-12..=1.0).contains(&weight), "{reversal} {k}: {weight}");
+                before = weight;
             }
             assert!(transition.gone(&p));
         }

@@ -160,7 +160,7 @@ fn readings_on_one_flat_are_one_sample() {
 }
 
 #[test]
-fn a_flat_lies_at_the_mean_of_its_readings_and_a_rigid_arm_does_not_bend() {
+fn a_flat_is_at_the_mean_of_its_readings_and_a_rigid_arm_does_not_bend() {
     let mut p = Parameters::START;
     p.tip.frequency = 0.0;
     let mut bench = Bench::new(p, Mode::CalibrateFlats);

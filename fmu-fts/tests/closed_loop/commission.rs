@@ -11,9 +11,9 @@ use crate::run::Loop;
 /// Longest commission, s.
 const LIMIT: f64 = 20.0;
 /// The spindle is at rest, and the tool is in air.
-const STANDING: Build = Build { speed: |_| 0.0, cutting: [0.0; 3], ..Build::NOMINAL };
+const AT_REST: Build = Build { speed: |_| 0.0, cutting: [0.0; 3], ..Build::NOMINAL };
 /// An arm with off-nominal inertia, stiffness and delay.
-const OTHER: Build = Build { gain: 0.75, flexure: 1000.0, damping: 0.016, coulomb: 0.012, delay: 2, ..STANDING };
+const OTHER: Build = Build { gain: 0.75, flexure: 1000.0, damping: 0.016, coulomb: 0.012, delay: 2, ..AT_REST };
 
 /// Requests only a commissioning run.
 fn ask(input: &mut Input) {
@@ -39,13 +39,13 @@ fn begin(run: &mut Loop, time: f64) {
 /// Runs until the commissioning run is over; the largest travel of the tool (m) and the largest torque (N.m).
 fn commission(run: &mut Loop) -> [f64; 2] {
     begin(run, 0.0);
-    let (start, mut most) = (run.machine.tip_depth(), [0.0f64; 2]);
+    let (start, mut maximum) = (run.machine.tip_depth(), [0.0f64; 2]);
     while run.output.state == State::Commission {
-        most = [most[0].max((run.machine.tip_depth() - start).abs()), most[1].max(run.output.torque.abs())];
+        maximum = [maximum[0].max((run.machine.tip_depth() - start).abs()), maximum[1].max(run.output.torque.abs())];
         run.step_with(ask);
         assert!(run.time() < LIMIT, "{:?}", run.output);
     }
-    most
+    maximum
 }
 
 /// A machine within 30 % of nominal: inertia and drive gain, of which the ratio matters.
@@ -58,7 +58,7 @@ fn unknown(seed: u64) -> Build {
         damping: 0.02 * within(),
         coulomb: 0.01 * within(),
         delay: (seed % 3) as usize,
-        ..STANDING
+        ..AT_REST
     }
 }
 
@@ -73,14 +73,14 @@ fn unknown_machines_are_measured_within_their_deviations() {
     for seed in 70..79 {
         let build = unknown(seed);
         let mut run = Loop::new(&Parameters::START, &build, seed);
-        let [way, torque] = commission(&mut run);
+        let [travel, torque] = commission(&mut run);
         let m = &run.output.measured;
         assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{seed}: {m:?}");
-        assert!(way < 1.75e-3 && torque < 1.4, "{seed}: {way} {torque}");
+        assert!(travel < 1.75e-3 && torque < 1.4, "{seed}: {travel} {torque}");
         let [inertia, viscous, dry] = [8e-4, 2e-3, build.coulomb].map(|of| of / build.gain);
         let (delay, frequency) = (build.delay as f64, TAU * build.flexure);
         // measured value and its standard deviation, the ground truth, and the largest error and standard deviation
-        for (measured, truth, most) in [
+        for (measured, actual, maximum) in [
             ([m.inertia, m.inertia_std], inertia, [1e-3 * inertia, 2e-3 * inertia]),
             ([m.viscous_friction, m.viscous_friction_std], viscous, [0.03 * viscous, 0.5 * viscous]),
             ([m.dry_friction, m.dry_friction_std], dry, [0.01 * dry, 0.1 * dry]),
@@ -89,8 +89,11 @@ fn unknown_machines_are_measured_within_their_deviations() {
             ([m.tip_inertia, m.tip_inertia_std], 0.4375, [0.01, 0.05]),
             ([m.tip_damping, m.tip_damping_std], build.damping, [2e-3, 0.02]),
         ] {
-            let error = (measured[0] - truth).abs();
-            assert!(error < most[0] && error < measured[1] && measured[1] < most[1], "{seed}: {measured:?}, {truth}");
+            let error = (measured[0] - actual).abs();
+            assert!(
+                error < maximum[0] && error < measured[1] && measured[1] < maximum[1],
+                "{seed}: {measured:?}, {actual}"
+            );
         }
     }
 }
@@ -111,8 +114,8 @@ fn what_was_measured_is_used_on_request_and_the_lens_is_then_cut_as_ever() {
         let mut named = p.clone();
         named.commission.export = folder.path().join("found.json").to_str().unwrap().into();
         run.controller.export(&named).unwrap();
-        let told = std::fs::read_to_string(&named.commission.export).unwrap();
-        assert!(told.contains(&format!("\"servo.inertia\": {:e},", m.inertia)), "{told}");
+        let text = std::fs::read_to_string(&named.commission.export).unwrap();
+        assert!(text.contains(&format!("\"servo.inertia\": {:e},", m.inertia)), "{text}");
         run.step_with(rest);
         assert_eq!(run.parameters.servo.inertia, if apply { m.inertia } else { 8e-4 });
         assert_eq!((run.parameters.io_delay, run.parameters.tip == p.tip), if apply { (2, false) } else { (1, true) });
@@ -139,7 +142,7 @@ fn a_delay_that_is_no_whole_number_of_samples_costs_the_bandwidth_that_it_must()
     let bandwidths = [2000.0, 4000.0].map(|hertz| {
         let mut p = applied();
         (p.servo.current_bandwidth, p.commission.sensitivity_max) = (TAU * hertz, 1.45);
-        let mut run = Loop::new(&p, &STANDING, 95);
+        let mut run = Loop::new(&p, &AT_REST, 95);
         commission(&mut run);
         run.step_with(rest);
         assert_eq!((run.output.measured.valid, run.parameters.io_delay), (true, 1), "{:?}", run.output.measured);
@@ -153,19 +156,19 @@ fn a_delay_that_is_no_whole_number_of_samples_costs_the_bandwidth_that_it_must()
 #[test]
 fn it_is_aborted_into_rest_and_the_configured_values() {
     type Break = fn(&mut Input);
-    let ways: [Break; 3] = [
+    let actions: [Break; 3] = [
         |input| input.commission = false,
         |input| (input.enable, input.commission) = (true, true),
         |input| (input.enable, input.mode, input.commission) = (true, Mode::Track, true),
     ];
     let p = applied();
     for time in [0.005, 0.4, 3.0, 7.0] {
-        for way in ways {
+        for action in actions {
             let mut run = Loop::new(&p, &OTHER, 84);
             begin(&mut run, time);
             let quiet = |input: &mut Input| {
                 rest(input);
-                way(input);
+                action(input);
             };
             run.step_with(quiet);
             assert!(matches!(run.output.state, State::Retract | State::Idle), "{time}: {:?}", run.output.state);
@@ -180,7 +183,7 @@ fn it_is_aborted_into_rest_and_the_configured_values() {
 
 #[test]
 fn it_never_starts_by_itself_and_no_task_starts_after_it() {
-    let mut run = Loop::new(&Parameters::START, &STANDING, 85);
+    let mut run = Loop::new(&Parameters::START, &AT_REST, 85);
     for _ in 0..1000 {
         // true from the first sample on is no edge
         run.step_with(ask);
@@ -205,10 +208,10 @@ fn it_starts_from_done_and_the_task_before_does_not_start_again() {
     run.feed(0.0);
     run.run_to(run.time() + 0.5);
     assert_eq!(run.output.state, State::Done);
-    let still_wanted = |input: &mut Input| input.commission = true;
-    run.step_with(still_wanted);
+    let still_requested = |input: &mut Input| input.commission = true;
+    run.step_with(still_requested);
     assert_eq!(run.output.state, State::Commission);
-    (0..20_000).for_each(|_| run.step_with(still_wanted));
+    (0..20_000).for_each(|_| run.step_with(still_requested));
     assert_eq!(run.output.state, State::Commission, "{:?}", run.output.fault);
     (0..5000).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
@@ -242,12 +245,12 @@ fn an_uncertain_or_unsuitable_result_is_rejected_with_its_values() {
     let stiff = |p: &mut Parameters| p.commission.sensitivity_max = 1.3;
     type Change = fn(&mut Parameters);
     let cases: [(Change, Build); 6] = [
-        (|p| p.commission.delay_std_max = 0.001, STANDING),
-        (|_| (), Build { delay: 4, ..STANDING }),
-        (unsure, STANDING),
+        (|p| p.commission.delay_std_max = 0.001, AT_REST),
+        (|_| (), Build { delay: 4, ..AT_REST }),
+        (unsure, AT_REST),
         (stiff, OTHER),
-        (|_| (), Build { gain: 0.47, ..STANDING }),
-        (|_| (), Build { flexure: 1750.0, ..STANDING }),
+        (|_| (), Build { gain: 0.47, ..AT_REST }),
+        (|_| (), Build { flexure: 1750.0, ..AT_REST }),
     ];
     for (change, build) in cases {
         let mut p = applied();
@@ -274,9 +277,9 @@ fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
         (6.0, [(0.0, Fault::CommissionRejected), (-1.0, Fault::DriveSign)]),
     ] {
         for (gain, fault) in faults {
-            let mut run = Loop::new(&applied(), &STANDING, 89);
+            let mut run = Loop::new(&applied(), &AT_REST, 89);
             begin(&mut run, 0.0);
-            let place = run.machine.tip_depth();
+            let depth = run.machine.tip_depth();
             begin_over(&mut run, time);
             run.machine.set_gain(gain);
             while run.output.state == State::Commission {
@@ -285,10 +288,10 @@ fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
             }
             assert_eq!(run.output.fault, fault, "{time} {gain}");
             // the message shows the evaluated ratio
-            assert!(fault == Fault::CommissionRejected || run.output.numbers.share < 0.4, "{time} {gain}");
+            assert!(fault == Fault::CommissionRejected || run.output.numbers.drive_ratio < 0.4, "{time} {gain}");
             // its travel of 1.75 mm and the following error of 1 mm
-            let way = (run.machine.tip_depth() - place).abs();
-            assert!(way < 2.75e-3, "{time} {gain}: {way}");
+            let travel = (run.machine.tip_depth() - depth).abs();
+            assert!(travel < 2.75e-3, "{time} {gain}: {travel}");
         }
     }
 }
@@ -365,7 +368,7 @@ fn a_frozen_encoder_ends_the_run_where_oscillations_are_small() {
 fn a_rigid_arm_stays_rigid() {
     let mut p = applied();
     (p.tip.frequency, p.tip.inertia) = (0.0, 0.0);
-    let build = Build { flexure: 20_000.0, gain: 0.8, ..STANDING };
+    let build = Build { flexure: 20_000.0, gain: 0.8, ..AT_REST };
     let mut run = Loop::new(&p, &build, 93);
     commission(&mut run);
     let m = &run.output.measured;

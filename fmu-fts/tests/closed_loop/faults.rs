@@ -180,9 +180,9 @@ fn an_arm_that_does_not_follow_is_a_fault() {
 
 #[test]
 fn nonsense_is_bridged_and_then_a_fault_in_every_state() {
-    type Place = fn(&mut Input) -> &mut f64;
+    type Location = fn(&mut Input) -> &mut f64;
     // and whether a held arm needs it
-    let changes: [(Place, Fault, bool); 4] = [
+    let changes: [(Location, Fault, bool); 4] = [
         (|i| &mut i.arm_angle, Fault::PositionLost, true),
         (|i| &mut i.spindle_angle, Fault::SpindleLost, false),
         (|i| &mut i.slide_position, Fault::SlideLost, false),
@@ -211,7 +211,7 @@ fn nonsense_is_bridged_and_then_a_fault_in_every_state() {
 }
 
 #[test]
-fn hostile_inputs_never_give_nan() {
+fn bad_inputs_never_give_nan() {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(5);
     let mut p = Parameters::START;
     p.limits.following_error = 0.1;

@@ -20,8 +20,8 @@ fn an_arm_of_0_3_mm_more_makes_4_um_and_leaves_nothing_of_it() {
     // 1.75 mm at 30 mm, as the square of the distance, times 0.3 / 80
     let expected = 1.75e-3 * (0.0285_f64 / 0.03).powi(2) * 0.3 / 80.0 / 2f64.sqrt();
     assert!((before / expected - 1.0).abs() < 0.05, "{before:e} {expected:e}");
-    let told = bench.correct(1e-12);
-    assert!((told.error / before - 1.0).abs() < 0.1 && told.largest > before, "{told:?}");
+    let form = bench.correct(1e-12);
+    assert!((form.error / before - 1.0).abs() < 0.1 && form.largest > before, "{form:?}");
     assert!(bench.form() < 0.02 * before, "{:e}", bench.form());
 }
 
@@ -46,7 +46,7 @@ fn each_constant_error_of_a_machine_is_corrected() {
 fn a_good_machine_is_not_made_worse_and_a_second_lens_not_again() {
     let mut random = Pcg64Mcg::seed_from_u64(77);
     for seed in 0..12 {
-        let mut draw = |most: f64| random.random_range(-most..most);
+        let mut draw = |maximum: f64| random.random_range(-maximum..maximum);
         let scale = if seed % 3 == 0 { 0.0 } else { 1.0 };
         let common = draw(3e-4) * scale;
         let wrong = Wrong {
@@ -80,13 +80,13 @@ fn a_result_that_is_too_large_or_uncertain_corrects_nothing() {
     let mut bench = Bench::new(Parameters::START, Wrong { offset: -6e-4, ..LONG }, 4);
     bench.probe(NOISE);
     assert_eq!(bench.solve(), Status::TooLarge);
-    let told = bench.calibration.form();
-    assert!(told.largest > bench.p.form.depth_max && bench.calibration.correction().is_none(), "{told:?}");
+    let form = bench.calibration.form();
+    assert!(form.largest > bench.p.form.depth_max && bench.calibration.correction().is_none(), "{form:?}");
     let mut bench = Bench::new(Parameters::START, LONG, 5);
     bench.probe(10.0 * NOISE);
     assert_eq!(bench.solve(), Status::Uncertain);
-    let told = bench.calibration.form();
-    assert!(told.std > bench.p.form.std_max && bench.calibration.correction().is_none(), "{told:?}");
+    let form = bench.calibration.form();
+    assert!(form.std > bench.p.form.std_max && bench.calibration.correction().is_none(), "{form:?}");
 }
 
 #[test]
@@ -96,18 +96,18 @@ fn a_probe_of_three_times_the_noise_corrects_within_its_standard_deviation_or_is
         let mut bench = Bench::new(Parameters::START, LONG, seed);
         let before = bench.form();
         bench.probe(3.0 * NOISE);
-        let (status, told) = (bench.solve(), bench.calibration.form());
+        let (status, form) = (bench.solve(), bench.calibration.form());
         match bench.calibration.correction() {
             Some(correction) => {
                 solved += 1;
                 assert_eq!(status, Status::Solved);
                 bench.path.correct(Some(correction));
                 let after = bench.form();
-                assert!(after < 0.2 * before + 3.0 * told.std, "{seed}: {after:e} of {before:e}, {told:?}");
+                assert!(after < 0.2 * before + 3.0 * form.std, "{seed}: {after:e} of {before:e}, {form:?}");
             }
             None => {
                 assert_eq!(status, Status::Uncertain, "{seed}");
-                assert!(told.std > bench.p.form.std_max, "{told:?}");
+                assert!(form.std > bench.p.form.std_max, "{form:?}");
             }
         }
     }
@@ -184,11 +184,11 @@ fn probe(run: &mut Loop, excess: f64) {
     let path = PathTable::new(Arm::new(p), &DepthTable::of_surface(p).unwrap(), 24);
     for (k, i) in (0..24).flat_map(|k| (0..20).map(move |i| (k, i))) {
         let (distance, (side, angle)) = (0.028 + 2e-4 * f64::from(i), around(k));
-        let told = contact(&path, [2e-3, 1.5e-3], distance, Phasors::new(angle, 64).from_zero()).unwrap();
+        let form = contact(&path, [2e-3, 1.5e-3], distance, Phasors::new(angle, 64).from_zero()).unwrap();
         let input = &mut run.input;
         // both sides of the axis are alike for an excess twice per revolution
         (input.probe_lateral, input.probe_angle) = (side * distance, angle);
-        input.probe_depth = told.depth + excess * (2.0 * angle).cos();
+        input.probe_depth = form.depth + excess * (2.0 * angle).cos();
         for capture in [true, false] {
             run.input.probe_capture = capture;
             run.step();
@@ -202,17 +202,17 @@ fn probe(run: &mut Loop, excess: f64) {
 }
 
 /// Largest deviation of the path from one that is deeper than nominal by `added` (m) twice per revolution, m.
-fn beside(run: &mut Loop, added: f64) -> f64 {
+fn next_to(run: &mut Loop, added: f64) -> f64 {
     let p = &run.parameters;
     let path = PathTable::new(Arm::new(p), &DepthTable::of_surface(p).unwrap(), 24);
-    let mut most: f64 = 0.0;
+    let mut maximum: f64 = 0.0;
     for _ in 0..1000 {
         run.step();
         let Input { spindle_angle, slide_position, .. } = run.input;
-        let [told, _] = path.nominal_depth(slide_position, Phasors::new(spindle_angle, 64).from_zero());
-        most = most.max((run.output.reference.depth - told - added * (2.0 * spindle_angle).cos()).abs());
+        let [nominal, _] = path.nominal_depth(slide_position, Phasors::new(spindle_angle, 64).from_zero());
+        maximum = maximum.max((run.output.reference.depth - nominal - added * (2.0 * spindle_angle).cos()).abs());
     }
-    most
+    maximum
 }
 
 #[test]
@@ -224,7 +224,7 @@ fn what_the_lens_asks_for_is_the_next_path_where_it_may() {
         let until = run.time() + 1.0;
         run.run_to(until);
         assert_eq!(run.output.form.corrected, apply);
-        let (with, without) = (beside(&mut run, -3e-6), beside(&mut run, 0.0));
+        let (with, without) = (next_to(&mut run, -3e-6), next_to(&mut run, 0.0));
         assert_eq!(with < 2e-7, apply, "{with:e}");
         assert_eq!(without < 2e-7, !apply, "{without:e}");
         // and the arm follows it as any other
@@ -269,8 +269,8 @@ fn a_path_that_was_joined_but_not_followed_has_cut_no_lens() {
         let until = run.time() + 1.0;
         run.run_to(until);
         assert_eq!((run.output.state, run.output.form.corrected), (State::Track, true));
-        let most = beside(run, -3e-6);
-        assert!(most < 2e-7, "{most:e}");
+        let maximum = next_to(run, -3e-6);
+        assert!(maximum < 2e-7, "{maximum:e}");
     };
     again(&mut run, 3e-6);
     // the lens that was cut with the correction is good, and so is the correction

@@ -141,7 +141,7 @@ fn the_tool_follows_with_an_off_nominal_flexure() {
             assert_eq!(run.output.state, State::Track);
             run.measure(0.3)
         };
-        let (told, found) = (tip(Loop::new(&p, &build, 9)), identified(&p, &build));
+        let (nominal, found) = (tip(Loop::new(&p, &build, 9)), identified(&p, &build));
         let response = &found.output.response;
         println!(
             "{:.2} Hz (sigma {:.2}), {:.4}",
@@ -152,8 +152,8 @@ fn the_tool_follows_with_an_off_nominal_flexure() {
         assert!((response.tip_frequency / (TAU * flexure) - 1.0).abs() < 5e-3, "{}", response.tip_frequency / TAU);
         assert!(response.tip_frequency_std > 0.0);
         let left = tip(found);
-        println!("nominal {told:.3?}, found {left:.3?}");
-        assert!(told.tip > 1.0 && left.tip < 0.2 && left.rms < 0.1, "{told:?} {left:?}");
+        println!("nominal {nominal:.3?}, found {left:.3?}");
+        assert!(nominal.tip > 1.0 && left.tip < 0.2 && left.rms < 0.1, "{nominal:?} {left:?}");
     }
 }
 

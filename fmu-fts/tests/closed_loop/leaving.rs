@@ -43,8 +43,8 @@ fn leaves_within_five_percent(arm: &Build) {
         let build = Build { gain: arm.gain, flexure: arm.flexure, ..cut };
         let mut tracking = Loop::new(&p, &build, 11);
         tracking.run_to(1.0);
-        let (least, most) = range(&mut tracking, 0.11);
-        let (middle, beyond) = (0.5 * (least + most), 0.05 * 0.5 * (most - least));
+        let (minimum, maximum) = range(&mut tracking, 0.11);
+        let (middle, beyond) = (0.5 * (minimum + maximum), 0.05 * 0.5 * (maximum - minimum));
         for mode in [Mode::Hold, Mode::Identify, Mode::CalibrateFlats] {
             for phase in 0..6 {
                 let mut run = tracking.clone();
@@ -53,8 +53,8 @@ fn leaves_within_five_percent(arm: &Build) {
                 run.input.hold_angle = (middle / 0.08).asin() - 0.0523;
                 // before the oscillation of the identification starts
                 let (low, high) = range(&mut run, 0.3);
-                let kept = low > least - beyond && high < most + beyond;
-                assert!(kept, "{mode:?} {phase}: {low} {high}, path {least} {most}");
+                let kept = low > minimum - beyond && high < maximum + beyond;
+                assert!(kept, "{mode:?} {phase}: {low} {high}, path {minimum} {maximum}");
                 assert_eq!(run.output.fault, Fault::None);
                 if mode == Mode::Hold {
                     let (low, high) = range(&mut run, 0.1);
@@ -124,7 +124,7 @@ fn out_of_the_table_where_the_path_was_joined_nothing_is_done() {
 }
 
 #[test]
-fn a_reset_on_the_way_out_of_the_part_waits_for_its_end() {
+fn a_reset_during_the_retract_waits_for_its_end() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 11);
     run.run_to(0.6);
     run.input.hold_angle = f64::NAN;
@@ -149,43 +149,43 @@ fn a_lost_spindle_ends_out_of_the_part_under_control() {
     for (p, build) in cuts() {
         let mut run = Loop::new(&p, &build, 11);
         run.run_to(1.0);
-        let (least, most) = range(&mut run, 0.11);
+        let (minimum, maximum) = range(&mut run, 0.11);
         let (stuck, mut high) = (run.input.spindle_angle, f64::NEG_INFINITY);
         while run.time() < 1.8 {
             run.step_with(|input| input.spindle_angle = stuck);
             high = high.max(run.machine.tip_depth());
             if run.time() > 1.7 {
-                assert!(run.machine.tip_depth() < least - 0.9e-3);
+                assert!(run.machine.tip_depth() < minimum - 0.9e-3);
             }
         }
-        assert!(high < most + 0.05 * (most - least), "{high} {most}");
+        assert!(high < maximum + 0.05 * (maximum - minimum), "{high} {maximum}");
         assert_eq!((run.output.fault, run.output.drive_enable), (Fault::SpindleFrozen, true));
         // a second fault in the end is not ignored, and asks for more
         for _ in 0..5 {
             run.step_with(|input| input.arm_angle = f64::NAN);
         }
-        let told = (run.output.fault, run.output.drive_enable, run.output.torque);
-        assert_eq!(told, (Fault::PositionLost, false, 0.0));
+        let outputs = (run.output.fault, run.output.drive_enable, run.output.torque);
+        assert_eq!(outputs, (Fault::PositionLost, false, 0.0));
     }
 }
 
 #[test]
-fn what_is_switched_off_on_the_way_out_of_the_part_goes_on_and_is_let_go_there() {
+fn a_controller_disabled_during_the_retract_goes_on_and_releases_the_arm_outside() {
     let mut run = Loop::new(&Parameters::START, &Build::NOMINAL, 11);
     run.run_to(0.6);
-    let least = range(&mut run, 0.11).0;
+    let minimum = range(&mut run, 0.11).0;
     run.input.hold_angle = f64::NAN;
     run.run_to(run.time() + 0.01);
     assert_eq!((run.output.fault, run.output.drive_enable), (Fault::InvalidInput, true));
     run.input.enable = false;
     let high = range(&mut run, 0.4).1;
-    assert!(high < least + 3.6e-3, "{high} {least}");
+    assert!(high < minimum + 3.6e-3, "{high} {minimum}");
     // enabled again it stays where it is
     run.input.enable = true;
     for _ in 0..100 {
         run.step();
         assert_eq!((run.output.torque, run.output.state), (0.0, State::Fault));
-        assert!(run.machine.tip_depth() < least - 0.9e-3);
+        assert!(run.machine.tip_depth() < minimum - 0.9e-3);
     }
 }
 
@@ -194,7 +194,7 @@ fn a_task_that_is_switched_off_retracts_out_of_the_part() {
     for (p, build) in cuts() {
         let mut run = Loop::new(&p, &build, 11);
         run.run_to(1.0);
-        let (least, most) = range(&mut run, 0.11);
+        let (minimum, maximum) = range(&mut run, 0.11);
         for enable in [false, true] {
             let mut run = run.clone();
             (run.input.enable, run.input.mode) = (enable, if enable { Mode::Idle } else { Mode::Track });
@@ -204,12 +204,12 @@ fn a_task_that_is_switched_off_retracts_out_of_the_part() {
                 run.step();
                 high = high.max(run.machine.tip_depth());
             }
-            assert!(high < most + 0.05 * (most - least), "{high} {most}");
-            assert!(run.machine.tip_depth() < least - 0.9e-3);
-            let told = (run.output.state, run.output.fault, run.output.torque, run.output.drive_enable);
-            assert_eq!(told, (State::Idle, Fault::None, 0.0, true));
+            assert!(high < maximum + 0.05 * (maximum - minimum), "{high} {maximum}");
+            assert!(run.machine.tip_depth() < minimum - 0.9e-3);
+            let outputs = (run.output.state, run.output.fault, run.output.torque, run.output.drive_enable);
+            assert_eq!(outputs, (State::Idle, Fault::None, 0.0, true));
             // it is let go there: the thrust takes it only farther out
-            assert!(range(&mut run, 0.1).1 < least - 0.9e-3);
+            assert!(range(&mut run, 0.1).1 < minimum - 0.9e-3);
         }
     }
 }
@@ -220,7 +220,7 @@ fn an_approach_that_is_switched_off_ends_out_of_the_part() {
     let mut run = Loop::new(&p, &Build::NOMINAL, 11);
     let mut cut = run.clone();
     cut.run_to(1.0);
-    let least = range(&mut cut, 0.11).0;
+    let minimum = range(&mut cut, 0.11).0;
     run.run_to(0.5 * p.approach_time);
     assert_eq!(run.output.state, State::Approach);
     run.input.enable = false;
@@ -229,7 +229,7 @@ fn an_approach_that_is_switched_off_ends_out_of_the_part() {
         run.step();
     }
     assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None));
-    assert!(run.machine.tip_depth() < least - 0.9e-3, "{} m, path from {least} m", run.machine.tip_depth());
+    assert!(run.machine.tip_depth() < minimum - 0.9e-3, "{} m, path from {minimum} m", run.machine.tip_depth());
 }
 
 #[test]
@@ -255,7 +255,7 @@ fn an_arm_whose_encoder_is_lost_is_braked_before_the_drive_is_off() {
             let build = Build { gain, ..build.clone() };
             let mut tracking = Loop::new(&p, &build, 11);
             tracking.run_to(1.0);
-            let (least, most) = range(&mut tracking, 0.11);
+            let (minimum, maximum) = range(&mut tracking, 0.11);
             for phase in 0..6 {
                 let mut run = tracking.clone();
                 run.run_to(run.time() + 0.0061 * f64::from(phase));
@@ -266,7 +266,7 @@ fn an_arm_whose_encoder_is_lost_is_braked_before_the_drive_is_off() {
                 }
                 assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionLost, false));
                 // coasting, 3 cm at 870 rpm would go round in circles
-                assert!(high < most + 0.05 * (most - least), "gain {gain}, {phase}: {high} {most}");
+                assert!(high < maximum + 0.05 * (maximum - minimum), "gain {gain}, {phase}: {high} {maximum}");
             }
         }
     }
@@ -292,7 +292,7 @@ fn an_arm_that_its_drive_leaves_behind_is_braked_where_that_was_seen_to_obey() {
     let (p, build) = &cuts()[2];
     let mut tracking = Loop::new(p, build, 17);
     tracking.run_to(1.0);
-    let most = range(&mut tracking, 0.11).1;
+    let maximum = range(&mut tracking, 0.11).1;
     for phase in 0..12 {
         tracking.run_to(tracking.time() + 0.0011);
         let with = |gain: f64| {
@@ -303,11 +303,11 @@ fn an_arm_that_its_drive_leaves_behind_is_braked_where_that_was_seen_to_obey() {
         let (fault, braked, high) = with(0.6);
         assert_eq!((fault, braked), (Fault::FollowingError, true), "{phase}");
         // coasting, it went 6 mm beyond the path
-        assert!(high < most + 2e-3, "{phase}: {high} {most}");
+        assert!(high < maximum + 2e-3, "{phase}: {high} {maximum}");
         assert!(!with(0.0).1, "{phase}: {:?}", with(0.0));
         // coasting, one that has turned went round; at 2.2 m/s the opposite pulse and five samples take 6 mm
         let (fault, _, high) = with(-1.0);
-        assert!(fault == Fault::DriveSign && high < most + 6e-3, "{phase}: {fault:?} {high} {most}");
+        assert!(fault == Fault::DriveSign && high < maximum + 6e-3, "{phase}: {fault:?} {high} {maximum}");
     }
 }
 

@@ -72,24 +72,24 @@ impl Bench {
     /// Actual center of the nose: distance and depth, m.
     fn nose(&self, slide_position: f64, angle: f64) -> [f64; 2] {
         let Wrong { length, offset, angle: bent, late, .. } = self.wrong;
-        let (told, mut row) = (self.path.arm(), self.path.row());
+        let (nominal, mut row) = (self.path.arm(), self.path.row());
         self.path.interpolate(slide_position, &mut row);
         let depth = row.depth(Phasors::new(angle - late, 64).from_zero()).value;
-        let (phi, length) = (told.angle(depth) + told.zero + bent, told.length + length);
-        [told.center_offset + offset - slide_position - length * phi.cos(), length * phi.sin()]
+        let (phi, length) = (nominal.angle(depth) + nominal.zero + bent, nominal.length + length);
+        [nominal.center_offset + offset - slide_position - length * phi.cos(), length * phi.sin()]
     }
 
     /// Lowest point of a ball on the cut section, m.
     fn depth(&self, ball: f64, distance: f64, angle: f64) -> f64 {
-        let beside = self.p.tool.nose_radius[0] + self.wrong.nose - ball;
+        let nose_offset = self.p.tool.nose_radius[0] + self.wrong.nose - ball;
         let mut x = self.path.arm().slide_position(distance, 0.0);
         for _ in 0..20 {
             let [before, here, after] = [-1e-6, 0.0, 1e-6].map(|dx| self.nose(x + dx, angle));
             let slope = (after[1] - before[1]) / (after[0] - before[0]);
-            let miss = here[0] - beside * slope / slope.hypot(1.0) - distance;
+            let miss = here[0] - nose_offset * slope / slope.hypot(1.0) - distance;
             // a correction ends with a bend
             if miss.abs() < 1e-9 {
-                return here[1] + beside / slope.hypot(1.0) + ball;
+                return here[1] + nose_offset / slope.hypot(1.0) + ball;
             }
             x += miss;
         }
@@ -102,8 +102,8 @@ impl Bench {
         let mut errors = Vec::new();
         for (k, i) in (0..12).flat_map(|k| (0..48).map(move |i| (k, i))) {
             let (distance, angle) = (ZONE[0] + (ZONE[1] - ZONE[0]) * f64::from(k) / 11.0, f64::from(i) * TAU / 48.0);
-            let told = contact(&self.path, [radius, 0.0], distance, Phasors::new(angle, 64).from_zero()).unwrap();
-            errors.push(self.depth(0.0, distance, angle) - told.depth);
+            let nominal = contact(&self.path, [radius, 0.0], distance, Phasors::new(angle, 64).from_zero()).unwrap();
+            errors.push(self.depth(0.0, distance, angle) - nominal.depth);
         }
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
         (errors.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt()

@@ -111,9 +111,9 @@ impl Machine {
     /// The machine with the arm along the slide; phases and noise from `seed`.
     pub fn new(build: &Build, seed: u64) -> Self {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let turn = Uniform::new(0.0, TAU).unwrap();
-        let phases = [0; 4].map(|_| turn.sample(&mut random));
-        let spindle = turn.sample(&mut random);
+        let angle = Uniform::new(0.0, TAU).unwrap();
+        let phases = [0; 4].map(|_| angle.sample(&mut random));
+        let spindle = angle.sample(&mut random);
         let (transition, input) = sampled(build, DT);
         Self {
             random,
@@ -152,16 +152,16 @@ impl Machine {
     /// One communication step with a command (N.m).
     pub fn advance(&mut self, command: f64) {
         self.pending.push(command);
-        let told = self.pending.remove(0).clamp(-TORQUE_MAX, TORQUE_MAX);
-        let told = self.build.gain * (told / (TORQUE_MAX / 32_768.0)).round() * (TORQUE_MAX / 32_768.0);
+        let commanded = self.pending.remove(0).clamp(-TORQUE_MAX, TORQUE_MAX);
+        let commanded = self.build.gain * (commanded / (TORQUE_MAX / 32_768.0)).round() * (TORQUE_MAX / 32_768.0);
         for _ in 0..SUBSTEPS {
-            self.substep(told);
+            self.substep(commanded);
         }
         self.seen.pop_front();
         self.seen.push_back(self.state[0]);
     }
 
-    fn substep(&mut self, told: f64) {
+    fn substep(&mut self, commanded: f64) {
         let Build { cutting: [mean, twice, sigma], ripple, hum, .. } = self.build;
         let keep = (-TAU * 800.0 * DT).exp();
         let normal: f64 = StandardNormal.sample(&mut self.random);
@@ -170,7 +170,7 @@ impl Machine {
         let hub = ripple * (12.0 * self.spindle + self.phases[0]).sin()
             + hum * (TAU * 120.0 * self.time + self.phases[1]).sin();
         let arm = -thrust * ARM_LENGTH * (ARM_ZERO + self.state[1]).cos();
-        self.state = self.transition * self.state + self.input * SVector::from([told, hub, arm]);
+        self.state = self.transition * self.state + self.input * SVector::from([commanded, hub, arm]);
         // dry friction takes speed from the hub, never turns it
         let loss = self.build.coulomb * DT / HUB;
         self.state[2] -= self.state[2].clamp(-loss, loss);

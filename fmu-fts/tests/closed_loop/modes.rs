@@ -170,7 +170,7 @@ fn nothing_is_learned_at_a_crawl() {
 }
 
 #[test]
-fn a_stopping_spindle_does_no_harm() {
+fn a_stopping_spindle_does_no_damage() {
     let stop = |t: f64| 600.0 * RPM * (1.0 - (t - 2.0) / 0.5).clamp(0.0, 1.0);
     let mut run = Loop::new(&Parameters::START, &Build { speed: stop, ..Build::NOMINAL }, 3);
     run.run_to(2.0);

@@ -52,10 +52,10 @@ fn tried(seed: u64) -> Outcome {
 fn try_all(seeds: std::ops::Range<u64>) {
     let outcomes: Vec<Outcome> = seeds.map(tried).collect();
     let worst = |value: fn(&Outcome) -> f64| outcomes.iter().map(value).fold(0.0, f64::max);
-    let share = worst(|outcome| outcome.feedforward / outcome.path);
+    let ratio = worst(|outcome| outcome.feedforward / outcome.path);
     let (all, tip) = (worst(|outcome| outcome.all), worst(|outcome| outcome.tip));
-    println!("worst: feedforward alone {:.2} %, all {all:.3} um, tip {tip:.3} um", 100.0 * share);
-    assert!(share < 0.04 && all < 0.8 && tip < 1.0);
+    println!("worst: feedforward alone {:.2} %, all {all:.3} um, tip {tip:.3} um", 100.0 * ratio);
+    assert!(ratio < 0.04 && all < 0.8 && tip < 1.0);
 }
 
 #[test]

@@ -26,7 +26,7 @@ pub struct Loop {
     /// Parameters in force.
     pub parameters: Parameters,
     steps: u32,
-    turned: f64,
+    rotation: f64,
 }
 
 /// Errors over some time, um.
@@ -56,7 +56,7 @@ impl Loop {
             tips: vec![0.0; p.arm_delay as usize].into(),
             parameters: p.clone(),
             steps: 0,
-            turned: 0.0,
+            rotation: 0.0,
         }
     }
 
@@ -68,7 +68,7 @@ impl Loop {
     /// One communication step; the tool is in the part from 0.5 s on.
     pub fn step(&mut self) {
         let [arm_angle, spindle_angle, slide_position] = self.machine.read();
-        let arm_angle = arm_angle + self.turned;
+        let arm_angle = arm_angle + self.rotation;
         self.input = Input { arm_angle, spindle_angle, slide_position, ..self.input.clone() };
         self.step_with_inputs();
     }
@@ -106,8 +106,8 @@ impl Loop {
     }
 
     /// Rotates the arm by `angle` (rad): from now on its encoder shows that much more.
-    pub fn turn_arm(&mut self, angle: f64) {
-        self.turned = angle;
+    pub fn rotate_arm(&mut self, angle: f64) {
+        self.rotation = angle;
     }
 
     /// Steps until the time `until` s.

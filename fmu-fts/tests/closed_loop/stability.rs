@@ -36,9 +36,9 @@ fn spectral_radius(p: &Parameters, build: &Build, speed: f64) -> f64 {
         let mut next = DVector::zeros(size);
         // each resonator in the fixed frame: rotate, learn, output
         let (error, mut set_point) = (-x[0], 0.0);
-        for (i, (turn, gain)) in resonators.iter().enumerate() {
+        for (i, (rotation, gain)) in resonators.iter().enumerate() {
             let at = FIXED + 2 * i;
-            let state = Complex::new(x[at], x[at + 1]) * turn + gain * error;
+            let state = Complex::new(x[at], x[at + 1]) * rotation + gain * error;
             (next[at], next[at + 1]) = (state.re, state.im);
             set_point += state.re;
         }

@@ -89,7 +89,7 @@ fn the_default_stays_below_half_a_micrometre_at_every_speed() {
 }
 
 #[test]
-fn without_compensation_the_flexure_bends_by_its_share_of_the_acceleration() {
+fn without_compensation_the_flexure_bends_in_proportion_to_the_acceleration() {
     let mut p = with(Harmonics::DEFAULT, 0.3);
     p.surface.outer_radius = 0.032;
     let (all, _) = tracked(&p, &at(|_| 2400.0 * RPM), Layers::All, 2.5);
@@ -100,9 +100,9 @@ fn without_compensation_the_flexure_bends_by_its_share_of_the_acceleration() {
 #[test]
 fn an_arm_with_a_configured_delay_is_on_its_path() {
     for late in [1, 2] {
-        let told = Parameters { arm_delay: late as i32, ..Parameters::START };
+        let configured = Parameters { arm_delay: late as i32, ..Parameters::START };
         let build = Build { arm_delay: late, ..Build::NOMINAL };
-        let errors = [Parameters::START, told].map(|p| {
+        let errors = [Parameters::START, configured].map(|p| {
             let mut run = Loop::new(&p, &build, 5);
             run.run_to(1.5);
             run.measure(0.3)
@@ -239,7 +239,7 @@ fn either_tool_is_guided() {
     p.tool.selected = 2;
     let mut run = Loop::new(&p, &Build::NOMINAL, 1);
     // the arm is rotated by half a revolution: its encoder continues
-    run.turn_arm(std::f64::consts::PI);
+    run.rotate_arm(std::f64::consts::PI);
     run.run_to(2.5);
     assert!(run.measure(0.5).rms < 0.5);
 }
@@ -387,14 +387,14 @@ fn each_layer_of_the_table() {
         ("3 cm, 870 rpm", twice, at(|_| 870.0 * RPM), All, 2.5),
         ("500 Hz", wave(Parameters::START, 50, 50.7e-6), air, Feedforward, 1.0),
     ] {
-        tell(row, &tracked(&p, &build, layers, settle).0);
+        print_row(row, &tracked(&p, &build, layers, settle).0);
     }
     let mut run = Loop::new(&twelve, &ramp, 1);
     run.run_to(2.5);
-    tell("ramp", &run.measure(1.0));
+    print_row("ramp", &run.measure(1.0));
 }
 
 /// A row of the table, as `tests/acceptance/measured` reads it.
-fn tell(row: &str, found: &Measured) {
+fn print_row(row: &str, found: &Measured) {
     println!("measured: fts-layers | {row} | rms={} peak={} tip={}", found.rms, found.peak, found.tip);
 }

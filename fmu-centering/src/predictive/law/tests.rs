@@ -26,40 +26,40 @@ fn now(state: State, e: f64, angle: f64) -> Observation {
 }
 
 /// Control law that has measured that ring in 200 samples a revolution.
-fn seen(e: f64, turns: f64) -> PredictiveLaw {
+fn seen(e: f64, revolutions: f64) -> PredictiveLaw {
     let mut law = PredictiveLaw::new(&P);
     // the median is two samples late
-    for k in 0..=(200.0 * turns) as u32 + 4 {
+    for k in 0..=(200.0 * revolutions) as u32 + 4 {
         law.observe(&P, &now(State::Collect, e, TAU * f64::from(k) / 200.0));
     }
     law.ring.refine();
     law
 }
 
-fn verdict(e: f64, turns: f64) -> Verdict {
-    let mut law = seen(e, turns);
-    law.conclude(&P, &now(State::Collect, e, TAU * turns)).unwrap().unwrap().1
+fn decision(e: f64, revolutions: f64) -> Decision {
+    let mut law = seen(e, revolutions);
+    law.conclude(&P, &now(State::Collect, e, TAU * revolutions)).unwrap().unwrap().1
 }
 
 #[test]
-fn centered_is_told_after_a_revolution_and_with_its_doubt_within_the_tolerance() {
-    assert_eq!([0.9, 1.01].map(|turns| verdict(1e-6, turns)), [Verdict::Measure, Verdict::Centered]);
+fn centered_is_reported_after_a_revolution_and_with_its_uncertainty_within_the_tolerance() {
+    assert_eq!([0.9, 1.01].map(|revolutions| decision(1e-6, revolutions)), [Decision::Measure, Decision::Centered]);
     // 2.5 um less 3 standard deviations of 20 nm
-    assert_eq!([2.4e-6, 2.48e-6].map(|e| verdict(e, 1.01)), [Verdict::Centered, Verdict::Push]);
+    assert_eq!([2.4e-6, 2.48e-6].map(|e| decision(e, 1.01)), [Decision::Centered, Decision::Push]);
 }
 
 #[test]
 fn a_ring_that_is_surely_off_is_pushed_early_and_one_that_may_be_centered_is_measured() {
-    assert_eq!([1e-4, 2e-6].map(|e| verdict(e, 0.6)), [Verdict::Push, Verdict::Measure]);
+    assert_eq!([1e-4, 2e-6].map(|e| decision(e, 0.6)), [Decision::Push, Decision::Measure]);
     let mut p = P;
     p.estimator.partial = false;
-    assert_eq!(seen(1e-4, 0.6).verdict(&p, SPEED, 1e-8, true), Verdict::Measure);
+    assert_eq!(seen(1e-4, 0.6).decision(&p, SPEED, 1e-8, true), Decision::Measure);
 }
 
 #[test]
-fn what_a_revolution_does_not_tell_is_unresolved() {
-    let doubtful = |turns: f64| seen(1e-4, turns).verdict(&P, SPEED, 1e-4, false);
-    assert_eq!([1.04, 1.06].map(doubtful), [Verdict::Measure, Verdict::Unresolved]);
+fn what_a_revolution_does_not_show_is_unresolved() {
+    let uncertain = |revolutions: f64| seen(1e-4, revolutions).decision(&P, SPEED, 1e-4, false);
+    assert_eq!([1.04, 1.06].map(uncertain), [Decision::Measure, Decision::Unresolved]);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn the_ring_is_measured_on_its_own_only() {
         Some(LastPush { eccentricity: 1e-4, angle: 0.0, sense: 1.0, lateral: 0.0, kind: PushKind::Tap(0.1) });
     law.enter(&P, State::Settle, &now(State::Settle, 1e-4, 0.0));
     let spread = (1e-4 * SPREAD + SPREAD_MIN).abs();
-    assert!((law.ring.center_sigma() - spread).abs() < 1e-12 && law.turned == 0.0);
+    assert!((law.ring.center_sigma() - spread).abs() < 1e-12 && law.rotation == 0.0);
     let first = (0..100).find(|k| {
         law.observe(&P, &now(State::Settle, 1e-6, 0.01 * f64::from(*k)));
         law.since.is_some()
@@ -106,11 +106,11 @@ fn a_ring_that_deflects_the_servo_is_tapped_over_short_ways() {
     assert_eq!([(1e-5, 1.6e-5), (7e-6, 5e-6)].map(|(deflection, e)| tapped(deflection, e)), [None; 2]);
 }
 
-/// Control law in a stroke towards a ring `e` m off that has measured its surface `beside` m from the line of the model.
-fn pressing(e: f64, beside: f64, probe: f64) -> PredictiveLaw {
+/// Control law in a stroke towards a ring `e` m off that has measured its surface `offset` m from the line of the model.
+fn pressing(e: f64, offset: f64, probe: f64) -> PredictiveLaw {
     let mut law = seen(e, 1.01);
     law.press = Some(Press::new(Stroke::default(), Ending::Blow, 0.0, 0.0, P.slide.bandwidth));
-    let tip = law.ring.line(1.0) + beside;
+    let tip = law.ring.line(1.0) + offset;
     law.seen = Some(Measurement { angle: 1.0, slide: tip + probe, tip });
     law
 }
@@ -120,18 +120,18 @@ fn a_surface_that_is_not_where_the_model_says_ends_the_stroke_before_the_pusher_
     let far = P.probe.at_pusher - 1.1e-3;
     for side in [1.0, -1.0] {
         // 1.5 mm, or half of the eccentricity
-        for (e, most) in [(1e-4, 1.5e-3), (2.9e-3, 1.5e-3), (8e-3, 4e-3)] {
-            assert!(!pressing(e, 0.99 * side * most, far).astray(&P), "{e}");
-            assert!(pressing(e, 1.01 * side * most, far).astray(&P), "{e}");
+        for (e, maximum) in [(1e-4, 1.5e-3), (2.9e-3, 1.5e-3), (8e-3, 4e-3)] {
+            assert!(!pressing(e, 0.99 * side * maximum, far).diverged(&P), "{e}");
+            assert!(pressing(e, 1.01 * side * maximum, far).diverged(&P), "{e}");
         }
-        assert!(!pressing(1e-4, 2e-3 * side, P.probe.at_pusher - 0.9e-3).astray(&P));
+        assert!(!pressing(1e-4, 2e-3 * side, P.probe.at_pusher - 0.9e-3).diverged(&P));
     }
     let mut law = pressing(1e-4, 2e-3, far);
     law.press = None;
-    assert!(!law.astray(&P));
+    assert!(!law.diverged(&P));
     let mut law = pressing(1e-4, 2e-3, far);
     law.seen = None;
-    assert!(!law.astray(&P));
+    assert!(!law.diverged(&P));
 }
 
 #[test]
@@ -167,8 +167,8 @@ fn a_stroke_ends_at_the_line_of_the_centered_ring_with_what_was_learned() {
         law.press = Some(rest());
         let (mut expected, seen) = (rest(), law.seen.unwrap());
         for _ in 0..20 {
-            let told = law.press(&p, &now(State::Push, 1e-4, 1.0)).unwrap();
-            assert_eq!(told, expected.step(&p, &goal, &seen, 0.1));
+            let result = law.press(&p, &now(State::Push, 1e-4, 1.0)).unwrap();
+            assert_eq!(result, expected.step(&p, &goal, &seen, 0.1));
         }
         assert_eq!(law.ahead(), expected.ahead());
         assert!(law.ahead().abs() > 1e-9);
@@ -176,7 +176,7 @@ fn a_stroke_ends_at_the_line_of_the_centered_ring_with_what_was_learned() {
 }
 
 #[test]
-fn the_ring_is_told_when_it_is_known_and_only_while_it_is_measured() {
+fn the_ring_is_reported_when_it_is_known_and_only_while_it_is_measured() {
     let mut law = seen(1e-4, 1.01);
     for state in [State::Follow, State::Push, State::Settle, State::Confirm, State::Centered] {
         assert!(law.conclude(&P, &now(state, 1e-4, 1.0)).is_none(), "{state:?}");
@@ -185,32 +185,32 @@ fn the_ring_is_told_when_it_is_known_and_only_while_it_is_measured() {
     early.due.collect = false;
     assert!(law.conclude(&P, &early).is_none());
     for state in [State::Collect, State::Wait] {
-        let (estimate, verdict) = law.conclude(&P, &now(state, 1e-4, 1.0)).unwrap().unwrap();
+        let (estimate, decision) = law.conclude(&P, &now(state, 1e-4, 1.0)).unwrap().unwrap();
         let estimate = estimate.unwrap();
-        assert!((estimate.center.eccentricity() - 1e-4).abs() < 1e-7 && verdict == Verdict::Push);
+        assert!((estimate.center.eccentricity() - 1e-4).abs() < 1e-7 && decision == Decision::Push);
         assert_eq!((estimate.mean, estimate.sigma), (law.ring.mean_line(), law.ring.center_sigma()));
     }
     // there is no result for a ring with few measurements
     let mut law = seen(1e-4, 0.05);
-    let (estimate, verdict) = law.conclude(&P, &now(State::Collect, 1e-4, 0.3)).unwrap().unwrap();
-    assert_eq!((estimate, verdict), (None, Verdict::Measure));
+    let (estimate, decision) = law.conclude(&P, &now(State::Collect, 1e-4, 0.3)).unwrap().unwrap();
+    assert_eq!((estimate, decision), (None, Decision::Measure));
 }
 
 #[test]
-fn a_ring_is_certain_within_a_share_of_its_eccentricity() {
+fn a_ring_is_certain_within_a_fraction_of_its_eccentricity() {
     let mut law = seen(1e-4, 1.01);
-    let share = law.ring.center_sigma() / law.ring.eccentricity();
+    let ratio = law.ring.center_sigma() / law.ring.eccentricity();
     for (of, known) in [(1.01, true), (0.99, false)] {
         let mut p = P;
-        p.estimator.certainty = of * share;
-        let told = law.conclude(
+        p.estimator.certainty = of * ratio;
+        let result = law.conclude(
             &p,
             &Observation {
                 due: Due { model: false, ..now(State::Wait, 1e-4, 1.0).due },
                 ..now(State::Wait, 1e-4, 1.0)
             },
         );
-        assert_eq!(told.unwrap().unwrap().0.is_some(), known, "{of}");
+        assert_eq!(result.unwrap().unwrap().0.is_some(), known, "{of}");
     }
 }
 
@@ -242,14 +242,14 @@ fn a_launch_is_remembered_with_what_it_was_planned_for() {
 }
 
 #[test]
-fn a_push_that_was_felt_teaches_and_one_that_was_not_seen_does_not() {
-    let pushed = |way: f64| {
+fn a_sensed_push_updates_the_model_and_an_unseen_one_does_not() {
+    let pushed = |distance: f64| {
         let mut law = seen(1e-4, 1.01);
         law.press = Some(Press::new(Stroke::default(), Ending::Rest, 0.08, 0.0, P.slide.bandwidth));
         law.last_push =
             Some(LastPush { eccentricity: 1e-4, angle: 0.0, sense: 1.0, lateral: 0.0, kind: PushKind::Push(0.0) });
         let line = law.ring.line(1.0);
-        for tip in [line, line + way] {
+        for tip in [line, line + distance] {
             // the probe 7 um beyond where the pusher was expected
             law.seen = Some(Measurement { angle: 1.0, slide: tip + P.probe.at_pusher + 7e-6, tip });
             law.press(&P, &now(State::Push, 1e-4, 1.0));
@@ -258,11 +258,11 @@ fn a_push_that_was_felt_teaches_and_one_that_was_not_seen_does_not() {
     };
     let settle = now(State::Settle, 1e-4, 1.0);
     // three tenths of the eccentricity
-    for (way, felt) in [(3.1e-5, true), (2.9e-5, false)] {
-        let mut law = pushed(way);
+    for (distance, sensed) in [(3.1e-5, true), (2.9e-5, false)] {
+        let mut law = pushed(distance);
         let reached = law.seen.unwrap().tip;
         law.enter(&P, State::Settle, &settle);
-        assert_eq!(law.learned.deflection == LearnedParameters::new().deflection, !felt, "{way}");
+        assert_eq!(law.learned.deflection == LearnedParameters::new().deflection, !sensed, "{distance}");
         assert!((law.learned.contact.mean - 7e-6).abs() < 1e-8);
         let last = law.last_push.unwrap();
         assert_eq!((last.kind, last.angle), (PushKind::Push(reached), 1.0));
@@ -274,22 +274,22 @@ fn a_push_that_was_felt_teaches_and_one_that_was_not_seen_does_not() {
 }
 
 #[test]
-fn a_centered_ring_and_one_to_be_pushed_are_told_apart_by_their_doubt() {
+fn a_centered_ring_and_one_to_be_pushed_are_distinguished_by_their_uncertainty() {
     let law = seen(2e-6, 1.01);
-    let told = |sigma: f64, certain: bool| law.verdict(&P, SPEED, sigma, certain);
+    let result = |sigma: f64, certain: bool| law.decision(&P, SPEED, sigma, certain);
     // 2.5 um less the eccentricity over three standard deviations
-    let most = (P.tolerance - law.ring.eccentricity()) / P.estimator.margin;
-    assert_eq!([0.99, 1.01].map(|share| told(share * most, true)), [Verdict::Centered, Verdict::Push]);
+    let maximum = (P.tolerance - law.ring.eccentricity()) / P.estimator.margin;
+    assert_eq!([0.99, 1.01].map(|ratio| result(ratio * maximum, true)), [Decision::Centered, Decision::Push]);
     // half a revolution: the uncertainty after a whole one, of 66 Hz x 3 s
     let half = seen(2.4e-6, 0.5);
-    let doubt = P.estimator.noise * half.ring.misfit() * (2.0 / (P.rates.collect * 3.0)).sqrt();
-    let edge = half.ring.eccentricity() + P.estimator.margin * doubt;
+    let uncertainty = P.estimator.noise * half.ring.misfit() * (2.0 / (P.rates.collect * 3.0)).sqrt();
+    let edge = half.ring.eccentricity() + P.estimator.margin * uncertainty;
     let with = |tolerance: f64| {
         let mut p = P;
         p.tolerance = tolerance;
-        half.verdict(&p, SPEED, 1e-9, true)
+        half.decision(&p, SPEED, 1e-9, true)
     };
-    assert_eq!([0.999, 1.001].map(|share| with(share * edge)), [Verdict::Push, Verdict::Measure]);
+    assert_eq!([0.999, 1.001].map(|ratio| with(ratio * edge)), [Decision::Push, Decision::Measure]);
 }
 
 #[test]
@@ -308,7 +308,7 @@ fn a_tap_is_as_fast_as_its_law_says_up_to_the_limit() {
 }
 
 #[test]
-fn a_ring_that_was_moved_is_measured_anew_and_one_that_is_rough_is_not() {
+fn a_ring_that_was_moved_is_measured_again_and_one_that_is_rough_is_not() {
     // its surface is 0.4 mm elsewhere
     let mut law = seen(1e-4, 1.01);
     let moved = (0..20).position(|k| {
@@ -316,7 +316,7 @@ fn a_ring_that_was_moved_is_measured_anew_and_one_that_is_rough_is_not() {
         law.since.is_none()
     });
     // two samples of the median, five that may be dirt, and one more; four passes show that no form explains it
-    assert_eq!((moved, law.turned), (Some(7 + 4), 0.0));
+    assert_eq!((moved, law.rotation), (Some(7 + 4), 0.0));
     // lobes that no ground ring has
     let mut law = PredictiveLaw::new(&P);
     for k in 0..=404 {
@@ -326,7 +326,7 @@ fn a_ring_that_was_moved_is_measured_anew_and_one_that_is_rough_is_not() {
         law.observe(&P, &rough);
         assert!(k < 4 || law.since.is_some_and(|since| since.abs() < 0.5), "{k}");
     }
-    assert!((law.ring.eccentricity() - 1e-4).abs() < 1e-6 && law.turned > TAU);
+    assert!((law.ring.eccentricity() - 1e-4).abs() < 1e-6 && law.rotation > TAU);
 }
 
 #[test]
@@ -341,7 +341,7 @@ fn the_deflection_from_which_a_ring_is_heavy_is_more_than_its_limit() {
 }
 
 #[test]
-fn a_ring_of_fine_lobes_and_too_little_told_noise_is_measured_in_one_go() {
+fn a_ring_of_fine_lobes_and_too_little_configured_noise_is_measured_in_one_run() {
     // 20 waves of 5 um, 75 times the noise, 88 measurements a revolution
     let mut p = P;
     p.estimator.noise = 6.7e-8;
@@ -379,7 +379,7 @@ fn a_ring_that_waits_for_measurements_is_not_judged_because_one_of_them_fits() {
             rough.due = Due { collect: true, model: k % 7 == 6, ..rough.due };
             law.observe(&p, &rough);
             waited += u32::from(law.ring.lost());
-            if matches!(law.conclude(&p, &rough), Some(Ok((Some(_), Verdict::Push)))) && waited > 0 {
+            if matches!(law.conclude(&p, &rough), Some(Ok((Some(_), Decision::Push)))) && waited > 0 {
                 let error = (law.ring.center() - Vector2::new(5e-4, 0.0)).norm();
                 assert!(k >= 26 && error < p.estimator.certainty * 5e-4, "{waves} waves, {k}: {error} m");
                 break;
@@ -390,8 +390,8 @@ fn a_ring_that_waits_for_measurements_is_not_judged_because_one_of_them_fits() {
 }
 
 #[test]
-fn a_ring_that_was_known_or_can_have_no_more_form_is_given_up_at_once() {
-    let begins_anew = |p: &Parameters, known: bool, late: bool| {
+fn a_ring_that_was_known_or_can_have_no_more_form_is_given_up_immediately() {
+    let starts_again = |p: &Parameters, known: bool, late: bool| {
         let mut law = PredictiveLaw::new(p);
         if known {
             law = seen(5e-4, 1.01);
@@ -410,5 +410,5 @@ fn a_ring_that_was_known_or_can_have_no_more_form_is_given_up_at_once() {
     };
     let round = Parameters { estimator: Estimator { form: 0.0, ..P.estimator }, ..P };
     let found = [(&P, false, false), (&P, true, false), (&P, false, true), (&round, false, false)];
-    assert_eq!(found.map(|(p, known, late)| begins_anew(p, known, late)), [false, true, true, true]);
+    assert_eq!(found.map(|(p, known, late)| starts_again(p, known, late)), [false, true, true, true]);
 }

@@ -17,11 +17,11 @@ fn ring(center: Vector2<f64>, angle: f64) -> f64 {
     0.123 - x - (lobes(phi - angle).powi(2) - y * y).sqrt()
 }
 
-/// Model after `count` samples over `turn` revolutions.
-fn seen(center: Vector2<f64>, turn: f64, count: u32) -> RingModel {
+/// Model after `count` samples over `revolutions` revolutions.
+fn seen(center: Vector2<f64>, revolutions: f64, count: u32) -> RingModel {
     let mut model = RingModel::new(ASSUMED);
     for k in 0..count {
-        let angle = TAU * turn * f64::from(k) / f64::from(count);
+        let angle = TAU * revolutions * f64::from(k) / f64::from(count);
         model.observe(angle, ring(center, angle));
         model.refine();
     }
@@ -43,12 +43,12 @@ fn one_revolution_gives_center_line_and_form() {
 #[test]
 fn the_standard_deviation_is_honest_on_a_part_of_a_revolution() {
     let center = Vector2::new(2e-4, 3e-4);
-    for turn in [0.2, 0.3, 0.5, 0.8] {
-        let model = seen(center, turn, 100);
+    for revolutions in [0.2, 0.3, 0.5, 0.8] {
+        let model = seen(center, revolutions, 100);
         let error = model.eccentricity() - center.norm();
-        assert!(error.abs() < 3.0 * model.center_sigma() + 1e-8, "{turn}: {error}");
+        assert!(error.abs() < 3.0 * model.center_sigma() + 1e-8, "{revolutions}: {error}");
     }
-    let sigmas = [0.2, 0.4, 0.8].map(|turn| seen(center, turn, 100).center_sigma());
+    let sigmas = [0.2, 0.4, 0.8].map(|revolutions| seen(center, revolutions, 100).center_sigma());
     assert!(sigmas[0] > sigmas[1] && sigmas[1] > sigmas[2] && sigmas[2] < 2e-7, "{sigmas:?}");
 }
 
@@ -96,9 +96,9 @@ fn rough(k: u32) -> f64 {
 }
 
 /// Model of a ring with one more lobe of this number of waves after a revolution, and its center.
-fn lobed(waves: f64, lobe: f64, told: f64) -> (RingModel, Vector2<f64>) {
+fn lobed(waves: f64, lobe: f64, noise_std: f64) -> (RingModel, Vector2<f64>) {
     let center = Vector2::new(2e-4, 1e-4);
-    let mut model = RingModel::new(Assumptions { noise: told, ..ASSUMED });
+    let mut model = RingModel::new(Assumptions { noise: noise_std, ..ASSUMED });
     for k in 0..200 {
         let angle = TAU * f64::from(k) / 200.0;
         if !take(&mut model, angle, ring(center, angle) + lobe * (waves * angle + 0.4).cos() + rough(k)) {
@@ -300,22 +300,22 @@ fn the_covariance_stays_positive_for_an_hour() {
 }
 
 #[test]
-fn a_line_seen_elsewhere_is_less_sure_the_longer_the_way() {
-    let sigma = |way: f64| {
-        let mut model = seen(Vector2::new(way, 0.0), 1.0, 200);
+fn a_line_seen_elsewhere_is_less_certain_with_the_distance() {
+    let sigma = |distance: f64| {
+        let mut model = seen(Vector2::new(distance, 0.0), 1.0, 200);
         let before = model.ground.estimate.now.root.row(0).norm();
         model.displaced(Vector2::zeros(), 1e-5);
         (model.ground.estimate.now.root.row(0).norm().powi(2) - before.powi(2) * model.misfit().powi(2)).sqrt()
     };
     // a ten thousandth of the way, and a hundredth of the height of its arc twice
-    for way in [1e-3, 1e-2] {
-        let doubt = 1e-4 * way + 0.02 * way * way / 0.2;
-        assert!((sigma(way) - doubt).abs() < 1e-3 * doubt, "{way}: {}", sigma(way));
+    for distance in [1e-3, 1e-2] {
+        let uncertainty = 1e-4 * distance + 0.02 * distance * distance / 0.2;
+        assert!((sigma(distance) - uncertainty).abs() < 1e-3 * uncertainty, "{distance}: {}", sigma(distance));
     }
 }
 
 #[test]
-fn a_displacement_forgets_the_center_and_keeps_the_form() {
+fn a_displacement_discards_the_center_and_keeps_the_form() {
     let mut model = seen(Vector2::new(4e-4, 1e-4), 1.0, 200);
     let line = model.centered_line(0.3);
     model.displaced(Vector2::zeros(), 1e-5);
@@ -354,10 +354,10 @@ fn the_gate_opens_with_misfit_doubt_and_curvature() {
         let width = (model.now.spread(&gradient) + noise.powi(2) + model.blur(&gradient).powi(2)).sqrt();
         (expected, ASSUMED.gate * width)
     };
-    for (side, share, taken) in [(1.0, 0.999, true), (-1.0, 0.999, true), (1.0, 1.001, false), (-1.0, 1.001, false)] {
+    for (side, ratio, taken) in [(1.0, 0.999, true), (-1.0, 0.999, true), (1.0, 1.001, false), (-1.0, 1.001, false)] {
         let (expected, width) = gate(&model, 1.0);
         assert!(width > ASSUMED.gate * ASSUMED.noise);
-        assert_eq!(model.clone().observe(1.0, expected + side * share * width), taken);
+        assert_eq!(model.clone().observe(1.0, expected + side * ratio * width), taken);
     }
     // after a push of 0.1 mm: half the variance of c_y over the radius
     let mut moved = model.clone();
@@ -368,7 +368,7 @@ fn the_gate_opens_with_misfit_doubt_and_curvature() {
 }
 
 #[test]
-fn so_many_in_a_row_and_one_more_are_lost_and_a_good_one_begins_anew() {
+fn one_more_than_the_limit_of_consecutive_samples_is_lost_and_a_good_one_starts_again() {
     let center = Vector2::new(4e-4, 1e-4);
     let mut model = seen(center, 1.0, 200);
     let mut feed = |bad: bool| {

@@ -28,14 +28,14 @@ fn about_its_resonance_the_flexure_is_bent_half_as_far_as_by_full_torque_at_rest
     assert!(
         (bending(&p) / (2.0 * p.tip.damping * whole) * (1.0 - p.tip.inertia) - 0.5 * p.servo.torque_max).abs() < 1e-9
     );
-    let most = |about: bool| {
+    let maximum = |about: bool| {
         let tones = plan.tones.iter().map(|tone| (TAU * tone.frequency() / p.sample_period, tone.amplitude));
         let pushes = tones
             .filter(|(omega, _)| (*omega > BENDS_FROM * p.tip.frequency) == about)
             .map(|(omega, amplitude)| amplitude * (plan.model.closed(omega) / plan.model.arm(omega)).norm());
         pushes.fold(0.0, f64::max)
     };
-    assert!(most(true) <= bending(&p) && most(false) > bending(&p), "{} {}", most(true), most(false));
+    assert!(maximum(true) <= bending(&p) && maximum(false) > bending(&p), "{} {}", maximum(true), maximum(false));
 }
 
 #[test]

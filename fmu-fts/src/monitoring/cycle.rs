@@ -17,7 +17,7 @@ pub fn late(
     path: &PathTable,
     [identify, commission]: [f64; 2],
     state: State,
-    job: &Progress,
+    cycle: &Progress,
 ) -> Option<[f64; 2]> {
     let limit = |usual: f64| if p.limits.cycle_time > 0.0 { p.limits.cycle_time } else { usual };
     let limit = match state {
@@ -27,7 +27,7 @@ pub fn late(
         State::Commission => commission,
         _ => return None,
     };
-    let time = job.samples() as f64 * p.sample_period;
+    let time = cycle.samples() as f64 * p.sample_period;
     (time > limit).then_some([time, limit])
 }
 
@@ -42,14 +42,14 @@ mod tests {
         let mut p = Parameters::START;
         let path = PathTable::new(Arm::new(&p), &DepthTable::of_surface(&p).unwrap(), 24);
         let limit = |p: &Parameters, state: State, time: f64| {
-            let mut job = Progress::default();
-            (0..(time / p.sample_period) as u32).for_each(|_| job.count());
-            late(p, &path, [1.0, 3.0], state, &job).map(|[_, limit]| limit)
+            let mut cycle = Progress::default();
+            (0..(time / p.sample_period) as u32).for_each(|_| cycle.count());
+            late(p, &path, [1.0, 3.0], state, &cycle).map(|[_, limit]| limit)
         };
         // 1 s of measurement, 0.3 s of approach, two revolutions on a quintic of 2 rad/s
-        let most = 2.0 * (1.3 + quintic_duration(2.0 * TAU, 2.0));
-        assert_eq!(limit(&p, State::Identify, most - 0.01), None);
-        assert_eq!(limit(&p, State::Identify, most + 0.01), Some(most));
+        let maximum = 2.0 * (1.3 + quintic_duration(2.0 * TAU, 2.0));
+        assert_eq!(limit(&p, State::Identify, maximum - 0.01), None);
+        assert_eq!(limit(&p, State::Identify, maximum + 0.01), Some(maximum));
         assert_eq!((limit(&p, State::Hold, 100.0), limit(&p, State::Track, 100.0)), (None, None));
         p.limits.cycle_time = 0.5;
         assert_eq!((limit(&p, State::Commission, 2.99), limit(&p, State::Commission, 3.01)), (None, Some(3.0)));
