@@ -123,6 +123,16 @@ fn check_role(row: &Row, errors: &mut Errors) {
         };
         refuse(errors, flag.span(), name, rule);
     }
+    if let (Some(flag), true) =
+        (row.field.var.flag("essential"), row.around.iter().any(|field| field.var.flag("expert").is_some()))
+    {
+        refuse(errors, flag.span(), &row.field.name, "its group is for specialists: it cannot be essential");
+    }
+    if let (true, "sample_period" | "law", Some(flag)) =
+        (row.around.is_empty(), row.field.name.to_string().as_str(), row.field.var.flag("expert"))
+    {
+        refuse(errors, flag.span(), &row.field.name, "the exporter uses it by this name: it cannot be `expert`");
+    }
     if let (Some(name), Some(0)) = (&row.field.var.name, row.index) {
         refuse(
             errors,

@@ -142,37 +142,51 @@ fn parameters<V>(text: &mut String, title: &str, table: &[Variable<V>], tier: im
 /// Cells, meaning and reason of the chosen rows. Rows of a repeated group that differ in their number alone become one
 /// row: `axis1.error` to `axis6.error` are `axis1..6.error`.
 fn rows<V>(table: &[Variable<V>], chosen: impl Fn(&Variable<V>) -> bool) -> Vec<(Cells, String, String)> {
-    let mut rows: Vec<(Option<Family>, Cells, String, String)> = Vec::new();
+    let mut rows: Vec<(Option<Family>, Vec<Cells>, String, String)> = Vec::new();
     for row in table.iter().filter(|row| chosen(row)) {
         let cells = Cells::of(row);
         let tunable = if row.role() == Role::Tunable { "; tunable" } else { "" };
         let (meaning, source) = (format!("{}{tunable}", escaped(row.description)), escaped(row.source));
         let family = Family::of(&cells.name, &meaning);
         match rows.iter_mut().find(|(known, ..)| family.is_some() && Family::alike(known.as_ref(), family.as_ref())) {
-            Some((Some(known), shown, ..)) => {
+            Some((Some(known), all, ..)) => {
                 known.last = family.map_or(String::new(), |family| family.last);
-                for (one, other) in [
-                    (&mut shown.unit, &cells.unit),
-                    (&mut shown.start, &cells.start),
-                    (&mut shown.range, &cells.range),
-                    (&mut shown.paper, &cells.paper),
-                ] {
-                    if one != other {
-                        "differs".clone_into(one);
-                    }
-                }
+                all.push(cells);
             }
-            _ => rows.push((family, cells, meaning, source)),
+            _ => rows.push((family, vec![cells], meaning, source)),
         }
     }
-    let merged = rows.into_iter().map(|(family, mut cells, meaning, source)| match family {
-        Some(Family { first, last, name, meaning }) if first != last => {
-            cells.name = name.replacen(NUMBER, &format!("{first}..{last}"), 1);
-            (cells, meaning.replace(NUMBER, "n"), source)
+    let merged = rows.into_iter().map(|(family, all, meaning, source)| {
+        let mut cells = merged(all);
+        match family {
+            Some(Family { first, last, name, meaning }) if first != last => {
+                cells.name = name.replacen(NUMBER, &format!("{first}..{last}"), 1);
+                (cells, meaning.replace(NUMBER, "n"), source)
+            }
+            _ => (cells, meaning, source),
         }
-        _ => (cells, meaning, source),
     });
     merged.collect()
+}
+
+/// The cells of a repeated group as one row: values that differ are listed in their order, each unit once.
+fn merged(mut all: Vec<Cells>) -> Cells {
+    let mut units: Vec<&str> = Vec::new();
+    for cells in &all {
+        if !units.contains(&cells.unit.as_str()) {
+            units.push(&cells.unit);
+        }
+    }
+    let unit = units.join(", ");
+    let each = |cell: fn(&Cells) -> &String| {
+        let mut values: Vec<&str> = all.iter().map(|cells| cell(cells).as_str()).collect();
+        if values.windows(2).all(|pair| pair[0] == pair[1]) {
+            values.truncate(1);
+        }
+        values.join(", ")
+    };
+    let (start, range, paper) = (each(|cells| &cells.start), each(|cells| &cells.range), each(|cells| &cells.paper));
+    Cells { unit, start, range, paper, ..all.swap_remove(0) }
 }
 
 /// Stands for the number of a repeated group.
@@ -288,6 +302,19 @@ mod tests {
         assert!(early < late && !text.contains("`None`") && !text.contains("### Stop"));
         assert!(text.contains("**Reaction:** Switches the drive off.\n**Acknowledge:** Reset at rest.\n"));
         assert!(text.contains("| `Late` | cause | a > b\\|c | Check it. |\n"));
+    }
+
+    #[test]
+    fn different_cells_of_a_repeated_group_are_listed() {
+        let cells = |unit: &str, start: &str| Cells {
+            unit: unit.to_owned(),
+            start: start.to_owned(),
+            range: "0 .. 9".to_owned(),
+            ..Cells::default()
+        };
+        let Cells { unit, start, range, paper, .. } =
+            merged(vec![cells("rad", "1"), cells("m", "2"), cells("rad", "1")]);
+        assert_eq!([unit.as_str(), &start, &range, &paper], ["rad, m", "1, 2, 1", "0 .. 9", ""]);
     }
 
     #[test]

@@ -14,6 +14,17 @@ mod variables {
         pub gain: f64,
         #[var(tunable)]
         pub filter: Filter,
+        /// Sample period
+        #[var(expert)]
+        pub sample_period: f64,
+        #[var(expert)]
+        pub observer: Observer,
+    }
+    /// Observer
+    pub struct Observer {
+        /// Pole
+        #[var(essential)]
+        pub pole: f64,
     }
     /// Filter
     pub struct Filter {
