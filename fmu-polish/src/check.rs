@@ -4,7 +4,7 @@ use control_blocks::{Parameter, ParameterError, check_all};
 
 use crate::commission::plan;
 use crate::force::impedance::{Coefficients, damping};
-use crate::force::margin::{self, LEAST};
+use crate::force::margin::{self, PHASE_MARGIN_MIN};
 use crate::interface::{Force, Mode, Parameters};
 use crate::motion::{sliding, stick_slip, sweep_limits};
 
@@ -85,26 +85,26 @@ fn position_gain(p: &Parameters) -> Result<(), ParameterError> {
         ("expert.position.gain.y", p.position.gain.y),
         ("expert.position.gain.z", p.position.gain.z),
     ];
-    let most = p.drive.position_gain;
+    let maximum = p.drive.position_gain;
     let (name, value) = gains.into_iter().fold(gains[0], |a, b| if b.1 > a.1 { b } else { a });
     let gain = Parameter::new(name, value, "1/s", "Reduce it: the drives cannot follow a faster feedback.");
-    gain.must_be(value <= most, || format!("at most `drive.position_gain` = `{most} 1/s`"))
+    gain.must_be(value <= maximum, || format!("at most `drive.position_gain` = `{maximum} 1/s`"))
 }
 
 fn loop_gain(p: &Parameters) -> Result<(), ParameterError> {
     let stiffness = p.impedance.gain * p.stiffness_nominal;
-    let most = 1.0 / (SAMPLES_PER_LOOP * p.sample_period);
+    let maximum = 1.0 / (SAMPLES_PER_LOOP * p.sample_period);
     let hint = "Increase it: with less damping the force oscillates.";
     let damping = Parameter::new("impedance.damping", p.impedance.damping, "N.s/m", hint);
-    damping.must_be(stiffness / p.impedance.damping <= most, || {
-        format!("at least `{} N.s/m` at `stiffness.nominal`", stiffness / most)
+    damping.must_be(stiffness / p.impedance.damping <= maximum, || {
+        format!("at least `{} N.s/m` at `stiffness.nominal`", stiffness / maximum)
     })
 }
 
 /// Settling and following have their own damping each; both are checked at the nominal stiffness.
 fn phase_margin(p: &Parameters) -> Result<(), ParameterError> {
-    let least = margin::least(p);
-    if least >= LEAST {
+    let minimum = margin::minimum(p);
+    if minimum >= PHASE_MARGIN_MIN {
         return Ok(());
     }
     let (hint, damped) = ("Change it: with less phase margin the force oscillates.", damping(p, p.stiffness_nominal));
@@ -113,16 +113,16 @@ fn phase_margin(p: &Parameters) -> Result<(), ParameterError> {
     let proportional = Coefficients { integral: 0.0, ..following };
     let bare = Parameters { force: Force { filter_bandwidth: 0.0, ..p.force }, ..p.clone() };
     let margin = |p: &Parameters, law: &Coefficients| margin::phase_margin(p, law, p.stiffness_nominal);
-    let parameter = if margin(p, &settling).min(margin(p, &proportional)) >= LEAST {
+    let parameter = if margin(p, &settling).min(margin(p, &proportional)) >= PHASE_MARGIN_MIN {
         Parameter::new("expert.force.integral_time", p.force.integral_time, "s", hint)
-    } else if margin(&bare, &settling).min(margin(&bare, &proportional)) >= LEAST {
+    } else if margin(&bare, &settling).min(margin(&bare, &proportional)) >= PHASE_MARGIN_MIN {
         Parameter::new("expert.force.filter_bandwidth", p.force.filter_bandwidth, "rad/s", hint)
     } else {
         Parameter::new("expert.impedance.mass", p.impedance.mass, "kg", "Reduce it, or increase `impedance.damping`.")
     };
     parameter.must_be(false, || {
-        let [least, limit] = [least, LEAST].map(f64::to_degrees);
-        format!("such that `{limit:.0} deg` of phase margin remain for the force control, not `{least:.0} deg`")
+        let [minimum, limit] = [minimum, PHASE_MARGIN_MIN].map(f64::to_degrees);
+        format!("such that `{limit:.0} deg` of phase margin remain for the force control, not `{minimum:.0} deg`")
     })
 }
 
@@ -139,29 +139,29 @@ fn pulse_counts(p: &Parameters) -> Result<(), ParameterError> {
 }
 
 fn stick_slip_velocity(p: &Parameters) -> Result<(), ParameterError> {
-    let (most, times, feed) = (p.velocity_max, stick_slip::fastest(&p.stick_slip), p.feed.velocity);
+    let (maximum, times, feed) = (p.velocity_max, stick_slip::fastest(&p.stick_slip), p.feed.velocity);
     let (setting, velocity) = swept(p, "Reduce it, or increase `velocity_max` if the drives allow it.");
-    setting.must_be(times * velocity < most, || {
+    setting.must_be(times * velocity < maximum, || {
         let ratio = match p.stick_slip.ratio {
             0.0 => String::new(),
             ratio => format!("; with `feed.velocity` = `{feed} m/s` K_v is `{:.6} m/s`", ratio * feed),
         };
-        let share =
+        let reason =
             if times > 1.0 { format!("; the sweep is up to `{times:.2}` times as fast") } else { String::new() };
-        format!("less than `velocity_max` = `{most} m/s`{ratio}{share}")
+        format!("less than `velocity_max` = `{maximum} m/s`{ratio}{reason}")
     })
 }
 
 /// The force of the drives suffices for the sweep.
 fn stick_slip_acceleration(p: &Parameters) -> Result<(), ParameterError> {
-    let (most, limit) = (sweep_limits::accelerated(p), p.drive.acceleration_max);
+    let (maximum, limit) = (sweep_limits::accelerated(p), p.drive.acceleration_max);
     let (setting, velocity) = swept(p, "Reduce it, or increase `stick_slip.half_period`.");
-    setting.must_be(velocity <= most, || {
-        let most = match p.stick_slip.ratio {
-            0.0 => format!("{most:.6} m/s"),
-            _ => format!("{:.6}", most / p.feed.velocity),
+    setting.must_be(velocity <= maximum, || {
+        let maximum = match p.stick_slip.ratio {
+            0.0 => format!("{maximum:.6} m/s"),
+            _ => format!("{:.6}", maximum / p.feed.velocity),
         };
-        format!("at most `{most}`, at which the sweep needs `expert.drive.acceleration_max` = `{limit} m/s2`")
+        format!("at most `{maximum}`, at which the sweep needs `expert.drive.acceleration_max` = `{limit} m/s2`")
     })
 }
 
@@ -177,9 +177,11 @@ fn swept(p: &Parameters, hint: &'static str) -> (Parameter<f64>, f64) {
 
 /// K_v can be increased.
 fn stick_slip_sliding(p: &Parameters) -> Result<(), ParameterError> {
-    let (sliding, most) = (sliding::desired_speed(p), p.stick_slip.velocity_max);
+    let (sliding, maximum) = (sliding::desired_speed(p), p.stick_slip.velocity_max);
     let speed = Parameter::new("stick_slip.sliding", sliding, "m/s", "Reduce it, or set 0 for a constant velocity.");
-    speed.must_be(sliding == 0.0 || sliding < most, || format!("less than `stick_slip.velocity_max` = `{most} m/s`"))
+    speed.must_be(sliding == 0.0 || sliding < maximum, || {
+        format!("less than `stick_slip.velocity_max` = `{maximum} m/s`")
+    })
 }
 
 /// Half of the linear sweep is a desired position error.
@@ -197,15 +199,15 @@ fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
 /// So is half of the longest sweep, at the K_v to which it is increased. A longer circle starts half the width of the configured one off the path.
 fn stick_slip_longest(p: &Parameters) -> Result<(), ParameterError> {
     let (configured, longest) = (p.stick_slip.half_period, p.stick_slip.half_period_max);
-    let beside = if p.stick_slip.mode == Mode::Circular { configured } else { 0 };
+    let raised = if p.stick_slip.mode == Mode::Circular { configured } else { 0 };
     let velocity = sweep_limits::highest(p).max(p.stick_slip.velocity);
-    let half = 0.5 * velocity * f64::from(longest + beside) * p.sample_period;
-    let most = sweep_limits::SWEEP * p.limits.position_error;
+    let half = 0.5 * velocity * f64::from(longest + raised) * p.sample_period;
+    let maximum = sweep_limits::SWEEP * p.limits.position_error;
     let hint = "Choose a value between both limits, or reduce `stick_slip.velocity_max`.";
     let period = Parameter::new("stick_slip.half_period_max", longest, "samples", hint);
-    period.must_be(longest == 0 || longest > configured && half <= most, || {
+    period.must_be(longest == 0 || longest > configured && half <= maximum, || {
         format!(
-            "`0`, or more than `stick_slip.half_period` = `{configured}` with a sweep of at most `{most:.6} m` to each side, {} of \
+            "`0`, or more than `stick_slip.half_period` = `{configured}` with a sweep of at most `{maximum:.6} m` to each side, {} of \
              `limits.position_error`, not `{half:.6} m`",
             sweep_limits::SWEEP
         )
@@ -214,18 +216,19 @@ fn stick_slip_longest(p: &Parameters) -> Result<(), ParameterError> {
 
 /// The rubbing motion must be long against the resolution of the encoders.
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
-    let (travel, least) = (plan::travel(p), TRAVEL_STEPS * p.encoder_resolution);
+    let (travel, minimum) = (plan::travel(p), TRAVEL_STEPS * p.encoder_resolution);
     let hint = "Increase it: shorter motions are not observable with these encoders.";
-    Parameter::new("commission.travel", travel, "m", hint)
-        .must_be(travel >= least, || format!("`0`, or at least `{least} m`, `{TRAVEL_STEPS}` steps of the encoders"))
+    Parameter::new("commission.travel", travel, "m", hint).must_be(travel >= minimum, || {
+        format!("`0`, or at least `{minimum} m`, `{TRAVEL_STEPS}` steps of the encoders")
+    })
 }
 
 fn commission_force(p: &Parameters) -> Result<(), ParameterError> {
-    let (least, most) = (p.approach.contact_force, p.limits.force / 1.5);
+    let (minimum, maximum) = (p.approach.contact_force, p.limits.force / 1.5);
     let hint = "A fraction of this force must keep the contact between two ramps.";
     let force = Parameter::new("expert.commission.force", plan::force(p), "N", hint);
-    force.must_be((least..=most).contains(&plan::force(p)), || {
-        format!("`0`, or from `{least} N`, `expert.approach.contact_force`, to `{most} N`, `limits.force` / 1.5")
+    force.must_be((minimum..=maximum).contains(&plan::force(p)), || {
+        format!("`0`, or from `{minimum} N`, `expert.approach.contact_force`, to `{maximum} N`, `limits.force` / 1.5")
     })
 }
 

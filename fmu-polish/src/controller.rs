@@ -17,15 +17,15 @@ use crate::force::sensor::ForceSensor;
 use crate::interface::{Fault, Input, Output, Parameters, State};
 use crate::machine::{Events, more_severe, next};
 use crate::monitoring::axis::AxisMonitor;
+use crate::monitoring::cycle::{CycleTime, budget};
 use crate::monitoring::force::{ForceMonitor, ForceSample};
-use crate::monitoring::job::{JobTime, budget};
 use crate::monitoring::rest::RestMonitor;
 use crate::motion::position::PositionFeedback;
 use crate::motion::pulses::Remainder;
 use crate::motion::sliding::Sliding;
 use crate::motion::stick_slip;
 use crate::motion::velocity::VelocityParts;
-use crate::path::centre_path::{CentrePath, Place};
+use crate::path::centre_path::{CentrePath, PathPosition};
 use crate::path::cl_data::Point;
 use crate::path::feed::next_feed;
 use crate::reading::{Reader, Reading};
@@ -50,7 +50,7 @@ pub struct Controller {
     /// way of approach or retract, m
     travelled: f64,
     contact: ContactMonitor,
-    place: Place,
+    path_position: PathPosition,
     /// velocity of the contact point along the path, m/s
     feed: f64,
     /// target force, N
@@ -64,11 +64,11 @@ pub struct Controller {
     sliding: Sliding,
     remainder: Remainder,
     /// way along the path in the last sample, m
-    way: f64,
+    distance: f64,
     axes: AxisMonitor,
     rest: RestMonitor,
     force: ForceMonitor,
-    time: JobTime,
+    time: CycleTime,
     identification: Identification,
     /// an edge of `commission` waits for axes at rest
     commission_request: WaitingRequest,
@@ -93,7 +93,7 @@ impl Controller {
             halted: false,
             travelled: 0.0,
             contact: ContactMonitor::default(),
-            place: Place::default(),
+            path_position: PathPosition::default(),
             feed: 0.0,
             setpoint: 0.0,
             normal: NormalMotion::new(p),
@@ -102,11 +102,11 @@ impl Controller {
             half_period: p.stick_slip.half_period,
             sliding: Sliding::default(),
             remainder: Remainder::new(),
-            way: 0.0,
+            distance: 0.0,
             axes: AxisMonitor::new(p),
             rest: RestMonitor::default(),
             force: ForceMonitor::default(),
-            time: JobTime::default(),
+            time: CycleTime::default(),
             identification: Identification::new(p),
             commission_request: WaitingRequest::default(),
             long_step: false,
@@ -161,7 +161,7 @@ impl Controller {
     }
 
     fn measure(&mut self, p: &Parameters, reading: &Reading) -> Measurement {
-        let frame = self.path.frame(self.place);
+        let frame = self.path.frame(self.path_position);
         let force = self.sensor.measure(p, &reading.force, &frame.normal);
         let offset = frame.centre - reading.position;
         let error = frame.error(&offset);
@@ -179,17 +179,17 @@ impl Controller {
         self.rest.update(p, &reading.position);
         self.direct(reading, zero);
         let waits = matches!(self.state, State::Idle | State::Done);
-        let asked = self.commission_request.update(waits, reading.begin_commission, reading.commission);
+        let requested = self.commission_request.update(waits, reading.begin_commission, reading.commission);
         let events = Events {
             fault: self.fault(p, reading, now, zero),
-            commission: asked && reading.fresh && self.at_rest() && self.rest.at_rest(p),
+            commission: requested && reading.fresh && self.at_rest() && self.rest.at_rest(p),
             commissioned: self.identification.experiment.over(),
             enabled: reading.enabled,
             reset: reading.reset,
             ready: zero.is_some(),
             contact: self.contact.contact(),
             settled: self.contact.settled(p),
-            arrived: self.place.s >= self.path.length(),
+            arrived: self.path_position.s >= self.path.length(),
             unloaded: self.contact.unloaded(),
             retracted: self.retracted(p),
         };
@@ -211,7 +211,8 @@ impl Controller {
     ) -> Option<Fault> {
         let stiffness = self.normal.stiffness;
         let (state, normal) = (self.role(), Orientation::of(p).shown(&now.frame.normal));
-        let sample = ForceSample { state, raw: &reading.force, now, normal: &normal, stiffness, way: self.way };
+        let sample =
+            ForceSample { state, raw: &reading.force, now, normal: &normal, stiffness, distance: self.distance };
         self.force.update(p, &sample);
         let stable = !self.state.pressing() || self.normal.stable(p);
         let (stiffness_ratio, overdue) = (self.normal.stiffness_ratio(p), self.time.over());
@@ -280,7 +281,7 @@ impl Controller {
         self.time.restart(p, time);
         self.taring = true;
         self.fault = Fault::None;
-        self.place = Place::default();
+        self.path_position = PathPosition::default();
         self.sliding = Sliding::default();
         self.normal = NormalMotion::new(p);
     }
@@ -316,7 +317,7 @@ impl Controller {
             State::Commission => self.commission(p, reading),
             State::Retract | State::Done => (),
         }
-        self.way = 0.0;
+        self.distance = 0.0;
         if !state.pressing() {
             self.setpoint = 0.0;
         }
@@ -344,7 +345,7 @@ impl Controller {
 
     /// Builds the force up, or takes it away.
     fn settle(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> VelocityParts {
-        let error = self.want(p, reading, now);
+        let error = self.force_error(p, reading, now);
         // not while the approach dies out
         if self.state == State::Settle && self.ticks > ticks(TOUCH_TIME, p.sample_period) {
             self.normal.observe_stiffness(p, &reading.position, &now.frame.normal, now.force.normal);
@@ -363,7 +364,7 @@ impl Controller {
     }
 
     /// Moves the target force and gives the force error, N.
-    fn want(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> f64 {
+    fn force_error(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> f64 {
         let target = if self.state == State::Unload { 0.0 } else { p.force.target * reading.force_override };
         self.setpoint = ramp(self.setpoint, target, p.force.target / p.settle.ramp_time * p.sample_period);
         self.setpoint - now.force.controlled
@@ -371,7 +372,7 @@ impl Controller {
 
     /// eq. 1 with eq. 16: v = v_t + v_n + v_p + v_v.
     fn follow(&mut self, p: &Parameters, reading: &Reading, now: &Measurement) -> VelocityParts {
-        let error = self.want(p, reading, now);
+        let error = self.force_error(p, reading, now);
         self.feed = next_feed(p, self.feed, reading.feed_override, now.frame.feed_max);
         if self.k == 0 {
             self.normal.restart_sweep(p);
@@ -381,23 +382,23 @@ impl Controller {
         self.sliding.update(p, &position, now, touching);
         let contact = NormalMeasurement { error, force, position, touching };
         let (feed, sweep) = (self.feed, self.sliding.swept(p, self.feed));
-        let at = PathState { path: &self.path, place: self.place, frame: &now.frame, feed, sweep };
+        let at = PathState { path: &self.path, path_position: self.path_position, frame: &now.frame, feed, sweep };
         let normal = self.normal.step(p, &contact, self.k, &at);
-        let (share, sideways) = stick_slip::motion(&p.stick_slip, self.k, &now.frame);
+        let (factor, sideways) = stick_slip::motion(&p.stick_slip, self.k, &now.frame);
         let parts = VelocityParts {
             normal: self.towards(p, now, normal),
             // eq. 2
             tangential: feed * now.frame.ratio,
             position: self.feedback.step(p, &now.offset, &now.frame.normal),
             // eq. 16
-            stick_slip: share * sweep,
+            stick_slip: factor * sweep,
             sideways,
         };
         if self.sliding.restarts(p, self.k) {
             self.k = 0;
         }
-        self.way = feed * p.sample_period;
-        self.place = self.path.seek(self.place, self.place.s + self.way);
+        self.distance = feed * p.sample_period;
+        self.path_position = self.path.seek(self.path_position, self.path_position.s + self.distance);
         parts
     }
 }

@@ -74,7 +74,7 @@ pub fn find(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     readings(p, seen)
         .or_else(|| start(p, seen))
         .or_else(|| axes(p, seen))
-        .or_else(|| job(p, seen))
+        .or_else(|| cycle(p, seen))
         .or_else(|| rejected(seen))
 }
 
@@ -87,18 +87,18 @@ fn first<const N: usize>(faults: [(Fault, bool); N]) -> Option<Fault> {
 }
 
 fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
-    let (reading, most) = (seen.reading, p.limits.lost_samples.unsigned_abs());
+    let (reading, maximum) = (seen.reading, p.limits.lost_samples.unsigned_abs());
     let beyond = reading.position.abs() - 0.5 * p.stroke.vector();
     first([
         (Fault::EmergencyStop, reading.stopped),
         (Fault::LongStep, seen.moves() && seen.long_step),
-        (Fault::PositionLost, seen.moves() && reading.position_doubt.lost > most),
-        (Fault::PositionJump, seen.moves() && reading.position_doubt.doubted > most),
+        (Fault::PositionLost, seen.moves() && reading.position_doubt.lost > maximum),
+        (Fault::PositionJump, seen.moves() && reading.position_doubt.doubted > maximum),
         (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
         // during the retract no force is needed
-        (Fault::ForceLost, seen.working() && reading.force_doubt.lost > most),
-        (Fault::ForceJump, seen.working() && reading.force_doubt.doubted > most),
-        (Fault::InvalidInput, seen.working() && reading.invalid > most),
+        (Fault::ForceLost, seen.working() && reading.force_doubt.lost > maximum),
+        (Fault::ForceJump, seen.working() && reading.force_doubt.doubted > maximum),
+        (Fault::InvalidInput, seen.working() && reading.invalid > maximum),
     ])
 }
 
@@ -114,7 +114,7 @@ fn axes(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     if seen.moves() && seen.reading.position_doubt == Doubt::default() { seen.axes.fault(p) } else { None }
 }
 
-fn job(p: &Parameters, seen: &Evidence) -> Option<Fault> {
+fn cycle(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     if !seen.working() {
         return None;
     }
@@ -125,14 +125,14 @@ fn contact(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     let Evidence { state, now, contact, .. } = *seen;
     let on_path = matches!(state, State::Settle | State::Follow);
     let too_deep = now.error.normal > p.limits.approach_depth;
-    let most = p.settle.time_max;
-    let out = p.retract.distance / p.retract.velocity + most;
+    let maximum = p.settle.time_max;
+    let out = p.retract.distance / p.retract.velocity + maximum;
     first([
         (Fault::ForceLimit, now.force.norm > p.limits.force && (state.pressing() || state == State::Approach)),
         (Fault::InvalidPath, on_path && contact.misdirected(p, &now.frame.normal)),
         (Fault::ApproachTimeout, state == State::Approach && (seen.travelled > p.approach.travel_max || too_deep)),
-        (Fault::SettleTimeout, seen.longer_than(p, State::Settle, most)),
-        (Fault::UnloadTimeout, seen.longer_than(p, State::Unload, most) || seen.longer_than(p, State::Retract, out)),
+        (Fault::SettleTimeout, seen.longer_than(p, State::Settle, maximum)),
+        (Fault::UnloadTimeout, seen.longer_than(p, State::Unload, maximum) || seen.longer_than(p, State::Retract, out)),
         (Fault::ContactLost, contact.lost(p)),
     ])
 }
@@ -140,9 +140,9 @@ fn contact(p: &Parameters, seen: &Evidence) -> Option<Fault> {
 fn control(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     let Evidence { state, now, .. } = *seen;
     let on_path = matches!(state, State::Settle | State::Follow);
-    let beside_path = now.error.tangential.abs().max(now.error.lateral.abs());
+    let in_plane = now.error.tangential.abs().max(now.error.lateral.abs());
     first([
-        (Fault::PositionError, state == State::Follow && beside_path > p.limits.position_error),
+        (Fault::PositionError, state == State::Follow && in_plane > p.limits.position_error),
         (Fault::SurfaceError, on_path && now.surface.abs() > p.limits.surface_error),
         (Fault::WrongStiffness, state == State::Follow && seen.stiffness_ratio > p.limits.stiffness_ratio),
         (Fault::UnstableLoop, state.pressing() && !seen.stable),
@@ -155,8 +155,8 @@ fn control(p: &Parameters, seen: &Evidence) -> Option<Fault> {
 /// The tool is laterally away from the start of the path, or below it.
 fn away_from_start(p: &Parameters, now: &Measurement) -> bool {
     let height = -now.error.normal;
-    let beside = (now.offset - now.frame.normal * now.error.normal).norm();
-    beside > p.limits.start_offset || height < -p.limits.start_offset
+    let in_plane = (now.offset - now.frame.normal * now.error.normal).norm();
+    in_plane > p.limits.start_offset || height < -p.limits.start_offset
 }
 
 #[cfg(test)]
@@ -231,7 +231,7 @@ mod tests {
             } = *self;
             let (raw, stiffness) = (&self.reading.force, P.stiffness_nominal);
             let sample =
-                &ForceSample { state, raw, now: &self.now, normal: &self.now.frame.normal, stiffness, way: 0.0 };
+                &ForceSample { state, raw, now: &self.now, normal: &self.now.frame.normal, stiffness, distance: 0.0 };
             let (reading, now, contact, axes, force) = (&self.reading, &self.now, &contact, &axes, &force);
             let evidence = Evidence {
                 state,
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tool_that_stands_after_a_fault_loses_nothing_more() {
+    fn a_tool_at_rest_after_a_fault_loses_nothing_more() {
         let mut sample = Sample { halted: true, ..Sample::good(State::Fault) };
         sample.reading.position_doubt = Doubt { lost: 9, doubted: 9 };
         sample.reading.position.x = 10.0;

@@ -97,8 +97,8 @@ mod tests {
     }
 
     #[test]
-    fn the_whole_way_of_one_job() {
-        let way = [
+    fn the_whole_sequence_of_one_cycle() {
+        let sequence = [
             (Events { ready: true, ..ON }, State::Approach),
             (Events { contact: true, ..ON }, State::Settle),
             (Events { settled: true, ..ON }, State::Follow),
@@ -108,7 +108,7 @@ mod tests {
             (Events { enabled: false, ..ON }, State::Idle),
         ];
         let mut state = State::Idle;
-        for (events, expected) in way {
+        for (events, expected) in sequence {
             state = next(state, &events);
             assert_eq!(state, expected);
         }
@@ -122,17 +122,17 @@ mod tests {
         }
         let reset = Events { reset: true, retracted: true, ..ON };
         assert_eq!(next(State::Fault, &reset), State::Idle);
-        for refused in [
+        for rejected in [
             Events { retracted: false, ..reset },
             Events { reset: false, ..reset },
             Events { fault: Some(Fault::EmergencyStop), ..reset },
         ] {
-            assert_eq!(next(State::Fault, &refused), State::Fault);
+            assert_eq!(next(State::Fault, &rejected), State::Fault);
         }
     }
 
     #[test]
-    fn a_graver_fault_takes_the_name_and_a_lighter_one_does_not() {
+    fn a_more_severe_fault_takes_the_name_and_a_less_severe_one_does_not() {
         for first in Fault::ALL.iter().copied() {
             for second in Fault::ALL.iter().copied() {
                 let named = more_severe(first, second);
@@ -144,13 +144,13 @@ mod tests {
     }
 
     #[test]
-    fn a_commission_begins_at_rest_alone_and_a_job_comes_first() {
-        let asked = Events { commission: true, ..ON };
+    fn a_commission_begins_at_rest_alone_and_a_cycle_comes_first() {
+        let requested = Events { commission: true, ..ON };
         for state in State::ALL.iter().copied() {
             let begins = matches!(state, State::Idle | State::Done);
-            assert_eq!(next(state, &asked), if begins { State::Commission } else { state });
+            assert_eq!(next(state, &requested), if begins { State::Commission } else { state });
         }
-        assert_eq!(next(State::Idle, &Events { ready: true, ..asked }), State::Approach);
+        assert_eq!(next(State::Idle, &Events { ready: true, ..requested }), State::Approach);
         let over = Events { commissioned: true, ..ON };
         assert_eq!(next(State::Commission, &over), State::Idle);
         assert_eq!(next(State::Commission, &Events { contact: true, retracted: true, ..ON }), State::Commission);

@@ -1,8 +1,8 @@
 //! What goes wrong in a cycle although every law does its work: axes, force and time.
 
 pub mod axis;
+pub mod cycle;
 pub mod force;
-pub mod job;
 mod noise;
 pub mod numbers;
 mod oscillation;

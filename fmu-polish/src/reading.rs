@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fastest_machine_is_believed() {
+    fn the_fastest_machine_is_accepted() {
         let mut reader = Reader::new();
         for k in 0..200 {
             let mut input = resting();
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_that_has_grown_faster_than_the_tool_presses_is_not_believed() {
+    fn a_force_that_has_grown_faster_than_the_tool_presses_is_not_accepted() {
         // ten steps of 0.178 N, or five times 0.35 N of noise
         for (step, spread) in [(0.178, 1.78), (0.4, 4.0), (0.01, 1.75)] {
             let p = Parameters { sensor_resolution: step, ..P };
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bad_sample_with_the_edge_is_not_believed_and_what_stays_is() {
+    fn a_bad_sample_with_the_edge_is_not_accepted_and_what_stays_is() {
         let (off, on) = (resting(), Input { enable: true, ..resting() });
         let mut moved = on.clone();
         (moved.force.z, moved.position.x) = (30.0, 0.1);
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn at_rest_a_place_is_doubted_for_as_many_samples_as_may_be_lost() {
+    fn at_rest_a_position_is_doubted_for_as_many_samples_as_may_be_lost() {
         let mut reader = Reader::new();
         let on = Input { enable: true, ..resting() };
         reader.read(&P, &on, GROWTH);

@@ -18,7 +18,7 @@ use run::Loop;
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 #[test]
-fn no_sample_of_a_job_allocates() {
+fn no_sample_of_a_cycle_allocates() {
     for p in [Parameters::START, Parameters::PAPER] {
         let mut run = Loop::new(&p, Build::NOMINAL, 400);
         assert!(run.run_to(State::Follow, 5.0) && run.run_to(State::Done, 20.0), "{:?}: {:?}", p.law, run.output.fault);
@@ -93,9 +93,9 @@ fn commission(_: State, input: &mut Input) {
     (input.enable, input.commission) = (false, true);
 }
 
-fn set<T>(now: bool, place: &mut T, value: T) {
+fn set<T>(now: bool, slot: &mut T, value: T) {
     if now {
-        *place = value;
+        *slot = value;
     }
 }
 

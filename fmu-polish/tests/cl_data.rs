@@ -34,7 +34,7 @@ fn spoiled(i: usize, change: impl FnOnce(&mut [f64; 6])) -> String {
 }
 
 #[test]
-fn a_good_file_comes_back() {
+fn a_good_file_is_restored() {
     let rows = spiral(200);
     let read = points(file(&rows).as_bytes(), &P).unwrap();
     assert_eq!(read.len(), 200);
@@ -59,7 +59,7 @@ fn inches_crlf_comments_and_doubled_points() {
 }
 
 #[test]
-fn ten_malformed_files_are_refused_with_line_and_reason() {
+fn ten_malformed_files_are_rejected_with_line_and_reason() {
     let many = {
         let mut text = file(&[]).replace("FINI\n", "");
         for i in 0..=200_000 {
@@ -178,8 +178,8 @@ fn ball(radius: f64, angle: f64) -> [f64; 6] {
     [radius * angle.sin(), 0.0, radius * (1.0 - angle.cos()), -angle.sin(), 0.0, angle.cos()]
 }
 
-fn shifted(way: f64) -> Vec<[f64; 6]> {
-    spiral(100).into_iter().map(|[x, y, z, i, j, k]| [x + way, y, z, i, j, k]).collect()
+fn shifted(shift: f64) -> Vec<[f64; 6]> {
+    spiral(100).into_iter().map(|[x, y, z, i, j, k]| [x + shift, y, z, i, j, k]).collect()
 }
 
 /// A normal turned by about 0.3 rad.

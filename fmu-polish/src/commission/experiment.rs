@@ -72,7 +72,7 @@ pub struct Experiment {
     /// Travel of this phase along the normal, m.
     pub travelled: f64,
     phase: Phase,
-    way: Quintic,
+    motion: Quintic,
     law: ForceLaw,
     slope: Slope,
 }
@@ -81,7 +81,7 @@ impl Experiment {
     /// An experiment that begins at rest.
     pub fn new(p: &Parameters) -> Self {
         let plan = Plan::new(p);
-        let way = Quintic::new(Trajectory::resting(0.0), plan.rise, plan.rise_time);
+        let motion = Quintic::new(Trajectory::resting(0.0), plan.rise, plan.rise_time);
         Self {
             plan,
             spectra: Default::default(),
@@ -91,7 +91,7 @@ impl Experiment {
             ticks: 0,
             travelled: 0.0,
             phase: Phase::Tare,
-            way,
+            motion,
             law: ForceLaw::default(),
             slope: Slope::default(),
         }
@@ -135,7 +135,7 @@ impl Experiment {
         match self.phase {
             Phase::Tare | Phase::Over => still,
             Phase::Rise => {
-                let at = |ticks: u32| self.way.at(f64::from(ticks) * dt).position;
+                let at = |ticks: u32| self.motion.at(f64::from(ticks) * dt).position;
                 VelocityParts { normal: (at(self.ticks + 1) - at(self.ticks)) / dt, ..still }
             }
             Phase::Excite => {
@@ -150,11 +150,11 @@ impl Experiment {
             Phase::Rub => {
                 let normal = self.press(p, now);
                 let speed = if self.forth(self.ticks) { self.plan.speed } else { -self.plan.speed };
-                let [along, beside] = if self.beside(self.ticks) { [0.0, speed] } else { [speed, 0.0] };
+                let [along, crosswise] = if self.crosswise(self.ticks) { [0.0, speed] } else { [speed, 0.0] };
                 VelocityParts {
                     normal,
                     tangential: along,
-                    stick_slip: beside,
+                    stick_slip: crosswise,
                     sideways: now.frame.normal.cross(&now.frame.tangent),
                     ..still
                 }
@@ -167,7 +167,7 @@ impl Experiment {
         let tick = self.ticks;
         self.ticks += 1;
         match self.phase {
-            Phase::Rise if self.way.over(f64::from(self.ticks) * p.sample_period) => self.enter(Phase::Excite),
+            Phase::Rise if self.motion.over(f64::from(self.ticks) * p.sample_period) => self.enter(Phase::Excite),
             Phase::Excite => self.excite(tick, sample),
             Phase::Approach if sample.contact.contact() => {
                 self.enter(Phase::Press);
@@ -217,11 +217,11 @@ impl Experiment {
 
     /// Velocity (m/s) of the force control towards the target force.
     fn press(&mut self, p: &Parameters, now: &Measurement) -> f64 {
-        let [most, low] = self.plan.force;
+        let [maximum, low] = self.plan.force;
         let target = match self.phase {
             Phase::Unload => 0.0,
             Phase::Press if self.falls() => low,
-            _ => most,
+            _ => maximum,
         };
         self.setpoint = ramp(self.setpoint, target, self.plan.force_rate * p.sample_period);
         self.law.step(&Coefficients::new(p, self.plan.damping), self.setpoint - now.force.controlled)
@@ -239,8 +239,8 @@ impl Experiment {
             self.slope = Slope::default();
         }
         if tick < ramp {
-            let way = -sample.position.dot(&sample.now.frame.normal);
-            self.slope.update(way, sample.now.force.normal, self.plan.force[0]);
+            let depth = -sample.position.dot(&sample.now.frame.normal);
+            self.slope.update(depth, sample.now.force.normal, self.plan.force[0]);
         }
         if tick + 1 == ramp
             && number > 1
@@ -255,7 +255,7 @@ impl Experiment {
     }
 
     /// Whether it rubs across the path at this tick, no longer along it.
-    fn beside(&self, tick: u32) -> bool {
+    fn crosswise(&self, tick: u32) -> bool {
         tick >= RUBS * 4 * self.plan.quarter
     }
 
@@ -265,12 +265,12 @@ impl Experiment {
     }
 
     fn rub(&mut self, p: &Parameters, tick: u32, sample: &Sample) {
-        let (beside, forth, quarter) = (self.beside(tick), self.forth(tick), self.plan.quarter);
+        let (crosswise, forth, quarter) = (self.crosswise(tick), self.forth(tick), self.plan.quarter);
         let frame = &sample.now.frame;
-        let along = if beside { frame.normal.cross(&frame.tangent) } else { frame.tangent };
-        let rubbing = &mut self.rubbing[usize::from(beside)];
-        if matches!(tick % (4 * quarter), turn if turn == quarter || turn == 3 * quarter) {
-            rubbing.turn();
+        let along = if crosswise { frame.normal.cross(&frame.tangent) } else { frame.tangent };
+        let rubbing = &mut self.rubbing[usize::from(crosswise)];
+        if matches!(tick % (4 * quarter), phase if phase == quarter || phase == 3 * quarter) {
+            rubbing.reverse();
         }
         rubbing.take(p, sample.shown, sample.position, &along, forth);
         if (tick + 1).is_multiple_of(4 * quarter)

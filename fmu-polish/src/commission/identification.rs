@@ -98,7 +98,7 @@ impl Identification {
             Milestone::Touched => {
                 // what is pressed on the mold pushes back
                 if sample.contact.pulls(&sample.now.frame.normal) {
-                    self.values.bring(self.values.now().turned());
+                    self.values.bring(self.values.now().rotated());
                 }
             }
             Milestone::Measured => self.identify(p, sample),
@@ -109,9 +109,9 @@ impl Identification {
     fn identify(&mut self, p: &Parameters, sample: &Sample) {
         let Experiment { plan, spectra, found, rubbing, .. } = &self.experiment;
         let frame = &sample.now.frame;
-        let beside = frame.normal.cross(&frame.tangent);
+        let crosswise = frame.normal.cross(&frame.tangent);
         let shown = [&rubbing[0].direction, &rubbing[1].direction];
-        let (rotation, direction) = mounting(shown, [&frame.tangent, &beside]);
+        let (rotation, direction) = mounting(shown, [&frame.tangent, &crosswise]);
         let [stiffness, friction, lateral, angle] =
             [found.stiffness, found.friction, found.lateral, found.angle].map(|scatter| measure(&scatter));
         self.measured = Measured {
@@ -162,6 +162,6 @@ fn measure(scatter: &Welford) -> [f64; 2] {
 }
 
 /// Standard deviation of a value, model error included.
-fn left_out([value, deviation]: [f64; 2], share: f64) -> f64 {
-    deviation.hypot(share * value)
+fn left_out([value, deviation]: [f64; 2], ratio: f64) -> f64 {
+    deviation.hypot(ratio * value)
 }

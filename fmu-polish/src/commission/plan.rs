@@ -25,19 +25,19 @@ const PHASE: f64 = 0.6;
 const PERIOD: f64 = 0.25;
 const PERIODS: u32 = 12;
 /// Fraction of the largest velocity that the excitation of an axis may take.
-const VELOCITY_SHARE: f64 = 0.5;
+const VELOCITY_RATIO: f64 = 0.5;
 /// Times (s) in which the excitation grows and fades, settles, and rests.
 const TIMES: ExcitationTimes = ExcitationTimes { ramp: 0.5, settle: 0.25, rest: 0.2 };
 /// Measured ramps of the force, up and down; the time of each, and the dwell time after it, s.
 pub const PRESSES: u32 = 6;
 const PRESS: f64 = 0.6;
-const STAND: f64 = 0.2;
+const REST_TIME: f64 = 0.2;
 /// Force between the presses over the largest.
 const LOW: f64 = 0.2;
 /// Periods of reciprocating rubbing, along the path and across it; the first gives only the mean force.
 pub const RUBS: u32 = 7;
 /// Maximum rubbing distance to each side, over the travel and over `expert.limits.start_offset`.
-const RUB_SHARES: [f64; 2] = [0.25, 0.5];
+const RUB_RATIOS: [f64; 2] = [0.25, 0.5];
 
 /// The motions of a commissioning run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -69,7 +69,7 @@ impl Plan {
         let unit = Multisine { amplitude: 1.0, ..fastest(p) };
         let amplitude = fastest(p).amplitude.min(0.5 * travel / (RATIO_MAX * unit.reach()));
         let (low, ramp) = (LOW * force, ticks(PRESS, dt).max(1));
-        let side = (RUB_SHARES[0] * travel).min(RUB_SHARES[1] * p.limits.start_offset);
+        let side = (RUB_RATIOS[0] * travel).min(RUB_RATIOS[1] * p.limits.start_offset);
         let quarter = ticks(side / p.approach.velocity, dt).max(1);
         Self {
             excitation: Excitation::new(Multisine { amplitude, ..unit }, PERIODS, &TIMES),
@@ -78,7 +78,7 @@ impl Plan {
             damping: damping(p),
             force: [force, low],
             force_rate: (force - low) / PRESS,
-            press: [ramp + ticks(STAND, dt), ramp],
+            press: [ramp + ticks(REST_TIME, dt), ramp],
             quarter,
             speed: side / (f64::from(quarter) * dt),
         }
@@ -109,7 +109,7 @@ fn damping(p: &Parameters) -> f64 {
 fn fastest(p: &Parameters) -> Multisine {
     let dt = p.sample_period;
     let unit = Multisine { amplitude: 1.0, period: ticks(PERIOD, dt).max(1), sample_period: dt };
-    Multisine { amplitude: VELOCITY_SHARE * p.velocity_max / unit.velocity_max(), ..unit }
+    Multisine { amplitude: VELOCITY_RATIO * p.velocity_max / unit.velocity_max(), ..unit }
 }
 
 /// Maximum lateral travel and lift (m): `commission.travel`, or that of the fastest excitation.
@@ -124,11 +124,11 @@ pub fn force(p: &Parameters) -> f64 {
 
 /// Maximum time of the run (s): that of its motions with a reserve.
 pub fn time(p: &Parameters) -> f64 {
-    commission_time(0.0, || least_time(p))
+    commission_time(0.0, || shortest_time(p))
 }
 
 /// Time (s) that the motions of a commissioning run take at most.
-pub fn least_time(p: &Parameters) -> f64 {
+pub fn shortest_time(p: &Parameters) -> f64 {
     Plan::new(p).duration(p)
 }
 
@@ -180,14 +180,14 @@ mod tests {
             let plan = Plan::new(&p);
             let drive = p.drive.faster(ratio, feedforward);
             let tones = plan.excitation.sines.frequencies().into_iter().zip(HARMONICS);
-            let way: f64 = tones.map(|(omega, h)| axis(&drive, omega).norm() / f64::from(h).sqrt()).sum();
-            assert!(plan.excitation.sines.amplitude * way <= plan.rise, "{travel} {ratio} {feedforward}: {way}");
+            let peak: f64 = tones.map(|(omega, h)| axis(&drive, omega).norm() / f64::from(h).sqrt()).sum();
+            assert!(plan.excitation.sines.amplitude * peak <= plan.rise, "{travel} {ratio} {feedforward}: {peak}");
             assert_eq!(plan.rise, 0.5 * super::travel(&p));
         }
     }
 
     #[test]
-    fn bounds_of_the_defaults_and_bounds_that_are_told() {
+    fn bounds_of_the_defaults_and_configured_bounds() {
         let mut p = Parameters::START;
         let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-6, "{value} {expected}");
         near(travel(&p), 4.0 * Plan::new(&p).excitation.sines.reach());
@@ -198,8 +198,8 @@ mod tests {
         // tare, up, down, 4.45 s of excitation, nine presses, 14 periods of 0.4 s, unloading and out
         let rise = 1.875 * plan.rise / p.retract.velocity;
         let down = (plan.rise + p.approach.travel_max) / p.approach.velocity;
-        near(least_time(&p), 0.1 + rise + down + 4.45 + 9.0 * 0.8 + 14.0 * 0.4 + 2.1);
-        near(time(&p), 1.25 * least_time(&p) + 1.0);
+        near(shortest_time(&p), 0.1 + rise + down + 4.45 + 9.0 * 0.8 + 14.0 * 0.4 + 2.1);
+        near(time(&p), 1.25 * shortest_time(&p) + 1.0);
         (p.commission.travel, p.commission.force) = (1e-4, 3.0);
         near(travel(&p), 1e-4);
         near(Plan::new(&p).excitation.sines.reach(), 0.25e-4);

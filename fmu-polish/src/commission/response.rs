@@ -27,7 +27,7 @@ type Unknowns = SVector<f64, UNKNOWNS>;
 const UNKNOWNS: usize = 4;
 
 /// Minimum relative uncertainty of a tone: the friction of the guides is nonlinear.
-const LEAST_DEVIATION: f64 = 3e-3;
+const STD_MIN: f64 = 3e-3;
 /// What the friction of rolling guides leaves to gain (relative), feedforward and delay (samples), as deviations. It does not grow with the
 /// motion, so no linear part stands for it: 2 N that turn over 20 um, on axes of 8, 19 and 31 kg with g and K_ff within 30 %, let the
 /// loops seem 13 % faster, 0.10 less fed forward and 0.04 samples more of delay, as a root of the mean square.
@@ -83,8 +83,8 @@ impl<'a> Tone<'a> {
     fn deviation(&self, x: &Unknowns) -> f64 {
         let (g, line) = (self.response(x), &self.line);
         let noise = line.output_variance + g.norm_sqr() * line.input_variance - 2.0 * (g.conj() * line.covariance).re;
-        let least = LEAST_DEVIATION * (g * line.input).norm();
-        (0.5 * noise.max(0.0) + least * least).sqrt().max(f64::MIN_POSITIVE)
+        let minimum = STD_MIN * (g * line.input).norm();
+        (0.5 * noise.max(0.0) + minimum * minimum).sqrt().max(f64::MIN_POSITIVE)
     }
 }
 
@@ -145,8 +145,8 @@ mod tests {
             let (mut velocity, mut position) = (0.0, 0.3 + noise * normal());
             for tone in &tones {
                 // each tone moves by 10 um
-                let turn = tone.sample * f64::from(k % plan.excitation.sines.period);
-                let phasor = Complex::from_polar(10e-6 * tone.omega, turn);
+                let angle = tone.sample * f64::from(k % plan.excitation.sines.period);
+                let phasor = Complex::from_polar(10e-6 * tone.omega, angle);
                 velocity += phasor.re;
                 position += (phasor * tone.response(&x)).re;
             }
@@ -156,22 +156,22 @@ mod tests {
     }
 
     #[test]
-    fn every_unknown_is_found_far_from_what_was_told() {
-        for truth in [[0.0, 0.8, 1.0, 0.0], [-0.5, 0.4, 0.0, 3e3], [0.6, 1.0, 2.6, -2e3]] {
-            let value = answer(&P, Unknowns::from(truth), 0.0, 1).unwrap().value;
+    fn every_unknown_is_found_far_from_the_configured_values() {
+        for actual in [[0.0, 0.8, 1.0, 0.0], [-0.5, 0.4, 0.0, 3e3], [0.6, 1.0, 2.6, -2e3]] {
+            let value = answer(&P, Unknowns::from(actual), 0.0, 1).unwrap().value;
             let spread = [1e-6, 1e-6, 1e-6, 1e-2];
-            (0..UNKNOWNS).for_each(|i| assert!((value[i] - truth[i]).abs() < spread[i], "{truth:?}: {value}"));
+            (0..UNKNOWNS).for_each(|i| assert!((value[i] - actual[i]).abs() < spread[i], "{actual:?}: {value}"));
         }
     }
 
     #[test]
     fn the_deviation_is_the_scatter_of_the_estimates() {
-        let truth = Unknowns::from([0.2, 0.7, 1.3, 1e3]);
+        let actual = Unknowns::from([0.2, 0.7, 1.3, 1e3]);
         // much noise, so that the minimum deviation of a tone has no effect
-        let all: Vec<_> = (0..60).map(|seed| answer(&P, truth, 5e-6, seed).unwrap()).collect();
+        let all: Vec<_> = (0..60).map(|seed| answer(&P, actual, 5e-6, seed).unwrap()).collect();
         for i in 0..UNKNOWNS {
             let nominal = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
-            let scatter = all.iter().map(|one| (one.value[i] - truth[i]).powi(2)).sum::<f64>() / all.len() as f64;
+            let scatter = all.iter().map(|one| (one.value[i] - actual[i]).powi(2)).sum::<f64>() / all.len() as f64;
             let ratio = scatter.sqrt() / nominal;
             assert!((0.6..1.4).contains(&ratio), "{i}: {ratio}");
         }
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_that_do_not_answer_tell_nothing() {
+    fn axes_that_do_not_answer_show_nothing() {
         let plan = Plan::new(&P);
         let mut spectra: [PeriodicSpectra; AXES] = Default::default();
         (0..plan.excitation.measured())

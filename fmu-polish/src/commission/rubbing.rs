@@ -35,7 +35,7 @@ pub struct Rubbing {
     /// lines of the sticking ball of this period, forth and back
     lines: [Slope; 2],
     /// way since the turning point (m), and whether the ball still sticks
-    way: f64,
+    travel: f64,
     sticks: bool,
     /// W of all periods, J
     pub direction: Vector3<f64>,
@@ -93,17 +93,17 @@ impl Rubbing {
         let Some((mean, sensed)) = self.motion.step(p, force, position) else { return };
         let Some(normal) = self.normal else { return };
         let unit = normal.normalize();
-        let (across, way) = (mean - unit * unit.dot(&mean), sensed.dot(along));
-        let work = -across * way;
+        let (across, travel) = (mean - unit * unit.dot(&mean), sensed.dot(along));
+        let work = -across * travel;
         self.work += work;
         self.weighted += across.norm() * work;
-        self.stick(&across, way, forth);
+        self.stick(&across, travel, forth);
     }
 
     /// Takes the lateral force (N) over the travel (m) while the ball sticks.
-    fn stick(&mut self, across: &Vector3<f64>, way: f64, forth: bool) {
+    fn stick(&mut self, across: &Vector3<f64>, travel: f64, forth: bool) {
         let sign = if forth { 1.0 } else { -1.0 };
-        self.way += sign * way;
+        self.travel += sign * travel;
         let (friction, length) = (self.sliding.mean(), self.direction.norm());
         if friction <= 0.0 || length <= 0.0 {
             return;
@@ -112,13 +112,13 @@ impl Rubbing {
         let against = -sign * across.dot(&self.direction) / length;
         self.sticks &= against < STICKS * friction;
         if self.sticks && against > -STICKS * friction {
-            self.lines[usize::from(forth)].take(self.way, against);
+            self.lines[usize::from(forth)].take(self.travel, against);
         }
     }
 
     /// The motion turns round.
-    pub fn turn(&mut self) {
-        (self.way, self.sticks) = (0.0, true);
+    pub fn reverse(&mut self) {
+        (self.travel, self.sticks) = (0.0, true);
     }
 
     /// Ends a period: its result, except for the first.
@@ -153,8 +153,8 @@ pub fn plane(v: &Vector3<f64>) -> Complex<f64> {
 pub fn mounting(shown: [&Vector3<f64>; 2], along: [&Vector3<f64>; 2]) -> (f64, i32) {
     let ([a, b], [e, f]) = (shown.map(plane), along.map(plane));
     let mirrored = (a.conj() * b).im * (e.conj() * f).im < 0.0;
-    let turned = |shown: Complex<f64>, along: Complex<f64>| along * if mirrored { shown } else { shown.conj() };
-    ((turned(a, e) / a.norm() + turned(b, f) / b.norm()).arg(), if mirrored { -1 } else { 1 })
+    let rotated = |shown: Complex<f64>, along: Complex<f64>| along * if mirrored { shown } else { shown.conj() };
+    ((rotated(a, e) / a.norm() + rotated(b, f) / b.norm()).arg(), if mirrored { -1 } else { 1 })
 }
 
 #[cfg(test)]
@@ -180,14 +180,14 @@ mod tests {
         for k in 0..7 * 4 * QUARTER {
             let forth = !matches!(k / QUARTER % 4, 1 | 2);
             if matches!(k % (4 * QUARTER), QUARTER) || k % (4 * QUARTER) == 3 * QUARTER {
-                rubbing.turn();
+                rubbing.reverse();
             }
             let reading = (along * x).map(|x| (x * 1e6).round() * 1e-6);
             rubbing.take(p, &Orientation::of(p).shown(&sensed), &reading, along, forth);
-            let way = if forth { 0.5e-6 } else { -0.5e-6 } / f64::from(FINE);
+            let travel = if forth { 0.5e-6 } else { -0.5e-6 } / f64::from(FINE);
             for _ in 0..FINE {
-                x += way;
-                bend = (bend - way).clamp(-friction / stiffness, friction / stiffness);
+                x += travel;
+                bend = (bend - travel).clamp(-friction / stiffness, friction / stiffness);
                 let force = 5.0 * normal + along * (bend * stiffness);
                 sensed += (force - sensed) * (p.sample_period / f64::from(FINE) * p.sensor_bandwidth);
             }
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_and_stiffness_are_told_whatever_the_mounting() {
+    fn friction_and_stiffness_are_identified_with_any_mounting() {
         let p =
             Parameters { sensor_rotation: 2.0, sensor_direction_y: -1, sensor_direction_z: -1, ..Parameters::START };
         let (along, normal) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(-0.8, 0.0, 0.6));
@@ -218,13 +218,13 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_that_never_slides_tells_no_stiffness_of_sticking() {
+    fn a_ball_that_never_slides_shows_no_stiffness_of_sticking() {
         let ([_, tip], _) = rubbed(&Parameters::START, 10e3, 3.0, &Vector3::x(), &Vector3::z());
         assert!(tip.count() == 0.0 || tip.mean() < 20e3, "{tip:?}");
     }
 
     #[test]
-    fn two_directions_that_disagree_count_the_same_however_strongly_each_is_felt() {
+    fn two_directions_that_disagree_count_the_same_however_strongly_each_is_sensed() {
         let shown = |angle: f64, size: f64| size * Vector3::new(angle.cos(), -angle.sin(), 0.0);
         for size in [0.2, 1.0, 30.0] {
             // the second is rotated by a quarter of a revolution

@@ -74,7 +74,7 @@ impl Values {
     }
 
     /// With the z of the sensor the other way.
-    pub fn turned(self) -> Self {
+    pub fn rotated(self) -> Self {
         Self { sensor_direction_z: -self.sensor_direction_z, ..self }
     }
 
@@ -115,18 +115,18 @@ impl Values {
 /// Whether the measurement is certain enough and within the range of this controller, with the configured values `nominal`. The
 /// uncertainty of the drives due to guide friction rejects nothing: they are identified and used with that friction.
 pub fn acceptable(p: &Parameters, nominal: &Values, m: &Measured) -> bool {
-    let share = p.commission.std_max;
+    let ratio = p.commission.std_max;
     let contact =
         [(m.stiffness, m.stiffness_std), (m.friction, m.friction_std), (m.lateral_stiffness, m.lateral_stiffness_std)];
-    contact.iter().all(|(value, deviation)| *value > 0.0 && is_certain(*value, *deviation, share))
+    contact.iter().all(|(value, deviation)| *value > 0.0 && is_certain(*value, *deviation, ratio))
         && within_factor(m.stiffness, nominal.stiffness, RATIO_MAX)
-        && is_certain(m.drive_gain, m.drive_gain_std, share.hypot(GUIDES[0]))
+        && is_certain(m.drive_gain, m.drive_gain_std, ratio.hypot(GUIDES[0]))
         && within_factor(m.drive_gain, 1.0, RATIO_MAX)
-        && m.feedforward_std <= share.hypot(GUIDES[1])
+        && m.feedforward_std <= ratio.hypot(GUIDES[1])
         && m.io_delay_std <= p.commission.delay_std_max
         && (0..=DELAY_MAX as i32).contains(&whole_delay(m.io_delay))
         && m.sensor_rotation.is_finite()
-        && m.sensor_rotation_std <= share
+        && m.sensor_rotation_std <= ratio
 }
 
 #[cfg(test)]
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ball_slides_as_fast_as_the_told_axes_move() {
+    fn the_ball_slides_as_fast_as_the_commanded_axes_move() {
         let p = Parameters::START;
         let nominal = Measured { drive_gain: 1.0, feedforward: 0.8, lateral_stiffness: 1e15, ..GOOD };
         assert!((derived(&p, &nominal).stick_slip.velocity / 10e-3 - 1.0).abs() < 1e-9);

@@ -68,7 +68,7 @@ impl Controller {
     pub(super) fn experiment(&mut self, p: &Parameters, now: &Measurement) -> VelocityParts {
         let parts = self.identification.experiment.act(p, now);
         self.setpoint = self.identification.experiment.setpoint;
-        self.way = parts.tangential.hypot(parts.stick_slip) * p.sample_period;
+        self.distance = parts.tangential.hypot(parts.stick_slip) * p.sample_period;
         parts
     }
 

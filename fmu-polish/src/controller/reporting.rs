@@ -15,7 +15,7 @@ impl Controller {
         let velocity = parts.sum(&now.frame, p.velocity_max);
         let pulses = self.remainder.step(p, &velocity);
         self.axes.send(p, &pulses);
-        let (shift, turn) = (self.normal.misalignment.shift(), self.normal.misalignment.rotation());
+        let (shift, rotation) = (self.normal.misalignment.shift(), self.normal.misalignment.rotation());
         Output {
             velocity: parts.report(&velocity),
             pulses: pulses.into(),
@@ -30,12 +30,12 @@ impl Controller {
             tangent: now.frame.tangent.into(),
             error: now.error,
             following: self.axes.errors().into(),
-            progress: (self.place.s / self.path.length()).min(1.0),
+            progress: (self.path_position.s / self.path.length()).min(1.0),
             state: self.state,
             fault: self.fault,
             drive_enable: self.state != State::Fault || self.fault.reaction() != Reaction::DriveOff,
             in_contact: self.role().pressing() && touching(p, now),
-            done: self.state == State::Done && self.place.s >= self.path.length(),
+            done: self.state == State::Done && self.path_position.s >= self.path.length(),
             stiffness_estimate: self.normal.stiffness,
             sliding: SlidingOutput {
                 speed: self.sliding.speed.unwrap_or(0.0),
@@ -43,7 +43,7 @@ impl Controller {
                 added: self.sliding.added,
                 lengthened: self.sliding.lengthened,
             },
-            misalignment: MisalignmentOutput { shift: shift.into(), rx: turn.x, ry: turn.y, rz: turn.z },
+            misalignment: MisalignmentOutput { shift: shift.into(), rx: rotation.x, ry: rotation.y, rz: rotation.z },
             ripple_stopped: self.normal.ripple.stopped() || self.normal.repetitive.stopped(),
             path_length: self.path.length(),
             measured: self.identification.measured,

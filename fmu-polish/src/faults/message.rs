@@ -13,25 +13,25 @@ pub fn numbers(vars: &Vars) -> String {
     let (output, p) = (&vars.output, &vars.in_force);
     let (x, f, force, error) = (vars.input.position, vars.input.force, output.force, output.error);
     let n: Numbers = output.numbers;
-    let place = format!("at `{:.3}` of the path", output.progress);
+    let location = format!("at `{:.3}` of the path", output.progress);
     let (position, raw) = (format!("`{} {} {} m`", x.x, x.y, x.z), format!("`{} {} {} N`", f.x, f.y, f.z));
     let lost = format!("`expert.limits.lost_samples` = `{}`", p.limits.lost_samples);
     let time_max = format!("`expert.settle.time_max` = `{} s`", p.settle.time_max);
     match output.fault {
         Fault::None | Fault::EmergencyStop => String::new(),
-        Fault::ForceLimit => format!(" {place}: `{:.2} N`, `limits.force` = `{} N`", n.norm, p.limits.force),
+        Fault::ForceLimit => format!(" {location}: `{:.2} N`, `limits.force` = `{} N`", n.norm, p.limits.force),
         Fault::SettleTimeout => format!(": `{:.2} N` of `{} N`, {time_max}", force.measured, p.force.target),
         Fault::ContactLost => {
-            format!(" {place}: `{:.2} N`, `expert.limits.lost_force` = `{} N`", force.measured, p.limits.lost_force)
+            format!(" {location}: `{:.2} N`, `expert.limits.lost_force` = `{} N`", force.measured, p.limits.lost_force)
         }
         Fault::InvalidInput => {
             let (feed, force) = (vars.input.feed_override, vars.input.force_override);
             format!(": `feed_override` = `{feed}`, `force_override` = `{force}`, {lost}")
         }
         Fault::PositionLost | Fault::PositionJump => format!(": position {position}, {lost}"),
-        Fault::ForceLost | Fault::ForceJump => format!(" {place}: raw force {raw}, {lost}"),
+        Fault::ForceLost | Fault::ForceJump => format!(" {location}: raw force {raw}, {lost}"),
         Fault::InvalidPath => format!(
-            " {place}: mean angle `{:.3} rad`, `expert.limits.force_angle` = `{} rad`, with `{:.2} N` and a raw force of {raw}",
+            " {location}: mean angle `{:.3} rad`, `expert.limits.force_angle` = `{} rad`, with `{:.2} N` and a raw force of {raw}",
             n.angle, p.limits.force_angle, force.measured
         ),
         Fault::ApproachTimeout => format!(
@@ -48,32 +48,32 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::NotAtStart => format!(
             ": `{:.6} m` above it, `{:.6} m` to the side, `expert.limits.start_offset` = `{} m`",
             -error.normal,
-            error.beside(),
+            error.in_plane(),
             p.limits.start_offset
         ),
         Fault::SurfaceError => {
-            format!(" {place}: `{:.6} m`, `limits.surface_error` = `{} m`", n.surface, p.limits.surface_error)
+            format!(" {location}: `{:.6} m`, `limits.surface_error` = `{} m`", n.surface, p.limits.surface_error)
         }
         Fault::PositionFrozen | Fault::FollowingError | Fault::DriveSign | Fault::WeakDrive => {
             let (e, limit) = (output.following, p.limits.following_error);
             let ratio =
                 n.ratio.map_or(String::new(), |ratio| format!("; it moves `{ratio:.2}` of the commanded travel"));
             format!(
-                " {place}: `{:.6} {:.6} {:.6} m` from the drive model, `expert.limits.following_error` = `{limit} m`{ratio}",
+                " {location}: `{:.6} {:.6} {:.6} m` from the drive model, `expert.limits.following_error` = `{limit} m`{ratio}",
                 e.x, e.y, e.z
             )
         }
         Fault::ForceFrozen => {
-            format!(" {place}: raw force {raw}, `expert.limits.frozen_time` = `{} s`", p.limits.frozen_time)
+            format!(" {location}: raw force {raw}, `expert.limits.frozen_time` = `{} s`", p.limits.frozen_time)
         }
         Fault::Saturation => format!(": raw force {raw}, `sensor.range` = `{} N`", p.sensor_range),
         Fault::NoisyForce => {
-            format!(" {place}: `{:.3} N`, `limits.force_noise` = `{} N`", n.noise, p.limits.force_noise)
+            format!(" {location}: `{:.3} N`, `limits.force_noise` = `{} N`", n.noise, p.limits.force_noise)
         }
         Fault::Oscillation | Fault::ForceError => {
             let [mean, limit] = n.force_error;
             let (measured, target) = (force.measured, p.force.target);
-            format!(" {place}: `{mean:.2} N` rms, limit `{limit:.2} N`, with `{measured:.2} N` of `{target} N`")
+            format!(" {location}: `{mean:.2} N` rms, limit `{limit:.2} N`, with `{measured:.2} N` of `{target} N`")
         }
         Fault::WrongStiffness => format!(
             ": `{:.0} N/m`, `stiffness.nominal` = `{} N/m`, `expert.limits.stiffness_ratio` = `{}`",
@@ -85,7 +85,7 @@ pub fn numbers(vars: &Vars) -> String {
         ),
         Fault::UnloadTimeout => format!(": `{:.2} N`, {time_max}", force.measured),
         Fault::NoSliding => format!(
-            " {place}: `{:.4} m/s`, `stick_slip.sliding` = `{:.4} m/s`, at K_v = `{:.4} m/s` for `{} samples`, with a friction of \
+            " {location}: `{:.4} m/s`, `stick_slip.sliding` = `{:.4} m/s`, at K_v = `{:.4} m/s` for `{} samples`, with a friction of \
              `{:.2} N`",
             output.sliding.speed,
             p.stick_slip.sliding,
@@ -93,7 +93,7 @@ pub fn numbers(vars: &Vars) -> String {
             p.stick_slip.half_period,
             output.sliding.friction
         ),
-        Fault::NoProgress => format!(" {place}: `{:.1} s`, limit `{:.1} s`", n.time, n.time_limit),
+        Fault::NoProgress => format!(" {location}: `{:.1} s`, limit `{:.1} s`", n.time, n.time_limit),
         Fault::CommissionRejected => commission_rejected(p, &output.measured),
         Fault::LongStep => format!(": `sample_period` = `{} s`", p.sample_period),
     }
@@ -109,12 +109,12 @@ fn commission_rejected(p: &Parameters, m: &Measured) -> String {
             return format!(": {}", error.of_derived());
         }
     }
-    let most = p.commission.std_max;
+    let maximum = p.commission.std_max;
     format!(
         ": stiffness `{:.0} +- {:.0} N/m`, lateral stiffness `{:.0} +- {:.0} N/m`, friction `{:.3} +- {:.3}`, drive gain \
          `{:.3} +- {:.3}`, feedforward `{:.3} +- {:.3}`, delay `{:.2} +- {:.2}` samples, mounting angle `{:.3} +- {:.3} rad`; limits: half \
          and twice `stiffness.nominal` = `{:.0} N/m`, drive gain `0.5` to `2`, delay `0` to `{DELAY_MAX}` samples, \
-         `expert.commission.std_max` = `{most}`, in addition to `{}` and `{}` of the drive values for guide friction, \
+         `expert.commission.std_max` = `{maximum}`, in addition to `{}` and `{}` of the drive values for guide friction, \
          `expert.commission.delay_std_max` = `{}`",
         m.stiffness,
         m.stiffness_std,

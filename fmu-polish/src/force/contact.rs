@@ -58,18 +58,18 @@ pub struct ContactMonitor {
 impl ContactMonitor {
     /// Takes one sample of `state`; `steady` says whether the target force has arrived at its target.
     pub fn update(&mut self, p: &Parameters, state: State, now: &Measurement, steady: bool) {
-        let share = |time: f64| 1.0 - (-p.sample_period / time).exp();
+        let weight = |time: f64| 1.0 - (-p.sample_period / time).exp();
         self.touching.update(state == State::Approach && now.force.norm > p.approach.contact_force);
-        self.error += share(ERROR_TIME) * (now.force_error - self.error);
+        self.error += weight(ERROR_TIME) * (now.force_error - self.error);
         let small = self.error.abs() < TOLERANCE * p.force.target;
         self.settled.update(state == State::Settle && steady && small);
         self.lost.update(state == State::Follow && now.force.controlled < p.limits.lost_force);
         let none = now.force.controlled < UNLOADED_RATIO * p.approach.contact_force;
         self.unloaded.update(state == State::Unload && none);
         self.free.update(state == State::Retract && now.force.controlled.abs() < p.approach.contact_force);
-        self.force += (now.force.vector - self.force) * share(FORCE_TIME);
+        self.force += (now.force.vector - self.force) * weight(FORCE_TIME);
         let lateral = now.force.vector - now.frame.normal * now.force.normal;
-        self.lateral += (lateral.norm() - self.lateral) * share(FORCE_TIME);
+        self.lateral += (lateral.norm() - self.lateral) * weight(FORCE_TIME);
     }
 
     /// The tool touches.
@@ -139,7 +139,7 @@ mod tests {
         for contact in [0.3, 0.5, 2.0] {
             let mut p = Parameters::START;
             p.approach.contact_force = contact;
-            let tilted = |share: f64| under(&p, share * contact * Vector3::x()).misdirected(&p, &Vector3::z());
+            let tilted = |weight: f64| under(&p, weight * contact * Vector3::x()).misdirected(&p, &Vector3::z());
             assert_eq!([tilted(1.99), tilted(2.01)], [false, true], "{contact}");
             assert!(!under(&p, 9.0 * contact * Vector3::z()).misdirected(&p, &Vector3::z()));
         }

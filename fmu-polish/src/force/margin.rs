@@ -11,7 +11,7 @@ use super::response::loop_gain;
 use crate::interface::Parameters;
 
 /// Minimum phase margin, rad: 25 degrees, a resonance of about 1 / (2 sin 12.5 degrees) = 2.3.
-pub const LEAST: f64 = 0.436;
+pub const PHASE_MARGIN_MIN: f64 = 0.436;
 /// Lowest frequency, rad/s.
 const LOWEST: f64 = 0.05;
 /// Frequencies.
@@ -39,7 +39,7 @@ pub fn phase_margin(p: &Parameters, law: &Coefficients, stiffness: f64) -> f64 {
 }
 
 /// The smaller of the margins of settling and following at the nominal stiffness, each with its own damping.
-pub fn least(p: &Parameters) -> f64 {
+pub fn minimum(p: &Parameters) -> f64 {
     let settling = Coefficients { integral: 0.0, ..Coefficients::new(p, p.impedance.damping) };
     let following = Coefficients::new(p, damping(p, p.stiffness_nominal));
     phase_margin(p, &settling, p.stiffness_nominal).min(phase_margin(p, &following, p.stiffness_nominal))
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn what_swings_in_the_loop_has_none() {
+    fn what_oscillates_in_the_loop_has_none() {
         assert!(degrees(|_| ()) > 60.0);
         // 0..11.8 N and hops; 44.8 N; 0..22.6 N
         assert!(degrees(|p| p.force.integral_time = 1e-3) < 0.0);

@@ -50,8 +50,8 @@ impl MisalignmentEstimate {
     /// steeper than a mold can be; otherwise a frozen force would look like a surface that falls ever faster.
     pub fn velocity(&self, p: &Parameters, here: &Frame, next: &Frame, feed: f64) -> f64 {
         let change = self.estimate.dot(&(regressor(next) - regressor(here)));
-        let most = p.limits.surface_slope * feed;
-        (change / p.sample_period).clamp(-most, most)
+        let maximum = p.limits.surface_slope * feed;
+        (change / p.sample_period).clamp(-maximum, maximum)
     }
 
     /// Shift of the mold, m.
@@ -73,8 +73,8 @@ impl Default for MisalignmentEstimate {
 
 /// A mold shifted by d and turned by w moves its surface by n . d + w . (c x n) along the normal.
 fn regressor(frame: &Frame) -> Vector6<f64> {
-    let (n, turn) = (frame.normal, frame.contact.cross(&frame.normal) / LEVER);
-    Vector6::new(n.x, n.y, n.z, turn.x, turn.y, turn.z)
+    let (n, rotation) = (frame.normal, frame.contact.cross(&frame.normal) / LEVER);
+    Vector6::new(n.x, n.y, n.z, rotation.x, rotation.y, rotation.z)
 }
 
 #[cfg(test)]
@@ -104,13 +104,13 @@ mod tests {
         assert!((misalignment.shift() - d).amax() < 1e-6, "{}", misalignment.shift());
         assert!((misalignment.rotation() - w).amax() < 1e-3, "{}", misalignment.rotation());
         let (here, next) = (frame(9000), frame(9001));
-        let truth = |f: &Frame| f.normal.dot(&(d + w.cross(&f.contact)));
-        let expected = (truth(&next) - truth(&here)) / P.sample_period;
+        let actual = |f: &Frame| f.normal.dot(&(d + w.cross(&f.contact)));
+        let expected = (actual(&next) - actual(&here)) / P.sample_period;
         assert!((misalignment.velocity(&P, &here, &next, 1.0) - expected).abs() < 1e-5);
     }
 
     #[test]
-    fn what_is_old_is_forgotten_with_its_time() {
+    fn what_is_old_is_discarded_with_its_time() {
         // a mold that sinks after 10 s of turns on the same winding; the memory is 20 s
         let mut misalignment = MisalignmentEstimate::new();
         let at = |k: u32| frame(5_000 + k % 628);
@@ -120,8 +120,8 @@ mod tests {
         }
         let estimate: f64 = (0..628).map(|k| regressor(&at(k)).dot(&misalignment.estimate)).sum();
         // what was before weighs e^-0.5 - e^-1 of 1 - e^-1, without forgetting half
-        let share = estimate / 628.0 / 50e-6;
-        assert!((share - 0.378).abs() < 0.03, "{share}");
+        let ratio = estimate / 628.0 / 50e-6;
+        assert!((ratio - 0.378).abs() < 0.03, "{ratio}");
     }
 
     #[test]

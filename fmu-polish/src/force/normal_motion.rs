@@ -4,14 +4,14 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::impedance::{Coefficients, ForceLaw, damping};
-use super::margin::{LEAST, phase_margin};
+use super::margin::{PHASE_MARGIN_MIN, phase_margin};
 use super::misalignment::MisalignmentEstimate;
 use super::repetitive::RepetitiveControl;
 use super::ripple::RippleCancellation;
 use super::stiffness::Slope;
 use super::turning::Turning;
 use crate::interface::Parameters;
-use crate::path::centre_path::{CentrePath, Frame, Place};
+use crate::path::centre_path::{CentrePath, Frame, PathPosition};
 
 /// The normal motion of a pressing tool.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -25,7 +25,7 @@ pub struct NormalMotion {
     /// the integral works
     following: bool,
     /// the parameters that were evaluated last, and whether the loop is stable
-    judged: Option<(Tuned, bool)>,
+    evaluated: Option<(Tuned, bool)>,
     /// Cancellation of the ripple.
     pub ripple: RippleCancellation,
     turning: Turning,
@@ -61,7 +61,7 @@ impl NormalMotion {
             stiffness,
             damping: None,
             following: false,
-            judged: None,
+            evaluated: None,
             ripple: RippleCancellation::new(p, &Coefficients::new(p, p.impedance.damping), stiffness),
             turning: Turning::default(),
             repetitive: RepetitiveControl::default(),
@@ -78,7 +78,7 @@ impl NormalMotion {
     /// Begins to follow the path with what was learned of the stiffness.
     pub fn follow(&mut self, p: &Parameters) {
         self.stiffness = self.slope.stiffness(p.stiffness_nominal);
-        (self.following, self.judged) = (true, None);
+        (self.following, self.evaluated) = (true, None);
         self.damping = p.impedance.adaptive.then(|| damping(p, self.stiffness));
     }
 
@@ -109,9 +109,9 @@ impl NormalMotion {
         // nothing is integrated or learned in the air
         let sensed = if contact.touching { contact.error } else { 0.0 };
         velocity += self.force_law.integrate(&law, sensed);
-        let turn = self.turning.step(&at.frame.tangent);
-        velocity += self.ripple.step(p, k, at.sweep, turn, contact.error);
-        velocity += self.repetitive.step(p, &law, self.stiffness, turn, sensed);
+        let rotation = self.turning.step(&at.frame.tangent);
+        velocity += self.ripple.step(p, k, at.sweep, rotation, contact.error);
+        velocity += self.repetitive.step(p, &law, self.stiffness, rotation, sensed);
         if p.misalignment_enable {
             self.observe_surface(contact, at);
             velocity += self.feedforward(p, at);
@@ -121,8 +121,8 @@ impl NormalMotion {
 
     /// Uses the distance of the surface at the position of the encoders, which lags behind that on the path.
     fn observe_surface(&mut self, contact: &NormalMeasurement, at: &PathState) {
-        let behind = (at.frame.centre - contact.position).dot(&at.frame.tangent) / at.frame.ratio;
-        let met = at.path.frame(at.path.seek(at.place, at.place.s - behind));
+        let lag = (at.frame.centre - contact.position).dot(&at.frame.tangent) / at.frame.ratio;
+        let met = at.path.frame(at.path.seek(at.path_position, at.path_position.s - lag));
         let offset = (contact.position - met.centre).dot(&met.normal);
         self.misalignment.update(&met, offset + contact.force / self.stiffness);
     }
@@ -130,7 +130,7 @@ impl NormalMotion {
     /// Velocity (m/s) of a misaligned surface at the position on the path: it goes through the drives as the path does, so
     /// that the tool, as late along the normal as along the path, is right where it is.
     fn feedforward(&self, p: &Parameters, at: &PathState) -> f64 {
-        let next = at.path.seek(at.place, at.place.s + at.feed * p.sample_period);
+        let next = at.path.seek(at.path_position, at.path_position.s + at.feed * p.sample_period);
         self.misalignment.velocity(p, at.frame, &at.path.frame(next), at.feed)
     }
 
@@ -140,11 +140,11 @@ impl NormalMotion {
         let law = if self.following { whole } else { Coefficients { integral: 0.0, ..whole } };
         let tuned =
             (p.impedance.gain, self.damping.unwrap_or(p.impedance.damping), p.force.integral_time, self.stiffness);
-        match self.judged {
+        match self.evaluated {
             Some((before, stable)) if before == tuned => stable,
             _ => {
-                let stable = phase_margin(p, &law, self.stiffness) >= LEAST;
-                self.judged = Some((tuned, stable));
+                let stable = phase_margin(p, &law, self.stiffness) >= PHASE_MARGIN_MIN;
+                self.evaluated = Some((tuned, stable));
                 stable
             }
         }
@@ -167,7 +167,7 @@ pub struct PathState<'a> {
     /// The path.
     pub path: &'a CentrePath,
     /// The position on it.
-    pub place: Place,
+    pub path_position: PathPosition,
     /// The path there.
     pub frame: &'a Frame,
     /// Feed of the contact point, m/s.

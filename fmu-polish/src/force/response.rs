@@ -103,8 +103,8 @@ mod tests {
         let half = 0.5 * omega * dt;
         let held = half.sin() / half * (-s * (0.5 + 3.0) * dt).exp() / s;
         // the filter of its samples, f += (1 - e^(-w dt)) (x - f)
-        let share = 1.0 - (-500.0 * dt).exp();
-        let filter = share / (1.0 - (1.0 - share) * (-s * dt).exp());
+        let ratio = 1.0 - (-500.0 * dt).exp();
+        let filter = ratio / (1.0 - (1.0 - ratio) * (-s * dt).exp());
         let expected = held * axis(&p.drive, omega) / (1.0 + s / p.sensor_bandwidth) * filter;
         let open = open(&p, 1.0, omega);
         assert!((open - expected).norm() < 1e-12 * expected.norm(), "{open} {expected}");

@@ -10,11 +10,11 @@
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
-use super::harmonic::{FREQUENCY_SHARE, Harmonic};
+use super::harmonic::{FREQUENCY_RATIO, Harmonic};
 use super::impedance::Coefficients;
-use super::repetitive::ERROR_SHARE;
+use super::repetitive::ERROR_RATIO;
 use super::response::closed;
-use super::turning::{Turn, WholeTurn};
+use super::turning::{Rotation, WholeRevolution};
 use crate::interface::{Mode, Parameters};
 use crate::motion::stick_slip::{fastest, phase, velocity};
 
@@ -29,7 +29,7 @@ const HARMONICS: usize = 2;
 /// degrees makes a ripple of a quarter of the sweep, and K_v = 20 mm/s is the most of it.
 const VELOCITY_MAX: f64 = 5e-3;
 /// Fastest turn of the path with which a ripple is learned, over its frequency: the response is that at the frequency itself.
-const TURN_SHARE: f64 = 0.25;
+const ROTATION_RATIO: f64 = 0.25;
 /// Periods over which the amplitude of a ripple is taken.
 const WINDOW_PERIODS: u32 = 10;
 
@@ -44,7 +44,7 @@ pub struct RippleCancellation {
     turning: [[Harmonic; 2]; HARMONICS],
     half: u32,
     samples: u32,
-    turn: WholeTurn,
+    rotation: WholeRevolution,
     frozen: bool,
 }
 
@@ -55,7 +55,7 @@ impl RippleCancellation {
         let rate = std::f64::consts::TAU / p.sample_period;
         let responses = std::array::from_fn(|i| {
             let omega = rate * (i as f64 + 1.0) / f64::from(2 * half);
-            (omega <= FREQUENCY_SHARE * rate).then(|| closed(p, law, stiffness, omega))
+            (omega <= FREQUENCY_RATIO * rate).then(|| closed(p, law, stiffness, omega))
         });
         Self {
             responses,
@@ -63,7 +63,7 @@ impl RippleCancellation {
             turning: Default::default(),
             half,
             samples: 0,
-            turn: WholeTurn::default(),
+            rotation: WholeRevolution::default(),
             frozen: false,
         }
     }
@@ -73,13 +73,13 @@ impl RippleCancellation {
         self.frozen
     }
 
-    /// Velocity (m/s) of sample `k`, in which the sweep has K_v = `sweep` (m/s) and the path turns by `turn`, for the force error
+    /// Velocity (m/s) of sample `k`, in which the sweep has K_v = `sweep` (m/s) and the path turns by `rotation`, for the force error
     /// `error` (N).
-    pub fn step(&mut self, p: &Parameters, k: u32, sweep: f64, turn: Turn, error: f64) -> f64 {
+    pub fn step(&mut self, p: &Parameters, k: u32, sweep: f64, rotation: Rotation, error: f64) -> f64 {
         let mut velocity = 0.0;
         let sweeps = p.repetitive.ripple_gain > 0.0 && p.stick_slip.mode != Mode::Off;
-        let turns = sweeps && turn.step != 0.0 && turn.step.abs() < TURN_SHARE * phase(self.half, 1);
-        let (most, learned) = (ERROR_SHARE * p.force.target, p.repetitive.ripple_gain * turn.step.abs());
+        let rotates = sweeps && rotation.step != 0.0 && rotation.step.abs() < ROTATION_RATIO * phase(self.half, 1);
+        let (maximum, learned) = (ERROR_RATIO * p.force.target, p.repetitive.ripple_gain * rotation.step.abs());
         for ((m, harmonic), response) in (1..).zip(&mut self.harmonics).zip(self.responses) {
             let Some(response) = response else { continue };
             let carrier = Complex::cis(phase(self.half, m * (k % (2 * self.half))));
@@ -89,25 +89,25 @@ impl RippleCancellation {
                 velocity += harmonic.output(carrier);
             }
             let sides = &mut self.turning[m as usize - 1];
-            for (side, angle) in sides.iter_mut().zip([turn.angle, -turn.angle]).filter(|_| turns) {
+            for (side, angle) in sides.iter_mut().zip([rotation.angle, -rotation.angle]).filter(|_| rotates) {
                 let carrier = carrier * Complex::cis(angle);
                 side.observe(carrier, error);
-                side.learn(2.0 * learned, response, carrier, error.clamp(-most, most), climb(p));
+                side.learn(2.0 * learned, response, carrier, error.clamp(-maximum, maximum), climb(p));
                 velocity += side.output(carrier);
             }
         }
         if p.ripple_gain > 0.0 {
             self.evaluate(p, raised(p, sweep));
         }
-        if turns {
-            self.evaluate_revolution(p, raised(p, sweep), turn.step);
+        if rotates {
+            self.evaluate_revolution(p, raised(p, sweep), rotation.step);
         }
         velocity
     }
 
     /// Evaluates the terms that rotate with the path, after each revolution.
     fn evaluate_revolution(&mut self, p: &Parameters, raised: f64, step: f64) {
-        let Some(samples) = self.turn.ends(step) else { return };
+        let Some(samples) = self.rotation.ends(step) else { return };
         for side in self.turning.iter_mut().flatten() {
             self.frozen |= side.evaluate(samples, raised, climb(p));
         }
@@ -159,7 +159,7 @@ mod tests {
     const P: Parameters = Parameters::START;
     /// Configured K_v, m/s.
     const KV: f64 = 10e-3;
-    const STRAIGHT: Turn = Turn { angle: 0.3, step: 0.0 };
+    const STRAIGHT: Rotation = Rotation { angle: 0.3, step: 0.0 };
 
     /// What a harmonic leaves of a ripple of the amplitude `size` N through the true response, at the angle `angle`.
     fn part(harmonic: &Harmonic, response: Complex<f64>, size: f64, angle: f64) -> f64 {
@@ -172,12 +172,12 @@ mod tests {
     fn worst_error(phase_error: f64, size: f64, counted: Range<u32>) -> (f64, bool) {
         let law = Coefficients::new(&P, damping(&P, 178e3));
         let mut ripple = RippleCancellation::new(&P, &law, 178e3);
-        let truth = ripple.responses.map(|response| response.unwrap() * Complex::cis(phase_error));
+        let actual = ripple.responses.map(|response| response.unwrap() * Complex::cis(phase_error));
         let mut worst: f64 = 0.0;
         for k in 1..counted.end {
             // the plant in the steady state of the learned amplitudes
             let error: f64 =
-                (1..).zip(ripple.harmonics).zip(truth).map(|((m, h), t)| part(&h, t, size, phase(10, m * k))).sum();
+                (1..).zip(ripple.harmonics).zip(actual).map(|((m, h), t)| part(&h, t, size, phase(10, m * k))).sum();
             ripple.step(&P, k, KV, STRAIGHT, error);
             if counted.contains(&k) {
                 worst = worst.max(error.abs());
@@ -237,8 +237,8 @@ mod tests {
         let mut p = circular();
         p.ripple_gain = 1e-9;
         // 1.5 times 0.2 N and 0.3 N are the most at first
-        for (sweep, most) in [(KV, 0.6), (1.6 * KV, 0.96), (0.5 * KV, 0.6)] {
-            assert_eq!([0.99, 1.01].map(|share| given_up(&p, sweep, 0.2, share * most)), [false, true], "{sweep}");
+        for (sweep, maximum) in [(KV, 0.6), (1.6 * KV, 0.96), (0.5 * KV, 0.6)] {
+            assert_eq!([0.99, 1.01].map(|factor| given_up(&p, sweep, 0.2, factor * maximum)), [false, true], "{sweep}");
         }
         let line = Parameters { stick_slip: P.stick_slip, ..p.clone() };
         assert_eq!([0.59, 0.61].map(|size| given_up(&line, 1.6 * KV, 0.2, size)), [false, true]);
@@ -249,14 +249,14 @@ mod tests {
 
     #[test]
     fn the_ripple_of_a_circle_is_cancelled_as_fast_as_it_moves() {
-        for (mode, most) in [(Mode::Cross, 5e-3), (Mode::Circular, 5e-3 * std::f64::consts::FRAC_PI_2)] {
+        for (mode, maximum) in [(Mode::Cross, 5e-3), (Mode::Circular, 5e-3 * std::f64::consts::FRAC_PI_2)] {
             let p = Parameters { stick_slip: StickSlip { mode, ..P.stick_slip }, ..P };
             let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
             // more than can be taken back
             let mut step = |k: u32| ripple.step(&p, k, KV, STRAIGHT, phase(10, k).cos());
             (1..4000).for_each(|k| _ = step(k));
             let amplitude = ((4000..4020).map(|k| step(k).powi(2)).sum::<f64>() / 10.0).sqrt();
-            assert!((amplitude / most - 1.0).abs() < 0.03, "{mode:?}: {amplitude}");
+            assert!((amplitude / maximum - 1.0).abs() < 0.03, "{mode:?}: {amplitude}");
         }
     }
 
@@ -264,21 +264,21 @@ mod tests {
         Parameters { repetitive: Repetitive { ripple_gain: 0.09, ..P.repetitive }, ..P }
     }
 
-    /// Largest error (N) in each of `turns` turns of a path that turns with `rate` rad/s, where a slope makes a ripple of 0.3 N
+    /// Largest error (N) in each of `revolutions` turns of a path that turns with `rate` rad/s, where a slope makes a ripple of 0.3 N
     /// that turns with it, its true phase `late` rad off; and whether the cancellation has ended itself.
-    fn tilted(p: &Parameters, rate: f64, late: f64, turns: u32) -> (Vec<f64>, bool) {
+    fn tilted(p: &Parameters, rate: f64, late: f64, revolutions: u32) -> (Vec<f64>, bool) {
         let mut ripple = RippleCancellation::new(p, &Coefficients::new(p, damping(p, 178e3)), 178e3);
-        let truth = ripple.responses.map(|response| response.unwrap() * Complex::cis(late));
+        let actual = ripple.responses.map(|response| response.unwrap() * Complex::cis(late));
         let (step, mut found) = (rate * p.sample_period, Vec::new());
         let samples = (std::f64::consts::TAU / step.abs()).round() as u32;
-        for turn in 0..turns {
+        for revolution in 0..revolutions {
             let mut worst: f64 = 0.0;
-            for k in turn * samples + 1..=(turn + 1) * samples {
+            for k in revolution * samples + 1..=(revolution + 1) * samples {
                 let theta = step * f64::from(k);
                 let error: f64 = (1..)
                     .zip(ripple.harmonics)
                     .zip(ripple.turning)
-                    .zip(truth)
+                    .zip(actual)
                     .map(|(((m, h), sides), t)| {
                         let carrier = t * Complex::cis(phase(10, m * k));
                         let [with, against] = [theta, -theta].map(|angle| carrier * Complex::cis(angle));
@@ -286,7 +286,7 @@ mod tests {
                     })
                     .sum::<f64>()
                     + 0.3 * theta.cos() * phase(10, k).cos();
-                ripple.step(p, k, KV, Turn { angle: theta, step }, error);
+                ripple.step(p, k, KV, Rotation { angle: theta, step }, error);
                 worst = worst.max(error.abs());
             }
             found.push(worst);
@@ -297,10 +297,10 @@ mod tests {
     #[test]
     fn a_ripple_that_turns_with_the_path_vanishes_whichever_way_and_however_fast() {
         // a path that turns slower than `ripple.gain` is followed at a fixed phase as well, which leaves less to learn from
-        for (rate, share) in [(25.0, 0.1), (-25.0, 0.1), (6.0, 0.1), (1.5, 0.35)] {
+        for (rate, factor) in [(25.0, 0.1), (-25.0, 0.1), (6.0, 0.1), (1.5, 0.35)] {
             for late in [0.0, 0.8, -0.8] {
                 let (found, frozen) = tilted(&turning(), rate, late, 12);
-                assert!(found[11] < share * found[0] && !frozen, "{rate} {late}: {found:?}");
+                assert!(found[11] < factor * found[0] && !frozen, "{rate} {late}: {found:?}");
             }
         }
         // alone as well
@@ -320,13 +320,13 @@ mod tests {
         // a revolution multiplies each of two terms by e^(2 pi 0.09 cos 2.6) = 1.6, and the fourth exceeds the limit
         assert!(frozen && found.iter().all(|error| *error < 0.3 * 1.63f64.powi(4)), "{found:?}");
         // a quarter of 50 Hz
-        for (share, learns) in [(0.99, true), (1.01, false)] {
+        for (factor, learns) in [(0.99, true), (1.01, false)] {
             let mut ripple = RippleCancellation::new(&p, &Coefficients::new(&p, damping(&p, 178e3)), 178e3);
-            let step = share * 0.25 * phase(10, 1);
+            let step = factor * 0.25 * phase(10, 1);
             for k in 1..100 {
-                ripple.step(&p, k, KV, Turn { angle: step * f64::from(k), step }, 0.3);
+                ripple.step(&p, k, KV, Rotation { angle: step * f64::from(k), step }, 0.3);
             }
-            assert_eq!(ripple.turning.iter().flatten().any(|side| *side != Harmonic::default()), learns, "{share}");
+            assert_eq!(ripple.turning.iter().flatten().any(|side| *side != Harmonic::default()), learns, "{factor}");
         }
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Forces below this say nothing, N.
 const FORCE_MIN: f64 = 0.8;
 /// Part of the target up to which samples are taken.
-const TARGET_SHARE: f64 = 0.9;
+const TARGET_RATIO: f64 = 0.9;
 /// What a stiffness can be, over the nominal one.
 const RATIO: (f64, f64) = (0.25, 4.0);
 /// Fewest samples.
@@ -18,29 +18,29 @@ const SPREAD_MIN: f64 = 1e-6;
 pub struct Slope {
     origin: Option<(f64, f64)>,
     count: f64,
-    way: f64,
+    position: f64,
     force: f64,
-    way_way: f64,
-    way_force: f64,
+    position_square: f64,
+    position_force: f64,
 }
 
 impl Slope {
-    /// Adds the force `force` (N) at the travel `way` (m) into the material, while the target is `target` N.
-    pub fn update(&mut self, way: f64, force: f64, target: f64) {
-        if force >= FORCE_MIN && force <= TARGET_SHARE * target {
-            self.take(way, force);
+    /// Adds the force `force` (N) at the travel `position` (m) into the material, while the target is `target` N.
+    pub fn update(&mut self, position: f64, force: f64, target: f64) {
+        if force >= FORCE_MIN && force <= TARGET_RATIO * target {
+            self.take(position, force);
         }
     }
 
-    /// Takes the force `force` (N) at the way `way` (m).
-    pub fn take(&mut self, way: f64, force: f64) {
-        let (way_0, force_0) = *self.origin.get_or_insert((way, force));
-        let (x, y) = (way - way_0, force - force_0);
+    /// Takes the force `force` (N) at the way `position` (m).
+    pub fn take(&mut self, position: f64, force: f64) {
+        let (position_0, force_0) = *self.origin.get_or_insert((position, force));
+        let (x, y) = (position - position_0, force - force_0);
         self.count += 1.0;
-        self.way += x;
+        self.position += x;
         self.force += y;
-        self.way_way += x * x;
-        self.way_force += x * y;
+        self.position_square += x * x;
+        self.position_force += x * y;
     }
 
     /// Stiffness, N/m, near `nominal`; `nominal` itself if the samples say nothing.
@@ -51,11 +51,11 @@ impl Slope {
     /// Slope, N/m, if the samples determine it.
     pub fn slope(&self) -> Option<f64> {
         let n = self.count;
-        let spread = n * self.way_way - self.way * self.way;
+        let spread = n * self.position_square - self.position * self.position;
         if n < SAMPLES_MIN || spread < (n * SPREAD_MIN).powi(2) {
             return None;
         }
-        Some((n * self.way_force - self.way * self.force) / spread)
+        Some((n * self.position_force - self.position * self.force) / spread)
     }
 
     /// Slope (N/m) that lines of different heights have in common, where the noise of each way has the deviation `noise` (m): it
@@ -63,8 +63,8 @@ impl Slope {
     pub fn common(lines: &[Self], noise: f64) -> Option<f64> {
         let sums = lines.iter().filter(|line| line.count > 0.0).fold((0.0, 0.0), |(products, squares), line| {
             let n = line.count;
-            let square = line.way_way - line.way * line.way / n - n * noise * noise;
-            (products + line.way_force - line.way * line.force / n, squares + square)
+            let square = line.position_square - line.position * line.position / n - n * noise * noise;
+            (products + line.position_force - line.position * line.force / n, squares + square)
         });
         (sums.1 > 0.0).then(|| sums.0 / sums.1)
     }
@@ -78,9 +78,9 @@ mod tests {
     fn the_slope_of_a_line_in_noise_and_pulses() {
         let mut slope = Slope::default();
         for k in 0..200 {
-            let way = 1e-7 * f64::from(k);
+            let position = 1e-7 * f64::from(k);
             let noise = if k % 2 == 0 { 0.05 } else { -0.05 };
-            slope.update(0.3 + (way * 1e6).round() * 1e-6, 240e3 * way + noise, 5.0);
+            slope.update(0.3 + (position * 1e6).round() * 1e-6, 240e3 * position + noise, 5.0);
         }
         assert!((slope.stiffness(178e3) / 240e3 - 1.0).abs() < 0.03, "{}", slope.stiffness(178e3));
     }
@@ -92,8 +92,8 @@ mod tests {
             for (i, line) in lines.iter_mut().enumerate() {
                 // 4 um, from anywhere within a step
                 (0..8).for_each(|k| {
-                    let way = 0.5e-6 * f64::from(k) + 0.37e-6 * i as f64;
-                    line.take((way / step).round() * step, 200e3 * way - 7.0 * i as f64);
+                    let position = 0.5e-6 * f64::from(k) + 0.37e-6 * i as f64;
+                    line.take((position / step).round() * step, 200e3 * position - 7.0 * i as f64);
                 });
             }
             let found = Slope::common(&lines, step / 12f64.sqrt()).unwrap();
@@ -113,13 +113,13 @@ mod tests {
     #[test]
     fn forces_count_from_the_least_one_on_and_ten_of_them_suffice() {
         let slopes = [(0.8, 10, 2e5), (0.8, 9, 1e5), (0.79, 10, 1e5)];
-        for (least, count, stiffness) in slopes {
+        for (minimum, count, stiffness) in slopes {
             let mut slope = Slope::default();
             // one of them at the minimum force
             for k in 0..count {
-                slope.update(1e-5 * f64::from(k), least + 2.0 * f64::from(k), 50.0);
+                slope.update(1e-5 * f64::from(k), minimum + 2.0 * f64::from(k), 50.0);
             }
-            assert!((slope.stiffness(1e5) / stiffness - 1.0).abs() < 1e-9, "{least} {count}");
+            assert!((slope.stiffness(1e5) / stiffness - 1.0).abs() < 1e-9, "{minimum} {count}");
         }
     }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The direction in one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct Rotation {
     /// Angle of the tangent, rad.
     pub angle: f64,
     /// By how much it has turned since the last sample, rad.
@@ -21,26 +21,26 @@ pub struct Turning {
 
 impl Turning {
     /// Takes the direction `tangent` of a sample.
-    pub fn step(&mut self, tangent: &Vector3<f64>) -> Turn {
+    pub fn step(&mut self, tangent: &Vector3<f64>) -> Rotation {
         let step = self.angle.step(tangent.y.atan2(tangent.x)).unwrap_or(0.0);
-        Turn { angle: self.angle.reading().unwrap_or(0.0), step }
+        Rotation { angle: self.angle.reading().unwrap_or(0.0), step }
     }
 }
 
 /// Counts the samples of a whole revolution, in both directions; at its start by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct WholeTurn {
+pub struct WholeRevolution {
     /// rad
-    turned: f64,
+    total: f64,
     samples: u32,
 }
 
-impl WholeTurn {
+impl WholeRevolution {
     /// Adds the rotation `step` (rad) of a sample; returns the samples of the revolution that it ends.
     pub fn ends(&mut self, step: f64) -> Option<u32> {
         self.samples += 1;
-        self.turned += step.abs();
-        if self.turned < std::f64::consts::TAU {
+        self.total += step.abs();
+        if self.total < std::f64::consts::TAU {
             return None;
         }
         Some(std::mem::take(self).samples)
@@ -52,15 +52,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_turn_is_told_by_its_steps_either_way() {
+    fn a_revolution_is_the_sum_of_its_steps_in_either_direction() {
         for rate in [0.01, -0.01] {
-            let (mut turning, mut whole, mut ends) = (Turning::default(), WholeTurn::default(), Vec::new());
+            let (mut turning, mut whole, mut ends) = (Turning::default(), WholeRevolution::default(), Vec::new());
             for k in 0..1300 {
                 let angle = 3.0 + rate * f64::from(k);
-                let turn = turning.step(&Vector3::new(angle.cos(), angle.sin(), 0.4));
+                let rotation = turning.step(&Vector3::new(angle.cos(), angle.sin(), 0.4));
                 let step = if k == 0 { 0.0 } else { rate };
-                assert!((turn.angle - angle).sin().abs() < 1e-9 && (turn.step - step).abs() < 1e-9, "{k}: {turn:?}");
-                ends.extend(whole.ends(turn.step));
+                assert!(
+                    (rotation.angle - angle).sin().abs() < 1e-9 && (rotation.step - step).abs() < 1e-9,
+                    "{k}: {rotation:?}"
+                );
+                ends.extend(whole.ends(rotation.step));
             }
             // the first sample has no step
             assert_eq!(ends, [630, 629]);

@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 
 /// What a response means: below the first a wrong sign, below the second a weak drive.
-const SHARES: (f64, f64) = (-0.2, 0.5);
+const RATIOS: (f64, f64) = (-0.2, 0.5);
 /// Fraction of the largest following error from which on motions are compared.
 const BEGIN: f64 = 0.25;
 /// Minimum number of these samples: a jump of the measurement is no property of the drive.
 const COMPARED: u32 = 3;
 /// Time for which a measurement may not change where an axis reverses later than configured, s.
-const TURN: f64 = 0.015;
+const REVERSAL_TIME: f64 = 0.015;
 /// Distance of a frozen measurement from the model, as a fraction of the travel without a response.
 const APART: f64 = 0.5;
 /// A measurement has changed beyond this, in its steps: the last bit may flicker.
@@ -91,23 +91,24 @@ impl Axis {
     /// The cause, where something is wrong.
     fn fault(&self, p: &Parameters) -> Option<Fault> {
         let beyond = self.error.abs() > p.limits.following_error;
-        let way = BAND * p.encoder_resolution + p.limits.frozen;
+        let threshold = BAND * p.encoder_resolution + p.limits.frozen;
         // an axis that comes to rest earlier than configured rests where the model will arrive
-        let stands = self.frozen.still() > ticks(TURN, p.sample_period) && self.error.abs() > APART * way;
-        if self.frozen.unanswered() > way && (beyond || stands) {
+        let constant =
+            self.frozen.still() > ticks(REVERSAL_TIME, p.sample_period) && self.error.abs() > APART * threshold;
+        if self.frozen.unanswered() > threshold && (beyond || constant) {
             return Some(Fault::PositionFrozen);
         }
         beyond.then(|| match self.motion_ratio(p) {
-            Some(share) if share < SHARES.0 => Fault::DriveSign,
-            Some(share) if share < SHARES.1 => Fault::WeakDrive,
+            Some(ratio) if ratio < RATIOS.0 => Fault::DriveSign,
+            Some(ratio) if ratio < RATIOS.1 => Fault::WeakDrive,
             _ => Fault::FollowingError,
         })
     }
 
     /// Measured over commanded motion, if the commanded motion is significant.
     fn motion_ratio(&self, p: &Parameters) -> Option<f64> {
-        let share = self.response.ratio((3.0 * p.encoder_resolution).powi(2))?;
-        (self.compared >= COMPARED).then_some(share)
+        let ratio = self.response.ratio((3.0 * p.encoder_resolution).powi(2))?;
+        (self.compared >= COMPARED).then_some(ratio)
     }
 }
 
@@ -189,17 +190,17 @@ mod tests {
         None
     }
 
-    /// An axis that is `error` m off and moved `share` of the commanded travel in `compared` samples.
-    fn axis(error: f64, share: f64, compared: u32) -> Axis {
+    /// An axis that is `error` m off and moved `ratio` of the commanded travel in `compared` samples.
+    fn axis(error: f64, ratio: f64, compared: u32) -> Axis {
         let mut response = Response::default();
-        response.update(1.0, share, f64::INFINITY);
+        response.update(1.0, ratio, f64::INFINITY);
         Axis { error, response, compared, ..Axis::default() }
     }
 
     #[test]
-    fn a_share_names_the_fault_from_three_samples_on_and_beyond_the_limit_alone() {
+    fn a_gain_ratio_names_the_fault_from_three_samples_on_and_only_beyond_the_limit() {
         let limit = P.limits.following_error;
-        for (share, compared, expected) in [
+        for (ratio, compared, expected) in [
             (-0.21, 3, Fault::DriveSign),
             (-0.2, 3, Fault::WeakDrive),
             (0.49, 3, Fault::WeakDrive),
@@ -207,28 +208,31 @@ mod tests {
             (-1.0, 2, Fault::FollowingError),
         ] {
             for sign in [1.0, -1.0] {
-                assert_eq!(axis(sign * 1.001 * limit, share, compared).fault(&P), Some(expected), "{share} {compared}");
-                assert_eq!(axis(sign * limit, share, compared).fault(&P), None);
+                assert_eq!(axis(sign * 1.001 * limit, ratio, compared).fault(&P), Some(expected), "{ratio} {compared}");
+                assert_eq!(axis(sign * limit, ratio, compared).fault(&P), None);
             }
         }
     }
 
     #[test]
-    fn a_reading_may_stand_for_the_time_in_which_an_axis_turns_round() {
-        let standing = |way: f64, samples: u32, error: f64| {
+    fn a_measurement_may_be_constant_for_the_time_in_which_an_axis_reverses() {
+        let frozen = |threshold: f64, samples: u32, error: f64| {
             let mut axis = axis(error, 1.0, 3);
-            (0..=samples).for_each(|k| axis.frozen.update(0.0, if k == 1 { way } else { 0.0 }, 1.0));
+            (0..=samples).for_each(|k| axis.frozen.update(0.0, if k == 1 { threshold } else { 0.0 }, 1.0));
             axis.fault(&P)
         };
-        let (way, far) = (BAND * P.encoder_resolution + P.limits.frozen, 1.001 * P.limits.following_error);
+        let (threshold, far) = (BAND * P.encoder_resolution + P.limits.frozen, 1.001 * P.limits.following_error);
         assert_eq!(
-            (standing(1.001 * way, 15, -0.501 * way), standing(1.001 * way, 16, -0.501 * way)),
+            (frozen(1.001 * threshold, 15, -0.501 * threshold), frozen(1.001 * threshold, 16, -0.501 * threshold)),
             (None, Some(Fault::PositionFrozen))
         );
         // it has come to rest where the model comes to
-        assert_eq!(standing(1.001 * way, 100, 0.5 * way), None);
-        assert_eq!((standing(way, 16, -0.501 * way), standing(way, 16, far)), (None, Some(Fault::FollowingError)));
-        assert_eq!(standing(1.001 * way, 1, far), Some(Fault::PositionFrozen));
+        assert_eq!(frozen(1.001 * threshold, 100, 0.5 * threshold), None);
+        assert_eq!(
+            (frozen(threshold, 16, -0.501 * threshold), frozen(threshold, 16, far)),
+            (None, Some(Fault::FollowingError))
+        );
+        assert_eq!(frozen(1.001 * threshold, 1, far), Some(Fault::PositionFrozen));
     }
 
     #[test]
@@ -254,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_stands_is_frozen_and_a_flickering_last_bit_hides_nothing() {
+    fn a_constant_measurement_is_frozen_and_a_flickering_last_bit_hides_nothing() {
         let at = |fault: Option<(Fault, u32)>| fault.map(|(fault, k)| (fault, k < 40));
         assert_eq!(at(found(|_, _| 0.0)), Some((Fault::PositionFrozen, true)));
         assert_eq!(at(found(|_, k| f64::from(k % 2) * 1e-6)), Some((Fault::PositionFrozen, true)));
@@ -263,19 +267,19 @@ mod tests {
     }
 
     #[test]
-    fn sign_strength_and_offset_are_told_apart() {
+    fn sign_strength_and_offset_are_distinguished() {
         let name = |found: Option<(Fault, u32)>| found.map(|(fault, _)| fault);
         assert_eq!(name(found(|x, _| -x)), Some(Fault::DriveSign));
         assert_eq!(name(found(|x, _| 0.3 * x)), Some(Fault::WeakDrive));
         // from the middle of the motion on
-        let place = std::cell::Cell::new(0.0);
-        let turned = found(|x, k| {
+        let position = std::cell::Cell::new(0.0);
+        let reversed = found(|x, k| {
             if k <= 905 {
-                place.set(x);
+                position.set(x);
             }
-            2.0 * place.get() - x
+            2.0 * position.get() - x
         });
-        assert_eq!(name(turned), Some(Fault::DriveSign));
+        assert_eq!(name(reversed), Some(Fault::DriveSign));
         assert_eq!(name(found(|x, k| if k < 300 { x } else { x + 0.15e-3 })), Some(Fault::FollowingError));
         assert_eq!(name(found(|x, k| x + 1e-6 * f64::from(k))), Some(Fault::FollowingError));
     }

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::axis::BAND;
 use super::noise::{Noise, memory};
-use super::oscillation::Swings;
+use super::oscillation::Oscillations;
 use crate::force::contact::Measurement;
 use crate::interface::{Fault, Parameters, State};
 use crate::motion::stick_slip::bends;
@@ -29,7 +29,7 @@ const ANSWER_TIME: f64 = 0.01;
 /// Memory of the force error, s.
 const ERROR_TIME: f64 = 0.2;
 /// Force error of the target force where `limits.force_error` is 0.
-const ERROR_SHARE: f64 = 0.2;
+const ERROR_RATIO: f64 = 0.2;
 /// The most that one sample counts, over the largest force error.
 const ERROR_CLIP: f64 = 2.0;
 
@@ -48,7 +48,7 @@ pub struct ForceMonitor {
     noise: Noise,
     /// mean square of the force error, N2
     error: f64,
-    swings: Swings,
+    oscillations: Oscillations,
 }
 
 /// One axis of the force against the depth: its short mean, as noise alone leaves the band in the end.
@@ -61,7 +61,7 @@ struct Answer {
     /// what the way along the axis of the tip makes of it since the anchor, N
     along: f64,
     /// way along the path since the anchor, m
-    way: f64,
+    distance: f64,
 }
 
 /// One sample of the force.
@@ -78,7 +78,7 @@ pub struct ForceSample<'a> {
     /// Stiffness in use, N/m.
     pub stiffness: f64,
     /// Travel along the path in this sample, m.
-    pub way: f64,
+    pub distance: f64,
 }
 
 impl ForceMonitor {
@@ -100,11 +100,11 @@ impl ForceMonitor {
 
     fn update_error(&mut self, p: &Parameters, sample: &ForceSample) {
         if sample.state != State::Follow {
-            (self.error, self.swings) = Default::default();
+            (self.error, self.oscillations) = Default::default();
             return;
         }
         let (error, limit) = (sample.now.force_error, error_limit(p));
-        self.swings.update(p, error, limit);
+        self.oscillations.update(p, error, limit);
         // in the air there is nothing to control
         if sample.now.force.controlled >= p.limits.lost_force {
             // a moment beyond all measure is a matter of the largest force
@@ -123,15 +123,15 @@ impl ForceMonitor {
             return;
         }
         let normal = sample.normal;
-        for ((answer, raw), share) in self.answers.iter_mut().zip(sample.raw.iter()).zip(normal.iter()) {
-            answer.way += sample.way;
+        for ((answer, raw), ratio) in self.answers.iter_mut().zip(sample.raw.iter()).zip(normal.iter()) {
+            answer.distance += sample.distance;
             let before = answer.mean.unwrap_or(*raw);
             let mean = before + memory(p, ANSWER_TIME) * (raw - before);
             answer.mean = Some(mean);
-            answer.frozen.update(mean, sample.stiffness * moved * share, BAND * p.sensor_resolution);
-            answer.along += sample.stiffness * along * share;
+            answer.frozen.update(mean, sample.stiffness * moved * ratio, BAND * p.sensor_resolution);
+            answer.along += sample.stiffness * along * ratio;
             if answer.frozen.still() == 0 {
-                (answer.along, answer.way) = (0.0, 0.0);
+                (answer.along, answer.distance) = (0.0, 0.0);
             }
         }
     }
@@ -141,7 +141,7 @@ impl ForceMonitor {
         let end = p.sensor_range - 0.5 * p.sensor_resolution;
         let faults = [
             (Fault::Saturation, sample.raw.amax() >= end),
-            (Fault::ForceFrozen, self.stands(p, sample.normal) || self.unanswered(p, sample)),
+            (Fault::ForceFrozen, self.frozen_normal(p, sample.normal) || self.unanswered(p, sample)),
             (Fault::NoisyForce, self.noise() > p.limits.force_noise),
         ];
         faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
@@ -149,7 +149,7 @@ impl ForceMonitor {
 
     /// What is wrong with the loop.
     pub fn loop_fault(&self, p: &Parameters) -> Option<Fault> {
-        let cause = if self.swings.many() { Fault::Oscillation } else { Fault::ForceError };
+        let cause = if self.oscillations.many() { Fault::Oscillation } else { Fault::ForceError };
         let [error, limit] = self.error(p);
         (error > limit).then_some(cause)
     }
@@ -164,34 +164,34 @@ impl ForceMonitor {
         [self.error.sqrt(), error_limit(p)]
     }
 
-    fn stands(&self, p: &Parameters, normal: &Vector3<f64>) -> bool {
+    fn frozen_normal(&self, p: &Parameters, normal: &Vector3<f64>) -> bool {
         let longest = ticks(p.limits.frozen_time, p.sample_period);
-        let carries = |(still, share): (&Frozen, &f64)| share.abs() > CARRIES && still.still() >= longest;
+        let carries = |(still, ratio): (&Frozen, &f64)| ratio.abs() > CARRIES && still.still() >= longest;
         longest > 0 && self.still.iter().zip(normal.iter()).any(carries)
     }
 
     fn unanswered(&self, p: &Parameters, sample: &ForceSample) -> bool {
         let noise = NOISES * (self.depth_noise.deviation() - p.encoder_resolution).max(0.0);
-        let sensed = |answer: &Answer, share: f64| {
-            let depth = p.limits.frozen + p.limits.surface_slope * answer.way + noise;
+        let sensed = |answer: &Answer, ratio: f64| {
+            let depth = p.limits.frozen + p.limits.surface_slope * answer.distance + noise;
             let unanswered = if bends(&p.stick_slip) {
                 answer.frozen.unanswered().min(answer.along.abs())
             } else {
                 answer.frozen.unanswered()
             };
-            unanswered <= BAND * p.sensor_resolution + sample.stiffness * depth * share.abs()
+            unanswered <= BAND * p.sensor_resolution + sample.stiffness * depth * ratio.abs()
         };
         self.answers
             .iter()
             .zip(sample.normal.iter())
-            .any(|(answer, share)| share.abs() > CARRIES && !sensed(answer, *share))
+            .any(|(answer, ratio)| ratio.abs() > CARRIES && !sensed(answer, *ratio))
     }
 }
 
 /// Largest force error, root mean square, N.
 fn error_limit(p: &Parameters) -> f64 {
     match p.limits.force_error {
-        0.0 => ERROR_SHARE * p.force.target,
+        0.0 => ERROR_RATIO * p.force.target,
         limit => limit,
     }
 }
@@ -216,7 +216,7 @@ mod tests {
         let measured = MeasuredForce { vector: raw, unfiltered: raw, norm: force, normal: force, controlled: force };
         let force_error = p.force.target - force;
         let now = Measurement { frame, force: measured, force_error, offset: zero, error, surface: 0.0 };
-        let sample = ForceSample { state, raw: &raw, now: &now, normal: &normal, stiffness: 178e3, way: 0.0 };
+        let sample = ForceSample { state, raw: &raw, now: &now, normal: &normal, stiffness: 178e3, distance: 0.0 };
         monitor.update(p, &sample);
         monitor.reading_fault(p, &sample)
     }
@@ -228,7 +228,7 @@ mod tests {
     }
 
     /// A force that keeps within its band on a path along y that is steep by `slope`, wherever the tool goes.
-    struct Judge {
+    struct Evaluation {
         p: Parameters,
         normal: Vector3<f64>,
         state: State,
@@ -237,7 +237,7 @@ mod tests {
         fault: Option<Fault>,
     }
 
-    impl Judge {
+    impl Evaluation {
         fn new(sweep: Mode, slope: f64) -> Self {
             let p = Parameters { stick_slip: StickSlip { mode: sweep, ..P.stick_slip }, ..P };
             let normal = Vector3::new(slope, 0.0, 1.0).normalize();
@@ -253,7 +253,7 @@ mod tests {
             let force = MeasuredForce { vector: raw, unfiltered: raw, norm: 5.0, normal: 5.0, controlled: 5.0 };
             let now = Measurement { frame, force, force_error: 0.0, offset, error: frame.error(&offset), surface: 0.0 };
             let state = self.state;
-            let sample = ForceSample { state, raw: &raw, now: &now, normal: &normal, stiffness: 178e3, way: 0.0 };
+            let sample = ForceSample { state, raw: &raw, now: &now, normal: &normal, stiffness: 178e3, distance: 0.0 };
             self.monitor.update(&self.p, &sample);
             self.fault = self.fault.or(self.monitor.reading_fault(&self.p, &sample));
             self.samples += 1;
@@ -262,31 +262,31 @@ mod tests {
     }
 
     /// What is wrong on a path that is steep by 0.13, where the axes go round for 0.1 s with `radius` m, without z, and sink by `sunk` m.
-    fn round(judge: Judge, radius: f64, sunk: f64) -> Option<Fault> {
+    fn round(evaluation: Evaluation, radius: f64, sunk: f64) -> Option<Fault> {
         let offset = |k: u32| {
             let angle = std::f64::consts::TAU * f64::from(k) / 20.0;
             Vector3::new(radius * angle.cos(), radius * angle.sin(), sunk * f64::from(k) / 100.0)
         };
-        (0..100).map(offset).fold(judge, Judge::show).fault
+        (0..100).map(offset).fold(evaluation, Evaluation::show).fault
     }
 
     #[test]
     fn a_wide_sweep_that_only_bends_the_tip_needs_no_answer_but_the_way_along_it_does() {
-        let judge = |sweep: Mode, half_period: i32, half_period_max: i32| {
-            let mut judge = Judge::new(sweep, 0.13);
-            judge.p.stick_slip = StickSlip { half_period, half_period_max, ..judge.p.stick_slip };
-            judge
+        let evaluation = |sweep: Mode, half_period: i32, half_period_max: i32| {
+            let mut evaluation = Evaluation::new(sweep, 0.13);
+            evaluation.p.stick_slip = StickSlip { half_period, half_period_max, ..evaluation.p.stick_slip };
+            evaluation
         };
         for (sweep, half, longest) in [(Mode::Circular, 10, 0), (Mode::Circular, 10, 20), (Mode::Cross, 20, 20)] {
             // 26 um of depth, without travel along z
-            assert_eq!(round(judge(sweep, half, longest), 100e-6, 0.0), None);
+            assert_eq!(round(evaluation(sweep, half, longest), 100e-6, 0.0), None);
             for radius in [0.0, 50e-6, 100e-6] {
-                let fault = round(judge(sweep, half, longest), radius, 50e-6);
+                let fault = round(evaluation(sweep, half, longest), radius, 50e-6);
                 assert_eq!(fault, Some(Fault::ForceFrozen), "{sweep:?} {half} {radius}");
             }
         }
         for (half, longest) in [(10, 0), (10, 20), (20, 0)] {
-            let fault = round(judge(Mode::Cross, half, longest), 100e-6, 0.0);
+            let fault = round(evaluation(Mode::Cross, half, longest), 100e-6, 0.0);
             assert_eq!(fault, Some(Fault::ForceFrozen), "{half} {longest}");
         }
     }
@@ -299,10 +299,10 @@ mod tests {
             let noise: f64 = StandardNormal.sample(&mut random);
             Vector3::z() * (depth + 10e-6 * noise)
         };
-        let judge = Judge { state: State::Approach, ..Judge::new(sweep, 0.0) };
-        let above = (0..300).map(|_| depth(0.0)).fold(judge, Judge::show);
-        let pressing = Judge { state: State::Follow, ..above };
-        (0..4000).map(|k| depth(sunk * f64::from(k) / 4e3)).fold(pressing, Judge::show).fault
+        let evaluation = Evaluation { state: State::Approach, ..Evaluation::new(sweep, 0.0) };
+        let above = (0..300).map(|_| depth(0.0)).fold(evaluation, Evaluation::show);
+        let pressing = Evaluation { state: State::Follow, ..above };
+        (0..4000).map(|k| depth(sunk * f64::from(k) / 4e3)).fold(pressing, Evaluation::show).fault
     }
 
     #[test]
@@ -317,7 +317,7 @@ mod tests {
         // 21.5 um may be unanswered, and noise of 0.8 steps would allow 6.5 um more
         let fault = |sweep: Mode, sunk: f64| {
             let depth = |k: u32| sunk * f64::from(k) / 1e3 + P.encoder_resolution * f64::from(k % 2);
-            (0..1000).map(|k| Vector3::z() * depth(k)).fold(Judge::new(sweep, 0.0), Judge::show).fault
+            (0..1000).map(|k| Vector3::z() * depth(k)).fold(Evaluation::new(sweep, 0.0), Evaluation::show).fault
         };
         for sweep in [Mode::Cross, Mode::Circular] {
             assert_eq!([18e-6, 25e-6].map(|sunk| fault(sweep, sunk)), [None, Some(Fault::ForceFrozen)], "{sweep:?}");
@@ -333,12 +333,12 @@ mod tests {
     }
 
     #[test]
-    fn a_force_that_stands_is_frozen_only_where_that_is_watched() {
+    fn a_constant_force_is_frozen_only_where_that_is_monitored() {
         let mut p = P;
-        let standing = |p: &Parameters| fault_of(p, std::iter::repeat_n(1.0, 5000));
-        assert_eq!(standing(&p), Some(Fault::ForceFrozen));
+        let constant = |p: &Parameters| fault_of(p, std::iter::repeat_n(1.0, 5000));
+        assert_eq!(constant(&p), Some(Fault::ForceFrozen));
         p.limits.frozen_time = 0.0;
-        assert_eq!(standing(&p), None);
+        assert_eq!(constant(&p), None);
     }
 
     #[test]

@@ -24,8 +24,8 @@ impl Noise {
     /// Adds a measurement; `largest` is the largest standard deviation without limitation.
     pub fn update(&mut self, p: &Parameters, reading: f64, largest: f64) {
         if let Some((one, two)) = self.last {
-            let most = DIFFERENCES * (CLIP * largest).powi(2);
-            let difference = (reading - 2.0 * one + two).powi(2).min(most);
+            let maximum = DIFFERENCES * (CLIP * largest).powi(2);
+            let difference = (reading - 2.0 * one + two).powi(2).min(maximum);
             self.variance += memory(p, NOISE_TIME) * (difference / DIFFERENCES - self.variance);
         }
         self.last = Some((reading, self.last.map_or(reading, |(one, _)| one)));
@@ -52,7 +52,7 @@ mod tests {
     const LARGEST: f64 = 0.35;
 
     #[test]
-    fn noise_is_told_as_its_deviation_whatever_it_lies_on() {
+    fn noise_is_reported_as_its_standard_deviation_on_any_signal() {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(7);
         let sigma = 0.5 * LARGEST;
         // in 100 ms there are 100 samples, a third of them independent

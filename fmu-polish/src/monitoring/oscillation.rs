@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 
 /// Mean error of an oscillation, over the maximum force error: an oscillation that grows threefold in each half period is detected after three.
-const SWING: f64 = 0.2;
+const OSCILLATION: f64 = 0.2;
 /// Consecutive sign changes: one and a half periods.
 const CHANGES: u32 = 3;
 
 /// Consecutive oscillations; by default none.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Swings {
+pub struct Oscillations {
     /// force errors of this period of the stick-slip motion, N
     sum: f64,
     samples: u32,
@@ -24,7 +24,7 @@ pub struct Swings {
     changes: u32,
 }
 
-impl Swings {
+impl Oscillations {
     /// Takes a force error (N) of which `limit` (N) is the largest.
     pub fn update(&mut self, p: &Parameters, error: f64, limit: f64) {
         let period = 2 * p.stick_slip.half_period.unsigned_abs();
@@ -32,7 +32,7 @@ impl Swings {
         self.samples += 1;
         if self.samples >= period {
             let window = ticks(PI / p.feed.turn_rate_max, p.sample_period) / period;
-            self.changes = self.reversals.update(self.sum / f64::from(period), SWING * limit, window);
+            self.changes = self.reversals.update(self.sum / f64::from(period), OSCILLATION * limit, window);
             (self.sum, self.samples) = (0.0, 0);
         }
     }
@@ -52,32 +52,32 @@ mod tests {
     const LIMIT: f64 = 1.0;
 
     /// Whether two seconds of an error are an oscillation.
-    fn swings(error: impl Fn(f64) -> f64) -> bool {
-        let mut swings = Swings::default();
-        (0..2000).map(|k| swings.update(&P, error(1e-3 * f64::from(k)), LIMIT)).last();
-        swings.many()
+    fn oscillations(error: impl Fn(f64) -> f64) -> bool {
+        let mut oscillations = Oscillations::default();
+        (0..2000).map(|k| oscillations.update(&P, error(1e-3 * f64::from(k)), LIMIT)).last();
+        oscillations.many()
     }
 
     #[test]
-    fn what_swings_faster_than_the_path_turns_is_told() {
+    fn what_oscillates_faster_than_the_path_turns_is_reported() {
         for frequency in [4.5, 6.0, 8.0, 12.0, 19.0] {
-            assert!(swings(|t| 1.5 * (TAU * frequency * t).sin()), "{frequency} Hz");
+            assert!(oscillations(|t| 1.5 * (TAU * frequency * t).sin()), "{frequency} Hz");
         }
         // 25 rad/s are 4 Hz
         for frequency in [1.0, 2.0, 3.3] {
-            assert!(!swings(|t| 3.0 * (TAU * frequency * t).sin()), "{frequency} Hz");
+            assert!(!oscillations(|t| 3.0 * (TAU * frequency * t).sin()), "{frequency} Hz");
         }
     }
 
     #[test]
-    fn ripple_of_the_stick_slip_offsets_and_small_swings_are_none() {
-        assert!(!swings(|t| 5.0 * (TAU * 50.0 * t).sin() + 2.0 * (TAU * 100.0 * t).cos()));
-        assert!(!swings(|t| 2.0 + 1.2 * (TAU * 10.0 * t).sin()));
-        assert!(!swings(|t| 0.19 * (TAU * 10.0 * t).sin()));
+    fn ripple_of_the_stick_slip_offsets_and_small_oscillations_are_none() {
+        assert!(!oscillations(|t| 5.0 * (TAU * 50.0 * t).sin() + 2.0 * (TAU * 100.0 * t).cos()));
+        assert!(!oscillations(|t| 2.0 + 1.2 * (TAU * 10.0 * t).sin()));
+        assert!(!oscillations(|t| 0.19 * (TAU * 10.0 * t).sin()));
     }
 
     #[test]
-    fn a_single_swing_is_soon_forgotten() {
-        assert!(!swings(|t| if t < 1.8 { 1.5 * (TAU * 10.0 * t).sin() } else { 0.0 }));
+    fn a_single_oscillation_is_soon_discarded() {
+        assert!(!oscillations(|t| if t < 1.8 { 1.5 * (TAU * 10.0 * t).sin() } else { 0.0 }));
     }
 }

@@ -13,7 +13,7 @@ const REST: f64 = 0.01;
 /// Compares the measurements with a rest position.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RestMonitor {
-    place: Vector3<f64>,
+    origin: Vector3<f64>,
     samples: u32,
 }
 
@@ -21,8 +21,8 @@ impl RestMonitor {
     /// Takes the measurements of a sample, m; the last bit may flicker.
     pub fn update(&mut self, p: &Parameters, position: &Vector3<f64>) {
         self.samples = self.samples.saturating_add(1);
-        if (position - self.place).amax() > BAND * p.encoder_resolution {
-            (self.place, self.samples) = (*position, 0);
+        if (position - self.origin).amax() > BAND * p.encoder_resolution {
+            (self.origin, self.samples) = (*position, 0);
         }
     }
 
@@ -40,16 +40,16 @@ mod tests {
 
     /// Samples until the axes are at rest that move by `step` encoder steps in each, for at most 1000.
     fn rests(step: impl Fn(u32) -> f64) -> Option<u32> {
-        let (mut rest, mut place) = (RestMonitor::default(), Vector3::new(0.1, 0.2, 0.3));
+        let (mut rest, mut origin) = (RestMonitor::default(), Vector3::new(0.1, 0.2, 0.3));
         (1..1000).find(|k| {
-            place.y += step(*k) * P.encoder_resolution;
-            rest.update(&P, &place);
+            origin.y += step(*k) * P.encoder_resolution;
+            rest.update(&P, &origin);
             rest.at_rest(&P)
         })
     }
 
     #[test]
-    fn axes_that_stand_or_flicker_are_at_rest_and_slow_ones_are_not() {
+    fn axes_that_are_constant_or_flicker_are_at_rest_and_slow_ones_are_not() {
         let time = ticks(REST, P.sample_period);
         assert_eq!(rests(|_| 0.0), Some(time + 1));
         assert_eq!(rests(|k| if k % 2 == 0 { 1.0 } else { -1.0 }), Some(time + 1));

@@ -28,8 +28,8 @@ impl PositionFeedback {
         let select = Vector3::new(select.x, select.y, select.z).map(|on| f64::from(u8::from(on)));
         self.integral = (self.integral + error * p.sample_period).map(|sum| sum.clamp(-limit, limit));
         // eq. 6; the paper's K_i is this one times the sample period
-        let wanted = law.gain.vector().component_mul(&error) + law.integral.vector().component_mul(&self.integral);
-        free(&select.component_mul(&wanted))
+        let command = law.gain.vector().component_mul(&error) + law.integral.vector().component_mul(&self.integral);
+        free(&select.component_mul(&command))
     }
 }
 

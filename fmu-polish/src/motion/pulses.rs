@@ -21,10 +21,10 @@ impl Remainder {
 
     /// The pulses of one sample with the velocity `velocity` (m/s).
     pub fn step(&mut self, p: &Parameters, velocity: &Vector3<f64>) -> Vector3<i32> {
-        let wanted = self.left + velocity * (p.sample_period / p.pulses_size);
+        let exact = self.left + velocity * (p.sample_period / p.pulses_size);
         // halves are always rounded up: at rest the pulses do not alternate between -1 and 1
-        let sent = wanted.map(|pulses| (pulses + 0.5).floor());
-        self.left = wanted - sent;
+        let sent = exact.map(|pulses| (pulses + 0.5).floor());
+        self.left = exact - sent;
         let pulses = sent.map(|count| count as i32);
         self.counts = self.counts.zip_map(&pulses, i32::wrapping_add);
         pulses

@@ -11,7 +11,7 @@ pub struct SensedMotion {
     /// last force (N) and last position of the axes (m)
     before: Option<(Vector3<f64>, Vector3<f64>)>,
     /// travel that the sensor has not sensed yet, m
-    unfelt: Vector3<f64>,
+    unsensed: Vector3<f64>,
 }
 
 impl SensedMotion {
@@ -27,12 +27,12 @@ impl SensedMotion {
     }
 
     /// The part of a travel (m) that is sensed in this sample: first-order lag of a steady motion between two samples.
-    fn sensed(&mut self, p: &Parameters, way: &Vector3<f64>) -> Vector3<f64> {
+    fn sensed(&mut self, p: &Parameters, displacement: &Vector3<f64>) -> Vector3<f64> {
         let lag = p.sensor_bandwidth * p.sample_period;
         let keep = (-lag).exp();
-        let unfelt = self.unfelt * keep + way * ((1.0 - keep) / lag);
-        let sensed = way + self.unfelt - unfelt;
-        self.unfelt = unfelt;
+        let unsensed = self.unsensed * keep + displacement * ((1.0 - keep) / lag);
+        let sensed = displacement + self.unsensed - unsensed;
+        self.unsensed = unsensed;
         sensed
     }
 }
@@ -51,32 +51,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_of_the_place_is_felt_less_by_its_share() {
+    fn noise_of_the_position_is_reduced_in_proportion() {
         for bandwidth in [300.0, 1256.6, 1e4] {
             let p = Parameters { sensor_bandwidth: bandwidth, ..Parameters::START };
             // the response to one outlier is the travel sensed since the start
-            let (mut motion, mut place, mut squares) = (SensedMotion::default(), 0.0, 0.0);
+            let (mut motion, mut position, mut squares) = (SensedMotion::default(), 0.0, 0.0);
             motion.step(&p, &Vector3::zeros(), &Vector3::zeros());
             for k in 0..200 {
                 let off = if k == 0 { Vector3::x() } else { Vector3::zeros() };
-                let (_, way) = motion.step(&p, &Vector3::zeros(), &off).unwrap();
-                place += way.x;
-                squares += place * place;
+                let (_, displacement) = motion.step(&p, &Vector3::zeros(), &off).unwrap();
+                position += displacement.x;
+                squares += position * position;
             }
             assert!((squares.sqrt() / sensed_noise(&p) - 1.0).abs() < 1e-9, "{bandwidth}: {squares}");
         }
     }
 
     #[test]
-    fn a_steady_motion_is_felt_a_time_constant_late() {
+    fn a_steady_motion_is_sensed_a_time_constant_late() {
         let p = Parameters::START;
         let (mut motion, mut sensed) = (SensedMotion::default(), 0.0);
         let force = Vector3::y();
         assert_eq!(motion.step(&p, &force, &Vector3::zeros()), None);
         for k in 1..=50 {
-            let (mean, way) = motion.step(&p, &(force * f64::from(k + 1)), &(Vector3::x() * f64::from(k))).unwrap();
+            let (mean, displacement) =
+                motion.step(&p, &(force * f64::from(k + 1)), &(Vector3::x() * f64::from(k))).unwrap();
             assert_eq!(mean, force * (f64::from(k) + 0.5));
-            sensed += way.x;
+            sensed += displacement.x;
         }
         let late = 1.0 / (p.sensor_bandwidth * p.sample_period);
         assert!((sensed - (50.0 - late)).abs() < 1e-9, "{sensed}");

@@ -30,7 +30,7 @@ const ENOUGH: f64 = 0.9;
 /// Consecutive windows at the largest K_v, over which the speed is averaged for the verdict.
 const WINDOWS: u32 = 5;
 /// Minimum detectable friction, in steps of the sensor.
-const FELT: f64 = 2.0;
+const SENSED: f64 = 2.0;
 
 /// The measurement and what it adds to K_v; by default nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -83,35 +83,35 @@ impl Sliding {
 
     fn evaluate(&mut self, p: &Parameters) {
         let count = f64::from(self.samples);
-        let least = (self.square / count).sqrt().max(f64::MIN_POSITIVE);
-        self.friction = if self.work > 0.0 { (self.weighted / self.work).max(least) } else { least };
+        let minimum = (self.square / count).sqrt().max(f64::MIN_POSITIVE);
+        self.friction = if self.work > 0.0 { (self.weighted / self.work).max(minimum) } else { minimum };
         let time = count * p.sample_period;
         let (speed, round) = (self.work / self.friction / time, self.apparent.round(time));
         (self.samples, self.work, self.weighted, self.square) = Default::default();
         self.speed = Some(speed);
         if desired_speed(p) == 0.0 {
             self.added = 0.0;
-            self.restart_verdict();
-        } else if self.friction <= FELT * p.sensor_resolution {
+            self.restart_evaluation();
+        } else if self.friction <= SENSED * p.sensor_resolution {
             // too little friction to say anything
-            self.restart_verdict();
+            self.restart_evaluation();
         } else {
-            let most = (highest(p) - p.stick_slip.velocity).max(0.0);
+            let maximum = (highest(p) - p.stick_slip.velocity).max(0.0);
             let speed = self.apparent.certain(p, speed, round);
-            let (raised, velocity) = (self.added >= most, p.stick_slip.velocity + self.added);
+            let (raised, velocity) = (self.added >= maximum, p.stick_slip.velocity + self.added);
             if p.stick_slip.mode == Mode::Circular && speed < ENOUGH * desired_speed(p) {
                 self.stuck = self.stuck.max(velocity);
             }
-            let least = (self.stuck - p.stick_slip.velocity).clamp(0.0, most);
-            self.added = (self.added + rise(p, velocity, speed)).clamp(least, most);
-            self.add_to_verdict(p, speed, raised);
+            let minimum = (self.stuck - p.stick_slip.velocity).clamp(0.0, maximum);
+            self.added = (self.added + rise(p, velocity, speed)).clamp(minimum, maximum);
+            self.add_to_evaluation(p, speed, raised);
         }
     }
 
     /// Takes the speed (m/s) of a window for the verdict, at the largest K_v or not.
-    fn add_to_verdict(&mut self, p: &Parameters, speed: f64, at_most: bool) {
+    fn add_to_evaluation(&mut self, p: &Parameters, speed: f64, at_most: bool) {
         if !at_most {
-            return self.restart_verdict();
+            return self.restart_evaluation();
         }
         self.windows += 1;
         self.speeds += speed;
@@ -146,7 +146,7 @@ impl Sliding {
         anew
     }
 
-    fn restart_verdict(&mut self) {
+    fn restart_evaluation(&mut self) {
         (self.windows, self.speeds, self.too_little, self.short) = (0, 0.0, false, false);
     }
 
@@ -168,14 +168,14 @@ impl Sliding {
 /// Static friction is larger by r: a ball at rest breaks loose at r K_0, and a ball that slides at a lower K_v sticks for good after any
 /// stop. So K_v never falls to a value at which the ball slid too little earlier in the cycle.
 fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
-    let (wanted, c) = (desired_speed(p), fastest(&p.stick_slip));
+    let (desired, c) = (desired_speed(p), fastest(&p.stick_slip));
     match p.stick_slip.mode {
-        Mode::Circular if speed < STICKS * wanted => RISE * (wanted - speed) / c,
+        Mode::Circular if speed < STICKS * desired => RISE * (desired - speed) / c,
         Mode::Circular => {
-            let square = velocity.powi(2) + RISE * (wanted.powi(2) - speed.powi(2)) / (c * c);
+            let square = velocity.powi(2) + RISE * (desired.powi(2) - speed.powi(2)) / (c * c);
             square.max(0.0).sqrt() - velocity
         }
-        _ => RISE * (wanted - speed),
+        _ => RISE * (desired - speed),
     }
 }
 
@@ -219,10 +219,10 @@ mod tests {
         let (period, count) = ((100e-6 / speed / p.sample_period) as u32, ticks(time, p.sample_period));
         for k in 0..count {
             sliding.update(p, &Vector3::new(0.0, y, 1e-4 * y), &measurement(Vector3::new(0.0, sensed, 5.0)), true);
-            let way = if (k / period).is_multiple_of(2) { speed * dt } else { -speed * dt };
+            let displacement = if (k / period).is_multiple_of(2) { speed * dt } else { -speed * dt };
             for _ in 0..FINE {
-                y += way;
-                let free = bend - way;
+                y += displacement;
+                let free = bend - displacement;
                 bend = free.clamp(-friction / stiffness, friction / stiffness);
                 slid += (free - bend).abs();
                 sensed += (stiffness * bend - sensed) * dt * p.sensor_bandwidth;
@@ -235,31 +235,31 @@ mod tests {
     fn what_bends_the_tip_is_no_sliding_whatever_its_stiffness() {
         let p = Parameters { stick_slip: StickSlip { sliding: 0.0, ..P.stick_slip }, ..P };
         for (stiffness, friction) in [(1e6, 1.0), (200e3, 1.0), (60e3, 2.0), (30e3, 1.0), (30e3, 1.4)] {
-            let (sliding, truth) = moved(&p, stiffness, friction, 10e-3, 1.0);
+            let (sliding, actual) = moved(&p, stiffness, friction, 10e-3, 1.0);
             let measured = sliding.speed.unwrap();
             // the lag rounds the force where it reverses suddenly
-            assert!((measured - truth).abs() < 0.14 * truth, "{stiffness} {friction}: {measured} {truth}");
+            assert!((measured - actual).abs() < 0.14 * actual, "{stiffness} {friction}: {measured} {actual}");
             assert!((sliding.friction / friction - 1.0).abs() < 0.15, "{stiffness} {friction}: {}", sliding.friction);
         }
         // 50 um to each side are 1.5 N
-        let (stuck, truth) = moved(&p, 30e3, 3.5, 10e-3, 1.0);
-        assert!(truth == 0.0 && stuck.speed.unwrap().abs() < 0.3e-3, "{stuck:?}");
+        let (stuck, actual) = moved(&p, 30e3, 3.5, 10e-3, 1.0);
+        assert!(actual == 0.0 && stuck.speed.unwrap().abs() < 0.3e-3, "{stuck:?}");
     }
 
     /// A tip of `stiffness` N/m whose ball slides at `friction` N, on axes that rotate as commanded by `sliding`, through the
     /// lag of a sensor that is `faster` times as fast as configured; for `time` s: the true mean speed of sliding in the last window.
     fn round(p: &Parameters, sliding: &mut Sliding, [stiffness, friction, faster]: [f64; 3], time: f64) -> f64 {
         const FINE: u32 = 50;
-        let (mut bend, mut sensed, mut place) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        let (mut bend, mut sensed, mut position) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         let (dt, count) = (p.sample_period / f64::from(FINE), ticks(time, p.sample_period));
         let mut slid = 0.0;
         for k in 1..=count {
-            sliding.update(p, &place, &measurement(sensed + 5.0 * Vector3::z()), true);
-            let (share, vector) = stick_slip::motion(&p.stick_slip, k, &measurement(sensed).frame);
-            let way = vector * (share * (p.stick_slip.velocity + sliding.raised(p)) * dt);
+            sliding.update(p, &position, &measurement(sensed + 5.0 * Vector3::z()), true);
+            let (ratio, vector) = stick_slip::motion(&p.stick_slip, k, &measurement(sensed).frame);
+            let displacement = vector * (ratio * (p.stick_slip.velocity + sliding.raised(p)) * dt);
             for _ in 0..FINE {
-                place += way;
-                let free: Vector3<f64> = bend - way;
+                position += displacement;
+                let free: Vector3<f64> = bend - displacement;
                 bend = free * (friction / (stiffness * free.norm())).min(1.0);
                 slid += if k + window(p) > count { (free - bend).norm() } else { 0.0 };
                 sensed += (stiffness * bend - sensed) * (dt * faster * p.sensor_bandwidth);
@@ -269,41 +269,47 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_that_is_dragged_round_slides_as_derived_and_is_told_so() {
+    fn a_ball_that_is_dragged_round_slides_as_derived_and_is_reported_so() {
         let still = Parameters { stick_slip: StickSlip { sliding: 0.0, ..circular().stick_slip }, ..P };
         let fastest = fastest(&still.stick_slip) * still.stick_slip.velocity;
         for (stiffness, friction) in [(1e6, 1.0), (209e3, 1.0), (100e3, 2.0), (50e3, 2.0), (30e3, 1.2)] {
             let mut sliding = Sliding::default();
-            let truth = round(&still, &mut sliding, [stiffness, friction, 1.0], 0.6);
+            let actual = round(&still, &mut sliding, [stiffness, friction, 1.0], 0.6);
             // 50 um are the radius, less up to 0.6 um as a sample goes straight
             let derived = fastest * (1.0 - (friction / stiffness / 50e-6).powi(2)).sqrt();
-            assert!((truth / derived - 1.0).abs() < 0.03, "{stiffness} {friction}: {truth} {derived}");
-            assert!((sliding.speed.unwrap() / truth - 1.0).abs() < 0.1, "{stiffness} {friction}: {sliding:?} {truth}");
+            assert!((actual / derived - 1.0).abs() < 0.03, "{stiffness} {friction}: {actual} {derived}");
+            assert!(
+                (sliding.speed.unwrap() / actual - 1.0).abs() < 0.1,
+                "{stiffness} {friction}: {sliding:?} {actual}"
+            );
             assert!((sliding.friction / friction - 1.0).abs() < 0.1, "{stiffness} {friction}: {sliding:?}");
         }
         // 60 um of bend: it sticks, and no sensor from 120 to 400 Hz takes that for a good sliding
         for faster in [0.6, 1.0, 2.0] {
             let mut sliding = Sliding::default();
-            let truth = round(&still, &mut sliding, [30e3, 1.8, faster], 0.6);
-            assert!(truth < 1e-6 && sliding.speed.unwrap().abs() < 0.5 * P.stick_slip.sliding, "{faster}: {sliding:?}");
+            let actual = round(&still, &mut sliding, [30e3, 1.8, faster], 0.6);
+            assert!(
+                actual < 1e-6 && sliding.speed.unwrap().abs() < 0.5 * P.stick_slip.sliding,
+                "{faster}: {sliding:?}"
+            );
         }
     }
 
     #[test]
-    fn a_circle_is_raised_until_the_ball_slides_as_fast_as_wanted_and_stays_so() {
+    fn a_circle_is_raised_until_the_ball_slides_as_fast_as_desired_and_stays_so() {
         let p = circular();
         for (stiffness, friction) in [(30e3, 1.8), (30e3, 2.4), (20e3, 0.97), (60e3, 2.9)] {
             for time in [2.4, 2.6, 2.8] {
                 let mut sliding = Sliding::default();
-                let wanted = p.stick_slip.sliding;
-                let truth = round(&p, &mut sliding, [stiffness, friction, 1.0], time);
+                let desired = p.stick_slip.sliding;
+                let actual = round(&p, &mut sliding, [stiffness, friction, 1.0], time);
                 // what slides fast enough without is left alone
-                let enough = sliding.added == 0.0 && truth > wanted;
+                let enough = sliding.added == 0.0 && actual > desired;
                 // a ball that never stuck may owe 0.12 of its speed to the sensor
                 let doubt = 0.12 * fastest(&p.stick_slip) * (p.stick_slip.velocity + sliding.added);
                 assert!(
-                    (0.85 * wanted..1.15 * wanted + doubt).contains(&truth) || enough,
-                    "{stiffness} {friction}: {truth} {sliding:?}"
+                    (0.85 * desired..1.15 * desired + doubt).contains(&actual) || enough,
+                    "{stiffness} {friction}: {actual} {sliding:?}"
                 );
                 assert!(!sliding.too_little);
             }
@@ -315,9 +321,11 @@ mod tests {
 
     #[test]
     fn a_circle_is_never_lowered_to_where_the_ball_stuck() {
-        for (p, least) in [(circular(), 2.5e-3), (P, 0.0)] {
+        for (p, minimum) in [(circular(), 2.5e-3), (P, 0.0)] {
             let mut sliding = Sliding { added: 2.5e-3, ..Sliding::default() };
-            for (speed, added) in [(3.5e-3, 2.6e-3..5e-3), (12e-3, least..least + 1e-9), (12e-3, least..least + 1e-9)] {
+            for (speed, added) in
+                [(3.5e-3, 2.6e-3..5e-3), (12e-3, minimum..minimum + 1e-9), (12e-3, minimum..minimum + 1e-9)]
+            {
                 let count = f64::from(window(&p));
                 let work = speed * count * p.sample_period;
                 sliding = Sliding { samples: window(&p), work, weighted: work, square: 0.5 * count, ..sliding };
@@ -340,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_told_after_whole_periods_of_a_fifth_of_a_second() {
+    fn it_is_reported_after_whole_periods_of_a_fifth_of_a_second() {
         for (half, expected) in [(1, 200), (10, 200), (7, 210), (300, 600)] {
             let mut p = P;
             p.stick_slip.half_period = half;
@@ -349,7 +357,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_tuned_counts_at_once() {
+    fn what_is_tuned_counts_immediately() {
         let mut sliding = Sliding { added: 8e-3, windows: 3, ..Sliding::default() };
         let tuned = |change: fn(&mut StickSlip)| {
             let mut p = P;
@@ -372,11 +380,11 @@ mod tests {
         // (pi / 2) K_v pi / 10 ms
         let accelerated = 7.0 * 2.0 * 10e-3 / std::f64::consts::PI.powi(2);
         // a square wave is rounded as the axes can
-        for (mode, most) in [(Mode::Circular, accelerated), (Mode::Cross, 30e-3)] {
+        for (mode, maximum) in [(Mode::Circular, accelerated), (Mode::Cross, 30e-3)] {
             for (velocity, ratio) in [(30e-3, 0.0), (0.0, 15.0)] {
                 let tuned = StickSlip { velocity, ratio, mode, ..P.stick_slip };
                 let p = Parameters { stick_slip: tuned, drive: weak, ..P };
-                assert!((Sliding::default().swept(&p, 2e-3) - most).abs() < 1e-12, "{mode:?} {ratio}");
+                assert!((Sliding::default().swept(&p, 2e-3) - maximum).abs() < 1e-12, "{mode:?} {ratio}");
             }
         }
     }
@@ -389,8 +397,8 @@ mod tests {
             let mut sliding = Sliding::default();
             for k in 0..400 {
                 let (period, k) = (f64::from(k / 200), k % 200);
-                let (place, force) = (period * 50.0 + f64::from(k).min(50.0), if k < 50 { friction } else { rest });
-                sliding.update(&p, &Vector3::new(0.0, 1e-5 * place, 0.0), &measurement(-force * Vector3::y()), true);
+                let (position, force) = (period * 50.0 + f64::from(k).min(50.0), if k < 50 { friction } else { rest });
+                sliding.update(&p, &Vector3::new(0.0, 1e-5 * position, 0.0), &measurement(-force * Vector3::y()), true);
             }
             sliding.friction
         };
@@ -399,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn too_little_raises_it_to_the_most_and_is_told_after_a_second_there_but_not_nearly_enough() {
+    fn too_little_raises_it_to_the_maximum_and_is_reported_after_a_second_there_but_not_nearly_enough() {
         // 20 mm/s are the maximum, 10 mm/s are configured
         let slow = |time: f64| moved(&P, 30e3, 3.5, 10e-3, time).0;
         let first = slow(0.201);
@@ -413,10 +421,10 @@ mod tests {
         (good.samples, good.too_little) = (window(&P), true);
         good.evaluate(&P);
         assert!(good.added == 0.0 && !good.too_little, "{good:?}");
-        for (share, expected) in [(0.95, false), (0.85, true)] {
-            let mut most = Sliding::default();
-            (0..WINDOWS).for_each(|_| most.add_to_verdict(&P, share * P.stick_slip.sliding, true));
-            assert_eq!(most.too_little, expected, "{share}");
+        for (ratio, expected) in [(0.95, false), (0.85, true)] {
+            let mut maximum = Sliding::default();
+            (0..WINDOWS).for_each(|_| maximum.add_to_evaluation(&P, ratio * P.stick_slip.sliding, true));
+            assert_eq!(maximum.too_little, expected, "{ratio}");
         }
     }
 
@@ -425,7 +433,7 @@ mod tests {
         let mut p = P;
         p.stick_slip.half_period_max = 30;
         let slow = |sliding: &mut Sliding, p: &Parameters| {
-            (0..WINDOWS).for_each(|_| sliding.add_to_verdict(p, 0.85 * p.stick_slip.sliding, true));
+            (0..WINDOWS).for_each(|_| sliding.add_to_evaluation(p, 0.85 * p.stick_slip.sliding, true));
         };
         let mut sliding = Sliding { added: 10e-3, stuck: 19e-3, speed: Some(5e-3), ..Sliding::default() };
         assert!(!sliding.restarts(&p, 20));

@@ -119,39 +119,39 @@ pub(crate) mod tests {
     fn every_square_wave_is_centered() {
         for (half, tolerance) in [(10, 1e-12), (7, 1.0)] {
             let law = StickSlip { half_period: half, ..LAW };
-            let way = (1..=4 * half as u32).scan(0.0, |sum, k| {
+            let offsets = (1..=4 * half as u32).scan(0.0, |sum, k| {
                 *sum += sign(&law, k);
                 Some(*sum)
             });
-            let way: Vec<f64> = way.collect();
-            let (most, least) = way.iter().fold((0.0f64, 0.0f64), |(a, b), w| (a.max(*w), b.min(*w)));
-            assert!((most - least - f64::from(half)).abs() <= tolerance, "{half}: {most} {least}");
-            assert!((most + least).abs() <= tolerance, "{half}: {most} {least}");
+            let offsets: Vec<f64> = offsets.collect();
+            let (maximum, minimum) = offsets.iter().fold((0.0f64, 0.0f64), |(a, b), w| (a.max(*w), b.min(*w)));
+            assert!((maximum - minimum - f64::from(half)).abs() <= tolerance, "{half}: {maximum} {minimum}");
+            assert!((maximum + minimum).abs() <= tolerance, "{half}: {maximum} {minimum}");
         }
     }
 
     #[test]
     fn a_circle_is_as_wide_as_the_linear_sweep_is_long_about_the_path_and_never_rests() {
         let u = frame(Vector3::new(0.2, -0.1, 1.0), Vector3::y(), Vector3::zeros());
-        let beside = direction(Mode::Cross, &u);
+        let across = direction(Mode::Cross, &u);
         for half in [5, 10, 14] {
             let law = StickSlip { mode: Mode::Circular, half_period: half, ..LAW };
-            let (mut place, mut speeds) = (Vector3::zeros(), Vec::new());
+            let (mut position, mut speeds) = (Vector3::zeros(), Vec::new());
             for k in 1..=6 * half as u32 {
                 let (speed, vector) = motion(&law, k, &u);
                 assert!((vector.norm() - 1.0).abs() < 1e-12 && vector.dot(&u.normal).abs() < 1e-12);
-                place += speed * vector;
+                position += speed * vector;
                 speeds.push(speed);
                 // the middle is where the path is, from the first sample on
                 let radius = 0.5 * f64::from(half) * (f64::from(k) / f64::from(4 * half)).min(1.0);
-                assert!((place.norm() - radius).abs() < 1e-9, "{half} {k}: {place}");
+                assert!((position.norm() - radius).abs() < 1e-9, "{half} {k}: {position}");
                 let round = f64::from(k % (2 * half as u32)) * PI / f64::from(half);
-                assert!((place.dot(&beside) - radius * round.cos()).abs() < 1e-9, "{half} {k}");
-                assert!((place.dot(&u.tangent) - radius * round.sin()).abs() < 1e-9, "{half} {k}");
+                assert!((position.dot(&across) - radius * round.cos()).abs() < 1e-9, "{half} {k}");
+                assert!((position.dot(&u.tangent) - radius * round.sin()).abs() < 1e-9, "{half} {k}");
             }
             let steady = &speeds[4 * half as usize..];
-            let least = steady.iter().copied().fold(f64::MAX, f64::min);
-            assert!((least / fastest(&law) - 1.0).abs() < 0.02, "{half}: {least}");
+            let minimum = steady.iter().copied().fold(f64::MAX, f64::min);
+            assert!((minimum / fastest(&law) - 1.0).abs() < 0.02, "{half}: {minimum}");
             assert!(speeds.iter().all(|speed| *speed <= 1.005 * fastest(&law)), "{half}: {speeds:?}");
         }
     }

@@ -8,7 +8,7 @@ use super::feed::CREEP;
 use crate::interface::{ErrorOutput, Parameters};
 
 /// Smaller turns than this never slow the feed, rad.
-const TURN_MIN: f64 = 1e-9;
+const ROTATION_MIN: f64 = 1e-9;
 
 /// A point of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,7 +32,7 @@ pub struct CentrePath {
 
 /// A position on the path; by default its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct PathPosition {
     /// Arc length of the contact point, m.
     pub s: f64,
     /// number of the knot before
@@ -69,7 +69,7 @@ impl Frame {
 
 impl ErrorOutput {
     /// Distance from the normal, m.
-    pub fn beside(&self) -> f64 {
+    pub fn in_plane(&self) -> f64 {
         self.tangential.hypot(self.lateral)
     }
 }
@@ -99,34 +99,34 @@ impl CentrePath {
 
     /// Planned time along it without overrides, s.
     pub fn time(&self, p: &Parameters) -> f64 {
-        let wanted = if p.feed.uses_file() { f64::MAX } else { p.feed.velocity };
+        let configured = if p.feed.uses_file() { f64::MAX } else { p.feed.velocity };
         let piece = |pair: &[Knot]| {
             let fastest = 0.5 * (pair[0].feed_max + pair[1].feed_max);
-            (pair[1].s - pair[0].s) / fastest.min(wanted).max(CREEP)
+            (pair[1].s - pair[0].s) / fastest.min(configured).max(CREEP)
         };
         let cruise: f64 = self.knots.windows(2).map(piece).sum();
         cruise + p.feed.velocity / p.feed.acceleration
     }
 
-    /// The position at the arc length `s` (m), looked for from `place` on, at most the end.
-    pub fn seek(&self, place: Place, s: f64) -> Place {
+    /// The position at the arc length `s` (m), looked for from `path_position` on, at most the end.
+    pub fn seek(&self, path_position: PathPosition, s: f64) -> PathPosition {
         let s = s.clamp(0.0, self.length());
-        let mut knot = place.knot.min(self.knots.len() - 2);
+        let mut knot = path_position.knot.min(self.knots.len() - 2);
         while knot > 0 && self.knots[knot].s > s {
             knot -= 1;
         }
         while knot + 2 < self.knots.len() && self.knots[knot + 1].s < s {
             knot += 1;
         }
-        Place { s, knot }
+        PathPosition { s, knot }
     }
 
-    /// The path at `place`.
-    pub fn frame(&self, place: Place) -> Frame {
-        let i = place.knot.min(self.knots.len() - 2);
+    /// The path at `path_position`.
+    pub fn frame(&self, path_position: PathPosition) -> Frame {
+        let i = path_position.knot.min(self.knots.len() - 2);
         let (a, b) = (&self.knots[i], &self.knots[i + 1]);
         let along = b.s - a.s;
-        let u = ((place.s - a.s) / along).clamp(0.0, 1.0);
+        let u = ((path_position.s - a.s) / along).clamp(0.0, 1.0);
         let centre = a.centre.lerp(&b.centre, u);
         let normal = a.normal.lerp(&b.normal, u).normalize();
         let chord = self.direction(i).lerp(&self.direction(i + 1), u);
@@ -144,8 +144,8 @@ impl CentrePath {
 
     /// Direction of motion at knot `i`: from its previous to its next neighbor.
     fn direction(&self, i: usize) -> Vector3<f64> {
-        let (before, behind) = (i.saturating_sub(1), (i + 1).min(self.knots.len() - 1));
-        (self.knots[behind].centre - self.knots[before].centre).normalize()
+        let (before, after) = (i.saturating_sub(1), (i + 1).min(self.knots.len() - 1));
+        (self.knots[after].centre - self.knots[before].centre).normalize()
     }
 }
 
@@ -153,9 +153,9 @@ impl CentrePath {
 fn limit_by_curvature(knots: &mut [Knot], rate: f64) {
     for i in 1..knots.len() - 1 {
         let (before, after) = (knots[i].centre - knots[i - 1].centre, knots[i + 1].centre - knots[i].centre);
-        let turn = before.angle(&after);
-        let way = 0.5 * (knots[i + 1].s - knots[i - 1].s);
-        knots[i].feed_max = knots[i].feed_max.min(rate * way / turn.max(TURN_MIN));
+        let angle = before.angle(&after);
+        let distance = 0.5 * (knots[i + 1].s - knots[i - 1].s);
+        knots[i].feed_max = knots[i].feed_max.min(rate * distance / angle.max(ROTATION_MIN));
     }
     knots[0].feed_max = knots[0].feed_max.min(knots[1].feed_max);
 }
@@ -186,18 +186,18 @@ mod tests {
     }
 
     #[test]
-    fn beside_the_normal_are_the_two_other_parts() {
+    fn in_plane_are_the_two_parts_across_the_normal() {
         let error = ErrorOutput { tangential: 3e-6, lateral: -4e-6, normal: 1.0 };
-        assert!((error.beside() - 5e-6).abs() < 1e-18);
+        assert!((error.in_plane() - 5e-6).abs() < 1e-18);
     }
 
     #[test]
-    fn the_tangent_lies_in_a_bent_surface_from_end_to_end() {
+    fn the_tangent_is_in_a_bent_surface_from_end_to_end() {
         let up = |k: u32| Vector3::new((0.05 * f64::from(k)).sin(), 0.0, (0.05 * f64::from(k)).cos());
         let point = |k: u32| Point { contact: RADIUS * up(k), normal: up(k), feed: 1.0, line: 0 };
         let path = CentrePath::new(&P, &(0..20).map(point).collect::<Vec<_>>());
         for k in 0..=100 {
-            let frame = path.frame(path.seek(Place::default(), 0.01 * f64::from(k) * path.length()));
+            let frame = path.frame(path.seek(PathPosition::default(), 0.01 * f64::from(k) * path.length()));
             assert!(frame.tangent.dot(&frame.normal).abs() < 1e-12 && frame.tangent.x > 0.0, "{k}: {frame:?}");
         }
     }
@@ -207,12 +207,12 @@ mod tests {
         let mut p = P;
         (p.feed.turn_rate_max, p.feed.acceleration) = (2.0, 0.05);
         let path = CentrePath::new(&p, &circle());
-        let middle = path.frame(path.seek(Place::default(), 0.5 * path.length()));
+        let middle = path.frame(path.seek(PathPosition::default(), 0.5 * path.length()));
         assert!((middle.feed_max / (2.0 * RADIUS) - 1.0).abs() < 1e-3, "{}", middle.feed_max);
         p.feed.turn_rate_max = 1e3;
         let path = CentrePath::new(&p, &circle());
         for left in [0.0, 1e-4, 1e-3, 3e-3] {
-            let here = path.frame(path.seek(Place::default(), path.length() - left));
+            let here = path.frame(path.seek(PathPosition::default(), path.length() - left));
             assert!((here.feed_max - (2.0 * 0.05 * left).sqrt()).abs() < 1e-6, "{left}: {}", here.feed_max);
         }
     }

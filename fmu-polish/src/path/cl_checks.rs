@@ -14,7 +14,7 @@ const POINTS_MIN: usize = 10;
 /// Tolerance of the length of a normal.
 const NORMAL_TOLERANCE: f64 = 1e-3;
 /// Maximum angle between the normals of two points, rad.
-const TURN_MAX: f64 = 10.0 * std::f64::consts::PI / 180.0;
+const ROTATION_MAX: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Maximum fraction of a step along the normal.
 const CLIMB_MAX: f64 = 0.2;
 /// Tolerance of the tool diameter.
@@ -105,10 +105,10 @@ fn neighbours(a: &Point, b: &Point, p: &Parameters) -> Result<(), ClError> {
             format!("a gap of `{:.4} mm` to the point before, at most `{} mm`", 1e3 * spacing, 1e3 * SPACING_MAX);
         return error(reason, "Reduce the spacing of the points, and check the unit.");
     }
-    let turn = a.normal.dot(&b.normal).clamp(-1.0, 1.0).acos();
-    if turn > TURN_MAX {
+    let rotation = a.normal.dot(&b.normal).clamp(-1.0, 1.0).acos();
+    if rotation > ROTATION_MAX {
         let reason =
-            format!("the normal rotates by `{turn:.3} rad` from the point before, at most `{TURN_MAX:.3} rad`");
+            format!("the normal rotates by `{rotation:.3} rad` from the point before, at most `{ROTATION_MAX:.3} rad`");
         return error(reason, "Reduce the spacing of the points in curved regions, and check the normals.");
     }
     let climb = step.dot(&(a.normal + b.normal)).abs() / (2.0 * spacing);

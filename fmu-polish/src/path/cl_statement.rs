@@ -86,8 +86,8 @@ fn numbers(rest: &str) -> Result<[f64; 6], Wrong> {
         return Err((format!("GOTO has `{count}` numbers, must have `6`"), hint));
     }
     let mut numbers = [0.0; 6];
-    for (place, field) in numbers.iter_mut().zip(rest.split(',')) {
-        *place = number(field).ok_or_else(|| (format!("`{}` is not a finite number", shown(field.trim())), hint))?;
+    for (slot, field) in numbers.iter_mut().zip(rest.split(',')) {
+        *slot = number(field).ok_or_else(|| (format!("`{}` is not a finite number", shown(field.trim())), hint))?;
     }
     Ok(numbers)
 }

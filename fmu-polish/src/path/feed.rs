@@ -14,14 +14,14 @@ impl Feed {
     }
 }
 
-/// The next velocity (m/s) of the contact point along the path: from `velocity` towards the desired feed times `share`, at
+/// The next velocity (m/s) of the contact point along the path: from `velocity` towards the desired feed times `ratio`, at
 /// most `limit` (m/s) that the path allows here.
-pub fn next_feed(p: &Parameters, velocity: f64, share: f64, limit: f64) -> f64 {
+pub fn next_feed(p: &Parameters, velocity: f64, ratio: f64, limit: f64) -> f64 {
     let change = p.feed.acceleration * p.sample_period;
     // a feed from the file is part of the limit, and only slowed down
-    let wanted = if p.feed.uses_file() { limit * share.min(1.0) } else { (p.feed.velocity * share).min(limit) };
-    let wanted = if share > 0.0 { wanted.max(CREEP) } else { 0.0 };
-    ramp_between(velocity, wanted, 2.0 * change, change)
+    let target = if p.feed.uses_file() { limit * ratio.min(1.0) } else { (p.feed.velocity * ratio).min(limit) };
+    let target = if ratio > 0.0 { target.max(CREEP) } else { 0.0 };
+    ramp_between(velocity, target, 2.0 * change, change)
 }
 
 #[cfg(test)]
@@ -31,8 +31,8 @@ mod tests {
     const P: Parameters = Parameters::START;
 
     /// The feed after `count` samples.
-    fn after(count: u32, velocity: f64, share: f64, limit: f64) -> f64 {
-        (0..count).fold(velocity, |velocity, _| next_feed(&P, velocity, share, limit))
+    fn after(count: u32, velocity: f64, ratio: f64, limit: f64) -> f64 {
+        (0..count).fold(velocity, |velocity, _| next_feed(&P, velocity, ratio, limit))
     }
 
     #[test]
@@ -55,7 +55,7 @@ mod tests {
     fn a_feed_of_the_file_is_only_slowed_down() {
         let mut p = P;
         p.feed.source = FeedSource::File;
-        let next = |share: f64| next_feed(&p, 1e-3, share, 1e-3);
+        let next = |ratio: f64| next_feed(&p, 1e-3, ratio, 1e-3);
         assert_eq!((next(1.0), next(2.0)), (1e-3, 1e-3));
         assert!((next(0.95) - 0.95e-3).abs() < 1e-12);
     }

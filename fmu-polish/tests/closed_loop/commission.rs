@@ -37,16 +37,16 @@ fn begin(run: &mut Loop, time: f64) {
 /// Runs until the commissioning run is over; the maximum lateral distance, height and depth from its start (m), and the maximum force, N.
 fn commission(run: &mut Loop) -> [f64; 4] {
     begin(run, 0.0);
-    let (start, mut most) = (run.robot.position(), [0.0f64; 4]);
+    let (start, mut maximum) = (run.robot.position(), [0.0f64; 4]);
     while run.output.state == State::Commission {
         run.step_with(ask);
-        let way = run.robot.position() - start;
+        let distance = run.robot.position() - start;
         let pressed = run.robot.normal_force;
-        let now = [way.x.hypot(way.y), way.z, if pressed > 0.0 { 0.0 } else { -way.z }, pressed];
-        most.iter_mut().zip(now).for_each(|(most, now)| *most = most.max(now));
+        let now = [distance.x.hypot(distance.y), distance.z, if pressed > 0.0 { 0.0 } else { -distance.z }, pressed];
+        maximum.iter_mut().zip(now).for_each(|(maximum, now)| *maximum = maximum.max(now));
         assert!(run.time() < LIMIT, "{:?}", run.output);
     }
-    most
+    maximum
 }
 
 /// An off-nominal robot: all values within 30 %, one additional sample of delay or none.
@@ -60,7 +60,7 @@ fn unknown(seed: u64) -> Build {
         drive_friction: near(2.0),
         drive_gain: near(1.0),
         feedforward: near(0.75),
-        turned: near(2.0) - 2.0,
+        rotation: near(2.0) - 2.0,
         late: (seed % 2) as usize,
         ..Build::NOMINAL
     }
@@ -77,17 +77,17 @@ fn unknown_robots_are_measured_within_their_bounds() {
     for seed in 700..710 {
         let build = unknown(seed);
         let mut run = Loop::new(&Parameters::START, build, seed);
-        let [beside, above, below, pressed] = commission(&mut run);
+        let [across, above, below, pressed] = commission(&mut run);
         let m = &run.output.measured;
         assert_eq!((run.output.state, run.output.fault, m.valid), (State::Idle, Fault::None, true), "{seed}: {m:?}");
         // half of the travel up and to either side, and back to the mold, which is 0.2 mm below
         assert!(
-            beside < 0.36e-3 * 2f64.sqrt() && above < 0.713e-3 && below < 0.21e-3,
-            "{seed}: {beside} {above} {below}"
+            across < 0.36e-3 * 2f64.sqrt() && above < 0.713e-3 && below < 0.21e-3,
+            "{seed}: {across} {above} {below}"
         );
         assert!((5.0..5.4).contains(&pressed), "{seed}: {pressed}");
-        let near = |value: f64, truth: f64, share: f64| {
-            assert!((value / truth - 1.0).abs() < share, "{seed}: {m:?} {build:?}")
+        let near = |value: f64, actual: f64, ratio: f64| {
+            assert!((value / actual - 1.0).abs() < ratio, "{seed}: {m:?} {build:?}")
         };
         near(m.stiffness, build.stiffness, 0.02);
         near(m.lateral_stiffness, build.lateral, 0.06);
@@ -97,13 +97,13 @@ fn unknown_robots_are_measured_within_their_bounds() {
         near(m.feedforward, build.feedforward - 0.04, 0.06);
         // the substeps of the robot act a tenth of a sample earlier
         assert!((m.io_delay + 0.1 - 1.0 - build.late as f64).abs() < 0.05, "{seed}: {m:?}");
-        assert!((m.sensor_rotation - build.turned).abs() < 0.02, "{seed}: {m:?} {build:?}");
+        assert!((m.sensor_rotation - build.rotation).abs() < 0.02, "{seed}: {m:?} {build:?}");
         assert_eq!((m.sensor_direction_y, m.sensor_direction_z), (1, 1));
     }
 }
 
 #[test]
-fn the_deviations_are_those_of_robots_that_nobody_has_measured() {
+fn the_standard_deviations_are_those_of_unmeasured_robots() {
     let mut errors: [Vec<f64>; 7] = Default::default();
     for seed in 740..770 {
         let build = unknown(seed);
@@ -118,7 +118,7 @@ fn the_deviations_are_those_of_robots_that_nobody_has_measured() {
             (m.feedforward - build.feedforward, m.feedforward_std),
             // the substeps of the robot act a tenth of a sample earlier
             (m.io_delay + 0.1 - 1.0 - build.late as f64, m.io_delay_std),
-            (m.sensor_rotation - build.turned, m.sensor_rotation_std),
+            (m.sensor_rotation - build.rotation, m.sensor_rotation_std),
         ];
         errors.iter_mut().zip(found).for_each(|(errors, (error, deviation))| errors.push(error / deviation));
     }
@@ -132,11 +132,11 @@ fn the_deviations_are_those_of_robots_that_nobody_has_measured() {
         ("delay", 0.3, 1.2),
         ("rotation", 0.3, 1.2),
     ];
-    for ((what, least, most), errors) in limits.into_iter().zip(errors) {
+    for ((what, minimum, maximum), errors) in limits.into_iter().zip(errors) {
         let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
         println!("{what}: {rms:.2} rms");
         assert!(
-            (least..most).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0),
+            (minimum..maximum).contains(&rms) && errors.iter().all(|error| error.abs() < 4.0),
             "{what}: {rms} {errors:?}"
         );
     }
@@ -159,9 +159,9 @@ fn what_was_measured_is_used_on_request_and_the_robot_polishes_as_ever() {
         let file = std::fs::read_to_string(&p.commission.export).unwrap();
         assert!(file.contains(&format!("\"stiffness.nominal\": {:e},", m.stiffness)), "{file}");
         run.input.enable = true;
-        let job = run.job(60.0).expect("polished");
-        assert!(job.deviation < 0.08 && job.gain > 2.5, "{apply}: {job:?}");
-        assert!(!apply || (job.deviation < 0.056 && job.gain > 4.0), "{job:?}");
+        let cycle = run.cycle(60.0).expect("polished");
+        assert!(cycle.deviation < 0.08 && cycle.gain > 2.5, "{apply}: {cycle:?}");
+        assert!(!apply || (cycle.deviation < 0.056 && cycle.gain > 4.0), "{cycle:?}");
         // with what was measured the axes are where their model says
         assert!(run.output.following.vector().amax() < 20e-6, "{apply}: {:?}", run.output.following);
     }
@@ -169,22 +169,22 @@ fn what_was_measured_is_used_on_request_and_the_robot_polishes_as_ever() {
 
 #[test]
 fn every_mounting_of_the_sensor_is_found() {
-    for (turned, y, z) in [(0.0, 1.0, -1.0), (2.0, -1.0, 1.0), (-3.0, -1.0, -1.0)] {
-        let build = Build { turned, signs: Vector3::new(1.0, y, z), ..Build::NOMINAL };
+    for (rotation, y, z) in [(0.0, 1.0, -1.0), (2.0, -1.0, 1.0), (-3.0, -1.0, -1.0)] {
+        let build = Build { rotation, signs: Vector3::new(1.0, y, z), ..Build::NOMINAL };
         let mut run = Loop::new(&applied(), build, 740);
         let [_, _, _, pressed] = commission(&mut run);
         let m = &run.output.measured;
-        assert!(m.valid && pressed < 5.4, "{turned}: {pressed} {:?}", run.output);
-        assert!((m.sensor_rotation - turned).abs() < 0.02, "{turned}: {m:?}");
+        assert!(m.valid && pressed < 5.4, "{rotation}: {pressed} {:?}", run.output);
+        assert!((m.sensor_rotation - rotation).abs() < 0.02, "{rotation}: {m:?}");
         assert_eq!((f64::from(m.sensor_direction_y), f64::from(m.sensor_direction_z)), (y, z));
         (0..100).for_each(|_| run.step_with(rest));
-        let job = run.job(60.0).unwrap_or_else(|| panic!("{turned}: {:?}", run.output.fault));
-        assert!(job.deviation < 0.056 && job.gain > 4.0, "{turned}: {job:?}");
+        let cycle = run.cycle(60.0).unwrap_or_else(|| panic!("{rotation}: {:?}", run.output.fault));
+        assert!(cycle.deviation < 0.056 && cycle.gain > 4.0, "{rotation}: {cycle:?}");
     }
 }
 
 #[test]
-fn it_is_broken_off_by_commission_and_by_enable_out_of_the_mold_and_into_rest() {
+fn it_is_aborted_by_commission_and_by_enable_out_of_the_mold_and_into_rest() {
     // at the zero of the sensor, during rise, excitation, descent, pressing, rubbing, and retract
     for time in [0.05, 0.15, 3.0, 5.4, 8.0, 17.0, 19.2] {
         for enable in [false, true] {
@@ -193,11 +193,11 @@ fn it_is_broken_off_by_commission_and_by_enable_out_of_the_mold_and_into_rest() 
             let mut run = Loop::new(&applied(), build, 750);
             begin(&mut run, time);
             assert_eq!(run.output.state, State::Commission, "{time}: {:?}", run.output.fault);
-            let mut most = run.robot.normal_force;
+            let mut maximum = run.robot.normal_force;
             let after = run.time();
             while run.output.state == State::Commission {
                 run.step_with(|input| (input.enable, input.commission) = (enable, enable));
-                most = most.max(run.robot.normal_force);
+                maximum = maximum.max(run.robot.normal_force);
                 assert!(run.time() < after + 1.0, "{time}: {:?}", run.output);
             }
             for _ in 0..1000 {
@@ -206,7 +206,7 @@ fn it_is_broken_off_by_commission_and_by_enable_out_of_the_mold_and_into_rest() 
                 assert_eq!((run.output.state, run.output.fault), (State::Idle, Fault::None), "{time} {enable}");
                 assert_eq!(run.output.velocity.normal, 0.0);
             }
-            assert!(run.robot.normal_force == 0.0 && most < 5.4, "{time} {enable}: {most}");
+            assert!(run.robot.normal_force == 0.0 && maximum < 5.4, "{time} {enable}: {maximum}");
             assert!(!run.output.measured.valid);
             assert_eq!(run.parameters, applied());
         }
@@ -214,7 +214,7 @@ fn it_is_broken_off_by_commission_and_by_enable_out_of_the_mold_and_into_rest() 
 }
 
 #[test]
-fn it_never_begins_by_itself_nor_in_a_job() {
+fn it_never_begins_by_itself_nor_in_a_cycle() {
     let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 760);
     for _ in 0..300 {
         // true from the first sample on is no edge
@@ -229,7 +229,7 @@ fn it_never_begins_by_itself_nor_in_a_job() {
 }
 
 #[test]
-fn an_edge_waits_for_axes_that_a_hand_moves_and_is_forgotten_when_it_falls() {
+fn an_edge_waits_for_axes_that_a_hand_moves_and_is_discarded_when_it_falls() {
     for waits in [true, false] {
         let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 762);
         (0..100).for_each(|_| run.step_with(rest));
@@ -253,7 +253,7 @@ fn an_edge_waits_for_axes_that_a_hand_moves_and_is_forgotten_when_it_falls() {
 }
 
 #[test]
-fn an_edge_is_not_lost_while_the_zero_of_a_job_is_taken() {
+fn an_edge_is_not_lost_while_the_zero_of_a_cycle_is_taken() {
     for falls in [false, true] {
         let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 763);
         (0..100).for_each(|_| run.step_with(rest));
@@ -269,7 +269,7 @@ fn an_edge_is_not_lost_while_the_zero_of_a_job_is_taken() {
 }
 
 #[test]
-fn a_second_commission_begins_anew_with_what_was_told() {
+fn a_second_commission_starts_again_with_the_configured_values() {
     let build = unknown(761);
     let mut run = Loop::new(&applied(), build, 761);
     commission(&mut run);

@@ -32,14 +32,14 @@ fn retracts(mut run: Loop, fault: Fault, limit: f64) {
     assert_eq!(run.output.fault, fault);
     let (from, normal) = (run.robot.position(), run.output.normal.vector());
     (0..400).for_each(|_| run.step());
-    let way = (run.robot.position() - from).dot(&normal);
-    assert!((way - P.retract.distance).abs() < 60e-6, "{fault:?}: out by {way} m");
+    let distance = (run.robot.position() - from).dot(&normal);
+    assert!((distance - P.retract.distance).abs() < 60e-6, "{fault:?}: out by {distance} m");
     assert_eq!(run.output.velocity.z, 0.0);
     resets(run, fault);
 }
 
 /// The fault is detected immediately, and nothing moves afterwards.
-fn stands(mut run: Loop, fault: Fault, change: impl Fn(&mut Input)) {
+fn stays(mut run: Loop, fault: Fault, change: impl Fn(&mut Input)) {
     run.step_with(&change);
     assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
     for _ in 0..200 {
@@ -113,7 +113,7 @@ fn position_error_when_nothing_brings_the_tool_back() {
         p.position.gain = Axes::ZERO;
     });
     // the axes move as commanded, from a position that is 80 um across the path
-    let mut run = Loop::beside(&p, Build::NOMINAL, 55, Vector3::new(0.0, 80e-6, 0.0));
+    let mut run = Loop::displaced(&p, Build::NOMINAL, 55, Vector3::new(0.0, 80e-6, 0.0));
     assert!(run.run_to(State::Follow, 5.0), "{:?}", run.output);
     retracts(run, Fault::PositionError, 0.1);
 }
@@ -141,7 +141,7 @@ fn stroke() {
     let short = |run: &mut Loop| run.parameters.stroke.y = 1e-6;
     let mut run = running(&p, Build::NOMINAL, 57, State::Follow);
     short(&mut run);
-    stands(run, Fault::Stroke, |_| ());
+    stays(run, Fault::Stroke, |_| ());
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn emergency_stop_in_every_state() {
         } else {
             running(&P, Build::NOMINAL, 58, state)
         };
-        stands(run, Fault::EmergencyStop, |input| input.estop = true);
+        stays(run, Fault::EmergencyStop, |input| input.estop = true);
     }
 }
 
@@ -172,11 +172,11 @@ fn beyond_the_force_limit(seed: u64) -> Loop {
 #[test]
 fn an_emergency_stop_ends_a_retract_after_a_fault() {
     let run = beyond_the_force_limit(61);
-    stands(run, Fault::EmergencyStop, |input| input.estop = true);
+    stays(run, Fault::EmergencyStop, |input| input.estop = true);
 }
 
 #[test]
-fn a_reset_is_a_rising_edge_at_rest_and_the_next_job_one_of_enable() {
+fn a_reset_is_a_rising_edge_at_rest_and_the_next_cycle_one_of_enable() {
     let mut run = running(&P, Build::NOMINAL, 67, State::Approach);
     run.step_with(|input| (input.estop, input.reset_fault) = (true, true));
     for _ in 0..100 {
@@ -194,7 +194,7 @@ fn a_reset_is_a_rising_edge_at_rest_and_the_next_job_one_of_enable() {
 }
 
 #[test]
-fn a_reset_on_the_way_out_does_not_count() {
+fn a_reset_during_the_retract_does_not_count() {
     let mut run = beyond_the_force_limit(68);
     run.step_with(|input| input.reset_fault = true);
     (0..400).for_each(|_| run.step());
@@ -216,7 +216,7 @@ fn a_machine_that_was_moved_by_hand_begins_where_it_is() {
 }
 
 #[test]
-fn a_machine_that_was_moved_after_a_job_begins_where_it_is_with_one_sample_without_enable() {
+fn a_machine_that_was_moved_after_a_cycle_begins_where_it_is_with_one_sample_without_enable() {
     let mut run = Loop::new(&P, Build::NOMINAL, 71);
     assert!(run.run_to(State::Done, 20.0));
     for k in 0..130 {
@@ -260,7 +260,7 @@ fn not_at_start() {
 }
 
 #[test]
-fn without_enable_the_tool_leaves_and_the_next_job_begins_anew() {
+fn without_enable_the_tool_leaves_and_the_next_cycle_starts_again() {
     let mut run = running(&P, Build::NOMINAL, 64, State::Follow);
     run.input.enable = false;
     assert!(run.run_to(State::Retract, 5.0) && run.run_to(State::Idle, 5.0));
@@ -270,9 +270,9 @@ fn without_enable_the_tool_leaves_and_the_next_job_begins_anew() {
 }
 
 #[test]
-fn after_a_finished_job_enable_must_fall_first() {
+fn after_a_finished_cycle_enable_must_fall_first() {
     let mut run = Loop::new(&P, Build::NOMINAL, 65);
-    assert!(run.job(20.0).is_some());
+    assert!(run.cycle(20.0).is_some());
     (0..100).for_each(|_| run.step());
     assert_eq!((run.output.state, run.output.done, run.output.progress), (State::Done, true, 1.0));
     run.input.enable = false;

@@ -41,12 +41,12 @@ fn check(p: &Parameters, output: &Output) {
     let (v, pulses) = (output.velocity, output.pulses);
     let speed = (v.x * v.x + v.y * v.y + v.z * v.z).sqrt();
     assert!(speed <= p.velocity_max * (1.0 + 1e-12), "{speed} m/s");
-    let most = (p.velocity_max * p.sample_period / p.pulses_size) as i32 + 1;
-    assert!([pulses.x, pulses.y, pulses.z].iter().all(|count| count.abs() <= most));
+    let maximum = (p.velocity_max * p.sample_period / p.pulses_size) as i32 + 1;
+    assert!([pulses.x, pulses.y, pulses.z].iter().all(|count| count.abs() <= maximum));
 }
 
 #[test]
-fn hostile_inputs_in_a_commission_never_give_a_wild_output() {
+fn bad_inputs_in_a_commission_never_give_a_wild_output() {
     let mut p = Parameters::START;
     p.commission.apply = true;
     let mut run = Loop::new(&p, Build::NOMINAL, 72);
@@ -55,7 +55,7 @@ fn hostile_inputs_in_a_commission_never_give_a_wild_output() {
     let (mut seen, mut measured) = ([0; 10], 0);
     for k in 0..150_000 {
         let calm = (k / 30_000) % 2 == 0;
-        let [rare, off] = [0.005, 0.001].map(|share| !calm && random.random_bool(share));
+        let [rare, off] = [0.005, 0.001].map(|ratio| !calm && random.random_bool(ratio));
         let (value, which) = (wild[random.random_range(0..wild.len())], random.random_range(0..4));
         run.step_with(|input: &mut Input| {
             (input.enable, input.commission, input.reset_fault) =
@@ -75,7 +75,7 @@ fn hostile_inputs_in_a_commission_never_give_a_wild_output() {
 }
 
 #[test]
-fn hostile_inputs_never_give_a_wild_output() {
+fn bad_inputs_never_give_a_wild_output() {
     let p = Parameters::START;
     let mut run = Loop::new(&p, Build::NOMINAL, 70);
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(71);
@@ -118,7 +118,7 @@ fn hostile_inputs_never_give_a_wild_output() {
 type Hindrance = fn(&mut Input, u32);
 
 #[test]
-fn every_job_ends_within_its_time_and_rests_after_the_way_out() {
+fn every_cycle_ends_within_its_time_and_rests_after_the_retract() {
     let hindrances: [Hindrance; 10] = [
         |input, _| input.feed_override = 0.0,
         |input, _| input.feed_override = 1e-3,

@@ -3,9 +3,9 @@
 mod commission;
 #[path = "../common/mod.rs"]
 mod common;
+mod cycle;
 mod faults;
 mod hostile;
-mod job;
 mod monitors;
 mod outputs;
 mod robot;

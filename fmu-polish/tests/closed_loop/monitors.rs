@@ -23,7 +23,7 @@ struct Failure {
     /// from its start, s
     after: f64,
     /// largest true force from its start to 0.5 s after it was named, N
-    most: f64,
+    maximum: f64,
     drive_enable: bool,
 }
 
@@ -34,10 +34,10 @@ fn fails(p: &Parameters, build: Build, state: State, mut change: impl FnMut(&mut
     if state == State::Follow {
         (0..300).for_each(|_| run.step());
     }
-    let (begin, mut most, mut after) = (run.time(), 0.0f64, None);
+    let (begin, mut maximum, mut after) = (run.time(), 0.0f64, None);
     for k in 0..40_000 {
         run.step_with(|input| change(input, k));
-        most = most.max(run.robot.normal_force);
+        maximum = maximum.max(run.robot.normal_force);
         if run.output.state == State::Fault {
             after = after.or(Some(run.time() - begin));
         }
@@ -47,11 +47,11 @@ fn fails(p: &Parameters, build: Build, state: State, mut change: impl FnMut(&mut
     }
     let (fault, drive_enable) = (run.output.fault, run.output.drive_enable);
     assert!(fault == Fault::None || (run.output.pulses == Axes::all(0)), "{:?}", run.output);
-    Failure { fault, after: after.unwrap_or(f64::NAN), most, drive_enable }
+    Failure { fault, after: after.unwrap_or(f64::NAN), maximum, drive_enable }
 }
 
 #[test]
-fn a_force_that_stands_is_frozen_and_the_tool_leaves() {
+fn a_constant_force_is_frozen_and_the_tool_leaves() {
     for (state, value, limit) in [
         (State::Idle, 0.0, 0.0),
         (State::Approach, 0.0, 8.0),
@@ -69,12 +69,12 @@ fn a_force_that_stands_is_frozen_and_the_tool_leaves() {
             input.enable = state != State::Unload || k == 0;
         });
         assert_eq!((failure.fault, failure.drive_enable), (Fault::ForceFrozen, true), "{state:?} {value}: {failure:?}");
-        assert!(failure.most <= limit, "{state:?} {value}: {failure:?}");
+        assert!(failure.maximum <= limit, "{state:?} {value}: {failure:?}");
     }
 }
 
 #[test]
-fn a_force_that_stood_at_the_touch_and_then_jumps_ends_the_job() {
+fn a_force_constant_at_the_touch_that_then_jumps_ends_the_cycle() {
     // 0.2 mm of air are 0.4 s of the approach
     for (from, samples) in [(350, 120), (350, 200), (390, 60)] {
         let failure = fails(&P, Build::NOMINAL, State::Approach, |input, k| {
@@ -83,7 +83,7 @@ fn a_force_that_stood_at_the_touch_and_then_jumps_ends_the_job() {
             }
         });
         assert_eq!((failure.fault, failure.drive_enable), (Fault::ForceJump, true), "{from} {samples}: {failure:?}");
-        assert!(failure.most < 0.178 * 0.5 * f64::from(samples), "{from} {samples}: {failure:?}");
+        assert!(failure.maximum < 0.178 * 0.5 * f64::from(samples), "{from} {samples}: {failure:?}");
     }
 }
 
@@ -94,12 +94,12 @@ fn a_last_bit_that_flickers_hides_no_frozen_force() {
             input.force.z = value + if k % 7 < 3 { 0.178 } else { 0.0 };
         });
         assert_eq!(failure.fault, Fault::ForceFrozen, "{state:?} {value}: {failure:?}");
-        assert!(failure.most <= limit, "{state:?} {value}: {failure:?}");
+        assert!(failure.maximum <= limit, "{state:?} {value}: {failure:?}");
     }
 }
 
 #[test]
-fn noise_about_a_force_that_stands_hides_nothing() {
+fn noise_about_a_frozen_force_hides_nothing() {
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(516);
     // a signal that falls as slowly as the path may is detected by its friction: 0.2 of 16 N are 0.68 of the signal
     for (value, expected) in [(4.0, Fault::ForceFrozen), (4.5, Fault::InvalidPath)] {
@@ -108,18 +108,18 @@ fn noise_about_a_force_that_stands_hides_nothing() {
             input.force.z = value + 0.05 * noise;
         });
         assert_eq!(failure.fault, expected, "{value}: {failure:?}");
-        assert!(failure.most <= 24.0, "{value}: {failure:?}");
+        assert!(failure.maximum <= 24.0, "{value}: {failure:?}");
     }
 }
 
 #[test]
 fn a_force_that_is_gone_is_a_lost_contact_and_not_a_lean() {
     let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.force.z = 0.0);
-    assert!(failure.fault == Fault::ContactLost && failure.most < 14.0, "{failure:?}");
+    assert!(failure.fault == Fault::ContactLost && failure.maximum < 14.0, "{failure:?}");
 }
 
 #[test]
-fn an_encoder_that_stands_switches_the_drives_off() {
+fn a_frozen_encoder_switches_the_drives_off() {
     for (state, axis) in [(State::Approach, 2), (State::Follow, 0), (State::Follow, 1)] {
         let mut held = None;
         let failure = fails(&P, Build::NOMINAL, state, |input, _| {
@@ -127,12 +127,12 @@ fn an_encoder_that_stands_switches_the_drives_off() {
             *fields[axis] = *held.get_or_insert(*fields[axis]);
         });
         assert_eq!((failure.fault, failure.drive_enable), (Fault::PositionFrozen, false), "{axis}: {failure:?}");
-        assert!(failure.most < 6.0 && failure.after < 1.0, "{axis}: {failure:?}");
+        assert!(failure.maximum < 6.0 && failure.after < 1.0, "{axis}: {failure:?}");
     }
 }
 
 #[test]
-fn wrong_drives_are_named_by_their_share() {
+fn wrong_drives_are_named_by_their_ratio() {
     for (pulses, expected) in [
         (Vector3::new(1.0, 1.0, -1.0), Fault::DriveSign),
         (Vector3::new(1.0, -1.0, 1.0), Fault::DriveSign),
@@ -143,7 +143,7 @@ fn wrong_drives_are_named_by_their_share() {
     ] {
         let failure = fails(&P, Build { pulses, ..Build::NOMINAL }, State::Idle, |_, _| ());
         assert_eq!((failure.fault, failure.drive_enable), (expected, false), "{pulses:?}: {failure:?}");
-        assert!(failure.most < 8.0, "{pulses:?}: {failure:?}");
+        assert!(failure.maximum < 8.0, "{pulses:?}: {failure:?}");
     }
 }
 
@@ -164,7 +164,7 @@ fn one_bad_sample_moves_nothing_and_ends_nothing() {
                     change(input);
                 }
             });
-            assert!(failure.fault == Fault::None && failure.most < 6.0, "{state:?}: {failure:?}");
+            assert!(failure.fault == Fault::None && failure.maximum < 6.0, "{state:?}: {failure:?}");
         }
     }
 }
@@ -183,7 +183,7 @@ fn what_stays_bad_is_lost_or_has_jumped() {
         for state in [State::Approach, State::Settle, State::Follow] {
             let failure = fails(&P, Build::NOMINAL, state, |input, _| change(input));
             assert_eq!((failure.fault, failure.drive_enable), (expected, driven), "{state:?}: {failure:?}");
-            assert!(failure.after < 0.01 && failure.most < 6.0, "{state:?}: {failure:?}");
+            assert!(failure.after < 0.01 && failure.maximum < 6.0, "{state:?}: {failure:?}");
         }
     }
 }
@@ -195,7 +195,7 @@ fn an_override_that_is_no_number_takes_the_tool_out() {
 }
 
 #[test]
-fn an_override_may_be_lost_for_as_many_samples_as_are_told() {
+fn an_override_may_be_lost_for_the_configured_number_of_samples() {
     let mut run = Loop::new(&P, Build::NOMINAL, 514);
     assert!(run.run_to(State::Follow, 5.0));
     let lost = |input: &mut Input| input.feed_override = f64::NAN;
@@ -235,7 +235,7 @@ fn a_noisy_sensor_is_named_and_five_times_the_noise_is_not() {
     for (size, expected) in [(1.0, Fault::NoisyForce), (0.25, Fault::None)] {
         let failure = fails(&P, Build::NOMINAL, State::Follow, |input, k| input.force.z += noise(k, size));
         assert_eq!(failure.fault, expected, "{size}: {failure:?}");
-        assert!(failure.most < 8.0, "{size}: {failure:?}");
+        assert!(failure.maximum < 8.0, "{size}: {failure:?}");
     }
 }
 
@@ -256,13 +256,13 @@ fn a_sensor_that_shows_a_third_is_a_wrong_stiffness() {
         input.force.z *= 0.35;
     });
     assert_eq!(failure.fault, Fault::WrongStiffness, "{failure:?}");
-    assert!(failure.most < 5.5 / 0.35, "{failure:?}");
+    assert!(failure.maximum < 5.5 / 0.35, "{failure:?}");
 }
 
 #[test]
 fn another_mold_is_a_force_error() {
     let failure = fails(&P, Build { shift: Vector3::new(0.6e-3, 0.0, 0.0), ..Build::NOMINAL }, State::Idle, |_, _| ());
-    assert!(failure.fault == Fault::ForceError && failure.most < 9.0, "{failure:?}");
+    assert!(failure.fault == Fault::ForceError && failure.maximum < 9.0, "{failure:?}");
 }
 
 /// The fault of a cycle in which the contact becomes `stiffer` times as stiff and the force comes `late` samples too late.
@@ -285,7 +285,7 @@ fn swinging(bandwidth: f64, stiffer: f64, late: usize) -> Fault {
 }
 
 #[test]
-fn a_loop_that_swings_is_named_by_it_and_not_by_its_error() {
+fn a_loop_that_oscillates_is_named_by_it_and_not_by_its_error() {
     for (bandwidth, stiffer, late) in [(35.0, 1.0, 40), (80.0, 1.0, 15), (80.0, 1.0, 20), (80.0, 3.0, 0)] {
         assert_eq!(swinging(bandwidth, stiffer, late), Fault::Oscillation, "{bandwidth} {stiffer} {late}");
     }
@@ -298,18 +298,18 @@ fn a_loop_that_swings_is_named_by_it_and_not_by_its_error() {
 fn a_force_that_flickers_about_its_zero_on_the_approach_presses_no_harder_than_the_limit() {
     let mut run = Loop::new(&P, Build::NOMINAL, 513);
     assert!(run.run_to(State::Approach, 1.0));
-    let (mut k, mut most) = (0, 0.0f64);
+    let (mut k, mut maximum) = (0, 0.0f64);
     while run.output.state == State::Approach {
         k += 1;
         run.step_with(|input| input.force.z = if k % 7 < 3 { 0.0 } else { -0.178 });
-        most = most.max(run.robot.normal_force);
+        maximum = maximum.max(run.robot.normal_force);
     }
     assert_eq!(run.output.fault, Fault::ApproachTimeout);
-    assert!((20.0..P.limits.force).contains(&most), "{most} N");
+    assert!((20.0..P.limits.force).contains(&maximum), "{maximum} N");
 }
 
 #[test]
-fn a_gain_that_is_tuned_to_swing_is_refused_at_once() {
+fn a_gain_that_is_tuned_to_oscillation_is_rejected_immediately() {
     let mut run = Loop::new(&P, Build::NOMINAL, 501);
     assert!(run.run_to(State::Follow, 5.0));
     run.parameters.impedance.gain = 20.0;
@@ -319,7 +319,7 @@ fn a_gain_that_is_tuned_to_swing_is_refused_at_once() {
 }
 
 #[test]
-fn a_drive_is_not_judged_by_readings_that_stand_in_for_lost_ones() {
+fn a_drive_is_not_evaluated_by_bridged_measurements() {
     let mut p = P;
     p.limits.lost_samples = 30;
     for axis in [0, 1] {
@@ -329,7 +329,7 @@ fn a_drive_is_not_judged_by_readings_that_stand_in_for_lost_ones() {
                 *[&mut input.position.x, &mut input.position.y][axis] = f64::NAN;
             }
         });
-        assert!(failure.fault == Fault::None && failure.most < 6.0, "{axis}: {failure:?}");
+        assert!(failure.fault == Fault::None && failure.maximum < 6.0, "{axis}: {failure:?}");
     }
 }
 
@@ -337,8 +337,8 @@ fn a_drive_is_not_judged_by_readings_that_stand_in_for_lost_ones() {
 fn the_motion_ratio_of_a_drive_and_the_time_of_a_cycle_are_reported() {
     let mut run = Loop::new(&P, Build { pulses: Vector3::new(1.0, 1.0, 0.3), ..Build::NOMINAL }, 510);
     assert!(run.run_to(State::Fault, 5.0));
-    let share = run.output.numbers.ratio.unwrap();
-    assert!(run.output.fault == Fault::WeakDrive && (0.2..0.4).contains(&share), "{share}");
+    let ratio = run.output.numbers.ratio.unwrap();
+    assert!(run.output.fault == Fault::WeakDrive && (0.2..0.4).contains(&ratio), "{ratio}");
     let mut p = P;
     p.limits.cycle_time = 1.5;
     let mut run = Loop::new(&p, Build::NOMINAL, 511);

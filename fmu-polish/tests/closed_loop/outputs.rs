@@ -12,9 +12,9 @@ use crate::run::{Loop, POINTS};
 const P: Parameters = Parameters::START;
 
 #[test]
-fn the_outputs_of_a_job_hold_together() {
+fn the_outputs_of_a_cycle_hold_together() {
     let mut run = Loop::new(&P, Build::NOMINAL, 600);
-    let (mut before, mut way) = (None, 0.0);
+    let (mut before, mut distance) = (None, 0.0);
     while run.output.state != State::Done {
         assert!(run.time() < 20.0 && run.output.fault == Fault::None, "{:?}", run.output);
         run.step();
@@ -39,11 +39,11 @@ fn the_outputs_of_a_job_hold_together() {
         // the position continues by the velocity along the path
         let desired = output.desired.vector();
         if let Some((last, tangential)) = before.replace((desired, output.velocity.tangential)) {
-            way += Vector3::norm(&(desired - last));
+            distance += Vector3::norm(&(desired - last));
             let expected = tangential * P.sample_period;
             // less where it cuts a corner of the polyline, and where the path ends
-            let least = if output.progress < 1.0 { 0.95 * expected } else { 0.0 };
-            assert!((least - 1e-12..=1.05 * expected + 1e-12).contains(&(desired - last).norm()), "{output:?}");
+            let minimum = if output.progress < 1.0 { 0.95 * expected } else { 0.0 };
+            assert!((minimum - 1e-12..=1.05 * expected + 1e-12).contains(&(desired - last).norm()), "{output:?}");
         }
     }
     let points = points(file(&spiral(POINTS)).as_bytes(), &P).unwrap();
@@ -55,11 +55,11 @@ fn the_outputs_of_a_job_hold_together() {
     );
     // the ball center is nearer to the middle of the hollow
     let nearer = (HOLLOW - P.tool_radius) / HOLLOW;
-    assert!((way / (nearer * length) - 1.0).abs() < 1e-3, "{way} {length}");
+    assert!((distance / (nearer * length) - 1.0).abs() < 1e-3, "{distance} {length}");
 }
 
 #[test]
-fn an_override_that_is_lost_at_any_sample_of_the_tare_is_told_at_its_sample_and_moves_nothing() {
+fn an_override_that_is_lost_at_any_sample_of_the_tare_is_reported_at_its_sample_and_moves_nothing() {
     // the zero is taken in the samples 1 to 100
     for begin in 85..=95 {
         let mut run = Loop::new(&P, Build::NOMINAL, 601);

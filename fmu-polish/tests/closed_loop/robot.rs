@@ -21,7 +21,7 @@ const SENSOR_STEP: f64 = 0.178;
 const SENSOR_BANDWIDTH: f64 = 1256.6;
 const WEIGHT: Vector3<f64> = Vector3::new(0.0, 0.0, -0.098);
 /// Travel in which the rolling friction of a guide reverses, m.
-const ROLLING_WAY: f64 = 20e-6;
+const ROLLING_DISTANCE: f64 = 20e-6;
 const TOOL_RADIUS: f64 = 0.5e-3;
 
 /// What can differ from robot to robot.
@@ -48,7 +48,7 @@ pub struct Build {
     /// Fraction of the velocity that the drives feed forward.
     pub feedforward: f64,
     /// Angle about z by which the force sensor is turned, rad.
-    pub turned: f64,
+    pub rotation: f64,
     /// What becomes of each axis of the sensor.
     pub signs: Vector3<f64>,
 }
@@ -66,7 +66,7 @@ impl Build {
         pulses: Vector3::new(1.0, 1.0, 1.0),
         late: 0,
         feedforward: 0.8,
-        turned: 0.0,
+        rotation: 0.0,
         signs: Vector3::new(1.0, 1.0, 1.0),
     };
 }
@@ -85,8 +85,8 @@ struct Axis {
 impl Axis {
     fn substep(&mut self, build: &Build, commanded: Option<f64>, load: f64) {
         let push = if let Some(commanded) = commanded { self.servo(build, commanded) } else { self.off() };
-        self.roll = (self.roll + self.velocity * DT) / (1.0 + self.velocity.abs() * DT / ROLLING_WAY);
-        let friction = build.drive_friction * self.roll / ROLLING_WAY;
+        self.roll = (self.roll + self.velocity * DT) / (1.0 + self.velocity.abs() * DT / ROLLING_DISTANCE);
+        let friction = build.drive_friction * self.roll / ROLLING_DISTANCE;
         self.velocity += DT * (push + (load - friction) / MASS);
         self.position += DT * self.velocity;
     }
@@ -102,9 +102,9 @@ impl Axis {
         let drive = Parameters::START.drive;
         self.reference += commanded * DT;
         self.ahead += (commanded - self.ahead) * DT * drive.feedforward_bandwidth;
-        let wanted =
+        let target =
             build.drive_gain * drive.position_gain * (self.reference - self.position) + build.feedforward * self.ahead;
-        let lag = wanted - self.velocity;
+        let lag = target - self.velocity;
         self.integral += drive.velocity_integral * lag * DT;
         build.drive_gain * drive.velocity_bandwidth * (lag + self.integral)
     }
@@ -146,13 +146,13 @@ impl Robot {
 
     /// What the encoders say, m.
     pub fn position(&self) -> Vector3<f64> {
-        self.truth().map(|x| (x * 1e6).round() * 1e-6)
+        self.actual().map(|x| (x * 1e6).round() * 1e-6)
     }
 
     /// What the force sensor says, N.
     pub fn force(&mut self) -> Vector3<f64> {
         let f = self.filtered;
-        let (sin, cos) = self.build.turned.sin_cos();
+        let (sin, cos) = self.build.rotation.sin_cos();
         let shown = Vector3::new(f.x * cos + f.y * sin, f.y * cos - f.x * sin, f.z).component_mul(&self.build.signs);
         let noisy = shown + Vector3::from_fn(|_, _| SENSOR_NOISE * self.normal());
         noisy.map(|f| (f / SENSOR_STEP).round() * SENSOR_STEP)
@@ -173,22 +173,22 @@ impl Robot {
         }
     }
 
-    fn truth(&self) -> Vector3<f64> {
+    fn actual(&self) -> Vector3<f64> {
         Vector3::from_fn(|i, _| self.axes[i].position)
     }
 
     /// Force of the mold on the tool, N; moves the sliding tip.
     fn contact(&mut self) -> Vector3<f64> {
         let middle = self.build.shift + Vector3::new(0.0, 0.0, HOLLOW);
-        let away = self.truth() - middle;
+        let away = self.actual() - middle;
         let depth = away.norm() - (HOLLOW - TOOL_RADIUS);
         self.normal_force = self.build.stiffness * depth.max(0.0);
         let normal = -away.normalize();
         let velocity = Vector3::from_fn(|i, _| self.axes[i].velocity);
         let bend = self.bend - velocity * DT;
         let bend = bend - normal * normal.dot(&bend);
-        let most = self.build.friction * self.normal_force / self.build.lateral;
-        self.bend = if bend.norm() > most { bend * (most / bend.norm()) } else { bend };
+        let maximum = self.build.friction * self.normal_force / self.build.lateral;
+        self.bend = if bend.norm() > maximum { bend * (maximum / bend.norm()) } else { bend };
         if depth > 0.0 {
             self.slid += (bend - self.bend).norm();
         }

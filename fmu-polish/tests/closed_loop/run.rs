@@ -32,7 +32,7 @@ pub struct Loop {
 
 /// What a cycle was like.
 #[derive(Clone, Copy, Debug)]
-pub struct Job {
+pub struct Cycle {
     /// From the first touch to the start of the feed, s.
     pub settle: f64,
     /// Largest force beyond the target before the feed, N.
@@ -42,21 +42,21 @@ pub struct Job {
     /// Its standard deviation, N.
     pub deviation: f64,
     /// Smallest force while it polishes, N.
-    pub least: f64,
+    pub minimum: f64,
     /// Travel that the ball slid, over the path of its center.
     pub gain: f64,
     /// Position error in the tangent plane, means of 50 ms, rms, m.
-    pub beside: f64,
+    pub in_plane: f64,
 }
 
 impl Loop {
     /// A robot from `seed` above the spiral.
     pub fn new(p: &Parameters, build: Build, seed: u64) -> Self {
-        Self::beside(p, build, seed, Vector3::zeros())
+        Self::displaced(p, build, seed, Vector3::zeros())
     }
 
     /// The same, the robot `offset` m from there.
-    pub fn beside(p: &Parameters, build: Build, seed: u64, offset: Vector3<f64>) -> Self {
+    pub fn displaced(p: &Parameters, build: Build, seed: u64, offset: Vector3<f64>) -> Self {
         let path = points(file(&spiral(POINTS)).as_bytes(), p).unwrap();
         let controller = Controller::new(p, &path).unwrap();
         let start = path[0].contact + (p.tool_radius + build.height) * path[0].normal;
@@ -108,10 +108,10 @@ impl Loop {
     }
 
     /// Runs a whole cycle; none if it does not complete.
-    pub fn job(&mut self, limit: f64) -> Option<Job> {
-        let (mut touched, mut followed, mut most) = (f64::NAN, f64::NAN, 0.0f64);
-        let (mut forces, mut errors, mut least) = (Vec::new(), Vec::new(), f64::MAX);
-        let (mut slid, mut way, mut before) = (0.0, 0.0, None);
+    pub fn cycle(&mut self, limit: f64) -> Option<Cycle> {
+        let (mut touched, mut followed, mut maximum) = (f64::NAN, f64::NAN, 0.0f64);
+        let (mut forces, mut errors, mut minimum) = (Vec::new(), Vec::new(), f64::MAX);
+        let (mut slid, mut distance, mut before) = (0.0, 0.0, None);
         while !self.output.done {
             if self.time() > limit || self.output.state == State::Fault {
                 return None;
@@ -122,14 +122,14 @@ impl Loop {
                 touched = time;
             }
             match self.output.state {
-                State::Settle => most = most.max(force),
+                State::Settle => maximum = maximum.max(force),
                 State::Follow => {
                     if followed.is_nan() {
                         (followed, slid) = (time, self.robot.slid);
                     }
-                    least = least.min(force);
+                    minimum = minimum.min(force);
                     let desired = self.output.desired.vector();
-                    way += before.map_or(0.0, |last: Vector3<f64>| (desired - last).norm());
+                    distance += before.map_or(0.0, |last: Vector3<f64>| (desired - last).norm());
                     before = Some(desired);
                     if time > followed + RUN_IN {
                         forces.push(force);
@@ -142,14 +142,14 @@ impl Loop {
         }
         let mean = forces.iter().sum::<f64>() / forces.len() as f64;
         let variance = forces.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / forces.len() as f64;
-        Some(Job {
+        Some(Cycle {
             settle: followed - touched,
-            overshoot: most - self.parameters.force.target,
+            overshoot: maximum - self.parameters.force.target,
             mean,
             deviation: variance.sqrt(),
-            least,
-            gain: slid / way,
-            beside: rms_of_means(&errors, 50),
+            minimum,
+            gain: slid / distance,
+            in_plane: rms_of_means(&errors, 50),
         })
     }
 

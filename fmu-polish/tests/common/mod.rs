@@ -17,9 +17,9 @@ pub fn spiral(count: usize) -> Vec<[f64; 6]> {
     let mut rows = Vec::with_capacity(count);
     for _ in 0..count {
         rows.push(row(r, a));
-        let turn = 0.02 / r;
-        a += turn;
-        r += 0.1 * turn / std::f64::consts::TAU;
+        let angle = 0.02 / r;
+        a += angle;
+        r += 0.1 * angle / std::f64::consts::TAU;
     }
     rows
 }

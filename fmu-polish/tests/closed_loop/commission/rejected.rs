@@ -24,7 +24,7 @@ fn what_the_other_parameters_do_not_bear_is_rejected_and_never_used() {
 }
 
 #[test]
-fn what_cannot_be_told_is_rejected_with_its_numbers_and_the_tool_leaves() {
+fn what_cannot_be_identified_is_rejected_with_its_numbers_and_the_tool_leaves() {
     let cases: [fn(&mut Parameters, &mut Build); 4] = [
         |p, _| p.commission.std_max = 1e-4,
         |p, _| p.commission.delay_std_max = 1e-3,
@@ -64,10 +64,10 @@ fn a_loop_without_its_margin_with_what_was_found_is_rejected() {
 fn drives_and_sensors_that_fail_are_found_while_it_measures() {
     type Break = fn(&mut Loop, &mut Input);
     let drive: Break = |run, _| run.robot.build.pulses.z = 0.0;
-    let turned: Break = |run, _| run.robot.build.pulses.x = -1.0;
+    let reversed: Break = |run, _| run.robot.build.pulses.x = -1.0;
     let cases: [(f64, Break, &[Fault]); 7] = [
         (3.0, drive, &[Fault::PositionFrozen, Fault::WeakDrive, Fault::FollowingError]),
-        (3.0, turned, &[Fault::DriveSign, Fault::FollowingError]),
+        (3.0, reversed, &[Fault::DriveSign, Fault::FollowingError]),
         (3.0, |_, input| input.position.x = f64::NAN, &[Fault::PositionLost]),
         (5.3, |_, input| input.force.z = 0.0, &[Fault::ForceFrozen]),
         (8.0, |_, input| input.force.z = f64::NAN, &[Fault::ForceLost]),
@@ -77,7 +77,7 @@ fn drives_and_sensors_that_fail_are_found_while_it_measures() {
     for (i, (time, change, faults)) in cases.into_iter().enumerate() {
         let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 780);
         begin(&mut run, time);
-        let (until, mut most) = (run.time() + 2.0, 0.0f64);
+        let (until, mut maximum) = (run.time() + 2.0, 0.0f64);
         while run.output.state == State::Commission && run.time() < until {
             let mut broken = Input::START;
             change(&mut run, &mut broken);
@@ -92,10 +92,10 @@ fn drives_and_sensors_that_fail_are_found_while_it_measures() {
                     input.force.z = force.z;
                 }
             });
-            most = most.max(run.robot.normal_force);
+            maximum = maximum.max(run.robot.normal_force);
         }
         assert!(faults.contains(&run.output.fault), "{i}: {:?}", run.output);
-        assert!(most < 16.0, "{i}: {most}");
+        assert!(maximum < 16.0, "{i}: {maximum}");
     }
 }
 

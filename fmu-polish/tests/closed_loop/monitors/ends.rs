@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn a_force_that_comes_back_on_the_way_out_is_not_done() {
+fn a_force_that_returns_during_the_retract_is_not_done() {
     let mut run = Loop::new(&P, Build::NOMINAL, 502);
     assert!(run.run_to(State::Retract, 20.0));
     let until = run.time() + 3.0;
@@ -19,7 +19,7 @@ fn a_force_that_comes_back_on_the_way_out_is_not_done() {
 }
 
 #[test]
-fn a_long_way_out_is_no_timeout() {
+fn a_long_retract_is_no_timeout() {
     let mut p = P;
     // 5 s, more than twice `settle.time_max`
     p.retract.velocity = 0.1e-3;
@@ -39,7 +39,7 @@ fn one_sample_without_a_force_is_not_unloaded() {
 }
 
 #[test]
-fn a_knock_before_the_job_is_no_noise_in_it() {
+fn a_knock_before_the_cycle_is_no_noise_in_it() {
     let mut run = Loop::new(&P, Build::NOMINAL, 508);
     for k in 0..100 {
         run.step_with(|input| {
@@ -68,17 +68,17 @@ fn a_spike_with_the_edge_of_enable_moves_no_zero() {
 }
 
 #[test]
-fn a_job_that_stands_ends_by_its_time_and_one_that_goes_on_does_not() {
-    for (share, fault) in [(0.0, Fault::NoProgress), (0.5, Fault::None)] {
-        let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.feed_override = share);
+fn a_cycle_without_progress_ends_by_its_time_and_one_that_goes_on_does_not() {
+    for (ratio, fault) in [(0.0, Fault::NoProgress), (0.5, Fault::None)] {
+        let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.feed_override = ratio);
         // 8 mm at 2 mm/s, four times, and some 8 s around it
         assert_eq!(failure.fault, fault, "{failure:?}");
-        assert!(failure.most < 6.0, "{failure:?}");
+        assert!(failure.maximum < 6.0, "{failure:?}");
     }
 }
 
 #[test]
-fn a_graver_fault_on_the_way_out_switches_the_drives_off() {
+fn a_more_severe_fault_during_the_retract_switches_the_drives_off() {
     let mut run = Loop::new(&P, Build::NOMINAL, 503);
     assert!(run.run_to(State::Follow, 5.0));
     run.robot.build.shift.z += 0.15e-3;

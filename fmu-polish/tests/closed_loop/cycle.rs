@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 
 use crate::common::HOLLOW;
 use crate::robot::Build;
-use crate::run::{Job, Loop};
+use crate::run::{Cycle, Loop};
 
 /// The force control as printed: no integral, no adaptation, no cancellation, no estimate.
 fn printed() -> Parameters {
@@ -27,51 +27,51 @@ fn without(mut p: Parameters) -> Parameters {
     p
 }
 
-fn finished(name: &str, run: &mut Loop) -> Job {
-    let job = run.job(30.0);
-    println!("{name}: {job:?}");
+fn finished(name: &str, run: &mut Loop) -> Cycle {
+    let cycle = run.cycle(30.0);
+    println!("{name}: {cycle:?}");
     let end = (run.output.state, run.output.fault, run.output.progress);
-    job.unwrap_or_else(|| panic!("{name} ended in {end:?}"))
+    cycle.unwrap_or_else(|| panic!("{name} ended in {end:?}"))
 }
 
-fn job(name: &str, p: &Parameters, build: Build, seed: u64) -> Job {
+fn cycle(name: &str, p: &Parameters, build: Build, seed: u64) -> Cycle {
     finished(name, &mut Loop::new(p, build, seed))
 }
 
 #[test]
 fn the_default_mode_holds_the_force_and_slides_far() {
-    let job = job("default", &Parameters::START, Build::NOMINAL, 101);
-    assert!(job.settle <= 0.5 && job.overshoot <= 0.2, "{job:?}");
-    assert!((job.mean - 5.0).abs() <= 0.05 && job.deviation <= 0.06 && job.least > 4.0, "{job:?}");
-    assert!(job.gain >= 3.0 && job.beside <= 10e-6, "{job:?}");
+    let cycle = cycle("default", &Parameters::START, Build::NOMINAL, 101);
+    assert!(cycle.settle <= 0.5 && cycle.overshoot <= 0.2, "{cycle:?}");
+    assert!((cycle.mean - 5.0).abs() <= 0.05 && cycle.deviation <= 0.06 && cycle.minimum > 4.0, "{cycle:?}");
+    assert!(cycle.gain >= 3.0 && cycle.in_plane <= 10e-6, "{cycle:?}");
 }
 
 #[test]
-fn a_job_that_begins_with_an_override_settles_at_its_share_of_the_force() {
-    for share in [0.5, 1.5] {
+fn a_cycle_that_starts_with_an_override_settles_at_its_fraction_of_the_force() {
+    for ratio in [0.5, 1.5] {
         let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 101);
-        run.input.force_override = share;
-        let job = finished("override", &mut run);
-        assert!((job.mean - 5.0 * share).abs() <= 0.05 && job.settle <= 0.75, "{share}: {job:?}");
+        run.input.force_override = ratio;
+        let cycle = finished("override", &mut run);
+        assert!((cycle.mean - 5.0 * ratio).abs() <= 0.05 && cycle.settle <= 0.75, "{ratio}: {cycle:?}");
     }
 }
 
 #[test]
 fn the_law_as_printed_holds_the_norm_of_the_force() {
-    let job = job("printed", &without(printed()), Build::NOMINAL, 102);
+    let cycle = cycle("printed", &without(printed()), Build::NOMINAL, 102);
     // friction is part of the norm: N = F_d / sqrt(1 + mu^2)
-    assert!((job.mean - 5.0 / 1.04f64.sqrt()).abs() <= 0.04, "{job:?}");
-    assert!(job.deviation <= 0.06 && job.settle <= 0.5 && job.overshoot <= 0.5, "{job:?}");
+    assert!((cycle.mean - 5.0 / 1.04f64.sqrt()).abs() <= 0.04, "{cycle:?}");
+    assert!(cycle.deviation <= 0.06 && cycle.settle <= 0.5 && cycle.overshoot <= 0.5, "{cycle:?}");
 }
 
 #[test]
 fn sign_flips_in_every_sample_do_nothing() {
     let mut p = printed();
-    let none = job("none", &without(p.clone()), Build::NOMINAL, 103);
+    let none = cycle("none", &without(p.clone()), Build::NOMINAL, 103);
     p.stick_slip.half_period = 1;
     for velocity in [2e-3, 10e-3, 40e-3] {
         p.stick_slip.velocity = velocity;
-        let flips = job("500 Hz", &p, Build::NOMINAL, 103);
+        let flips = cycle("500 Hz", &p, Build::NOMINAL, 103);
         assert!((flips.gain / none.gain - 1.0).abs() <= 0.02, "{velocity} m/s: {}", flips.gain / none.gain);
     }
 }
@@ -101,18 +101,18 @@ fn one_parameter_switches_to_the_law_of_the_paper() {
 
 #[test]
 fn the_paper_mode_works() {
-    let job = job("paper", &paper(), Build::NOMINAL, 104);
+    let cycle = cycle("paper", &paper(), Build::NOMINAL, 104);
     // weak coupling along z pulls at the force
-    assert!((job.mean - 5.0).abs() <= 0.6 && job.deviation <= 0.1 && job.beside <= 20e-6, "{job:?}");
+    assert!((cycle.mean - 5.0).abs() <= 0.6 && cycle.deviation <= 0.1 && cycle.in_plane <= 20e-6, "{cycle:?}");
 }
 
 #[test]
 fn the_ratio_keeps_the_gain_at_another_feed() {
     let mut p = Parameters::START;
     p.stick_slip.ratio = 5.0;
-    let slow = job("2 mm/s", &p, Build::NOMINAL, 106);
+    let slow = cycle("2 mm/s", &p, Build::NOMINAL, 106);
     p.feed.velocity = 4e-3;
-    let fast = job("4 mm/s", &p, Build::NOMINAL, 106);
+    let fast = cycle("4 mm/s", &p, Build::NOMINAL, 106);
     assert!((fast.gain / slow.gain - 1.0).abs() <= 0.15, "{} {}", slow.gain, fast.gain);
 }
 
@@ -122,17 +122,17 @@ fn the_feed_of_the_file() {
     p.feed.source = FeedSource::File;
     // another one, which must have no effect
     p.feed.velocity = 1e-4;
-    job("feed of the file", &p, Build::NOMINAL, 107);
+    cycle("feed of the file", &p, Build::NOMINAL, 107);
 }
 
 #[test]
 fn the_stiffness_is_found() {
     for stiffness in [95e3, 178e3, 240e3] {
         let mut run = Loop::new(&Parameters::START, Build { stiffness, ..Build::NOMINAL }, 108);
-        let job = finished("stiffness", &mut run);
+        let cycle = finished("stiffness", &mut run);
         let estimate = run.output.stiffness_estimate;
         assert!((estimate / stiffness - 1.0).abs() <= 0.1, "{stiffness}: {estimate}");
-        assert!(job.deviation <= 0.06 && job.overshoot <= 0.2, "{stiffness}: {job:?}");
+        assert!(cycle.deviation <= 0.06 && cycle.overshoot <= 0.2, "{stiffness}: {cycle:?}");
     }
 }
 
@@ -142,9 +142,9 @@ fn a_fast_approach_does_not_spoil_the_stiffness() {
         let mut p = Parameters::START;
         p.approach.velocity = velocity;
         let mut run = Loop::new(&p, Build::NOMINAL, 112);
-        let job = finished("fast approach", &mut run);
+        let cycle = finished("fast approach", &mut run);
         let estimate = run.output.stiffness_estimate;
-        assert!((estimate / 178e3 - 1.0).abs() <= 0.1 && job.overshoot < 2.5, "{velocity}: {estimate} {job:?}");
+        assert!((estimate / 178e3 - 1.0).abs() <= 0.1 && cycle.overshoot < 2.5, "{velocity}: {estimate} {cycle:?}");
     }
 }
 
@@ -154,8 +154,8 @@ fn a_shifted_mold_is_found_and_followed() {
     let build = Build { shift, ..Build::NOMINAL };
     let mut run = Loop::new(&Parameters::START, build, 109);
     let better = finished("shifted", &mut run);
-    let plain = job("shifted, printed", &printed(), build, 109);
-    assert!(better.deviation <= 0.5 * plain.deviation && better.least > 4.0, "{better:?} {plain:?}");
+    let plain = cycle("shifted, printed", &printed(), build, 109);
+    assert!(better.deviation <= 0.5 * plain.deviation && better.minimum > 4.0, "{better:?} {plain:?}");
     // a sphere shows only where its middle is
     let m = run.output.misalignment;
     let middle = m.shift.vector() + Vector3::new(m.rx, m.ry, m.rz).cross(&Vector3::new(0.0, 0.0, HOLLOW));
@@ -181,19 +181,19 @@ fn what_repeats_from_turn_to_turn_is_learned() {
     let build = Build { drive_friction: 6.0, drive_gain: 0.6, ..Build::NOMINAL };
     let mut p = without(Parameters::START);
     p.feed.velocity = 20e-3;
-    let learned = job("learned", &p, build, 118);
+    let learned = cycle("learned", &p, build, 118);
     p.repetitive.gain = 0.0;
-    let plain = job("not learned", &p, build, 118);
+    let plain = cycle("not learned", &p, build, 118);
     assert!(learned.deviation < 0.7 * plain.deviation, "{learned:?} {plain:?}");
 }
 
 #[test]
-fn a_tool_beside_the_begin_of_the_path_comes_to_it_while_the_force_settles() {
+fn a_tool_away_from_the_start_of_the_path_comes_to_it_while_the_force_settles() {
     let aside = 80e-6;
     for gain in [0.0, 2.0, 5.0] {
         let mut p = Parameters::START;
         p.position.gain = Axes::all(gain);
-        let mut run = Loop::beside(&p, Build::NOMINAL, 119, Vector3::new(0.0, aside, 0.0));
+        let mut run = Loop::displaced(&p, Build::NOMINAL, 119, Vector3::new(0.0, aside, 0.0));
         assert!(run.run_to(State::Settle, 5.0), "{:?}", run.output.fault);
         let touched = run.time();
         assert!(run.run_to(State::Follow, 5.0), "{:?}", run.output.fault);
@@ -218,21 +218,21 @@ fn the_cancellation_works_without_delay_and_with_other_drives() {
         // one sample of delay in the phase is 18 degrees at 50 Hz
         p.io_delay = io_delay;
         let build = Build { drive_gain, drive_friction: 6.0, ..Build::NOMINAL };
-        let with = job("cancelled", &p, build, 110);
+        let with = cycle("cancelled", &p, build, 110);
         p.ripple_gain = 0.0;
-        let plain = job("not canceled", &p, build, 110);
+        let plain = cycle("not canceled", &p, build, 110);
         assert!(with.deviation <= plain.deviation + 0.01, "{io_delay} {drive_gain}: {with:?} {plain:?}");
     }
 }
 
 #[test]
-fn a_cancellation_for_other_drives_ends_itself_and_does_no_harm() {
+fn a_cancellation_for_other_drives_ends_itself_and_does_no_damage() {
     let mut p = Parameters::START;
     // seven samples are 126 degrees at 50 Hz
     p.io_delay = 8;
     let mut run = Loop::new(&p, Build { drive_friction: 6.0, ..Build::NOMINAL }, 113);
-    let job = finished("other drives", &mut run);
-    assert!(run.output.ripple_stopped && job.deviation <= 0.3 && job.least > 3.0, "{job:?}");
+    let cycle = finished("other drives", &mut run);
+    assert!(run.output.ripple_stopped && cycle.deviation <= 0.3 && cycle.minimum > 3.0, "{cycle:?}");
 }
 
 #[test]
@@ -248,23 +248,23 @@ fn thirty_robots_that_are_not_nominal() {
             shift: Vector3::new(between(-1e-4, 1e-4), between(-1e-4, 1e-4), between(-1e-4, 1e-4)),
             ..Build::NOMINAL
         };
-        let job = job(&format!("{build:?}"), &Parameters::START, build, 200 + seed);
-        assert!(job.settle <= 0.5 && job.overshoot <= 0.2, "{job:?}");
-        assert!(job.deviation <= 0.35 && job.least > 2.5, "{job:?}");
-        assert!(job.gain >= 2.3 && job.beside <= 15e-6, "{job:?}");
+        let cycle = cycle(&format!("{build:?}"), &Parameters::START, build, 200 + seed);
+        assert!(cycle.settle <= 0.5 && cycle.overshoot <= 0.2, "{cycle:?}");
+        assert!(cycle.deviation <= 0.35 && cycle.minimum > 2.5, "{cycle:?}");
+        assert!(cycle.gain >= 2.3 && cycle.in_plane <= 15e-6, "{cycle:?}");
     }
 }
 
 #[test]
 #[ignore = "ten hours of polishing, some minutes of computing"]
 fn ten_hours_without_a_false_fault() {
-    let (mut seconds, mut jobs) = (0.0, 0);
+    let (mut seconds, mut cycles) = (0.0, 0);
     while seconds < 36e3 {
-        let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 100_000 + jobs);
-        assert!(run.job(30.0).is_some(), "job {jobs}: {:?}", run.output.fault);
-        (seconds, jobs) = (seconds + run.time(), jobs + 1);
+        let mut run = Loop::new(&Parameters::START, Build::NOMINAL, 100_000 + cycles);
+        assert!(run.cycle(30.0).is_some(), "job {cycles}: {:?}", run.output.fault);
+        (seconds, cycles) = (seconds + run.time(), cycles + 1);
     }
-    println!("measured: hours | fmu-polish | hours=10 jobs={jobs}");
+    println!("measured: hours | fmu-polish | hours=10 jobs={cycles}");
 }
 
 /// The tables of the README.
@@ -277,14 +277,14 @@ fn tables() {
             let mut p = Parameters::START;
             (p.stick_slip.half_period, p.stick_slip.sliding) = (half_period, 0.0);
             p.stick_slip.velocity = 1e-3 * f64::from(velocity);
-            line += &format!(" at_{velocity}={}", Loop::new(&p, Build::NOMINAL, 300).job(30.0).unwrap().gain);
+            line += &format!(" at_{velocity}={}", Loop::new(&p, Build::NOMINAL, 300).cycle(30.0).unwrap().gain);
         }
         println!("{line}");
     }
     for damping in [20, 10, 5] {
         let mut p = without(printed());
         p.impedance.damping = 1e3 * f64::from(damping);
-        let job = Loop::new(&p, Build::NOMINAL, 301).job(30.0).unwrap();
-        println!("measured: polish-damping | {damping} | settle={} overshoot={}", job.settle, job.overshoot);
+        let cycle = Loop::new(&p, Build::NOMINAL, 301).cycle(30.0).unwrap();
+        println!("measured: polish-damping | {damping} | settle={} overshoot={}", cycle.settle, cycle.overshoot);
     }
 }

@@ -11,12 +11,12 @@ const PATHS: f64 = 4.0;
 
 /// Samples of a cycle, and how many it may have.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct JobTime {
+pub struct CycleTime {
     progress: Progress,
     limit: u32,
 }
 
-impl JobTime {
+impl CycleTime {
     /// A new cycle that may take `time` s.
     pub fn restart(&mut self, p: &Parameters, time: f64) {
         self.progress.restart();
@@ -60,7 +60,7 @@ mod tests {
     use crate::path::cl_data::Point;
 
     /// 3 s of tare, 4 s down, 5 s to settle, 7 s out.
-    fn job() -> (Parameters, CentrePath) {
+    fn cycle() -> (Parameters, CentrePath) {
         let mut p = Parameters { tare_time: 3.0, ..Parameters::START };
         (p.approach.travel_max, p.approach.velocity) = (2e-3, 0.5e-3);
         p.settle.time_max = 5.0;
@@ -71,8 +71,8 @@ mod tests {
     }
 
     #[test]
-    fn a_job_has_the_time_of_all_its_parts_or_what_is_told() {
-        let (mut p, path) = job();
+    fn a_cycle_has_the_time_of_all_its_parts_or_the_configured_one() {
+        let (mut p, path) = cycle();
         let parts = 3.0 + 4.0 + 3.0 * 5.0 + 7.0;
         assert!((budget(&p, &path) - parts - 4.0 * path.time(&p)).abs() < 1e-9, "{}", budget(&p, &path));
         p.limits.cycle_time = 17.0;
@@ -80,10 +80,10 @@ mod tests {
     }
 
     #[test]
-    fn only_a_job_takes_time_and_it_may_take_all_of_it() {
-        let (mut p, path) = job();
+    fn only_a_cycle_takes_time_and_it_may_take_all_of_it() {
+        let (mut p, path) = cycle();
         p.limits.cycle_time = 8.0 * p.sample_period;
-        let mut time = JobTime::default();
+        let mut time = CycleTime::default();
         time.restart(&p, budget(&p, &path));
         let all = State::ALL.iter().copied();
         for (k, state) in all.clone().filter(|state| state.moving()).chain([State::Unload, State::Settle]).enumerate() {
