@@ -95,7 +95,7 @@ def test_an_edit_of_what_an_fmu_is_built_from_is_reported(
 ) -> None:
     edit(checkout / edited)
     stale.warn("probe", paths.find_fmu("probe", checkout))
-    wanted = f"`target/fmu/probe.fmu` is older than `{edited}`: `cargo xtask fmu probe` builds it again"
+    wanted = f"`target/fmu/probe.fmu` is older than `{edited}`: build it again with `cargo xtask fmu probe`"
     assert reported() == ([wanted] if matters else [])
 
 

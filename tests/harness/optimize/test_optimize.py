@@ -288,7 +288,7 @@ def test_a_run_that_ends_before_what_was_measured_is_no_fit(command: Run) -> Non
     file.write_text(file.read_text().replace(SET, '[set]\nloop.stop_when = "time >= 0.02"\n'))
     code, _, err = command()
     assert code == 2
-    assert "gave a number; the first: `misfit` is inf: the run ended before what was measured" in err
+    assert "gave a number; the first: `misfit` is inf: the run ended before the measured trace" in err
 
 
 WRONG = {
@@ -320,11 +320,11 @@ WRONG = {
         "the column `speed`, which is not in the trace of a run",
     ),
     "nothing measured": ('trace = "none.csv"', GAIN, "`plant.x` in `none.csv` holds no finite number"),
-    "measured beyond all": ('trace = "vast.csv"', GAIN, "`vast.csv` goes from -1e+308 to 1e+308"),
+    "measured beyond all": ('trace = "vast.csv"', GAIN, "`vast.csv` ranges from -1e+308 to 1e+308"),
     "empty trace": ('trace = "empty.csv"', GAIN, "its first line must hold the names of the columns"),
     "too long": ('trace = "long.csv"', GAIN, "`long.csv` ends at 1 s, the scenario at"),
     "columns of a metric": ('metric = "end"\ncolumns = ["plant.x"]', GAIN, "belongs to `objective.trace`"),
-    "a study": ('metric = "end"', '[design]\nkind = "grid"\n' + GAIN, "`design` is of a study"),
+    "a study": ('metric = "end"', '[design]\nkind = "grid"\n' + GAIN, "`design` belongs to a study"),
     "all fail": (
         'metric = "end"',
         GAIN + '[[vary]]\nkey = "plant.fail_at"\nvalues = [1]\n',

@@ -125,7 +125,7 @@ def test_a_hang_ends_with_the_timeout(engine: str) -> None:
     assert done.returncode == 2
     assert done.stderr.splitlines() == [
         f"error: no result within `--timeout` = `2` s: the FMU `probe` did not return {AT}",
-        "hint: a longer `--timeout`, or check the scenario for a hang.",
+        "hint: Increase `--timeout`, or check the scenario for a hang.",
     ]
 
 
@@ -146,7 +146,7 @@ def test_a_run_within_its_limits_is_as_without_them() -> None:
     [
         (
             "300",
-            f"MB of memory are more than `--memory` = `300` MB, the FMU `probe` took them {AT}",
+            f"MB of memory are more than `--memory` = `300` MB, used by the FMU `probe` {AT}",
         ),
         ("1", "MB of memory, which a run needs before its start, exceed its limit of `1` MB"),
     ],
@@ -216,5 +216,5 @@ def test_a_closed_session_rejects_to_run(lag: Path) -> None:
 
 
 def test_limits_of_a_run_in_this_process_are_rejected(lag: Path) -> None:
-    with pytest.raises(CosimError, match="`limits` apply only to isolated runs\nhint: `isolated=True`"):
+    with pytest.raises(CosimError, match="`limits` apply only to isolated runs\nhint: Set `isolated=True`"):
         cosim.run(lag, limits=Limits(timeout=1.0))

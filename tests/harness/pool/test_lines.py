@@ -41,7 +41,7 @@ def test_an_fmu_that_warns_in_every_step_does_not_flood(caplog: pytest.LogCaptur
         lines.report("run 0, seed 1", ("cosim.fmu", logging.WARNING, f"odd at {number} s"))
     assert len(caplog.messages) == MOST + 1
     assert caplog.messages[0] == "run 0, seed 1: odd at 0 s"
-    assert caplog.messages[-1] == "the runs log more than this; `-v` shows all"
+    assert caplog.messages[-1] == "further log lines are hidden; show all with `-v`"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="signals of Linux")
@@ -50,4 +50,4 @@ def test_a_crash_repeats_what_the_fmu_logged_last(write: Write) -> None:
     fine = cosim.load(write())
     crashed, _ = cosim.run_each([scenario, fine], 2, engine="reference")
     assert isinstance(crashed, cosim.CosimError)
-    assert "its last words: Probe [logStatusWarning] something is odd at 0.002 s" in crashed.message
+    assert "its last output: Probe [logStatusWarning] something is odd at 0.002 s" in crashed.message

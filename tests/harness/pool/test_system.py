@@ -60,7 +60,7 @@ def test_an_option_that_cannot_be_kept_is_rejected(
     assert call(monkeypatch, "run", "lag.toml", option, "100") == 2
     assert capsys.readouterr().err.splitlines() == [
         f"error: `{option}` cannot be enforced: this system has no supervised worker processes",
-        f"hint: leave `{option}` ; the command then runs in its own process.",
+        f"hint: Omit `{option}`; the command then runs in its own process.",
     ]
 
 

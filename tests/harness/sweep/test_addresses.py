@@ -37,16 +37,16 @@ def test_an_address_is_taken_as_it_is(text: str) -> None:
 WRONG = {
     "nope.json": (None, "cannot read `nope.json`: No such file"),
     "broken.json": ("{", "`broken.json` is not a file of a Dask scheduler"),
-    "list.json": ("[]", "it holds no table"),
-    "empty.json": ("{}", "`address` in `empty.json` is ``, which is not a known address"),
-    "junk": (None, "the Dask scheduler is `junk`, which is not a known address"),
+    "list.json": ("[]", "it is not a JSON object"),
+    "empty.json": ("{}", "`address` in `empty.json` is ``, which is not an address"),
+    "junk": (None, "the Dask scheduler is `junk`, which is not an address"),
     "nope.toml": (None, "cannot read `nope.toml`"),
     "unknown.toml": ('adress = "tls://node0:8786"\n', "`adress` is not a known key"),
     "half.toml": ('address = "tls://node0:8786"\n', "`ca` is missing"),
     "open.toml": (SECURITY.format("tcp://node0:8786"), "which is not encrypted"),
     "bare.toml": (
         SECURITY.format("tls://node0:8786"),
-        "`ca` is `certificate.pem`, which is not there",
+        "`ca` is `certificate.pem`, which does not exist",
     ),
 }
 """Addresses, the text of the file that they name, and what is wrong."""

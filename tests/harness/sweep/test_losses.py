@@ -137,7 +137,7 @@ def test_a_sweep_survives_a_killed_worker_and_a_restarted_scheduler(
     print(report(sweep, len(lines)))
 
     assert re.search(
-        "the Dask worker `tcp://127.0.0.1:[0-9]+` was lost: [0-9]+ runs are done once more", reported
+        "the Dask worker `tcp://127.0.0.1:[0-9]+` was lost: [0-9]+ runs are repeated", reported
     )
     assert "lost the Dask scheduler; the runs go on if it is back within 300 s" in reported
     assert "the Dask scheduler is back" in reported

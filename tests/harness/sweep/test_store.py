@@ -55,7 +55,7 @@ def test_a_row_that_is_none_is_done_again(write: Write, folder: Path) -> None:
     ]
     file.write_text("".join([*edited, DEEP, lines[-1]]))
     done = studies.sweep("list.toml")
-    warned = re.findall(r"`list.sweep/results.jsonl`, line (\d+) is no row \(", done.stderr)
+    warned = re.findall(r"`list.sweep/results.jsonl`, line (\d+) is not a row \(", done.stderr)
     assert list(map(int, warned)) == list(range(1, len(EDITS) + 2))
     assert "Traceback" not in done.stderr
     fresh = {json.loads(line)["hash"]: line for line in file.read_text().splitlines()[len(EDITS) + 1 :]}
@@ -83,7 +83,7 @@ def test_a_last_line_without_end_is_never_removed(
         store.append(json.loads(ROW) | {"hash": "c", "status": "lost"})
     text = file.read_text()
     assert text.startswith(f"{kept}\n")
-    assert ("results.jsonl`, line 2 is no row (" in caplog.text) == damaged
+    assert ("results.jsonl`, line 2 is not a row (" in caplog.text) == damaged
     with Store(tmp_path) as store:
         assert [store.status(name) for name in "ac"] == ["error", "lost"]
     assert file.read_text() == text

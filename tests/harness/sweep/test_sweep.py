@@ -59,7 +59,7 @@ def test_one_worker_four_workers_and_a_resumed_sweep_give_the_same_rows(study: P
     torn = lines[-1][: len(lines[-1]) // 2]
     file.write_bytes(b"".join(lines[:-3]) + torn)
     again = studies.sweep("grid.toml", "--workers", "2")
-    assert "line 10 is no row (" in again.stderr
+    assert "line 10 is not a row (" in again.stderr
     assert file.read_bytes().splitlines()[9] == torn
     file.write_bytes(file.read_bytes().replace(torn + b"\n", b""))
     assert studies.numbers(study) == studies.numbers(folder / "four")
@@ -147,7 +147,7 @@ def test_a_plot_that_cannot_be_made_loses_no_row(study: Path, folder: Path) -> N
     command = [sys.executable, "-m", "cosim", "sweep", "grid.toml"]
     variables = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
     done = subprocess.run(command, capture_output=True, text=True, env=variables, check=False)
-    problem = "`plot.panels[0].columns` names `plant.y`, which is not a known column of the trace"
+    problem = "`plot.panels[0].columns` names `plant.y`, which is not a column of the trace"
     assert f"is not plotted: {problem}" in " ".join(done.stderr.split())
     assert done.returncode == 1
     assert len(studies.rows(study)) == 12

@@ -157,7 +157,7 @@ def test_a_run_that_lost_two_dask_workers_is_given_up(write: Write, folder: Path
     os.kill(dask_worker, signal.SIGKILL)
     studies.wait_for(lambda: (folder / "stalled").exists() and (folder / "stalled").stat().st_size > 0)
     os.kill(int((folder / "stalled").read_text().split()[1]), signal.SIGKILL)
-    check_what_it_cost(process, folder, where, "lost", "was lost during the run, and the one before it")
+    check_what_it_cost(process, folder, where, "lost", "was lost during the run, as was the worker before")
 
 
 def stalled(write: Write, folder: Path, where: list[str]) -> tuple[subprocess.Popen[bytes], int, int]:
