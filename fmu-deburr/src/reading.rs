@@ -72,19 +72,19 @@ impl AxisReader {
         self.fastest = motion.abs().max(FADING * self.fastest);
         let reach = Reach { motion: (REVERSED * self.fastest).max(anywhere), spread };
         let unexplained = position - self.carried;
-        if !self.confirmed && self.guard.believed().is_some() && position.is_finite() {
+        if !self.confirmed && self.guard.accepted().is_some() && position.is_finite() {
             self.confirmed = self.guard.reaches(unexplained, reach);
             self.disputed = self.disputed.saturating_add(u32::from(!self.confirmed));
         }
         let motion = if self.confirmed { reach.motion } else { f64::INFINITY };
-        let believed = self.guard.update(unexplained, Reach { motion, ..reach });
+        let accepted = self.guard.update(unexplained, Reach { motion, ..reach });
         // the difference does not return to the last bit
-        if self.guard.doubted() == 0 { position } else { believed + self.carried }
+        if self.guard.doubted() == 0 { position } else { accepted + self.carried }
     }
 
     /// Whether it is known where the axis is.
     fn placed(&self) -> bool {
-        self.guard.believed().is_some() && (self.confirmed || self.disputed == 0)
+        self.guard.accepted().is_some() && (self.confirmed || self.disputed == 0)
     }
 
     /// Measurements consecutive that cannot be used.

@@ -63,11 +63,11 @@ fn velocity_bandwidth(p: &Parameters) -> Result<(), ParameterError> {
 
 fn settle_time(p: &Parameters) -> Result<(), ParameterError> {
     let (value, samples) = (p.learn.settle_time, Detector::settling(p));
-    let least = samples as f64 * p.sample_period;
+    let minimum = samples as f64 * p.sample_period;
     let hint = "Reduce `expert.deviation.window` or `expert.slope.window`, or increase `learn.settle_time`.";
     let time = Parameter::new("learn.settle_time", value, "s", hint);
     time.must_be(ticks(value, p.sample_period) as usize >= samples, || {
-        format!("at least `{least} s`, the `{samples}` samples that `detector` needs at constant speed")
+        format!("at least `{minimum} s`, the `{samples}` samples that `detector` needs at constant speed")
     })
 }
 
@@ -79,9 +79,9 @@ fn starting(p: &Parameters) -> Result<(), ParameterError> {
 
 fn learn_limit(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "Increase it: every approach would raise `LearnTimeout`.";
-    let (limit, least) = (p.limits.learn_time, p.learn.time);
+    let (limit, minimum) = (p.limits.learn_time, p.learn.time);
     Parameter::new("expert.limits.learn_time", limit, "s", hint)
-        .must_be(limit == 0.0 || limit >= least, || format!("`0`, or at least `learn.time`, `{least} s`"))
+        .must_be(limit == 0.0 || limit >= minimum, || format!("`0`, or at least `learn.time`, `{minimum} s`"))
 }
 
 fn second_touch(p: &Parameters) -> Result<(), ParameterError> {
@@ -91,9 +91,10 @@ fn second_touch(p: &Parameters) -> Result<(), ParameterError> {
             "`false` with any other detector than `Glr`".into()
         })?;
     let hint = "Reduce it: two suspicions together must not be a contact yet.";
-    let most = 0.5 * touch::EVIDENCE;
-    Parameter::new("expert.touch.suspicion", p.touch.suspicion, "", hint)
-        .must_be(p.touch.suspicion <= most, || format!("at most `{most}`, half of the ratio of a confirmed contact"))
+    let maximum = 0.5 * touch::EVIDENCE;
+    Parameter::new("expert.touch.suspicion", p.touch.suspicion, "", hint).must_be(p.touch.suspicion <= maximum, || {
+        format!("at most `{maximum}`, half of the ratio of a confirmed contact")
+    })
 }
 
 fn calibration_speeds(p: &Parameters) -> Result<(), ParameterError> {
@@ -104,7 +105,7 @@ fn calibration_speeds(p: &Parameters) -> Result<(), ParameterError> {
 
 fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
     let samples = LEARN_WINDOWS * Detector::window(p);
-    let least = samples as f64 * p.sample_period;
+    let minimum = samples as f64 * p.sample_period;
     let time = Parameter::new(
         "learn.time",
         p.learn.time,
@@ -112,7 +113,7 @@ fn learn_time(p: &Parameters) -> Result<(), ParameterError> {
         "Increase `learn.time`, or reduce `expert.slope.window` or `expert.glr.onsets`.",
     );
     time.must_be(ticks(p.learn.time, p.sample_period) as usize >= samples, || {
-        format!("at least `{least} s`, `{LEARN_WINDOWS}` times the longest window")
+        format!("at least `{minimum} s`, `{LEARN_WINDOWS}` times the longest window")
     })
 }
 
@@ -124,10 +125,10 @@ fn travel(p: &Parameters) -> Result<(), ParameterError> {
 
 fn retract(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "Increase it, or set `0`: the next approach would touch before its detector is armed.";
-    let least = arming_travel(p, &p.approach);
+    let minimum = arming_travel(p, &p.approach);
     let distance = Parameter::new("retract.distance", p.retract.distance, "m", hint);
-    distance.must_be(p.retract.distance == 0.0 || p.retract.distance >= least, || {
-        format!("`0`, or at least `{least} m`, the travel until the detector is armed")
+    distance.must_be(p.retract.distance == 0.0 || p.retract.distance >= minimum, || {
+        format!("`0`, or at least `{minimum} m`, the travel until the detector is armed")
     })
 }
 
@@ -156,34 +157,34 @@ fn stability(p: &Parameters) -> Result<(), ParameterError> {
 
 fn commission_travel(p: &Parameters) -> Result<(), ParameterError> {
     let hint = "Increase `commission.travel`, or reduce `learn.time`.";
-    let (value, least) = (p.commission.travel, plan::stroke(p));
-    Parameter::new("commission.travel", value, "m", hint).must_be(value == 0.0 || value >= least, || {
-        format!("`0`, or at least `{least} m`, the travel in which the noise of the approach is learned")
+    let (value, minimum) = (p.commission.travel, plan::stroke(p));
+    Parameter::new("commission.travel", value, "m", hint).must_be(value == 0.0 || value >= minimum, || {
+        format!("`0`, or at least `{minimum} m`, the travel in which the noise of the approach is learned")
     })
 }
 
 fn commission_force(p: &Parameters) -> Result<(), ParameterError> {
-    let (most, least) = (p.stage.force_constant * p.stage.current_max, p.guard_force);
+    let (maximum, minimum) = (p.stage.force_constant * p.stage.current_max, p.guard_force);
     let hint = "A larger force saturates the current; a smaller one cannot compensate disturbances.";
     let force = Parameter::new("commission.force", plan::force(p), "N", hint);
-    force.must_be((least..most).contains(&plan::force(p)), || {
-        format!("`0`, or from `{least} N`, `guard.force`, to below `{most} N`, the largest force of the drive")
+    force.must_be((minimum..maximum).contains(&plan::force(p)), || {
+        format!("`0`, or from `{minimum} N`, `guard.force`, to below `{maximum} N`, the largest force of the drive")
     })
 }
 
 fn commission_time(p: &Parameters) -> Result<(), ParameterError> {
-    check_commission_time(p.commission.time, || plan::least_time(p))
+    check_commission_time(p.commission.time, || plan::shortest_time(p))
 }
 
 fn guard(p: &Parameters) -> Result<(), ParameterError> {
-    let most = p.stage.force_constant * p.stage.current_max;
+    let maximum = p.stage.force_constant * p.stage.current_max;
     let force = Parameter::new(
         "guard.force",
         p.guard_force,
         "N",
         "Reduce it: the guard must trip before the current saturates.",
     );
-    force.less_than(most, "the largest force of the drive")
+    force.less_than(maximum, "the largest force of the drive")
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! One control step: measure, estimate, decide, plan, control, report.
 
-mod judging;
+mod evaluating;
 mod transitions;
 
 use control_blocks::{ParameterError, Reaction, RunningLine, WaitingRequest, export_commission, export_values, ticks};
@@ -189,7 +189,7 @@ impl Controller {
     /// Disturbance observer, notches, deviation, slope, detector; a lost position is bridged by the nominal stage.
     fn estimate(&mut self, p: &Parameters, reading: &Reading) {
         let acted = self.amplifier.acted(p);
-        self.calibration.feel(p, &self.identification.measured, reading.position, acted, self.contact.is_some());
+        self.calibration.sense(p, &self.identification.measured, reading.position, acted, self.contact.is_some());
         if let Some(position) = reading.position {
             self.known = self.known.saturating_add(1);
             if reading.found {
@@ -218,7 +218,7 @@ impl Controller {
         let elapsed = self.count(p, reading);
         let settled = self.motion.retreated(p) && self.monitors.relief.known(p);
         let waits = self.state.waits();
-        if (!reading.calibrate || reading.begin) && self.calibration.break_off() && !self.state.approaching() {
+        if (!reading.calibrate || reading.begin) && self.calibration.abort() && !self.state.approaching() {
             self.depart_farther(p);
         }
         let contact = reading.position.and_then(|_| self.find_contact(p, reading));
@@ -229,9 +229,9 @@ impl Controller {
             calibrate: self.calibrate_pending.update(waits, reading.begin_calibration, reading.calibrate),
             calibration: self.calibration.active,
             calibrated: self.calibration.over(),
-            break_off: !reading.commission || reading.begin,
+            abort: !reading.commission || reading.begin,
             commissioned: self.identification.finished,
-            enabled: if self.calibration.active { !self.calibration.broken() } else { reading.enabled },
+            enabled: if self.calibration.active { !self.calibration.aborted() } else { reading.enabled },
             reset: reading.reset,
             restful: reading.position.is_some() && self.tracked() && self.motion.at_rest() && self.has_come_to_rest(),
             fault: self.find_fault(p, elapsed, settled, reading),
@@ -239,7 +239,7 @@ impl Controller {
             suspected,
             dismissed,
             elapsed,
-            turned: self.motion.reference.velocity <= 0.0,
+            reversed: self.motion.reference.velocity <= 0.0,
             retreated: match self.state {
                 State::Retract => settled,
                 State::Calibrate => self.motion.retreated(p) && self.calibration.rested(),
@@ -298,7 +298,7 @@ impl Controller {
     fn follow(&mut self, p: &Parameters, reading: &Reading) {
         let cruised = self.motion.reference.acceleration == 0.0 && !self.motion.at_rest();
         match reading.position {
-            Some(position) if self.off() => self.motion.lie(position),
+            Some(position) if self.off() => self.motion.rest_at(position),
             _ if self.state == State::Commission => {
                 let next = self.identification.experiment.reference(&self.motion.reference, p.sample_period);
                 self.motion.follow(next);
@@ -327,8 +327,8 @@ impl Controller {
         let mut force = p.stage.mass * acceleration;
         if exciting {
             // no model but the force that holds the stage
-            let most = plan::force(p);
-            force = self.identification.held() + force.clamp(-most, most);
+            let maximum = plan::force(p);
+            force = self.identification.held() + force.clamp(-maximum, maximum);
         } else if p.servo.disturbance_compensation {
             force += self.observer.force();
         } else {

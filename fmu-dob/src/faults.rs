@@ -8,7 +8,7 @@ use crate::interface::{Fault, Parameters, ThresholdOutput};
 use crate::reading::{Loss, Reading};
 
 /// Ratio of measured to commanded acceleration below which the drive pushes the wrong way.
-const WRONG_WAY: f64 = -0.2;
+const WRONG_DIRECTION: f64 = -0.2;
 /// Consecutive samples that make a disturbance or a following error.
 const ROW: u32 = 3;
 /// Consecutive reversals that make an oscillation.
@@ -22,7 +22,7 @@ pub struct Symptoms<'a> {
     /// The communication step is longer than a sample.
     pub long_step: bool,
     /// The position has shown noise at rest before, and now does not change.
-    pub standing: bool,
+    pub frozen_at_rest: bool,
     /// The spindle must be steady.
     pub steady_spindle: bool,
     /// Consecutive samples with the current at its limit.
@@ -30,7 +30,7 @@ pub struct Symptoms<'a> {
     /// Consecutive reversals of the current from limit to limit.
     pub reversals: u32,
     /// Consecutive reversals of the inertial force while the reference does not accelerate.
-    pub swings: u32,
+    pub oscillations: u32,
     /// Consecutive samples with a following error beyond its limit.
     pub diverged: u32,
     /// Consecutive samples with a disturbance beyond its limit.
@@ -69,11 +69,11 @@ pub fn find(p: &Parameters, symptoms: &Symptoms) -> Option<Fault> {
     let learned = |learned: ThresholdOutput| !learned.plausible(p.limits.slope_sigma_max);
     let faults = [
         (Fault::LongStep, s.long_step),
-        (Fault::PositionFrozen, s.standing || lost(Loss::Frozen)),
+        (Fault::PositionFrozen, s.frozen_at_rest || lost(Loss::Frozen)),
         (Fault::PositionDelayed, lost(Loss::Jumps) && s.reading.late.is_some()),
         (Fault::PositionJump, lost(Loss::Jumps)),
         (Fault::PositionLost, lost(Loss::Invalid)),
-        (Fault::Oscillation, s.reversals.max(s.swings) >= REVERSALS),
+        (Fault::Oscillation, s.reversals.max(s.oscillations) >= REVERSALS),
         (Fault::Saturation, s.limited > ticks(p.limits.saturated_time, p.sample_period)),
         (Fault::FollowingError, s.diverged >= ROW),
         (Fault::Overload, s.overloaded >= ROW),
@@ -102,7 +102,7 @@ fn cause(p: &Parameters, fault: Fault, gain_ratio: Option<f64>) -> Fault {
     use Fault::{FollowingError, Oscillation, Overload, PositionJump, Saturation, WeakDrive};
     let Some(ratio) = gain_ratio else { return fault };
     match fault {
-        Oscillation | Saturation | FollowingError | Overload | WeakDrive | PositionJump if ratio < WRONG_WAY => {
+        Oscillation | Saturation | FollowingError | Overload | WeakDrive | PositionJump if ratio < WRONG_DIRECTION => {
             Fault::DriveSign
         }
         Saturation | FollowingError | Overload if ratio < p.limits.drive_gain_ratio => WeakDrive,

@@ -33,7 +33,7 @@ pub struct Events {
     /// The calibration cycle has ended or is aborted.
     pub calibrated: bool,
     /// The commissioning run is aborted.
-    pub break_off: bool,
+    pub abort: bool,
     /// The commissioning run has ended.
     pub commissioned: bool,
     /// `enable` is set.
@@ -54,7 +54,7 @@ pub struct Events {
     /// The time of the present state at constant speed is over.
     pub elapsed: bool,
     /// The reference no longer moves towards the workpiece.
-    pub turned: bool,
+    pub reversed: bool,
     /// The retract is complete, and in a cycle the force after it is known.
     pub retreated: bool,
 }
@@ -72,14 +72,14 @@ pub fn next(state: State, events: &Events) -> State {
         Idle | Done if events.calibrate && events.restful => Calibrate,
         Calibrate if events.calibrated && events.retreated => Idle,
         Calibrate if events.restful && events.retreated => Approach,
-        Commission if events.break_off || events.commissioned => Idle,
+        Commission if events.abort || events.commissioned => Idle,
         Approach | Learn | Detect | Confirm if touched => Contact,
         Approach | Learn | Detect | Confirm if !events.enabled => Retract,
         Approach if events.elapsed => Learn,
         Learn if events.elapsed => Detect,
         Detect if events.suspected => Confirm,
         Confirm if events.dismissed => Detect,
-        Contact if events.turned => Retract,
+        Contact if events.reversed => Retract,
         Retract if events.retreated && events.calibration => Calibrate,
         Retract if events.retreated => Done,
         unchanged => unchanged,
@@ -97,7 +97,7 @@ mod tests {
         calibrate: false,
         calibration: false,
         calibrated: false,
-        break_off: false,
+        abort: false,
         commissioned: false,
         enabled: true,
         reset: false,
@@ -107,7 +107,7 @@ mod tests {
         suspected: false,
         dismissed: false,
         elapsed: false,
-        turned: false,
+        reversed: false,
         retreated: false,
     };
 
@@ -123,10 +123,10 @@ mod tests {
         let begin = Events { begin: true, restful: true, ..QUIET };
         let elapsed = Events { elapsed: true, ..QUIET };
         let contact = Events { contact: Some(ContactSource::Slope), ..QUIET };
-        let turned = Events { turned: true, ..QUIET };
+        let reversed = Events { reversed: true, ..QUIET };
         let retreated = Events { retreated: true, ..QUIET };
         let mut state = State::Idle;
-        let way = [begin, elapsed, elapsed, contact, turned, retreated, begin];
+        let sequence = [begin, elapsed, elapsed, contact, reversed, retreated, begin];
         let expected = [
             State::Approach,
             State::Learn,
@@ -136,7 +136,7 @@ mod tests {
             State::Done,
             State::Approach,
         ];
-        for (events, expected) in way.iter().zip(expected) {
+        for (events, expected) in sequence.iter().zip(expected) {
             state = next(state, events);
             assert_eq!(state, expected);
         }
@@ -158,7 +158,7 @@ mod tests {
         }
         // who asks for both gets the approach
         assert_eq!(next(State::Idle, &Events { begin: true, ..commission }), State::Approach);
-        for events in [Events { break_off: true, ..QUIET }, Events { commissioned: true, ..QUIET }] {
+        for events in [Events { abort: true, ..QUIET }, Events { commissioned: true, ..QUIET }] {
             assert_eq!(next(State::Commission, &events), State::Idle);
         }
     }
@@ -218,7 +218,7 @@ mod tests {
             calibrate: true,
             calibration: true,
             calibrated: true,
-            break_off: true,
+            abort: true,
             commissioned: true,
             enabled: false,
             reset: true,
@@ -228,7 +228,7 @@ mod tests {
             suspected: true,
             dismissed: true,
             elapsed: true,
-            turned: true,
+            reversed: true,
             retreated: true,
         };
         for &state in State::ALL {

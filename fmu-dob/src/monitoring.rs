@@ -4,7 +4,7 @@ pub mod drive;
 pub mod life;
 pub mod monitors;
 pub mod numbers;
+pub mod oscillation;
 pub mod recent;
 pub mod rest;
 pub mod rest_force;
-pub mod swing;

@@ -13,7 +13,7 @@ const POSITION_MAX: f64 = 1e3;
 /// Maximum plausible spindle speed, rad/s.
 const SPEED_MAX: f64 = 1e5;
 /// A position within this many encoder steps has not changed; one of them is a toggling last bit.
-const STANDS: f64 = 1.5;
+const STEP: f64 = 1.5;
 /// Fractions of `limits.frozen`: maximum motion without a change in evidence for a contact, and distance within which a
 /// stage follows its reference.
 const ALIVE: f64 = 1.0 / 3.0;
@@ -51,9 +51,9 @@ pub struct Expected {
     /// The reference until now, m.
     pub reference: f64,
     /// Motion of the reference since the last sample, m.
-    pub asked: f64,
+    pub requested: f64,
     /// Tolerated lag of the stage, m.
-    pub behind: f64,
+    pub lag: f64,
     /// Additional distance from the reference, m.
     pub diverged: f64,
     /// A stage ahead of its reference may be at rest until the reference has caught up.
@@ -111,7 +111,7 @@ pub struct Reader {
     gap: bool,
     invalid: Consecutive,
     whole: Consecutive,
-    standing: Frozen,
+    constant: Frozen,
     /// The last positions as measured.
     pub recent: RecentReadings,
     position: JumpGuard,
@@ -137,7 +137,7 @@ impl Reader {
         let speed_good = is_plausible(input.spindle_speed, SPEED_MAX);
         let given = (input.position_valid && position_good).then_some(p.direction() * input.position);
         let lost_too_long = self.lost.count() > p.limits.lost_samples.unsigned_abs();
-        let position = self.believe(p, given, expected, lost_too_long);
+        let position = self.accept(p, given, expected, lost_too_long);
         self.recent.update(given.unwrap_or(f64::NAN), self.position.doubted());
         let found = position.is_some() && (!self.known || lost_too_long);
         self.known |= position.is_some();
@@ -161,7 +161,7 @@ impl Reader {
             lost: self.lost.update(position.is_none()),
             loss: self.loss,
             late: self.recent.late(self.position.doubted()),
-            alive: self.standing.unanswered() <= ALIVE * p.limits.frozen,
+            alive: self.constant.unanswered() <= ALIVE * p.limits.frozen,
             whole: self.whole.count(),
             spindle_lost: self.spindle_speed.doubted(),
         }
@@ -170,57 +170,57 @@ impl Reader {
     /// Time (s) for which a flute or the unbalance may stop a slow stage: a quarter revolution of the spindle, at most
     /// [`STANDSTILL`].
     pub fn standstill(&self) -> f64 {
-        let speed = self.spindle_speed.believed().map_or(0.0, f64::abs);
+        let speed = self.spindle_speed.accepted().map_or(0.0, f64::abs);
         if speed > 0.0 { (FRAC_PI_2 / speed).min(STANDSTILL) } else { 0.0 }
     }
 
     /// Discards the motion without a change of the position, for example when the stage is no longer controlled.
     pub fn forgive(&mut self) {
-        self.standing.clear();
+        self.constant.clear();
     }
 
     /// The given position if the stage can be there, shifted towards its prediction if it is only partly used; after a
     /// long loss any position is accepted.
-    fn believe(&mut self, p: &Parameters, given: Option<f64>, e: &Expected, anew: bool) -> Option<f64> {
+    fn accept(&mut self, p: &Parameters, given: Option<f64>, e: &Expected, anew: bool) -> Option<f64> {
         if anew {
             self.position.clear();
         }
         let jumped = self.position.doubted() > 0 && self.loss == Loss::Jumps;
-        let standing_before = self.standing;
+        let constant_before = self.constant;
         if let Some(position) = given {
-            self.standing.update(position, e.asked, STANDS * p.stage.encoder_resolution);
+            self.constant.update(position, e.requested, STEP * p.stage.encoder_resolution);
         }
-        let unanswered = self.standing.unanswered();
-        let near = e.behind + e.diverged + WITH_IT * p.limits.frozen;
-        let stands = given.filter(|_| !jumped).is_some_and(|z| {
+        let unanswered = self.constant.unanswered();
+        let near = e.lag + e.diverged + WITH_IT * p.limits.frozen;
+        let is_frozen = given.filter(|_| !jumped).is_some_and(|z| {
             let error = e.reference - z;
             // a stage off its reference may actually be at rest, as one ahead in a stroke until its reference has caught up;
             // and a position that jumped may pass its old value
-            let ahead = (self.standing.missed() - error) * self.standing.missed().signum();
-            let with_it = near + e.asked.abs() * (1.0 + f64::from(p.io_delay));
+            let ahead = (self.constant.missed() - error) * self.constant.missed().signum();
+            let with_it = near + e.requested.abs() * (1.0 + f64::from(p.io_delay));
             let waits = if e.may_wait && ahead > with_it { ahead } else { 0.0 };
-            unanswered > p.limits.frozen + e.behind + waits && error.abs() <= unanswered + near
+            unanswered > p.limits.frozen + e.lag + waits && error.abs() <= unanswered + near
         });
         self.gap |= given.is_none();
         self.position.shift(if self.gap { e.bridged } else { e.motion });
         let expected = self.position;
         let reach = Reach { motion: e.unforeseen, spread: p.limits.jump };
-        let reading = self.position.update(given.filter(|_| !stands).unwrap_or(f64::NAN), reach);
+        let reading = self.position.update(given.filter(|_| !is_frozen).unwrap_or(f64::NAN), reach);
         if self.position.doubted() == 0 {
             self.gap = false;
-            let most = e.unforeseen + COUNTS * p.limits.jump;
-            let excess = expected.believed().map_or(0.0, |z| (reading - z) - (reading - z).clamp(-most, most));
+            let maximum = e.unforeseen + COUNTS * p.limits.jump;
+            let excess = expected.accepted().map_or(0.0, |z| (reading - z) - (reading - z).clamp(-maximum, maximum));
             self.position.shift(-excess);
             self.whole.update(excess == 0.0);
             return Some(reading - excess);
         }
-        if !stands {
+        if !is_frozen {
             // where the stage cannot be, no reading can stand
-            self.standing = standing_before;
+            self.constant = constant_before;
         }
         self.loss = match given {
             None => Loss::Invalid,
-            Some(_) if stands => Loss::Frozen,
+            Some(_) if is_frozen => Loss::Frozen,
             Some(_) => Loss::Jumps,
         };
         None

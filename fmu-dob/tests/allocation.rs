@@ -27,7 +27,7 @@ fn pass(run: &mut Loop, states: &[State]) {
     }
 }
 
-fn job(p: &Parameters) {
+fn cycle(p: &Parameters) {
     use State::{Approach, Contact, Detect, Done, Idle, Learn, Retract};
     let mut run = Loop::new(p, 51, 90e-6);
     pass(&mut run, &[Idle, Approach, Learn, Detect, Contact, Retract, Done]);
@@ -36,13 +36,13 @@ fn job(p: &Parameters) {
 #[test]
 fn a_cycle_of_each_detector() {
     for &detector in DetectorKind::ALL {
-        job(&Parameters { detector, ..Parameters::START });
+        cycle(&Parameters { detector, ..Parameters::START });
     }
 }
 
 #[test]
 fn a_cycle_of_the_paper() {
-    job(&Parameters::PAPER);
+    cycle(&Parameters::PAPER);
 }
 
 #[test]

@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_proposed_is_asked_for_once_and_not_in_force() {
+    fn what_is_proposed_is_requested_once_and_not_in_force() {
         let mut values = ActiveValues::new(1);
         values.propose(2);
         assert_eq!((values.now(), values.take_proposed(), values.take_proposed()), (1, Some(2), None));

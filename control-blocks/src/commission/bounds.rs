@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_counts_where_it_is_sure_and_what_is_no_number_never_does() {
+    fn a_value_counts_where_it_is_certain_and_what_is_no_number_never_does() {
         assert!(is_certain(-10.0, 0.2, 0.02) && !is_certain(10.0, 0.21, 0.02) && is_certain(0.0, 0.0, 0.02));
         assert!(!is_certain(f64::NAN, 0.0, 0.02) && !is_certain(1.0, f64::NAN, 0.02));
         assert_eq!([3.1, 3.0, -3.1, f64::NAN].map(|value| significant_or(value, 1.0, 7.0)), [3.1, 7.0, 7.0, 7.0]);
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delay_is_borne_by_its_whole_samples() {
+    fn a_delay_is_tolerated_by_its_whole_samples() {
         let borne = |configured: i32, samples: f64| tolerated_delays(configured).contains(&whole_delay(samples));
         assert_eq!([-0.51, -0.5, -0.49, 3.49, 3.5].map(|samples| borne(1, samples)), [false, false, true, true, false]);
         assert!(!borne(1, f64::NAN) && !borne(1, f64::INFINITY));

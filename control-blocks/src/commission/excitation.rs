@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn it_begins_and_ends_at_rest_and_moves_as_it_says() {
+    fn it_starts_and_ends_at_rest_and_moves_as_it_says() {
         let one = excitation();
         for tick in [0, 2750, one.samples()] {
             let Trajectory { position, velocity, acceleration } = one.at(tick);

@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn white_noise_and_a_random_walk_are_told_apart() {
+    fn white_noise_and_a_random_walk_are_distinguished() {
         for (walk, white) in [(0.0, 2.0), (0.01, 2.0), (0.1, 1.0), (0.3, 0.0)] {
             let found = variances(walk, white);
             let near = |x: f64, expected: f64, spread: f64| (3.0 * x - expected * expected).abs() < spread;
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_told_apart_makes_the_variances_again() {
+    fn the_identified_parts_reproduce_the_variances() {
         for variances in [(3e-4, 2.0), (0.0, 1.0), (0.5, 0.0)] {
             let [short, long] = [10, 70].map(|n| (n, of_walk_and_white(variances, n)));
             let found = walk_and_white(short, long);

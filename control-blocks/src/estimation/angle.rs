@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn half_a_turn_has_one_sign() {
+    fn half_a_revolution_has_one_sign() {
         assert_eq!((wrap_half_open(PI), wrap_half_open(-PI), wrap_half_open(3.0 * PI)), (-PI, -PI, -PI));
     }
 

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_start_beside_the_answer_needs_few_steps_and_one_at_the_answer_one() {
+    fn a_start_near_the_solution_needs_few_steps_and_one_at_it_one() {
         let y = |t: f64| 3.0 * (-0.7 * t).exp();
         let sums = |start: [f64; 2]| {
             let count = std::cell::Cell::new(0);
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_is_refused() {
+    fn what_cannot_be_distinguished_is_rejected() {
         assert_eq!(line(&[0.0, 1.0], &[0.0, 1.0], 0.1), Err(NoEstimate::TooFew));
         assert_eq!(line(&[2.0; 5], &[1.0; 5], 0.1), Err(NoEstimate::NotObservable));
         assert_eq!(line(&[f64::NAN; 5], &[1.0; 5], 0.1), Err(NoEstimate::NotObservable));

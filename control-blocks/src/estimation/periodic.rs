@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn each_tone_is_told_apart_from_the_others_and_from_an_offset() {
+    fn each_tone_is_distinguished_from_the_others_and_from_an_offset() {
         let found = spectra(3, |k| {
             let input: f64 = HARMONICS.iter().map(|h| (angle(*h, k) + 0.1).cos() * f64::from(*h)).sum();
             [5.0 + input, -7.0 + 0.5 * angle(7, k).sin() + angle(4, k).cos()]
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn one_period_tells_nothing_of_the_noise() {
+    fn one_period_shows_nothing_of_the_noise() {
         let found = spectra(1, |k| [f64::from(k % 7), f64::from(k % 3)]);
         assert_eq!(found.periods(), 1);
         assert_eq!((found.line(0).input_variance, found.line(0).output_variance), (0.0, 0.0));

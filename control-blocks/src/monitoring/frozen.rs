@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_living_reading_answers_within_the_band_and_its_lag() {
+    fn a_valid_measurement_responds_within_the_band_and_its_lag() {
         for lag in [0.0, 0.5e-3, 20e-3] {
             let most = largest(|k| rounded((STEP * f64::from(k) - lag).max(0.0)));
             // one quantum more by rounding
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn to_and_fro_is_no_motion_to_answer_where_it_comes_back() {
+    fn back_and_forth_is_no_motion_to_answer_where_it_returns() {
         let mut frozen = Frozen::default();
         for k in 0..1000 {
             frozen.update(0.0, if k % 2 == 0 { STEP } else { -STEP }, BAND);
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_tells_life_at_rest() {
+    fn noise_proves_a_valid_signal_at_rest() {
         let mut frozen = Frozen::default();
         let longest = (0..1000u32)
             .map(|k| {

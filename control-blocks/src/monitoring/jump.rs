@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// The last accepted value and the samples since.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JumpGuard {
-    believed: Option<f64>,
+    accepted: Option<f64>,
     doubted: u32,
 }
 
@@ -32,14 +32,14 @@ impl JumpGuard {
 
     /// Moves the last accepted value by the known motion of the machine since, in the unit of the signal.
     pub fn shift(&mut self, motion: f64) {
-        self.believed = self.believed.map(|believed| believed + motion);
+        self.accepted = self.accepted.map(|accepted| accepted + motion);
     }
 
     /// Whether the machine can be at `reading`; always true before the first accepted value.
     pub fn reaches(&self, reading: f64, reach: Reach) -> bool {
         let samples = f64::from(self.doubted.saturating_add(1));
         let allowed = samples * reach.motion + reach.spread;
-        reading.is_finite() && self.believed.is_none_or(|believed| (reading - believed).abs() <= allowed)
+        reading.is_finite() && self.accepted.is_none_or(|accepted| (reading - accepted).abs() <= allowed)
     }
 
     /// The value to use: `reading` if the machine can be there, otherwise the last accepted one.
@@ -47,16 +47,16 @@ impl JumpGuard {
     /// A value that is not finite is rejected; without any accepted one the result is 0.
     pub fn update(&mut self, reading: f64, reach: Reach) -> f64 {
         if self.reaches(reading, reach) {
-            *self = Self { believed: Some(reading), doubted: 0 };
+            *self = Self { accepted: Some(reading), doubted: 0 };
         } else {
             self.doubted = self.doubted.saturating_add(1);
         }
-        self.believed.unwrap_or_default()
+        self.accepted.unwrap_or_default()
     }
 
     /// Assumed position of the machine; none before the first accepted value.
-    pub fn believed(&self) -> Option<f64> {
-        self.believed
+    pub fn accepted(&self) -> Option<f64> {
+        self.accepted
     }
 
     /// Consecutive values that were rejected.
@@ -72,7 +72,7 @@ mod tests {
     const REACH: Reach = Reach { motion: 0.1, spread: 0.025 };
 
     #[test]
-    fn the_fastest_motion_is_believed_and_a_faster_one_is_not() {
+    fn the_fastest_motion_is_accepted_and_a_faster_one_is_not() {
         let mut guard = JumpGuard::default();
         for k in 0..100 {
             let reading = 0.1 * f64::from(k) + if k % 2 == 0 { 0.01 } else { -0.01 };
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_believed_before_the_first_good_reading() {
+    fn nothing_is_accepted_before_the_first_good_reading() {
         let mut guard = JumpGuard::default();
         assert_eq!((guard.update(f64::NAN, REACH), guard.doubted()), (0.0, 1));
         assert_eq!(guard.update(7.0, REACH), 7.0);

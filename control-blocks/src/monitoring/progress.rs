@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_job_that_converges_is_never_stagnant_for_long() {
+    fn a_cycle_that_converges_is_never_stagnant_for_long() {
         let mut progress = Progress::default();
         let mut left = 1.0;
         for k in 0..1000u64 {
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn better_by_less_than_the_share_is_stagnant() {
+    fn better_by_less_than_the_ratio_is_stagnant() {
         let mut progress = Progress::default();
         for k in 0..100 {
             progress.count();
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_measure_the_whole_job_is_stagnant() {
+    fn without_a_measure_the_whole_cycle_is_stagnant() {
         let mut progress = Progress::default();
         (0..7).for_each(|_| progress.count());
         assert_eq!((progress.samples(), progress.stagnant()), (7, 7));

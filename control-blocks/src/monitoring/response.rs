@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn the_share_is_that_of_the_machine() {
+    fn the_ratio_is_that_of_the_machine() {
         for of in [1.0, 0.4, 0.0, -1.0, 1.7] {
             assert!((ratio(of, 0.0).unwrap() - of).abs() < 1e-12);
             assert!((ratio(of, 0.2).unwrap() - of).abs() < 0.01);
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_old_is_forgotten() {
+    fn what_is_old_is_discarded() {
         let mut response = Response::default();
         (0..1000).for_each(|_| response.update(1.0, 1.0, 50.0));
         (0..500).for_each(|_| response.update(1.0, -1.0, 50.0));

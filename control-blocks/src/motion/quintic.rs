@@ -90,7 +90,7 @@ mod tests {
     const START: Trajectory = Trajectory { position: 0.4, velocity: -3.0, acceleration: 20.0 };
 
     #[test]
-    fn begins_and_ends_as_told() {
+    fn starts_and_ends_as_configured() {
         let quintic = Quintic::new(START, -0.1, 0.3);
         let first = quintic.at(0.0);
         assert!((first.position - 0.4).abs() < 1e-15 && (first.velocity + 3.0).abs() < 1e-12);
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn the_peak_is_in_the_middle_at_the_speed_that_was_asked() {
+    fn the_peak_is_in_the_middle_at_the_speed_that_was_requested() {
         let duration = quintic_duration(0.6, 1.5);
         assert_eq!(duration, 0.75);
         let quintic = Quintic::new(Trajectory::resting(0.0), 0.6, duration);

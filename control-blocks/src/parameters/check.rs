@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fits_passes_and_every_check_is_asked() {
+    fn what_fits_passes_and_every_check_is_made() {
         assert_refusals(
             check,
             &[P],

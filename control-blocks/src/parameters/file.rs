@@ -125,7 +125,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn devices_and_files_that_grow_while_they_are_read_are_refused() {
+    fn devices_and_files_that_grow_while_they_are_read_are_rejected() {
         assert!(message("/dev/zero", Path::new("")).contains("not a folder or device"));
         // the kernel reports a length of 0 for files that it generates while they are read
         let grows = parameter("/proc/self/maps").read(None, 16).unwrap_err().to_string();

@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_without_unit_stands_alone() {
+    fn a_number_without_unit_is_shown_alone() {
         let lead = Parameter::new("learn.lead", -3, "", "read later");
         let message = lead.at_least(-1, "minus `io_delay`").unwrap_err().to_string();
         assert_eq!(

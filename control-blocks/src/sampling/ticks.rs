@@ -11,7 +11,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_come_back_from_their_samples() {
+    fn times_are_restored_from_their_samples() {
         for period in [1e-4, 1e-3, 0.01, 1.0 / 3.0] {
             for count in [0, 1, 3, 7, 1000, 36_000_001] {
                 assert_eq!(ticks(f64::from(count) * period, period), count);

@@ -21,7 +21,7 @@ const AFTER: [f64; 2] = [2e-3, 6e-3];
 /// measured 1.2 at 300 um/s and 1.3 at 130 um/s, for tools whose flutes differ by 0.1 to 0.3 um.
 const FLUTES: f64 = 1.25;
 /// Minimum divisor: far below a nanometer for a sample, m s, and the square of the slowest speed, m2/s2.
-const LEAST: f64 = 1e-20;
+const TINY: f64 = 1e-20;
 
 /// Drive and stage as measured, in addition to the parameters.
 #[derive(Clone, Copy, Debug)]
@@ -115,9 +115,9 @@ impl Press {
     /// Largest force of the last touch, N.
     pub fn force(&self, drive: &Drive) -> f64 {
         let [n, push, momentum, squares, products] = self.sums;
-        let slope = (n * products - push * momentum) / (n * squares - push * push).max(LEAST);
+        let slope = (n * products - push * momentum) / (n * squares - push * push).max(TINY);
         let taken = (drive.gain.unwrap_or(slope) * push - momentum) / n.max(1.0);
-        FLUTES * taken / self.area.max(LEAST) * self.deepest
+        FLUTES * taken / self.area.max(TINY) * self.deepest
     }
 }
 
@@ -147,7 +147,7 @@ impl Hardness {
 
     /// Force over speed by least squares through zero (N s/m), more than zero.
     pub fn slope(&self) -> f64 {
-        (self.products / self.squares.max(LEAST)).max(LEAST)
+        (self.products / self.squares.max(TINY)).max(TINY)
     }
 
     /// The largest force over speed of a fast touch (N s/m); before there is one, that of all.
@@ -186,28 +186,28 @@ mod tests {
         fn forces(&self, press: &mut Press, drive: &Drive) -> [f64; 2] {
             let p = Parameters::START;
             let (dt, mass, fine) = (p.sample_period, p.stage.mass, p.sample_period / 50.0);
-            let (mut depth, mut v, mut truth) = (-1000.0 * self.velocity * dt, self.velocity, 0.0f64);
-            let (mut turn, mut acting) = (0.0, 0.0);
+            let (mut depth, mut v, mut actual) = (-1000.0 * self.velocity * dt, self.velocity, 0.0f64);
+            let (mut command, mut acting) = (0.0, 0.0);
             for k in -1000..200 {
                 let (time, found) = (f64::from(k) * dt - self.seen, f64::from(k) * dt >= self.seen);
                 // the reversal in 0.6 ms, then an oscillation of 6 ms
-                let swing = if (0.6e-3..6.6e-3).contains(&time) { (TAU * time / 6e-3).sin() } else { 0.0 };
-                let next = if found && time < 0.6e-3 { -20.0 } else { 3.0 * swing };
+                let torque = if (0.6e-3..6.6e-3).contains(&time) { (TAU * time / 6e-3).sin() } else { 0.0 };
+                let next = if found && time < 0.6e-3 { -20.0 } else { 3.0 * torque };
                 // a command that acts a sample late is reported before it acts
-                let commanded = if drive.late > 0.0 { next } else { turn };
+                let commanded = if drive.late > 0.0 { next } else { command };
                 let thrust = (self.weight + self.damping * self.velocity + commanded) / self.gain;
                 let read = (!self.lost.contains(&k)).then_some(depth);
                 press.update(&p, drive, read, thrust / p.stage.force_constant, self.velocity, found);
-                turn = next;
+                command = next;
                 for _ in 0..50 {
                     let force = self.stiffness * depth.max(0.0);
-                    truth = truth.max(force);
-                    acting += (turn - acting) * p.stage.current_bandwidth * fine;
+                    actual = actual.max(force);
+                    acting += (command - acting) * p.stage.current_bandwidth * fine;
                     v += (acting - force - self.damping * (v - self.velocity)) / mass * fine;
                     depth += v * fine;
                 }
             }
-            [press.force(drive) / FLUTES, truth]
+            [press.force(drive) / FLUTES, actual]
         }
     }
 

@@ -20,8 +20,8 @@ pub struct CalibrationRun {
     /// All touches are made, and what they say cannot be used.
     pub rejected: bool,
     /// The fastest speed that `calibration.force_max` allows (m/s), where that is too slow to calibrate.
-    pub bearable: Option<f64>,
-    broken: bool,
+    pub tolerated: Option<f64>,
+    aborted: bool,
     /// samples for which the stage stays at rest before the next touch
     pause: u32,
     series: TouchSeries,
@@ -38,8 +38,8 @@ impl CalibrationRun {
             calibrated: Calibrated::START,
             active: false,
             rejected: false,
-            bearable: None,
-            broken: false,
+            tolerated: None,
+            aborted: false,
             pause: 0,
             series: TouchSeries::new(p),
             press: Press::default(),
@@ -51,25 +51,25 @@ impl CalibrationRun {
     /// Begins.
     pub fn begin(&mut self, p: &Parameters) {
         (self.calibrated, self.series) = (Calibrated::START, TouchSeries::new(p));
-        (self.active, self.rejected, self.bearable) = (true, false, None);
-        (self.broken, self.pause) = (false, 0);
+        (self.active, self.rejected, self.tolerated) = (true, false, None);
+        (self.aborted, self.pause) = (false, 0);
     }
 
     /// Is to end before its end; whether that is news.
-    pub fn break_off(&mut self) -> bool {
-        let news = self.active && !self.broken && !self.rejected && !self.calibrated.valid;
-        self.broken |= news;
+    pub fn abort(&mut self) -> bool {
+        let news = self.active && !self.aborted && !self.rejected && !self.calibrated.valid;
+        self.aborted |= news;
         news
     }
 
     /// Whether it is to end before its end.
-    pub fn broken(&self) -> bool {
-        self.broken
+    pub fn aborted(&self) -> bool {
+        self.aborted
     }
 
     /// Whether there is no touch to be made any more.
     pub fn over(&self) -> bool {
-        self.broken || self.calibrated.valid
+        self.aborted || self.calibrated.valid
     }
 
     /// Whether it has come to its end, good or not.
@@ -90,18 +90,18 @@ impl CalibrationRun {
     /// calibration at the speed that is next.
     pub fn approach(&self, p: &Parameters) -> Approach {
         let touch = self.active && !self.ended();
-        let velocity = if touch { self.series.velocity() } else { self.job_velocity(p) };
+        let velocity = if touch { self.series.velocity() } else { self.cycle_velocity(p) };
         Approach { velocity, ..p.approach }
     }
 
     /// The approach after the current touch: the next one of the cycle, or a normal one after it.
     pub fn approach_after(&self, p: &Parameters) -> Approach {
         let after = self.series.after(p).filter(|_| !self.ended());
-        Approach { velocity: after.unwrap_or_else(|| self.job_velocity(p)), ..p.approach }
+        Approach { velocity: after.unwrap_or_else(|| self.cycle_velocity(p)), ..p.approach }
     }
 
     /// Speed of a normal approach, m/s; after a calibration that may still fail the configured one.
-    fn job_velocity(&self, p: &Parameters) -> f64 {
+    fn cycle_velocity(&self, p: &Parameters) -> f64 {
         let limited = p.calibration.force_max > 0.0 && (self.calibrated.valid || !self.active);
         let limit = self.spread.filter(|_| limited).map(|spread| spread.fastest());
         limit.map_or(p.approach.velocity, |fastest| p.approach.velocity.min(fastest))
@@ -109,7 +109,7 @@ impl CalibrationRun {
 
     /// Takes one sample at `position` m, towards the workpiece, if it is known, with the current that acted (A), and
     /// evaluates the force of the touch with a force limit; `measured` is the result of a commissioning run, if any.
-    pub fn feel(&mut self, p: &Parameters, measured: &Measured, position: Option<f64>, acted: f64, found: bool) {
+    pub fn sense(&mut self, p: &Parameters, measured: &Measured, position: Option<f64>, acted: f64, found: bool) {
         if self.active && p.calibration.force_max > 0.0 {
             let depth = position.map(|position| position - p.direction() * p.calibration.position);
             self.press.update(p, &Drive::of(p, measured), depth, acted, self.series.velocity(), found);
@@ -130,8 +130,8 @@ impl CalibrationRun {
         self.series.take(p, late, self.press.force(&Drive::of(p, measured)));
         self.calibrated.touches = self.series.touches() as i32;
         let next = self.series.velocity();
-        self.bearable = self.series.lower(p).err();
-        self.rejected = self.bearable.is_some();
+        self.tolerated = self.series.lower(p).err();
+        self.rejected = self.tolerated.is_some();
         // what needs a longer way than was gone back leaves a motion
         let settle = if self.series.velocity() > next { SETTLING / p.servo.bandwidth } else { 0.0 };
         self.pause = ticks(self.series.pause(spindle_speed).max(settle), p.sample_period);
@@ -174,9 +174,9 @@ impl CalibrationRun {
         };
         let good = |slowest| can_be(slowest).filter(|(calibrated, _)| is_certain(p, calibrated));
         let (whole, faster) = (good(0), (1..=SLOWER_MAX).find_map(good));
-        let unsure = whole.is_none() && (0..=SLOWER_MAX).any(|slowest| can_be(slowest).is_some());
+        let uncertain = whole.is_none() && (0..=SLOWER_MAX).any(|slowest| can_be(slowest).is_some());
         self.calibrated = series.conclude(p, 0).map_or(self.calibrated, |(calibrated, _)| calibrated);
-        if unsure && self.series.once_more(p) {
+        if uncertain && self.series.once_more(p) {
             return;
         }
         match whole.or(faster) {
@@ -197,8 +197,8 @@ fn is_certain(p: &Parameters, calibrated: &Calibrated) -> bool {
 
 /// Whether the bias is one that can be: none is found before the touch, beyond what place and scatter explain, nor so
 /// late that the work is too soft.
-fn possible(p: &Parameters, calibrated: &Calibrated, [least, most]: [f64; 2]) -> bool {
-    least >= -SIGNIFICANT * calibrated.std && most <= p.limits.bias
+fn possible(p: &Parameters, calibrated: &Calibrated, [minimum, maximum]: [f64; 2]) -> bool {
+    minimum >= -SIGNIFICANT * calibrated.std && maximum <= p.limits.bias
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ const LEFT_OUT: f64 = 6e-9;
 /// rounds are distributed evenly over the half revolution of two flutes.
 const LATER: f64 = 0.4;
 /// A longer revolution is not waited for, s.
-const TURN_MAX: f64 = 0.1;
+const REVOLUTION_MAX: f64 = 0.1;
 
 /// Degrees of freedom of the pooled scatter in the scatter of one speed: more than one, because two touches have no
 /// variance, and few, because one speed may scatter several times as much as the others.
@@ -48,7 +48,7 @@ const POOLED: f64 = 2.0;
 pub const SLOWER_MAX: usize = SPEEDS - 4;
 
 /// Maximum number of touches at each speed.
-fn most(p: &Parameters) -> u32 {
+fn maximum(p: &Parameters) -> u32 {
     p.calibration.touches.max(p.calibration.touches_max).unsigned_abs()
 }
 
@@ -98,9 +98,9 @@ impl TouchSeries {
     /// # Errors
     /// When that leaves too little of the range: the fastest allowed speed, m/s.
     pub fn lower(&mut self, p: &Parameters) -> Result<(), f64> {
-        let (next, least) = (self.touches as usize, RATIO * p.calibration.velocity_min);
+        let (next, minimum) = (self.touches as usize, RATIO * p.calibration.velocity_min);
         let speed = self.speeds[next.min(SPEEDS - 1)];
-        if p.calibration.force_max == 0.0 || next > SPEEDS || speed < least {
+        if p.calibration.force_max == 0.0 || next > SPEEDS || speed < minimum {
             return Ok(());
         }
         let new = speed > self.hardness.fastest();
@@ -109,10 +109,10 @@ impl TouchSeries {
         if speed <= fastest {
             return Ok(());
         }
-        if fastest < least {
+        if fastest < minimum {
             return Err(fastest);
         }
-        let fastest = if self.given_up > 0 { (AGAIN * fastest).max(least) } else { fastest };
+        let fastest = if self.given_up > 0 { (AGAIN * fastest).max(minimum) } else { fastest };
         let stay = self.speeds[..next].iter().take_while(|speed| **speed < fastest).count().max(1);
         let from = self.speeds[stay - 1];
         for i in stay..SPEEDS {
@@ -125,7 +125,7 @@ impl TouchSeries {
 
     /// Speed of the touch after that (m/s), if there may be one.
     pub fn after(&self, p: &Parameters) -> Option<f64> {
-        let last = self.touches + 1 >= SPEEDS as u32 * most(p);
+        let last = self.touches + 1 >= SPEEDS as u32 * maximum(p);
         (!last).then(|| self.speeds[(self.next() + 1) % SPEEDS])
     }
 
@@ -134,7 +134,11 @@ impl TouchSeries {
     /// its mean would have a constant error.
     pub fn pause(&self, spindle_speed: f64) -> f64 {
         let round = f64::from(self.touches / SPEEDS as u32);
-        if TAU < TURN_MAX * spindle_speed.abs() { (LATER * round).fract() * TAU / spindle_speed.abs() } else { 0.0 }
+        if TAU < REVOLUTION_MAX * spindle_speed.abs() {
+            (LATER * round).fract() * TAU / spindle_speed.abs()
+        } else {
+            0.0
+        }
     }
 
     /// Whether all rounds are complete.
@@ -144,7 +148,7 @@ impl TouchSeries {
 
     /// Starts one more round at all speeds, if allowed; returns whether it is.
     pub fn once_more(&mut self, p: &Parameters) -> bool {
-        let may = self.touches() + SPEEDS as u32 <= SPEEDS as u32 * most(p);
+        let may = self.touches() + SPEEDS as u32 <= SPEEDS as u32 * maximum(p);
         self.more += u32::from(may);
         may
     }
@@ -158,8 +162,8 @@ impl TouchSeries {
 
     /// Minimum and maximum mean of a speed, from speed `slowest` on, m.
     pub fn extremes(&self, slowest: usize) -> [f64; 2] {
-        self.late[slowest..].iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], late| {
-            [least.min(late.mean()), most.max(late.mean())]
+        self.late[slowest..].iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[minimum, maximum], late| {
+            [minimum.min(late.mean()), maximum.max(late.mean())]
         })
     }
 
@@ -176,8 +180,8 @@ impl TouchSeries {
         let touches = f64::from(self.touches / SPEEDS as u32);
         let step = p.stage.encoder_resolution / 12f64.sqrt();
         let own = self.late.map(|late| late.sigma().powi(2) + step * step);
-        let judged = (SPEEDS - slowest) as f64;
-        let pooled = own[slowest..].iter().sum::<f64>() / judged;
+        let evaluated = (SPEEDS - slowest) as f64;
+        let pooled = own[slowest..].iter().sum::<f64>() / evaluated;
         let freedom = touches - 1.0;
         let squares: [f64; SPEEDS] =
             array::from_fn(|i| POOLED * if i < slowest { own[i] } else { pooled } + freedom * own[i]);
@@ -193,8 +197,8 @@ impl TouchSeries {
             Observation { residual: (parts(i).dot(value) - self.late[i].mean()) / sigma, gradient: parts(i) / sigma }
         })?;
         let variance = |i: usize| parts(i).dot(&(found.covariance * parts(i)));
-        let unsure = p.calibration.position_std;
-        let deviations: [f64; SPEEDS] = array::from_fn(|i| variance(i).sqrt().hypot(LEFT_OUT).hypot(unsure));
+        let uncertain = p.calibration.position_std;
+        let deviations: [f64; SPEEDS] = array::from_fn(|i| variance(i).sqrt().hypot(LEFT_OUT).hypot(uncertain));
         let deviation = deviations[slowest..].iter().copied().fold(0.0, f64::max);
         let calibrated = Calibrated {
             valid: false,
@@ -202,14 +206,14 @@ impl TouchSeries {
             velocity_min: self.speeds[slowest],
             velocity_max: self.speeds[SPEEDS - 1],
             bias: found.value[0] / units[0],
-            bias_std: (found.sigma(0) / units[0]).hypot(unsure),
+            bias_std: (found.sigma(0) / units[0]).hypot(uncertain),
             bias_fast: found.value[1] / units[1],
             bias_fast_std: found.sigma(1) / units[1],
             bias_slow: found.value[2] / units[2],
             bias_slow_std: found.sigma(2) / units[2],
             std: deviation,
             scatter: pooled.sqrt(),
-            scatter_std: (pooled / (2.0 * judged * freedom)).sqrt(),
+            scatter_std: (pooled / (2.0 * evaluated * freedom)).sqrt(),
         };
         let off = |i: usize| parts(i).dot(&found.value) - self.late[i].mean();
         let bias = array::from_fn(|i| if i < slowest { deviations[i].hypot(off(i)) } else { deviation });

@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_that_of_a_calibrated_speed_and_lies_between_two_elsewhere() {
+    fn it_is_that_of_a_calibrated_speed_and_is_between_two_elsewhere() {
         let speeds = [1.0, 2.0, 4.0, 8.0, 16.0].map(|k| 1e-5 * k);
         let spread = Spread { speeds, touch: [3e-8, 1e-8, 1e-8, 2e-8, 6e-8], bias: [0.0; SPEEDS] };
         let near = |velocity: f64, expected: f64| {
@@ -50,7 +50,7 @@ mod tests {
         near(8e-5 * 2f64.sqrt(), 20f64.sqrt() * 1e-8);
         near(1e-6, 3e-8);
         near(1e-3, 6e-8);
-        let unsure = Spread { bias: [4e-8, 0.0, 0.0, 0.0, 8e-8], ..spread };
-        assert!((unsure.at(1e-5) - 5e-8).abs() < 1e-20 && (unsure.at(1.6e-4) - 1e-7).abs() < 1e-20);
+        let uncertain = Spread { bias: [4e-8, 0.0, 0.0, 0.0, 8e-8], ..spread };
+        assert!((uncertain.at(1e-5) - 5e-8).abs() < 1e-20 && (uncertain.at(1.6e-4) - 1e-7).abs() < 1e-20);
     }
 }

@@ -7,7 +7,7 @@ use control_blocks::{PeriodicSpectra, Quintic, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::commission::noise::Noise;
-use crate::commission::plan::{Plan, STROKES, TURN};
+use crate::commission::plan::{Plan, REVERSAL_TIME, STROKES};
 use crate::interface::{ForceOutput, Parameters};
 
 /// Part of the experiment.
@@ -44,16 +44,16 @@ pub struct Experiment {
     tick: u32,
     strokes: u32,
     start: f64,
-    way: Quintic,
+    motion: Quintic,
     /// last position, from the start
-    place: f64,
+    displacement: f64,
 }
 
 impl Experiment {
     /// An experiment that begins at rest at `start` m.
     pub fn new(p: &Parameters, start: f64) -> Self {
         let plan = Plan::new(p);
-        let way = Quintic::new(Trajectory::resting(start), start - plan.back, plan.way_time);
+        let motion = Quintic::new(Trajectory::resting(start), start - plan.back, plan.stroke_time);
         Self {
             plan,
             spectra: PeriodicSpectra::default(),
@@ -62,8 +62,8 @@ impl Experiment {
             tick: 0,
             strokes: 0,
             start,
-            way,
-            place: 0.0,
+            motion,
+            displacement: 0.0,
         }
     }
 
@@ -75,7 +75,7 @@ impl Experiment {
     /// Tolerated motion (m) of the reference without a change of the position at its reversals: those of the
     /// excitation, or that of a stroke or return whose reference changes its speed with `acceleration` (m/s2).
     pub fn unanswered(&self, acceleration: f64) -> f64 {
-        if self.exciting() { self.plan.unanswered() } else { acceleration.abs() * TURN * TURN }
+        if self.exciting() { self.plan.unanswered() } else { acceleration.abs() * REVERSAL_TIME * REVERSAL_TIME }
     }
 
     /// Whether all strokes are over.
@@ -87,7 +87,7 @@ impl Experiment {
     pub fn reference(&mut self, now: &Trajectory, dt: f64) -> Trajectory {
         let time = f64::from(self.tick + 1) * dt;
         match self.phase {
-            Phase::Back | Phase::Return => self.way.at(time),
+            Phase::Back | Phase::Return => self.motion.at(time),
             Phase::Excite => {
                 let mut next = self.plan.excitation.at(self.tick + 1);
                 next.position += self.start - self.plan.back;
@@ -111,7 +111,7 @@ impl Experiment {
         reference: &Trajectory,
     ) -> Milestone {
         // a lost position is bridged by that of the reference
-        self.place = position.unwrap_or(reference.position) - self.start;
+        self.displacement = position.unwrap_or(reference.position) - self.start;
         match self.phase {
             Phase::Back => self.arrive(Phase::Excite, p),
             Phase::Excite => return self.excite(p, current),
@@ -123,21 +123,21 @@ impl Experiment {
 
     fn arrive(&mut self, next: Phase, p: &Parameters) {
         self.tick += 1;
-        if self.way.over(f64::from(self.tick) * p.sample_period) {
+        if self.motion.over(f64::from(self.tick) * p.sample_period) {
             (self.phase, self.tick) = (next, 0);
         }
     }
 
     fn excite(&mut self, p: &Parameters, current: f64) -> Milestone {
         if self.plan.excitation.measures(self.tick) {
-            self.spectra.update(self.plan.excitation.sines.period, current, self.place);
+            self.spectra.update(self.plan.excitation.sines.period, current, self.displacement);
         }
         self.tick += 1;
         if self.tick < self.plan.excitation.samples() {
             return Milestone::None;
         }
         let centre = Trajectory::resting(self.start - self.plan.back);
-        self.way = Quintic::new(centre, self.start, self.plan.way_time);
+        self.motion = Quintic::new(centre, self.start, self.plan.stroke_time);
         self.noise = Noise::new(p);
         (self.phase, self.tick) = (Phase::Return, 0);
         Milestone::Excited
@@ -155,7 +155,7 @@ impl Experiment {
         if self.tick < settle + gather {
             if reference.velocity == self.stroke_speed() {
                 if self.tick >= settle {
-                    self.noise.take(position.map(|_| self.place), force);
+                    self.noise.take(position.map(|_| self.displacement), force);
                 }
                 self.tick += 1;
             }

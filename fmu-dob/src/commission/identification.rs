@@ -49,7 +49,7 @@ impl Identification {
     }
 
     /// Aborts the run: the configured values are restored.
-    pub fn break_off(&mut self) {
+    pub fn abort(&mut self) {
         self.values.restore();
         self.measured.valid = false;
     }

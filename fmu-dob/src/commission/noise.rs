@@ -179,8 +179,8 @@ mod tests {
                     slope: 3.0 + 0.5 * normal(),
                     ..ForceOutput::START
                 };
-                let place = 1e-4 * t + 1e-6 * (300.0 * t).sin() + 2e-9 * normal();
-                noise.take((k % 50 != 0).then_some(place), &force);
+                let displacement = 1e-4 * t + 1e-6 * (300.0 * t).sin() + 2e-9 * normal();
+                noise.take((k % 50 != 0).then_some(displacement), &force);
             }
             noise.close();
         }

@@ -35,9 +35,9 @@ pub const STROKES: u32 = 4;
 /// not identify the delay of a stage with the default noise. With more, their faults would move farther than 50 um.
 const TRAVEL: (f64, f64) = (1.2, 45e-6);
 /// Fraction of the drive force that the excitation may use by default.
-const DRIVE_SHARE: f64 = 0.5;
+const DRIVE_RATIO: f64 = 0.5;
 /// Maximum time at a reversal for which a stage of another mass is at rest while the reference moves, s.
-pub const TURN: f64 = 1e-3;
+pub const REVERSAL_TIME: f64 = 1e-3;
 
 /// The motions of a commissioning run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -47,7 +47,7 @@ pub struct Plan {
     /// Distance from the start to the center, m.
     pub back: f64,
     /// Time of that motion, s.
-    pub way_time: f64,
+    pub stroke_time: f64,
     /// Strokes: speed and acceleration of the approach.
     pub approach: Approach,
     /// Samples of a stroke at constant speed until the filters have settled, and then those that are learned from.
@@ -68,7 +68,7 @@ impl Plan {
         Self {
             excitation: Excitation::new(Multisine { amplitude: by_travel.min(by_force), ..unit }, PERIODS, &TIMES),
             back,
-            way_time: quintic_duration(back, p.retract.velocity).max(brake).max(dt),
+            stroke_time: quintic_duration(back, p.retract.velocity).max(brake).max(dt),
             approach: p.approach,
             stroke: [stroke_settling(p), ticks(p.learn.time, dt)],
             servo: Servo { bandwidth: bandwidth(p), damping: 1.0, ..p.servo },
@@ -82,7 +82,7 @@ impl Plan {
 
     /// Tolerated motion (m) of the excitation without a change of the position at its reversals.
     pub fn unanswered(&self) -> f64 {
-        self.excitation.sines.velocity_max() * TURN
+        self.excitation.sines.velocity_max() * REVERSAL_TIME
     }
 
     /// Time of all motions, s.
@@ -90,7 +90,7 @@ impl Plan {
         let dt = self.excitation.sines.sample_period;
         let stroke =
             2.0 * self.approach.velocity / self.approach.acceleration + f64::from(self.stroke[0] + self.stroke[1]) * dt;
-        2.0 * self.way_time + f64::from(self.excitation.samples()) * dt + f64::from(STROKES) * stroke
+        2.0 * self.stroke_time + f64::from(self.excitation.samples()) * dt + f64::from(STROKES) * stroke
     }
 }
 
@@ -123,17 +123,17 @@ pub fn travel(p: &Parameters) -> f64 {
 pub fn force(p: &Parameters) -> f64 {
     let drive = p.stage.force_constant * p.stage.current_max;
     configured_or(p.commission.force, || {
-        (p.stage.mass * p.retract.deceleration).min(DRIVE_SHARE * drive).max(p.guard_force)
+        (p.stage.mass * p.retract.deceleration).min(DRIVE_RATIO * drive).max(p.guard_force)
     })
 }
 
 /// Maximum time of the run (s): `expert.commission.time`, or that of its motions with a margin.
 pub fn time(p: &Parameters) -> f64 {
-    commission_time(p.commission.time, || least_time(p))
+    commission_time(p.commission.time, || shortest_time(p))
 }
 
 /// Time (s) of the motions of a commissioning run.
-pub fn least_time(p: &Parameters) -> f64 {
+pub fn shortest_time(p: &Parameters) -> f64 {
     Plan::new(p).duration()
 }
 
@@ -198,13 +198,13 @@ mod tests {
             };
             for g in RATIOS {
                 let gain = |omega: f64| closed(g, omega / plan.servo.bandwidth);
-                let way = plan.excitation.sines.amplitude * sum(&|omega, root| gain(omega) / root);
-                assert!(way <= plan.back, "{g}: {way}");
+                let motion = plan.excitation.sines.amplitude * sum(&|omega, root| gain(omega) / root);
+                assert!(motion <= plan.back, "{g}: {motion}");
                 let push = p.stage.mass
                     * plan.excitation.sines.amplitude
                     * sum(&|omega, root| gain(omega) / g * omega * omega / root);
                 assert!(push <= super::force(&p), "{g}: {push}");
-                assert!(way - plan.excitation.sines.reach() <= plan.diverged());
+                assert!(motion - plan.excitation.sines.reach() <= plan.diverged());
             }
         }
     }
@@ -218,8 +218,8 @@ mod tests {
         near(travel(&p), 90.24e-6);
         near(force(&p), 20.0);
         // 15/8 of 45.12 um at 1 mm/s twice; 0.5, 0.5, 6, 0.5 and 0.2 s; four strokes of 0.754 s
-        near(least_time(&p), 2.0 * 0.0846 + 7.7 + 4.0 * 0.754);
-        near(time(&p), 1.25 * least_time(&p) + 1.0);
+        near(shortest_time(&p), 2.0 * 0.0846 + 7.7 + 4.0 * 0.754);
+        near(time(&p), 1.25 * shortest_time(&p) + 1.0);
         (p.commission.travel, p.commission.force, p.commission.time) = (2e-4, 3.0, 33.0);
         near(travel(&p), 2e-4);
         near(force(&p), 3.0);

@@ -28,7 +28,7 @@ const RIPPLE: f64 = 0.007;
 const LOOP_SPREAD: f64 = 0.17;
 
 /// Minimum relative uncertainty of a tone: the model error.
-const LEAST_DEVIATION: f64 = 1e-4;
+const STD_MIN: f64 = 1e-4;
 
 /// The stage at one frequency.
 struct Tone {
@@ -58,8 +58,8 @@ impl Tone {
         let ([a, b], line) = (self.sides(x), &self.line);
         let noise = a.norm_sqr() * line.output_variance + b.norm_sqr() * line.input_variance
             - 2.0 * (a * b.conj() * line.covariance).re;
-        let least = LEAST_DEVIATION * (b * line.input).norm();
-        (0.5 * noise.max(0.0) + least * least).sqrt().max(f64::MIN_POSITIVE)
+        let minimum = STD_MIN * (b * line.input).norm();
+        (0.5 * noise.max(0.0) + minimum * minimum).sqrt().max(f64::MIN_POSITIVE)
     }
 
     /// Left side less the right, and its derivatives.
@@ -152,12 +152,12 @@ mod tests {
 
     #[test]
     fn the_deviation_is_the_scatter_of_the_estimates() {
-        let (p, truth) = (Parameters::START, Unknowns::from([1.8, 1.3, 1.0, 5.0]));
+        let (p, actual) = (Parameters::START, Unknowns::from([1.8, 1.3, 1.0, 5.0]));
         // one percent, so that the minimum uncertainty of a tone has no effect
-        let all: Vec<Estimate<4>> = (0..60).map(|seed| found(&p, truth, 3e-7, seed).unwrap()).collect();
+        let all: Vec<Estimate<4>> = (0..60).map(|seed| found(&p, actual, 3e-7, seed).unwrap()).collect();
         for i in 0..4 {
             let expected = all.iter().map(|one| one.sigma(i)).sum::<f64>() / all.len() as f64;
-            let scatter = all.iter().map(|one| (one.value[i] - truth[i]).powi(2)).sum::<f64>() / all.len() as f64;
+            let scatter = all.iter().map(|one| (one.value[i] - actual[i]).powi(2)).sum::<f64>() / all.len() as f64;
             let ratio = scatter.sqrt() / expected;
             assert!((0.6..1.4).contains(&ratio), "{i}: {ratio}");
         }
@@ -199,8 +199,8 @@ mod tests {
             output_variance: 1e-4 * answer.norm_sqr() + noise,
             covariance: 1e-4 * answer,
         };
-        let least = LEAST_DEVIATION * right.norm();
-        let expected = (0.5 * noise * left.norm_sqr()).sqrt().hypot(least);
+        let minimum = STD_MIN * right.norm();
+        let expected = (0.5 * noise * left.norm_sqr()).sqrt().hypot(minimum);
         assert!((tone.deviation(&x) / expected - 1.0).abs() < 1e-6, "{} {expected}", tone.deviation(&x));
     }
 

@@ -19,17 +19,17 @@ impl Controller {
     /// Actions at the start of `state`.
     pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         if self.state == State::Commission && !self.identification.finished {
-            self.identification.break_off();
+            self.identification.abort();
         }
         match (state, reading.position) {
             (State::Commission, _) => {
                 self.identification.begin(p, self.motion.reference.position, self.observer.force());
-                self.monitors.job = Progress::default();
+                self.monitors.cycle = Progress::default();
                 self.monitors.drive.begin();
             }
             (State::Approach, Some(position)) => self.restart(p, position),
             (State::Calibrate, _) if self.state == State::Retract => {
-                if let Some(contact) = self.contact.filter(|_| !self.calibration.broken()) {
+                if let Some(contact) = self.contact.filter(|_| !self.calibration.aborted()) {
                     self.calibration.take(p, &self.identification.measured, contact.position, reading.spindle_speed);
                     self.depart_farther(p);
                 }
@@ -43,7 +43,7 @@ impl Controller {
             (State::Detect, _) => self.touch = TwoStageTouch::default(),
             (State::Confirm, _) => {
                 let reference = self.motion.reference.position;
-                self.motion.go_back(self.touch.retract_distance(&self.motion.approach, reference));
+                self.motion.retract_by(self.touch.retract_distance(&self.motion.approach, reference));
             }
             (State::Contact, Some(position)) => {
                 self.depart(p);
@@ -59,10 +59,10 @@ impl Controller {
                     });
             }
             (State::Fault, _) => {
-                let broken = self.calibration.break_off();
+                let just_aborted = self.calibration.abort();
                 if self.state.approaching() {
                     self.depart(p);
-                } else if broken {
+                } else if just_aborted {
                     self.depart_farther(p);
                 }
                 if self.state.at_work() {
@@ -86,7 +86,7 @@ impl Controller {
     /// Sets the start of the retract, far enough that the next approach can arm its detector.
     pub(super) fn depart(&mut self, p: &Parameters) {
         if self.calibration.active {
-            self.motion.go_back(retract_between(p, &self.calibration.approach_after(p)));
+            self.motion.retract_by(retract_between(p, &self.calibration.approach_after(p)));
         } else {
             self.motion.depart(p);
         }
@@ -95,7 +95,7 @@ impl Controller {
     /// A touch may change the next approach, or end the calibration cycle, which may also be aborted in a retract: the
     /// next approach may then need a longer distance to arm than planned.
     pub(super) fn depart_farther(&mut self, p: &Parameters) {
-        self.motion.go_farther_back(retract_between(p, &self.calibration.approach(p)));
+        self.motion.retract_farther(retract_between(p, &self.calibration.approach(p)));
     }
 
     /// Discards the last approach and starts a new one at rest at `position` m.
@@ -105,7 +105,7 @@ impl Controller {
         self.detector.reset(position);
         self.guard = ForceGuard::default();
         (self.aborted, self.contact, self.waiting, self.numbers) = (false, None, true, Numbers::START);
-        (self.monitors.relief, self.monitors.job) = (RestForce::default(), Progress::default());
+        (self.monitors.relief, self.monitors.cycle) = (RestForce::default(), Progress::default());
     }
 
     /// Sets the fault and stops the motion.
@@ -113,11 +113,11 @@ impl Controller {
         self.fault = fault;
         self.numbers.residual_force = self.residual_force();
         self.numbers.force_constant = p.stage.force_constant;
-        self.numbers.swings = self.monitors.swing.count();
+        self.numbers.oscillations = self.monitors.oscillation.count();
         self.numbers.late_by = reading.late.unwrap_or(0);
         self.numbers.bend = if reading.lost > 0 { 0.0 } else { self.reader.recent.bend() };
         self.numbers.biases = self.calibration.extremes();
-        self.numbers.bearable = self.calibration.bearable;
+        self.numbers.tolerated = self.calibration.tolerated;
         self.numbers.following_limit = following_limit(p) + self.motion.late(p);
         self.numbers.lasted = self.lasted(p);
         self.numbers.time_limit = self.time_limit(p);
@@ -125,7 +125,7 @@ impl Controller {
             self.error_at_power_off = reading.position.map_or(0.0, |z| self.motion.reference.position - z);
             self.integrator = Integrator::default();
             self.reader.forgive();
-            self.motion.lie(reading.position.unwrap_or(self.motion.reference.position));
+            self.motion.rest_at(reading.position.unwrap_or(self.motion.reference.position));
         }
     }
 
@@ -160,9 +160,9 @@ mod tests {
         let slowest = Approach { velocity: p.calibration.velocity_min, ..p.approach };
         let limit = cycle_limit(&p, &slowest);
         let samples = (limit / p.sample_period) as u64;
-        (0..samples).for_each(|_| controller.monitors.job.count());
+        (0..samples).for_each(|_| controller.monitors.cycle.count());
         assert_eq!(controller.find_fault(&p, false, false, &reading), None);
-        controller.monitors.job.count();
+        controller.monitors.cycle.count();
         assert_eq!(controller.find_fault(&p, false, false, &reading), Some(Fault::NoProgress));
         controller.stop(&p, Fault::NoProgress, &reading);
         let Numbers { lasted, time_limit, .. } = controller.numbers;

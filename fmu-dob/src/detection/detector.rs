@@ -11,11 +11,11 @@ use crate::force::observer::forgetting;
 use crate::interface::{ContactSource, DetectorKind, Parameters, ThresholdOutput};
 
 /// Samples of the shortest window.
-const LEAST: u32 = 3;
+const SAMPLES_MIN: u32 = 3;
 
 /// Samples of a window of `time` s.
 pub fn samples(time: f64, sample_period: f64) -> usize {
-    ticks(time, sample_period).max(LEAST) as usize
+    ticks(time, sample_period).max(SAMPLES_MIN) as usize
 }
 
 /// Signals of one sample that the detectors use, in the frame where a contact pushes against the stage.

@@ -260,10 +260,10 @@ mod tests {
 
     #[test]
     fn what_oscillates_slowly_while_the_noise_is_learned_is_no_contact_afterwards() {
-        let swing = |k: i32| 0.3 * SIGMA * (0.02 * f64::from(k)).sin();
-        let largest = |mut bank: OnsetBank| (0..5000).map(|k| ratio(&mut bank, swing(k))).fold(0.0, f64::max);
+        let oscillation = |k: i32| 0.3 * SIGMA * (0.02 * f64::from(k)).sin();
+        let largest = |mut bank: OnsetBank| (0..5000).map(|k| ratio(&mut bank, oscillation(k))).fold(0.0, f64::max);
         let mut learned = empty_bank();
-        (0..5000).for_each(|k| learned.learn(swing(k)));
+        (0..5000).for_each(|k| learned.learn(oscillation(k)));
         learned.arm(SIGMA, LEVEL);
         learned.clear();
         let (naive, learned) = (largest(ready_bank()), largest(learned));

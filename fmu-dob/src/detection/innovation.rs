@@ -16,13 +16,13 @@ pub struct Innovation {
     noise: Welford,
     value: f64,
     /// limit of the innovation, m
-    most: f64,
+    maximum: f64,
 }
 
 impl Innovation {
     /// Nothing learned so far.
     pub fn new(p: &Parameters) -> Self {
-        Self { filter: KalmanFilter::new(p), noise: Welford::default(), value: 0.0, most: 0.0 }
+        Self { filter: KalmanFilter::new(p), noise: Welford::default(), value: 0.0, maximum: 0.0 }
     }
 
     /// Takes a position (m; none if it is lost), the current that acted since the last one (A) and the spindle speed
@@ -33,19 +33,19 @@ impl Innovation {
 
     /// The limited innovation (m).
     pub fn limited(&self) -> f64 {
-        self.value.clamp(-self.most, self.most)
+        self.value.clamp(-self.maximum, self.maximum)
     }
 
     /// Starts again at rest at `position` m, with nothing learned.
     pub fn reset(&mut self, position: f64) {
         self.filter.reset(position);
-        (self.noise, self.most) = (Welford::default(), 0.0);
+        (self.noise, self.maximum) = (Welford::default(), 0.0);
     }
 
     /// Learns from the newest innovation.
     pub fn learn(&mut self) {
         self.noise.push(self.value);
-        self.most = INNOVATION_MAX * self.noise.sigma();
+        self.maximum = INNOVATION_MAX * self.noise.sigma();
     }
 
     /// Learned standard deviation, m.

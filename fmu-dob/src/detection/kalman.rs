@@ -18,7 +18,7 @@ const REGAIN: f64 = 0.05;
 /// Random walk of each spindle harmonic in one sample, standard deviation, N: noise of such stages.
 const HARMONIC_WALK: f64 = 1e-4;
 /// Harmonics above this fraction of the Nyquist frequency are not modeled.
-const NYQUIST_SHARE: f64 = 0.9;
+const NYQUIST_RATIO: f64 = 0.9;
 /// Standard deviations at the start: velocity (m/s), disturbance (N), harmonic (N).
 const START_SIGMA: [f64; 3] = [1e-3, 1.0, 0.1];
 
@@ -143,8 +143,8 @@ impl KalmanFilter {
 
     /// One iteration of the Riccati equation.
     fn iterate(&mut self) {
-        let turned = self.transition.around(self.covariance.data.0);
-        let predicted = square(|i, j| turned[i][j] + self.process.data.0[i][j]);
+        let rotated = self.transition.around(self.covariance.data.0);
+        let predicted = square(|i, j| rotated[i][j] + self.process.data.0[i][j]);
         let cross = predicted.map(|row| row[0]);
         self.gain = Vector::from(cross) / (cross[0] + self.noise.position);
         let gain = self.gain.data.0[0];
@@ -160,8 +160,8 @@ impl KalmanFilter {
         self.process[(2, 2)] = self.noise.disturbance;
         for harmonic in 1..=self.harmonics {
             let theta = harmonic as f64 * speed * self.sample_period;
-            if theta > 0.0 && theta <= NYQUIST_SHARE * PI {
-                self.transition.turn(harmonic, theta);
+            if theta > 0.0 && theta <= NYQUIST_RATIO * PI {
+                self.transition.rotate(harmonic, theta);
                 for i in [1 + 2 * harmonic, 2 + 2 * harmonic] {
                     self.process[(i, i)] = self.noise.harmonic;
                 }
@@ -309,10 +309,10 @@ mod tests {
     fn a_harmonic_close_to_nyquist_is_not_modelled() {
         let p = Parameters::START;
         let still = KalmanFilter::new(&p);
-        for (share, modelled) in [(0.89, true), (0.91, false), (1.2, false)] {
+        for (ratio, modelled) in [(0.89, true), (0.91, false), (1.2, false)] {
             let mut filter = still.clone();
-            filter.update(Some(0.0), 0.0, share * PI / p.sample_period);
-            assert_eq!(filter.transition != still.transition, modelled, "{share}");
+            filter.update(Some(0.0), 0.0, ratio * PI / p.sample_period);
+            assert_eq!(filter.transition != still.transition, modelled, "{ratio}");
         }
     }
 }

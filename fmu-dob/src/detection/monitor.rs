@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn row_starts_again_below_the_threshold() {
+    fn counting_starts_again_below_the_threshold() {
         let mut monitor = Monitor::new();
         monitor.threshold.value = 1.0;
         let hits: Vec<bool> = [2.0, 2.0, 0.0, 2.0, 2.0, 2.0]

@@ -142,7 +142,7 @@ mod tests {
         let p = confirming();
         let (first, _) = suspected(&p, &[12.0]);
         // 1 um deeper by now; 0.1 um to speed, 50 ms, 2.5 um
-        let way = first.retract_distance(&p.approach, 6e-6);
-        assert!((way - (1.0 + 0.1 + 5.0 + 2.5) * 1e-6).abs() < 1e-12, "{way}");
+        let distance = first.retract_distance(&p.approach, 6e-6);
+        assert!((distance - (1.0 + 0.1 + 5.0 + 2.5) * 1e-6).abs() < 1e-12, "{distance}");
     }
 }

@@ -45,7 +45,7 @@ impl Transition {
     }
 
     /// The `harmonic` turns by `theta` rad in a sample, and is a force as the disturbance is; the first is 1.
-    pub fn turn(&mut self, harmonic: usize, theta: f64) {
+    pub fn rotate(&mut self, harmonic: usize, theta: f64) {
         let (sine, cosine) = theta.sin_cos();
         self.harmonics[harmonic - 1] = Harmonic { adds: self.disturbed, sine, cosine };
     }
@@ -78,7 +78,7 @@ mod tests {
     fn it_is_the_full_matrix_to_the_bit() {
         let (period, disturbed, theta) = (1e-4, [-5e-10, -1e-5], 0.3);
         let mut transition = Transition::free(period, disturbed);
-        transition.turn(2, theta);
+        transition.rotate(2, theta);
         let mut full = SMatrix::<f64, STATES, STATES>::identity();
         full[(0, 1)] = period;
         for force in [2, 5] {

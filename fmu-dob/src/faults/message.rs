@@ -57,7 +57,7 @@ pub fn numbers(vars: &Vars) -> String {
         Fault::Overload => format!(": {error}, limit of the disturbance `{} N`", disturbance_limit(p)),
         Fault::DriveSign => format!(": {error}"),
         Fault::WeakDrive => format!(": {error}, minimum `limits.drive_gain_ratio` = `{}`", p.limits.drive_gain_ratio),
-        Fault::Oscillation if output.numbers.swings >= REVERSALS => format!(
+        Fault::Oscillation if output.numbers.oscillations >= REVERSALS => format!(
             ": `{REVERSALS}` reversals beyond `guard.force` = `{} N` while the reference does not accelerate; {error}",
             p.guard_force
         ),
@@ -102,7 +102,7 @@ fn late_contact(p: &Parameters, contact: Option<LateContact>) -> String {
 
 /// Why a calibration cycle is rejected.
 fn calibration_rejected(p: &Parameters, output: &Output) -> String {
-    let (calibrated, [least, most], travel) = (&output.calibrated, output.numbers.biases, calibration_travel(p));
+    let (calibrated, [minimum, maximum], travel) = (&output.calibrated, output.numbers.biases, calibration_travel(p));
     if p.approach.travel_max < travel {
         return format!(
             ": `approach.travel_max` = `{} m`, less than the `{travel:.3e} m` from one touch to the next at \
@@ -110,7 +110,7 @@ fn calibration_rejected(p: &Parameters, output: &Output) -> String {
             p.approach.travel_max, p.calibration.velocity_max
         );
     }
-    if let Some(fastest) = output.numbers.bearable {
+    if let Some(fastest) = output.numbers.tolerated {
         return format!(
             ": `calibration.force_max` = `{} N` allows at most `{fastest:.3e} m/s` by the touches so far, minimum three times \
              `calibration.velocity_min`, `{:.3e} m/s`",
@@ -119,8 +119,8 @@ fn calibration_rejected(p: &Parameters, output: &Output) -> String {
         );
     }
     format!(
-        ": scatter of the touches `{:.2e} m`, limit `expert.limits.touch_scatter` = `{} m`; bias from `{least:.2e} m`, limit `{:.2e} m`, \
-         three standard deviations, to `{most:.2e} m`, limit `expert.limits.bias` = `{} m`, from `calibration.position` = `{} m`; standard \
+        ": scatter of the touches `{:.2e} m`, limit `expert.limits.touch_scatter` = `{} m`; bias from `{minimum:.2e} m`, limit `{:.2e} m`, \
+         three standard deviations, to `{maximum:.2e} m`, limit `expert.limits.bias` = `{} m`, from `calibration.position` = `{} m`; standard \
          deviation `{:.2e} m`, limit `expert.calibration.std_max` = `{} m`",
         calibrated.scatter,
         p.limits.touch_scatter,
@@ -248,7 +248,7 @@ mod tests {
         assert!(text.starts_with(": `approach.travel_max` = `0.00027 m`, less than the `2.721e-4 m`"), "{text}");
         assert!(text.contains("`calibration.velocity_max` = `0.0003 m/s`"), "{text}");
         vars.in_force.approach.travel_max = 5e-3;
-        (vars.in_force.calibration.force_max, vars.output.numbers.bearable) = (0.1, Some(2.5e-5));
+        (vars.in_force.calibration.force_max, vars.output.numbers.tolerated) = (0.1, Some(2.5e-5));
         let text = numbers(&vars);
         assert!(text.starts_with(": `calibration.force_max` = `0.1 N` allows at most `2.500e-5 m/s`"), "{text}");
         assert!(text.ends_with("`calibration.velocity_min`, `3.000e-5 m/s`"), "{text}");

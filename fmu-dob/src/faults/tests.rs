@@ -27,11 +27,11 @@ fn symptoms(reading: &Reading) -> Symptoms<'_> {
     Symptoms {
         reading,
         long_step: false,
-        standing: false,
+        frozen_at_rest: false,
         steady_spindle: true,
         limited: 0,
         reversals: 0,
-        swings: 0,
+        oscillations: 0,
         diverged: 0,
         overloaded: 0,
         bent: false,
@@ -68,7 +68,7 @@ fn each_limit_is_the_last_value_without_a_fault() {
         (|r, _, x| r.invalid = x as u32, 7.0, 8.0, Fault::SpindleLost),
         (|_, s, x| s.limited = x as u32, 9.0, 10.0, Fault::Saturation),
         (|_, s, x| s.reversals = x as u32, 5.0, 6.0, Fault::Oscillation),
-        (|_, s, x| s.swings = x as u32, 5.0, 6.0, Fault::Oscillation),
+        (|_, s, x| s.oscillations = x as u32, 5.0, 6.0, Fault::Oscillation),
         (|_, s, x| s.diverged = x as u32, 2.0, 3.0, Fault::FollowingError),
         (|_, s, x| s.overloaded = x as u32, 2.0, 3.0, Fault::Overload),
         (|_, s, x| s.gain_ratio = Some(x), 0.4, 0.39, Fault::WeakDrive),
@@ -85,10 +85,10 @@ fn each_limit_is_the_last_value_without_a_fault() {
 }
 
 #[test]
-fn the_share_of_the_commanded_force_names_the_cause() {
+fn the_ratio_of_the_commanded_force_names_the_cause() {
     let p = Parameters::START;
-    let named = |share, judged| {
-        let all = Symptoms { gain_ratio: share, evaluated: judged, diverged: 3, ..symptoms(&GOOD) };
+    let named = |ratio, evaluated| {
+        let all = Symptoms { gain_ratio: ratio, evaluated, diverged: 3, ..symptoms(&GOOD) };
         find(&p, &all)
     };
     assert_eq!(named(Some(1.0), false), Some(Fault::FollowingError));
@@ -98,29 +98,29 @@ fn the_share_of_the_commanded_force_names_the_cause() {
     assert_eq!(named(Some(-0.2), false), Some(Fault::WeakDrive));
     assert_eq!(named(Some(-0.9), false), Some(Fault::DriveSign));
     // a ratio alone is no fault until it is to be evaluated
-    let share = |judged| find(&p, &Symptoms { gain_ratio: Some(0.1), evaluated: judged, ..symptoms(&GOOD) });
-    assert_eq!((share(false), share(true)), (None, Some(Fault::WeakDrive)));
+    let ratio = |evaluated| find(&p, &Symptoms { gain_ratio: Some(0.1), evaluated, ..symptoms(&GOOD) });
+    assert_eq!((ratio(false), ratio(true)), (None, Some(Fault::WeakDrive)));
     // where the drive pushes the wrong way, the position is not used either
     let jumps = Reading { position: None, lost: 9, loss: Loss::Jumps, ..GOOD };
-    let jump = |share| find(&p, &Symptoms { gain_ratio: Some(share), evaluated: false, ..symptoms(&jumps) });
+    let jump = |ratio| find(&p, &Symptoms { gain_ratio: Some(ratio), evaluated: false, ..symptoms(&jumps) });
     assert_eq!((jump(0.1), jump(-0.3)), (Some(Fault::PositionJump), Some(Fault::DriveSign)));
     // jumps that no force explains are no force, whatever the drive seems to do
     let overload =
-        |bent, share| find(&p, &Symptoms { bent, gain_ratio: Some(share), overloaded: 3, ..symptoms(&GOOD) });
+        |bent, ratio| find(&p, &Symptoms { bent, gain_ratio: Some(ratio), overloaded: 3, ..symptoms(&GOOD) });
     assert_eq!([false, true].map(|bent| overload(bent, 1.0)), [Some(Fault::Overload), Some(Fault::PositionJump)]);
     assert_eq!([false, true].map(|bent| overload(bent, 0.1)), [Some(Fault::WeakDrive), Some(Fault::PositionJump)]);
     // an oscillating loop has a drive that responds
-    let swings =
-        |share| find(&p, &Symptoms { gain_ratio: Some(share), evaluated: false, reversals: 9, ..symptoms(&GOOD) });
-    assert_eq!((swings(0.3), swings(-0.3)), (Some(Fault::Oscillation), Some(Fault::DriveSign)));
+    let oscillations =
+        |ratio| find(&p, &Symptoms { gain_ratio: Some(ratio), evaluated: false, reversals: 9, ..symptoms(&GOOD) });
+    assert_eq!((oscillations(0.3), oscillations(-0.3)), (Some(Fault::Oscillation), Some(Fault::DriveSign)));
 }
 
 #[test]
-fn the_gravest_fault_is_named() {
+fn the_most_severe_fault_is_named() {
     let p = Parameters::START;
     let reading = Reading { loss: Loss::Frozen, spindle_lost: 100, ..LOST };
     let all = Symptoms {
-        standing: false,
+        frozen_at_rest: false,
         limited: 100,
         reversals: 9,
         diverged: 9,

@@ -11,7 +11,7 @@ const RETUNE: f64 = 1e-3;
 /// Quality Q of each notch: width of half the frequency, so that 1 % of speed error costs no attenuation.
 const QUALITY: f64 = 2.0;
 /// Harmonics above this fraction of the Nyquist frequency are passed.
-const NYQUIST_SHARE: f64 = 0.9;
+const NYQUIST_RATIO: f64 = 0.9;
 
 /// Second-order notch with gain 1 at DC, direct form 1: its states are past inputs and outputs,
 /// so that new coefficients make no bump on a constant force.
@@ -28,7 +28,7 @@ struct Biquad {
 impl Biquad {
     /// Coefficients for the angle `theta` rad per sample; inactive at 0 and close to Nyquist.
     fn tune(&mut self, theta: f64, quality: f64) {
-        self.active = theta > 0.0 && theta <= NYQUIST_SHARE * PI;
+        self.active = theta > 0.0 && theta <= NYQUIST_RATIO * PI;
         if self.active {
             let alpha = theta.sin() / (2.0 * quality);
             self.side = 1.0 / (1.0 + alpha);

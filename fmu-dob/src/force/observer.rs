@@ -20,10 +20,10 @@ pub fn forgetting(p: &Parameters) -> f64 {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DisturbanceObserver {
     velocity_gain: f64,
-    velocity_share: f64,
+    velocity_weight: f64,
     mass: f64,
     momentum_gain: f64,
-    force_share: f64,
+    force_weight: f64,
     force_constant: f64,
     sample_period: f64,
     leverage: f64,
@@ -39,13 +39,13 @@ impl DisturbanceObserver {
     pub fn new(p: &Parameters) -> Self {
         let Observer { bandwidth, velocity_bandwidth } = p.observer;
         let Stage { mass, force_constant, .. } = p.stage;
-        let share = |g: f64| g * p.sample_period / (1.0 + g * p.sample_period);
+        let weight = |g: f64| g * p.sample_period / (1.0 + g * p.sample_period);
         Self {
             velocity_gain: velocity_bandwidth,
-            velocity_share: share(velocity_bandwidth),
+            velocity_weight: weight(velocity_bandwidth),
             mass,
             momentum_gain: bandwidth * mass,
-            force_share: share(bandwidth),
+            force_weight: weight(bandwidth),
             force_constant,
             sample_period: p.sample_period,
             leverage: 0.5 * p.sample_period * p.sample_period + p.sample_period / velocity_bandwidth,
@@ -82,11 +82,11 @@ impl DisturbanceObserver {
     /// Takes the position (m) and the current that acted since the last sample (A).
     pub fn update(&mut self, position: f64, acted: f64) {
         let gained = self.acceleration(acted) * self.sample_period;
-        self.lag += gained - self.velocity_share * (self.lag + 0.5 * gained);
-        self.position_filter += self.velocity_share * (position - self.position_filter);
+        self.lag += gained - self.velocity_weight * (self.lag + 0.5 * gained);
+        self.position_filter += self.velocity_weight * (position - self.position_filter);
         self.velocity = self.velocity_gain * (position - self.position_filter);
         let input = self.force_constant * acted + self.momentum_gain * self.velocity;
-        self.force_filter += self.force_share * (input - self.force_filter);
+        self.force_filter += self.force_weight * (input - self.force_filter);
     }
 
     /// Bridges a sample without a position, in which the current `acted` acted (A): the stage is where the nominal one
@@ -216,9 +216,9 @@ mod tests {
         (-3000..=8).for_each(|k| observer.update(position(k), acted(k)));
         let force = observer.force();
         (9..=12).for_each(|k| observer.coast(acted(k)));
-        let place = observer.position_filter + observer.velocity / observer.velocity_gain;
+        let predicted = observer.position_filter + observer.velocity / observer.velocity_gain;
         // it interprets its late velocity as 3 N, which decay as with positions
-        assert!((place - position(12)).abs() < 6e-8, "{} m", place - position(12));
+        assert!((predicted - position(12)).abs() < 6e-8, "{} m", predicted - position(12));
         assert!(observer.force().abs() < force.abs(), "{} N after {force} N", observer.force());
     }
 

@@ -20,11 +20,11 @@ const EXCITATION: f64 = 2.5;
 /// Response of the drive.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct DriveResponse {
-    force_share: f64,
-    velocity_share: f64,
-    slow_share: f64,
+    force_weight: f64,
+    velocity_weight: f64,
+    slow_weight: f64,
     memory: f64,
-    least: f64,
+    minimum: f64,
     thrust: f64,
     late_thrust: f64,
     /// of the commanded and of the inertial force
@@ -40,11 +40,11 @@ impl DriveResponse {
     pub fn new(p: &Parameters) -> Self {
         let ratio = |g: f64| g * p.sample_period / (1.0 + g * p.sample_period);
         Self {
-            force_share: ratio(p.observer.bandwidth),
-            velocity_share: ratio(p.observer.velocity_bandwidth),
-            slow_share: ratio(MEMORY.recip()),
+            force_weight: ratio(p.observer.bandwidth),
+            velocity_weight: ratio(p.observer.velocity_bandwidth),
+            slow_weight: ratio(MEMORY.recip()),
             memory: MEMORY / p.sample_period,
-            least: (EXCITATION * p.guard_force).powi(2),
+            minimum: (EXCITATION * p.guard_force).powi(2),
             thrust: 0.0,
             late_thrust: 0.0,
             answers: [0.0; 2],
@@ -58,11 +58,11 @@ impl DriveResponse {
     /// in full, otherwise it may differ for another reason than the drive.
     pub fn update(&mut self, thrust: f64, disturbance: f64, whole: bool) {
         self.doubted |= !whole;
-        self.thrust += self.force_share * (thrust - self.thrust);
-        self.late_thrust += self.velocity_share * (self.thrust - self.late_thrust);
+        self.thrust += self.force_weight * (thrust - self.thrust);
+        self.late_thrust += self.velocity_weight * (self.thrust - self.late_thrust);
         self.answers = [self.late_thrust, self.thrust - disturbance];
         for (steady, answer) in self.steady.iter_mut().zip(self.answers) {
-            *steady += self.slow_share * (answer - *steady);
+            *steady += self.slow_weight * (answer - *steady);
         }
         let [modelled, measured] = [0, 1].map(|i| self.answers[i] - self.steady[i]);
         self.response.update(modelled, measured, self.memory);
@@ -81,7 +81,7 @@ impl DriveResponse {
     /// Ratio of measured to commanded acceleration; none while too little was commanded. Partly used positions do not
     /// show a weak drive, because they reduce the motion themselves, but they show one that pushes the wrong way.
     pub fn ratio(&self) -> Option<f64> {
-        self.response.ratio(self.least).filter(|share| !self.doubted || *share < 0.0)
+        self.response.ratio(self.minimum).filter(|ratio| !self.doubted || *ratio < 0.0)
     }
 }
 
@@ -113,10 +113,10 @@ mod tests {
     }
 
     #[test]
-    fn the_share_is_the_strength_and_its_sign() {
+    fn the_ratio_is_the_strength_and_its_sign() {
         for strength in [1.0, 0.3, -1.0, 1.5] {
-            let share = ratio(strength, 5.0).unwrap();
-            assert!((share - strength).abs() < 0.05, "{strength}: {share}");
+            let ratio = ratio(strength, 5.0).unwrap();
+            assert!((ratio - strength).abs() < 0.05, "{strength}: {ratio}");
         }
     }
 
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_partly_used_position_shows_no_weak_drive_but_one_that_goes_the_wrong_way() {
+    fn a_partly_used_position_shows_no_weak_drive_but_one_that_goes_the_wrong_direction() {
         let p = Parameters::START;
         let mut drive = DriveResponse::new(&p);
         let mut push = |answer: f64, doubted: Option<u32>| {
@@ -139,7 +139,7 @@ mod tests {
         };
         assert!(push(0.3, None).is_some());
         assert_eq!(push(0.3, Some(57)), None);
-        assert!(push(-1.0, Some(57)).is_some_and(|share| share < -0.2));
+        assert!(push(-1.0, Some(57)).is_some_and(|ratio| ratio < -0.2));
         assert!(push(0.3, None).is_some());
     }
 }

@@ -15,14 +15,14 @@ use crate::interface::Parameters;
 const ROUNDING: f64 = 2.5;
 /// Fraction of the samples that shows noise, and number of evaluated samples.
 const LIVES: f64 = 0.02;
-const TOLD: f64 = 1000.0;
+const MEMORY: f64 = 1000.0;
 
 /// Evidence of noise so far; by default none.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Life {
     /// the last two consecutive positions, m
     before: [Option<f64>; 2],
-    share: f64,
+    ratio: f64,
     /// The value has noise wherever the stage is.
     pub anywhere: bool,
 }
@@ -33,8 +33,8 @@ impl Life {
         if let ([Some(first), Some(second)], Some(third)) = (self.before, position) {
             let changes = first != second && second != third;
             let bent = changes && (third - 2.0 * second + first).abs() > ROUNDING * p.stage.encoder_resolution;
-            self.share += (f64::from(u8::from(bent)) - self.share) / TOLD;
-            self.anywhere |= self.share > LIVES;
+            self.ratio += (f64::from(u8::from(bent)) - self.ratio) / MEMORY;
+            self.anywhere |= self.ratio > LIVES;
         }
         self.before = [self.before[1], position];
     }
@@ -54,9 +54,9 @@ mod tests {
         let (mut random, mut life, mut reading) = (rand_pcg::Pcg64Mcg::seed_from_u64(23), Life::default(), 0.0);
         for k in 0..100_000 {
             let normal: f64 = StandardNormal.sample(&mut random);
-            let place: f64 = 0.37 + speed * f64::from(k) + noise * normal;
+            let position: f64 = 0.37 + speed * f64::from(k) + noise * normal;
             if k % held == 0 {
-                reading = place.round() * P.stage.encoder_resolution;
+                reading = position.round() * P.stage.encoder_resolution;
             }
             life.update(&P, (k % 50 > 0).then_some(reading));
         }

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Parameters;
 use crate::monitoring::drive::DriveResponse;
 use crate::monitoring::life::Life;
+use crate::monitoring::oscillation::OscillationMonitor;
 use crate::monitoring::rest::Rest;
 use crate::monitoring::rest_force::RestForce;
-use crate::monitoring::swing::Swing;
 
 /// Monitors next to the control law.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -20,17 +20,17 @@ pub struct Monitors {
     /// The reading at rest.
     pub rest: Rest,
     /// The position has shown noise wherever the stage is, and now does not change.
-    pub standing: bool,
+    pub frozen_at_rest: bool,
     /// Force after the retract.
     pub relief: RestForce,
     /// What is left of a motion.
-    pub swing: Swing,
+    pub oscillation: OscillationMonitor,
     /// Consecutive samples too far from the reference.
     pub diverged: Consecutive,
     /// Consecutive samples with too large a disturbance.
     pub overloaded: Consecutive,
     /// Time of the cycle.
-    pub job: Progress,
+    pub cycle: Progress,
 }
 
 impl Monitors {
@@ -40,12 +40,12 @@ impl Monitors {
             drive: DriveResponse::new(p),
             life: Life::default(),
             rest: Rest::default(),
-            standing: false,
+            frozen_at_rest: false,
             relief: RestForce::default(),
-            swing: Swing::new(p),
+            oscillation: OscillationMonitor::new(p),
             diverged: Consecutive::NONE,
             overloaded: Consecutive::NONE,
-            job: Progress::default(),
+            cycle: Progress::default(),
         }
     }
 }

@@ -14,7 +14,7 @@ pub struct Numbers {
     /// Thrust constant in force when the fault was found, N/A.
     pub force_constant: f64,
     /// Consecutive oscillations of the stage.
-    pub swings: u32,
+    pub oscillations: u32,
     /// Delay of the position, samples.
     pub late_by: u32,
     /// Second difference of the last positions, m; 0 where they jumped.
@@ -22,7 +22,7 @@ pub struct Numbers {
     /// Minimum and maximum mean bias of a speed in a calibration cycle, m.
     pub biases: [f64; 2],
     /// Fastest speed that `calibration.force_max` allows, where that is too slow to calibrate, m/s.
-    pub bearable: Option<f64>,
+    pub tolerated: Option<f64>,
     /// Time of the cycle or of the commissioning run, s.
     pub lasted: f64,
     /// Limit of that time, s.
@@ -36,11 +36,11 @@ impl Numbers {
         residual_force: 0.0,
         following_limit: 0.0,
         force_constant: 0.0,
-        swings: 0,
+        oscillations: 0,
         late_by: 0,
         bend: 0.0,
         biases: [0.0; 2],
-        bearable: None,
+        tolerated: None,
         lasted: 0.0,
         time_limit: 0.0,
     };

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Number of stored positions.
 const KEPT: usize = 32;
 /// Minimum number of consecutive repeated values that is significant.
-const LEAST: u32 = 3;
+const DELAY_MIN: u32 = 3;
 /// Second differences that one bad sample is in.
 const SPIKE: usize = 3;
 
@@ -38,10 +38,10 @@ impl RecentReadings {
     /// plausible one.
     pub fn update(&mut self, reading: f64, doubted: u32) {
         if doubted == 0 {
-            self.delays = u32::MAX << LEAST;
+            self.delays = u32::MAX << DELAY_MIN;
         } else {
             let other = |delay: &u32| *delay >= doubted && self.before(*delay as usize) != reading;
-            let ended = (LEAST..KEPT as u32).filter(other).fold(0, |all, delay| all | 1 << delay);
+            let ended = (DELAY_MIN..KEPT as u32).filter(other).fold(0, |all, delay| all | 1 << delay);
             self.delays &= !ended;
         }
         self.readings[self.next] = reading;
@@ -56,7 +56,7 @@ impl RecentReadings {
     /// Delay (samples) of the last positions, of which `doubted` consecutive ones are implausible; none if they are not
     /// late.
     pub fn late(&self, doubted: u32) -> Option<u32> {
-        (doubted >= LEAST && self.delays != 0).then(|| self.delays.trailing_zeros())
+        (doubted >= DELAY_MIN && self.delays != 0).then(|| self.delays.trailing_zeros())
     }
 
     /// Largest second difference of the positions (m); once more than six are known, without those of one bad sample.
@@ -79,16 +79,16 @@ mod tests {
     use super::*;
 
     /// 10 nm in a sample, with noise of some steps of 1 nm.
-    fn place(k: u32) -> f64 {
+    fn position(k: u32) -> f64 {
         1e-9 * f64::from(10 * k + k * k % 7 % 3)
     }
 
     /// Detected delay at each of eight samples that are `late`, after the first 40 that were not.
     fn detected(late: u32, offset: f64) -> Vec<Option<u32>> {
         let mut recent = RecentReadings::default();
-        (0..40).for_each(|k| recent.update(place(k), 0));
+        (0..40).for_each(|k| recent.update(position(k), 0));
         let samples = (1..=8).map(|doubted| {
-            recent.update(place(39 + doubted - late) + offset, doubted);
+            recent.update(position(39 + doubted - late) + offset, doubted);
             recent.late(doubted)
         });
         samples.collect()
@@ -112,11 +112,11 @@ mod tests {
     }
 
     #[test]
-    fn the_first_and_the_last_sample_of_a_row_must_have_been_read_too() {
+    fn the_first_and_the_last_consecutive_sample_must_have_been_read_too() {
         for other in [[5e-10, 0.0, 0.0], [0.0, 0.0, 5e-10]] {
             let mut recent = RecentReadings::default();
-            (0..40).for_each(|k| recent.update(place(k), 0));
-            (0..3).for_each(|k| recent.update(place(37 + k) + other[k as usize], k + 1));
+            (0..40).for_each(|k| recent.update(position(k), 0));
+            (0..3).for_each(|k| recent.update(position(37 + k) + other[k as usize], k + 1));
             assert_eq!(recent.late(3), None, "{other:?}");
         }
     }
@@ -155,11 +155,11 @@ mod tests {
     #[test]
     fn one_bad_sample_bends_nothing_and_noise_in_another_unit_does() {
         let mut recent = RecentReadings::default();
-        (0..32).for_each(|k| recent.update(place(k) + if k == 20 { 1e-3 } else { 0.0 }, 0));
+        (0..32).for_each(|k| recent.update(position(k) + if k == 20 { 1e-3 } else { 0.0 }, 0));
         assert!(recent.bend() < 1e-8, "{} m", recent.bend());
         let mut millimetres = RecentReadings::default();
         for k in 0..16 {
-            millimetres.update(1e3 * place(k), 0);
+            millimetres.update(1e3 * position(k), 0);
             assert!(k < 2 || millimetres.bend() > 0.9e-6, "{k}: {} m", millimetres.bend());
         }
     }

@@ -16,7 +16,7 @@ pub struct Motion {
     /// Maximum time of a cycle with it, s.
     pub cycle_limit: f64,
     /// Motion of the reference in the last sample, m.
-    pub asked: f64,
+    pub requested: f64,
     started_at: f64,
     retreat_from: f64,
     retreat_to: f64,
@@ -29,7 +29,7 @@ impl Motion {
             reference: Trajectory::default(),
             approach: p.approach,
             cycle_limit: cycle_limit(p, &p.approach),
-            asked: 0.0,
+            requested: 0.0,
             started_at: 0.0,
             retreat_from: 0.0,
             retreat_to: 0.0,
@@ -45,18 +45,18 @@ impl Motion {
 
     /// Marks where the retreat begins.
     pub fn depart(&mut self, p: &Parameters) {
-        self.go_back(retract_distance(p, &self.approach));
+        self.retract_by(retract_distance(p, &self.approach));
     }
 
-    /// Has `way` m to go back from here.
-    pub fn go_back(&mut self, way: f64) {
+    /// Has `distance` m to go back from here.
+    pub fn retract_by(&mut self, distance: f64) {
         self.retreat_from = self.reference.position;
-        self.retreat_to = self.retreat_from - way;
+        self.retreat_to = self.retreat_from - distance;
     }
 
-    /// Has at least `way` m to go back from where the retreat began.
-    pub fn go_farther_back(&mut self, way: f64) {
-        self.retreat_to = self.retreat_to.min(self.retreat_from - way);
+    /// Has at least `distance` m to go back from where the retreat began.
+    pub fn retract_farther(&mut self, distance: f64) {
+        self.retreat_to = self.retreat_to.min(self.retreat_from - distance);
     }
 
     /// Continues from another position (m) and velocity (m/s), with the same distance still to retract.
@@ -67,9 +67,9 @@ impl Motion {
     }
 
     /// Lies at a position (m), with nowhere to go: nothing moves the stage by command.
-    pub fn lie(&mut self, position: f64) {
+    pub fn rest_at(&mut self, position: f64) {
         self.reference = Trajectory::resting(position);
-        (self.asked, self.retreat_from, self.retreat_to) = (0.0, position, position);
+        (self.requested, self.retreat_from, self.retreat_to) = (0.0, position, position);
     }
 
     /// Has no way left to retreat once it has stopped.
@@ -83,10 +83,10 @@ impl Motion {
         let (velocity, acceleration) = match state {
             State::Approach if wait => (0.0, self.approach.acceleration),
             State::Approach | State::Learn | State::Detect => (self.approach.velocity, self.approach.acceleration),
-            State::Confirm if self.way_left(p) => (-self.approach.velocity, p.retract.deceleration),
+            State::Confirm if self.distance_left(p) => (-self.approach.velocity, p.retract.deceleration),
             State::Confirm => (self.approach.velocity, self.approach.acceleration),
             State::Contact => (-p.retract.velocity, p.retract.deceleration),
-            State::Retract | State::Calibrate | State::Fault if valid && self.way_left(p) => {
+            State::Retract | State::Calibrate | State::Fault if valid && self.distance_left(p) => {
                 (-p.retract.velocity, p.retract.deceleration)
             }
             _ => (0.0, p.retract.deceleration),
@@ -97,12 +97,12 @@ impl Motion {
         }
         let before = self.reference.position;
         self.reference.step(velocity, acceleration, p.sample_period);
-        self.asked = self.reference.position - before;
+        self.requested = self.reference.position - before;
     }
 
     /// Takes the reference of this sample from elsewhere.
     pub fn follow(&mut self, reference: Trajectory) {
-        self.asked = reference.position - self.reference.position;
+        self.requested = reference.position - self.reference.position;
         self.reference = reference;
     }
 
@@ -123,7 +123,7 @@ impl Motion {
 
     /// Whether the reference is at rest after its retract.
     pub fn retreated(&self, p: &Parameters) -> bool {
-        self.at_rest() && !self.way_left(p)
+        self.at_rest() && !self.distance_left(p)
     }
 
     /// Whether the reference, stopped now, would end beyond the longest travel.
@@ -133,7 +133,7 @@ impl Motion {
     }
 
     /// Whether the reference must still move back before it brakes; one sample early is better than late.
-    fn way_left(&self, p: &Parameters) -> bool {
+    fn distance_left(&self, p: &Parameters) -> bool {
         let Trajectory { position, velocity, .. } = self.reference;
         let braking = stopping_distance(velocity, p.retract.deceleration);
         let margin = velocity.abs() * p.sample_period + 0.5 * p.retract.deceleration * p.sample_period.powi(2);
@@ -174,8 +174,8 @@ mod tests {
             motion.retreated(&p)
         });
         assert!(ticks.is_some());
-        let way = from - motion.reference.position;
-        assert!((way - retract_distance(&p, &p.approach)).abs() < 0.2e-6, "{way} m");
+        let distance = from - motion.reference.position;
+        assert!((distance - retract_distance(&p, &p.approach)).abs() < 0.2e-6, "{distance} m");
     }
 
     #[test]
@@ -231,22 +231,22 @@ mod tests {
             for (farther, expected) in [(3e-5, 5e-5), (8e-5, 8e-5)] {
                 let mut motion = approaching(&p, 1000);
                 let from = motion.reference.position;
-                motion.go_back(5e-5);
+                motion.retract_by(5e-5);
                 let retract = |motion: &mut Motion, samples: u32| {
                     (0..samples).for_each(|_| motion.step(&p, State::Retract, true, false));
                 };
                 retract(&mut motion, samples);
                 motion.reseat(motion.reference.position + moved, motion.reference.velocity);
-                motion.go_farther_back(farther);
+                motion.retract_farther(farther);
                 retract(&mut motion, 3000);
-                let way = from + moved - motion.reference.position;
-                assert!(motion.retreated(&p) && (way - expected).abs() < 0.2e-6, "{way} m");
+                let distance = from + moved - motion.reference.position;
+                assert!(motion.retreated(&p) && (distance - expected).abs() < 0.2e-6, "{distance} m");
             }
         }
         // one that is held has not retreated from anywhere
         let mut motion = approaching(&p, 0);
         motion.hold();
-        motion.go_farther_back(8e-5);
+        motion.retract_farther(8e-5);
         assert!(motion.retreated(&p));
     }
 
@@ -255,7 +255,7 @@ mod tests {
         let p = Parameters::START;
         let mut motion = approaching(&p, 0);
         (0..100).for_each(|_| motion.step(&p, State::Approach, true, true));
-        assert_eq!((motion.reference.position, motion.asked, motion.at_rest()), (0.3, 0.0, true));
+        assert_eq!((motion.reference.position, motion.requested, motion.at_rest()), (0.3, 0.0, true));
     }
 
     #[test]
@@ -268,8 +268,8 @@ mod tests {
         (0..100).for_each(|_| motion.step(&p, State::Fault, true, false));
         assert!(motion.retreated(&p));
         // 1 mm/s is braked within 0.25 um
-        let way = motion.reference.position - 0.5;
-        assert!((0.0..0.4e-6).contains(&way), "{way} m");
+        let distance = motion.reference.position - 0.5;
+        assert!((0.0..0.4e-6).contains(&distance), "{distance} m");
     }
 
     #[test]
@@ -277,19 +277,19 @@ mod tests {
         let p = Parameters::START;
         let mut motion = approaching(&p, 1000);
         let from = motion.reference.position;
-        motion.go_back(5e-6);
-        let places: Vec<f64> = (0..2000)
+        motion.retract_by(5e-6);
+        let positions: Vec<f64> = (0..2000)
             .map(|_| {
                 motion.step(&p, State::Confirm, true, false);
                 motion.reference.position - from
             })
             .collect();
-        let back = places.iter().copied().fold(0.0, f64::min);
+        let back = positions.iter().copied().fold(0.0, f64::min);
         assert!((back + 5e-6).abs() < 0.1e-6, "{back}");
-        let turn = places.iter().position(|z| *z == back).unwrap();
-        assert!(places[turn..].is_sorted() && motion.cruising());
+        let reversal = positions.iter().position(|z| *z == back).unwrap();
+        assert!(positions[reversal..].is_sorted() && motion.cruising());
         // 50 ms there at 100 um/s, a reversal of 2 ms
-        assert!((490..540).contains(&turn), "{turn}");
+        assert!((490..540).contains(&reversal), "{reversal}");
     }
 
     #[test]

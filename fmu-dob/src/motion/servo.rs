@@ -14,7 +14,7 @@ pub fn acceleration(servo: &Servo, reference: &Trajectory, position: f64, veloci
 }
 
 /// Two reversals within this time belong together, s: an unstable loop oscillates faster.
-pub const SWING: f64 = 0.05;
+pub const OSCILLATION_TIME: f64 = 0.05;
 
 /// Smallest step of the current command, A.
 pub fn current_step(p: &Parameters) -> f64 {
@@ -53,13 +53,13 @@ pub struct Amplifier {
     /// smallest step, limit, and what is sent there, A
     step: f64,
     limit: f64,
-    most: f64,
+    maximum: f64,
     /// samples of an oscillation
-    swing: u32,
+    oscillation: u32,
     sent: SentCommands,
     limited: Consecutive,
     reversals: Reversals,
-    swings: u32,
+    oscillations: u32,
 }
 
 impl Amplifier {
@@ -69,12 +69,12 @@ impl Amplifier {
         Self {
             step,
             limit,
-            most: quantise(limit, limit, step),
-            swing: ticks(SWING, p.sample_period),
+            maximum: quantise(limit, limit, step),
+            oscillation: ticks(OSCILLATION_TIME, p.sample_period),
             sent: SentCommands::default(),
             limited: Consecutive::NONE,
             reversals: Reversals::default(),
-            swings: 0,
+            oscillations: 0,
         }
     }
 
@@ -87,19 +87,19 @@ impl Amplifier {
     pub fn send(&mut self, current: f64) -> f64 {
         let sent = quantise(current, self.limit, self.step);
         self.sent.send(sent);
-        self.limited.update(sent.abs() >= self.most);
-        self.swings = self.reversals.update(sent, self.most, self.swing);
+        self.limited.update(sent.abs() >= self.maximum);
+        self.oscillations = self.reversals.update(sent, self.maximum, self.oscillation);
         sent
     }
 
     /// Consecutive reversals of the current from limit to limit.
     pub fn reversals(&self) -> u32 {
-        self.swings
+        self.oscillations
     }
 
     /// Discards the history of the current at its limits.
     pub fn forget(&mut self) {
-        (self.limited, self.reversals, self.swings) = (Consecutive::NONE, Reversals::default(), 0);
+        (self.limited, self.reversals, self.oscillations) = (Consecutive::NONE, Reversals::default(), 0);
     }
 
     /// Consecutive samples with the current at its limit.
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_at_the_limit_are_counted_in_a_row() {
+    fn samples_at_the_limit_are_counted_consecutively() {
         let p = Parameters::START;
         let mut amplifier = Amplifier::new(&p);
         let limited = [9.0, 5.0, -9.0, 4.9, 9.0].map(|current| {
@@ -167,11 +167,11 @@ mod tests {
         let p = Parameters::START;
         let mut amplifier = Amplifier::new(&p);
         assert_eq!(amplifier.reversals(), 0);
-        let swings = [9.0, -9.0, 0.0, 9.0, -9.0].map(|current| {
+        let oscillations = [9.0, -9.0, 0.0, 9.0, -9.0].map(|current| {
             amplifier.send(current);
             amplifier.reversals()
         });
-        assert_eq!(swings, [0, 1, 1, 2, 3]);
+        assert_eq!(oscillations, [0, 1, 1, 2, 3]);
         amplifier.forget();
         assert_eq!((amplifier.reversals(), amplifier.limited()), (0, 0));
     }

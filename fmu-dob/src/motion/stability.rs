@@ -26,10 +26,10 @@ pub fn spectral_radius(p: &Parameters) -> f64 {
     radius(p, GAIN_MARGIN, p.io_delay as usize + DELAY_MARGIN)
 }
 
-/// Longest configured delay (samples) up to `most` with which the loop keeps the margins.
-pub fn longest_delay(p: &Parameters, most: usize) -> i32 {
+/// Longest configured delay (samples) up to `maximum` with which the loop keeps the margins.
+pub fn longest_delay(p: &Parameters, maximum: usize) -> i32 {
     let stable = |io_delay: &i32| spectral_radius(&Parameters { io_delay: *io_delay, ..p.clone() }) < 1.0;
-    (p.io_delay + 1..=most.min(DELAY_MAX) as i32).take_while(stable).last().unwrap_or(p.io_delay)
+    (p.io_delay + 1..=maximum.min(DELAY_MAX) as i32).take_while(stable).last().unwrap_or(p.io_delay)
 }
 
 /// The same of a drive `gain` times as strong as configured, with a delay of `delay` samples, not less than configured.

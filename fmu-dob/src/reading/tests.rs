@@ -8,14 +8,14 @@ const RESTING: Expected = Expected {
     bridged: 0.0,
     unforeseen: 0.0,
     reference: 0.0,
-    asked: 0.0,
-    behind: 0.0,
+    requested: 0.0,
+    lag: 0.0,
     diverged: 0.0,
     may_wait: true,
     steady_spindle: true,
 };
 /// 10 nm in a sample
-const CRUISING: Expected = Expected { motion: 1e-8, bridged: 1e-8, reference: 1e-6, asked: 1e-8, ..RESTING };
+const CRUISING: Expected = Expected { motion: 1e-8, bridged: 1e-8, reference: 1e-6, requested: 1e-8, ..RESTING };
 
 fn at(position: f64) -> Input {
     Input { position, ..Input::START }
@@ -66,12 +66,12 @@ fn a_sample_where_the_stage_cannot_be_is_lost() {
 #[test]
 fn after_a_gap_the_stage_is_where_the_nominal_one_is() {
     let gap = Expected { motion: 5e-8, ..CRUISING };
-    let believed = |error: f64| {
+    let accepted = |error: f64| {
         let mut reader = cruising();
         (0..2).for_each(|_| _ = reader.read(&Parameters::START, &LOST, &gap));
         reader.read(&Parameters::START, &at(1.02e-6 + error), &gap).position.is_some()
     };
-    assert!(believed(9.9e-9) && believed(-9.9e-9) && !believed(1.01e-8) && !believed(-1.01e-8));
+    assert!(accepted(9.9e-9) && accepted(-9.9e-9) && !accepted(1.01e-8) && !accepted(-1.01e-8));
     // a jump is no gap
     let mut jumped = cruising();
     jumped.read(&Parameters::START, &at(1e-3), &gap);
@@ -104,7 +104,7 @@ fn a_stage_that_is_diverged_may_be_at_rest() {
 #[test]
 fn a_stage_may_lag_its_reference_by_what_it_is_late() {
     let mut reader = cruising();
-    let late = Expected { motion: 0.0, behind: 1e-8, ..CRUISING };
+    let late = Expected { motion: 0.0, lag: 1e-8, ..CRUISING };
     let reading = reader.read(&Parameters::START, &at(99e-8), &late);
     assert!(reading.position.is_some() && !reading.alive);
 }
@@ -128,8 +128,8 @@ fn a_spindle_cannot_change_its_speed_immediately_while_it_must_be_steady() {
         let reading = read(&mut reader, &turning(0.0));
         assert_eq!((reading.spindle_speed, reading.spindle_lost), (3015.0, k));
     }
-    let before_a_job = Expected { steady_spindle: false, ..RESTING };
-    let reading = reader.read(&Parameters::START, &turning(0.0), &before_a_job);
+    let before_a_cycle = Expected { steady_spindle: false, ..RESTING };
+    let reading = reader.read(&Parameters::START, &turning(0.0), &before_a_cycle);
     assert_eq!((reading.spindle_speed, reading.spindle_lost), (0.0, 0));
 }
 
@@ -200,16 +200,16 @@ fn a_position_is_frozen_beyond_its_limit_unless_the_stage_is_farther_diverged_th
     let mut p = Parameters::START;
     let unit = 2f64.powi(-28);
     p.limits.frozen = unit;
-    let stands = |samples: u32, diverged: f64| {
+    let is_frozen = |samples: u32, diverged: f64| {
         let mut reader = Reader::default();
-        let expected = Expected { asked: unit, behind: 2.0 * unit, reference: diverged * unit, ..RESTING };
+        let expected = Expected { requested: unit, lag: 2.0 * unit, reference: diverged * unit, ..RESTING };
         let last = (0..=samples).map(|_| reader.read(&p, &at(0.0), &expected)).last().unwrap();
         last.position.is_none() && last.loss == Loss::Frozen
     };
     // one of `limits.frozen` and two of the tolerated lag
-    assert_eq!([stands(3, 0.0), stands(4, 0.0)], [false, true]);
+    assert_eq!([is_frozen(3, 0.0), is_frozen(4, 0.0)], [false, true]);
     // four without a change, two of lag, four times `limits.frozen`
-    assert_eq!([stands(4, 10.0), stands(4, 11.0)], [true, false]);
+    assert_eq!([is_frozen(4, 10.0), is_frozen(4, 11.0)], [true, false]);
 }
 
 #[test]
@@ -221,17 +221,17 @@ fn a_stage_that_was_ahead_is_at_rest_until_its_reference_has_come_by() {
         let mut reader = Reader::default();
         let last = (0..=samples).map(|k| {
             let reference = (f64::from(k) - ahead) * unit;
-            let expected = Expected { asked: unit, behind: 2.0 * unit, reference, may_wait, ..RESTING };
+            let expected = Expected { requested: unit, lag: 2.0 * unit, reference, may_wait, ..RESTING };
             reader.read(&p, &at(0.0), &expected)
         });
         let last = last.last().unwrap();
         last.position.is_none() && last.loss == Loss::Frozen
     };
-    let stands = |samples: u32, ahead: f64| frozen(samples, ahead, true);
+    let is_frozen = |samples: u32, ahead: f64| frozen(samples, ahead, true);
     // two of lag, two samples and four times `limits.frozen` follow the reference
-    assert_eq!([stands(3, 8.0), stands(4, 8.0)], [false, true]);
-    assert_eq!([stands(12, 9.0), stands(13, 9.0)], [false, true]);
-    assert_eq!([stands(23, 20.0), stands(24, 20.0)], [false, true]);
+    assert_eq!([is_frozen(3, 8.0), is_frozen(4, 8.0)], [false, true]);
+    assert_eq!([is_frozen(12, 9.0), is_frozen(13, 9.0)], [false, true]);
+    assert_eq!([is_frozen(23, 20.0), is_frozen(24, 20.0)], [false, true]);
     // elsewhere none waits
     assert_eq!([frozen(12, 9.0, false), frozen(15, 20.0, false)], [true, true]);
 }

@@ -6,7 +6,7 @@ use crate::run::Loop;
 use crate::slide::SPINDLE_SPEED;
 
 /// Where the work is, m.
-const PLACE: f64 = 3e-5;
+const POSITION: f64 = 3e-5;
 
 /// Asks for a calibration and for nothing else.
 fn ask(input: &mut Input) {
@@ -20,7 +20,7 @@ fn rest(input: &mut Input) {
 
 fn parameters() -> Parameters {
     let mut p = Parameters::START;
-    (p.calibration.position, p.calibration.apply) = (PLACE, true);
+    (p.calibration.position, p.calibration.apply) = (POSITION, true);
     p
 }
 
@@ -51,7 +51,7 @@ fn touch(run: &mut Loop, speed: f64) -> [f64; 2] {
     let limit = run.time() + 30.0;
     assert!(run.run_to(State::Approach, limit) && run.run_to(State::Done, limit), "{:?}", run.output);
     assert_eq!(run.output.contact_source, ContactSource::Glr);
-    [run.output.contact_position - PLACE, run.output.contact_position_estimate - PLACE]
+    [run.output.contact_position - POSITION, run.output.contact_position_estimate - POSITION]
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn a_calibrated_bias_gives_the_first_touch_at_speeds_that_were_and_were_not_cali
     let p = parameters();
     let mut errors = Vec::new();
     for seed in 130..133 {
-        let mut run = Loop::new(&p, seed, PLACE);
+        let mut run = Loop::new(&p, seed, POSITION);
         run.slide.mass = [7.5, 12.5, 10.0][seed as usize % 3];
         run.slide.stiffness = [2e5, 6e5, 1.5e5][seed as usize % 3];
         calibrate(&mut run);
@@ -71,7 +71,7 @@ fn a_calibrated_bias_gives_the_first_touch_at_speeds_that_were_and_were_not_cali
         );
         assert_eq!(calibrated.touches, 20);
         // as far as an approach at 100 um/s needs to arm
-        assert!(run.slide.place() < PLACE - 8.9e-5, "{} m", run.slide.place());
+        assert!(run.slide.position() < POSITION - 8.9e-5, "{} m", run.slide.position());
         assert!(calibrated.std < 3e-8 && calibrated.scatter < 6e-8, "{calibrated:?}");
         // as far as one arms at 300 um/s
         run.parameters.retract.distance = 3e-4;
@@ -93,7 +93,7 @@ fn a_commission_after_a_calibration_leaves_the_bias_in_force_and_the_positions_a
     p.commission.apply = true;
     let mut errors = Vec::new();
     for (seed, mass, strength) in [(144, 7.5, 1.2), (145, 12.5, 0.8), (146, 10.0, 1.0)] {
-        let mut run = Loop::new(&p, seed, PLACE);
+        let mut run = Loop::new(&p, seed, POSITION);
         (run.slide.mass, run.slide.strength) = (mass, strength);
         calibrate(&mut run);
         (0..200).for_each(|_| run.step_with(rest));
@@ -140,7 +140,7 @@ fn what_was_calibrated_is_used_on_request_only_and_written_in_any_case() {
 
 #[test]
 fn it_never_begins_by_itself_and_every_touch_keeps_to_the_travel_of_an_approach() {
-    let mut run = Loop::new(&parameters(), 135, PLACE);
+    let mut run = Loop::new(&parameters(), 135, POSITION);
     for _ in 0..500 {
         // true from the first sample on is no edge
         run.step_with(ask);
@@ -161,7 +161,7 @@ fn a_travel_too_short_for_the_fastest_touch_is_rejected_before_the_stage_moves()
     for (travel_max, reached) in [(2.720e-4, false), (2.722e-4, true)] {
         let mut p = parameters();
         (p.approach.travel_max, p.calibration.velocity_min) = (travel_max, 3e-5);
-        let mut run = Loop::new(&p, 141, PLACE);
+        let mut run = Loop::new(&p, 141, POSITION);
         begin(&mut run);
         let position = run.output.reference.position;
         while run.output.calibrated.touches < 5 && run.output.state != State::Fault {
@@ -203,20 +203,20 @@ fn aborted_it_retracts_from_the_touch_and_not_from_where_it_is() {
     begin(&mut run);
     let not_yet = run.output.reference.position;
     let end = |run: &mut Loop, failed: bool| {
-        let standing = run.output.state == State::Calibrate;
-        if failed && standing {
+        let calibrating = run.output.state == State::Calibrate;
+        if failed && calibrating {
             // too short for what comes
             run.parameters.approach.travel_max = 1e-4;
         }
         for _ in 0..6000 {
             run.step_with(|input| {
                 (input.enable, input.calibrate) = (false, failed);
-                if failed && !standing {
+                if failed && !calibrating {
                     input.spindle_speed = f64::NAN;
                 }
             });
         }
-        let fault = match (failed, standing) {
+        let fault = match (failed, calibrating) {
             (false, _) => Fault::None,
             (true, false) => Fault::SpindleLost,
             (true, true) => Fault::CalibrationRejected,
@@ -235,8 +235,8 @@ fn aborted_it_retracts_from_the_touch_and_not_from_where_it_is() {
             (0..300).for_each(|_| run.step_with(ask));
         }
         for failed in [false, true] {
-            let way = touch - end(&mut run.reloaded(), failed);
-            assert!((way - expected).abs() < 0.3e-6, "{touches} {state:?} {failed}: {way} m");
+            let distance = touch - end(&mut run.reloaded(), failed);
+            assert!((distance - expected).abs() < 0.3e-6, "{touches} {state:?} {failed}: {distance} m");
         }
     }
 }
@@ -246,7 +246,7 @@ fn it_is_aborted_by_calibrate_and_by_enable_and_then_a_cycle_is_armed_before_it_
     for (enable, state) in
         [(false, State::Detect), (true, State::Detect), (false, State::Contact), (true, State::Retract)]
     {
-        let mut run = Loop::new(&parameters(), 137, PLACE);
+        let mut run = Loop::new(&parameters(), 137, POSITION);
         begin(&mut run);
         while run.output.state != state || run.output.calibrated.touches < 1 {
             run.step_with(ask);
@@ -274,14 +274,14 @@ fn it_is_aborted_by_calibrate_and_by_enable_and_then_a_cycle_is_armed_before_it_
 fn a_wrong_position_soft_workpiece_and_touches_that_scatter_are_rejected_with_their_numbers() {
     type Change = fn(&mut Parameters, &mut Loop);
     let cases: [(Change, &str); 3] = [
-        (|p, _| p.calibration.position = PLACE + 1e-6, "not below zero"),
+        (|p, _| p.calibration.position = POSITION + 1e-6, "not below zero"),
         (|p, run| (p.limits.bias, run.slide.stiffness) = (4e-7, 7e4), "`limits.bias` = `0.0000004 m`"),
         (|p, _| p.limits.touch_scatter = 2e-9, "`limits.touch_scatter` = `0.000000002 m`"),
     ];
     for (change, why) in cases {
         let mut p = parameters();
         (p.calibration.touches, p.calibration.touches_max) = (2, 2);
-        let mut run = Loop::new(&p, 138, PLACE);
+        let mut run = Loop::new(&p, 138, POSITION);
         change(&mut p, &mut run);
         run.parameters = p;
         calibrate(&mut run);
@@ -302,7 +302,7 @@ fn a_wrong_position_soft_workpiece_and_touches_that_scatter_are_rejected_with_th
 
 #[test]
 fn what_fails_in_a_touch_ends_the_calibration_and_the_next_cycle_is_armed_before_it_touches() {
-    let mut run = Loop::new(&parameters(), 139, PLACE);
+    let mut run = Loop::new(&parameters(), 139, POSITION);
     begin(&mut run);
     while run.output.state != State::Detect {
         run.step_with(ask);
@@ -338,7 +338,7 @@ fn hard_workpiece_is_touched_slower_in_the_calibration_and_in_the_cycle_after_it
     for (force_max, stiffness, slower) in [(0.0, 1.9e6, false), (0.8, 1.9e6, true), (0.8, 2e5, false)] {
         let mut p = parameters();
         (p.calibration.force_max, p.approach.velocity, p.commission.apply) = (force_max, 3e-4, true);
-        let mut run = Loop::new(&p, 143, PLACE);
+        let mut run = Loop::new(&p, 143, POSITION);
         run.slide.stiffness = stiffness;
         commission(&mut run);
         begin(&mut run);
@@ -364,7 +364,7 @@ fn hard_workpiece_is_touched_slower_in_the_calibration_and_in_the_cycle_after_it
         // not so slow that nothing of the requested range remains
         assert!(!slower || force > 0.3, "{force} N");
         // within the reported uncertainty, at the active speed
-        let error = run.output.contact_position_estimate - PLACE;
+        let error = run.output.contact_position_estimate - POSITION;
         assert!(error.abs() < 4.0 * run.output.contact_position_std, "{error} m");
     }
 }
@@ -373,13 +373,13 @@ fn hard_workpiece_is_touched_slower_in_the_calibration_and_in_the_cycle_after_it
 fn workpiece_too_hard_for_the_slowest_speeds_is_rejected_with_its_numbers_after_a_touch_or_two() {
     let mut p = parameters();
     (p.calibration.force_max, p.calibration.apply) = (0.05, true);
-    let mut run = Loop::new(&p, 144, PLACE);
+    let mut run = Loop::new(&p, 144, POSITION);
     run.slide.stiffness = 1.9e6;
     calibrate(&mut run);
     let output = &run.output;
     assert_eq!((output.state, output.fault), (State::Fault, Fault::CalibrationRejected), "{output:?}");
     assert!(!output.calibrated.valid && output.calibrated.touches <= 2 && output.drive_enable, "{output:?}");
-    assert!(output.numbers.bearable.is_some_and(|speed| speed < 3e-5), "{:?}", output.numbers);
+    assert!(output.numbers.tolerated.is_some_and(|speed| speed < 3e-5), "{:?}", output.numbers);
     // an approach touches at the configured speed, and is armed before
     (0..2000).for_each(|_| run.step_with(rest));
     run.step_with(|input| (input.enable, input.reset_fault) = (false, true));

@@ -35,12 +35,12 @@ fn begin(run: &mut Loop, time: f64) {
 /// Runs until the end of the commissioning run; returns the travel of the stage in both directions.
 fn commission(run: &mut Loop) -> [f64; 2] {
     begin(run, 0.0);
-    let start = run.slide.place();
+    let start = run.slide.position();
     let mut reach = [0.0f64; 2];
     while run.output.state == State::Commission {
         run.step_with(ask);
-        let place = run.slide.place() - start;
-        reach = [reach[0].min(place), reach[1].max(place)];
+        let position = run.slide.position() - start;
+        reach = [reach[0].min(position), reach[1].max(position)];
         assert!(run.time() < LIMIT, "{:?}", run.output);
     }
     reach
@@ -155,8 +155,8 @@ fn what_was_measured_is_used_on_request_and_the_next_touch_is_as_ever() {
         assert!(run.run_to(State::Done, limit), "{apply}: {:?}", run.output);
         assert!(run.slide.depth > 0.0 && run.slide.depth < 0.45e-6, "{apply}: {} m", run.slide.depth);
         // the gain ratio of the drive is now 1
-        let share = run.output.drive_gain_ratio;
-        assert_eq!((share - 1.0).abs() < 0.06, apply, "{apply}: {share}");
+        let ratio = run.output.drive_gain_ratio;
+        assert_eq!((ratio - 1.0).abs() < 0.06, apply, "{apply}: {ratio}");
     }
 }
 
@@ -231,13 +231,13 @@ fn a_weight_is_held_by_the_same_current_when_another_thrust_constant_comes_into_
             run.step_with(ask);
             assert_eq!(run.output.state, State::Commission, "{:?}", run.output);
         }
-        let mut most = 0.0f64;
+        let mut maximum = 0.0f64;
         for _ in 0..500 {
             run.step_with(ask);
-            most = most.max((run.slide.place() - run.output.reference.position).abs());
+            maximum = maximum.max((run.slide.position() - run.output.reference.position).abs());
         }
         // two fifths of 5 N would be 5.7 um
-        assert!(most < 0.5e-6, "{compensation}: {most}");
+        assert!(maximum < 0.5e-6, "{compensation}: {maximum}");
     }
 }
 
@@ -257,7 +257,7 @@ fn an_excitation_that_is_too_weak_is_rejected_with_its_numbers() {
 }
 
 #[test]
-fn noise_in_which_no_touch_is_felt_is_rejected_and_no_limit_grows_with_it() {
+fn noise_in_which_no_touch_is_sensed_is_rejected_and_no_limit_grows_with_it() {
     for apply in [false, true] {
         let mut p = Parameters::START;
         p.commission.apply = apply;
@@ -327,7 +327,7 @@ fn a_drive_that_is_lost_or_reverses_is_found_immediately() {
         {
             let mut run = Loop::new(&Parameters::START, 89, NO_WORKPIECE);
             begin(&mut run, time);
-            let (until, place) = (run.time() + 1.0, run.slide.place());
+            let (until, position) = (run.time() + 1.0, run.slide.position());
             run.slide.strength = strength;
             while run.output.state == State::Commission && run.time() < until {
                 run.step_with(ask);
@@ -335,7 +335,7 @@ fn a_drive_that_is_lost_or_reverses_is_found_immediately() {
             assert!(faults.contains(&run.output.fault), "{time} {strength}: {:?}", run.output);
             assert!(!run.output.drive_enable && run.output.current == 0.0);
             // 90 um of the plan and 20 um of following error
-            assert!((run.slide.place() - place).abs() < 1.5e-4, "{time} {strength}");
+            assert!((run.slide.position() - position).abs() < 1.5e-4, "{time} {strength}");
         }
     }
 }

@@ -76,26 +76,26 @@ fn a_weak_drive_is_detected_by_the_start_of_the_approach() {
     let from = run.output.reference.position;
     assert!(run.run_to(State::Fault, run.time() + 0.1), "{:?}", run.output);
     assert_eq!((run.output.fault, run.output.drive_enable), (Fault::WeakDrive, false));
-    let way = run.output.reference.position - from;
-    assert!(way < 3e-6, "{way} m");
+    let travel = run.output.reference.position - from;
+    assert!(travel < 3e-6, "{travel} m");
 }
 
 #[test]
-fn the_reference_lies_where_the_stage_is_while_the_drive_is_off() {
+fn the_reference_is_where_the_stage_is_while_the_drive_is_off() {
     let mut run = running(&Parameters::START, 39, State::Detect);
-    let from = run.slide.place();
+    let from = run.slide.position();
     run.controller.begin_long_step();
     run.slide.push = 1.0;
     for _ in 0..1000 {
         run.step();
-        assert!(!run.output.drive_enable && (run.output.reference.position - run.slide.place()).abs() < 2e-6);
+        assert!(!run.output.drive_enable && (run.output.reference.position - run.slide.position()).abs() < 2e-6);
     }
-    let way = run.slide.place() - from;
-    assert!(way.abs() > 1e-4, "{way} m");
+    let travel = run.slide.position() - from;
+    assert!(travel.abs() > 1e-4, "{travel} m");
 }
 
 /// A loop in `Retract` whose drive then is `late` samples late and has `strength`, run until the cycle ends.
-fn late_on_the_way_back(current_max: f64, late: usize, strength: f64) -> Loop {
+fn late_during_retract(current_max: f64, late: usize, strength: f64) -> Loop {
     let mut p = Parameters::START;
     p.stage.current_max = current_max;
     let mut run = Loop::new(&p, 40, 90e-6);
@@ -111,21 +111,21 @@ fn late_on_the_way_back(current_max: f64, late: usize, strength: f64) -> Loop {
 
 #[test]
 fn done_waits_for_a_stage_that_oscillates_until_it_is_at_rest() {
-    let nominal = late_on_the_way_back(5.0, 0, 1.0).time();
-    let mut run = late_on_the_way_back(5.0, 6, 1.0);
+    let nominal = late_during_retract(5.0, 0, 1.0).time();
+    let mut run = late_during_retract(5.0, 6, 1.0);
     assert_eq!((run.output.state, run.output.fault), (State::Done, Fault::None), "{:?}", run.output);
     assert!(run.time() > nominal + 5e-3, "{} s {nominal} s", run.time());
-    let places: Vec<f64> = (0..100).map(|_| (run.step(), run.slide.place()).1).collect();
-    let way =
-        places.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)) - places.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+    let positions: Vec<f64> = (0..100).map(|_| (run.step(), run.slide.position()).1).collect();
+    let travel = positions.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b))
+        - positions.iter().fold(f64::INFINITY, |a, b| a.min(*b));
     // 0.4 N at 130 Hz are 60 nm in both directions
-    assert!(way < 120e-9, "{way} m");
+    assert!(travel < 120e-9, "{travel} m");
 }
 
 #[test]
 fn a_loop_that_oscillates_below_the_limit_of_the_current_is_detected_before_done() {
     for current_max in [5.0, 0.3] {
-        let run = late_on_the_way_back(current_max, 7, 1.15);
+        let run = late_during_retract(current_max, 7, 1.15);
         assert!(run.output.current.abs() < current_max);
         switches_off(run, Fault::Oscillation);
     }

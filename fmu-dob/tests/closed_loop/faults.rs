@@ -24,8 +24,8 @@ fn retreats(mut run: Loop, fault: Fault) {
         assert!(finite(&run.output));
         assert_eq!((run.output.state, run.output.fault), (State::Fault, fault));
     }
-    let way = from - run.output.reference.position;
-    assert!((way - RETRACT).abs() < 0.2e-6, "retreat of {way} m");
+    let distance = from - run.output.reference.position;
+    assert!((distance - RETRACT).abs() < 0.2e-6, "retreat of {distance} m");
     assert!(run.output.drive_enable);
     assert_eq!(run.output.reference.velocity, 0.0);
     assert!(run.output.tracking_error.abs() < 20e-9, "{} m", run.output.tracking_error);
@@ -214,7 +214,7 @@ fn a_long_communication_step_switches_the_drive_off_until_it_is_short() {
 }
 
 #[test]
-fn a_graver_fault_takes_over_and_no_other() {
+fn a_more_severe_fault_takes_over_and_no_other() {
     let mut run = running(&Parameters::START, 33, State::Detect);
     lose_spindle(&mut run);
     assert_eq!((run.output.fault, run.output.drive_enable), (Fault::SpindleLost, true));

@@ -20,22 +20,22 @@ fn fault_within(run: &mut Loop, time: f64) -> Fault {
 
 /// Loops at positions of a complete cycle: each sample from the contact to the end, each tenth at the start, few at a
 /// constant speed.
-fn places(mut run: Loop) -> Vec<Loop> {
-    let mut places = Vec::new();
+fn starts(mut run: Loop) -> Vec<Loop> {
+    let mut starts = Vec::new();
     for k in 0.. {
         let every = match run.output.state {
             State::Contact | State::Retract => 1,
             State::Approach if run.output.reference.velocity.abs() < 0.999 * run.parameters.approach.velocity => 10,
-            State::Done => return places,
+            State::Done => return starts,
             _ => 400,
         };
         if k % every == 0 {
-            places.push(run.clone());
+            starts.push(run.clone());
         }
         run.step();
         assert_eq!(run.output.fault, Fault::None, "{:?}", run.output);
     }
-    places
+    starts
 }
 
 #[test]
@@ -45,12 +45,12 @@ fn three_lost_positions_are_bridged_anywhere_in_a_cycle_and_four_are_detected() 
         p.approach.direction = direction;
         let mut run = Loop::new(&p, seed, 90e-6);
         run.slide.strength = strength;
-        for place in places(run) {
+        for start in starts(run) {
             for lost in 1..=4 {
-                let mut run = place.clone();
+                let mut run = start.clone();
                 lose(&mut run, lost);
                 let expected = if lost < 4 { Fault::None } else { Fault::PositionLost };
-                let what = format!("{strength} {:?} {} s, {lost}", place.output.state, place.time());
+                let what = format!("{strength} {:?} {} s, {lost}", start.output.state, start.time());
                 assert_eq!(fault_within(&mut run, 0.25), expected, "{what}: {:?}", run.output);
             }
         }
@@ -64,16 +64,16 @@ fn more_may_be_lost_where_the_limit_says_so() {
     for strength in [1.0, 1.3] {
         let mut run = Loop::new(&p, 24, 90e-6);
         run.slide.strength = strength;
-        for place in places(run).into_iter().filter(|place| place.output.state == State::Retract) {
-            let mut run = place.clone();
+        for start in starts(run).into_iter().filter(|start| start.output.state == State::Retract) {
+            let mut run = start.clone();
             lose(&mut run, 6);
-            assert_eq!(fault_within(&mut run, 0.25), Fault::None, "{strength} {} s: {:?}", place.time(), run.output);
+            assert_eq!(fault_within(&mut run, 0.25), Fault::None, "{strength} {} s: {:?}", start.time(), run.output);
         }
     }
 }
 
-/// Positions changed by `lie` after a gap of `lost` in `Detect`, for `samples`.
-fn behind_a_gap(detector: DetectorKind, lost: u32, samples: u32, mut lie: impl FnMut(&mut Input, &[f64])) -> Loop {
+/// Positions changed by `fake` after a gap of `lost` in `Detect`, for `samples`.
+fn after_a_gap(detector: DetectorKind, lost: u32, samples: u32, mut fake: impl FnMut(&mut Input, &[f64])) -> Loop {
     let mut run = Loop::new(&Parameters { detector, ..Parameters::START }, 71, NO_WORKPIECE);
     assert!(run.run_to(State::Detect, 3.0));
     let mut recent = Vec::new();
@@ -87,7 +87,7 @@ fn behind_a_gap(detector: DetectorKind, lost: u32, samples: u32, mut lie: impl F
     for _ in 0..samples {
         run.step_with(|input| {
             recent.push(input.position);
-            lie(input, &recent);
+            fake(input, &recent);
         });
         if run.output.contact || run.output.state == State::Fault {
             break;
@@ -97,11 +97,11 @@ fn behind_a_gap(detector: DetectorKind, lost: u32, samples: u32, mut lie: impl F
 }
 
 #[test]
-fn what_lies_after_a_gap_is_detected() {
+fn what_follows_a_gap_is_detected() {
     for &detector in DetectorKind::ALL {
         for lost in 1..=3 {
-            let reported = |lie: &mut dyn FnMut(&mut Input, &[f64])| {
-                let run = behind_a_gap(detector, lost, 30, lie);
+            let reported = |fake: &mut dyn FnMut(&mut Input, &[f64])| {
+                let run = after_a_gap(detector, lost, 30, fake);
                 assert!(!run.output.contact && !run.output.drive_enable, "{detector:?} {lost}: {:?}", run.output);
                 run.output.fault
             };

@@ -36,8 +36,8 @@ fn a_workpiece_so_soft_that_it_is_detected_late_is_never_done() {
     // the force of the guard
     assert!((p.guard_force..1.2 * p.guard_force).contains(&details.force), "{details:?}");
     // 40 um on two flutes
-    let felt = p.guard_force / (2.0 * stiffness);
-    assert!((0.8 * felt..1.2 * felt).contains(&run.slide.depth), "{} m", run.slide.depth);
+    let sensed = p.guard_force / (2.0 * stiffness);
+    assert!((0.8 * sensed..1.2 * sensed).contains(&run.slide.depth), "{} m", run.slide.depth);
 }
 
 #[test]
@@ -45,8 +45,8 @@ fn contact_before_the_detector_is_armed_is_caught_by_the_guard() {
     let p = Parameters::START;
     let mut deepest = 0.0;
     for k in 0..60 {
-        let share = 0.1 + 0.88 * f64::from(k) / 60.0;
-        let surface = p.approach.velocity * (p.learn.settle_time + share * p.learn.time);
+        let ratio = 0.1 + 0.88 * f64::from(k) / 60.0;
+        let surface = p.approach.velocity * (p.learn.settle_time + ratio * p.learn.time);
         let mut run = Loop::new(&p, 1500 + k as u64, surface);
         caught_and_reported(&mut run);
         deepest = f64::max(deepest, run.slide.depth);
@@ -70,8 +70,8 @@ fn a_contact_that_the_armed_detector_has_missed_is_detected_after_the_retract() 
     assert_eq!((run.output.fault, run.output.drive_enable, run.output.contact), (Fault::LateContact, true, false));
     assert_eq!(run.output.numbers.late.unwrap().unseen, Unseen::Missed);
     assert!((run.output.numbers.late.unwrap().position - from).abs() < 1e-6, "{:?} {from}", run.output.numbers);
-    let way = from - run.output.reference.position;
-    assert!((way - RETRACT).abs() < 0.2e-6, "retreat of {way} m");
+    let distance = from - run.output.reference.position;
+    assert!((distance - RETRACT).abs() < 0.2e-6, "retreat of {distance} m");
 }
 
 #[test]

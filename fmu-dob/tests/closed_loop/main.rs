@@ -3,13 +3,13 @@
 
 mod calibration;
 mod commission;
+mod cycles;
 mod detection;
 mod drive;
 mod faults;
 mod gaps;
 mod guard;
 mod hostile;
-mod jobs;
 mod law;
 mod motion;
 mod noise;

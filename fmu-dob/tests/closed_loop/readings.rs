@@ -16,16 +16,16 @@ fn running(p: &Parameters, seed: u64, state: State) -> Loop {
 
 /// Steps with a changed input until a fault or a contact; returns the travel of the slide in that time, m.
 fn until_fault(run: &mut Loop, samples: u32, mut change: impl FnMut(&mut Input)) -> f64 {
-    let from = run.slide.place();
-    let mut way: f64 = 0.0;
+    let from = run.slide.position();
+    let mut travel: f64 = 0.0;
     for _ in 0..samples {
         run.step_with(&mut change);
-        way = way.max((run.slide.place() - from).abs());
+        travel = travel.max((run.slide.position() - from).abs());
         if run.output.state == State::Fault || run.output.contact {
             break;
         }
     }
-    way
+    travel
 }
 
 #[test]
@@ -39,14 +39,14 @@ fn a_frozen_encoder_is_detected_before_it_looks_like_a_contact() {
                 for flicker in [0.0, 1e-9] {
                     let mut run = armed.clone();
                     let (mut held, mut k) = (None, 0);
-                    let way = until_fault(&mut run, 1000, |input| {
+                    let travel = until_fault(&mut run, 1000, |input| {
                         k += 1;
                         input.position = *held.get_or_insert(input.position) + flicker * f64::from(k % 2);
                     });
                     let outcome = (run.output.fault, run.output.contact, run.output.drive_enable);
                     assert_eq!(outcome, (Fault::PositionFrozen, false, false), "{detector:?} {speed} {flicker} {seed}");
                     // what it moves in the samples until then, and what it has been turned away
-                    assert!(way < 10.0 * speed * 1e-4 + 20e-9, "{detector:?} {speed} {flicker}: {way} m");
+                    assert!(travel < 10.0 * speed * 1e-4 + 20e-9, "{detector:?} {speed} {flicker}: {travel} m");
                 }
             }
         }
@@ -91,11 +91,11 @@ fn a_link_that_falls_behind_is_detected_as_late_and_another_jump_back_is_not() {
             let armed = running(&Parameters::START, seed, state);
             for late in [3usize, 4, 10, 31] {
                 let mut run = armed.clone();
-                let mut said = Vec::new();
-                (0..40).for_each(|_| run.step_with(|input| said.push(input.position)));
+                let mut sent = Vec::new();
+                (0..40).for_each(|_| run.step_with(|input| sent.push(input.position)));
                 until_fault(&mut run, 10, |input| {
-                    said.push(input.position);
-                    input.position = said[said.len() - 1 - late];
+                    sent.push(input.position);
+                    input.position = sent[sent.len() - 1 - late];
                 });
                 assert_eq!(run.output.fault, Fault::PositionDelayed, "{state:?} {late}");
                 assert_eq!((run.output.numbers.late_by, run.output.drive_enable), (late as u32, false));
@@ -113,9 +113,9 @@ fn an_encoder_in_another_unit_is_no_force() {
     for scale in [100.0, 1e3, 1e6] {
         for seed in 73..76 {
             let mut run = Loop::new(&Parameters::START, seed, NO_WORKPIECE);
-            let way = until_fault(&mut run, 100, |input| input.position *= scale);
+            let travel = until_fault(&mut run, 100, |input| input.position *= scale);
             assert_eq!(run.output.fault, Fault::PositionJump, "{scale} {seed}");
-            assert!(way < 1e-6, "{scale} {seed}: {way} m");
+            assert!(travel < 1e-6, "{scale} {seed}: {travel} m");
         }
     }
 }
@@ -148,14 +148,14 @@ fn an_encoder_that_freezes_at_rest_is_detected_before_or_as_the_approach_begins(
                 }
             });
             if k >= at {
-                from.get_or_insert(run.slide.place());
+                from.get_or_insert(run.slide.position());
             }
             if run.output.state == State::Fault {
                 break;
             }
         }
-        let way = (run.slide.place() - from.unwrap()).abs();
-        println!("frozen at {at}, enabled at {enable}: moved {way} m");
+        let travel = (run.slide.position() - from.unwrap()).abs();
+        println!("frozen at {at}, enabled at {enable}: moved {travel} m");
         assert_eq!(run.output.fault, Fault::PositionFrozen, "{at} {enable}");
     }
 }
@@ -177,15 +177,15 @@ fn an_encoder_that_freezes_as_the_stage_comes_to_rest_after_a_retract_is_detecte
     for wait in [100, 200, 300, 500, 600, 1000, 1500] {
         let mut run = rested.clone();
         (0..wait).for_each(|_| run.step());
-        let (mut held, from, mut after) = (None, run.slide.place(), 0);
+        let (mut held, from, mut after) = (None, run.slide.position(), 0);
         // a contact that is doubted first is outdone by it
         while run.output.fault != Fault::PositionFrozen && after < 400 {
             run.step_with(|input| input.position = *held.get_or_insert(input.position));
             after += 1;
         }
-        let way = (run.slide.place() - from).abs();
-        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionFrozen, false), "{wait}: {way}");
-        assert!(after <= 302 && way < 40e-6, "{wait}: {after} {way}");
+        let travel = (run.slide.position() - from).abs();
+        assert_eq!((run.output.fault, run.output.drive_enable), (Fault::PositionFrozen, false), "{wait}: {travel}");
+        assert!(after <= 302 && travel < 40e-6, "{wait}: {after} {travel}");
     }
 }
 
@@ -212,7 +212,7 @@ fn one_bad_sample_is_no_contact_and_moves_nothing() {
                 for sign in [1.0, -1.0] {
                     let mut run = armed.clone();
                     run.step_with(|input| input.position += sign * offset);
-                    let way = until_fault(&mut run, 2000, |_| ());
+                    let travel = until_fault(&mut run, 2000, |_| ());
                     let outcome = (run.output.state, run.output.contact_source);
                     assert_eq!(
                         outcome,
@@ -221,7 +221,7 @@ fn one_bad_sample_is_no_contact_and_moves_nothing() {
                         sign * offset * 1e9,
                         run.output
                     );
-                    assert!((way - 2e-5).abs() < 1e-7);
+                    assert!((travel - 2e-5).abs() < 1e-7);
                 }
             }
         }
@@ -236,15 +236,15 @@ fn a_position_that_jumps_for_good_is_detected_or_no_contact() {
             for offset in [9e-9, 10e-9, 11e-9, 13e-9, 15e-9, 17e-9, 20e-9, 25e-9, 30e-9, 40e-9, 1e-6, 1e-3] {
                 for sign in [1.0, -1.0] {
                     let mut run = armed.clone();
-                    let way = until_fault(&mut run, 1000, |input| input.position += sign * offset);
+                    let travel = until_fault(&mut run, 1000, |input| input.position += sign * offset);
                     let what = format!("{detector:?} {} nm, {seed}", sign * offset * 1e9);
                     assert!(!run.output.contact, "{what}: {:?}", run.output);
                     if run.output.state == State::Fault {
                         assert_eq!(run.output.fault, Fault::PositionJump, "{what}");
-                        assert!(way < 5e-8, "{what}: {way} m");
+                        assert!(travel < 5e-8, "{what}: {travel} m");
                     } else {
                         // followed, by no more than that
-                        assert!(offset < 18e-9 && (way - 1e-5).abs() < 4e-8, "{what}: {way} m");
+                        assert!(offset < 18e-9 && (travel - 1e-5).abs() < 4e-8, "{what}: {travel} m");
                     }
                 }
             }

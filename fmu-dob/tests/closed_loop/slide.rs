@@ -111,7 +111,7 @@ impl Slide {
     }
 
     /// Where it is, m.
-    pub fn place(&self) -> f64 {
+    pub fn position(&self) -> f64 {
         self.position
     }
 

@@ -25,8 +25,8 @@ fn parameters(change: impl Fn(&mut Parameters)) -> Parameters {
 fn a_good_calibration_is_in_force_where_it_is_to_be_and_derived_in_any_case() {
     for (apply, direction) in [(false, 1), (true, 1), (true, -1)] {
         let p = parameters(|p| (p.calibration.apply, p.approach.direction) = (apply, direction));
-        let truth = Bias { constant: 2e-7, fast: 1e-7, slow: 0.0 };
-        let calibration = calibrated(&p, |v, _| truth.at(v));
+        let actual = Bias { constant: 2e-7, fast: 1e-7, slow: 0.0 };
+        let calibration = calibrated(&p, |v, _| actual.at(v));
         assert!(calibration.calibrated.valid && calibration.over() && !calibration.rejected);
         let mut later = p.clone();
         later.contact.bias = 7e-7;
@@ -47,23 +47,23 @@ fn each_limit_is_the_last_value_that_is_accepted() {
         calibration.calibrated.valid
     };
     // four touches that alternate by x have the standard deviation x (4/3)^(1/2)
-    let swing = |x: f64| move |_: f64, touch: u32| 2e-7 + if (touch / 5).is_multiple_of(2) { x } else { -x };
-    assert!(good(&swing(1.03e-8)) && !good(&swing(1.05e-8)));
+    let oscillation = |x: f64| move |_: f64, touch: u32| 2e-7 + if (touch / 5).is_multiple_of(2) { x } else { -x };
+    assert!(good(&oscillation(1.03e-8)) && !good(&oscillation(1.05e-8)));
     // too soft, and before the touch
     assert!(good(&|v, _| 9.9e-7 - 1e-4 * v) && !good(&|_, _| 1.01e-6));
     // what the parts leave out, and as much of their own at an end: 8.4 nm
     assert!(good(&|_, _| -2.4e-8) && !good(&|_, _| -2.6e-8));
-    let unsure = |deviation: f64| {
+    let uncertain = |deviation: f64| {
         let p = parameters(|p| p.calibration.position_std = deviation);
         calibrated(&p, |_, _| 2e-7).calibrated.valid
     };
-    assert!(unsure(2.86e-8) && !unsure(2.9e-8));
+    assert!(uncertain(2.86e-8) && !uncertain(2.9e-8));
 }
 
 #[test]
 fn touches_that_are_uncertain_are_made_once_more_while_that_may_help() {
-    let touches = |most: i32, first: f64| {
-        let p = parameters(|p| (p.calibration.touches_max, p.calibration.apply) = (most, true));
+    let touches = |maximum: i32, first: f64| {
+        let p = parameters(|p| (p.calibration.touches_max, p.calibration.apply) = (maximum, true));
         let mut calibration = CalibrationRun::new(&p);
         calibration.begin(&p);
         let mut made = 0;
@@ -90,7 +90,7 @@ fn touches_that_are_uncertain_are_made_once_more_while_that_may_help() {
 
 #[test]
 fn a_slowest_speed_that_is_never_certain_is_left_out_once_all_touches_are_made() {
-    let truth = Bias { constant: 2e-7, fast: 1e-7, slow: 0.0 };
+    let actual = Bias { constant: 2e-7, fast: 1e-7, slow: 0.0 };
     let p = parameters(|p| (p.calibration.touches_max, p.calibration.apply) = (6, true));
     // one speed is late by 300 nm in every second round, and by `more` besides
     let end = |odd: usize, more: f64| {
@@ -99,7 +99,7 @@ fn a_slowest_speed_that_is_never_certain_is_left_out_once_all_touches_are_made()
         while !calibration.ended() {
             let (touch, velocity) = (calibration.calibrated.touches as usize, calibration.approach(&p).velocity);
             let late = if touch % 5 == odd { more + 3e-7 * (touch / 5 % 2) as f64 } else { 0.0 };
-            calibration.take(&p, &Measured::START, p.calibration.position + truth.at(velocity) + late, 0.0);
+            calibration.take(&p, &Measured::START, p.calibration.position + actual.at(velocity) + late, 0.0);
         }
         calibration
     };
@@ -112,24 +112,28 @@ fn a_slowest_speed_that_is_never_certain_is_left_out_once_all_touches_are_made()
         assert!(calibration.deviation(3e-5) < 2e-8 && calibration.deviation(1e-5) > 1.5e-7 + more);
     }
     // a rejected calibration reports the result of all speeds
-    let refused = end(1, 0.0);
-    assert!(refused.rejected && !refused.calibrated.valid && refused.calibrated.touches == 30);
-    assert!(refused.calibrated.velocity_min == 1e-5 && refused.calibrated.scatter > 6e-8, "{:?}", refused.calibrated);
+    let rejected = end(1, 0.0);
+    assert!(rejected.rejected && !rejected.calibrated.valid && rejected.calibrated.touches == 30);
+    assert!(
+        rejected.calibrated.velocity_min == 1e-5 && rejected.calibrated.scatter > 6e-8,
+        "{:?}",
+        rejected.calibrated
+    );
     // no speed is left out where all are certain
-    assert_eq!(calibrated(&p, |v, _| truth.at(v)).calibrated.velocity_min, 1e-5);
+    assert_eq!(calibrated(&p, |v, _| actual.at(v)).calibrated.velocity_min, 1e-5);
 }
 
 #[test]
 fn one_that_is_aborted_or_rejected_leaves_what_was_configured() {
     let p = parameters(|p| p.calibration.apply = true);
-    for broken in [true, false] {
+    for aborted in [true, false] {
         let mut calibration = calibrated(&p, |_, _| 2e-7);
         calibration.end();
         calibration.begin(&p);
         assert!(!calibration.calibrated.valid && calibration.calibrated.bias == 0.0);
-        if broken {
+        if aborted {
             calibration.take(&p, &Measured::START, 5.03e-5, 0.0);
-            assert!(calibration.break_off() && !calibration.break_off());
+            assert!(calibration.abort() && !calibration.abort());
             assert!(calibration.over());
         } else {
             (0..20).for_each(|_| calibration.take(&p, &Measured::START, 6e-5, 0.0));
@@ -145,18 +149,18 @@ fn it_rests_for_its_fraction_of_a_revolution_before_a_touch_and_for_none_at_its_
     let p = parameters(|_| ());
     let mut calibration = CalibrationRun::new(&p);
     calibration.begin(&p);
-    let stands = |calibration: &mut CalibrationRun| (0..99).find(|_| calibration.rested());
+    let at_rest_after = |calibration: &mut CalibrationRun| (0..99).find(|_| calibration.rested());
     for touch in 0..20 {
         // 0.4 of 10 ms more in each round
         let expected = [0, 40, 80, 20][touch / 5];
-        assert_eq!(stands(&mut calibration), Some(expected), "{touch}");
+        assert_eq!(at_rest_after(&mut calibration), Some(expected), "{touch}");
         calibration.take(&p, &Measured::START, 5.02e-5, TAU / 0.01);
     }
-    assert_eq!(stands(&mut calibration), Some(0));
+    assert_eq!(at_rest_after(&mut calibration), Some(0));
     calibration.begin(&p);
     (0..6).for_each(|_| calibration.take(&p, &Measured::START, 5.02e-5, TAU / 0.01));
-    calibration.break_off();
-    assert_eq!(stands(&mut calibration), Some(0));
+    calibration.abort();
+    assert_eq!(at_rest_after(&mut calibration), Some(0));
 }
 
 #[test]
@@ -164,7 +168,7 @@ fn during_a_calibration_the_approach_is_that_of_the_parameters() {
     let p = parameters(|_| ());
     let mut calibration = CalibrationRun::new(&p);
     assert_eq!(calibration.approach(&p), p.approach);
-    assert!(!calibration.break_off() && !calibration.broken());
+    assert!(!calibration.abort() && !calibration.aborted());
     calibration.begin(&p);
     let slowest = Approach { velocity: 1e-5, ..p.approach };
     assert_eq!(calibration.approach(&p), slowest);
@@ -174,7 +178,7 @@ fn during_a_calibration_the_approach_is_that_of_the_parameters() {
         assert_eq!(after, if last { p.approach } else { calibration.approach(&p) });
     }
     calibration.begin(&p);
-    assert!(calibration.break_off());
+    assert!(calibration.abort());
     assert_eq!(calibration.approach_after(&p), p.approach);
 }
 
@@ -192,7 +196,7 @@ fn a_cycle_is_no_faster_than_was_calibrated_with_a_limit_of_the_force_and_is_in_
         assert_eq!(calibration.approach(&Parameters { approach: slower, ..p.clone() }), slower);
         // aborted: the configured bias is active
         calibration.begin(&p);
-        calibration.break_off();
+        calibration.abort();
         assert_eq!(calibration.approach(&p).velocity, 1e-3);
         calibration.end();
         assert_eq!(calibration.approach(&p).velocity, 1e-3);
@@ -202,11 +206,11 @@ fn a_cycle_is_no_faster_than_was_calibrated_with_a_limit_of_the_force_and_is_in_
 /// A touch of that many samples, after which 10 kg are at rest without thrust: F over v is 1.25 times the mass over the
 /// time.
 fn touch(calibration: &mut CalibrationRun, p: &Parameters, samples: u32) {
-    let place = p.direction() * p.calibration.position;
-    calibration.feel(p, &Measured::START, Some(place - 1e-9), 0.0, false);
-    (0..samples).for_each(|_| calibration.feel(p, &Measured::START, Some(place + 1e-8), 0.0, false));
-    (0..70).for_each(|_| calibration.feel(p, &Measured::START, Some(place - 1e-8), 0.0, true));
-    calibration.take(p, &Measured::START, place + 1e-8, 0.0);
+    let nominal = p.direction() * p.calibration.position;
+    calibration.sense(p, &Measured::START, Some(nominal - 1e-9), 0.0, false);
+    (0..samples).for_each(|_| calibration.sense(p, &Measured::START, Some(nominal + 1e-8), 0.0, false));
+    (0..70).for_each(|_| calibration.sense(p, &Measured::START, Some(nominal - 1e-8), 0.0, true));
+    calibration.take(p, &Measured::START, nominal + 1e-8, 0.0);
 }
 
 #[test]
@@ -220,10 +224,10 @@ fn touches_that_press_too_hard_even_at_the_slowest_speeds_end_the_calibration() 
             touch(&mut calibration, &p, 4);
             assert_eq!((calibration.rejected, calibration.ended(), calibration.over()), (last, last, false));
         }
-        let bearable = calibration.bearable.unwrap();
-        assert!(bearable < 3e-5, "{bearable}");
+        let tolerated = calibration.tolerated.unwrap();
+        assert!(tolerated < 3e-5, "{tolerated}");
         calibration.begin(&p);
-        assert!(!calibration.rejected && calibration.bearable.is_none());
+        assert!(!calibration.rejected && calibration.tolerated.is_none());
     }
 }
 

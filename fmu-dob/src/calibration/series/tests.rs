@@ -2,7 +2,7 @@ use super::*;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-const TRUTH: Bias = Bias { constant: 1.6e-7, fast: 1.3e-7, slow: 3.5e-13 };
+const ACTUAL: Bias = Bias { constant: 1.6e-7, fast: 1.3e-7, slow: 3.5e-13 };
 
 /// A whole series whose touches scatter by `sigma` m, and what the three parts leave out at the speeds by `left` m.
 fn series(p: &Parameters, seed: u64, sigma: f64, left: f64) -> TouchSeries {
@@ -11,25 +11,29 @@ fn series(p: &Parameters, seed: u64, sigma: f64, left: f64) -> TouchSeries {
     let mut series = TouchSeries::new(p);
     let left: [f64; SPEEDS] = std::array::from_fn(|_| noise(left));
     while !series.over(p) {
-        series.take(p, TRUTH.at(series.velocity()) + left[series.next()] + noise(sigma), 0.0);
+        series.take(p, ACTUAL.at(series.velocity()) + left[series.next()] + noise(sigma), 0.0);
     }
     series
 }
 
 /// A complete series whose touches at speed `i` are later than the bias by `late(i)` and alternate about that by a
 /// spread, m.
-fn to_and_fro(p: &Parameters, late: impl Fn(usize) -> [f64; 2]) -> TouchSeries {
+fn back_and_forth(p: &Parameters, late: impl Fn(usize) -> [f64; 2]) -> TouchSeries {
     let mut series = TouchSeries::new(p);
     while !series.over(p) {
-        let ([late, swing], round) = (late(series.next()), series.touches() / SPEEDS as u32);
-        series.take(p, TRUTH.at(series.velocity()) + late + if round.is_multiple_of(2) { swing } else { -swing }, 0.0);
+        let ([late, oscillation], round) = (late(series.next()), series.touches() / SPEEDS as u32);
+        series.take(
+            p,
+            ACTUAL.at(series.velocity()) + late + if round.is_multiple_of(2) { oscillation } else { -oscillation },
+            0.0,
+        );
     }
     series
 }
 
-/// Variance (m2) of four touches that alternate by `swing` m, with a step of the encoder.
-fn variance(swing: f64) -> f64 {
-    swing * swing * 4.0 / 3.0 + 1e-18 / 12.0
+/// Variance (m2) of four touches that alternate by `oscillation` m, with a step of the encoder.
+fn variance(oscillation: f64) -> f64 {
+    oscillation * oscillation * 4.0 / 3.0 + 1e-18 / 12.0
 }
 
 #[test]
@@ -51,28 +55,28 @@ fn the_parts_are_found_and_as_certain_as_configured() {
     let p = Parameters::START;
     let exact = series(&p, 1, 0.0, 0.0).conclude(&p, 0).unwrap().0;
     for velocity in [1e-5, 5e-5, 3e-4] {
-        assert!((exact.parts().at(velocity) - TRUTH.at(velocity)).abs() < 1e-12, "{exact:?}");
+        assert!((exact.parts().at(velocity) - ACTUAL.at(velocity)).abs() < 1e-12, "{exact:?}");
     }
     let many: Vec<Calibrated> =
         (0..400).map(|seed| series(&p, seed, 2e-8, LEFT_OUT).conclude(&p, 0).unwrap().0).collect();
     let rms = |of: &dyn Fn(&Calibrated) -> f64| (many.iter().map(|t| of(t).powi(2)).sum::<f64>() / 400.0).sqrt();
     for ratio in [
-        rms(&|t| (t.bias - TRUTH.constant) / t.bias_std),
-        rms(&|t| (t.bias_fast - TRUTH.fast) / t.bias_fast_std),
-        rms(&|t| (t.bias_slow - TRUTH.slow) / t.bias_slow_std),
+        rms(&|t| (t.bias - ACTUAL.constant) / t.bias_std),
+        rms(&|t| (t.bias_fast - ACTUAL.fast) / t.bias_fast_std),
+        rms(&|t| (t.bias_slow - ACTUAL.slow) / t.bias_slow_std),
         rms(&|t| (t.scatter - 2e-8) / t.scatter_std),
     ] {
         assert!((0.8..1.2).contains(&ratio), "{ratio}");
     }
     // the uncertainty is largest at the ends of the range, and contains the model error
-    let worst = [1e-5, 3e-4].map(|v| rms(&|t| (t.parts().at(v) - TRUTH.at(v)).hypot(LEFT_OUT) / t.std));
+    let worst = [1e-5, 3e-4].map(|v| rms(&|t| (t.parts().at(v) - ACTUAL.at(v)).hypot(LEFT_OUT) / t.std));
     assert!(worst.iter().all(|ratio| *ratio < 1.2) && worst[0].max(worst[1]) > 0.8, "{worst:?}");
 }
 
 #[test]
 fn a_speed_whose_touches_scatter_more_is_detected_with_more_and_is_used_for_less() {
     let p = Parameters::START;
-    let series = to_and_fro(&p, |i| [0.0, if i == 0 { 5e-8 } else { 5e-9 }]);
+    let series = back_and_forth(&p, |i| [0.0, if i == 0 { 5e-8 } else { 5e-9 }]);
     let (calibrated, spread) = series.conclude(&p, 0).unwrap();
     let pooled = (variance(5e-8) + 4.0 * variance(5e-9)) / 5.0;
     assert!((calibrated.scatter / pooled.sqrt() - 1.0).abs() < 1e-9, "{calibrated:?}");
@@ -89,12 +93,12 @@ fn a_speed_whose_touches_scatter_more_is_detected_with_more_and_is_used_for_less
 #[test]
 fn the_slowest_may_be_left_out_and_is_as_uncertain_as_its_touches_are_off() {
     let p = Parameters::START;
-    let series = to_and_fro(&p, |i| if i == 0 { [4e-7, 2e-7] } else { [0.0, 5e-9] });
+    let series = back_and_forth(&p, |i| if i == 0 { [4e-7, 2e-7] } else { [0.0, 5e-9] });
     let (whole, (calibrated, spread)) = (series.conclude(&p, 0).unwrap().0, series.conclude(&p, 1).unwrap());
     assert_eq!((whole.velocity_min, calibrated.velocity_min), (series.speeds[0], series.speeds[1]));
     assert!((calibrated.scatter / variance(5e-9).sqrt() - 1.0).abs() < 1e-9, "{calibrated:?}");
     assert!((calibrated.scatter_std / calibrated.scatter / 24f64.sqrt().recip() - 1.0).abs() < 1e-9, "{calibrated:?}");
-    assert!((calibrated.parts().at(1e-4) - TRUTH.at(1e-4)).abs() < 1e-12, "{calibrated:?}");
+    assert!((calibrated.parts().at(1e-4) - ACTUAL.at(1e-4)).abs() < 1e-12, "{calibrated:?}");
     assert!(calibrated.std < 1e-8 && whole.std > 1e-7, "{calibrated:?}");
     // its own scatter alone, by Student; what the others say of it, and that it was 400 nm off
     assert!((spread.touch[0] / (variance(2e-7) * 5.0 / 3.0).sqrt() - 1.0).abs() < 1e-9, "{spread:?}");
@@ -106,12 +110,12 @@ fn the_slowest_may_be_left_out_and_is_as_uncertain_as_its_touches_are_off() {
 #[test]
 fn a_position_that_is_hardly_known_makes_the_constant_part_less_certain_and_no_other() {
     let mut p = Parameters::START;
-    let sure = series(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
+    let certain = series(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
     p.calibration.position_std = 1e-7;
-    let unsure = series(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
-    assert!((unsure.bias_std.powi(2) - sure.bias_std.powi(2) - 1e-14).abs() < 1e-20);
-    assert!((unsure.std.powi(2) - sure.std.powi(2) - 1e-14).abs() < 1e-20);
-    assert_eq!(unsure.bias_fast_std, sure.bias_fast_std);
+    let uncertain = series(&p, 3, 2e-8, 0.0).conclude(&p, 0).unwrap().0;
+    assert!((uncertain.bias_std.powi(2) - certain.bias_std.powi(2) - 1e-14).abs() < 1e-20);
+    assert!((uncertain.std.powi(2) - certain.std.powi(2) - 1e-14).abs() < 1e-20);
+    assert_eq!(uncertain.bias_fast_std, certain.bias_fast_std);
 }
 
 #[test]
@@ -126,7 +130,7 @@ fn no_bias_is_more_certain_than_what_the_three_parts_leave_out() {
 fn what_the_three_parts_do_not_explain_makes_them_less_certain() {
     let p = Parameters::START;
     let bent = |by: f64| {
-        let series = to_and_fro(&p, |i| [if i == 2 { by } else { 0.0 }, 1e-8]);
+        let series = back_and_forth(&p, |i| [if i == 2 { by } else { 0.0 }, 1e-8]);
         series.conclude(&p, 0).unwrap().0.std
     };
     assert!(bent(1e-7) > 3.0 * bent(0.0), "{} {}", bent(1e-7), bent(0.0));
@@ -136,7 +140,7 @@ fn what_the_three_parts_do_not_explain_makes_them_less_certain() {
 fn the_rounds_spread_over_half_a_revolution_of_the_spindle_after_any_number_of_touches() {
     for between in 1..SPEEDS {
         let mut series = TouchSeries::new(&Parameters::START);
-        let mut shares: Vec<f64> = (0..5)
+        let mut fractions: Vec<f64> = (0..5)
             .map(|_| {
                 // 10 ms per revolution, in both directions
                 let pause = series.pause(TAU / 0.01);
@@ -145,10 +149,10 @@ fn the_rounds_spread_over_half_a_revolution_of_the_spindle_after_any_number_of_t
                 (between as f64 * pause / 0.01 * 2.0 + 0.05).fract()
             })
             .collect();
-        shares.sort_by(f64::total_cmp);
+        fractions.sort_by(f64::total_cmp);
         assert!(
-            shares.iter().zip(0..).all(|(share, k)| (share - 0.05 - 0.2 * f64::from(k)).abs() < 1e-9),
-            "{shares:?}"
+            fractions.iter().zip(0..).all(|(fraction, k)| (fraction - 0.05 - 0.2 * f64::from(k)).abs() < 1e-9),
+            "{fractions:?}"
         );
     }
 }
@@ -161,8 +165,8 @@ fn the_extremes_are_means_of_a_speed() {
         let late = [3e-7, -1e-7, 2e-7, 2e-7, 2e-7][series.next()];
         series.take(&p, late + if series.touches() < 5 { 1e-8 } else { 0.0 }, 0.0);
     }
-    let [least, most] = series.extremes(0);
-    assert!((least + 9.75e-8).abs() < 1e-15 && (most - 3.025e-7).abs() < 1e-15, "{least} {most}");
+    let [minimum, maximum] = series.extremes(0);
+    assert!((minimum + 9.75e-8).abs() < 1e-15 && (maximum - 3.025e-7).abs() < 1e-15, "{minimum} {maximum}");
 }
 
 /// A series whose touches press as `force` says (N) of their speed (m/s), after the first round; or the error that ends
@@ -228,7 +232,7 @@ fn a_touch_that_has_pressed_too_hard_is_discarded_and_is_used_for_how_often_more
         let jump = !given_up && series.next() == 2;
         given_up |= jump;
         // 0.5 N at 54.8 um/s: all three touches allow 37 um/s
-        series.take(&p, TRUTH.at(series.velocity()), if jump { 0.5 } else { 1000.0 * series.velocity() });
+        series.take(&p, ACTUAL.at(series.velocity()), if jump { 0.5 } else { 1000.0 * series.velocity() });
         series.lower(&p).unwrap();
     }
     let speeds = speeds(&series);
@@ -238,7 +242,7 @@ fn a_touch_that_has_pressed_too_hard_is_discarded_and_is_used_for_how_often_more
     let (calibrated, spread) = series.conclude(&p, 0).unwrap();
     assert_eq!((calibrated.touches, calibrated.velocity_max, spread.speeds), (11, series.speeds[4], series.speeds));
     // the bias is that of the speeds that were touched
-    assert!((calibrated.parts().at(4e-5) - TRUTH.at(4e-5)).abs() < 1e-12, "{calibrated:?}");
+    assert!((calibrated.parts().at(4e-5) - ACTUAL.at(4e-5)).abs() < 1e-12, "{calibrated:?}");
     // 16 of at most 20, and 21 are too many
     assert!(series.once_more(&p));
     (0..SPEEDS).for_each(|_| series.take(&p, 0.0, 9.0));

@@ -43,8 +43,8 @@ impl Controller {
             bridged: self.observer.nominal_motion(commanded),
             unforeseen: if known { unforeseen * self.observer.leverage() } else { f64::INFINITY },
             reference: self.motion.reference.position,
-            asked: self.motion.asked,
-            behind: if steady { self.held(p) } else { self.motion.late(p) + self.unanswered() },
+            requested: self.motion.requested,
+            lag: if steady { self.held(p) } else { self.motion.late(p) + self.unanswered() },
             diverged: self.diverged(),
             may_wait: self.state == State::Commission && self.motion.reference.acceleration == 0.0,
             steady_spindle: self.steady_spindle(),
@@ -100,26 +100,27 @@ impl Controller {
             monitors.diverged.update(watching && error.abs() > following);
             monitors.overloaded.update(watching && overloaded);
             if at_rest {
-                monitors.standing = monitors.rest.update(p, position, monitors.life.anywhere);
+                monitors.frozen_at_rest = monitors.rest.update(p, position, monitors.life.anywhere);
             } else {
                 monitors.rest.clear();
-                monitors.standing = false;
+                monitors.frozen_at_rest = false;
             }
             let steady = self.motion.at_rest() || self.state.approaching() && self.motion.cruising();
             if watching && steady && self.state != State::Commission {
-                if monitors.swing.update(p, monitors.drive.inertia()) && monitors.swing.count() > OVERSHOOTS {
+                if monitors.oscillation.update(p, monitors.drive.inertia()) && monitors.oscillation.count() > OVERSHOOTS
+                {
                     // an oscillating stage has no force at rest
                     monitors.relief = RestForce::default();
                 }
             } else {
-                monitors.swing.clear();
+                monitors.oscillation.clear();
             }
             if self.state == State::Retract && self.motion.retreated(p) {
                 monitors.relief.update(p, self.force.notched);
             }
         }
         if self.state.at_work() || self.state == State::Commission {
-            monitors.job.count();
+            monitors.cycle.count();
         }
     }
 
@@ -131,11 +132,11 @@ impl Controller {
         let symptoms = Symptoms {
             reading,
             long_step: self.long_step,
-            standing: monitors.standing,
+            frozen_at_rest: monitors.frozen_at_rest,
             steady_spindle: self.steady_spindle(),
             limited: self.amplifier.limited(),
             reversals: self.amplifier.reversals(),
-            swings: monitors.swing.count(),
+            oscillations: monitors.oscillation.count(),
             diverged: monitors.diverged.count(),
             overloaded: monitors.overloaded.count(),
             bent: !self.tracked() && self.reader.recent.bend() > bend_limit(p),
@@ -155,7 +156,7 @@ impl Controller {
 
     /// Time of the cycle or the commissioning run so far, s.
     pub(super) fn lasted(&self, p: &Parameters) -> f64 {
-        lasted(p, self.monitors.job.samples())
+        lasted(p, self.monitors.cycle.samples())
     }
 
     /// How long it may, s.
@@ -253,16 +254,16 @@ mod tests {
         // 2 ms per revolution
         let input = Input { spindle_speed: 1000.0 * std::f64::consts::PI, ..Input::START };
         controller.reader.read(&p, &input, &expected);
-        let mut behind = |state: State, velocity: f64| {
+        let mut lag = |state: State, velocity: f64| {
             controller.state = state;
             controller.motion.reference.velocity = velocity;
-            controller.expect(&p).behind
+            controller.expect(&p).lag
         };
         // 0.4 N stop 10 kg at 24.49 um/s on 7.5 nm
         for (velocity, expected) in [(1e-5, 5e-9), (2.449e-5, 1.2245e-8), (2.45e-5, 0.0), (1e-4, 0.0)] {
-            let found = [State::Learn, State::Detect].map(|state| behind(state, velocity));
-            assert!(found.iter().all(|behind| (behind - expected).abs() < 1e-20), "{velocity}: {found:?}");
+            let found = [State::Learn, State::Detect].map(|state| lag(state, velocity));
+            assert!(found.iter().all(|lag| (lag - expected).abs() < 1e-20), "{velocity}: {found:?}");
         }
-        assert!((behind(State::Retract, 1e-5) - 2e-9).abs() < 1e-20);
+        assert!((lag(State::Retract, 1e-5) - 2e-9).abs() < 1e-20);
     }
 }

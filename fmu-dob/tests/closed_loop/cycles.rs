@@ -16,8 +16,8 @@ fn disabling_decelerates_retracts_and_is_done() {
         assert_eq!(run.output.state, State::Retract);
         assert!(run.run_to(State::Done, 2.0));
         assert!(run.output.aborted && !run.output.contact);
-        let way = from - run.output.reference.position;
-        assert!((way - RETRACT).abs() < 0.2e-6, "{way} m");
+        let distance = from - run.output.reference.position;
+        assert!((distance - RETRACT).abs() < 0.2e-6, "{distance} m");
         (0..1000).for_each(|_| run.step());
         assert_eq!(run.output.state, State::Done);
     }
@@ -134,29 +134,29 @@ fn a_reset_discards_the_answer_of_the_drive() {
     assert_eq!(run.output.fault, Fault::PositionLost);
     (0..100).for_each(|_| run.step_with(|input| input.enable = false));
     // a stage that nothing drove looks like a weak drive
-    let share = run.output.drive_gain_ratio;
-    assert!(share < 0.5, "{share}");
+    let ratio = run.output.drive_gain_ratio;
+    assert!(ratio < 0.5, "{ratio}");
     reset(&mut run);
     assert_eq!(run.output.drive_gain_ratio, 1.0);
 }
 
 #[test]
-fn a_cycle_that_is_asked_for_as_soon_as_a_commission_is_aborted_waits_for_a_stage_at_rest() {
+fn a_cycle_that_is_requested_as_soon_as_a_commission_is_aborted_waits_for_a_stage_at_rest() {
     for seed in 160..166 {
         let mut run = Loop::new(&Parameters::START, seed, NO_WORKPIECE);
         (0..200).for_each(|_| run.step_with(|input| input.enable = false));
         for _ in 0..12 {
             (0..3003).for_each(|_| run.step_with(|input| (input.enable, input.commission) = (false, true)));
-            let mut job = run.clone();
-            job.step_with(|input| input.enable = false);
-            assert_eq!(job.output.state, State::Idle);
+            let mut cycle = run.clone();
+            cycle.step_with(|input| input.enable = false);
+            assert_eq!(cycle.output.state, State::Idle);
             // its reference is at rest after at most 1 ms, the stage is not
             let begins = (0..300).find(|_| {
-                job.step();
-                job.output.state == State::Approach
+                cycle.step();
+                cycle.output.state == State::Approach
             });
             assert!(begins.is_some_and(|after| after >= 95), "{begins:?}");
-            assert!(job.run_to(State::Learn, 30.0), "{seed}: {:?}", job.output);
+            assert!(cycle.run_to(State::Learn, 30.0), "{seed}: {:?}", cycle.output);
         }
     }
 }

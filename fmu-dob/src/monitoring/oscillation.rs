@@ -10,26 +10,26 @@ use control_blocks::{Consecutive, Reversals, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
-use crate::motion::servo::SWING;
+use crate::motion::servo::OSCILLATION_TIME;
 
 /// Changes of the inertial force from beyond `guard.force` to beyond it the other way.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Swing {
+pub struct OscillationMonitor {
     /// minimum samples of a half period, and maximum of an oscillation
-    least: u32,
-    most: u32,
+    minimum: u32,
+    maximum: u32,
     /// consecutive samples beyond `guard.force` on either side
     beyond: [Consecutive; 2],
     reversals: Reversals,
     count: u32,
 }
 
-impl Swing {
+impl OscillationMonitor {
     /// Nothing seen so far.
     pub fn new(p: &Parameters) -> Self {
         Self {
-            least: ticks(p.observer.bandwidth.recip(), p.sample_period),
-            most: ticks(SWING, p.sample_period),
+            minimum: ticks(p.observer.bandwidth.recip(), p.sample_period),
+            maximum: ticks(OSCILLATION_TIME, p.sample_period),
             beyond: [Consecutive::NONE; 2],
             reversals: Reversals::default(),
             count: 0,
@@ -44,10 +44,10 @@ impl Swing {
     /// Takes the inertial force (N) of a sample; whether it has changed its side.
     pub fn update(&mut self, p: &Parameters, inertia: f64) -> bool {
         let row = self.beyond[0].update(inertia >= p.guard_force).max(self.beyond[1].update(-inertia >= p.guard_force));
-        let lasting = row >= self.least;
+        let lasting = row >= self.minimum;
         let force = if lasting { inertia } else { 0.0 };
         let before = self.count;
-        self.count = self.reversals.update(force, p.guard_force, self.most);
+        self.count = self.reversals.update(force, p.guard_force, self.maximum);
         self.count > before
     }
 
@@ -65,12 +65,12 @@ mod tests {
     /// counted.
     fn swung(size: f64, half: u32) -> (usize, u32) {
         let p = Parameters::START;
-        let mut swing = Swing::new(&p);
+        let mut oscillation = OscillationMonitor::new(&p);
         let sides = (0..300u32).filter(|k| {
             let side = if (k / half).is_multiple_of(2) { 1.0 } else { -1.0 };
-            swing.update(&p, side * size * p.guard_force)
+            oscillation.update(&p, side * size * p.guard_force)
         });
-        (sides.count(), swing.count())
+        (sides.count(), oscillation.count())
     }
 
     #[test]
@@ -86,12 +86,12 @@ mod tests {
     }
 
     #[test]
-    fn an_acceleration_ends_a_row() {
+    fn an_acceleration_ends_a_run_of_samples() {
         let p = Parameters::START;
-        let mut swing = Swing::new(&p);
-        (0..60).for_each(|k| _ = swing.update(&p, if k < 30 { 9.0 } else { -9.0 }));
-        assert_eq!(swing.count(), 1);
-        swing.clear();
-        assert_eq!(swing.count(), 0);
+        let mut oscillation = OscillationMonitor::new(&p);
+        (0..60).for_each(|k| _ = oscillation.update(&p, if k < 30 { 9.0 } else { -9.0 }));
+        assert_eq!(oscillation.count(), 1);
+        oscillation.clear();
+        assert_eq!(oscillation.count(), 0);
     }
 }
