@@ -64,7 +64,7 @@ fn a_million_steps_of_one_period_are_a_million_samples() {
 fn a_sample_at_the_start_of_a_step_belongs_to_it_and_one_at_its_end_does_not() {
     let fmu = Fmu::probe();
     let instance = started(&fmu, 1e-2, 0.0);
-    for (time, step, wanted) in [
+    for (time, step, expected) in [
         (0.0, 1e-2, 1),
         (1e-2, 2.5e-3, 2),
         (1.25e-2, 2.5e-3, 2),
@@ -76,7 +76,7 @@ fn a_sample_at_the_start_of_a_step_belongs_to_it_and_one_at_its_end_does_not() {
         (5e-2, 1e-2, 6),
     ] {
         assert_eq!(instance.step(time, step), OK);
-        assert_eq!(instance.integer("ticks"), wanted, "after {time} + {step}");
+        assert_eq!(instance.integer("ticks"), expected, "after {time} + {step}");
     }
 }
 

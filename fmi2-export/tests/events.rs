@@ -21,13 +21,13 @@ fn by_events(instance: &Instance, start: f64, period: f64) -> Vec<(Vec<u64>, Vec
             assert_eq!((instance.set_time(next), instance.enter_event_mode()), (OK, OK));
         }
         assert_eq!((instance.set_real("position", position(k)), instance.set_integer("count", k as i32)), (OK, OK));
-        let (status, told) = instance.new_discrete_states();
-        assert_eq!((status, told), (OK, start + f64::from(k + 1) * period));
+        let (status, next_event) = instance.new_discrete_states();
+        assert_eq!((status, next_event), (OK, start + f64::from(k + 1) * period));
         // another round at the same instant changes nothing
         let outputs = instance.outputs();
-        assert_eq!((instance.new_discrete_states(), instance.outputs()), ((OK, told), outputs.clone()));
+        assert_eq!((instance.new_discrete_states(), instance.outputs()), ((OK, next_event), outputs.clone()));
         assert_eq!(instance.enter_continuous_time_mode(), OK);
-        next = told;
+        next = next_event;
         outputs
     });
     run.collect()

@@ -67,11 +67,11 @@ fn a_state_ends_with_the_instance_that_made_it() {
     let (one, other) = (halfway(&fmu), Instance::new(&fmu));
     let state = one.take_state();
     drop(one);
-    other.refused(other.put_state(state), ERROR, &["fmi2SetFMUstate", "freed"]);
+    other.assert_rejected(other.put_state(state), ERROR, &["fmi2SetFMUstate", "freed"]);
 }
 
 #[test]
-fn a_place_that_holds_a_state_is_used_again() {
+fn a_pointer_that_holds_a_state_is_used_again() {
     let fmu = Fmu::probe();
     let instance = halfway(&fmu);
     let mut state = instance.take_state();
@@ -136,9 +136,9 @@ fn bytes_go_on_in_another_process() {
         .unwrap();
     child.stdin.take().unwrap().write_all(&bytes).unwrap();
     let output = child.wait_with_output().unwrap();
-    let told = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success(), "{told}");
-    assert_eq!(between(&told, "<<", ">>"), first);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{text}");
+    assert_eq!(between(&text, "<<", ">>"), first);
 }
 
 /// The other half of [`bytes_go_on_in_another_process`]; alone it has nothing to do.

@@ -85,8 +85,8 @@ fn panics_on_several_threads_keep_their_instances_apart() {
                     assert_eq!(instance.set_texts(&["label"], &[&CString::new(label.as_str()).unwrap()]), OK);
                     assert_eq!(instance.set_integer("failure", if number % 2 == 0 { 3 } else { 1 }), OK);
                     assert_eq!(instance.exit(), OK);
-                    let (wanted, count) = if number % 2 == 0 { (ERROR, 1) } else { (OK, 0) };
-                    assert_eq!(instance.step(0.0, 1e-3), wanted);
+                    let (expected, count) = if number % 2 == 0 { (ERROR, 1) } else { (OK, 0) };
+                    assert_eq!(instance.step(0.0, 1e-3), expected);
                     let messages = instance.messages();
                     assert_eq!(messages.len(), count);
                     assert!(messages.iter().all(|message| message.text.contains(&label)), "{label}: {messages:?}");

@@ -63,11 +63,11 @@ impl Excitation {
     /// The motion `tick` samples after its start.
     pub fn at(&self, tick: u32) -> Trajectory {
         let rate = (f64::from(self.ramp) * self.sines.sample_period).recip();
-        let (share, rate) = match tick.checked_sub(self.fades()) {
+        let (progress, rate) = match tick.checked_sub(self.fades()) {
             None => ((f64::from(tick) / f64::from(self.ramp)).min(1.0), rate),
             Some(fading) => ((1.0 - f64::from(fading) / f64::from(self.ramp)).max(0.0), -rate),
         };
-        let (e, [e1, e2]) = (minimum_jerk(share), minimum_jerk_rates(share, rate));
+        let (e, [e1, e2]) = (minimum_jerk(progress), minimum_jerk_rates(progress, rate));
         let m = self.sines.at(u64::from(tick));
         Trajectory {
             position: e * m.position,

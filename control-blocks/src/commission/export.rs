@@ -69,8 +69,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_written_says_why() {
-        let place = tempfile::tempdir().unwrap();
-        let (good, bad) = (place.path().join("found.json"), place.path().join("no/such/found.json"));
+        let folder = tempfile::tempdir().unwrap();
+        let (good, bad) = (folder.path().join("found.json"), folder.path().join("no/such/found.json"));
         let file = |path: &std::path::Path| {
             export_commission(path.to_str().unwrap(), &[("a", 1.5)]).map_err(|error| error.to_string())
         };

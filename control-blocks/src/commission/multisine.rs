@@ -39,8 +39,8 @@ impl Multisine {
         let mut sum = Trajectory::default();
         for (i, omega) in self.frequencies().into_iter().enumerate() {
             // whole numbers first: every period is bit-identical
-            let turn = f64::from(HARMONICS[i] * k % self.period.max(1)) / f64::from(self.period.max(1));
-            let (sine, cosine) = (TAU * turn + PI * (i * i) as f64 / TONES as f64).sin_cos();
+            let revolutions = f64::from(HARMONICS[i] * k % self.period.max(1)) / f64::from(self.period.max(1));
+            let (sine, cosine) = (TAU * revolutions + PI * (i * i) as f64 / TONES as f64).sin_cos();
             let amplitude = self.amplitude / f64::from(HARMONICS[i]).sqrt();
             sum.position += amplitude * sine;
             sum.velocity += amplitude * omega * cosine;
@@ -110,11 +110,11 @@ mod tests {
     #[test]
     fn the_limits_hold_and_are_no_wider_than_they_must() {
         let largest = |of: fn(&Trajectory) -> f64| (0..5000).map(|k| of(&SINES.at(k)).abs()).fold(0.0, f64::max);
-        let shares = [
+        let fractions = [
             largest(|x| x.position) / SINES.reach(),
             largest(|x| x.velocity) / SINES.velocity_max(),
             largest(|x| x.acceleration) / SINES.acceleration_max(),
         ];
-        assert!(shares.iter().all(|share| (0.5..=1.0).contains(share)), "{shares:?}");
+        assert!(fractions.iter().all(|fraction| (0.5..=1.0).contains(fraction)), "{fractions:?}");
     }
 }

@@ -68,11 +68,11 @@ mod tests {
     }
 
     fn variances(walk: f64, white: f64) -> (f64, f64) {
-        let (mut seed, mut place) = (7, 0.0);
+        let (mut seed, mut position) = (7, 0.0);
         let (mut short, mut long) = (AllanVariance::default(), AllanVariance::default());
         for _ in 0..2_000_000 {
-            place += walk * noise(&mut seed);
-            let x = place + white * noise(&mut seed);
+            position += walk * noise(&mut seed);
+            let x = position + white * noise(&mut seed);
             short.push(100, x);
             long.push(1000, x);
         }

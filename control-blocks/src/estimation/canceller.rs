@@ -46,9 +46,9 @@ impl Canceller {
         }
     }
 
-    /// Keeps the fraction `share` of the amplitude.
-    pub fn fade(&mut self, share: f64) {
-        self.0 *= share;
+    /// Keeps the fraction `factor` of the amplitude.
+    pub fn fade(&mut self, factor: f64) {
+        self.0 *= factor;
     }
 
     /// Rotates and scales the learned amplitude with its harmonic.

@@ -55,8 +55,8 @@ impl PeriodicSpectra {
     pub fn update(&mut self, period: u32, input: f64, output: f64) {
         let period = period.max(1);
         for (sum, harmonic) in self.sums.iter_mut().zip(HARMONICS) {
-            let turn = f64::from(harmonic * self.sample % period) / f64::from(period);
-            let rotation = Complex::cis(-TAU * turn);
+            let revolutions = f64::from(harmonic * self.sample % period) / f64::from(period);
+            let rotation = Complex::cis(-TAU * revolutions);
             sum[0] += rotation * input;
             sum[1] += rotation * output;
         }
@@ -74,13 +74,13 @@ impl PeriodicSpectra {
     /// Line of the tone `i`; of fewer than two periods the variances are 0.
     pub fn line(&self, i: usize) -> SpectralLine {
         let Scatter { mean, squares, product } = self.lines[i];
-        let share = (f64::from(self.periods) * f64::from(self.periods.max(2) - 1)).max(1.0).recip();
+        let factor = (f64::from(self.periods) * f64::from(self.periods.max(2) - 1)).max(1.0).recip();
         SpectralLine {
             input: mean[0],
             output: mean[1],
-            input_variance: share * squares[0],
-            output_variance: share * squares[1],
-            covariance: product * share,
+            input_variance: factor * squares[0],
+            output_variance: factor * squares[1],
+            covariance: product * factor,
         }
     }
 

@@ -85,9 +85,9 @@ mod tests {
     #[test]
     fn a_valid_measurement_responds_within_the_band_and_its_lag() {
         for lag in [0.0, 0.5e-3, 20e-3] {
-            let most = largest(|k| rounded((STEP * f64::from(k) - lag).max(0.0)));
+            let maximum = largest(|k| rounded((STEP * f64::from(k) - lag).max(0.0)));
             // one quantum more by rounding
-            assert!(most <= BAND + lag + QUANTUM, "{lag}: {most}");
+            assert!(maximum <= BAND + lag + QUANTUM, "{lag}: {maximum}");
         }
     }
 
@@ -99,14 +99,14 @@ mod tests {
 
     #[test]
     fn a_frozen_reading_is_detected_by_the_motion_only() {
-        let most = largest(|_| 0.0);
-        assert!((most - 9_999.0 * STEP).abs() < 1e-9, "{most}");
+        let maximum = largest(|_| 0.0);
+        assert!((maximum - 9_999.0 * STEP).abs() < 1e-9, "{maximum}");
     }
 
     #[test]
     fn a_last_bit_that_flickers_hides_nothing() {
-        let most = largest(|k| QUANTUM * f64::from(k % 2));
-        assert!((most - 9_999.0 * STEP).abs() < 1e-9, "{most}");
+        let maximum = largest(|k| QUANTUM * f64::from(k % 2));
+        assert!((maximum - 9_999.0 * STEP).abs() < 1e-9, "{maximum}");
     }
 
     #[test]

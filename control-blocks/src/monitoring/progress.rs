@@ -25,9 +25,9 @@ impl Progress {
         self.since = self.since.saturating_add(1);
     }
 
-    /// Adds the quantity to be reduced; it improves when it is below `1 - share` of the best so far.
-    pub fn measure(&mut self, left: f64, share: f64) {
-        if self.best.is_none_or(|best| left < (1.0 - share) * best) {
+    /// Adds the quantity to be reduced; it improves when it is below `1 - ratio` of the best so far.
+    pub fn measure(&mut self, left: f64, ratio: f64) {
+        if self.best.is_none_or(|best| left < (1.0 - ratio) * best) {
             (self.best, self.since) = (Some(left), 0);
         }
     }

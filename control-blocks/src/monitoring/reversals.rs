@@ -35,7 +35,7 @@ impl Reversals {
 mod tests {
     use super::*;
 
-    fn most(command: impl Fn(u32) -> f64) -> Option<u32> {
+    fn maximum(command: impl Fn(u32) -> f64) -> Option<u32> {
         let mut reversals = Reversals::default();
         (0..1000).map(|k| reversals.update(command(k), 1.0, 100)).max()
     }
@@ -43,21 +43,21 @@ mod tests {
     #[test]
     fn a_limit_cycle_is_counted_by_its_half_periods() {
         // a period of 40 samples: a reversal every 20
-        assert_eq!(most(|k| if k % 40 < 20 { 1.0 } else { -1.0 }), Some(49));
+        assert_eq!(maximum(|k| if k % 40 < 20 { 1.0 } else { -1.0 }), Some(49));
     }
 
     #[test]
     fn accelerate_and_brake_is_one() {
-        assert_eq!(most(|k| if k < 200 { 1.0 } else { -1.0 }), Some(1));
+        assert_eq!(maximum(|k| if k < 200 { 1.0 } else { -1.0 }), Some(1));
     }
 
     #[test]
     fn below_the_limit_nothing_is_counted() {
-        assert_eq!(most(|k| if k % 40 < 20 { 0.99 } else { -0.99 }), Some(0));
+        assert_eq!(maximum(|k| if k % 40 < 20 { 0.99 } else { -0.99 }), Some(0));
     }
 
     #[test]
     fn rare_reversals_are_no_oscillation() {
-        assert_eq!(most(|k| if k % 400 < 200 { 1.0 } else { -1.0 }), Some(1));
+        assert_eq!(maximum(|k| if k % 400 < 200 { 1.0 } else { -1.0 }), Some(1));
     }
 }

@@ -32,8 +32,12 @@ mod tests {
             for k in 1..=60 {
                 plain = ramp(plain, to, 1.0 / 64.0);
                 between = ramp_between(between, to, 1.0 / 64.0, 1.0 / 64.0);
-                let share = (f64::from(k) / 48.0).min(1.0);
-                assert_eq!((plain, between), (from + (to - from) * share, from + (to - from) * share), "sample {k}");
+                let fraction = (f64::from(k) / 48.0).min(1.0);
+                assert_eq!(
+                    (plain, between),
+                    (from + (to - from) * fraction, from + (to - from) * fraction),
+                    "sample {k}"
+                );
             }
         }
     }

@@ -81,14 +81,14 @@ mod tests {
 
     #[test]
     fn read_from_resources_by_a_whole_path_or_by_a_uri() {
-        let place = tempfile::tempdir().unwrap();
-        fs::write(place.path().join("a b.json"), "text").unwrap();
-        let whole = place.path().join("a b.json");
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a b.json"), "text").unwrap();
+        let whole = folder.path().join("a b.json");
         let whole = whole.to_str().unwrap();
         let uri = format!("file://{}{}", if whole.starts_with('/') { "" } else { "/" }, whole.replace('\\', "/"));
         for (file, resources) in [
-            ("a b.json", Some(place.path())),
-            ("file://a b.json", Some(place.path())),
+            ("a b.json", Some(folder.path())),
+            ("file://a b.json", Some(folder.path())),
             (whole, Some(Path::new("elsewhere"))),
             (whole, None),
             (uri.as_str(), Some(Path::new("elsewhere"))),
@@ -100,11 +100,11 @@ mod tests {
 
     #[test]
     fn what_cannot_be_read_says_why() {
-        let place = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().unwrap();
         for (file, part) in
             [("", "must be the name of a file"), ("missing", "must be there: "), (".", "must be a file, not a folder")]
         {
-            let message = message(file, place.path());
+            let message = message(file, folder.path());
             assert!(message.starts_with(&format!("parameter `path.file` is `{file}`, {part}")), "{message}");
             assert!(message.ends_with("hint: write one"), "{message}");
         }
@@ -112,15 +112,15 @@ mod tests {
 
     #[test]
     fn the_limit_is_exact_and_a_giant_is_not_read() {
-        let place = tempfile::tempdir().unwrap();
-        let file = File::create(place.path().join("giant")).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = File::create(folder.path().join("giant")).unwrap();
         file.set_len(LIMIT).unwrap();
-        assert_eq!(parameter("giant").read(Some(place.path()), LIMIT).unwrap().len() as u64, LIMIT);
+        assert_eq!(parameter("giant").read(Some(folder.path()), LIMIT).unwrap().len() as u64, LIMIT);
         file.set_len(LIMIT + 1).unwrap();
-        assert!(message("giant", place.path()).contains("at most `1048576` bytes long, it has `1048577`"));
+        assert!(message("giant", folder.path()).contains("at most `1048576` bytes long, it has `1048577`"));
         // far more than any memory
         file.set_len(1 << 42).unwrap();
-        assert!(message("giant", place.path()).contains("it has `4398046511104`"));
+        assert!(message("giant", folder.path()).contains("it has `4398046511104`"));
     }
 
     #[cfg(target_os = "linux")]

@@ -28,15 +28,15 @@ mod tests {
 
     #[test]
     fn one_sample_without_begins_again() {
-        let mut row = Consecutive::default();
-        let counts = [true, true, false, true, true, true].map(|holds| row.update(holds));
+        let mut run = Consecutive::default();
+        let counts = [true, true, false, true, true, true].map(|holds| run.update(holds));
         assert_eq!(counts, [1, 2, 0, 1, 2, 3]);
-        assert_eq!(row.count(), 3);
+        assert_eq!(run.count(), 3);
     }
 
     #[test]
     fn years_of_samples_do_not_begin_again() {
-        let mut row = Consecutive(u32::MAX);
-        assert_eq!(row.update(true), u32::MAX);
+        let mut run = Consecutive(u32::MAX);
+        assert_eq!(run.update(true), u32::MAX);
     }
 }

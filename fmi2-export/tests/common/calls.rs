@@ -57,8 +57,8 @@ impl Instance<'_> {
             info.values_changed,
             info.next_event_time_defined,
         ];
-        let wanted = if status == ERROR { [7; 5] } else { [0, 0, 0, 0, 1] };
-        assert_eq!([needed, end, nominals, values, defined], wanted);
+        let expected = if status == ERROR { [7; 5] } else { [0, 0, 0, 0, 1] };
+        assert_eq!([needed, end, nominals, values, defined], expected);
         (status, info.next_event_time)
     }
     /// From continuous-time mode through the event at `time` and back; the time of the next event.

@@ -160,16 +160,16 @@ impl<'f> Instance<'f> {
 
     /// Checks the result of a rejected call: status, one message in the fitting declared category,
     /// and that its text holds every word.
-    pub fn refused(&self, status: Status, wanted: Status, words: &[&str]) {
+    pub fn assert_rejected(&self, status: Status, expected: Status, words: &[&str]) {
         let messages = self.messages();
-        assert_eq!(status, wanted, "{messages:?}");
+        assert_eq!(status, expected, "{messages:?}");
         let [message] = &messages[..] else { panic!("one message expected for {words:?}: {messages:?}") };
-        let category = match wanted {
+        let category = match expected {
             WARNING => "logStatusWarning",
             DISCARD => "logStatusDiscard",
             _ => "logStatusError",
         };
-        assert_eq!((message.instance.as_str(), message.status), ("test", wanted), "{message:?}");
+        assert_eq!((message.instance.as_str(), message.status), ("test", expected), "{message:?}");
         assert_eq!(message.category, category);
         assert!(self.fmu.description.contains(&format!("<Category name=\"{category}\"")));
         for word in words {

@@ -46,9 +46,9 @@ fn null_components_are_an_error_everywhere() {
 }
 
 /// One call on a fresh instance between steps, which must be rejected with an error.
-fn is_refused(fmu: &Fmu, words: &[&str], call: impl FnOnce(&Fmu, Component) -> Status) {
+fn assert_call_rejected(fmu: &Fmu, words: &[&str], call: impl FnOnce(&Fmu, Component) -> Status) {
     let instance = Instance::started(fmu);
-    instance.refused(call(fmu, instance.component), ERROR, words);
+    instance.assert_rejected(call(fmu, instance.component), ERROR, words);
     assert_eq!(instance.end_phase(), Phase::Error, "{words:?}");
 }
 
@@ -56,8 +56,8 @@ fn is_refused(fmu: &Fmu, words: &[&str], call: impl FnOnce(&Fmu, Component) -> S
 fn arrays_longer_than_memory_are_an_error() {
     let fmu = Fmu::probe();
     for count in [usize::MAX, isize::MAX as usize] {
-        is_refused(&fmu, &["fmi2GetReal", "long"], |f, c| unsafe { (f.get_real)(c, &0, count, &mut 0.0) });
-        is_refused(&fmu, &["fmi2SetReal", "long"], |f, c| unsafe { (f.set_real)(c, &0, count, &0.0) });
+        assert_call_rejected(&fmu, &["fmi2GetReal", "long"], |f, c| unsafe { (f.get_real)(c, &0, count, &mut 0.0) });
+        assert_call_rejected(&fmu, &["fmi2SetReal", "long"], |f, c| unsafe { (f.set_real)(c, &0, count, &0.0) });
     }
 }
 
@@ -66,27 +66,27 @@ fn arrays_longer_than_memory_are_an_error() {
 fn null_arrays_that_should_hold_something_are_an_error() {
     let fmu = Fmu::probe();
     let r = &0_u32;
-    is_refused(&fmu, &["fmi2GetReal", "NULL"], |f, c| unsafe { (f.get_real)(c, null(), 1, &mut 0.0) });
-    is_refused(&fmu, &["fmi2GetReal", "NULL"], |f, c| unsafe { (f.get_real)(c, r, 1, null_mut()) });
-    is_refused(&fmu, &["fmi2GetInteger", "NULL"], |f, c| unsafe { (f.get_integer)(c, null(), 1, &mut 0) });
-    is_refused(&fmu, &["fmi2GetInteger", "NULL"], |f, c| unsafe { (f.get_integer)(c, r, 1, null_mut()) });
-    is_refused(&fmu, &["fmi2GetBoolean", "NULL"], |f, c| unsafe { (f.get_boolean)(c, null(), 1, &mut 0) });
-    is_refused(&fmu, &["fmi2GetBoolean", "NULL"], |f, c| unsafe { (f.get_boolean)(c, r, 1, null_mut()) });
-    is_refused(&fmu, &["fmi2GetString", "NULL"], |f, c| unsafe { (f.get_string)(c, null(), 1, &mut null()) });
-    is_refused(&fmu, &["fmi2GetString", "NULL"], |f, c| unsafe { (f.get_string)(c, r, 1, null_mut()) });
-    is_refused(&fmu, &["fmi2SetReal", "NULL"], |f, c| unsafe { (f.set_real)(c, null(), 1, &0.0) });
-    is_refused(&fmu, &["fmi2SetReal", "NULL"], |f, c| unsafe { (f.set_real)(c, r, 1, null()) });
-    is_refused(&fmu, &["fmi2SetInteger", "NULL"], |f, c| unsafe { (f.set_integer)(c, null(), 1, &0) });
-    is_refused(&fmu, &["fmi2SetInteger", "NULL"], |f, c| unsafe { (f.set_integer)(c, r, 1, null()) });
-    is_refused(&fmu, &["fmi2SetBoolean", "NULL"], |f, c| unsafe { (f.set_boolean)(c, null(), 1, &0) });
-    is_refused(&fmu, &["fmi2SetBoolean", "NULL"], |f, c| unsafe { (f.set_boolean)(c, r, 1, null()) });
-    is_refused(&fmu, &["fmi2SetString", "NULL"], |f, c| unsafe { (f.set_string)(c, null(), 1, &c"".as_ptr()) });
-    is_refused(&fmu, &["fmi2SetString", "NULL"], |f, c| unsafe { (f.set_string)(c, r, 1, null()) });
-    is_refused(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, null(), 1, &1, &0.0) });
-    is_refused(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, null(), &0.0) });
-    is_refused(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, &1, null()) });
-    is_refused(&fmu, &["fmi2SetDebugLogging", "NULL"], |f, c| unsafe { (f.set_debug_logging)(c, 1, 1, null()) });
-    is_refused(&fmu, &["fmi2SetDebugLogging", "NULL"], |f, c| unsafe { (f.set_debug_logging)(c, 1, 1, &null()) });
+    assert_call_rejected(&fmu, &["fmi2GetReal", "NULL"], |f, c| unsafe { (f.get_real)(c, null(), 1, &mut 0.0) });
+    assert_call_rejected(&fmu, &["fmi2GetReal", "NULL"], |f, c| unsafe { (f.get_real)(c, r, 1, null_mut()) });
+    assert_call_rejected(&fmu, &["fmi2GetInteger", "NULL"], |f, c| unsafe { (f.get_integer)(c, null(), 1, &mut 0) });
+    assert_call_rejected(&fmu, &["fmi2GetInteger", "NULL"], |f, c| unsafe { (f.get_integer)(c, r, 1, null_mut()) });
+    assert_call_rejected(&fmu, &["fmi2GetBoolean", "NULL"], |f, c| unsafe { (f.get_boolean)(c, null(), 1, &mut 0) });
+    assert_call_rejected(&fmu, &["fmi2GetBoolean", "NULL"], |f, c| unsafe { (f.get_boolean)(c, r, 1, null_mut()) });
+    assert_call_rejected(&fmu, &["fmi2GetString", "NULL"], |f, c| unsafe { (f.get_string)(c, null(), 1, &mut null()) });
+    assert_call_rejected(&fmu, &["fmi2GetString", "NULL"], |f, c| unsafe { (f.get_string)(c, r, 1, null_mut()) });
+    assert_call_rejected(&fmu, &["fmi2SetReal", "NULL"], |f, c| unsafe { (f.set_real)(c, null(), 1, &0.0) });
+    assert_call_rejected(&fmu, &["fmi2SetReal", "NULL"], |f, c| unsafe { (f.set_real)(c, r, 1, null()) });
+    assert_call_rejected(&fmu, &["fmi2SetInteger", "NULL"], |f, c| unsafe { (f.set_integer)(c, null(), 1, &0) });
+    assert_call_rejected(&fmu, &["fmi2SetInteger", "NULL"], |f, c| unsafe { (f.set_integer)(c, r, 1, null()) });
+    assert_call_rejected(&fmu, &["fmi2SetBoolean", "NULL"], |f, c| unsafe { (f.set_boolean)(c, null(), 1, &0) });
+    assert_call_rejected(&fmu, &["fmi2SetBoolean", "NULL"], |f, c| unsafe { (f.set_boolean)(c, r, 1, null()) });
+    assert_call_rejected(&fmu, &["fmi2SetString", "NULL"], |f, c| unsafe { (f.set_string)(c, null(), 1, &c"".as_ptr()) });
+    assert_call_rejected(&fmu, &["fmi2SetString", "NULL"], |f, c| unsafe { (f.set_string)(c, r, 1, null()) });
+    assert_call_rejected(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, null(), 1, &1, &0.0) });
+    assert_call_rejected(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, null(), &0.0) });
+    assert_call_rejected(&fmu, &["fmi2SetRealInputDerivatives", "NULL"], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, &1, null()) });
+    assert_call_rejected(&fmu, &["fmi2SetDebugLogging", "NULL"], |f, c| unsafe { (f.set_debug_logging)(c, 1, 1, null()) });
+    assert_call_rejected(&fmu, &["fmi2SetDebugLogging", "NULL"], |f, c| unsafe { (f.set_debug_logging)(c, 1, 1, &null()) });
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn strings_are_neither_null_nor_broken() {
     for broken in [null(), c"\xff".as_ptr()] {
         let instance = Instance::in_phase(&fmu, Phase::Initialization);
         let status = unsafe { (fmu.set_string)(instance.component, &fmu.reference("label"), 1, &broken) };
-        instance.refused(status, ERROR, &["fmi2SetString", "NULL or not UTF-8"]);
+        instance.assert_rejected(status, ERROR, &["fmi2SetString", "NULL or not UTF-8"]);
         assert_eq!(instance.text("label"), "100 % <probe>");
     }
 }
@@ -107,15 +107,15 @@ fn references_that_do_not_exist_are_named() {
     for reference in [fmu.count(), fmu.count() + 1, 1 << 31, u32::MAX] {
         let (name, last) = (reference.to_string(), format!("0 .. {}", fmu.count() - 1));
         let r = &reference;
-        is_refused(&fmu, &["fmi2GetReal", &name, &last], |f, c| unsafe { (f.get_real)(c, r, 1, &mut 0.0) });
-        is_refused(&fmu, &["fmi2GetInteger", &name, &last], |f, c| unsafe { (f.get_integer)(c, r, 1, &mut 0) });
-        is_refused(&fmu, &["fmi2GetBoolean", &name, &last], |f, c| unsafe { (f.get_boolean)(c, r, 1, &mut 0) });
-        is_refused(&fmu, &["fmi2GetString", &name, &last], |f, c| unsafe { (f.get_string)(c, r, 1, &mut null()) });
-        is_refused(&fmu, &["fmi2SetReal", &name, &last], |f, c| unsafe { (f.set_real)(c, r, 1, &0.0) });
-        is_refused(&fmu, &["fmi2SetInteger", &name, &last], |f, c| unsafe { (f.set_integer)(c, r, 1, &0) });
-        is_refused(&fmu, &["fmi2SetBoolean", &name, &last], |f, c| unsafe { (f.set_boolean)(c, r, 1, &0) });
-        is_refused(&fmu, &["fmi2SetString", &name, &last], |f, c| unsafe { (f.set_string)(c, r, 1, &c"".as_ptr()) });
-        is_refused(&fmu, &["fmi2SetRealInputDerivatives", &name, &last], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, &1, &0.0) });
+        assert_call_rejected(&fmu, &["fmi2GetReal", &name, &last], |f, c| unsafe { (f.get_real)(c, r, 1, &mut 0.0) });
+        assert_call_rejected(&fmu, &["fmi2GetInteger", &name, &last], |f, c| unsafe { (f.get_integer)(c, r, 1, &mut 0) });
+        assert_call_rejected(&fmu, &["fmi2GetBoolean", &name, &last], |f, c| unsafe { (f.get_boolean)(c, r, 1, &mut 0) });
+        assert_call_rejected(&fmu, &["fmi2GetString", &name, &last], |f, c| unsafe { (f.get_string)(c, r, 1, &mut null()) });
+        assert_call_rejected(&fmu, &["fmi2SetReal", &name, &last], |f, c| unsafe { (f.set_real)(c, r, 1, &0.0) });
+        assert_call_rejected(&fmu, &["fmi2SetInteger", &name, &last], |f, c| unsafe { (f.set_integer)(c, r, 1, &0) });
+        assert_call_rejected(&fmu, &["fmi2SetBoolean", &name, &last], |f, c| unsafe { (f.set_boolean)(c, r, 1, &0) });
+        assert_call_rejected(&fmu, &["fmi2SetString", &name, &last], |f, c| unsafe { (f.set_string)(c, r, 1, &c"".as_ptr()) });
+        assert_call_rejected(&fmu, &["fmi2SetRealInputDerivatives", &name, &last], |f, c| unsafe { (f.set_input_derivatives)(c, r, 1, &1, &0.0) });
     }
 }
 
@@ -124,7 +124,7 @@ const TYPED: [(&str, &str); 5] =
     [("position", "Real"), ("count", "Integer"), ("enable", "Boolean"), ("label", "String"), ("mode", "Integer")];
 
 #[test]
-fn wrong_types_are_refused_with_the_right_function() {
+fn wrong_types_are_rejected_with_the_right_function() {
     let fmu = Fmu::probe();
     for (name, fitting) in TYPED {
         let r = &fmu.reference(name);
@@ -134,7 +134,7 @@ fn wrong_types_are_refused_with_the_right_function() {
             }
             let quoted = format!("`{name}`");
             let hint = format!("fmi2Get{fitting}");
-            is_refused(&fmu, &[&format!("fmi2Get{used}"), &quoted, &hint], |f, c| unsafe {
+            assert_call_rejected(&fmu, &[&format!("fmi2Get{used}"), &quoted, &hint], |f, c| unsafe {
                 match used {
                     "Real" => (f.get_real)(c, r, 1, &mut 0.0),
                     "Integer" => (f.get_integer)(c, r, 1, &mut 0),
@@ -142,7 +142,7 @@ fn wrong_types_are_refused_with_the_right_function() {
                     _ => (f.get_string)(c, r, 1, &mut null()),
                 }
             });
-            is_refused(&fmu, &[&format!("fmi2Set{used}"), &quoted, &hint], |f, c| unsafe {
+            assert_call_rejected(&fmu, &[&format!("fmi2Set{used}"), &quoted, &hint], |f, c| unsafe {
                 match used {
                     "Real" => (f.set_real)(c, r, 1, &0.0),
                     "Integer" => (f.set_integer)(c, r, 1, &1),
@@ -155,26 +155,26 @@ fn wrong_types_are_refused_with_the_right_function() {
 }
 
 #[test]
-fn missing_places_for_an_answer_are_an_error() {
+fn null_result_pointers_are_an_error() {
     let fmu = Fmu::probe();
-    is_refused(&fmu, &["fmi2GetFMUstate", "NULL"], |f, c| unsafe { (f.get_fmu_state)(c, null_mut()) });
-    is_refused(&fmu, &["fmi2SetFMUstate", "NULL"], |f, c| unsafe { (f.set_fmu_state)(c, null_mut()) });
-    is_refused(&fmu, &["fmi2SerializedFMUstateSize", "NULL"], |f, c| unsafe {
+    assert_call_rejected(&fmu, &["fmi2GetFMUstate", "NULL"], |f, c| unsafe { (f.get_fmu_state)(c, null_mut()) });
+    assert_call_rejected(&fmu, &["fmi2SetFMUstate", "NULL"], |f, c| unsafe { (f.set_fmu_state)(c, null_mut()) });
+    assert_call_rejected(&fmu, &["fmi2SerializedFMUstateSize", "NULL"], |f, c| unsafe {
         (f.serialized_size)(c, null_mut(), &mut 0)
     });
-    is_refused(&fmu, &["fmi2SerializeFMUstate", "NULL"], |f, c| unsafe {
+    assert_call_rejected(&fmu, &["fmi2SerializeFMUstate", "NULL"], |f, c| unsafe {
         (f.serialize)(c, null_mut(), [0; 8].as_mut_ptr(), 8)
     });
-    is_refused(&fmu, &["fmi2DeSerializeFMUstate", "NULL"], |f, c| unsafe {
+    assert_call_rejected(&fmu, &["fmi2DeSerializeFMUstate", "NULL"], |f, c| unsafe {
         (f.deserialize)(c, [0; 8].as_ptr(), 8, null_mut())
     });
-    is_refused(&fmu, &["fmi2DeSerializeFMUstate", "NULL"], |f, c| unsafe {
+    assert_call_rejected(&fmu, &["fmi2DeSerializeFMUstate", "NULL"], |f, c| unsafe {
         (f.deserialize)(c, null(), 8, &mut null_mut())
     });
-    is_refused(&fmu, &["fmi2GetRealStatus", "NULL"], |f, c| unsafe {
+    assert_call_rejected(&fmu, &["fmi2GetRealStatus", "NULL"], |f, c| unsafe {
         (f.get_real_status)(c, LAST_SUCCESSFUL_TIME, null_mut())
     });
-    is_refused(&fmu, &["fmi2GetBooleanStatus", "NULL"], |f, c| unsafe {
+    assert_call_rejected(&fmu, &["fmi2GetBooleanStatus", "NULL"], |f, c| unsafe {
         (f.get_boolean_status)(c, TERMINATED, null_mut())
     });
     let instance = Instance::started(&fmu);
@@ -191,11 +191,11 @@ fn a_vector_is_given_whole_or_not_at_all() {
     let references = [fmu.reference("gain"), fmu.reference("count")];
     let mut reals = [7.0; 2];
     let status = unsafe { (fmu.get_real)(instance.component, references.as_ptr(), 2, reals.as_mut_ptr()) };
-    instance.refused(status, ERROR, &["fmi2GetReal", "`count`"]);
+    instance.assert_rejected(status, ERROR, &["fmi2GetReal", "`count`"]);
     assert_eq!(reals, [7.0; 2]);
     let (references, mut numbers) = ([fmu.reference("order"), fmu.count()], [7; 2]);
     let status = unsafe { (fmu.get_integer)(instance.component, references.as_ptr(), 2, numbers.as_mut_ptr()) };
-    instance.refused(status, ERROR, &["fmi2GetInteger"]);
+    instance.assert_rejected(status, ERROR, &["fmi2GetInteger"]);
     assert_eq!(numbers, [7; 2]);
 }
 
@@ -204,13 +204,17 @@ fn states_that_are_none_are_found() {
     let fmu = Fmu::probe();
     let nowhere = std::ptr::without_provenance_mut(12_345_678);
     let words = |function| [function, "no state of this FMU", "hint:"];
-    is_refused(&fmu, &words("fmi2SetFMUstate"), |f, c| unsafe { (f.set_fmu_state)(c, nowhere) });
-    is_refused(&fmu, &words("fmi2SerializedFMUstateSize"), |f, c| unsafe { (f.serialized_size)(c, nowhere, &mut 0) });
-    is_refused(&fmu, &words("fmi2GetFMUstate"), |f, c| unsafe { (f.get_fmu_state)(c, &mut nowhere.clone()) });
-    is_refused(&fmu, &words("fmi2FreeFMUstate"), |f, c| unsafe { (f.free_fmu_state)(c, &mut nowhere.clone()) });
+    assert_call_rejected(&fmu, &words("fmi2SetFMUstate"), |f, c| unsafe { (f.set_fmu_state)(c, nowhere) });
+    assert_call_rejected(&fmu, &words("fmi2SerializedFMUstateSize"), |f, c| unsafe {
+        (f.serialized_size)(c, nowhere, &mut 0)
+    });
+    assert_call_rejected(&fmu, &words("fmi2GetFMUstate"), |f, c| unsafe { (f.get_fmu_state)(c, &mut nowhere.clone()) });
+    assert_call_rejected(&fmu, &words("fmi2FreeFMUstate"), |f, c| unsafe {
+        (f.free_fmu_state)(c, &mut nowhere.clone())
+    });
     // twice freed
     let instance = Instance::started(&fmu);
     let state = instance.take_state();
     instance.free_state(state);
-    instance.refused(instance.put_state(state), ERROR, &words("fmi2SetFMUstate"));
+    instance.assert_rejected(instance.put_state(state), ERROR, &words("fmi2SetFMUstate"));
 }

@@ -11,50 +11,50 @@ fn running_bytes(fmu: &Fmu) -> Vec<u8> {
 }
 
 /// The bytes must be rejected with these words, and no state must result.
-fn are_refused(instance: &Instance, bytes: &[u8], words: &[&str]) {
+fn assert_bytes_rejected(instance: &Instance, bytes: &[u8], words: &[&str]) {
     let (status, state) = instance.deserialize(bytes);
-    instance.refused(status, ERROR, &[&["fmi2DeSerializeFMUstate"][..], words].concat());
+    instance.assert_rejected(status, ERROR, &[&["fmi2DeSerializeFMUstate"][..], words].concat());
     assert!(state.is_null());
 }
 
 #[test]
-fn bytes_cut_at_any_length_are_refused() {
+fn bytes_cut_at_any_length_are_rejected() {
     let fmu = Fmu::probe();
     let (bytes, instance) = (running_bytes(&fmu), Instance::new(&fmu));
     for length in 0..bytes.len() {
-        are_refused(&instance, &bytes[..length], &[]);
+        assert_bytes_rejected(&instance, &bytes[..length], &[]);
     }
     instance.restore(&bytes);
 }
 
 #[test]
-fn bytes_with_any_bit_flipped_are_refused() {
+fn bytes_with_any_bit_flipped_are_rejected() {
     let fmu = Fmu::probe();
     let (mut bytes, instance) = (running_bytes(&fmu), Instance::new(&fmu));
     for bit in 0..8 * bytes.len() {
         bytes[bit / 8] ^= 1 << (bit % 8);
-        are_refused(&instance, &bytes, &[]);
+        assert_bytes_rejected(&instance, &bytes, &[]);
         bytes[bit / 8] ^= 1 << (bit % 8);
     }
     instance.restore(&bytes);
 }
 
 #[test]
-fn bytes_with_something_behind_them_are_refused() {
+fn bytes_with_trailing_bytes_are_rejected() {
     let fmu = Fmu::probe();
     let (bytes, instance) = (running_bytes(&fmu), Instance::new(&fmu));
     for extra in [1, 15, 16, 255, 256, 4096] {
-        are_refused(&instance, &[&bytes[..], &vec![0; extra]].concat(), &[]);
-        are_refused(&instance, &[&bytes[..], &bytes[..extra.min(bytes.len())]].concat(), &[]);
+        assert_bytes_rejected(&instance, &[&bytes[..], &vec![0; extra]].concat(), &[]);
+        assert_bytes_rejected(&instance, &[&bytes[..], &bytes[..extra.min(bytes.len())]].concat(), &[]);
     }
 }
 
 #[test]
-fn bytes_that_are_no_state_at_all_are_refused() {
+fn bytes_that_are_no_state_at_all_are_rejected() {
     let fmu = Fmu::probe();
     let instance = Instance::new(&fmu);
     for bytes in [&[][..], b"hello", &[0; 256], &[0xff; 4096]] {
-        are_refused(&instance, bytes, &["no state"]);
+        assert_bytes_rejected(&instance, bytes, &["no state"]);
     }
     // the instance is not worse for it
     instance.restore(&running_bytes(&fmu));
@@ -62,12 +62,12 @@ fn bytes_that_are_no_state_at_all_are_refused() {
 }
 
 #[test]
-fn bytes_of_another_fmu_are_refused_by_guid() {
+fn bytes_of_another_fmu_are_rejected_by_guid() {
     let (probe, other) = (Fmu::probe(), Fmu::load(&example("pass_through")));
     for (own, foreign) in [(&probe, &other), (&other, &probe)] {
         let bytes = Instance::started(foreign).bytes();
         let words = ["another FMU", foreign.guid.to_str().unwrap(), own.guid.to_str().unwrap()];
-        are_refused(&Instance::new(own), &bytes, &words);
+        assert_bytes_rejected(&Instance::new(own), &bytes, &words);
     }
 }
 
@@ -101,18 +101,18 @@ fn forged_bytes_cannot_bring_in_what_no_call_could_set() {
     sign(&mut signed);
     assert_eq!(signed, bytes, "the checksum of this test is not that of the state bytes");
 
-    are_refused(&instance, &forge(&bytes, 7.125, f64::NAN), &["`gain` = NaN"]);
-    are_refused(&instance, &forge(&bytes, 0.25, f64::INFINITY), &["`position` = inf"]);
+    assert_bytes_rejected(&instance, &forge(&bytes, 7.125, f64::NAN), &["`gain` = NaN"]);
+    assert_bytes_rejected(&instance, &forge(&bytes, 0.25, f64::INFINITY), &["`position` = inf"]);
     let (status, _) = instance.deserialize(&forge(&bytes, 7.125, -1.0));
     assert_ne!(status, OK);
     instance.messages();
     // the clock stands 0.5 samples after the last one, at the communication point 0.0125 s
-    are_refused(&instance, &forge(&bytes, 12.5e-3, f64::NAN), &["impossible clock"]);
-    are_refused(&instance, &forge(&bytes, 0.5, 1.5), &["impossible clock"]);
+    assert_bytes_rejected(&instance, &forge(&bytes, 12.5e-3, f64::NAN), &["impossible clock"]);
+    assert_bytes_rejected(&instance, &forge(&bytes, 0.5, 1.5), &["impossible clock"]);
 }
 
 /// The bytes with another one `distance` bytes from where a number begins, and a good checksum.
-fn forge_beside(bytes: &[u8], number: f64, distance: isize, from: u8, to: u8) -> Vec<u8> {
+fn forge_near(bytes: &[u8], number: f64, distance: isize, from: u8, to: u8) -> Vec<u8> {
     let mut forged = bytes.to_vec();
     let at = forged.windows(8).position(|window| window == number.to_le_bytes()).unwrap();
     let byte = &mut forged[at.checked_add_signed(distance).unwrap()];
@@ -129,20 +129,20 @@ fn forged_bytes_cannot_bring_in_derivatives_and_integers_that_no_call_could_set(
     let number = 123.456;
     assert_eq!(instance.set_real("bias[3]", number), OK);
     // `order` = 2 lies behind it; the signs of integers are in their last bit
-    are_refused(&instance, &forge_beside(&instance.bytes(), number, 8, 4, 40), &["`order` = 20"]);
+    assert_bytes_rejected(&instance, &forge_near(&instance.bytes(), number, 8, 4, 40), &["`order` = 20"]);
 
     let instance = Instance::started(&fmu);
     assert_eq!(instance.set_derivatives(&["position"], &[1], &[number]), OK);
     // reference and order lie before it
     let bytes = instance.bytes();
-    are_refused(&instance, &forge_beside(&bytes, number, -2, 0, 100), &["value reference 100"]);
+    assert_bytes_rejected(&instance, &forge_near(&bytes, number, -2, 0, 100), &["value reference 100"]);
     let gain = u8::try_from(fmu.reference("gain")).unwrap();
-    are_refused(&instance, &forge_beside(&bytes, number, -2, 0, gain), &["`gain` is no Real input"]);
-    are_refused(&instance, &forge_beside(&bytes, number, -1, 2, 0), &["order 0"]);
+    assert_bytes_rejected(&instance, &forge_near(&bytes, number, -2, 0, gain), &["`gain` is no Real input"]);
+    assert_bytes_rejected(&instance, &forge_near(&bytes, number, -1, 2, 0), &["order 0"]);
 }
 
 #[test]
-fn a_buffer_too_small_is_refused_and_one_too_large_is_not_filled_up() {
+fn a_buffer_too_small_is_rejected_and_one_too_large_is_not_filled_up() {
     let fmu = Fmu::probe();
     let instance = Instance::started(&fmu);
     let (good, state) = (instance.bytes(), instance.take_state());
@@ -157,6 +157,6 @@ fn a_buffer_too_small_is_refused_and_one_too_large_is_not_filled_up() {
     assert!(filled[good.len()..].iter().all(|byte| *byte == 0xaa));
     let (status, _) = serialize(good.len() - 1);
     let words = ["fmi2SerializeFMUstate", &format!("{} bytes", good.len()), &format!("`size` = {}", good.len() - 1)];
-    instance.refused(status, ERROR, &words);
+    instance.assert_rejected(status, ERROR, &words);
     instance.free_state(state);
 }

@@ -73,7 +73,7 @@ fn the_last_derivative_counts_and_belongs_to_the_state() {
 }
 
 #[test]
-fn what_cannot_be_extrapolated_is_refused_whole() {
+fn what_cannot_be_extrapolated_is_rejected_whole() {
     let fmu = Fmu::probe();
     for (name, order, value, words) in [
         ("sensor", 0, 1.0, ["`sensor`", "order 0"]),
@@ -87,7 +87,7 @@ fn what_cannot_be_extrapolated_is_refused_whole() {
         let instance = Instance::started(&fmu);
         let state = instance.take_state();
         let status = instance.set_derivatives(&["position", name], &[1, order], &[1.0, value]);
-        instance.refused(status, ERROR, &[&["fmi2SetRealInputDerivatives"][..], &words[..]].concat());
+        instance.assert_rejected(status, ERROR, &[&["fmi2SetRealInputDerivatives"][..], &words[..]].concat());
         // the good derivative beside it was not taken
         let after = instance.bytes();
         assert_eq!(instance.put_state(state), OK);
@@ -106,8 +106,8 @@ fn a_ramp_that_leaves_the_numbers_does_not_leave_the_fmu() {
     assert_eq!(instance.set_real("position", f64::MAX), OK);
     assert_eq!(instance.set_derivatives(&["position"], &[1], &[f64::MAX]), OK);
     // 10 samples lie in it, and the second already has no number
-    let told = ["`position` = inf at t = 0.001 s", "(order 1)", "hint:"];
-    instance.refused(instance.step(0.0, 0.01), ERROR, &told);
+    let words = ["`position` = inf at t = 0.001 s", "(order 1)", "hint:"];
+    instance.assert_rejected(instance.step(0.0, 0.01), ERROR, &words);
     for name in ["position", "force", "sum"] {
         assert!(instance.real(name).is_finite(), "{name} = {}", instance.real(name));
     }

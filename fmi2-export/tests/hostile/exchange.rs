@@ -4,7 +4,7 @@ use crate::common::*;
 use std::ptr::{null, null_mut};
 
 #[test]
-fn a_time_that_is_none_or_outside_of_the_experiment_is_refused() {
+fn a_time_that_is_none_or_outside_of_the_experiment_is_rejected() {
     let fmu = Fmu::probe();
     for (time, words) in [
         (f64::NAN, "not finite"),
@@ -15,7 +15,7 @@ fn a_time_that_is_none_or_outside_of_the_experiment_is_refused() {
         let instance = Instance::of_type(&fmu, MODEL_EXCHANGE);
         assert_eq!((instance.setup(2.0, Some(3.0)), instance.enter(), instance.exit()), (OK, OK, OK));
         assert_eq!((instance.set_time(2.0), instance.set_time(3.1), instance.set_time(2.5)), (OK, OK, OK));
-        instance.refused(instance.set_time(time), ERROR, &["fmi2SetTime", words]);
+        instance.assert_rejected(instance.set_time(time), ERROR, &["fmi2SetTime", words]);
         assert_eq!(instance.end_phase(), Phase::Error);
     }
     // integrators look past the stop time, but there is no event behind it
@@ -25,7 +25,7 @@ fn a_time_that_is_none_or_outside_of_the_experiment_is_refused() {
     assert_eq!(instance.new_discrete_states().0, WARNING);
     assert_eq!((instance.messages().len(), instance.integer("ticks"), instance.set_time(2.011)), (1, 11, OK));
     let (status, _) = instance.new_discrete_states();
-    instance.refused(status, ERROR, &["the event at 2.011 s passes the stop time 2.01 s"]);
+    instance.assert_rejected(status, ERROR, &["the event at 2.011 s passes the stop time 2.01 s"]);
     assert_eq!(instance.integer("ticks"), 11);
 }
 
@@ -43,41 +43,41 @@ fn arrays_of_states_and_indicators_are_empty() {
     ];
     for (function, call) in calls {
         let instance = Instance::of_type_in_phase(&fmu, MODEL_EXCHANGE, Phase::ContinuousTime);
-        instance.refused(call(&instance, &mut x), ERROR, &[function, "the call is for 1"]);
+        instance.assert_rejected(call(&instance, &mut x), ERROR, &[function, "the call is for 1"]);
         assert_eq!((x, instance.end_phase()), ([7.0], Phase::Error), "{function}");
     }
 }
 
 #[test]
-fn a_place_for_an_answer_that_is_null_is_refused() {
+fn a_null_result_pointer_is_rejected() {
     let fmu = Fmu::probe();
     let instance = Instance::at_first_event(&fmu);
     let status = unsafe { (fmu.new_discrete_states)(instance.component, null_mut()) };
-    instance.refused(status, ERROR, &["fmi2NewDiscreteStates", "`fmi2eventInfo` is NULL"]);
+    instance.assert_rejected(status, ERROR, &["fmi2NewDiscreteStates", "`fmi2eventInfo` is NULL"]);
     let mut answer = 7;
-    let place = &raw mut answer;
-    for (event, end, word) in [(null_mut(), place, "enterEventMode"), (place, null_mut(), "terminateSimulation")] {
+    let pointer = &raw mut answer;
+    for (event, end, word) in [(null_mut(), pointer, "enterEventMode"), (pointer, null_mut(), "terminateSimulation")] {
         let instance = Instance::of_type_in_phase(&fmu, MODEL_EXCHANGE, Phase::ContinuousTime);
         let status = unsafe { (fmu.completed_integrator_step)(instance.component, 1, event, end) };
-        instance.refused(status, ERROR, &["fmi2CompletedIntegratorStep", word, "is NULL"]);
+        instance.assert_rejected(status, ERROR, &["fmi2CompletedIntegratorStep", word, "is NULL"]);
     }
 }
 
 #[test]
 fn without_an_instance_every_function_answers_with_an_error() {
     let fmu = Fmu::probe();
-    let nobody = null_mut();
+    let no_instance = null_mut();
     unsafe {
-        assert_eq!((fmu.enter_event_mode)(nobody), ERROR);
-        assert_eq!((fmu.new_discrete_states)(nobody, null_mut()), ERROR);
-        assert_eq!((fmu.enter_continuous_time_mode)(nobody), ERROR);
-        assert_eq!((fmu.completed_integrator_step)(nobody, 0, null_mut(), null_mut()), ERROR);
-        assert_eq!((fmu.set_time)(nobody, 0.0), ERROR);
-        assert_eq!((fmu.set_continuous_states)(nobody, null(), 0), ERROR);
-        assert_eq!((fmu.get_derivatives)(nobody, null_mut(), 0), ERROR);
-        assert_eq!((fmu.get_event_indicators)(nobody, null_mut(), 0), ERROR);
-        assert_eq!((fmu.get_continuous_states)(nobody, null_mut(), 0), ERROR);
-        assert_eq!((fmu.get_nominals)(nobody, null_mut(), 0), ERROR);
+        assert_eq!((fmu.enter_event_mode)(no_instance), ERROR);
+        assert_eq!((fmu.new_discrete_states)(no_instance, null_mut()), ERROR);
+        assert_eq!((fmu.enter_continuous_time_mode)(no_instance), ERROR);
+        assert_eq!((fmu.completed_integrator_step)(no_instance, 0, null_mut(), null_mut()), ERROR);
+        assert_eq!((fmu.set_time)(no_instance, 0.0), ERROR);
+        assert_eq!((fmu.set_continuous_states)(no_instance, null(), 0), ERROR);
+        assert_eq!((fmu.get_derivatives)(no_instance, null_mut(), 0), ERROR);
+        assert_eq!((fmu.get_event_indicators)(no_instance, null_mut(), 0), ERROR);
+        assert_eq!((fmu.get_continuous_states)(no_instance, null_mut(), 0), ERROR);
+        assert_eq!((fmu.get_nominals)(no_instance, null_mut(), 0), ERROR);
     }
 }
 
@@ -94,7 +94,7 @@ fn inputs_move_in_continuous_time_and_parameters_at_events_only() {
     assert_eq!((instance.set_time(0.9e-3), instance.real("force"), instance.integer("ticks")), (OK, 1.5, 1));
     instance.event(next);
     assert_eq!((instance.real("force"), instance.integer("counted"), instance.integer("ticks")), (4.0, 6, 2));
-    instance.refused(instance.set_real("gain", 1.0), ERROR, &["`gain` = 1", "in event mode"]);
+    instance.assert_rejected(instance.set_real("gain", 1.0), ERROR, &["`gain` = 1", "in event mode"]);
 }
 
 #[test]
@@ -118,12 +118,12 @@ fn between_events_what_is_no_real_input_may_be_written_again_and_not_changed() {
     instance.event(1e-3);
     assert_eq!((instance.real("force"), instance.integer("counted"), instance.messages().len()), (before, 6, 0));
     let words = |name| [name, "in event mode, not in continuous-time mode"];
-    instance.refused(instance.set_booleans(&["enable"], &[0]), ERROR, &words("`enable` = false"));
+    instance.assert_rejected(instance.set_booleans(&["enable"], &[0]), ERROR, &words("`enable` = false"));
     assert_eq!((instance.boolean("enable"), instance.end_phase()), (1, Phase::Error));
     let instance = between();
-    instance.refused(instance.set_integer("count", 4), ERROR, &words("`count` = 4"));
+    instance.assert_rejected(instance.set_integer("count", 4), ERROR, &words("`count` = 4"));
     let instance = between();
-    instance.refused(instance.set_integer("mode", 1), ERROR, &words("`mode` = 1"));
+    instance.assert_rejected(instance.set_integer("mode", 1), ERROR, &words("`mode` = 1"));
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn a_model_that_fails_ends_the_event_with_its_reason() {
         let instance = Instance::at_first_event(&fmu);
         assert_eq!(instance.set_integer("failure", failure), OK);
         let (status, _) = instance.new_discrete_states();
-        instance.refused(status, ERROR, &["fmi2NewDiscreteStates", words]);
+        instance.assert_rejected(status, ERROR, &["fmi2NewDiscreteStates", words]);
         assert!(instance.real("force").is_finite());
         assert_eq!(instance.end_phase(), Phase::Error);
         assert_eq!((instance.reset(), instance.setup(0.0, None), instance.enter(), instance.exit()), (OK, OK, OK, OK));
@@ -143,11 +143,11 @@ fn a_model_that_fails_ends_the_event_with_its_reason() {
     assert_eq!(instance.set_integer("failure", 5), OK);
     let (status, next) = instance.new_discrete_states();
     assert_eq!(next, 1e-3);
-    instance.refused(status, WARNING, &["50 %% of a warning"]);
+    instance.assert_rejected(status, WARNING, &["50 %% of a warning"]);
 }
 
 #[test]
-fn an_event_that_was_passed_is_told_once_and_its_samples_run() {
+fn an_event_that_was_passed_is_reported_once_and_its_samples_run() {
     let fmu = Fmu::probe();
     let instance = Instance::at_first_event(&fmu);
     assert_eq!((instance.new_discrete_states(), instance.enter_continuous_time_mode()), ((OK, 1e-3), OK));
@@ -156,15 +156,17 @@ fn an_event_that_was_passed_is_told_once_and_its_samples_run() {
         let (answer, _) = instance.new_discrete_states();
         match status {
             OK => assert_eq!((answer, instance.messages()), (OK, vec![])),
-            _ => {
-                instance.refused(answer, WARNING, &["passed the time event at `0.001 s`", "3 samples", "nextEventTime"])
-            }
+            _ => instance.assert_rejected(
+                answer,
+                WARNING,
+                &["passed the time event at `0.001 s`", "3 samples", "nextEventTime"],
+            ),
         }
         assert_eq!((instance.integer("ticks"), instance.enter_continuous_time_mode()), (ticks, OK));
     }
     assert_eq!((instance.set_time(1e9), instance.enter_event_mode()), (OK, OK));
     let (status, _) = instance.new_discrete_states();
-    instance.refused(status, ERROR, &["1000000000 sample periods after the event at 0.008 s"]);
+    instance.assert_rejected(status, ERROR, &["1000000000 sample periods after the event at 0.008 s"]);
     assert_eq!(instance.integer("ticks"), 8);
 }
 
@@ -195,13 +197,17 @@ fn events_that_were_passed_begin_a_long_step_as_a_communication_step_does() {
 }
 
 #[test]
-fn a_state_of_the_other_fmu_type_is_refused() {
+fn a_state_of_the_other_fmu_type_is_rejected() {
     let fmu = Fmu::probe();
     let (events, steps) = (Instance::at_first_event(&fmu), Instance::started(&fmu));
     let (state, bytes) = (events.take_state(), events.bytes());
-    steps.refused(steps.put_state(state), ERROR, &["of an instance for model exchange, this one is for co-simulation"]);
+    steps.assert_rejected(
+        steps.put_state(state),
+        ERROR,
+        &["of an instance for model exchange, this one is for co-simulation"],
+    );
     let (status, _) = steps.deserialize(&bytes);
-    steps.refused(status, ERROR, &["of an instance for model exchange, this one is for co-simulation"]);
+    steps.assert_rejected(status, ERROR, &["of an instance for model exchange, this one is for co-simulation"]);
     let state = steps.take_state();
-    events.refused(events.put_state(state), ERROR, &["of an instance for co-simulation"]);
+    events.assert_rejected(events.put_state(state), ERROR, &["of an instance for co-simulation"]);
 }

@@ -23,9 +23,13 @@ fn is_stuck_but_readable(instance: &Instance) {
         assert!(instance.real(name).is_finite(), "{name}");
     }
     instance.messages();
-    instance.refused(instance.step(1.1e-2, 1e-3), ERROR, &["fmi2DoStep", "may not be called after an error"]);
-    instance.refused(instance.set_real("gain", 1.0), ERROR, &["fmi2SetReal", "may not be called after an error"]);
-    instance.refused(instance.terminate(), ERROR, &["fmi2Terminate", "may not be called after an error"]);
+    instance.assert_rejected(instance.step(1.1e-2, 1e-3), ERROR, &["fmi2DoStep", "may not be called after an error"]);
+    instance.assert_rejected(
+        instance.set_real("gain", 1.0),
+        ERROR,
+        &["fmi2SetReal", "may not be called after an error"],
+    );
+    instance.assert_rejected(instance.terminate(), ERROR, &["fmi2Terminate", "may not be called after an error"]);
 }
 
 fn works_after_reset(instance: &Instance) {
@@ -38,7 +42,7 @@ fn works_after_reset(instance: &Instance) {
 
 /// The next sample fails with these words; what is left after that can be read, and works after a reset.
 fn fails(instance: &Instance, words: &[&str]) {
-    instance.refused(instance.step(1e-2, 1e-3), ERROR, words);
+    instance.assert_rejected(instance.step(1e-2, 1e-3), ERROR, words);
     is_stuck_but_readable(instance);
     works_after_reset(instance);
 }
@@ -52,12 +56,12 @@ fn an_error_or_nan_in_a_sample_ends_the_run_with_its_text() {
 }
 
 #[test]
-fn a_panic_is_caught_and_logged_with_its_place() {
+fn a_panic_is_caught_and_logged_with_its_location() {
     let fmu = Fmu::probe();
     let (instance, other) = (about_to_fail(&fmu, PANIC), about_to_fail(&fmu, NONE));
     let line = include_str!("../../examples/probe.rs").lines().position(|line| line.contains("panic!(")).unwrap() + 1;
-    let place = format!("examples/probe.rs:{line}");
-    fails(&instance, &["fmi2DoStep", "panicked at", &place, "provoked panic"]);
+    let location = format!("examples/probe.rs:{line}");
+    fails(&instance, &["fmi2DoStep", "panicked at", &location, "provoked panic"]);
     // other instances do not notice
     assert_eq!(other.step(1e-2, 1e-3), OK);
     assert_eq!((other.integer("ticks"), other.messages()), (11, vec![]));
@@ -90,7 +94,7 @@ fn parameters_that_do_not_fit_together_fail_at_the_end_of_initialization() {
     let instance = Instance::in_phase(&fmu, Phase::Initialization);
     assert_eq!(instance.set_real("limits.low", 12.5), OK);
     let words = ["fmi2ExitInitializationMode", "`limits.low` = 12.5 N", "`limits.high` = 10 N"];
-    instance.refused(instance.exit(), ERROR, &words);
+    instance.assert_rejected(instance.exit(), ERROR, &words);
     works_after_reset(&instance);
 }
 
@@ -118,7 +122,7 @@ fn a_warning_is_the_status_of_its_call_and_messages_are_those_that_are_switched_
     };
     let (warnings, all) = (["logStatusWarning"], ["logStatusWarning", "logEvents"]);
     assert_eq!(categories(), warnings);
-    for (on, names, wanted) in [
+    for (on, names, expected) in [
         (1, &[][..], &all[..]),
         (0, &[], &[]),
         (1, &[c"logEvents"], &["logEvents"]),
@@ -128,7 +132,7 @@ fn a_warning_is_the_status_of_its_call_and_messages_are_those_that_are_switched_
         (1, &[c"logAll"], &all),
     ] {
         assert_eq!(switch(&instance, on, names), OK);
-        assert_eq!(categories(), wanted, "{on} {names:?}");
+        assert_eq!(categories(), expected, "{on} {names:?}");
     }
     assert_eq!(switch(&instance, 0, &[c"logStatusDiscard"]), OK);
     assert_eq!((instance.set_real("gain", -1.0), instance.messages()), (DISCARD, vec![]));
@@ -172,7 +176,7 @@ fn an_undeclared_category_is_named_and_left_out() {
     let instance = Instance::started(&fmu);
     let status = switch(&instance, 1, &[c"logEvents", c"log#2#"]);
     // `#` is doubled: it begins a reference to a variable
-    instance.refused(status, WARNING, &["fmi2SetDebugLogging", "`log##2##`", "`logEvents`"]);
+    instance.assert_rejected(status, WARNING, &["fmi2SetDebugLogging", "`log##2##`", "`logEvents`"]);
     assert_eq!((instance.set_integer("failure", WARN), instance.step(0.0, 1e-3)), (OK, WARNING));
     assert_eq!(instance.messages().into_iter().map(|m| m.category).collect::<Vec<_>>(), ["logEvents"]);
 }

@@ -6,15 +6,15 @@ use std::ffi::{CStr, c_int, c_void};
 use std::ptr::{null, null_mut};
 
 thread_local! {
-    static HEARD: RefCell<Vec<(Status, String, String)>> = const { RefCell::new(Vec::new()) };
+    static MESSAGES: RefCell<Vec<(Status, String, String)>> = const { RefCell::new(Vec::new()) };
     static REENTER: Cell<(Option<&'static Fmu>, Component)> = const { Cell::new((None, null_mut())) };
     static REENTERED: Cell<Option<Status>> = const { Cell::new(None) };
 }
 
-unsafe extern "C" fn hear(_: *mut c_void, _: Text, status: Status, category: Text, text: Text) {
+unsafe extern "C" fn log(_: *mut c_void, _: Text, status: Status, category: Text, text: Text) {
     // SAFETY: the FMU gives C strings that live during the call.
     let own = |text: Text| unsafe { CStr::from_ptr(text) }.to_str().unwrap().to_owned();
-    HEARD.with_borrow_mut(|heard| heard.push((status, own(category), own(text))));
+    MESSAGES.with_borrow_mut(|messages| messages.push((status, own(category), own(text))));
     if let (Some(fmu), component) = REENTER.get() {
         // SAFETY: the instance lives, it is in the middle of a call, which is the point.
         let status = unsafe {
@@ -43,7 +43,7 @@ fn versions_are_those_of_the_headers() {
 #[test]
 fn wrong_arguments_give_no_instance_and_one_reason() {
     let fmu = Fmu::probe();
-    let functions = callbacks(Some(hear));
+    let functions = callbacks(Some(log));
     let (name, guid) = (c"test".as_ptr(), fmu.guid.as_ptr());
     let foreign = c"01234567-89ab-cdef-0123-456789abcdef".as_ptr();
     let bad_utf8 = c"\xff".as_ptr();
@@ -61,10 +61,10 @@ fn wrong_arguments_give_no_instance_and_one_reason() {
         (name, CO_SIMULATION, foreign, "GUID `01234567-89ab-cdef-0123-456789abcdef`"),
     ] {
         assert!(instantiate(&fmu, name, kind, guid, &functions).is_null(), "{reason}");
-        let heard = HEARD.take();
-        assert_eq!(heard.len(), 1, "{reason}");
-        assert_eq!((heard[0].0, heard[0].1.as_str()), (ERROR, "logStatusError"));
-        assert!(heard[0].2.starts_with("fmi2Instantiate: ") && heard[0].2.contains(reason), "{}", heard[0].2);
+        let messages = MESSAGES.take();
+        assert_eq!(messages.len(), 1, "{reason}");
+        assert_eq!((messages[0].0, messages[0].1.as_str()), (ERROR, "logStatusError"));
+        assert!(messages[0].2.starts_with("fmi2Instantiate: ") && messages[0].2.contains(reason), "{}", messages[0].2);
         // and in silence
         assert!(instantiate(&fmu, name, kind, guid, null()).is_null(), "{reason}");
     }
@@ -88,7 +88,7 @@ fn without_callbacks_or_logger_an_instance_works_in_silence() {
             (fmu.free_instance)(component);
         }
     }
-    assert!(HEARD.take().is_empty());
+    assert!(MESSAGES.take().is_empty());
 }
 
 #[test]
@@ -106,9 +106,9 @@ fn resource_locations_of_any_shape_are_taken() {
 }
 
 #[test]
-fn a_location_that_is_no_folder_is_told() {
+fn a_location_that_is_no_folder_is_reported() {
     let fmu = Fmu::probe();
-    let functions = callbacks(Some(hear));
+    let functions = callbacks(Some(log));
     for location in [c"http://server/resources", c"fmi2://resources"] {
         let (name, guid) = (c"test".as_ptr(), fmu.guid.as_ptr());
         unsafe {
@@ -117,7 +117,7 @@ fn a_location_that_is_no_folder_is_told() {
             assert_eq!((fmu.setup_experiment)(component, 0, 0.0, 0.0, 0, 0.0), OK, "the next call is not to blame");
             (fmu.free_instance)(component);
         }
-        let [(status, category, text)] = &HEARD.take()[..] else { panic!("one message for {location:?}") };
+        let [(status, category, text)] = &MESSAGES.take()[..] else { panic!("one message for {location:?}") };
         assert_eq!((*status, category.as_str()), (WARNING, "logStatusWarning"));
         assert!(text.contains(location.to_str().unwrap()) && text.contains("no resources"), "{text}");
     }
@@ -126,14 +126,14 @@ fn a_location_that_is_no_folder_is_told() {
 #[test]
 fn a_logger_that_calls_back_finds_a_closed_door() {
     let fmu: &'static Fmu = Box::leak(Box::new(Fmu::probe()));
-    let functions = callbacks(Some(hear));
+    let functions = callbacks(Some(log));
     let component = instantiate(fmu, c"test".as_ptr(), CO_SIMULATION, fmu.guid.as_ptr(), &functions);
     REENTER.set((Some(fmu), component));
     unsafe {
         assert_eq!((fmu.do_step)(component, 0.0, 1e-3, 1), ERROR);
         REENTER.set((None, null_mut()));
         assert_eq!(REENTERED.take(), Some(ERROR), "the logger was not called or its call got through");
-        assert_eq!(HEARD.take().len(), 1);
+        assert_eq!(MESSAGES.take().len(), 1);
         // the instance was neither freed nor reset by its logger
         assert_eq!((fmu.setup_experiment)(component, 0, 0.0, 0.0, 0, 0.0), ERROR);
         assert_eq!((fmu.reset)(component), OK);

@@ -126,15 +126,15 @@ fn every_function_in_every_phase() {
             let status = (row.call)(&instance, state);
             instance.free_state(state);
             let is_allowed = row.types.contains(&fmu_type) && row.phases.contains(letter(phase));
-            let (wanted, next) = if is_allowed { row.answer } else { (ERROR, Some(Phase::Error)) };
+            let (expected, next) = if is_allowed { row.answer } else { (ERROR, Some(Phase::Error)) };
             let made_for = if fmu_type == CO_SIMULATION { "is for co-simulation" } else { "is for model exchange" };
-            match (wanted, is_allowed) {
+            match (expected, is_allowed) {
                 (OK, _) => assert_eq!((status, instance.messages()), (OK, vec![]), "{what}"),
-                (_, true) => instance.refused(status, wanted, &[row.function]),
+                (_, true) => instance.assert_rejected(status, expected, &[row.function]),
                 (_, false) if row.types.contains(&fmu_type) => {
-                    instance.refused(status, ERROR, &[row.function, "may not be called"]);
+                    instance.assert_rejected(status, ERROR, &[row.function, "may not be called"]);
                 }
-                (_, false) => instance.refused(status, ERROR, &[row.function, "may not be called", made_for]),
+                (_, false) => instance.assert_rejected(status, ERROR, &[row.function, "may not be called", made_for]),
             }
             let next = match next {
                 Some(Phase::StepComplete) if fmu_type == MODEL_EXCHANGE => Phase::EventMode,
@@ -156,7 +156,11 @@ fn an_instance_can_be_freed_in_every_phase() {
 fn initialization_needs_an_experiment() {
     let fmu = Fmu::probe();
     let instance = Instance::new(&fmu);
-    instance.refused(instance.enter(), ERROR, &["fmi2EnterInitializationMode", "fmi2SetupExperiment was not called"]);
+    instance.assert_rejected(
+        instance.enter(),
+        ERROR,
+        &["fmi2EnterInitializationMode", "fmi2SetupExperiment was not called"],
+    );
 }
 
 #[test]

@@ -66,12 +66,12 @@ fn what_is_not_offered_says_so() {
     let (r, c) = (&fmu.reference("force"), |i: &Instance| i.component);
     let instance = Instance::started(&fmu);
     let status = unsafe { (fmu.get_directional_derivative)(c(&instance), r, 1, &0, 1, &1.0, &mut 0.0) };
-    instance.refused(status, ERROR, &["fmi2GetDirectionalDerivative", "no directional derivatives"]);
+    instance.assert_rejected(status, ERROR, &["fmi2GetDirectionalDerivative", "no directional derivatives"]);
     let instance = Instance::started(&fmu);
     let status = unsafe { (fmu.get_output_derivatives)(c(&instance), r, 1, &1, &mut 0.0) };
-    instance.refused(status, ERROR, &["fmi2GetRealOutputDerivatives", "held between samples"]);
+    instance.assert_rejected(status, ERROR, &["fmi2GetRealOutputDerivatives", "held between samples"]);
     let instance = Instance::started(&fmu);
-    instance.refused(unsafe { (fmu.cancel_step)(c(&instance)) }, ERROR, &["fmi2CancelStep", "between steps"]);
+    instance.assert_rejected(unsafe { (fmu.cancel_step)(c(&instance)) }, ERROR, &["fmi2CancelStep", "between steps"]);
     for flag in
         ["providesDirectionalDerivative=\"false\"", "maxOutputDerivativeOrder=\"0\"", "canInterpolateInputs=\"true\""]
     {

@@ -7,13 +7,21 @@ fn step_sizes_that_make_no_sense_are_an_error() {
     let fmu = Fmu::probe();
     for step in [0.0, -0.0, -1e-3, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MIN] {
         let instance = Instance::started(&fmu);
-        instance.refused(instance.step(0.0, step), ERROR, &["fmi2DoStep", &format!("{step} s"), "not positive"]);
+        instance.assert_rejected(
+            instance.step(0.0, step),
+            ERROR,
+            &["fmi2DoStep", &format!("{step} s"), "not positive"],
+        );
         assert_eq!(instance.end_phase(), Phase::Error);
     }
     // so long that the call would not come back
     for step in [2e6, 1e300, f64::MAX] {
         let instance = Instance::started(&fmu);
-        instance.refused(instance.step(0.0, step), ERROR, &["fmi2DoStep", &format!("{step} s"), "sample periods"]);
+        instance.assert_rejected(
+            instance.step(0.0, step),
+            ERROR,
+            &["fmi2DoStep", &format!("{step} s"), "sample periods"],
+        );
         assert_eq!(instance.integer("ticks"), 0);
     }
 }
@@ -23,7 +31,7 @@ fn a_communication_point_away_from_the_last_step_is_an_error() {
     let fmu = Fmu::probe();
     for time in [1e-3, -1e-3, 1.0, 1e300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let instance = Instance::started(&fmu);
-        instance.refused(
+        instance.assert_rejected(
             instance.step(time, 1e-3),
             ERROR,
             &["fmi2DoStep", &format!("{time} s"), "end of the last step"],
@@ -32,7 +40,7 @@ fn a_communication_point_away_from_the_last_step_is_an_error() {
     }
     let instance = Instance::started(&fmu);
     assert_eq!(instance.step(0.0, 1e-3), OK);
-    instance.refused(instance.step(0.0, 1e-3), ERROR, &["0 s", "0.001 s"]);
+    instance.assert_rejected(instance.step(0.0, 1e-3), ERROR, &["0 s", "0.001 s"]);
 }
 
 #[test]
@@ -52,15 +60,15 @@ fn accumulated_rounding_of_time_is_taken() {
 }
 
 #[test]
-fn a_master_whose_time_runs_away_from_the_clock_is_told() {
+fn a_master_whose_time_runs_away_from_the_clock_is_reported() {
     let fmu = Fmu::probe();
     for (rate, limit) in [(1.009, 3), (0.991, 3), (1.0001, 200), (1.0 + 1e-6, 20_000)] {
         let instance = Instance::started(&fmu);
-        let refused = (0..limit).find(|k| instance.step(f64::from(*k) * 1e-3 * rate, 1e-3) != OK);
-        let refused = refused.unwrap_or_else(|| panic!("{limit} steps at the rate {rate} were taken"));
+        let assert_rejected = (0..limit).find(|k| instance.step(f64::from(*k) * 1e-3 * rate, 1e-3) != OK);
+        let assert_rejected = assert_rejected.unwrap_or_else(|| panic!("{limit} steps at the rate {rate} were taken"));
         let [message] = &instance.messages()[..] else { panic!("one message expected") };
         assert!(message.text.contains("is not the end of the last step"), "{}", message.text);
-        assert_eq!(instance.integer("ticks"), refused);
+        assert_eq!(instance.integer("ticks"), assert_rejected);
     }
 }
 
@@ -79,13 +87,13 @@ fn the_stop_time_is_kept_with_a_tolerance_for_rounding() {
     for last in [1.001e-3, 1e-2, 1.0] {
         let instance = started();
         let words = ["fmi2DoStep", "0.009 s", &format!("{last} s"), "stop time 0.01 s"];
-        instance.refused(instance.step(9e-3, last), ERROR, &words);
+        instance.assert_rejected(instance.step(9e-3, last), ERROR, &words);
         assert_eq!((instance.integer("ticks"), instance.end_phase()), (9, Phase::Error));
     }
 }
 
 #[test]
-fn without_a_stop_time_the_number_beside_it_is_not_read() {
+fn without_a_stop_time_its_value_is_not_read() {
     let fmu = Fmu::probe();
     let instance = Instance::new(&fmu);
     assert_eq!(unsafe { (fmu.setup_experiment)(instance.component, 0, 0.0, 0.0, 0, -1.0) }, OK);
@@ -103,14 +111,14 @@ fn experiments_that_make_no_sense_are_an_error() {
         (0.0, Some(f64::NEG_INFINITY), "stop time -inf"),
     ] {
         let instance = Instance::new(&fmu);
-        instance.refused(instance.setup(start, stop), ERROR, &["fmi2SetupExperiment", words]);
+        instance.assert_rejected(instance.setup(start, stop), ERROR, &["fmi2SetupExperiment", words]);
     }
     // a stop time that never comes is one
     assert_eq!(Instance::new(&fmu).setup(0.0, Some(f64::INFINITY)), OK);
 }
 
 #[test]
-fn a_step_too_long_for_a_closed_loop_is_told_once_and_done() {
+fn a_step_too_long_for_a_closed_loop_is_reported_once_and_done() {
     let fmu = Fmu::probe();
     // the probe works up to a million of its sample periods of 1 us
     let started = |instance: &Instance| {
@@ -122,7 +130,7 @@ fn a_step_too_long_for_a_closed_loop_is_told_once_and_done() {
     assert_eq!((instance.step(0.0, 1.0 + 1e-13), instance.messages().len()), (OK, 0));
     let before = instance.take_state();
     let words = ["t = 1 s", "`1.5 s`", "1500000 sample periods of `0.000001 s`", "up to 1000000", "\nhint: set"];
-    instance.refused(instance.step(1.0, 1.5), WARNING, &words);
+    instance.assert_rejected(instance.step(1.0, 1.5), WARNING, &words);
     assert_eq!(instance.integer("ticks"), 2_500_000);
     assert_eq!((instance.step(2.5, 1.5), instance.messages().len()), (OK, 0));
     // a master that goes back heard it, a reset makes a new instance
@@ -130,5 +138,5 @@ fn a_step_too_long_for_a_closed_loop_is_told_once_and_done() {
     instance.free_state(before);
     assert_eq!(instance.reset(), OK);
     started(&instance);
-    instance.refused(instance.step(0.0, 1.5), WARNING, &words[1..]);
+    instance.assert_rejected(instance.step(0.0, 1.5), WARNING, &words[1..]);
 }

@@ -14,7 +14,7 @@ fn numbers_that_are_not_finite_are_an_error_with_the_name() {
             for phase in SETTABLE {
                 let instance = Instance::in_phase(&fmu, phase);
                 let words = ["fmi2SetReal", &format!("`{name}` = {value}"), "not finite"];
-                instance.refused(instance.set_real(name, value), ERROR, &words);
+                instance.assert_rejected(instance.set_real(name, value), ERROR, &words);
                 assert_eq!(instance.end_phase(), Phase::Error);
             }
         }
@@ -44,7 +44,7 @@ fn values_out_of_range_are_discarded_and_the_old_one_stays() {
         for phase in [Phase::Initialization, Phase::StepComplete] {
             let instance = Instance::in_phase(&fmu, phase);
             let words = ["fmi2SetReal", &format!("`{name}` = {value:?}"), limits];
-            instance.refused(instance.set_real(name, value), DISCARD, &words);
+            instance.assert_rejected(instance.set_real(name, value), DISCARD, &words);
             assert_eq!(instance.real(name), 2.0);
             assert_eq!(instance.end_phase(), phase);
         }
@@ -59,7 +59,7 @@ fn values_out_of_range_are_discarded_and_the_old_one_stays() {
     ] {
         let instance = Instance::in_phase(&fmu, Phase::Initialization);
         let before = instance.integer(name);
-        instance.refused(instance.set_integer(name, value), DISCARD, &words);
+        instance.assert_rejected(instance.set_integer(name, value), DISCARD, &words);
         assert_eq!(instance.integer(name), before);
         assert_eq!(instance.end_phase(), Phase::Initialization);
     }
@@ -91,13 +91,13 @@ fn a_vector_is_taken_whole_or_not_at_all() {
     ] {
         let instance = Instance::in_phase(&fmu, Phase::Initialization);
         let answer = instance.set_reals(&["bias[1]", "bias[3]", last], &[5.0, 6.0, value]);
-        instance.refused(answer, status, &[last]);
+        instance.assert_rejected(answer, status, &[last]);
         assert_eq!((instance.real("bias[1]"), instance.real("bias[3]")), (0.0, 1.0), "{last}");
     }
     let instance = Instance::in_phase(&fmu, Phase::Initialization);
-    instance.refused(instance.set_integers(&["count", "order"], &[7, 9]), DISCARD, &["`order` = 9"]);
+    instance.assert_rejected(instance.set_integers(&["count", "order"], &[7, 9]), DISCARD, &["`order` = 9"]);
     assert_eq!(instance.integer("count"), 0);
-    instance.refused(instance.set_texts(&["label", "mode"], &[c"new", c"new"]), ERROR, &["`mode`"]);
+    instance.assert_rejected(instance.set_texts(&["label", "mode"], &[c"new", c"new"]), ERROR, &["`mode`"]);
     assert_eq!(instance.text("label"), "100 % <probe>");
 }
 
@@ -121,7 +121,7 @@ fn fixed_parameters_are_fixed_after_initialization_but_take_their_own_value() {
     for (function, name, call) in calls {
         let instance = Instance::started(&fmu);
         assert_eq!(call(&instance, true), OK, "{name}");
-        instance.refused(
+        instance.assert_rejected(
             call(&instance, false),
             ERROR,
             &[function, &format!("`{name}`"), "fixed after initialization"],
@@ -134,14 +134,14 @@ fn fixed_parameters_are_fixed_after_initialization_but_take_their_own_value() {
 }
 
 #[test]
-fn the_value_that_was_refused_is_told() {
+fn the_value_that_was_rejected_is_reported() {
     let fmu = Fmu::probe();
     let instance = Instance::started(&fmu);
-    instance.refused(instance.set_real("limits.high", 11.25), ERROR, &["`limits.high` = 11.25"]);
+    instance.assert_rejected(instance.set_real("limits.high", 11.25), ERROR, &["`limits.high` = 11.25"]);
     let instance = Instance::started(&fmu);
-    instance.refused(instance.set_real("force", 11.25), ERROR, &["`force` = 11.25"]);
+    instance.assert_rejected(instance.set_real("force", 11.25), ERROR, &["`force` = 11.25"]);
     let instance = Instance::started(&fmu);
-    instance.refused(instance.set_real("natural_frequency", 11.25), ERROR, &["`natural_frequency` = 11.25"]);
+    instance.assert_rejected(instance.set_real("natural_frequency", 11.25), ERROR, &["`natural_frequency` = 11.25"]);
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn a_calculated_parameter_follows_and_cannot_be_set() {
     for phase in SETTABLE {
         let instance = Instance::in_phase(&fmu, phase);
         let words = ["`natural_frequency`", "calculated from other parameters"];
-        instance.refused(instance.set_real("natural_frequency", 1.0), ERROR, &words);
+        instance.assert_rejected(instance.set_real("natural_frequency", 1.0), ERROR, &words);
     }
 }
 
@@ -185,7 +185,7 @@ fn outputs_take_a_start_value_until_the_fmu_writes_them() {
     assert_eq!((instance.exit(), instance.real("force")), (OK, 0.5));
     for name in ["force", "sum"] {
         let instance = Instance::started(&fmu);
-        instance.refused(instance.set_real(name, 1.0), ERROR, &[&format!("`{name}`"), "written by the FMU"]);
+        instance.assert_rejected(instance.set_real(name, 1.0), ERROR, &[&format!("`{name}`"), "written by the FMU"]);
     }
 }
 
@@ -201,10 +201,10 @@ fn every_type_of_value_arrives() {
     assert_eq!(instance.integer("counted"), i32::MAX);
     assert_eq!(instance.text("text"), format!("{label} at 0 s"));
     // every number but zero is true, as in C
-    for (number, truth) in [(0, 0), (1, 1), (7, 1), (-1, 1)] {
+    for (number, expected) in [(0, 0), (1, 1), (7, 1), (-1, 1)] {
         assert_eq!(instance.set_integer("count", 0), OK);
         assert_eq!(instance.set_booleans(&["enable"], &[number]), OK);
-        assert_eq!(instance.boolean("enable"), truth);
+        assert_eq!(instance.boolean("enable"), expected);
     }
 }
 
