@@ -123,7 +123,7 @@ def test_no_trial_that_holds_the_criteria_is_exit_code_1(command: Run) -> None:
     assert "error" not in err
     largest = max(history()[1:], key=lambda row: float(row[1]))
     assert (
-        f"closest is trial {largest[0]}, without `end`; 9 trials, 0 of them passed all criteria"
+        f"closest is trial {largest[0]}, which fails `end`; 9 trials, 0 of them passed all criteria"
         in " ".join(out.split())
     )
     assert json.loads(command("--json")[1])["best"] is None

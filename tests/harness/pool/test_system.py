@@ -71,8 +71,8 @@ def test_a_sweep_is_done_in_one_process_and_says_so(
     assert call(monkeypatch, "sweep", "study.toml", "--no-plots") == 0
     seen = capsys.readouterr()
     assert "2 of 2 runs" in seen.out
-    reported = "warning: this system has no supervised worker processes: the runs are done in this one, "
-    assert f"{reported}`limits.timeout` cannot be kept" in seen.err
+    reported = "warning: this system has no supervised worker processes: the runs use this process; "
+    assert f"{reported}`limits.timeout` cannot be enforced" in seen.err
 
 
 def test_isolation_that_is_asked_for_is_rejected() -> None:
