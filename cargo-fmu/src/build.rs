@@ -119,6 +119,10 @@ fn release(project: &Project, platform: &Platform) -> Result<Command> {
     command.args(["--release", "--message-format=json-render-diagnostics"]).args(&project.arguments);
     command.args(profile::arguments(&project.path("Cargo.toml"))?);
     command.env("CARGO_ENCODED_RUSTFLAGS", flags(project, platform)?);
+    if !project.environment.iter().any(|(name, _)| *name == OUTPUTS) {
+        // that of the caller's shell must not change the FMU
+        command.env_remove(OUTPUTS);
+    }
     Ok(command)
 }
 

@@ -89,7 +89,8 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
             variable = lookup(files[owner].variables, name)
             if variable.causality not in ("input", "output"):
                 problem = f"`{end}` has causality `{variable.causality}`"
-                raise ScenarioError(f"{problem}: masters of SSP connect inputs and outputs")
+                hint = "Build an FMU of `cargo fmu` with `--outputs all`." if variable.causality == "local" else ""
+                raise ScenarioError(f"{problem}: masters of SSP connect inputs and outputs", hint)
         return Port(owner, variable)
 
     targets = [("wire", wire.to) for wire in scenario.wire if side_of(wire.source) == PLANT]

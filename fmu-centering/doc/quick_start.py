@@ -1,6 +1,6 @@
 """Centers a ring on a turning spindle: `fmu-centering` in a closed loop with a plant of a few lines.
 
-    .venv/bin/python fmu-centering/doc/quick_start.py [FMU [PLOT.svg]]
+    python quick_start.py [fmu-centering.fmu]
 
 The table turns at 20 rpm. The slide is a position servo with a lag. The ring stays where it was pushed.
 """
@@ -56,49 +56,8 @@ def run(path: str | Path) -> dict[str, np.ndarray]:
     return dict(zip(names, np.array(rows).T, strict=True))
 
 
-def plot(result: dict[str, np.ndarray], path: str) -> None:
-    """Plot eccentricity, slide and state over time, as SVG."""
-    import matplotlib
-
-    matplotlib.use("svg")
-    matplotlib.rcParams["svg.hashsalt"] = "fmu-centering"
-    import matplotlib.pyplot as plt
-
-    count = len(result["time"])
-    thin = np.unique([*range(0, count, max(1, count // 600)), count - 1])
-    time = result["time"][thin]
-    figure, axes = plt.subplots(3, 1, figsize=(7, 5), sharex=True, layout="constrained")
-    axes[0].semilogy(time, 1e6 * result["eccentricity"][thin], label="plant")
-    axes[0].semilogy(
-        time, np.where(result["estimate"][thin] > 0, 1e6 * result["estimate"][thin], np.nan), label="measured"
-    )
-    axes[0].axhline(2.5, color="gray", linestyle=":", label="tolerance")
-    axes[0].set(ylabel="eccentricity in um", ylim=(0.1, 1e3))
-    axes[0].legend(loc="lower left", ncols=3)
-    axes[1].plot(time, 1e3 * result["slide"][thin])
-    axes[1].set(ylabel="slide in mm")
-    names = [
-        "Idle",
-        "Approach",
-        "Follow",
-        "Collect",
-        "Model",
-        "Wait",
-        "Push",
-        "Settle",
-        "Confirm",
-        "Centered",
-    ]
-    axes[2].step(time, result["state"][thin], where="post")
-    axes[2].set(ylabel="state", xlabel="time in s", yticks=range(1, 11), yticklabels=names)
-    axes[2].tick_params(axis="y", labelsize=7)
-    figure.savefig(path, metadata={"Date": None})
-
-
 if __name__ == "__main__":
     default = Path(__file__).parents[2] / "target/fmu/fmu-centering.fmu"
     found = run(sys.argv[1] if len(sys.argv) > 1 else default)
     print(f"state {found['state'][-1]:.0f} (Centered is 10), fault {found['fault'][-1]:.0f} (None is 1), "
           f"{found['time'][-1]:.2f} s, eccentricity {1e6 * found['eccentricity'][-1]:.2f} um")  # fmt: skip
-    if len(sys.argv) > 2:
-        plot(found, sys.argv[2])

@@ -1,6 +1,6 @@
 """Runs the bundled path without and with patterns: `fmu-deburr` in a closed loop with six integrating axes.
 
-    .venv/bin/python fmu-deburr/doc/quick_start.py [FMU [PLOT.svg]]
+    python quick_start.py [fmu-deburr.fmu]
 
 Each axis integrates its velocity command with a lag of 3.7 ms, one sample after the command.
 Nothing is cut.
@@ -62,32 +62,6 @@ def run(path: str | Path) -> dict[str, np.ndarray]:
     return dict(zip(names, np.array(rows).T, strict=True))
 
 
-def plot(result: dict[str, np.ndarray], path: str) -> None:
-    """Control error of axis 3, feed and state over time, as SVG."""
-    import matplotlib
-
-    matplotlib.use("svg")
-    matplotlib.rcParams["svg.hashsalt"] = "fmu-deburr"
-    import matplotlib.pyplot as plt
-
-    thin = slice(None, None, max(1, len(result["time"]) // 600))
-    time, active = result["time"][thin], np.isin(result["state"], (5,))[thin]
-    figure, axes = plt.subplots(3, 1, figsize=(7, 5), sharex=True, layout="constrained")
-    error = np.where(active, np.maximum(np.abs(result["error3"][thin]), 5e-6), np.nan)
-    axes[0].semilogy(time, 1e3 * error)
-    axes[0].set(ylabel="error of axis 3 in mm")
-    for mode, label in ((DRY_RUN, "without patterns"), (PLAYBACK, "with patterns")):
-        middle = time[active & (result["mode"][thin] == mode)].mean()
-        axes[0].annotate(label, (middle, 0.03), ha="center")
-    axes[1].plot(time, 1e3 * result["feed"][thin])
-    axes[1].set(ylabel="feed in mm/s")
-    names = ["Off", "Idle", "Approach", "Settle", "Run", "Stop", "Done"]
-    axes[2].step(time, result["state"][thin], where="post")
-    axes[2].set(ylabel="state", xlabel="time in s", yticks=range(1, 8), yticklabels=names)
-    axes[2].tick_params(axis="y", labelsize=7)
-    figure.savefig(path, metadata={"Date": None})
-
-
 if __name__ == "__main__":
     default = Path(__file__).parents[2] / "target/fmu/fmu-deburr.fmu"
     found = run(sys.argv[1] if len(sys.argv) > 1 else default)
@@ -95,5 +69,3 @@ if __name__ == "__main__":
     largest = [1e3 * np.abs(found["error3"][rows]).max() for rows in runs.values()]
     print(f"state {found['state'][-1]:.0f} (Done is 7), fault {found['fault'][-1]:.0f} (None is 1)")
     print(f"error of axis 3: {largest[0]:.3f} mm without patterns, {largest[1]:.3f} mm with patterns")
-    if len(sys.argv) > 2:
-        plot(found, sys.argv[2])

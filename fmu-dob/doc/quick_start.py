@@ -1,6 +1,6 @@
 """Detect contact in a closed loop: `fmu-dob` with a stage of 10 kg and a surface at 100 um.
 
-    .venv/bin/python fmu-dob/doc/quick_start.py [FMU [PLOT.svg]]
+    python quick_start.py [fmu-dob.fmu]
 
 The stage is a mass with a thrust constant of 20 N/A; the surface is a spring. Prints the contact position.
 """
@@ -13,7 +13,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 STEP, SURFACE = 1e-4, 1e-4  # s, m
-DONE, FAULT = 7, 8  # numbers of the items of `State`, see variables.md
+DONE, FAULT = 7, 8  # numbers of the items of `State`
 
 
 def run(fmu: str | Path) -> dict[str, np.ndarray]:
@@ -47,33 +47,6 @@ def run(fmu: str | Path) -> dict[str, np.ndarray]:
     return dict(zip(names, np.array(rows).T, strict=True))
 
 
-def plot(found: dict[str, np.ndarray], file: str) -> None:
-    """Draw position, contact force and state over time."""
-    import matplotlib
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plt
-
-    plt.rcParams.update({"svg.hashsalt": "fmu-dob", "font.size": 9.0})
-    touched, entered = np.flatnonzero(found["force"] > 0.0), 1 + np.flatnonzero(np.diff(found["state"]))
-    keep = np.unique(np.r_[0 : len(found["time"]) : 25, touched, entered, len(found["time"]) - 1])
-    figure, axes = plt.subplots(3, 1, figsize=(7.0, 4.8), sharex=True, layout="constrained")
-    for panel, name, scale, label in (
-        (axes[0], "position", 1e6, "position in um"),
-        (axes[1], "force", 1e3, "contact force in mN"),
-        (axes[2], "state", 1.0, "state"),
-    ):
-        style = "steps-post" if name == "state" else "default"
-        panel.plot(found["time"][keep], scale * found[name][keep], linewidth=0.9, drawstyle=style)
-        panel.set_ylabel(label)
-        panel.grid(alpha=0.3)
-    axes[0].axhline(1e6 * SURFACE, color="gray", linestyle=":", label="surface")
-    axes[0].legend(loc="center left")
-    axes[2].set_yticks(range(1, 8), ["Idle", "Approach", "Learn", "Detect", "Contact", "Retract", "Done"])
-    axes[2].set_xlabel("time in s")
-    figure.savefig(file, metadata={"Date": None})
-
-
 if __name__ == "__main__":
     default = Path(__file__).parents[2] / "target" / "fmu" / "fmu-dob.fmu"
     result = run(sys.argv[1] if len(sys.argv) > 1 else default)
@@ -81,5 +54,3 @@ if __name__ == "__main__":
     print(f"{outcome} after {result['time'][-1]:.3f} s")
     print(f"contact at {1e6 * result['contact_position'][-1]:.3f} um, surface at {1e6 * SURFACE:.0f} um")
     print(f"maximum force {1e3 * result['force'].max():.0f} mN")
-    if len(sys.argv) > 2:
-        plot(result, sys.argv[2])

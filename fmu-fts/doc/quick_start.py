@@ -1,6 +1,6 @@
 """Move over a ring of a toric lens in a closed loop: a rigid arm, a spindle at 600 rpm and a slide at 5 mm/s.
 
-    .venv/bin/python fmu-fts/doc/quick_start.py [FMU] [PLOT.svg]
+    python quick_start.py [fmu-fts.fmu]
 
 Prints the tracking error at the end of the cut, after which the controller is in the state `Done`.
 """
@@ -13,7 +13,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 STEP, INERTIA, FRICTION = 1e-4, 8e-4, 2e-3
-IDLE, TRACK, DONE = 1, 4, 9  # numbers of the items, see doc/variables.md
+IDLE, TRACK, DONE = 1, 4, 9  # numbers of the items
 COLUMNS = ("time", "slide", "reference", "error", "rms", "state")
 
 
@@ -60,33 +60,9 @@ def run(fmu: str | Path) -> dict[str, np.ndarray]:
     return dict(zip(COLUMNS, np.array(rows).T, strict=True))
 
 
-def plot(found: dict[str, np.ndarray], file: str) -> None:
-    """Draw the reference depth, the tracking error and the state."""
-    import matplotlib
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plt
-
-    plt.rcParams.update({"svg.hashsalt": "fmu-fts", "font.size": 9.0})
-    figure, axes = plt.subplots(3, 1, figsize=(7.0, 4.8), sharex=True, layout="constrained")
-    for panel, name, scale, label in (
-        (axes[0], "reference", 1e3, "depth, mm"),
-        (axes[1], "error", 1e6, "tracking error, um"),
-        (axes[2], "state", 1.0, "state"),
-    ):
-        panel.plot(found["time"], scale * found[name], linewidth=0.8)
-        panel.set_ylabel(label)
-        panel.grid(alpha=0.3)
-    axes[2].set_yticks([1, 3, 5, 9], ["Idle", "Approach", "Track", "Done"])
-    axes[2].set_xlabel("time, s")
-    figure.savefig(file, metadata={"Date": None})
-
-
 if __name__ == "__main__":
     default = Path(__file__).parents[2] / "target" / "fmu" / "fmu-fts.fmu"
     result = run(sys.argv[1] if len(sys.argv) > 1 else default)
     cut = result["rms"][result["state"] == 5]
     print(f"{'Done' if result['state'][-1] == DONE else 'not done'} after {result['time'][-1]:.3f} s")
     print(f"error of the last revolution {1e6 * cut[-1]:.3f} um rms")
-    if len(sys.argv) > 2:
-        plot(result, sys.argv[2])

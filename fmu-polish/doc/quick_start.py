@@ -1,6 +1,6 @@
 """Polish in a closed loop: `fmu-polish` with three integrating axes and a mold that is a spring.
 
-    .venv/bin/python fmu-polish/doc/quick_start.py [FMU [PLOT.svg]]
+    python quick_start.py [fmu-polish.fmu]
 
 The axes move as commanded. The mold is a plane through the path with 178 N/mm and a friction of 0.2.
 Prints force and sliding speed.
@@ -20,7 +20,7 @@ IDEAL = {
     "drive.velocity_bandwidth": 1e5,
     "sensor.bandwidth": 1e6,
 }
-FOLLOW, DONE, FAULT = 4, 7, 8  # numbers of the items of `State`, see variables.md
+FOLLOW, DONE, FAULT = 4, 7, 8  # numbers of the items of `State`
 
 
 def run(fmu: str | Path) -> dict[str, np.ndarray]:
@@ -70,32 +70,6 @@ def run(fmu: str | Path) -> dict[str, np.ndarray]:
     return dict(zip(("time", "force", "across", "sliding", "state"), np.array(rows).T, strict=True))
 
 
-def plot(found: dict[str, np.ndarray], file: str) -> None:
-    """Draw force, stick-slip motion and state over time, with 0.1 s of the motion."""
-    import matplotlib
-
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plt
-
-    plt.rcParams.update({"svg.hashsalt": "fmu-polish", "font.size": 9.0})
-    start = int(np.argmax(found["state"] == FOLLOW)) + 1000
-    samples = len(found["time"])
-    zoom, all_times = slice(start, start + 100), np.r_[0:samples:20, samples - 1]
-    figure, axes = plt.subplots(3, 1, figsize=(7.0, 5.2), layout="constrained")
-    for panel, name, scale, label, keep in (
-        (axes[0], "force", 1.0, "normal force in N", all_times),
-        (axes[1], "state", 1.0, "state", all_times),
-        (axes[2], "across", 1e6, "across the path in um", zoom),
-    ):
-        panel.plot(found["time"][keep], scale * found[name][keep], linewidth=0.9)
-        panel.set_ylabel(label)
-        panel.grid(alpha=0.3)
-    axes[1].set_yticks(range(1, 8), ["Idle", "Approach", "Settle", "Follow", "Unload", "Retract", "Done"])
-    axes[2].set_title("Stick-slip motion, 0.1 s of the path", fontsize=9.0)
-    axes[2].set_xlabel("time in s")
-    figure.savefig(file, metadata={"Date": None})
-
-
 if __name__ == "__main__":
     default = Path(__file__).parents[2] / "target" / "fmu" / "fmu-polish.fmu"
     result = run(sys.argv[1] if len(sys.argv) > 1 else default)
@@ -103,5 +77,3 @@ if __name__ == "__main__":
     force = result["force"][result["state"] == FOLLOW]
     print(f"{outcome} after {result['time'][-1]:.2f} s, force {force.mean():.2f} N +- {force.std():.2f} N, "
           f"sliding speed {1e3 * result['sliding'].max():.1f} mm/s")  # fmt: skip
-    if len(sys.argv) > 2:
-        plot(result, sys.argv[2])

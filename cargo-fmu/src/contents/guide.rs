@@ -25,6 +25,9 @@ const BEGIN: &str = "begin";
 /// Mark after what is generated from the declaration, which the page shows itself.
 const END: &str = "<!-- end of ";
 
+/// Title of the text before the first heading.
+const INTRODUCTION: &str = "Description";
+
 /// Prefix of the section names in the page.
 const ID: &str = "guide-";
 
@@ -123,19 +126,19 @@ fn sections(markdown: &str, page: &str) -> Vec<Section> {
 }
 
 fn section(events: &[Event], page: &str) -> Section {
-    let heading = events.iter().take_while(|event| !matches!(event, Event::End(TagEnd::Heading(HeadingLevel::H2))));
+    let end = events.iter().position(|event| matches!(event, Event::End(TagEnd::Heading(HeadingLevel::H2))));
     let is_headed = matches!(events.first(), Some(Event::Start(Tag::Heading { level: HeadingLevel::H2, .. })));
-    let title: String = if is_headed { heading.map(text).collect() } else { String::new() };
-    let id = format!("{ID}{}", slug(&title));
-    let mut html = String::new();
-    let body = if is_headed {
-        _ = writeln!(html, "<h2 id=\"{id}\">{}</h2>", escaped(&title));
-        events.iter().position(|event| matches!(event, Event::End(TagEnd::Heading(_)))).map_or(0, |end| end + 1)
-    } else {
-        0
+    let (heading, body) = events.split_at(end.filter(|_| is_headed).map_or(0, |end| end + 1));
+    let mut text = String::new();
+    html::push_html(&mut text, adapted(body, page).into_iter());
+    let title = match is_headed {
+        true => heading.iter().map(self::text).collect(),
+        false if text.trim().is_empty() => String::new(),
+        false => INTRODUCTION.to_owned(),
     };
-    html::push_html(&mut html, adapted(&events[body..], page).into_iter());
-    Section { id, title: escaped(&title), html }
+    let (id, title) = (format!("{ID}{}", slug(&title)), escaped(&title));
+    let heading = if title.is_empty() { String::new() } else { format!("<h2 id=\"{id}\">{title}</h2>\n") };
+    Section { html: heading + &text, id, title }
 }
 
 /// Links that lead out of the FMU become plain text, tables may be scrolled, and a chart of states becomes a picture and a
@@ -255,7 +258,8 @@ mod tests {
     fn the_readme_stands_in_its_place_without_title_and_tables() {
         let page = shown("<nav><!-- contents of the guide -->\n</nav>\n<!-- guide -->\nend", README);
         assert!(page.starts_with(
-            "<nav><a href=\"#guide-how-it-works\">How it works</a>\n<a href=\"#guide-limits\">Limits</a>\n</nav>\n<p>A <em>"
+            "<nav><a href=\"#guide-description\">Description</a>\n<a href=\"#guide-how-it-works\">How it works</a>\n\
+             <a href=\"#guide-limits\">Limits</a>\n</nav>\n<h2 id=\"guide-description\">Description</h2>\n<p>A <em>"
         ));
         assert!(page.ends_with("<h2 id=\"guide-limits\">Limits</h2>\n<p>None.</p>\nend"));
         assert!(!page.contains("Variables") && !page.contains("spring</h1>") && !page.contains("<!--"));
@@ -272,7 +276,7 @@ mod tests {
     fn a_link_to_a_section_that_is_there_leads_to_it() {
         let text = "See [x](../a.md#how-it-works), [y](#other).\n\n## How it works\n\nSo.\n";
         let page = shown(GUIDE[0], text);
-        assert!(page.starts_with("<p>See <a href=\"#guide-how-it-works\">x</a>, y.</p>"), "{page}");
+        assert!(page.contains("</h2>\n<p>See <a href=\"#guide-how-it-works\">x</a>, y.</p>"), "{page}");
     }
 
     #[test]

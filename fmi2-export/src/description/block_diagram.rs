@@ -1,6 +1,6 @@
 //! The block with its ports, as SVG: inputs on the left, outputs on the right, each with its unit; a large group is one port.
 
-use crate::description::cells::Cells;
+use crate::description::cells::{Cells, unit_name};
 use crate::description::xml::escape;
 use crate::table::variable::{Kind, Role, Variable};
 use std::fmt::Write;
@@ -15,7 +15,7 @@ const LETTER: usize = 8;
 const SINGLE: usize = 4;
 
 /// What the arrows mean, below the picture.
-const LEGEND: &str = "<p>A filled arrow is a Real, an open one is not, and a thick one is a whole group.</p>\n";
+const LEGEND: &str = "<p>Filled arrow: Real. Open arrow: Integer, Boolean or enumeration. Thick arrow: a group of variables.</p>\n";
 
 /// A line with an arrow.
 struct Port {
@@ -82,7 +82,7 @@ impl Port {
     /// The port of a variable.
     fn of<V>(row: &Variable<V>) -> Self {
         let (real, unit) = match &row.kind {
-            Kind::Real { real, .. } => (true, real.unit.map_or("", |unit| unit.name)),
+            Kind::Real { real, .. } => (true, unit_name(real)),
             _ => (false, ""),
         };
         let head = if real { "" } else { " style=\"fill:var(--paper);stroke:var(--soft)\"" };

@@ -1,7 +1,7 @@
 //! What a table of variables shows of a row, in words: for the documentation page and for a README.
 
 use crate::table::units::DisplayUnit;
-use crate::table::variable::{Kind, Role, Variable};
+use crate::table::variable::{Kind, Real, Role, Variable};
 
 /// The cells of a row, without its texts; empty where there is nothing to show.
 #[derive(Default)]
@@ -31,7 +31,8 @@ impl Cells {
         match &row.kind {
             Kind::Real { start, real, .. } => {
                 let display = real.display.map_or(String::new(), |display| format!(" ({display})"));
-                cells.unit = real.unit.map_or(String::new(), |unit| format!("{}{display}", unit.name));
+                let unit = unit_name(real);
+                cells.unit = format!("{unit}{display}").trim_start().to_owned();
                 cells.start = alike(start, |x| number(*x));
                 let chosen = |display: &&DisplayUnit| real.display == Some(display.name);
                 let display = real.unit.and_then(|unit| unit.display.iter().find(chosen));
@@ -72,6 +73,11 @@ impl Cells {
     }
 }
 
+/// Name of the unit of a Real; that of a plain number, `1`, needs no mention.
+pub fn unit_name(real: &Real) -> &'static str {
+    real.unit.map(|unit| unit.name).filter(|name| *name != "1").unwrap_or_default()
+}
+
 /// The values of an array, as one where they are alike.
 fn alike<T: PartialEq>(values: &[T], show: impl Fn(&T) -> String) -> String {
     match values {
@@ -81,7 +87,7 @@ fn alike<T: PartialEq>(values: &[T], show: impl Fn(&T) -> String) -> String {
 }
 
 /// A number with at most 7 significant digits, and with a power of ten where that is shorter.
-fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     let value: f64 = format!("{value:.6e}").parse().unwrap_or(value);
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }

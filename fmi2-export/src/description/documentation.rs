@@ -3,7 +3,7 @@
 //! Order: facts, block, quick start, inputs, outputs, essential parameters, timing, faults, guide, all other variables, results.
 
 use crate::description::block_diagram;
-use crate::description::cells::Cells;
+use crate::description::cells::{Cells, number};
 use crate::description::model_description::used_types;
 use crate::description::pages::fault_type;
 use crate::description::xml::escape;
@@ -38,7 +38,7 @@ delay. A master that applies them at t + h, as most do, adds one communication s
 const EVENTS: &str = "<h3>Model exchange</h3>
 <p>There are no continuous states. Each sample is a time event: <code>fmi2NewDiscreteStates</code> runs the sample that is due \
 and returns the time of the next one. There is no communication step, and outputs act immediately: set a parameter that \
-states the delay in samples to 0.</p>
+states the delay in samples, such as <code>io_delay</code>, to 0.</p>
 ";
 
 /// The whole page.
@@ -98,10 +98,11 @@ impl Page {
         let (inputs, outputs) = (count(|role| role == Role::Input), count(|role| role == Role::Output));
         let (locals, parameters) = (count(|role| role == Role::Local), count(is_parameter));
         self.put(format_args!(
-            "<p class=\"facts\">FMI 2.0 co-simulation (communication step {period} s) and model exchange{PLATFORMS} &#183; \
-             {inputs} inputs, {outputs} outputs, {locals} local variables, {parameters} parameters</p>\n"
+            "<p class=\"facts\">FMI 2.0 co-simulation (communication step {}) and model exchange{PLATFORMS} &#183; \
+             {inputs} inputs, {outputs} outputs, {locals} local variables, {parameters} parameters</p>\n",
+            shown(period)
         ));
-        let facts = [("Version", info.version), ("Author", info.author), ("Licence", info.license)];
+        let facts = [("Version", info.version), ("Author", info.author), ("License", info.license)];
         let facts = facts.iter().filter(|(_, fact)| !fact.is_empty());
         let facts: Vec<_> = facts.map(|(what, fact)| format!("{what} {}", escape(fact))).collect();
         self.put(format_args!("<p class=\"facts\">{}</p>\n</header>\n", facts.join(" &#183; ")));
@@ -149,7 +150,7 @@ impl Page {
     }
 
     fn step(&mut self, info: &Info, period: f64) {
-        self.put(format_args!("<p>Recommended communication step: {period} s, one sample period. "));
+        self.put(format_args!("<p>Recommended communication step: {}, one sample period. ", shown(period)));
         if info.longest_step.is_finite() {
             let longest = match info.longest_step {
                 1.0 => "one sample period".to_owned(),
@@ -211,7 +212,7 @@ impl Page {
     fn parameter<V>(&mut self, row: &Variable<V>) {
         let Cells { name, kind, unit, start, shown, range, paper, is_choice, .. } = Cells::of(row);
         let mut value = if is_choice { link_to_item(&kind, &start) } else { escape(&start) };
-        if let Some(unit) = unit.split(" (").next().filter(|unit| !unit.is_empty() && row.role() != Role::Calculated) {
+        if let Some(unit) = unit.split(" (").next().filter(|unit| !unit.is_empty() && !unit.starts_with('(') && row.role() != Role::Calculated) {
             value += &format!(" {}", escape(unit));
         }
         if !shown.is_empty() {
@@ -320,13 +321,20 @@ fn is_parameter(role: Role) -> bool {
     role.is_parameter() || role == Role::Calculated
 }
 
+/// A time with a unit in which it is not a small fraction.
+fn shown(time: f64) -> String {
+    let (factor, unit) = [(1.0, "s"), (1e3, "ms")].into_iter().find(|(factor, _)| time * factor >= 1.0).unwrap_or((1e6, "us"));
+    format!("{} {unit}", number(time * factor))
+}
+
 fn group(name: &str) -> &str {
     name.rsplit_once('.').map_or("", |(group, _)| group)
 }
 
 #[inline(never)]
 fn code(text: &str) -> String {
-    format!("<code>{}</code>", escape(text))
+    // long names may be broken after their parts
+    format!("<code>{}</code>", escape(text).replace('.', ".<wbr/>").replace('_', "_<wbr/>"))
 }
 
 fn link_to_type(name: &str) -> String {

@@ -221,5 +221,5 @@ def test_the_table_of_the_tutorial_is_measured() -> None:
     page = words.text("docs/tutorials/first-sweep.md")
     (block,) = re.findall(r"^claim +paper.*?\n```", page, re.DOTALL | re.MULTILINE)
     shown = [re.split(r"\s{2,}", line.strip()) for line in block.splitlines()[1:-2]]
-    assert shown == [[cell for cell in row(verdict, 3) if cell] for verdict in result.criteria[: len(shown)]]
+    assert shown == [[cell for cell in row(verdict) if cell] for verdict in result.criteria[: len(shown)]]
     assert shown
