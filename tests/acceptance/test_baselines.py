@@ -36,7 +36,7 @@ def laws() -> dict[str, tuple[str, ...]]:
 def deviation(name: str, *changes: str) -> float:
     """Return the standard deviation of the force on the whole path, N; infinite after a fault."""
     done = run(name, *changes)
-    return value(done, "force_deviation") if value(done, "done") else math.inf
+    return value(done, "force_std") if value(done, "done") else math.inf
 
 
 def test_what_each_part_of_the_polishing_controller_is_worth() -> None:

@@ -29,7 +29,7 @@ class Ends:
     """Results of machines: minimum number of good ones, maximum number of bad ones without a fault."""
 
     good: int
-    silent: int
+    undetected: int
 
 
 # as measured
@@ -50,30 +50,30 @@ ALL = {
 }
 
 
-def tell(loop: str, found: Sequence[Machine]) -> None:
+def show(loop: str, found: Sequence[Machine]) -> None:
     """Print how the machines ended, and the seeds of those that ended badly without a fault."""
-    seeds = [one.result.seed for one in found if one["silent"]]
+    seeds = [one.result.seed for one in found if one["undetected"]]
     print(f"{loop}: {ended(found)}, undetected {seeds}")
 
 
 def ended(found: Sequence[Machine]) -> dict[str, int]:
     """How many machines there were, and how many ended in each way."""
-    ways = {way: sum(one[way] > 0.0 for one in found) for way in ("good", "named", "silent")}
+    ways = {way: sum(one[way] > 0.0 for one in found) for way in ("good", "reported", "undetected")}
     return {"machines": len(found), **ways}
 
 
 def hold(found: Sequence[Machine], ends: Ends) -> None:
     """Compare the results of machines with the required ones."""
-    good, silent = ([bool(one[metric]) for one in found] for metric in ("good", "silent"))
-    assert not any(one and other for one, other in zip(good, silent, strict=True))
+    good, undetected = ([bool(one[metric]) for one in found] for metric in ("good", "undetected"))
+    assert not any(one and other for one, other in zip(good, undetected, strict=True))
     assert sum(good) >= ends.good
-    assert sum(silent) <= ends.silent
+    assert sum(undetected) <= ends.undetected
 
 
 @pytest.mark.parametrize(("loop", "ends"), FEW.items())
 def test_a_few_machines(loop: str, ends: Ends) -> None:
     found = machines(f"{loop}-machines", SAMPLE)
-    tell(loop, found)
+    show(loop, found)
     hold(found, ends)
 
 
@@ -81,7 +81,7 @@ def test_a_few_machines(loop: str, ends: Ends) -> None:
 @pytest.mark.parametrize(("loop", "ends"), ALL.items())
 def test_the_whole_study(loop: str, ends: Ends) -> None:
     found = machines(f"{loop}-machines")
-    tell(loop, found)
+    show(loop, found)
     assert len(found) == 200
     hold(found, ends)
     measured("machines", loop, **ended(found))

@@ -70,7 +70,7 @@ def contact_found(result: Result) -> bool:
 
 def force_error(result: Result) -> float:
     """Root mean square of the true force about the set one, N."""
-    return math.hypot(value(result, "force_mean") - 5.0, value(result, "force_deviation"))
+    return math.hypot(value(result, "force_mean") - 5.0, value(result, "force_std"))
 
 
 def finish_error(result: Result) -> float:

@@ -51,7 +51,7 @@ def ended(found: Sequence[Machine], applied: bool) -> dict[str, float]:
     """Summarize the results of the machines that use the measured values, or of the others."""
     those = [one for one in found if one.applied is applied]
     times = np.array([one["time_to_center"] for one in those if one["centered"]])
-    ends = {name: float(sum(one[name] > 0.0 for one in those)) for name in ("good", "named", "silent")}
+    ends = {name: float(sum(one[name] > 0.0 for one in those)) for name in ("good", "reported", "undetected")}
     return {
         "machines": float(len(those)), **ends, "median": float(np.median(times)),
         "high": float(np.percentile(times, 95)), "most": float(times.max()),
@@ -88,7 +88,7 @@ def hold(found: Sequence[Machine], least: float) -> None:
         assert one["io_delay"] == pytest.approx(one.delay, abs=0.3)
 
 
-def hold_deviations(found: Sequence[Machine]) -> None:
+def hold_stds(found: Sequence[Machine]) -> None:
     """Compare the reported standard deviations with the errors."""
     errors = {
         "bandwidth": [one.bandwidth_error * one["bandwidth"] / (1.0 + one.bandwidth_error) for one in found],
@@ -96,7 +96,7 @@ def hold_deviations(found: Sequence[Machine]) -> None:
         "integral": [one.integral_error for one in found],
         "io_delay": [one["io_delay"] - one.delay for one in found],
     }
-    studies.hold_deviations(found, errors)
+    studies.hold_stds(found, errors)
 
 
 def test_a_few_machines() -> None:
@@ -108,13 +108,13 @@ def test_the_whole_study() -> None:
     found = machines()
     assert len(found) == 200
     hold(found, 0.95)
-    hold_deviations(found)
+    hold_stds(found)
     for name, applied in (("nominal", False), ("applied", True)):
         store.measured("centering-commission", name, **ended(found, applied))
     store.measured("centering-measured", "found", **measured(found))
 
 
-@pytest.mark.parametrize(("at_pusher", "end"), [(0.022, "centered"), (0.018, "named")])
+@pytest.mark.parametrize(("at_pusher", "end"), [(0.022, "centered"), (0.018, "reported")])
 def test_a_misplaced_pusher_is_learned_or_raises_a_fault(at_pusher: float, end: str) -> None:
     result = run("centering/commission", f"plant.probe_at_pusher={at_pusher}")
     assert value(result, end) == 1.0

@@ -75,7 +75,7 @@ def robots(few: tuple[int, int] | None = None) -> list[Robot]:
 
 def ends(found: Sequence[Robot]) -> dict[str, int]:
     """Numbers of robots that ended well, with a fault, and badly without one."""
-    return {name: sum(one[name] > 0.0 for one in found) for name in ("good", "named", "silent")}
+    return {name: sum(one[name] > 0.0 for one in found) for name in ("good", "reported", "undetected")}
 
 
 def off(found: Sequence[Robot]) -> tuple[Array, Array]:
@@ -101,8 +101,8 @@ def show(found: Sequence[Robot]) -> None:
     """Print the results of the robots, with and without the measured values."""
     for applied in (False, True):
         those = [one for one in found if one.applied is applied]
-        error = 1e3 * np.array([one.error for one in those if not one["named"]])
-        tip = 1e3 * np.array([one["tip"] for one in those if not one["named"]])
+        error = 1e3 * np.array([one.error for one in those if not one["reported"]])
+        tip = 1e3 * np.array([one["tip"] for one in those if not one["reported"]])
         most = "none ran"
         if len(error):
             high = np.percentile(error, 95)
@@ -123,12 +123,12 @@ def keep(found: Sequence[Robot]) -> None:
     nominal, applied = ([one for one in found if one.applied is applied] for applied in (False, True))
     counts = ends(nominal)
     store.measured(
-        "deburr-commission", "nominal", robots=len(nominal), good=counts["good"], named=counts["named"]
+        "deburr-commission", "nominal", robots=len(nominal), good=counts["good"], reported=counts["reported"]
     )  # fmt: skip
-    counts, ran = ends(applied), [one for one in applied if not one["named"]]
+    counts, ran = ends(applied), [one for one in applied if not one["reported"]]
     error = 1e3 * np.array([one.error for one in ran])
     store.measured(
-        "deburr-commission", "applied", robots=len(applied), good=counts["good"], named=counts["named"],
+        "deburr-commission", "applied", robots=len(applied), good=counts["good"], reported=counts["reported"],
         median=float(np.median(error)), high=float(np.percentile(error, 95)), most=error.max(),
         tip=1e3 * max(one["tip"] for one in ran),
     )  # fmt: skip
@@ -148,7 +148,7 @@ def hold(found: Sequence[Robot], least: float) -> None:
     show(found)
     applied = [one for one in found if one.applied]
     assert sum(one["good"] for one in applied) >= least * len(applied)
-    assert all(one["named"] or one.error < 5e-5 for one in applied)
+    assert all(one["reported"] or one.error < 5e-5 for one in applied)
     # the others need it
     assert sum(one["good"] for one in found if not one.applied) < 0.2 * (len(found) - len(applied))
     for one in found:
@@ -164,7 +164,7 @@ def hold(found: Sequence[Robot], least: float) -> None:
     assert np.abs(late).max() < 1e-3
 
 
-def hold_deviations(found: Sequence[Robot]) -> None:
+def hold_stds(found: Sequence[Robot]) -> None:
     """Compare the claimed standard deviations with the errors of the measured values."""
     errors = {
         "io_delay": [one["io_delay"] - one.delay for one in found],
@@ -177,7 +177,7 @@ def hold_deviations(found: Sequence[Robot]) -> None:
             one[f"frequency_{axis}"] - one.changes["plant.drive_frequency"] for one in found
         ]
         errors[f"friction_{axis}"] = [one[f"friction_{axis}"] - one.held(axis) for one in found]
-    studies.hold_deviations(found, errors)
+    studies.hold_stds(found, errors)
 
 
 def test_a_few_robots() -> None:
@@ -189,7 +189,7 @@ def test_the_whole_study() -> None:
     found = robots()
     assert len(found) == 200
     hold(found, 0.95)
-    hold_deviations(found)
+    hold_stds(found)
     keep(found)
 
 

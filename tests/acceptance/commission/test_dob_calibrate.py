@@ -56,9 +56,9 @@ def deviations(found: Sequence[studies.Machine]) -> float:
 
 def show(found: Sequence[studies.Machine]) -> list[studies.Machine]:
     """Print and return the machines that reported a position."""
-    reported = [one for one in found if one["valid"] and not one["named"]]
-    named = sum(one["named"] > 0.0 for one in found)
-    print(f"{len(found)} machines, {len(reported)} reported a position, {named} a fault")
+    reported = [one for one in found if one["valid"] and not one["reported"]]
+    faults = sum(one["reported"] > 0.0 for one in found)
+    print(f"{len(found)} machines, {len(reported)} reported a position, {faults} a fault")
     for speed in sorted({one.changes[SPEED] for one in reported}):
         those = [one for one in reported if one.changes[SPEED] == speed]
         mean = 1e9 * float(np.mean([one["position_error"] for one in those]))
@@ -74,7 +74,7 @@ def hold(found: Sequence[studies.Machine], least: float) -> list[studies.Machine
     reported = show(found)
     assert len(reported) >= least * len(found)
     # beyond three reported standard deviations, without a fault
-    assert sum(one["silent"] for one in found) <= 0.01 * len(found)
+    assert sum(one["undetected"] for one in found) <= 0.01 * len(found)
     assert all(one["calibration_time"] <= CALIBRATION_TIME for one in found)
     assert np.percentile([one["calibration_time"] for one in found], 80) <= TWENTY
     assert all(one.result.simulated_s <= MACHINE_TIME for one in found)
@@ -100,14 +100,15 @@ def touched_as_calibrated(one: studies.Machine) -> bool:
 
 def keep(found: Sequence[studies.Machine]) -> None:
     """Keep the results of the machines, grouped by whether their speed was calibrated."""
-    reported = [one for one in found if one["valid"] and not one["named"]]
+    reported = [one for one in found if one["valid"] and not one["reported"]]
     rejected = [one for one in found if one["rejected"]]
     scattered = sum(one["scatter"] > TOUCH_SCATTER for one in rejected)
     store.measured(
-        "dob-teach", "ends", machines=len(found), reported=len(reported),
+        "dob-teach", "ends", machines=len(found), positions=len(reported),
         share=100.0 * len(reported) / len(found),
         faster=sum(one["accurate_from"] > 1.001 * CALIBRATED[0] for one in reported),
-        silent=sum(one["silent"] for one in found), scattered=scattered, unsure=len(rejected) - scattered,
+        undetected=sum(one["undetected"] for one in found), scattered=scattered,
+        unsure=len(rejected) - scattered,
         others=len(found) - len(reported) - len(rejected),
         hard=sum(one["force"] > FORCE for one in found), force=max(one["force"] for one in found),
         slower=sum(one["fastest"] < FASTEST for one in reported),
@@ -146,7 +147,7 @@ def test_the_whole_study(study: list[studies.Machine]) -> None:
 
 @pytest.mark.full
 def test_nineteen_of_twenty_machines_report_a_position(study: list[studies.Machine]) -> None:
-    assert sum(one["valid"] > 0.0 and not one["named"] for one in study) >= 0.95 * len(study)
+    assert sum(one["valid"] > 0.0 and not one["reported"] for one in study) >= 0.95 * len(study)
 
 
 @pytest.mark.full

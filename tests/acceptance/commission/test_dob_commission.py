@@ -48,7 +48,7 @@ def show(found: Sequence[Machine]) -> None:
     for applied in (False, True):
         those = [one for one in found if one.applied is applied]
         depth = np.array([one["depth"] for one in those if one["done"]]) * 1e6
-        ends = {name: sum(one[name] > 0.0 for one in those) for name in ("good", "named", "silent")}
+        ends = {name: sum(one[name] > 0.0 for one in those) for name in ("good", "reported", "undetected")}
         ratio = [one["gain_ratio"] for one in those]
         print(
             f"applied {applied}: {len(those)} machines, {ends}, "
@@ -71,7 +71,7 @@ def keep(found: Sequence[Machine]) -> None:
     for row, applied in (("nominal", False), ("applied", True)):
         those = [one for one in found if one.applied is applied]
         depth = np.array([one["depth"] for one in those if one["done"]]) * 1e6
-        ends = {name: sum(one[name] > 0.0 for one in those) for name in ("good", "named")}
+        ends = {name: sum(one[name] > 0.0 for one in those) for name in ("good", "reported")}
         ratio = [one["gain_ratio"] for one in those]
         store.measured(
             "dob-commission", row, machines=len(those), **ends,
@@ -95,7 +95,7 @@ def hold(found: Sequence[Machine], least: float) -> None:
     for one in applied:
         # one may be a little deeper than the figure: it has up to twice the noise
         touched = one["detected"] and not one["early"] and one["depth"] < 5e-7
-        assert touched or one["named"]
+        assert touched or one["reported"]
     for one in found:
         assert one["commissioned"] < 120.0
         assert one["back"] < 9.5e-5
@@ -105,7 +105,7 @@ def hold(found: Sequence[Machine], least: float) -> None:
         assert abs(one["io_delay"] - one.delay) < 0.5
 
 
-def hold_deviations(found: Sequence[Machine]) -> None:
+def hold_stds(found: Sequence[Machine]) -> None:
     """Compare the reported standard deviations with the errors of the measured values."""
     # friction of 10 N.s/m, and noise with the steps of 1 nm
     noise = [np.hypot(one.changes["plant.encoder_noise"], 1e-9 / np.sqrt(12.0)) for one in found]
@@ -115,7 +115,7 @@ def hold_deviations(found: Sequence[Machine]) -> None:
         "damping": [one["damping"] - 10.0 * NOMINAL_MASS / one.changes["plant.mass"] for one in found],
         "position_noise": [one["position_noise"] - true for one, true in zip(found, noise, strict=True)],
     }
-    studies.hold_deviations(found, errors)
+    studies.hold_stds(found, errors)
 
 
 def test_a_few_machines() -> None:
@@ -127,7 +127,7 @@ def test_the_whole_study() -> None:
     found = machines()
     assert len(found) == 200
     hold(found, 0.95)
-    hold_deviations(found)
+    hold_stds(found)
     keep(found)
 
 

@@ -76,7 +76,7 @@ def ends(those: Sequence[Machine]) -> dict[str, float]:
     rms, tip = (np.array([one[name] for one in those]) * 1e6 for name in ("rms", "tip"))
     return {
         "machines": len(those),
-        **{name: sum(one[name] > 0.0 for one in those) for name in ("good", "named", "silent")},
+        **{name: sum(one[name] > 0.0 for one in those) for name in ("good", "reported", "undetected")},
         "rms": float(np.median(rms)),
         "rms_most": rms.max(),
         "tip": float(np.median(tip)),

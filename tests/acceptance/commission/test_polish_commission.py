@@ -63,12 +63,12 @@ def ends(found: Sequence[Machine]) -> dict[str, dict[str, float]]:
     for row, applied in (("nominal", False), ("applied", True)):
         those = [one for one in found if one.applied is applied]
         done = [one for one in those if one["done"] > 0.0]
-        deviation = [one["force_deviation"] for one in done]
+        deviation = [one["force_std"] for one in done]
         gain = [one["gain"] for one in done]
         rows[row] = {
             "machines": len(those), "good": sum(one["good"] > 0.0 for one in those),
-            "named": sum(one["named"] > 0.0 for one in those),
-            "deviation": float(np.median(deviation)), "most": max(deviation),
+            "reported": sum(one["reported"] > 0.0 for one in those),
+            "std": float(np.median(deviation)), "most": max(deviation),
             "gain": float(np.median(gain)), "least": min(gain),
         }  # fmt: skip
     return rows
@@ -110,7 +110,7 @@ def hold(found: Sequence[Machine], least: float) -> dict[str, dict[str, float]]:
     return rows
 
 
-def hold_deviations(found: Sequence[Machine]) -> None:
+def hold_stds(found: Sequence[Machine]) -> None:
     """Compare the reported standard deviations with the errors of the measured values."""
     names = (
         "stiffness",
@@ -121,7 +121,7 @@ def hold_deviations(found: Sequence[Machine]) -> None:
         "io_delay",
         "rotation",
     )
-    studies.hold_deviations(found, {name: absolute(found, name).tolist() for name in names})
+    studies.hold_stds(found, {name: absolute(found, name).tolist() for name in names})
 
 
 def test_a_few_robots() -> None:
@@ -133,7 +133,7 @@ def test_the_whole_study() -> None:
     found = machines()
     assert len(found) == 200
     rows = hold(found, 0.95)
-    hold_deviations([one for one in found if one["stiffness"] > 0.0])
+    hold_stds([one for one in found if one["stiffness"] > 0.0])
     for row, values in rows.items():
         store.measured("polish-commission", row, **values)
     store.measured("polish-measured", "found", **measures(found))

@@ -29,15 +29,15 @@ def parts(few: tuple[int, int] | None = None) -> list[studies.Machine]:
 
 def largest(found: Sequence[studies.Machine], metric: str) -> tuple[float, float, float]:
     """Median, 95 % and maximum of a metric of those that ended without a fault."""
-    values = np.array([one[metric] for one in found if not one["named"]])
+    values = np.array([one[metric] for one in found if not one["reported"]])
     return float(np.median(values)), float(np.percentile(values, 95)), float(values.max())
 
 
 def turned(found: Sequence[studies.Machine]) -> tuple[float, float]:
     """Largest error of the angle (rad), and the rms of the errors over their standard deviations."""
-    those = [one for one in found if not one["named"]]
+    those = [one for one in found if not one["reported"]]
     off = np.array([one["angle"] - one.changes["plant.part_angle"] for one in those])
-    sure = np.array([one["angle_deviation"] for one in those])
+    sure = np.array([one["angle_std"] for one in those])
     return float(np.abs(off).max()), float(np.sqrt(np.mean((off / sure) ** 2)))
 
 
@@ -49,9 +49,9 @@ def hold(found: Sequence[studies.Machine], least: float) -> None:
     off, scatter = turned(found)
     print(f"{len(found)} parts, angle {1e3 * off:.3f} mrad, {scatter:.2f} deviations")
     assert sum(one["good"] for one in found) >= least * len(found)
-    assert not any(one["silent"] for one in found)
+    assert not any(one["undetected"] for one in found)
     for one in found:
-        if one["named"]:
+        if one["reported"]:
             continue
         assert one["tip"] <= MOST
         assert one["registered"] < 75.0
@@ -69,8 +69,8 @@ def keep(found: Sequence[studies.Machine]) -> None:
     off, scatter = turned(found)
     store.measured(
         "deburr-registered", "found", parts=len(found), off=1e3 * off, scatter=scatter,
-        good=sum(one["good"] for one in found), named=sum(one["named"] for one in found),
-        silent=sum(one["silent"] for one in found),
+        good=sum(one["good"] for one in found), reported=sum(one["reported"] for one in found),
+        undetected=sum(one["undetected"] for one in found),
         seconds=largest(found, "registered")[2], deflection=1e3 * largest(found, "deflection")[2],
         residual=1e6 * largest(found, "residual")[2],
     )  # fmt: skip

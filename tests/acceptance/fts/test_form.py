@@ -83,7 +83,7 @@ class Corrected:
     before: float
     after: float
     probed: float
-    deviation: float
+    std: float
     solved: bool
 
 
@@ -106,7 +106,7 @@ def corrected(seed: int) -> Corrected:
         before,
         after,
         probed=value(result, "before"),
-        deviation=value(result, "std"),
+        std=value(result, "std"),
         solved=bool(value(result, "solved") and value(result, "good")),
     )
 
@@ -118,7 +118,7 @@ def hold(seeds: Sequence[int]) -> dict[str, dict[str, float]]:
     for seed, one in zip(seeds, found, strict=True):
         print(
             f"{seed}: {1e6 * one.before:.3f}, then {1e6 * one.after:.3f} um, "
-            f"probed {1e6 * one.probed:.3f} um, deviation {1e6 * one.deviation:.3f} um",
+            f"probed {1e6 * one.probed:.3f} um, deviation {1e6 * one.std:.3f} um",
             "" if one.solved else "not solved",
         )
     assert all(one.solved for one in found)
@@ -140,7 +140,7 @@ def hold(seeds: Sequence[int]) -> dict[str, dict[str, float]]:
         "machines": len(found),
         "share": float(np.max(after[large] / before[large])) if np.any(large) else 0.0,
         "worse": 1e6 * float(np.max(after - before)),
-        "deviation": 1e6 * max(one.deviation for one in found),
+        "std": 1e6 * max(one.std for one in found),
     }
     return rows
 

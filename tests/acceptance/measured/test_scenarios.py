@@ -12,7 +12,7 @@ PATH_TWICE = 1748e-6
 """Amplitude of the 0x4 lens twice per revolution, m."""
 PERCENT = {"twice": 100.0 / PATH_TWICE}
 MICROMETRES = {"rms": 1e6, "tip": 1e6}
-FORCE = dict.fromkeys(("force_mean", "force_deviation", "force_least", "overshoot", "gain"), 1.0)
+FORCE = dict.fromkeys(("force_mean", "force_std", "force_least", "overshoot", "gain"), 1.0)
 MILLIMETRES = {"error_1": 1e3, "error_3": 1e3}
 ROWS = {
     "fts": {
@@ -40,9 +40,9 @@ ROWS = {
         "polish/paper": FORCE,
     },
     "polish": {
-        "polish": {"force_mean": 1.0, "force_deviation": 1.0, "gain": 1.0},
-        "polish/impedance": {"force_mean": 1.0, "force_deviation": 1.0},
-        "polish/no-stick-slip": {"force_mean": 1.0, "force_deviation": 1.0, "gain": 1.0},
+        "polish": {"force_mean": 1.0, "force_std": 1.0, "gain": 1.0},
+        "polish/impedance": {"force_mean": 1.0, "force_std": 1.0},
+        "polish/no-stick-slip": {"force_mean": 1.0, "force_std": 1.0, "gain": 1.0},
         "polish/500-hz": {"gain": 1.0},
     },
 }

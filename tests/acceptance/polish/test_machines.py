@@ -26,7 +26,7 @@ LONGER: Case = {"controller.stick_slip.half_period_max": 20}
 
 def fast(found: Sequence[Machine]) -> dict[str, float]:
     """Check that the contact is kept and the force even; return the numbers."""
-    deviation = np.array([one["force_deviation"] for one in found])
+    deviation = np.array([one["force_std"] for one in found])
     least = min(one["force_least"] for one in found)
     assert all(one["done"] for one in found)
     assert least >= 4.35
@@ -39,10 +39,10 @@ def fast(found: Sequence[Machine]) -> dict[str, float]:
 
 def lateral(found: Sequence[Machine]) -> dict[str, float]:
     """Check that no ball slides too little undetected; return the numbers."""
-    ended = [one for one in found if one["named"]]
+    ended = [one for one in found if one["reported"]]
     warned = [one for one in ended if one["warned"]]
-    rest = [one["gain"] for one in found if not one["named"]]
-    assert min(one["judged"] for one in found if not one["named"]) >= SLIDES
+    rest = [one["gain"] for one in found if not one["reported"]]
+    assert min(one["judged"] for one in found if not one["reported"]) >= SLIDES
     return {
         "machines": len(found), "slid": len(rest), "gain": float(np.median(rest)), "gain_least": min(rest),
         "warned": len(warned), "rightly": sum(one["right"] > 0.0 for one in warned),

@@ -165,7 +165,7 @@ def test_the_whole_cavity_on_a_misaligned_mold() -> None:
     np.testing.assert_allclose(estimate, [50.0, 50.0, 70.0], atol=10.0)
     np.testing.assert_allclose(turn, [2.0, 0.0, 0.0], atol=0.1)
     place = dict(zip("xyz", estimate, strict=True))
-    force = {"force_mean": done.force.mean(), "force_deviation": done.force.std()}
+    force = {"force_mean": done.force.mean(), "force_std": done.force.std()}
     measured("polish", "tilted", **force, **place, turn=turn[0])
 
 

@@ -47,11 +47,11 @@ def machines(name: str, few: tuple[int, int] | None = None, changes: Case | None
     return found
 
 
-def hold_deviations(found: Sequence[Machine], errors: Mapping[str, Sequence[float]]) -> None:
-    """Hold the claimed standard deviations, metrics `NAME_deviation`, against the errors of NAME."""
+def hold_stds(found: Sequence[Machine], errors: Mapping[str, Sequence[float]]) -> None:
+    """Compare the claimed standard deviations, metrics `NAME_std`, with the errors of NAME."""
     for name, wrong in errors.items():
-        ratio = np.array(wrong) / np.array([one[f"{name}_deviation"] for one in found])
+        ratio = np.array(wrong) / np.array([one[f"{name}_std"] for one in found])
         rms, high = float(np.sqrt(np.mean(ratio**2))), float(np.percentile(np.abs(ratio), 99))
-        print(f"{name}: errors in claimed deviations {rms:.2f} rms, 99 % below {high:.2f}")
+        print(f"{name}: errors in claimed standard deviations {rms:.2f} rms, 99 % below {high:.2f}")
         assert 0.5 < rms < 1.5, name
         assert high < 3.5, name
