@@ -56,7 +56,9 @@ def compare(
         bool, Option("--update", help="Run the scenario and store the trace as its baseline.")
     ] = False,
     set_: Set = None,
-    engine: Annotated[str, Option(help="reference (FMPy) or native (faster, bit-identical).")] = "reference",
+    engine: Annotated[
+        str, Option(metavar="native|reference", help="reference (FMPy) or native (faster, bit-identical).")
+    ] = "reference",
     plot: Annotated[
         Path | None,
         Option(metavar="FILE.svg|.png", help="Plot the columns with the largest deviations."),

@@ -19,8 +19,12 @@ def optimize(
     out: Annotated[
         str | None, Option("-o", "--out", metavar="FOLDER", help="Results; default `STUDY.optimize`.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
-    engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
+    workers: Annotated[
+        int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")
+    ] = None,
+    engine: Annotated[
+        str, Option(metavar="native|reference", help="native (compiled) or reference (FMPy, bit-identical).")
+    ] = "native",
     again: Annotated[bool, Option("--again", help="Repeat runs that gave no result.")] = False,
     json: Annotated[bool, Option("--json", help="Print the best trial as JSON.")] = False,
     verbose: Verbose = False,

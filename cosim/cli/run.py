@@ -39,14 +39,19 @@ def run(
     loop: Loop,
     set_: Set = None,
     seed: Annotated[
-        int | None, Option(min=0, max=MAX_SEED, help="Seed of all noise; default: that of the scenario.")
+        int | None,
+        Option(min=0, max=MAX_SEED, metavar="N", help="Seed of all noise; default: that of the scenario."),
     ] = None,
     seeds: Annotated[
         str | None,
         Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print the distributions."),
     ] = None,
-    engine: Annotated[str | None, Option(help="reference (FMPy) or native (compiled).")] = None,
-    delay: Annotated[int | None, Option(help="Delay of the commands in steps: 0 or 1.")] = None,
+    engine: Annotated[
+        str | None, Option(metavar="native|reference", help="reference (FMPy) or native (compiled).")
+    ] = None,
+    delay: Annotated[
+        int | None, Option(metavar="STEPS", help="Delay of the commands in steps: 0 or 1.")
+    ] = None,
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
     json: Json = None,
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv|...", help=TRACE)] = None,
@@ -81,6 +86,9 @@ def run(
         raise done
     save(done, json, trace, plot)
     print(done.json if json == "-" else done.table, end="", flush=True)
+    if json != "-":
+        for file in filter(None, (trace, plot)):
+            print(f"wrote {file}")
     raise typer.Exit(FAILED if done.passed is False else 0)
 
 

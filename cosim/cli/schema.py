@@ -24,7 +24,9 @@ class File(enum.StrEnum):
 
 
 def schema(
-    file: Annotated[File, Argument(help="Kind of the file.")] = File.SCENARIO,
+    file: Annotated[
+        File, Argument(metavar="[scenario|study|optimization]", help="Kind of the file.")
+    ] = File.SCENARIO,
     for_: Annotated[
         str,
         Option(

@@ -23,9 +23,13 @@ def sweep(
     out: Annotated[
         str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of results; default `STUDY.sweep`.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
+    workers: Annotated[
+        int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")
+    ] = None,
     cluster: Annotated[str | None, Option(metavar="ADDRESS|FILE.json|FILE.toml", help=CLUSTER)] = None,
-    engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
+    engine: Annotated[
+        str, Option(metavar="native|reference", help="native (compiled) or reference (FMPy, bit-identical).")
+    ] = "native",
     again: Annotated[bool, Option("--again", help="Repeat runs that gave no result.")] = False,
     plots: Annotated[bool, Option(help="Whether to make plots, if matplotlib is installed.")] = True,
     json: Annotated[bool, Option("--json", help="Print the summary as JSON.")] = False,

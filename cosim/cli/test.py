@@ -38,8 +38,12 @@ def run_tests(
     out: Annotated[
         Path | None, Option("-o", "--out", metavar="FOLDER", help="Folder for table, results and plots.")
     ] = None,
-    workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
-    engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
+    workers: Annotated[
+        int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")
+    ] = None,
+    engine: Annotated[
+        str, Option(metavar="native|reference", help="native (compiled) or reference (FMPy, bit-identical).")
+    ] = "native",
     timeout: Timeout = None,
     memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process.")] = None,
     plots: Annotated[bool, Option(help="Whether to make plots, if matplotlib is installed.")] = True,

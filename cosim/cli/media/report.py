@@ -39,8 +39,12 @@ def report(
     videos: Annotated[
         bool, Option(help="Whether to add a video of each controller's first scenario (extra `replay`).")
     ] = True,
-    workers: Annotated[int | None, Option(min=1, help="Worker processes; default: one per core.")] = None,
-    engine: Annotated[str, Option(help="native (compiled) or reference (FMPy, bit-identical).")] = "native",
+    workers: Annotated[
+        int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")
+    ] = None,
+    engine: Annotated[
+        str, Option(metavar="native|reference", help="native (compiled) or reference (FMPy, bit-identical).")
+    ] = "native",
     timeout: Timeout = None,
     memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process.")] = None,
     verbose: Verbose = False,
