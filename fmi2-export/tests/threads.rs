@@ -16,7 +16,7 @@ fn run(fmu: &Fmu, number: u32) -> Vec<(Vec<u64>, Vec<i32>, String)> {
     let mut seen = Vec::new();
     for k in 0..2000_u32 {
         if k == 777 {
-            // half of it in an instance made of bytes, beside the others that are being made and freed
+            // half of it in an instance made of bytes, while the others are being made and freed
             let next = Instance::new(fmu);
             next.restore(&instance.bytes());
             instance = next;

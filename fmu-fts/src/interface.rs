@@ -81,17 +81,17 @@ mod variables {
         /// The slide is where the path has no table
         #[reaction(Retract)] #[detection("`slide_position` outside the rows of the table while a path is requested, and not at the end of a cut")] #[hint("Move the slide between `surface.outer_radius` and `surface.inner_radius`, or onto the rows of `path.file`.")] OutsideTable,
         /// The hold angle is not a usable number
-        #[reaction(Retract)] #[detection("`hold_angle` NaN, infinite or absurd for more than `limits.lost_samples` samples")] #[hint("Check the source of `hold_angle`.")] InvalidInput,
+        #[reaction(Retract)] #[detection("`hold_angle` NaN, infinite or out of range for more than `limits.lost_samples` samples")] #[hint("Check the source of `hold_angle`.")] InvalidInput,
         /// The arm encoder delivers no usable number
-        #[reaction(DriveOff)] #[detection("`arm_angle` NaN, infinite or absurd for more than `limits.lost_samples` samples")] #[hint("Check the arm encoder and its link.")] PositionLost,
+        #[reaction(DriveOff)] #[detection("`arm_angle` NaN, infinite or out of range for more than `limits.lost_samples` samples")] #[hint("Check the arm encoder and its link.")] PositionLost,
         /// The arm angle does not change although the arm must have moved
         #[reaction(DriveOff)] #[detection("No change of `arm_angle` beyond its last bit, in spite of arm speed, 50 um of reference travel, or a torque above twice `limits.disturbance`")] #[hint("Check the arm encoder and that the step is `sample_period`. Increase `limits.disturbance` if the arm sticks.")] PositionFrozen,
         /// The arm angle is where the arm cannot be
         #[reaction(DriveOff)] #[detection("`arm_angle` farther from its prediction than `limits.arm_spread` and the disturbances allow, for more than `limits.lost_samples` samples")] #[hint("Check the arm encoder, `servo.inertia` and `tip.frequency`. Increase `limits.arm_spread` for a noisy encoder.")] PositionJump,
         /// The spindle encoder delivers no usable number
-        #[reaction(Retract)] #[detection("`spindle_angle` NaN, infinite or absurd for more than `limits.lost_samples` samples, while a path needs it")] #[hint("Check the spindle encoder and its link.")] SpindleLost,
+        #[reaction(Retract)] #[detection("`spindle_angle` NaN, infinite or out of range for more than `limits.lost_samples` samples, while a path needs it")] #[hint("Check the spindle encoder and its link.")] SpindleLost,
         /// The slide encoder delivers no usable number
-        #[reaction(Retract)] #[detection("`slide_position` NaN, infinite or absurd for more than `limits.lost_samples` samples, while a path needs it")] #[hint("Check the slide encoder and its link.")] SlideLost,
+        #[reaction(Retract)] #[detection("`slide_position` NaN, infinite or out of range for more than `limits.lost_samples` samples, while a path needs it")] #[hint("Check the slide encoder and its link.")] SlideLost,
         /// The torque was at its limit for too long
         #[reaction(DriveOff)] #[detection("More than `expert.limits.saturated_ratio` of the samples at `servo.torque_max`, averaged over 0.1 s, without a fault of drive or encoder")] #[hint("Reduce the spindle speed. Check that nothing blocks the arm.")] Saturation,
         /// The arm accelerates against the torque
@@ -133,7 +133,7 @@ mod variables {
         NoCut,
         /// Sample ignored: slide (toroid) or arm (flats) moved during the cut
         Moved,
-        /// Sample ignored: the probe depth is NaN, infinite or absurd
+        /// Sample ignored: the probe depth is NaN, infinite or out of range
         InvalidProbe,
         /// Sample ignored: 512 samples are stored
         Full,

@@ -28,7 +28,7 @@ unsafe extern "C" fn capture(environment: *mut c_void, instance: Text, status: S
         // SAFETY: the FMU gives C strings that live during the call.
         unsafe { CStr::from_ptr(text) }.to_str().unwrap().to_owned()
     };
-    // SAFETY: the environment is the log of a living instance.
+    // SAFETY: the environment is the log of a valid instance.
     let log = unsafe { &*environment.cast::<Log>() };
     let message = Message { instance: own(instance), status, category: own(category), text: own(text) };
     log.lock().unwrap().push(message);

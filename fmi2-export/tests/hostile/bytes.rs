@@ -106,7 +106,7 @@ fn forged_bytes_cannot_bring_in_what_no_call_could_set() {
     let (status, _) = instance.deserialize(&forge(&bytes, 7.125, -1.0));
     assert_ne!(status, OK);
     instance.messages();
-    // the clock stands 0.5 samples after the last one, at the communication point 0.0125 s
+    // the clock is 0.5 samples after the last one, at the communication point 0.0125 s
     assert_bytes_rejected(&instance, &forge(&bytes, 12.5e-3, f64::NAN), &["impossible clock"]);
     assert_bytes_rejected(&instance, &forge(&bytes, 0.5, 1.5), &["impossible clock"]);
 }
@@ -128,7 +128,7 @@ fn forged_bytes_cannot_bring_in_derivatives_and_integers_that_no_call_could_set(
     let instance = Instance::started(&fmu);
     let number = 123.456;
     assert_eq!(instance.set_real("bias[3]", number), OK);
-    // `order` = 2 lies behind it; the signs of integers are in their last bit
+    // `order` = 2 follows it; the signs of integers are in their last bit
     assert_bytes_rejected(&instance, &forge_near(&instance.bytes(), number, 8, 4, 40), &["`order` = 20"]);
 
     let instance = Instance::started(&fmu);

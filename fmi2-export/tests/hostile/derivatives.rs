@@ -88,7 +88,7 @@ fn what_cannot_be_extrapolated_is_rejected_whole() {
         let state = instance.take_state();
         let status = instance.set_derivatives(&["position", name], &[1, order], &[1.0, value]);
         instance.assert_rejected(status, ERROR, &[&["fmi2SetRealInputDerivatives"][..], &words[..]].concat());
-        // the good derivative beside it was not taken
+        // the valid derivative in the same call was not taken
         let after = instance.bytes();
         assert_eq!(instance.put_state(state), OK);
         let before = instance.bytes();

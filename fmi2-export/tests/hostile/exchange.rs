@@ -18,7 +18,7 @@ fn a_time_that_is_none_or_outside_of_the_experiment_is_rejected() {
         instance.assert_rejected(instance.set_time(time), ERROR, &["fmi2SetTime", words]);
         assert_eq!(instance.end_phase(), Phase::Error);
     }
-    // integrators look past the stop time, but there is no event behind it
+    // integrators look past the stop time, but there is no event after it
     let instance = Instance::of_type(&fmu, MODEL_EXCHANGE);
     assert_eq!((instance.setup(2.0, Some(2.01)), instance.enter(), instance.exit()), (OK, OK, OK));
     assert_eq!((instance.new_discrete_states(), instance.set_time(2.01)), ((OK, 2.001), OK));
@@ -102,7 +102,7 @@ fn between_events_what_is_no_real_input_may_be_written_again_and_not_changed() {
     let fmu = Fmu::probe();
     let between = || {
         let instance = Instance::of_type(&fmu, MODEL_EXCHANGE);
-        // law: Paper, so that a tunable parameter that counts as set would show in `force`
+        // law: Paper, so that a tunable parameter that is treated as set would show in `force`
         assert_eq!((instance.set_integer("law", 2), instance.set_real("position", -3.0)), (OK, OK));
         assert_eq!((instance.setup(0.0, None), instance.enter(), instance.exit()), (OK, OK, OK));
         assert_eq!((instance.set_integer("count", 3), instance.new_discrete_states().0), (OK, OK));

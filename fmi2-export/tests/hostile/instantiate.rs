@@ -65,7 +65,7 @@ fn wrong_arguments_give_no_instance_and_one_reason() {
         assert_eq!(messages.len(), 1, "{reason}");
         assert_eq!((messages[0].0, messages[0].1.as_str()), (ERROR, "logStatusError"));
         assert!(messages[0].2.starts_with("fmi2Instantiate: ") && messages[0].2.contains(reason), "{}", messages[0].2);
-        // and in silence
+        // and no message
         assert!(instantiate(&fmu, name, kind, guid, null()).is_null(), "{reason}");
     }
     assert!(!fmu.guid.to_str().unwrap().contains(['{', '}']));

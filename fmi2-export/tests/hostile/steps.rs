@@ -14,7 +14,7 @@ fn step_sizes_that_make_no_sense_are_an_error() {
         );
         assert_eq!(instance.end_phase(), Phase::Error);
     }
-    // so long that the call would not come back
+    // so long that the call would not return
     for step in [2e6, 1e300, f64::MAX] {
         let instance = Instance::started(&fmu);
         instance.assert_rejected(
@@ -55,7 +55,7 @@ fn accumulated_rounding_of_time_is_taken() {
     }
     assert!(time != 100.0, "this sum was chosen because it is rounded");
     assert_eq!(instance.integer("ticks"), 100_000);
-    // a master that computes k h goes on where one that adds has come to
+    // a master that computes k h continues where one that adds has arrived
     assert_eq!(instance.step(100.0, step), OK);
 }
 
@@ -133,7 +133,7 @@ fn a_step_too_long_for_a_closed_loop_is_reported_once_and_done() {
     instance.assert_rejected(instance.step(1.0, 1.5), WARNING, &words);
     assert_eq!(instance.integer("ticks"), 2_500_000);
     assert_eq!((instance.step(2.5, 1.5), instance.messages().len()), (OK, 0));
-    // a master that goes back heard it, a reset makes a new instance
+    // a master that moves back already received the warning; a reset makes a new instance
     assert_eq!((instance.put_state(before), instance.step(1.0, 1.5), instance.messages().len()), (OK, OK, 0));
     instance.free_state(before);
     assert_eq!(instance.reset(), OK);

@@ -50,7 +50,7 @@ const UNIT: f64 = 0.1;
 
 /// Result of a commissioning run for the arm, with standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArmEstimate {
+pub struct IdentifiedArm {
     /// Inertia, kg.m2.
     pub inertia: [f64; 2],
     /// Viscous friction, N.m.s/rad.
@@ -85,7 +85,7 @@ struct Nominals<'a> {
 ///
 /// # Errors
 /// When it does not determine the unknowns.
-pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<ArmEstimate, NoEstimate> {
+pub fn find(plan: &Plan, response: &FrequencyResponse) -> Result<IdentifiedArm, NoEstimate> {
     let nominal = Nominals::new(plan);
     let mut found = nominal.fit(response, nominal.start())?;
     for _ in 1..FITS {
@@ -156,11 +156,11 @@ impl<'a> Nominals<'a> {
         (all * POINT_SIGMA.hypot(oscillation.noise / oscillation.amplitude)).hypot(drag * phase)
     }
 
-    fn arm(&self, found: &Estimate<8>) -> ArmEstimate {
+    fn arm(&self, found: &Estimate<8>) -> IdentifiedArm {
         let Nominal { servo, tip, io_delay, .. } = &self.plan.nominal;
         let scaled = |i: usize, unit: f64| [unit * found.value[i], unit * found.sigma(i)];
         let [late, deviation] = scaled(1, 1.0);
-        ArmEstimate {
+        IdentifiedArm {
             inertia: scaled(0, servo.inertia),
             viscous_friction: scaled(5, servo.inertia / UNIT),
             dry_friction: scaled(6, servo.inertia / (UNIT * UNIT)),
@@ -252,9 +252,9 @@ mod tests {
     fn the_deviation_is_the_scatter_of_the_estimates() {
         let plan = Plan::new(&Parameters::START);
         let actual = machine(|p| p.servo.inertia = 9e-4);
-        let all: Vec<ArmEstimate> =
+        let all: Vec<IdentifiedArm> =
             (0..60).map(|seed| find(&plan, &response(&plan, &actual, 0.0, [1.0, seed.into()])).unwrap()).collect();
-        type Of = fn(&ArmEstimate) -> [f64; 2];
+        type Of = fn(&IdentifiedArm) -> [f64; 2];
         let (servo, tip) = (actual.servo, actual.tip);
         for (of, expected) in [
             ((|arm| arm.inertia) as Of, 9e-4),

@@ -4,7 +4,7 @@ use control_blocks::{ActiveValues, ticks};
 use serde::{Deserialize, Serialize};
 
 use crate::check::{min_tip_frequency, minimum_time_constant};
-use crate::commission::arm::{ArmEstimate, find};
+use crate::commission::arm::{IdentifiedArm, find};
 use crate::commission::plan::{self, Plan};
 use crate::commission::values::{Values, acceptable};
 use crate::identify::experiment::Identification;
@@ -146,8 +146,8 @@ impl CommissioningRun {
 }
 
 /// The outputs of an arm.
-fn measured(arm: &ArmEstimate) -> Measured {
-    let ArmEstimate { inertia, viscous_friction, dry_friction, delay, frequency, damping, tip_ratio } = *arm;
+fn measured(arm: &IdentifiedArm) -> Measured {
+    let IdentifiedArm { inertia, viscous_friction, dry_friction, delay, frequency, damping, tip_ratio } = *arm;
     Measured {
         valid: false,
         inertia: inertia[0],

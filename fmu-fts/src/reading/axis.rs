@@ -19,7 +19,7 @@ const IN_ALL: f64 = 3.0;
 /// Why a sample is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Loss {
-    /// It is no number, or absurd.
+    /// It is not a number, or out of range.
     Invalid,
     /// It is where the axis cannot be.
     Jump,
