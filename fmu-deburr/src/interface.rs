@@ -123,7 +123,7 @@ mod variables {
         #[reaction(Retract)] #[detection("The task exceeds `expert.limits.cycle_time`, the identification `expert.commission.time`, or the registration `expert.register.time`; time on hold is not counted")]
         #[hint("Find what does not finish: an axis that never comes to rest, or a feed that is too slow.")] NoProgress,
         /// An encoder position is not a number
-        #[reaction(DriveOff)] #[detection("NaN, infinite or absurd for more than `limits.lost_samples` samples; before the first valid sample immediately. Shorter gaps are bridged along the commands")]
+        #[reaction(DriveOff)] #[detection("NaN, infinite or out of range for more than `limits.lost_samples` samples; before the first valid sample immediately. Shorter gaps are bridged along the commands")]
         #[hint("Check the link to the encoder.")] PositionLost,
         /// The communication step is longer than the sample period
         #[reaction(DriveOff)] #[detection("Several samples share one set of inputs; found in the first sample of such a step")]
@@ -132,7 +132,7 @@ mod variables {
         #[reaction(Retract)] #[detection("On the path, `spindle_speed` does not change for 0.5 s and for ten times its longest earlier interval without a reversal of two steps")]
         #[hint("Check the tool-speed sensor and its link.")] SpindleFrozen,
         /// The tool-speed measurement is not a number
-        #[reaction(Retract)] #[detection("`spindle_speed` is NaN, infinite or absurd for more than `limits.lost_samples` samples; before the first valid sample immediately")]
+        #[reaction(Retract)] #[detection("`spindle_speed` is NaN, infinite or out of range for more than `limits.lost_samples` samples; before the first valid sample immediately")]
         #[hint("Check the tool-speed sensor and its link.")] SpindleLost,
         /// The tool speed changed faster than physically possible while deburring
         #[reaction(Retract)] #[detection("In the cut, `spindle_speed` changes faster than `expert.limits.spindle_slew` for more than `limits.lost_samples` samples")]
