@@ -203,7 +203,7 @@ fn a_vector_is_given_whole_or_not_at_all() {
 fn states_that_are_none_are_found() {
     let fmu = Fmu::probe();
     let nowhere = std::ptr::without_provenance_mut(12_345_678);
-    let words = |function| [function, "no state of this FMU", "hint:"];
+    let words = |function| [function, "not a state of this FMU", "hint:"];
     assert_call_rejected(&fmu, &words("fmi2SetFMUstate"), |f, c| unsafe { (f.set_fmu_state)(c, nowhere) });
     assert_call_rejected(&fmu, &words("fmi2SerializedFMUstateSize"), |f, c| unsafe {
         (f.serialized_size)(c, nowhere, &mut 0)
