@@ -89,7 +89,11 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
             variable = lookup(files[owner].variables, name)
             if variable.causality not in ("input", "output"):
                 problem = f"`{end}` has causality `{variable.causality}`"
-                hint = "Build an FMU of `cargo fmu` with `--outputs all`." if variable.causality == "local" else ""
+                hint = (
+                    "Build an FMU of `cargo fmu` with `--outputs all`."
+                    if variable.causality == "local"
+                    else ""
+                )
                 raise ScenarioError(f"{problem}: masters of SSP connect inputs and outputs", hint)
         return Port(owner, variable)
 

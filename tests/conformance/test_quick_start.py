@@ -55,7 +55,9 @@ def test_a_quick_start_runs_from_any_folder_and_draws(crate: str, tmp_path: Path
     fmu, picture = ROOT / f"target/fmu/{crate}.fmu", tmp_path / "run.svg"
     drawing = program(crate).with_name("plot_run.py")
     for line in ([str(program(crate)), str(fmu)], [str(drawing), str(fmu), str(picture)]):
-        done = subprocess.run([sys.executable, *line], cwd=tmp_path, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, *line], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
         assert (done.returncode, done.stderr) == (0, "")
         assert bool(done.stdout.strip()) == (line[0] == str(program(crate)))
     assert 0 < picture.stat().st_size <= PICTURE_BYTES

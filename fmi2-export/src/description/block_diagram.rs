@@ -15,7 +15,8 @@ const LETTER: usize = 8;
 const SINGLE: usize = 4;
 
 /// What the arrows mean, below the picture.
-const LEGEND: &str = "<p>Filled arrow: Real. Open arrow: Integer, Boolean or enumeration. Thick arrow: a group of variables.</p>\n";
+const LEGEND: &str =
+    "<p>Filled arrow: Real. Open arrow: Integer, Boolean or enumeration. Thick arrow: a group of variables.</p>\n";
 
 /// A line with an arrow.
 struct Port {

@@ -212,7 +212,11 @@ impl Page {
     fn parameter<V>(&mut self, row: &Variable<V>) {
         let Cells { name, kind, unit, start, shown, range, paper, is_choice, .. } = Cells::of(row);
         let mut value = if is_choice { link_to_item(&kind, &start) } else { escape(&start) };
-        if let Some(unit) = unit.split(" (").next().filter(|unit| !unit.is_empty() && !unit.starts_with('(') && row.role() != Role::Calculated) {
+        if let Some(unit) = unit
+            .split(" (")
+            .next()
+            .filter(|unit| !unit.is_empty() && !unit.starts_with('(') && row.role() != Role::Calculated)
+        {
             value += &format!(" {}", escape(unit));
         }
         if !shown.is_empty() {
@@ -323,7 +327,8 @@ fn is_parameter(role: Role) -> bool {
 
 /// A time with a unit in which it is not a small fraction.
 fn shown(time: f64) -> String {
-    let (factor, unit) = [(1.0, "s"), (1e3, "ms")].into_iter().find(|(factor, _)| time * factor >= 1.0).unwrap_or((1e6, "us"));
+    let (factor, unit) =
+        [(1.0, "s"), (1e3, "ms")].into_iter().find(|(factor, _)| time * factor >= 1.0).unwrap_or((1e6, "us"));
     format!("{} {unit}", number(time * factor))
 }
 

@@ -61,7 +61,10 @@ def test_what_is_no_address_is_reported_immediately(text: str, folder: Path) -> 
         list(outcomes([], text, Limits()))
     assert problem in caught.value.message
     assert (
-        caught.value.hint or "cannot read" in problem or "file" in caught.value.message or "does not exist" in problem
+        caught.value.hint
+        or "cannot read" in problem
+        or "file" in caught.value.message
+        or "does not exist" in problem
     )
 
 

@@ -136,9 +136,7 @@ def test_a_sweep_survives_a_killed_worker_and_a_restarted_scheduler(
     lines = sweep.results.read_text().splitlines()
     print(report(sweep, len(lines)))
 
-    assert re.search(
-        "the Dask worker `tcp://127.0.0.1:[0-9]+` was lost: [0-9]+ runs are repeated", reported
-    )
+    assert re.search("the Dask worker `tcp://127.0.0.1:[0-9]+` was lost: [0-9]+ runs are repeated", reported)
     assert "lost the Dask scheduler; waiting 300 s for its return" in reported
     assert "the Dask scheduler is available again" in reported
     rows = [json.loads(line) for line in lines]
