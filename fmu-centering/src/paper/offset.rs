@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn switched_off_it_learns_nothing() {
         let mut learner = Learner::default();
-        let p = Offset { method: OffsetMethod::Off, ..Offset::START };
+        let p = Offset { method: OffsetMethod::Off };
         learner.learn(&p, &LastStroke { before: at(1e-4), remaining: 0.0 }, &at(5e-5));
         assert_eq!(learner.offset(), 0.0);
     }
