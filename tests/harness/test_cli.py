@@ -76,6 +76,7 @@ def test_all_files_are_written(write: Write, folder: Path) -> None:
     write(CRITERION)
     done = cosim("run", "lag.toml", "--json", "a.json", "--trace", "a.npz", "--plot", "a.svg")
     assert done.returncode == 0
+    assert done.stdout.splitlines()[-2:] == ["wrote a.npz", "wrote a.svg"]
     assert json.loads((folder / "a.json").read_text())["passed"] is True
     assert len(np.load(folder / "a.npz")["trace"]) == 50
     assert (folder / "a.svg").read_text().startswith("<?xml")
