@@ -102,7 +102,7 @@ mod variables {
         /// The spindle does not turn at the commanded speed
         #[reaction(Retract)] #[detection("More than 5 % from `spindle.speed` one second after `spindle.speed_setpoint` has reached it")] #[hint("Check the connection and the sign of `spindle.speed_setpoint`. Set `spindle.speed` = 0 if another system turns the spindle.")] SpindleSpeed,
         /// The result of the commissioning run is too uncertain or out of range
-        #[reaction(Retract)] #[detection("A result exceeds its standard deviation limit or its range, or the probe touches something; see doc/identification.md")] #[hint("Start farther from the ring. Increase `commission.travel` or `commission.acceleration`. Check for vibration and friction, `slide.bandwidth`, `io_delay`.")] CommissionRejected,
+        #[reaction(Retract)] #[detection("A result exceeds its standard deviation limit or its range, or the probe touches something")] #[hint("Start farther from the ring. Increase `commission.travel` or `commission.acceleration`. Check for vibration and friction, `slide.bandwidth`, `io_delay`.")] CommissionRejected,
         /// The communication step is longer than the sample period
         #[reaction(DriveOff)] #[detection("Communication step longer than `sample_period` outside `Idle` and `Fault`")] #[hint("Set the communication step of the importing tool to `sample_period`.")] LongStep,
         /// The probe signal is delayed relative to the slide encoder

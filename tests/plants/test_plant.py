@@ -65,7 +65,7 @@ def test_a_plant_without_elements_runs(tmp_path: Path) -> None:
 
 
 def test_rk4_is_rejected(tmp_path: Path) -> None:
-    with pytest.raises(PlantError, match=r"`RK4`(?s:.)*hint: use `implicitfast`"):
+    with pytest.raises(PlantError, match=r"`RK4`(?s:.)*hint: Use `implicitfast`"):
         ball(tmp_path, "RK4")
 
 

@@ -35,7 +35,7 @@ FIVE: Changes = (
     "controller.expert.tip.compensation=false",
 )
 """The paper's five harmonics."""
-FEEDFORWARD: Changes = ("signal.controller.afc.enable.values=[false]",)
+FEEDFORWARD: Changes = ("signal.controller.afc_enable.values=[false]",)
 WAVE_3CM: Changes = (
     "controller.surface.kind='Wave'",
     "controller.surface.wave_harmonic=2",
@@ -86,8 +86,8 @@ def test_five_harmonics_leave_the_twelfth(delay: int) -> None:
 
 def test_the_cancellation_settles_within_a_second() -> None:
     late = (
-        "signal.controller.afc.enable.times=[0.0, 0.8]",
-        "signal.controller.afc.enable.values=[false, true]",
+        "signal.controller.afc_enable.times=[0.0, 0.8]",
+        "signal.controller.afc_enable.values=[false, true]",
     )
     rows = trace(run("fts", *FIVE, *late))
     reported = rows["controller.error.rms"]
@@ -171,7 +171,7 @@ def test_a_refused_path_tells_needed_and_available_torque() -> None:
     command = [sys.executable, "-m", "cosim", "run", "fts/infeasible"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    for part in ("Infeasible", "needed `13.8", "available `6.3", "N.m", "hint: "):
+    for part in ("Infeasible", "required `13.8", "available `6.3", "N.m", "hint: "):
         assert part in done.stderr, done.stderr
 
 

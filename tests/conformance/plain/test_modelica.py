@@ -87,7 +87,7 @@ def test_rumoca_reads_what_is_written_by_hand(file: str) -> None:
     text = (ROOT / "modelica/MachiningFMUs" / file).read_text()
     assert rumoca.format(text)
     with pytest.raises(RuntimeError):
-        rumoca.format(text.replace("end ", "ende ", 1))
+        rumoca.format("ende ".join(text.rsplit("end ", 1)))
 
 
 @pytest.mark.client("rumoca", "reads the block of Modelica")

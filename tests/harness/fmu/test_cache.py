@@ -178,7 +178,7 @@ def test_a_cache_is_closed_to_others(folder: Path) -> None:
 def test_a_full_disk_gives_an_error_with_the_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     usage = shutil.disk_usage(folder)._replace(free=10)
     monkeypatch.setattr("shutil.disk_usage", lambda _: usage)
-    with pytest.raises(FmuError, match=r"unpacks to .* MB, in `.*` are 0 MB free\nhint: set COSIM_CACHE"):
+    with pytest.raises(FmuError, match=r"unpacks to .* MB, but `.*` has 0 MB free\nhint: Set COSIM_CACHE"):
         open_fmu(folder / "probe.fmu")
 
 
