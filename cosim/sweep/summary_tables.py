@@ -135,8 +135,8 @@ def save_plots(plan: Plan, found: Summary, file: Path) -> None:
 
 def plotted_metrics(scenario: Scenario, found: Summary) -> list[str]:
     """Metrics with criteria, or all; those with a distribution."""
-    judged = list(dict.fromkeys(entry.metric for entry in scenario.criterion)) or list(found.values)
-    return [name for name in judged if is_quantity(found.values.get(name, np.empty(0)))]
+    evaluated = list(dict.fromkeys(entry.metric for entry in scenario.criterion)) or list(found.values)
+    return [name for name in evaluated if is_quantity(found.values.get(name, np.empty(0)))]
 
 
 def is_quantity(values: Any) -> bool:

@@ -381,7 +381,8 @@ mod variables {
         /// Sample period t of servo and learning
         #[var(unit = SECOND as "ms", range = 1e-3..=0.05, start = 0.01, source = "paper")] pub sample_period: f64,
         /// Samples between a command and its action: 1 with a standard master, 0 if immediate
-        #[var(essential, range = 0..=DELAY_MAX as i32, start = 1, source = "default; the delay of a standard master. Tested up to 6")] pub io_delay: i32,
+        #[var(essential, range = 0..=DELAY_MAX as i32, start = 1, source = "default; the delay of a standard master. Tested up to 6")]
+        pub io_delay: i32,
         pub axis: [Axis; 6],
         pub arm: Arm,
         /// Gain Kp of the position loop of each axis
@@ -395,7 +396,8 @@ mod variables {
         #[var(expert, name = "model.natural_frequency", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 280.0, source = "paper")]
         pub model_natural_frequency: f64,
         /// Damping ratio of the nominal velocity loop, eq. 1
-        #[var(expert, name = "model.damping", unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")] pub model_damping: f64,
+        #[var(expert, name = "model.damping", unit = ONE, range = 0.05..=5.0, start = 0.52, source = "paper")]
+        pub model_damping: f64,
         #[var(expert)] pub model: DriveModel,
         #[var(expert)] pub lookup: Lookup,
         pub bank: Bank,
@@ -410,7 +412,8 @@ mod variables {
         #[var(unit = JOINT[INDEX], range = 1e-9..=1e-2, start = PULSE[INDEX], source = "default; 5 um on axis 3 gives the 4 pulses of the paper's Fig. 2")]
         pub pulse: f64,
         /// Largest velocity command of axis {n}
-        #[var(expert, unit = RATE[INDEX], range = 1e-3..=100.0, start = [3.0, 1.0, 1.5, 6.0, 6.0, 6.0][INDEX], source = "default; that of the plant")] pub velocity_max: f64,
+        #[var(expert, unit = RATE[INDEX], range = 1e-3..=100.0, start = [3.0, 1.0, 1.5, 6.0, 6.0, 6.0][INDEX], source = "default; that of the plant")]
+        pub velocity_max: f64,
         /// Lower end of the travel of axis {n}
         #[var(unit = JOINT[INDEX] as SHOWN[INDEX], range = -100.0..=100.0, start = [-3.2, -1.0, 0.1, -6.3, -6.3, -6.3][INDEX], source = "default; that of the plant")]
         pub minimum: f64,
@@ -427,29 +430,38 @@ mod variables {
         /// Nominal velocity gain of drive {n}: velocity over commanded velocity
         #[var(unit = ONE, range = 0.1..=10.0, start = 1.0, source = "paper: an ideal drive")] pub gain: f64,
         /// Lag 2 zeta / wn of drive {n} beyond io_delay; 0 for that of the nominal drive
-        #[var(unit = SECOND as "ms", range = 0.0..=0.1, source = "derived: 2 zeta / wn of eq. 1; values below 10 us act as 10 us")] pub lag: f64,
+        #[var(unit = SECOND as "ms", range = 0.0..=0.1, source = "derived: 2 zeta / wn of eq. 1; values below 10 us act as 10 us")]
+        pub lag: f64,
         /// Natural frequency of drive {n}; 0 derives it from the lag and the nominal damping
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "derived: 2 zeta / lag")] pub natural_frequency: f64,
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "derived: 2 zeta / lag")]
+        pub natural_frequency: f64,
         /// Displacement by which friction holds drive {n} back, F / (m wn^2)
-        #[var(unit = JOINT[INDEX] as FINE[INDEX], range = 0.0..=FRICTION_MAX, source = "default; eq. 1 has no friction")] pub friction: f64,
+        #[var(unit = JOINT[INDEX] as FINE[INDEX], range = 0.0..=FRICTION_MAX, source = "default; eq. 1 has no friction")]
+        pub friction: f64,
     }
     /// Geometry of the robot.
     pub struct Arm {
         /// Height of the wrist above the base frame where axis 2 reads 0
-        #[var(essential, unit = METRE as "mm", range = -10.0..=10.0, source = "default; that of the plant")] pub height: f64,
+        #[var(essential, unit = METRE as "mm", range = -10.0..=10.0, source = "default; that of the plant")]
+        pub height: f64,
         /// Distance of the wrist from the column where axis 3 reads 0
-        #[var(essential, unit = METRE as "mm", range = -10.0..=10.0, source = "default; that of the plant")] pub reach: f64,
+        #[var(essential, unit = METRE as "mm", range = -10.0..=10.0, source = "default; that of the plant")]
+        pub reach: f64,
         /// Distance from the wrist to the tip of the tool
-        #[var(essential, unit = METRE as "mm", range = 0.0..=2.0, start = 0.2, source = "default; that of the plant")] pub tool_offset: f64,
+        #[var(essential, unit = METRE as "mm", range = 0.0..=2.0, start = 0.2, source = "default; that of the plant")]
+        pub tool_offset: f64,
     }
     /// Motion to the start of the path, and the rest there.
     pub struct Transfer {
         /// Shortest time of each leg of the motion to the start of the path
-        #[var(expert, unit = SECOND, range = 0.1..=60.0, start = 1.5, source = "derived: the error is below one count after the rest")] pub time: f64,
+        #[var(expert, unit = SECOND, range = 0.1..=60.0, start = 1.5, source = "derived: the error is below one count after the rest")]
+        pub time: f64,
         /// Rest before a run, with every axis within its error limit
-        #[var(expert, unit = SECOND, range = 0.0..=60.0, start = 0.8, source = "derived: ten time constants 1/Kp")] pub settle_time: f64,
+        #[var(expert, unit = SECOND, range = 0.0..=60.0, start = 0.8, source = "derived: ten time constants 1/Kp")]
+        pub settle_time: f64,
         /// Distance along the tool by which it leaves and enters the workpiece
-        #[var(essential, unit = METRE as "mm", range = 0.0..=1.0, start = 0.02, source = "default; above burr and tool reach, 15 mm")] pub clearance: f64,
+        #[var(essential, unit = METRE as "mm", range = 0.0..=1.0, start = 0.02, source = "default; above burr and tool reach, 15 mm")]
+        pub clearance: f64,
     }
     /// The programmed path.
     pub struct Path {
@@ -461,14 +473,16 @@ mod variables {
     /// Feed along the path.
     pub struct Feed {
         /// Acceleration and deceleration on the path
-        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=50.0, start = 0.5, source = "default; moderate for the drives of the plant")] pub acceleration: f64,
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=50.0, start = 0.5, source = "default; moderate for the drives of the plant")]
+        pub acceleration: f64,
         /// Samples of the moving average over the speed; 1 for none
         #[var(expert, range = 1..=32, start = 1, source = "default; none")] pub smoothing: i32,
     }
     /// Learning of the control patterns; the shape of a pattern (speeds, lead-in, lead-out) applies
     /// wherever one is used.
     pub struct Learn {
-        #[var(expert, start = LearningLaw::NormOptimal, paper = LearningLaw::Plain, source = "derived")] pub law: LearningLaw,
+        #[var(expert, start = LearningLaw::NormOptimal, paper = LearningLaw::Plain, source = "derived")]
+        pub law: LearningLaw,
         /// Learned multiples of the programmed speed: 0.01 to 1, descending, up to 9
         #[var(start = "1.0 0.8 0.6 0.4 0.2", source = "paper")] pub speeds: String,
         /// The values of the list.
@@ -476,19 +490,24 @@ mod variables {
         /// Largest number of renewals of each pattern; 0 only identifies the drives
         #[var(range = 0..=100, start = 19, source = "paper")] pub repetitions: i32,
         /// Identify the drives in the first run and start from the patterns that they need
-        #[var(expert, start = true, paper = false, source = "default; one run replaces most repetitions")] pub identify: bool,
+        #[var(expert, start = true, paper = false, source = "default; one run replaces most repetitions")]
+        pub identify: bool,
         /// Error at the tip at which a speed is learned; 0 disables the test
-        #[var(expert, unit = METRE as "mm", range = 0.0..=0.1, start = 3e-5, paper = 0.0, source = "default; a few counts")] pub tolerance: f64,
+        #[var(expert, unit = METRE as "mm", range = 0.0..=0.1, start = 3e-5, paper = 0.0, source = "default; a few counts")]
+        pub tolerance: f64,
         /// Ratio by which a repetition must lower the smallest error; 0 disables the test
-        #[var(expert, unit = ONE, range = 0.0..=0.9, start = 0.1, paper = 0.0, source = "default; smaller changes are quantization noise")] pub decrease: f64,
+        #[var(expert, unit = ONE, range = 0.0..=0.9, start = 0.1, paper = 0.0, source = "default; smaller changes are quantization noise")]
+        pub decrease: f64,
         /// Keep the pattern with the smallest error instead of the last one
-        #[var(expert, start = true, paper = false, source = "paper, 5.1: \"abort the renewal\"")] pub stop_at_best: bool,
+        #[var(expert, start = true, paper = false, source = "paper, 5.1: \"abort the renewal\"")]
+        pub stop_at_best: bool,
         /// Continue learning from the patterns of the bank instead of from zero
         #[var(expert, source = "default; true adapts a bank to another machine")] pub from_bank: bool,
         /// Samples that the error is read ahead, beyond io_delay; Plain and LeadFilter
         #[var(expert, range = -(DELAY_MAX as i32)..=8, start = 2, paper = 0, source = "derived")] pub lead: i32,
         /// Cut-off of the zero-phase filter; LeadFilter
-        #[var(expert, unit = RADIAN_PER_SECOND as "Hz", range = 0.6..=2.5e3, start = 20.0 * TAU, source = "derived: 20 Hz")] pub bandwidth: f64,
+        #[var(expert, unit = RADIAN_PER_SECOND as "Hz", range = 0.6..=2.5e3, start = 20.0 * TAU, source = "derived: 20 Hz")]
+        pub bandwidth: f64,
         /// Weight lambda of the change of the pattern; NormOptimal
         #[var(expert, unit = ONE, range = 1e-6..=1e3, start = 0.01, source = "derived")] pub weight: f64,
         /// Samples of a pattern before the start of the path
@@ -521,11 +540,13 @@ mod variables {
         /// Regulate the feed by the cutting load in Deburr; false keeps the programmed speed
         #[var(expert, start = true, tunable)] pub enable: bool,
         /// Nominal tool speed without load, reference of the two other tool speeds
-        #[var(essential, unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 18_000.0 * RPM, source = "default; 2 poles at 300 Hz")] pub idle_speed: f64,
+        #[var(essential, unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 18_000.0 * RPM, source = "default; 2 poles at 300 Hz")]
+        pub idle_speed: f64,
         /// Active ratio of these two.
         #[var(hidden, start = 1.0)] pub scale: f64,
         /// Target tool speed N_nom
-        #[var(essential, unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 17_300.0 * RPM, tunable, source = "paper: 17,300 rpm")] pub spindle_speed: f64,
+        #[var(essential, unit = RADIAN_PER_SECOND as "rpm", range = 10.0..=1e5, start = 17_300.0 * RPM, tunable, source = "paper: 17,300 rpm")]
+        pub spindle_speed: f64,
         /// Gain K1 per 10 ms, the paper's sample period
         #[var(unit = METRE_PER_SECOND, range = 0.0..=10.0, start = 0.092, tunable, source = "derived: damped, and no stall up to 1.8 times the cutting force")]
         pub k1: f64,
@@ -533,18 +554,23 @@ mod variables {
         #[var(unit = METRE, range = -1.0..=1.0, start = 0.0138, tunable, source = "derived: K2 = tau K1 cancels the pole of the tool, tau = 0.15 s")]
         pub k2: f64,
         /// Slowest feed
-        #[var(expert, unit = METRE_PER_SECOND as "mm/s", range = 0.0..=1.0, start = 0.004, tunable, source = "default; a 25th of the programmed speed")] pub speed_min: f64,
+        #[var(expert, unit = METRE_PER_SECOND as "mm/s", range = 0.0..=1.0, start = 0.004, tunable, source = "default; a 25th of the programmed speed")]
+        pub speed_min: f64,
     }
     /// Bounds of the state `Commission`, and use of its results.
     pub struct Commission {
         /// Largest displacement of the tip by each axis; 0 derives it from speed and acceleration
-        #[var(unit = METRE as "mm", range = 0.0..=0.5, source = "derived: 1.64 v^2 / a, 33 mm, at most 50 mm")] pub travel: f64,
+        #[var(unit = METRE as "mm", range = 0.0..=0.5, source = "derived: 1.64 v^2 / a, 33 mm, at most 50 mm")]
+        pub travel: f64,
         /// Largest acceleration of the tip; 0 for feed.acceleration
-        #[var(expert, unit = METRE_PER_SECOND_SQUARED, range = 0.0..=50.0, source = "derived: that of the path")] pub acceleration: f64,
+        #[var(expert, unit = METRE_PER_SECOND_SQUARED, range = 0.0..=50.0, source = "derived: that of the path")]
+        pub acceleration: f64,
         /// Longest time of the commissioning run; 0 for 1.25 times its motions + 1 s
-        #[var(expert, unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
+        #[var(expert, unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")]
+        pub time: f64,
         /// Largest relative standard deviation of the measured gains and idle speed
-        #[var(expert, unit = ONE, range = 1e-6..=0.5, start = 0.002, source = "default; 0.01 mm of the lag V/Kp at 100 mm/s across 45 degrees")] pub std_max: f64,
+        #[var(expert, unit = ONE, range = 1e-6..=0.5, start = 0.002, source = "default; 0.01 mm of the lag V/Kp at 100 mm/s across 45 degrees")]
+        pub std_max: f64,
         /// Use the measured values in place of the configured ones, and compute the patterns
         #[var(source = "default; look at the results first")] pub apply: bool,
         /// JSON file of the derived parameters, written after a successful run; empty: none
@@ -553,17 +579,22 @@ mod variables {
     /// Bounds of the state `Register`, and properties of the probe.
     pub struct Register {
         /// Speed towards the workpiece and back
-        #[var(expert, unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=0.05, start = 5e-3, source = "derived: 0.5 mm of travel after the contact")] pub speed: f64,
+        #[var(expert, unit = METRE_PER_SECOND as "mm/s", range = 1e-4..=0.05, start = 5e-3, source = "derived: 0.5 mm of travel after the contact")]
+        pub speed: f64,
         /// Speed of the second touch, which is used for the fit
-        #[var(expert, unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.01, start = 1e-3, source = "derived: 10 um in a sample, 3 um of standard deviation")] pub touch_speed: f64,
+        #[var(expert, unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.01, start = 1e-3, source = "derived: 10 um in a sample, 3 um of standard deviation")]
+        pub touch_speed: f64,
         /// Distance by which the probe retracts between the two touches
-        #[var(expert, unit = METRE as "mm", range = 1e-4..=0.05, start = 1e-3, source = "default; more than the travel after the contact")] pub retract: f64,
+        #[var(expert, unit = METRE as "mm", range = 1e-4..=0.05, start = 1e-3, source = "default; more than the travel after the contact")]
+        pub retract: f64,
         /// Travel of the probe from its touch to its contact signal
         #[var(unit = METRE as "um", range = 0.0..=1e-3, source = "measured on a known face")] pub pretravel: f64,
         /// Standard deviation of a touch in addition to sampling and resolution
-        #[var(expert, unit = METRE as "um", range = 0.0..=1e-3, start = 3e-6, source = "default; half a count of noise, and the probe")] pub touch_std: f64,
+        #[var(expert, unit = METRE as "um", range = 0.0..=1e-3, start = 3e-6, source = "default; half a count of noise, and the probe")]
+        pub touch_std: f64,
         /// Longest time of the registration; 0 for 1.25 times its motions + 1 s
-        #[var(expert, unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
+        #[var(expert, unit = SECOND, range = 0.0..=1e6, source = "derived: 1.25 times the motions + 1 s")]
+        pub time: f64,
     }
     /// Limits beyond which a fault is raised.
     pub struct Limits {
@@ -583,17 +614,21 @@ mod variables {
             source = "derived: four counts of a 12-bit measurement, a twentieth of the slip at rated load")]
         pub spindle_change: f64,
         /// Longest distance on the path without a cut after the first one; 0 for any
-        #[var(unit = METRE as "mm", range = 0.0..=1e3, source = "default; the gaps of the burr depend on the part")] pub idle_travel: f64,
+        #[var(unit = METRE as "mm", range = 0.0..=1e3, source = "default; the gaps of the burr depend on the part")]
+        pub idle_travel: f64,
         /// Consecutive invalid samples of an input that are bridged
         #[var(range = 1..=100, start = 3, source = "default; 3 mm of travel at 100 mm/s")] pub lost_samples: i32,
         /// Longest time of a task or lap without holds; 0 for twice the time at the slowest feed
         #[var(expert, unit = SECOND, range = 0.0..=1e6, source = "derived")] pub cycle_time: f64,
         /// Largest accepted displacement of a registered workpiece
-        #[var(expert, unit = METRE as "mm", range = 1e-6..=0.1, start = 4e-3, source = "default; 2 mm in each direction and some rotation, within an approach of 5 mm")] pub shift: f64,
+        #[var(expert, unit = METRE as "mm", range = 1e-6..=0.1, start = 4e-3, source = "default; 2 mm in each direction and some rotation, within an approach of 5 mm")]
+        pub shift: f64,
         /// Largest accepted rotation of a registered workpiece
-        #[var(expert, unit = RADIAN as "deg", range = 1e-6..=1.0, start = 0.01, source = "default; 1 mm at 0.1 m")] pub angle: f64,
+        #[var(expert, unit = RADIAN as "deg", range = 1e-6..=1.0, start = 0.01, source = "default; 1 mm at 0.1 m")]
+        pub angle: f64,
         /// Largest accepted distance of a touch from the fitted position
-        #[var(expert, unit = METRE as "um", range = 1e-6..=0.01, start = 3e-5, source = "default; six standard deviations of a touch")] pub touch_residual: f64,
+        #[var(expert, unit = METRE as "um", range = 1e-6..=0.01, start = 3e-5, source = "default; six standard deviations of a touch")]
+        pub touch_residual: f64,
     }
     /// Limits of one axis.
     pub struct AxisLimits {

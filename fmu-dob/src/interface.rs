@@ -304,19 +304,25 @@ mod variables {
     #[parameters] pub struct Parameters {
         pub law: Law,
         /// Sample period
-        #[var(essential, unit = SECOND as "us", range = 2e-5..=1e-3, start = 1e-4, source = "default; a usual amplifier rate")] pub sample_period: f64,
+        #[var(essential, unit = SECOND as "us", range = 2e-5..=1e-3, start = 1e-4, source = "default; a usual amplifier rate")]
+        pub sample_period: f64,
         /// Samples between a command and its action; 1 with a standard master
-        #[var(essential, range = 0..=DELAY_MAX as i32, start = 1, source = "default; a standard master")] pub io_delay: i32,
+        #[var(essential, range = 0..=DELAY_MAX as i32, start = 1, source = "default; a standard master")]
+        pub io_delay: i32,
         pub stage: Stage,
         pub servo: Servo,
         pub observer: Observer,
         /// Number of spindle harmonics that the notch filters remove
-        #[var(expert, name = "notch.harmonics", range = 0..=HARMONICS_MAX as i32, start = 2, source = "default; unbalance and two flutes")] pub notch_harmonics: i32,
+        #[var(expert, name = "notch.harmonics", range = 0..=HARMONICS_MAX as i32, start = 2, source = "default; unbalance and two flutes")]
+        pub notch_harmonics: i32,
         /// Time of the moving average, r samples in eq. 2
-        #[var(expert, name = "deviation.window", unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "default; the depth is flat from 20 to 500 ms")] pub deviation_window: f64,
+        #[var(expert, name = "deviation.window", unit = SECOND as "ms", range = 1e-3..=10.0, start = 0.1, source = "default; the depth is flat from 20 to 500 ms")]
+        pub deviation_window: f64,
         /// Time of the least-squares slope, N samples in eq. 3
-        #[var(expert, name = "slope.window", unit = SECOND as "ms", range = 1e-4..=1.0, start = 5e-3, source = "default; 50 samples")] pub slope_window: f64,
-        #[var(start = DetectorKind::Glr, paper = DetectorKind::Slope, source = "measured: fewest false alarms, smallest depth from 100 um/s on")] pub detector: DetectorKind,
+        #[var(expert, name = "slope.window", unit = SECOND as "ms", range = 1e-4..=1.0, start = 5e-3, source = "default; 50 samples")]
+        pub slope_window: f64,
+        #[var(start = DetectorKind::Glr, paper = DetectorKind::Slope, source = "measured: fewest false alarms, smallest depth from 100 um/s on")]
+        pub detector: DetectorKind,
         #[var(expert)] pub threshold: Threshold,
         pub learn: Learn,
         pub limits: Limits,
@@ -328,43 +334,54 @@ mod variables {
         pub commission: Commission,
         pub calibration: Calibration,
         /// Force change that stops the approach in every state; must exceed the cogging
-        #[var(essential, name = "guard.force", unit = NEWTON, range = 1e-3..=1e4, start = 0.4, source = "default; 1.3 um at 100 um/s")] pub guard_force: f64,
+        #[var(essential, name = "guard.force", unit = NEWTON, range = 1e-3..=1e4, start = 0.4, source = "default; 1.3 um at 100 um/s")]
+        pub guard_force: f64,
         pub contact: Contact,
     }
     /// Travel between first touch and detection as a function of the approach speed
     pub struct Contact {
         /// Part of the contact bias that is the same at every speed
-        #[var(unit = METRE as "nm", range = -1e-3..=1e-3, source = "a calibration cycle, or one calibration touch", tunable)] pub bias: f64,
+        #[var(unit = METRE as "nm", range = -1e-3..=1e-3, source = "a calibration cycle, or one calibration touch", tunable)]
+        pub bias: f64,
         /// Part of the contact bias that grows with the speed, at 100 um/s
         #[var(unit = METRE as "nm", range = -1e-3..=1e-3, source = "a calibration cycle", tunable)] pub bias_fast: f64,
         /// Part of the contact bias that grows as the speed falls, times the speed
-        #[var(unit = SQUARE_METRE_PER_SECOND, range = -1e-6..=1e-6, source = "a calibration cycle", tunable)] pub bias_slow: f64,
+        #[var(unit = SQUARE_METRE_PER_SECOND, range = -1e-6..=1e-6, source = "a calibration cycle", tunable)]
+        pub bias_slow: f64,
     }
     /// Nominal model of the stage and its drive
     pub struct Stage {
         /// Nominal moving mass
-        #[var(essential, unit = KILOGRAM, range = 0.01..=1e4, start = 10.0, source = "default; small air-bearing stage")] pub mass: f64,
+        #[var(essential, unit = KILOGRAM, range = 0.01..=1e4, start = 10.0, source = "default; small air-bearing stage")]
+        pub mass: f64,
         /// Nominal thrust constant of the motor
-        #[var(essential, unit = NEWTON_PER_AMPERE, range = 0.01..=1e4, start = 20.0, source = "default; shaft motor")] pub force_constant: f64,
+        #[var(essential, unit = NEWTON_PER_AMPERE, range = 0.01..=1e4, start = 20.0, source = "default; shaft motor")]
+        pub force_constant: f64,
         /// Maximum current of the amplifier
-        #[var(essential, unit = AMPERE, range = 0.01..=1e3, start = 5.0, source = "default; small linear amplifier")] pub current_max: f64,
+        #[var(essential, unit = AMPERE, range = 0.01..=1e3, start = 5.0, source = "default; small linear amplifier")]
+        pub current_max: f64,
         /// Resolution of the current command from minus to plus the maximum, in bits
         #[var(range = 8..=24, start = 16, source = "paper")] pub current_bits: i32,
         /// Step of the encoder signal, with interpolation
-        #[var(essential, unit = METRE as "nm", range = 0.0..=1e-3, start = 1e-9, source = "paper: 1 nm is usual")] pub encoder_resolution: f64,
+        #[var(essential, unit = METRE as "nm", range = 0.0..=1e-3, start = 1e-9, source = "paper: 1 nm is usual")]
+        pub encoder_resolution: f64,
         /// Bandwidth of the current loop
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 100.0..=1e6, start = 6283.0, source = "default; 1 kHz")] pub current_bandwidth: f64,
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 100.0..=1e6, start = 6283.0, source = "default; 1 kHz")]
+        pub current_bandwidth: f64,
     }
     /// Proportional-derivative position servo on top of the disturbance observer
     pub struct Servo {
         /// Natural frequency of the position servo
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=2e3, start = 188.0, source = "default; 30 Hz, 40 degrees of phase margin remain")] pub bandwidth: f64,
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=2e3, start = 188.0, source = "default; 30 Hz, 40 degrees of phase margin remain")]
+        pub bandwidth: f64,
         /// Damping ratio of the position servo
         #[var(expert, unit = ONE, range = 0.1..=5.0, start = 1.0, source = "default; no overshoot")] pub damping: f64,
         /// Feed the estimated disturbance back; if false, integrate the position error
-        #[var(expert, start = true, source = "default; robust acceleration control")] pub disturbance_compensation: bool,
+        #[var(expert, start = true, source = "default; robust acceleration control")]
+        pub disturbance_compensation: bool,
         /// Integral gain without disturbance compensation
-        #[var(expert, unit = PER_SECOND_CUBED, range = 0.0..=1e9, start = 2e6, source = "default; a third of the cube of the bandwidth")] pub integral_gain: f64,
+        #[var(expert, unit = PER_SECOND_CUBED, range = 0.0..=1e9, start = 2e6, source = "default; a third of the cube of the bandwidth")]
+        pub integral_gain: f64,
     }
     /// Disturbance observer
     pub struct Observer {
@@ -372,7 +389,8 @@ mod variables {
         #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e4, start = 628.0, source = "default; 100 Hz, the depth is flat from 50 to 200 Hz")]
         pub bandwidth: f64,
         /// Bandwidth of the velocity estimate
-        #[var(expert, unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=5e4, start = 3142.0, source = "default; 500 Hz")] pub velocity_bandwidth: f64,
+        #[var(expert, unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=5e4, start = 3142.0, source = "default; 500 Hz")]
+        pub velocity_bandwidth: f64,
     }
     /// Threshold mu + alpha sigma of the slope detector
     pub struct Threshold {
@@ -381,105 +399,140 @@ mod variables {
         /// Fixed alpha of the threshold
         #[var(unit = ONE, range = 1.0..=50.0, start = 4.0, paper = 4.0, source = "paper")] pub alpha: f64,
         /// Target mean time between false alarms for the automatic alpha
-        #[var(unit = SECOND, range = 1.0..=1e9, start = 36_000.0, source = "default; ten hours")] pub false_alarm_interval: f64,
+        #[var(unit = SECOND, range = 1.0..=1e9, start = 36_000.0, source = "default; ten hours")]
+        pub false_alarm_interval: f64,
     }
     /// Learning of the noise before contact
     pub struct Learn {
         /// Time at constant speed before learning starts
-        #[var(unit = SECOND, range = 0.0..=100.0, start = 0.25, source = "default; the filters have settled")] pub settle_time: f64,
+        #[var(unit = SECOND, range = 0.0..=100.0, start = 0.25, source = "default; the filters have settled")]
+        pub settle_time: f64,
         /// Time of learning
-        #[var(unit = SECOND, range = 1e-3..=100.0, start = 0.5, source = "default; 0.1 s triples the false alarms of alpha 4")] pub time: f64,
+        #[var(unit = SECOND, range = 1e-3..=100.0, start = 0.5, source = "default; 0.1 s triples the false alarms of alpha 4")]
+        pub time: f64,
     }
     /// Limits beyond which a fault is raised
     pub struct Limits {
         /// Maximum number of consecutive implausible samples that are bridged
         #[var(range = 1..=100, start = 3, source = "default; 0.3 ms")] pub lost_samples: i32,
         /// Tolerated time with the current at its limit
-        #[var(expert, unit = SECOND as "ms", range = 0.0..=10.0, start = 5e-3, source = "default; ten times the 0.5 ms of the hardest acceleration")] pub saturated_time: f64,
+        #[var(expert, unit = SECOND as "ms", range = 0.0..=10.0, start = 5e-3, source = "default; ten times the 0.5 ms of the hardest acceleration")]
+        pub saturated_time: f64,
         /// Maximum plausible sigma of the learned slope
-        #[var(unit = NEWTON_PER_SECOND, range = 1e-6..=1e6, start = 5.0, source = "default; five times the noise of a good stage")] pub slope_sigma_max: f64,
+        #[var(unit = NEWTON_PER_SECOND, range = 1e-6..=1e6, start = 5.0, source = "default; five times the noise of a good stage")]
+        pub slope_sigma_max: f64,
         /// Maximum distance of the position from its prediction; beyond half it is only partly used
-        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 1e-8, source = "default; ten steps of 1 nm, eight sigma of noise and rounding")] pub jump: f64,
+        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 1e-8, source = "default; ten steps of 1 nm, eight sigma of noise and rounding")]
+        pub jump: f64,
         /// Motion without a change of the position beyond which a sample is lost
-        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 7.5e-9, source = "derived: five times the 1.5 nm that are no change")] pub frozen: f64,
+        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 7.5e-9, source = "derived: five times the 1.5 nm that are no change")]
+        pub frozen: f64,
         /// Tolerated time at rest without any change of the position; 0 switches the check off
-        #[var(expert, unit = SECOND, range = 0.0..=100.0, start = 0.03, source = "default; 300 equal samples, while noise of half a step changes every second one")] pub rest_time: f64,
+        #[var(expert, unit = SECOND, range = 0.0..=100.0, start = 0.03, source = "default; 300 equal samples, while noise of half a step changes every second one")]
+        pub rest_time: f64,
         /// Maximum distance of the stage from its reference; 0: automatic, at least 20 um
-        #[var(expert, unit = METRE as "um", range = 0.0..=1.0, start = 0.0, source = "derived: max(20 um, 3 * 2 zeta a / (omega_n g_v)), plus the lag v (1 + io_delay) T_s")] pub following_error: f64,
+        #[var(expert, unit = METRE as "um", range = 0.0..=1.0, start = 0.0, source = "derived: max(20 um, 3 * 2 zeta a / (omega_n g_v)), plus the lag v (1 + io_delay) T_s")]
+        pub following_error: f64,
         /// Maximum disturbance that the machine can produce; 0: automatic
-        #[var(expert, unit = NEWTON, range = 0.0..=1e8, start = 0.0, source = "derived: max(K_tn I_max / 2, guard.force + M_n a)")] pub disturbance: f64,
+        #[var(expert, unit = NEWTON, range = 0.0..=1e8, start = 0.0, source = "derived: max(K_tn I_max / 2, guard.force + M_n a)")]
+        pub disturbance: f64,
         /// Minimum ratio of measured to commanded acceleration of the stage
-        #[var(unit = ONE, range = 0.0..=1.0, start = 0.5, source = "default; nominal mass and thrust may be wrong by 30 % each")] pub drive_gain_ratio: f64,
+        #[var(unit = ONE, range = 0.0..=1.0, start = 0.5, source = "default; nominal mass and thrust may be wrong by 30 % each")]
+        pub drive_gain_ratio: f64,
         /// Maximum acceleration of the spindle
-        #[var(expert, unit = RADIAN_PER_SECOND_SQUARED, range = 1.0..=1e9, start = 2e4, source = "default; 30 000 rpm in 0.16 s")] pub spindle_acceleration: f64,
+        #[var(expert, unit = RADIAN_PER_SECOND_SQUARED, range = 1.0..=1e9, start = 2e4, source = "default; 30 000 rpm in 0.16 s")]
+        pub spindle_acceleration: f64,
         /// Maximum time of learning, at least learn.time; 0: automatic
-        #[var(expert, unit = SECOND, range = 0.0..=1e4, start = 0.0, source = "derived: 2 learn.time + settling of the filters")] pub learn_time: f64,
+        #[var(expert, unit = SECOND, range = 0.0..=1e4, start = 0.0, source = "derived: 2 learn.time + settling of the filters")]
+        pub learn_time: f64,
         /// Maximum change of the force from before the contact to after the retract
-        #[var(unit = NEWTON, range = 1e-6..=1e6, start = 0.2, source = "default; half of guard.force, ten sigma of the weight balancer")] pub residual_force: f64,
+        #[var(unit = NEWTON, range = 1e-6..=1e6, start = 0.2, source = "default; half of guard.force, ten sigma of the weight balancer")]
+        pub residual_force: f64,
         /// Maximum bias at a calibrated speed
-        #[var(expert, unit = METRE as "um", range = 1e-9..=1e-3, start = 1e-6, source = "default; twice that at 300 um/s on steel; more is a soft workpiece or a wrong position")] pub bias: f64,
+        #[var(expert, unit = METRE as "um", range = 1e-9..=1e-3, start = 1e-6, source = "default; twice that at 300 um/s on steel; more is a soft workpiece or a wrong position")]
+        pub bias: f64,
         /// Maximum standard deviation of the touches of one speed in a calibration cycle
-        #[var(expert, unit = METRE as "nm", range = 1e-10..=1e-4, start = 6e-8, source = "default; two to three times that on steel")] pub touch_scatter: f64,
+        #[var(expert, unit = METRE as "nm", range = 1e-10..=1e-4, start = 6e-8, source = "default; two to three times that on steel")]
+        pub touch_scatter: f64,
         /// Maximum time of a cycle from enable to Done; 0: automatic
-        #[var(unit = SECOND, range = 0.0..=1e9, start = 0.0, source = "derived: 1.25 (travel_max / v + v / a + settle_time + limits.learn_time + (travel_max + distance) / v_retract) + 1 s")] pub cycle_time: f64,
+        #[var(unit = SECOND, range = 0.0..=1e9, start = 0.0, source = "derived: 1.25 (travel_max / v + v / a + settle_time + limits.learn_time + (travel_max + distance) / v_retract) + 1 s")]
+        pub cycle_time: f64,
     }
     /// Kalman filter of the likelihood-ratio detector; all values are standard deviations
     pub struct Kalman {
         /// Random walk of the disturbance in one sample, standard deviation
-        #[var(unit = NEWTON as "mN", range = 1e-9..=1e3, start = 5e-4, source = "default; the innovation of such stages is white")] pub disturbance_walk: f64,
+        #[var(unit = NEWTON as "mN", range = 1e-9..=1e3, start = 5e-4, source = "default; the innovation of such stages is white")]
+        pub disturbance_walk: f64,
         /// White force in one sample, standard deviation
-        #[var(unit = NEWTON as "mN", range = 1e-9..=1e3, start = 5e-3, source = "default; noise of such stages")] pub force_noise: f64,
+        #[var(unit = NEWTON as "mN", range = 1e-9..=1e3, start = 5e-3, source = "default; noise of such stages")]
+        pub force_noise: f64,
         /// Position noise with quantization, standard deviation
-        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 0.6e-9, source = "default; noise of such stages")] pub position_noise: f64,
+        #[var(unit = METRE as "nm", range = 1e-12..=1e-3, start = 0.6e-9, source = "default; noise of such stages")]
+        pub position_noise: f64,
     }
     /// Generalized likelihood ratio over a bank of contact instants; used if the detector is Glr
     pub struct Glr {
         /// Number of contact instants in the bank, one per sample
         #[var(range = 10..=1000, start = 300, source = "default; 30 ms, the memory of the filter")] pub onsets: i32,
         /// Alarm level of the log-likelihood ratio
-        #[var(unit = ONE, range = 1.0..=1e3, start = 15.0, source = "measured: 2 false alarms in 10 hours")] pub threshold: f64,
+        #[var(unit = ONE, range = 1.0..=1e3, start = 15.0, source = "measured: 2 false alarms in 10 hours")]
+        pub threshold: f64,
     }
     /// Two-stage touch: an uncertain contact is touched a second time; needs the detector Glr
     pub struct Touch {
         /// Touch a second time where a contact is suspected but not certain
         pub confirm: bool,
         /// Log-likelihood ratio of each touch above which a contact is suspected
-        #[var(expert, unit = ONE, range = 1.0..=1e3, start = 7.0, source = "default; one suspicion in several seconds of noise")] pub suspicion: f64,
+        #[var(expert, unit = ONE, range = 1.0..=1e3, start = 7.0, source = "default; one suspicion in several seconds of noise")]
+        pub suspicion: f64,
     }
     /// Approach motion
     pub struct Approach {
         /// Approach speed, sampled when an approach starts; a calibration may limit it
-        #[var(essential, unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-4, source = "default; 0.3 um of depth", tunable)] pub velocity: f64,
+        #[var(essential, unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-4, source = "default; 0.3 um of depth", tunable)]
+        pub velocity: f64,
         /// Acceleration to the approach speed, sampled when an approach starts
-        #[var(unit = METRE_PER_SECOND_SQUARED, range = 1e-4..=10.0, start = 0.05, source = "default; 2 ms to 100 um/s", tunable)] pub acceleration: f64,
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 1e-4..=10.0, start = 0.05, source = "default; 2 ms to 100 um/s", tunable)]
+        pub acceleration: f64,
         /// Maximum travel from the start position, sampled when an approach starts
-        #[var(essential, unit = METRE as "mm", range = 1e-6..=1.0, start = 0.005, source = "default; 50 s at 100 um/s", tunable)] pub travel_max: f64,
+        #[var(essential, unit = METRE as "mm", range = 1e-6..=1.0, start = 0.005, source = "default; 50 s at 100 um/s", tunable)]
+        pub travel_max: f64,
         /// Direction of the approach: 1 if position increases towards the workpiece, otherwise -1
-        #[var(essential, range = -1..=1, start = 1, source = "default; encoder counts towards the workpiece")] pub direction: i32,
+        #[var(essential, range = -1..=1, start = 1, source = "default; encoder counts towards the workpiece")]
+        pub direction: i32,
         /// Minimum travel between touch and standstill, from delays and braking alone
-        #[var(unit = METRE as "nm", calculated, source = "derived: v (1.5 + io_delay) T_s + v^2 / (2 a_stop)")] pub depth_limit: f64,
+        #[var(unit = METRE as "nm", calculated, source = "derived: v (1.5 + io_delay) T_s + v^2 / (2 a_stop)")]
+        pub depth_limit: f64,
     }
     /// Retract motion
     pub struct Retract {
         /// Retract speed
-        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-6..=0.1, start = 1e-3, source = "default; 75 ms of retract")] pub velocity: f64,
+        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-6..=0.1, start = 1e-3, source = "default; 75 ms of retract")]
+        pub velocity: f64,
         /// Deceleration after a detection, and acceleration of the retract
-        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=50.0, start = 2.0, source = "default; 1 A of this stage")] pub deceleration: f64,
+        #[var(unit = METRE_PER_SECOND_SQUARED, range = 0.01..=50.0, start = 2.0, source = "default; 1 A of this stage")]
+        pub deceleration: f64,
         /// Distance of the retract, at least the travel until the detector is armed; 0: automatic
-        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / (2 a) + v (settle_time + learn.time)), so that the next approach is armed before it touches")] pub distance: f64,
+        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / (2 a) + v (settle_time + learn.time)), so that the next approach is armed before it touches")]
+        pub distance: f64,
     }
     /// Bounds of the commissioning run, and use of its results
     pub struct Commission {
         /// Maximum distance from the start position; 0: automatic, at least 45 um
-        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / a + v (settle_time + learn.time)), at least 45 um")] pub travel: f64,
+        #[var(unit = METRE as "um", range = 0.0..=0.1, start = 0.0, source = "derived: 1.2 (v^2 / a + v (settle_time + learn.time)), at least 45 um")]
+        pub travel: f64,
         /// Maximum force in addition to the holding force, at least guard.force; 0: automatic
-        #[var(unit = NEWTON, range = 0.0..=1e6, start = 0.0, source = "derived: min(M_n a_stop, K_tn I_max / 2), at least guard.force")] pub force: f64,
+        #[var(unit = NEWTON, range = 0.0..=1e6, start = 0.0, source = "derived: min(M_n a_stop, K_tn I_max / 2), at least guard.force")]
+        pub force: f64,
         /// Maximum time of the commissioning run; 0: automatic
-        #[var(expert, unit = SECOND, range = 0.0..=1e6, start = 0.0, source = "derived: 1.25 times the motions + 1 s")] pub time: f64,
+        #[var(expert, unit = SECOND, range = 0.0..=1e6, start = 0.0, source = "derived: 1.25 times the motions + 1 s")]
+        pub time: f64,
         /// Maximum relative standard deviation of the measured thrust constant
-        #[var(expert, unit = ONE, range = 1e-6..=0.5, start = 0.02, source = "default; a hundredth of what the detector tolerates")] pub std_max: f64,
+        #[var(expert, unit = ONE, range = 1e-6..=0.5, start = 0.02, source = "default; a hundredth of what the detector tolerates")]
+        pub std_max: f64,
         /// Maximum standard deviation of the measured delay, samples, without the current loop
-        #[var(expert, unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "default; two of them to the next half sample")] pub delay_std_max: f64,
+        #[var(expert, unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "default; two of them to the next half sample")]
+        pub delay_std_max: f64,
         /// Use the measured values instead of the configured ones
         #[var(source = "default; inspect the result first")] pub apply: bool,
         /// JSON file for the derived parameters, written after success; empty: none
@@ -488,21 +541,28 @@ mod variables {
     /// Touches that calibrate the contact bias, and use of the result
     pub struct Calibration {
         /// Slowest of the five calibration speeds, which have equal ratios
-        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-5, source = "default; a tenth of approach.velocity")] pub velocity_min: f64,
+        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 1e-5, source = "default; a tenth of approach.velocity")]
+        pub velocity_min: f64,
         /// Fastest of the five calibration speeds, at least three times the slowest
-        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 3e-4, source = "default; three times approach.velocity")] pub velocity_max: f64,
+        #[var(unit = METRE_PER_SECOND as "um/s", range = 1e-7..=0.01, start = 3e-4, source = "default; three times approach.velocity")]
+        pub velocity_max: f64,
         /// Target maximum force of a touch; faster touches are made slower; 0: no limit
-        #[var(unit = NEWTON, range = 0.0..=1e4, start = 0.0, source = "default; none, set what the tool tolerates")] pub force_max: f64,
+        #[var(unit = NEWTON, range = 0.0..=1e4, start = 0.0, source = "default; none, set what the tool tolerates")]
+        pub force_max: f64,
         /// Number of touches at each speed
-        #[var(expert, range = 2..=1000, start = 4, source = "default; half of the scatter of one touch")] pub touches: i32,
+        #[var(expert, range = 2..=1000, start = 4, source = "default; half of the scatter of one touch")]
+        pub touches: i32,
         /// Maximum number of touches at each speed while the bias is too uncertain
         #[var(expert, range = 2..=1000, start = 8, source = "default; a minute in all")] pub touches_max: i32,
         /// Encoder position at which the tool first touches the workpiece
-        #[var(unit = METRE as "um", range = -1e3..=1e3, source = "an independent measurement: no touch shows its own bias")] pub position: f64,
+        #[var(unit = METRE as "um", range = -1e3..=1e3, source = "an independent measurement: no touch shows its own bias")]
+        pub position: f64,
         /// Standard deviation of the configured first-touch position
-        #[var(unit = METRE as "nm", range = 0.0..=1e-3, source = "uncertainty of that measurement")] pub position_std: f64,
+        #[var(unit = METRE as "nm", range = 0.0..=1e-3, source = "uncertainty of that measurement")]
+        pub position_std: f64,
         /// Maximum standard deviation of the bias at a calibrated speed
-        #[var(expert, unit = METRE as "nm", range = 1e-10..=1e-3, start = 3e-8, source = "default; about the scatter of one touch")] pub std_max: f64,
+        #[var(expert, unit = METRE as "nm", range = 1e-10..=1e-3, start = 3e-8, source = "default; about the scatter of one touch")]
+        pub std_max: f64,
         /// Use the calibrated bias instead of the configured one
         #[var(source = "default; inspect the result first")] pub apply: bool,
         /// JSON file for the calibrated bias, written after success; empty: none

@@ -181,8 +181,8 @@ impl Reader {
 
     /// The given position if the stage can be there, shifted towards its prediction if it is only partly used; after a
     /// long loss any position is accepted.
-    fn accept(&mut self, p: &Parameters, given: Option<f64>, e: &Expected, anew: bool) -> Option<f64> {
-        if anew {
+    fn accept(&mut self, p: &Parameters, given: Option<f64>, e: &Expected, restarted: bool) -> Option<f64> {
+        if restarted {
             self.position.clear();
         }
         let jumped = self.position.doubted() > 0 && self.loss == Loss::Jumps;

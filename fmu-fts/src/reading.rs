@@ -357,18 +357,18 @@ mod tests {
             let now = on_path(k);
             Input { spindle_angle: now.spindle_angle + 1.0, slide_position: now.slide_position + 0.02, ..now }
         };
-        for anew in [false, true] {
+        for restarted in [false, true] {
             let (mut reader, _, _) = after(600, 10, |i| (i.spindle_angle, i.slide_position) = (f64::NAN, f64::NAN));
             assert_eq!((reader.missing().spindle, reader.missing().slide), (Some(Loss::Invalid), Some(Loss::Invalid)));
-            if anew {
+            if restarted {
                 reader.restart();
             }
             for k in 610..620 {
                 let reading = reader.read(&p, &elsewhere(k), 0.4);
-                assert_eq!(reading.spindle_angle == elsewhere(k).spindle_angle, anew, "{k}");
-                assert_eq!(reading.slide_position == elsewhere(k).slide_position, anew, "{k}");
+                assert_eq!(reading.spindle_angle == elsewhere(k).spindle_angle, restarted, "{k}");
+                assert_eq!(reading.slide_position == elsewhere(k).slide_position, restarted, "{k}");
             }
-            assert_eq!((reader.spindle_known(), reader.missing() == &Missing::default()), (anew, anew));
+            assert_eq!((reader.spindle_known(), reader.missing() == &Missing::default()), (restarted, restarted));
         }
     }
 

@@ -329,44 +329,58 @@ mod variables {
         /// Samples between a command and its action: 1 for standard masters, 0 if immediate
         #[var(essential, range = 0..=DELAY_MAX as i32, start = 1, source = "a standard FMI master")] pub io_delay: i32,
         /// Maximum commanded velocity
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=1.0, start = 0.05, source = "default; five times the stick-slip velocity")] pub velocity_max: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-3..=1.0, start = 0.05, source = "default; five times the stick-slip velocity")]
+        pub velocity_max: f64,
         /// Stroke of the axis; the origin of the path is in its middle
-        #[var(fields = f64[x, y, z], unit = METRE as "mm", range = 1e-3..=10.0, start = Axes { x: 0.4, y: 0.3, z: 0.1 }, source = "paper")] pub stroke: Axes,
+        #[var(fields = f64[x, y, z], unit = METRE as "mm", range = 1e-3..=10.0, start = Axes { x: 0.4, y: 0.3, z: 0.1 }, source = "paper")]
+        pub stroke: Axes,
         /// Radius of the ball end
-        #[var(essential, name = "tool.radius", unit = METRE as "mm", range = 5e-5..=0.02, start = 0.5e-3, source = "paper: tip diameter 1 mm")] pub tool_radius: f64,
+        #[var(essential, name = "tool.radius", unit = METRE as "mm", range = 5e-5..=0.02, start = 0.5e-3, source = "paper: tip diameter 1 mm")]
+        pub tool_radius: f64,
         /// Travel of one pulse
-        #[var(essential, name = "pulses.size", unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")] pub pulses_size: f64,
+        #[var(essential, name = "pulses.size", unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")]
+        pub pulses_size: f64,
         /// Resolution of the encoders
-        #[var(essential, name = "encoder.resolution", unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")] pub encoder_resolution: f64,
+        #[var(essential, name = "encoder.resolution", unit = METRE as "um", range = 1e-9..=1e-4, start = 1e-6, source = "paper")]
+        pub encoder_resolution: f64,
         pub drive: Drive,
         /// Bandwidth of the force sensor filter
         #[var(name = "sensor.bandwidth", unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e6, start = 1256.6, source = "default; 200 Hz, usual for force sensors")]
         pub sensor_bandwidth: f64,
         /// Measuring range of each axis of the force sensor
-        #[var(name = "sensor.range", unit = NEWTON, range = 1.0..=1e5, start = 100.0, source = "default; a usual sensor")] pub sensor_range: f64,
+        #[var(name = "sensor.range", unit = NEWTON, range = 1.0..=1e5, start = 100.0, source = "default; a usual sensor")]
+        pub sensor_range: f64,
         /// Resolution of the force sensor
-        #[var(name = "sensor.resolution", unit = NEWTON, range = 1e-6..=10.0, start = 0.178, source = "paper: 1 um at 178 N/mm")] pub sensor_resolution: f64,
+        #[var(name = "sensor.resolution", unit = NEWTON, range = 1e-6..=10.0, start = 0.178, source = "paper: 1 um at 178 N/mm")]
+        pub sensor_resolution: f64,
         /// Mounting angle of the force sensor about z
-        #[var(name = "sensor.rotation", unit = RADIAN as "deg", range = -3.2..=3.2, source = "default; aligned with the axes")] pub sensor_rotation: f64,
+        #[var(name = "sensor.rotation", unit = RADIAN as "deg", range = -3.2..=3.2, source = "default; aligned with the axes")]
+        pub sensor_rotation: f64,
         /// Direction of the y axis of the force sensor: -1 if inverted
-        #[var(name = "sensor.direction.y", range = -1..=1, start = 1, source = "default; aligned with the axes")] pub sensor_direction_y: i32,
+        #[var(name = "sensor.direction.y", range = -1..=1, start = 1, source = "default; aligned with the axes")]
+        pub sensor_direction_y: i32,
         /// Direction of the z axis of the force sensor: -1 if inverted
-        #[var(name = "sensor.direction.z", range = -1..=1, start = 1, source = "default; aligned with the axes")] pub sensor_direction_z: i32,
+        #[var(name = "sensor.direction.z", range = -1..=1, start = 1, source = "default; aligned with the axes")]
+        pub sensor_direction_z: i32,
         pub path: Path,
         pub feed: Feed,
         pub force: Force,
         pub impedance: Impedance,
         /// Nominal stiffness of tool and contact, used until it is estimated
-        #[var(essential, name = "stiffness.nominal", unit = NEWTON_PER_METRE as "N/mm", range = 1e3..=1e8, start = 178e3, source = "paper")] pub stiffness_nominal: f64,
+        #[var(essential, name = "stiffness.nominal", unit = NEWTON_PER_METRE as "N/mm", range = 1e3..=1e8, start = 178e3, source = "paper")]
+        pub stiffness_nominal: f64,
         #[var(expert)] pub position: Position,
         pub stick_slip: StickSlip,
         /// Rate at which force ripple at one and two times the stick-slip frequency is canceled
-        #[var(expert, name = "ripple.gain", unit = PER_SECOND, range = 0.0..=20.0, start = 3.0, paper = 0.0, source = "measured: 8 is unsafe with other drives")] pub ripple_gain: f64,
+        #[var(expert, name = "ripple.gain", unit = PER_SECOND, range = 0.0..=20.0, start = 3.0, paper = 0.0, source = "measured: 8 is unsafe with other drives")]
+        pub ripple_gain: f64,
         #[var(expert)] pub repetitive: Repetitive,
         /// Estimate shift and rotation of the mold and compensate them by feedforward
-        #[var(expert, name = "misalignment.enable", start = true, paper = false, source = "default; a mold is never set up exactly")] pub misalignment_enable: bool,
+        #[var(expert, name = "misalignment.enable", start = true, paper = false, source = "default; a mold is never set up exactly")]
+        pub misalignment_enable: bool,
         /// Time over which the zero of the force sensor is averaged
-        #[var(expert, name = "tare.time", unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "default; averages 100 samples")] pub tare_time: f64,
+        #[var(expert, name = "tare.time", unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "default; averages 100 samples")]
+        pub tare_time: f64,
         pub approach: Approach,
         #[var(expert)] pub settle: Settle,
         pub retract: Retract,
@@ -377,57 +391,75 @@ mod variables {
     /// phases, the phase margin of the force control and `FollowingError` follow from it.
     pub struct Drive {
         /// Gain of the position loop of the drives
-        #[var(unit = PER_SECOND, range = 1.0..=1e4, start = 80.0, source = "default; usual AC servo")] pub position_gain: f64,
+        #[var(unit = PER_SECOND, range = 1.0..=1e4, start = 80.0, source = "default; usual AC servo")]
+        pub position_gain: f64,
         /// Fraction of the velocity that the drives feed forward
         #[var(unit = ONE, range = 0.0..=1.0, start = 0.8, source = "default; usual AC servo")] pub feedforward: f64,
         /// Bandwidth of the velocity feedforward of the drives
-        #[var(expert, unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=1e5, start = 628.3, source = "default; usual AC servo")] pub feedforward_bandwidth: f64,
+        #[var(expert, unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=1e5, start = 628.3, source = "default; usual AC servo")]
+        pub feedforward_bandwidth: f64,
         /// Bandwidth of the velocity loop of the drives
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 500.0, source = "default; usual AC servo")] pub velocity_bandwidth: f64,
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 10.0..=1e5, start = 500.0, source = "default; usual AC servo")]
+        pub velocity_bandwidth: f64,
         /// Integral action of the velocity loop of the drives
-        #[var(expert, unit = PER_SECOND, range = 0.0..=1e4, start = 60.0, source = "default; usual AC servo")] pub velocity_integral: f64,
+        #[var(expert, unit = PER_SECOND, range = 0.0..=1e4, start = 60.0, source = "default; usual AC servo")]
+        pub velocity_integral: f64,
         /// Maximum acceleration of the weakest axis, a limit of a circular sweep; 0: unlimited
-        #[var(expert, unit = METRE_PER_SECOND_SQUARED, range = 0.0..=1e3, source = "default; unknown")] pub acceleration_max: f64,
+        #[var(expert, unit = METRE_PER_SECOND_SQUARED, range = 0.0..=1e3, source = "default; unknown")]
+        pub acceleration_max: f64,
     }
     /// CL data of the path.
     pub struct Path {
         /// CL file in the folder resources of the FMU, or its absolute path
         #[var(essential, start = crate::path::built_in::NAME)] pub file: String,
         /// Maximum slope of a surface that is polished
-        #[var(expert, unit = RADIAN as "deg", range = 0.1..=1.5, start = 1.05, source = "default; 60 deg keep the shank clear of the wall")] pub slope_max: f64,
+        #[var(expert, unit = RADIAN as "deg", range = 0.1..=1.5, start = 1.05, source = "default; 60 deg keep the shank clear of the wall")]
+        pub slope_max: f64,
     }
     /// Feed along the path.
     pub struct Feed {
         #[var(expert, source = "default; independent of the file")] pub source: FeedSource,
         /// Feed velocity of the contact point, eq. 2
-        #[var(essential, unit = METRE_PER_SECOND as "mm/s", range = 1e-6..=0.1, start = 2e-3, source = "default; the ball slides three times as far", tunable)] pub velocity: f64,
+        #[var(essential, unit = METRE_PER_SECOND as "mm/s", range = 1e-6..=0.1, start = 2e-3, source = "default; the ball slides three times as far", tunable)]
+        pub velocity: f64,
         /// Maximum acceleration along the path
-        #[var(expert, unit = METRE_PER_SECOND_SQUARED, range = 1e-3..=10.0, start = 0.05, source = "default; full feed after 40 ms")] pub acceleration: f64,
+        #[var(expert, unit = METRE_PER_SECOND_SQUARED, range = 1e-3..=10.0, start = 0.05, source = "default; full feed after 40 ms")]
+        pub acceleration: f64,
         /// Maximum turning rate of the direction of motion; slows the feed in curves
-        #[var(expert, unit = RADIAN_PER_SECOND, range = 1.0..=1e3, start = 25.0, source = "default; 5 % of the velocity loop")] pub turn_rate_max: f64,
+        #[var(expert, unit = RADIAN_PER_SECOND, range = 1.0..=1e3, start = 25.0, source = "default; 5 % of the velocity loop")]
+        pub turn_rate_max: f64,
     }
     /// Polishing force.
     pub struct Force {
         /// Target polishing force F_d
-        #[var(essential, unit = NEWTON, range = 0.1..=100.0, start = 5.0, source = "default; 28 steps of the sensor", tunable)] pub target: f64,
-        #[var(expert, start = ForceMode::Projected, paper = ForceMode::Norm, source = "default; friction does not act as normal force")] pub mode: ForceMode,
+        #[var(essential, unit = NEWTON, range = 0.1..=100.0, start = 5.0, source = "default; 28 steps of the sensor", tunable)]
+        pub target: f64,
+        #[var(expert, start = ForceMode::Projected, paper = ForceMode::Norm, source = "default; friction does not act as normal force")]
+        pub mode: ForceMode,
         /// Low-pass bandwidth of the measured force; 0: no filter
-        #[var(expert, unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "default; the sensor filters")] pub filter_bandwidth: f64,
+        #[var(expert, unit = RADIAN_PER_SECOND as "Hz", range = 0.0..=1e5, source = "default; the sensor filters")]
+        pub filter_bandwidth: f64,
         /// Integral time of the force control; 0: no integral
-        #[var(expert, unit = SECOND, range = 0.0..=100.0, start = 0.15, paper = 0.0, source = "measured", tunable)] pub integral_time: f64,
+        #[var(expert, unit = SECOND, range = 0.0..=100.0, start = 0.15, paper = 0.0, source = "measured", tunable)]
+        pub integral_time: f64,
     }
     /// Impedance model M_d dv/dt + B_d v = - K_f E_f of eq. 4.
     pub struct Impedance {
         /// Desired mass M_d, eq. 4
-        #[var(expert, unit = KILOGRAM, range = 0.01..=1e4, start = 10.0, source = "default; a time constant of 1 ms")] pub mass: f64,
+        #[var(expert, unit = KILOGRAM, range = 0.01..=1e4, start = 10.0, source = "default; a time constant of 1 ms")]
+        pub mass: f64,
         /// Desired damping B_d, eq. 4; with adaptive damping used until the stiffness is known
-        #[var(unit = NEWTON_SECOND_PER_METRE, range = 10.0..=1e7, start = 10e3, source = "derived: 17.7 rad/s at 178 N/mm", tunable)] pub damping: f64,
+        #[var(unit = NEWTON_SECOND_PER_METRE, range = 10.0..=1e7, start = 10e3, source = "derived: 17.7 rad/s at 178 N/mm", tunable)]
+        pub damping: f64,
         /// Force feedback gain K_f, eq. 4
-        #[var(expert, unit = ONE, range = 0.0..=100.0, start = 1.0, source = "default; the damping sets the bandwidth", tunable)] pub gain: f64,
+        #[var(expert, unit = ONE, range = 0.0..=100.0, start = 1.0, source = "default; the damping sets the bandwidth", tunable)]
+        pub gain: f64,
         /// Adapt the damping to the estimated stiffness for the desired bandwidth
-        #[var(expert, start = true, paper = false, source = "default; the same bandwidth on any tip")] pub adaptive: bool,
+        #[var(expert, start = true, paper = false, source = "default; the same bandwidth on any tip")]
+        pub adaptive: bool,
         /// Desired bandwidth of the force control with adaptive damping
-        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=100.0, start = 35.0, source = "measured: with 80 the force oscillates")] pub bandwidth: f64,
+        #[var(unit = RADIAN_PER_SECOND as "Hz", range = 1.0..=100.0, start = 35.0, source = "measured: with 80 the force oscillates")]
+        pub bandwidth: f64,
     }
     /// Position feedback, eq. 6.
     pub struct Position {
@@ -436,23 +468,29 @@ mod variables {
             start = Axes::all(5.0), paper = Axes { x: 0.0, y: 0.0, z: 1.0 }, source = "default; slow against the drives", tunable)]
         pub gain: Axes,
         /// Integral gain K_i of the position feedback: that of the paper over the sample period
-        #[var(fields = f64[x, y, z], unit = PER_SECOND_SQUARED, range = 0.0..=1e4, source = "default; proportional feedback suffices", tunable)] pub integral: Axes,
+        #[var(fields = f64[x, y, z], unit = PER_SECOND_SQUARED, range = 0.0..=1e4, source = "default; proportional feedback suffices", tunable)]
+        pub integral: Axes,
         /// Selection S of the axis for position feedback
-        #[var(fields = bool[x, y, z], start = Axes::all(true), paper = Axes { x: false, y: false, z: true }, source = "default; all axes")] pub select: Axes<bool>,
+        #[var(fields = bool[x, y, z], start = Axes::all(true), paper = Axes { x: false, y: false, z: true }, source = "default; all axes")]
+        pub select: Axes<bool>,
         /// Position feedback in the tangent plane only, independent of the force control
-        #[var(start = true, paper = false, source = "default; along the normal the force is controlled")] pub projected: bool,
+        #[var(start = true, paper = false, source = "default; along the normal the force is controlled")]
+        pub projected: bool,
     }
     /// Stick-slip motion, eqs. 7 to 17.
     pub struct StickSlip {
         #[var(start = Mode::Cross, paper = Mode::Paper, source = "default; always across the feed")] pub mode: Mode,
         /// Velocity K_v of the square wave, eq. 16; a circle moves pi / 2 times as fast
-        #[var(essential, unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 10e-3, source = "measured", tunable)] pub velocity: f64,
+        #[var(essential, unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 10e-3, source = "measured", tunable)]
+        pub velocity: f64,
         /// Samples in half a period; 1 for eq. 17
         #[var(range = 1..=1000, start = 10, paper = 1, source = "measured: 1 has no effect")] pub half_period: i32,
         /// Minimum mean sliding speed, feed included, to which the motion is raised; 0: off
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 6e-3, paper = 0.0, source = "default; three times a feed of 2 mm/s", tunable)] pub sliding: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 6e-3, paper = 0.0, source = "default; three times a feed of 2 mm/s", tunable)]
+        pub sliding: f64,
         /// Maximum velocity to which stick_slip.velocity is raised
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 20e-3, source = "default; ten times a feed of 2 mm/s")] pub velocity_max: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 0.0..=0.1, start = 20e-3, source = "default; ten times a feed of 2 mm/s")]
+        pub velocity_max: f64,
         /// Half period in samples used if the ball slides too little at velocity_max; 0: off
         #[var(range = 0..=1000, source = "default; weak drives do not follow a longer sweep")] pub half_period_max: i32,
         /// Stick-slip velocity over the feed, for constant removal; 0: stick_slip.velocity
@@ -461,82 +499,113 @@ mod variables {
     /// Repetitive control: disturbances that recur with each revolution of the path.
     pub struct Repetitive {
         /// Correction per radian of force error that recurs with each revolution; 0: off
-        #[var(unit = ONE, range = 0.0..=0.5, start = 0.18, paper = 0.0, source = "measured: 0.3 oscillates, since the harmonics are close")] pub gain: f64,
+        #[var(unit = ONE, range = 0.0..=0.5, start = 0.18, paper = 0.0, source = "measured: 0.3 oscillates, since the harmonics are close")]
+        pub gain: f64,
         /// Correction per radian of sweep ripple that rotates with the path; 0: off
-        #[var(unit = ONE, range = 0.0..=0.5, source = "measured: 0.09 halves the deviation on a tilted mold, and a wrong mold is found later")] pub ripple_gain: f64,
+        #[var(unit = ONE, range = 0.0..=0.5, source = "measured: 0.09 halves the deviation on a tilted mold, and a wrong mold is found later")]
+        pub ripple_gain: f64,
     }
     /// Approach along the normal of the first point.
     pub struct Approach {
         /// Velocity of the approach
-        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.01, start = 0.5e-3, source = "measured: 2 mm/s overshoots")] pub velocity: f64,
+        #[var(unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.01, start = 0.5e-3, source = "measured: 2 mm/s overshoots")]
+        pub velocity: f64,
         /// Force above which the tool is in contact
-        #[var(expert, unit = NEWTON, range = 0.05..=50.0, start = 0.6, source = "default; three steps of the sensor")] pub contact_force: f64,
+        #[var(expert, unit = NEWTON, range = 0.05..=50.0, start = 0.6, source = "default; three steps of the sensor")]
+        pub contact_force: f64,
         /// Maximum travel without contact
-        #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 2e-3, source = "default; the tool starts close to the mold")] pub travel_max: f64,
+        #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 2e-3, source = "default; the tool starts close to the mold")]
+        pub travel_max: f64,
     }
     /// Building up of the force, and its end.
     pub struct Settle {
         /// Time in which the target force ramps up and down
-        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.2, source = "default; hardly any overshoot")] pub ramp_time: f64,
+        #[var(unit = SECOND, range = 1e-3..=10.0, start = 0.2, source = "default; hardly any overshoot")]
+        pub ramp_time: f64,
         /// Maximum time of settling and of unloading
-        #[var(unit = SECOND, range = 0.01..=60.0, start = 2.0, source = "default; the force usually settles within 0.5 s")] pub time_max: f64,
+        #[var(unit = SECOND, range = 0.01..=60.0, start = 2.0, source = "default; the force usually settles within 0.5 s")]
+        pub time_max: f64,
     }
     /// Retract along the normal.
     pub struct Retract {
         /// Distance of the retract
-        #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 0.5e-3, source = "default; far more than the tip bends")] pub distance: f64,
+        #[var(unit = METRE as "mm", range = 1e-5..=0.1, start = 0.5e-3, source = "default; far more than the tip bends")]
+        pub distance: f64,
         /// Velocity of the retract
-        #[var(expert, unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.1, start = 5e-3, source = "default; out within 0.1 s")] pub velocity: f64,
+        #[var(expert, unit = METRE_PER_SECOND as "mm/s", range = 1e-5..=0.1, start = 5e-3, source = "default; out within 0.1 s")]
+        pub velocity: f64,
     }
     /// Limits of the monitors.
     pub struct Limits {
         /// Maximum force
-        #[var(essential, unit = NEWTON, range = 0.5..=1e3, start = 25.0, source = "default; five times the target force")] pub force: f64,
+        #[var(essential, unit = NEWTON, range = 0.5..=1e3, start = 25.0, source = "default; five times the target force")]
+        pub force: f64,
         /// Force below which contact is lost
-        #[var(expert, unit = NEWTON, range = 0.0..=50.0, start = 0.4, source = "default; two steps of the sensor")] pub lost_force: f64,
+        #[var(expert, unit = NEWTON, range = 0.0..=50.0, start = 0.4, source = "default; two steps of the sensor")]
+        pub lost_force: f64,
         /// Time below that force after which the contact is lost
-        #[var(expert, unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "default; five stick-slip periods")] pub lost_time: f64,
+        #[var(expert, unit = SECOND, range = 1e-3..=10.0, start = 0.1, source = "default; five stick-slip periods")]
+        pub lost_time: f64,
         /// Maximum position error along or across the path
-        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "default; the radius of the ball")] pub position_error: f64,
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "default; the radius of the ball")]
+        pub position_error: f64,
         /// Maximum distance of the surface from the path along the normal
-        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "default; the radius of the ball")] pub surface_error: f64,
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.5e-3, source = "default; the radius of the ball")]
+        pub surface_error: f64,
         /// Maximum angle between mean force and normal, friction included
-        #[var(expert, unit = RADIAN as "deg", range = 0.1..=3.0, start = 0.6, source = "derived: friction alone gives 22 deg at 0.4, the rest for normals")] pub force_angle: f64,
+        #[var(expert, unit = RADIAN as "deg", range = 0.1..=3.0, start = 0.6, source = "derived: friction alone gives 22 deg at 0.4, the rest for normals")]
+        pub force_angle: f64,
         /// Maximum force accepted as the zero of the sensor
-        #[var(expert, unit = NEWTON, range = 0.1..=100.0, start = 2.0, source = "default; the tip weighs 0.1 N")] pub tare_force: f64,
+        #[var(expert, unit = NEWTON, range = 0.1..=100.0, start = 2.0, source = "default; the tip weighs 0.1 N")]
+        pub tare_force: f64,
         /// Maximum lateral distance of the tool from the start of the path, and depth below it
-        #[var(expert, unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "default; one winding")] pub start_offset: f64,
+        #[var(expert, unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "default; one winding")]
+        pub start_offset: f64,
         /// Maximum depth below the start of the path without contact
-        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.13e-3, source = "derived: with a dead sensor the tool presses this far, 23 N at 178 N/mm")] pub approach_depth: f64,
+        #[var(unit = METRE as "mm", range = 1e-6..=0.05, start = 0.13e-3, source = "derived: with a dead sensor the tool presses this far, 23 N at 178 N/mm")]
+        pub approach_depth: f64,
         /// Consecutive implausible samples of an input that are bridged; one more is a fault
-        #[var(expert, range = 1..=100, start = 5, source = "derived: 5 ms at `approach.velocity` are 0.4 N")] pub lost_samples: i32,
+        #[var(expert, range = 1..=100, start = 5, source = "derived: 5 ms at `approach.velocity` are 0.4 N")]
+        pub lost_samples: i32,
         /// Travel without a change of an encoder or of the force, beyond 1.5 steps
-        #[var(expert, unit = METRE as "um", range = 1e-6..=1e-2, start = 20e-6, source = "derived: a fifth of the stick-slip motion; 3.6 N at 178 N/mm")] pub frozen: f64,
+        #[var(expert, unit = METRE as "um", range = 1e-6..=1e-2, start = 20e-6, source = "derived: a fifth of the stick-slip motion; 3.6 N at 178 N/mm")]
+        pub frozen: f64,
         /// Maximum time without any change of the force; 0 for a sensor without noise
-        #[var(expert, unit = SECOND, range = 0.0..=10.0, start = 0.25, source = "derived: 250 samples of 0.05 N in a step of 0.178 N, once in 3e8 windows")] pub frozen_time: f64,
+        #[var(expert, unit = SECOND, range = 0.0..=10.0, start = 0.25, source = "derived: 250 samples of 0.05 N in a step of 0.178 N, once in 3e8 windows")]
+        pub frozen_time: f64,
         /// Maximum standard deviation of the force noise
-        #[var(unit = NEWTON, range = 1e-3..=100.0, start = 0.35, source = "measured: six times 0.05 N still polishes well")] pub force_noise: f64,
+        #[var(unit = NEWTON, range = 1e-3..=100.0, start = 0.35, source = "measured: six times 0.05 N still polishes well")]
+        pub force_noise: f64,
         /// Maximum distance of an axis from its drive model
-        #[var(expert, unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "default; one winding, drives without feedforward need half")] pub following_error: f64,
+        #[var(expert, unit = METRE as "mm", range = 1e-6..=0.05, start = 0.1e-3, source = "default; one winding, drives without feedforward need half")]
+        pub following_error: f64,
         /// Maximum force error on the path, rms over 0.2 s; 0: a fifth of force.target
-        #[var(expert, unit = NEWTON, range = 0.0..=100.0, source = "measured: over robots and molds the published law has 0.68 N, another mold 1.25 N")] pub force_error: f64,
+        #[var(expert, unit = NEWTON, range = 0.0..=100.0, source = "measured: over robots and molds the published law has 0.68 N, another mold 1.25 N")]
+        pub force_error: f64,
         /// Maximum ratio of estimated and nominal stiffness, in both directions; 4: no limit
-        #[var(expert, unit = ONE, range = 1.0..=4.0, start = 2.2, source = "measured: tips and woods from 92 to 242 N/mm")] pub stiffness_ratio: f64,
+        #[var(expert, unit = ONE, range = 1.0..=4.0, start = 2.2, source = "measured: tips and woods from 92 to 242 N/mm")]
+        pub stiffness_ratio: f64,
         /// Maximum slope of the surface against the path
-        #[var(unit = ONE, range = 1e-3..=1.0, start = 0.1, source = "default; a mold that is tilted by 6 deg")] pub surface_slope: f64,
+        #[var(unit = ONE, range = 1e-3..=1.0, start = 0.1, source = "default; a mold that is tilted by 6 deg")]
+        pub surface_slope: f64,
         /// Maximum time of a cycle; 0: planned time, with four times the path
-        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: tare, approach, settling, unloading, retract, and the path")] pub cycle_time: f64,
+        #[var(unit = SECOND, range = 0.0..=1e6, source = "derived: tare, approach, settling, unloading, retract, and the path")]
+        pub cycle_time: f64,
     }
     /// Bounds of the state `Commission`, and the use of its results
     pub struct Commission {
         /// Maximum lateral travel and lift of the run; 0: derived from velocity_max
-        #[var(unit = METRE as "um", range = 0.0..=0.01, source = "derived: four times the reach of an excitation at half of `velocity_max`")] pub travel: f64,
+        #[var(unit = METRE as "um", range = 0.0..=0.01, source = "derived: four times the reach of an excitation at half of `velocity_max`")]
+        pub travel: f64,
         /// Force of the commissioning run; 0: force.target
-        #[var(expert, unit = NEWTON, range = 0.0..=100.0, source = "derived: stiffness and friction are those of the cycle")] pub force: f64,
+        #[var(expert, unit = NEWTON, range = 0.0..=100.0, source = "derived: stiffness and friction are those of the cycle")]
+        pub force: f64,
         /// Maximum relative standard deviation of the results; in rad for the mounting angle
-        #[var(expert, unit = ONE, range = 1e-6..=0.5, start = 0.1, source = "default; the control tolerates a tenth without notice")] pub std_max: f64,
+        #[var(expert, unit = ONE, range = 1e-6..=0.5, start = 0.1, source = "default; the control tolerates a tenth without notice")]
+        pub std_max: f64,
         /// Maximum standard deviation of the delay in samples
-        #[var(expert, unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "default; two of them reach the next half sample")] pub delay_std_max: f64,
+        #[var(expert, unit = ONE, range = 1e-3..=2.0, start = 0.25, source = "default; two of them reach the next half sample")]
+        pub delay_std_max: f64,
         /// Use the measured values instead of the configured ones
         #[var(source = "default; look at the results first")] pub apply: bool,
         /// JSON file to which a good run writes the derived parameters; empty: none

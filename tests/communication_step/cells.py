@@ -85,7 +85,7 @@ def measure(loop: Loop, cell: Cell) -> Outcome:
         try:
             with cosim.Session(scenario, engine="native") as session:
                 seeds = range(scenario.loop.seed, scenario.loop.seed + loop.seeds)
-                runs = [judged(loop, session.run(seed=seed)) for seed in seeds]
+                runs = [evaluated(loop, session.run(seed=seed)) for seed in seeds]
         except PlantError:
             runs = [(None, "plant stops")]
         except CosimError as error:
@@ -105,7 +105,7 @@ def warnings(loop: Loop, cell: Cell, steps: int) -> int:
     return sum(WARNING in text for text in heard)
 
 
-def judged(loop: Loop, result: cosim.Result) -> tuple[float | None, str]:
+def evaluated(loop: Loop, result: cosim.Result) -> tuple[float | None, str]:
     """Return the number of a run that ended as it should, else its first fault or its last state."""
     assert result.trace is not None
     names = {number: name for name, number in result.items["controller.fault"].items()}

@@ -12,7 +12,7 @@ MEMBER = re.compile(
     r"(?:pub\s+)?(?P<name>[A-Za-z_]\w*)(?:\s*:\s*(?P<type>\[[^\]]*\]|[\w:<>]+))?\s*(?:,|$|\})"
 )
 CONSTANT = re.compile(r"const\s+(\w+)\s*:\s*usize\s*=\s*(\d+)\s*;")
-STRING = re.compile(r'"((?:\\.|[^"\\])*)"', re.DOTALL)
+STRING = re.compile(r'"((?:\\[\s\S]|[^"\\])*)"', re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Member:
 
     def text(self, attribute: str) -> str | None:
         """Text of an attribute: `#[hint("...")]`."""
-        string = r'"((?:\\.|[^"\\])*)"'
+        string = r'"((?:\\[\s\S]|[^"\\])*)"'
         found = re.search(rf"#\[{attribute}\(\s*r?{string}\s*,?\s*\)\]", self.attributes, re.DOTALL)
         return found[1] if found else None
 
@@ -125,7 +125,7 @@ def before(text: str, at: int) -> tuple[str, str, int]:
 def closing(text: str, start: int) -> int:
     """Offset after the brace that ends a block, without strings and comments."""
     depth = 1
-    for found in re.finditer(r'"(?:\\.|[^"\\])*"|//[^\n]*|[{}]', text[start:]):
+    for found in re.finditer(r'"(?:\\[\s\S]|[^"\\])*"|//[^\n]*|[{}]', text[start:]):
         if found[0] == "{":
             depth += 1
         elif found[0] == "}":
@@ -160,7 +160,7 @@ def member_list(text: str, start: int, end: int) -> Iterator[Member]:
 def attribute_end(text: str, start: int) -> int:
     """Offset after the bracket that ends an attribute."""
     depth = 1
-    for found in re.finditer(r'"(?:\\.|[^"\\])*"|[\[\]]', text[start:]):
+    for found in re.finditer(r'"(?:\\[\s\S]|[^"\\])*"|[\[\]]', text[start:]):
         if found[0] == "[":
             depth += 1
         elif found[0] == "]":

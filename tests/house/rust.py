@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 HIDDEN = re.compile(
-    r"""//[^\n]*|/\*.*?\*/|b?r(?P<fence>\#*)".*?"(?P=fence)|b?"(?:\\.|[^"\\])*"|b?'(?:\\.[^']*|[^\\'])'""",
+    r"""//[^\n]*|/\*.*?\*/|b?r(?P<fence>\#*)".*?"(?P=fence)|b?"(?:\\[\s\S]|[^"\\])*"|b?'(?:\\.[^']*|[^\\'])'""",
     re.DOTALL,
 )
 """Comments, strings and characters: what they hold is no code."""

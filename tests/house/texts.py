@@ -20,7 +20,7 @@ FIELD = re.compile(r"\{[\w.\[\]]+(?::[^{}]*)?\}")
 LINK = re.compile(r"\]\([^)\s]*\)|<https?:[^>]*>|https?://\S+|\]\[[^\]\n]*\]")
 RUST = re.compile(
     r"""(?P<doc>//[/!](?!/)[^\n]*)|(?P<comment>//[^\n]*|/\*.*?\*/)"""
-    r"""|(?P<string>b?r(?P<fence>\#*)".*?"(?P=fence)|b?"(?:\\.|[^"\\])*")|b?'(?:\\[^']*'|[^\\']')""",
+    r"""|(?P<string>b?r(?P<fence>\#*)".*?"(?P=fence)|b?"(?:\\[\s\S]|[^"\\])*")|b?'(?:\\[^']*'|[^\\']')""",
     re.DOTALL,
 )
 PARAMETER = re.compile(r"^( *)\w+(?:, \w+)*\n(?=\1 +\S)", re.MULTILINE)
@@ -28,7 +28,7 @@ PARAMETER = re.compile(r"^( *)\w+(?:, \w+)*\n(?=\1 +\S)", re.MULTILINE)
 STRING = re.compile(
     r'"""(.*?)"""|\'\'\'(.*?)\'\'\'|"((?:\\.|[^"\\\n])*)"|\'([^\'\n]*)\'|(#[^\n]*)', re.DOTALL
 )
-MODELICA = re.compile(r'"((?:\\.|[^"\\])*)"|(//[^\n]*)', re.DOTALL)
+MODELICA = re.compile(r'"((?:\\[\s\S]|[^"\\])*)"|(//[^\n]*)', re.DOTALL)
 TAG = re.compile(r"<script.*?</script>|<style.*?</style>|<[^>]*>|\{[{%#].*?[}%#]\}", re.DOTALL)
 
 

@@ -84,9 +84,12 @@ mod tests {
 
     #[test]
     fn a_delay_is_tolerated_by_its_whole_samples() {
-        let borne = |configured: i32, samples: f64| tolerated_delays(configured).contains(&whole_delay(samples));
-        assert_eq!([-0.51, -0.5, -0.49, 3.49, 3.5].map(|samples| borne(1, samples)), [false, false, true, true, false]);
-        assert!(!borne(1, f64::NAN) && !borne(1, f64::INFINITY));
+        let tolerated = |configured: i32, samples: f64| tolerated_delays(configured).contains(&whole_delay(samples));
+        assert_eq!(
+            [-0.51, -0.5, -0.49, 3.49, 3.5].map(|samples| tolerated(1, samples)),
+            [false, false, true, true, false]
+        );
+        assert!(!tolerated(1, f64::NAN) && !tolerated(1, f64::INFINITY));
         assert_eq!((whole_delay(1.7), tolerated_delays(DELAY_MAX as i32 - 1)), (2, 0..=DELAY_MAX as i32));
     }
 

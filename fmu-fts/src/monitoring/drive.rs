@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn the_present_and_the_last_moving_ratio_need_more_torque_than_the_disturbances() {
         let (p, dt) = (Parameters::START, 1e-4);
-        for (torque, tells) in [(0.2, false), (5.0, true)] {
+        for (torque, identified) in [(0.2, false), (5.0, true)] {
             let (mut watch, mut angle, mut velocity, mut before) = (DriveWatch::default(), 0.0, 0.0, 0.0);
             for k in 0..1000 {
                 let command = torque * (TAU * 80.0 * dt * f64::from(k)).cos();
@@ -222,8 +222,8 @@ mod tests {
                 before = command;
             }
             for ratio in [watch.latest(&p), watch.moving(&p)] {
-                assert_eq!(ratio.is_some_and(|ratio| (ratio - 1.0).abs() < 0.05), tells, "{torque}: {ratio:?}");
-                assert_eq!(ratio.is_some(), tells, "{torque}: {ratio:?}");
+                assert_eq!(ratio.is_some_and(|ratio| (ratio - 1.0).abs() < 0.05), identified, "{torque}: {ratio:?}");
+                assert_eq!(ratio.is_some(), identified, "{torque}: {ratio:?}");
             }
         }
     }

@@ -138,12 +138,12 @@ impl Sliding {
         } else {
             self.lengthened
         };
-        let anew = lengthened != self.lengthened && k.is_multiple_of(2 * law.half_period.unsigned_abs());
-        if anew {
+        let restarts = lengthened != self.lengthened && k.is_multiple_of(2 * law.half_period.unsigned_abs());
+        if restarts {
             let Self { motion, speed, friction, .. } = *self;
             *self = Self { motion, speed, friction, lengthened, ..Self::default() };
         }
-        anew
+        restarts
     }
 
     fn restart_evaluation(&mut self) {

@@ -122,7 +122,7 @@ def keep(found: Sequence[studies.Machine]) -> None:
     for row, those in rows.items():
         size = errors(those, "position_error")
         store.measured(
-            "dob-taught", row, machines=len(those),
+            "dob-calibrated", row, machines=len(those),
             near=sum(abs(one["position_error"]) <= NEAR for one in those),
             median=size[0], high=size[1], most=size[2],
             constant=errors(those, "constant")[1], late=errors(those, "late")[1], rms=deviations(those),

@@ -42,7 +42,7 @@ def lateral(found: Sequence[Machine]) -> dict[str, float]:
     ended = [one for one in found if one["reported"]]
     warned = [one for one in ended if one["warned"]]
     rest = [one["gain"] for one in found if not one["reported"]]
-    assert min(one["judged"] for one in found if not one["reported"]) >= SLIDES
+    assert min(one["evaluated"] for one in found if not one["reported"]) >= SLIDES
     return {
         "machines": len(found), "slid": len(rest), "gain": float(np.median(rest)), "gain_least": min(rest),
         "warned": len(warned), "rightly": sum(one["right"] > 0.0 for one in warned),

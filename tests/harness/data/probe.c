@@ -30,7 +30,7 @@ typedef struct {
     int initialised;
 } Probe;
 
-static void tell(Probe *p, fmi2Status status, const char *category, const char *text, double value) {
+static void report(Probe *p, fmi2Status status, const char *category, const char *text, double value) {
     p->functions->logger(p->functions->componentEnvironment, p->name, status, category, text, value);
 }
 
@@ -58,7 +58,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     strncpy(p->name, name, sizeof p->name - 1);
     start(p);
     if (strcmp(guid, "probe-guid") != 0) {
-        tell(p, fmi2Error, "logStatusError", "wrong GUID", 0.0);
+        report(p, fmi2Error, "logStatusError", "wrong GUID", 0.0);
         free(p);
         return NULL;
     }
@@ -74,7 +74,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) { return fmi2OK; }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     Probe *p = c;
     if (p->real[BIAS_1] + p->real[BIAS_2] > 100.0) {
-        tell(p, fmi2Error, "logStatusError", "the sum of `bias` is %g, its limit is 100", p->real[BIAS_1] + p->real[BIAS_2]);
+        report(p, fmi2Error, "logStatusError", "the sum of `bias` is %g, its limit is 100", p->real[BIAS_1] + p->real[BIAS_2]);
         return fmi2Error;
     }
     if (p->integer[EXIT_AT] == -2) exit(0);
@@ -86,7 +86,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 fmi2Status fmi2Terminate(fmi2Component c) {
     Probe *p = c;
     if (p->integer[CRASH_AT] == -3) abort();
-    if (p->integer[CHAT_AT] == -3) tell(p, fmi2OK, "logAll", "terminated after %g steps", (double)p->integer[CALLS]);
+    if (p->integer[CHAT_AT] == -3) report(p, fmi2OK, "logAll", "terminated after %g steps", (double)p->integer[CALLS]);
     while (p->integer[HANG_AT] == -3) sleep(1);
     return fmi2OK;
 }
@@ -127,7 +127,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     Probe *p = c;
     for (size_t i = 0; i < n; i++) {
         if (vr[i] == GAIN && value[i] > p->real[LIMIT]) {
-            tell(p, fmi2Error, "logStatusError", "`gain` = %g is above its limit", value[i]);
+            report(p, fmi2Error, "logStatusError", "`gain` = %g is above its limit", value[i]);
             return fmi2Error;
         }
         p->real[vr[i]] = value[i];
@@ -149,7 +149,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     Probe *p = c;
     int k = p->integer[CALLS]++;
     if (k == p->integer[FAIL_AT]) {
-        tell(p, fmi2Error, "logStatusError", "failed on request at %g s", time);
+        report(p, fmi2Error, "logStatusError", "failed on request at %g s", time);
         return fmi2Error;
     }
     if (k == p->integer[FATAL_AT]) return fmi2Fatal;
@@ -164,9 +164,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     }
     if (k == p->integer[EXIT_AT]) exit(0);
     if (k == p->integer[RAISE_AT]) raise(p->integer[RAISED]);
-    if (k == p->integer[WARN_AT]) tell(p, fmi2Warning, "logStatusWarning", "something is odd at %g s", time);
+    if (k == p->integer[WARN_AT]) report(p, fmi2Warning, "logStatusWarning", "something is odd at %g s", time);
     if (k == p->integer[SPOIL_AT]) spoiled = 1;
-    while (k == p->integer[CHAT_AT]) tell(p, fmi2OK, "logAll", "still here at %g s", time);
+    while (k == p->integer[CHAT_AT]) report(p, fmi2OK, "logAll", "still here at %g s", time);
     if (k == p->integer[HANG_AT] || k == p->integer[EAT_AT]) for (;;) sleep(1);
     p->real[TIME] = time;
     p->real[SUM] += step * p->real[IN];

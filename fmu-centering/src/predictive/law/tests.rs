@@ -364,7 +364,7 @@ fn a_ring_of_fine_lobes_and_too_little_configured_noise_is_measured_in_one_run()
 }
 
 #[test]
-fn a_ring_that_waits_for_measurements_is_not_judged_because_one_of_them_fits() {
+fn a_ring_that_waits_for_measurements_is_not_evaluated_because_one_of_them_fits() {
     // 88 measurements a revolution, configured with a third of the noise
     let mut p = P;
     p.estimator.noise = 6.7e-8;
