@@ -61,8 +61,8 @@
 //! The fields of the model are its state between samples, so it derives [`serde`]'s traits:
 //! `#[serde(crate = "fmi2_export::serde")]` saves the dependency.
 //!
-//! All `unsafe` code is in [`c_api`], `table::place` and what [`export!`] and [`interface`](macro@interface) make; every other
-//! module is safe Rust.
+//! All `unsafe` code is in [`c_api`], `table::place` and what [`export!`] and [`interface`](macro@interface) make;
+//! every other module is safe Rust.
 //!
 //! Timing: the model ticks at `start + n * period`. A communication step `[t, t + h)` runs every
 //! tick that lies in it, with the inputs set at `t`; outputs are held between ticks.

@@ -27,7 +27,8 @@ pub struct Info {
     /// Raise it whenever the variables or the model change their layout or meaning: the GUID changes and
     /// state bytes of the older version are rejected.
     pub state_version: u32,
-    /// Suggested stop time, s; 0 for 1000 sample periods, the longest experiment in which FMPy's default step is one of them.
+    /// Suggested stop time, s; 0 for 1000 sample periods, the longest experiment in which FMPy's default step is one of
+    /// them.
     pub stop_time: f64,
     /// Sample period of a model without a parameter `sample_period`, s.
     pub sample_period: f64,
@@ -132,8 +133,8 @@ pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// The parameter's name, value and limit.
     fn initialise(vars: &mut Self::Vars, env: &mut Env) -> Result<Self, Error>;
 
-    /// Called before more than [`Info::longest_step`] samples run together: those of a long communication step, or of the time
-    /// events that an importer of model exchange has passed.
+    /// Called before more than [`Info::longest_step`] samples run together: those of a long communication step, or of
+    /// the time events that an importer of model exchange has passed.
     fn begin_long_step(&mut self) {}
 
     /// One sample: reads inputs and parameters, writes outputs.

@@ -43,8 +43,8 @@ pub fn most_severe(found: &[Option<Fault>]) -> Option<Fault> {
     found.iter().copied().flatten().reduce(worse)
 }
 
-/// The cause of a fault with a probe that is delayed by `late` s relative to the slide (negative: the slide is delayed). Such a
-/// delay explains every implausible measurement of the ring.
+/// The cause of a fault with a probe that is delayed by `late` s relative to the slide (negative: the slide is
+/// delayed). Such a delay explains every implausible measurement of the ring.
 pub fn cause(fault: Fault, late: Option<f64>) -> Fault {
     use Fault::{
         Centrifugal, Divergence, EarlyContact, NoProgress, PositionDelayed, ProbeDelayed, ProbeFrozen, ProbeJump,

@@ -10,8 +10,8 @@ use crate::interface::{Law, Parameters};
 /// Gravity as the paper takes it, m/s2.
 pub const GRAVITY: f64 = 9.807;
 
-/// From push to push, in addition to the travel of the probe to its position: settling and stroke (s), and a revolution each of measuring
-/// and waiting with a tenth to spare.
+/// From push to push, in addition to the travel of the probe to its position: settling and stroke (s), and a revolution
+/// each of measuring and waiting with a tenth to spare.
 const CYCLE_TIME: f64 = 5.0;
 const CYCLE_REVOLUTIONS: f64 = 2.2;
 /// Fraction of the friction that accelerates the rim of a ring during the ramp of the table; 0.8 remain at right angles.
@@ -81,11 +81,11 @@ pub fn slowest_servo(p: &Parameters) -> f64 {
 
 /// Damping ratios of a servo of the bandwidth w (rad/s) that this controller can work with.
 ///
-/// Under an acceleration a that reverses with every half period the following error is (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))).
-/// It must be below `limits.following_error`. In a push the surface position is fed back by an integral of the gain k,
-/// with the servo k w^2 / (s (s^2 + 2 zeta w s + w^2)): at w, where its phase is -180 degrees, it is k / (2 zeta w), which must
-/// leave a factor 2; and at k, beyond which it is below 1, the servo takes atan(2 zeta x / (1 - x^2)) of its phase, x = k / w, which
-/// must be at most 45 degrees.
+/// Under an acceleration a that reverses with every half period the following error is (a / w^2) coth(pi zeta / (2
+/// sqrt(1 - zeta^2))). It must be below `limits.following_error`. In a push the surface position is fed back by an
+/// integral of the gain k, with the servo k w^2 / (s (s^2 + 2 zeta w s + w^2)): at w, where its phase is -180 degrees,
+/// it is k / (2 zeta w), which must leave a factor 2; and at k, beyond which it is below 1, the servo takes atan(2 zeta
+/// x / (1 - x^2)) of its phase, x = k / w, which must be at most 45 degrees.
 pub fn servo_damping(p: &Parameters, bandwidth: f64) -> RangeInclusive<f64> {
     let ratio = p.slide.acceleration_max / (bandwidth * bandwidth * p.limits.following_error);
     let growth = FRAC_2_PI * ratio.min(1.0).atanh();

@@ -1,7 +1,8 @@
 //! Checks the inputs of a sample: what is usable, what replaces the rest, and what is wrong.
 //!
-//! A value that is not a number, or beyond any machine, is bridged like a jump. Before the first good value nothing can replace a measurement; the
-//! override is then 0. The first measurement may be the bad one: if the second differs, the position of the axis is unknown until two agree.
+//! A value that is not a number, or beyond any machine, is bridged like a jump. Before the first good value nothing can
+//! replace a measurement; the override is then 0. The first measurement may be the bad one: if the second differs, the
+//! position of the axis is unknown until two agree.
 
 use control_blocks::{Consecutive, JumpGuard, Reach, is_plausible};
 use serde::{Deserialize, Serialize};

@@ -34,8 +34,8 @@ pub struct Run {
 }
 
 impl Parameters {
-    /// By how many samples the feed is known in advance: `expert.lookup.preview` beyond `io_delay`, and what a drive is later (s) than
-    /// the nominal one.
+    /// By how many samples the feed is known in advance: `expert.lookup.preview` beyond `io_delay`, and what a drive is
+    /// later (s) than the nominal one.
     fn preview(&self, later: f64) -> f64 {
         ((self.lookup.preview + later) / self.sample_period + f64::from(self.io_delay)).clamp(0.0, PREVIEW_MAX as f64)
     }

@@ -38,8 +38,8 @@ pub struct Situation<'a> {
 }
 
 impl Fault {
-    /// Response of the arm to a torque, as far as it is known with this fault: 1 nominal, -1 reversed, 0 unknown; `seen` is the
-    /// observed response.
+    /// Response of the arm to a torque, as far as it is known with this fault: 1 nominal, -1 reversed, 0 unknown;
+    /// `seen` is the observed response.
     pub fn answer(self, seen: f64) -> f64 {
         match self {
             // in a long step only the last command takes effect

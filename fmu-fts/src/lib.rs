@@ -1,7 +1,7 @@
 //! Rotary fast tool servo that turns toric lenses (Ludwick, Chargin, Calzaretta and Trumper, 1999), as an FMU.
 //!
-//! This file is the FMU: its facts and the calls into the control law. [`controller::Controller`] is the control law, plain Rust that
-//! knows nothing of FMI; [`interface`] holds every variable.
+//! This file is the FMU: its facts and the calls into the control law. [`controller::Controller`] is the control law,
+//! plain Rust that knows nothing of FMI; [`interface`] holds every variable.
 #![forbid(unsafe_code)]
 
 pub mod calibration;

@@ -196,7 +196,8 @@ fn stick_slip_sweep(p: &Parameters) -> Result<(), ParameterError> {
     })
 }
 
-/// So is half of the longest sweep, at the K_v to which it is increased. A longer circle starts half the width of the configured one off the path.
+/// So is half of the longest sweep, at the K_v to which it is increased. A longer circle starts half the width of the
+/// configured one off the path.
 fn stick_slip_longest(p: &Parameters) -> Result<(), ParameterError> {
     let (configured, longest) = (p.stick_slip.half_period, p.stick_slip.half_period_max);
     let raised = if p.stick_slip.mode == Mode::Circular { configured } else { 0 };

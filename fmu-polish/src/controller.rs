@@ -123,7 +123,8 @@ impl Controller {
         self.long_step = true;
     }
 
-    /// One sample; parameters that are not tunable must be those of [`Controller::new`] with [`Controller::bring_into_force`].
+    /// One sample; parameters that are not tunable must be those of [`Controller::new`] with
+    /// [`Controller::bring_into_force`].
     pub fn tick(&mut self, input: &Input, parameters: &Parameters, output: &mut Output) {
         let p = parameters;
         if self.at_rest() {
@@ -150,8 +151,8 @@ impl Controller {
         }
     }
 
-    /// Largest growth of the force in a sample, N. On the approach no more than its own velocity makes: a measurement that has grown
-    /// more was frozen during the motion, or the tool has hit an obstacle.
+    /// Largest growth of the force in a sample, N. On the approach no more than its own velocity makes: a measurement
+    /// that has grown more was frozen during the motion, or the tool has hit an obstacle.
     fn growth(&self, p: &Parameters) -> f64 {
         let (stiffness, velocity) = match self.role() {
             State::Approach => (p.limits.stiffness_ratio * self.normal.stiffness, p.approach.velocity),

@@ -89,8 +89,8 @@ impl Reader {
         }
     }
 
-    /// Accepts the next sample at any position, as outside a cycle the machine may be moved; with `enable` or `commission`, which may
-    /// start a motion, only after too many implausible samples.
+    /// Accepts the next sample at any position, as outside a cycle the machine may be moved; with `enable` or
+    /// `commission`, which may start a motion, only after too many implausible samples.
     pub fn rest(&mut self, p: &Parameters, input: &Input) {
         let doubted = doubted(&self.position).max(doubted(&self.force));
         if !(input.enable || input.commission) || doubted > p.limits.lost_samples.unsigned_abs() {

@@ -36,8 +36,9 @@ const TOLERANCE: f64 = 1e-8;
 const CO_SIMULATION: c_int = 1;
 const WARNING: c_int = 1;
 
-/// Files of the run by their paths inside the FMU, with the parameters that the FMU starts with. Real inputs move a little. One
-/// after the other, Booleans that start false are true and enumerations have their second item for some steps.
+/// Files of the run by their paths inside the FMU, with the parameters that the FMU starts with. Real inputs move a
+/// little. One after the other, Booleans that start false are true and enumerations have their second item for some
+/// steps.
 ///
 /// # Errors
 /// When the library cannot be loaded, or when the model cannot run so.

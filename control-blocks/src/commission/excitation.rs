@@ -1,7 +1,7 @@
 //! A multisine from rest to rest: it grows, settles, is measured over whole periods, fades, and rests.
 //!
-//! With the envelope e of the multisine m the motion is x = e m, v = e' m + e m', a = e'' m + 2 e' m' + e m''; e grows and fades
-//! with minimum jerk, so that x starts and ends at rest.
+//! With the envelope e of the multisine m the motion is x = e m, v = e' m + e m', a = e'' m + 2 e' m' + e m''; e grows
+//! and fades with minimum jerk, so that x starts and ends at rest.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
 //! A periodic sum of sines that excites a machine at several frequencies simultaneously.
 //!
-//! x(t) = a sum_i h_i^(-1/2) sin(h_i w t + phi_i) with the harmonics h_i of one base frequency w. The amplitude falls with the root of
-//! the frequency, and the force on a mass grows with its power of 3/2: slow tones identify springs and friction, quick ones mass
-//! and delay. The harmonics 1, 2, 3, 5, 7, 11, 17, 25 are spread like a logarithm. Phases of pi i^2 / n (Schroeder, 1970) keep
-//! the tones from peaking together; |x| <= a sum_i h_i^(-1/2) in any case.
+//! x(t) = a sum_i h_i^(-1/2) sin(h_i w t + phi_i) with the harmonics h_i of one base frequency w. The amplitude falls
+//! with the root of the frequency, and the force on a mass grows with its power of 3/2: slow tones identify springs and
+//! friction, quick ones mass and delay. The harmonics 1, 2, 3, 5, 7, 11, 17, 25 are spread like a logarithm. Phases of
+//! pi i^2 / n (Schroeder, 1970) keep the tones from peaking together; |x| <= a sum_i h_i^(-1/2) in any case.
 
 use std::f64::consts::{PI, TAU};
 

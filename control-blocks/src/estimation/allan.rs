@@ -1,8 +1,9 @@
 //! Allan variance: white noise and random walk in a signal.
 //!
-//! With the means m_j of blocks of n samples that follow each other the Allan variance is the mean of (m_(j+1) - m_j)^2 / 2. Of
-//! white noise with the standard deviation r it is r^2 / n; of a random walk with steps of the standard deviation q it is q^2 (2 n^2 + 1) / (6 n),
-//! since the difference of two blocks weighs the steps with a triangle. A short and a long block determine both.
+//! With the means m_j of blocks of n samples that follow each other the Allan variance is the mean of (m_(j+1) - m_j)^2
+//! / 2. Of white noise with the standard deviation r it is r^2 / n; of a random walk with steps of the standard
+//! deviation q it is q^2 (2 n^2 + 1) / (6 n), since the difference of two blocks weighs the steps with a triangle. A
+//! short and a long block determine both.
 
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +48,8 @@ pub fn walk_and_white(short: (u32, f64), long: (u32, f64)) -> (f64, f64) {
     (step, (n * short.1 - step * n * of_walk(short.0)).max(0.0))
 }
 
-/// Allan variance that both together have at blocks of `length` samples, from their variances as [`walk_and_white`] returns them.
+/// Allan variance that both together have at blocks of `length` samples, from their variances as [`walk_and_white`]
+/// returns them.
 pub fn of_walk_and_white((walk, white): (f64, f64), length: u32) -> f64 {
     walk * of_walk(length) + white / f64::from(length)
 }

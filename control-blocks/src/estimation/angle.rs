@@ -1,7 +1,7 @@
 //! Angles that may be wrapped: their shortest difference, and their sum without jumps.
 //!
-//! An angle and the same with k revolutions, a - 2 pi k, are one direction. With k = round(a / 2 pi) the remainder is the shortest
-//! difference, within pi. Steps below pi per sample add up to the angle without wraps.
+//! An angle and the same with k revolutions, a - 2 pi k, are one direction. With k = round(a / 2 pi) the remainder is
+//! the shortest difference, within pi. Steps below pi per sample add up to the angle without wraps.
 
 use std::f64::consts::{PI, TAU};
 

@@ -6,10 +6,10 @@
 //! X = 2/n sum_k x_k exp(-j 2 pi h k / n).
 //! ```
 //!
-//! The repeating part is the response to the excitation, the difference from period to period is noise. So the mean over P periods is the
-//! estimate, and the scatter of the periods over P (P - 1) its variance, for both signals and between them: in a closed loop the
-//! noise is in both (sample maximum likelihood: Pintelon and Schoukens, System Identification, 2012, chapter 12). An offset, and
-//! any line at another harmonic, has no effect.
+//! The repeating part is the response to the excitation, the difference from period to period is noise. So the mean
+//! over P periods is the estimate, and the scatter of the periods over P (P - 1) its variance, for both signals and
+//! between them: in a closed loop the noise is in both (sample maximum likelihood: Pintelon and Schoukens, System
+//! Identification, 2012, chapter 12). An offset, and any line at another harmonic, has no effect.
 
 use std::f64::consts::TAU;
 

@@ -6,8 +6,9 @@
 //! slope = 12 / (n (n^2 - 1)) (S1 - (n - 1)/2 S0),   mean = S0 / n,   end = mean + slope (n - 1)/2.
 //! ```
 //!
-//! A new sample moves every stored one by one index towards the past: S1 += (n - 1) y - (S0 - oldest), then S0 += y - oldest.
-//! Once per pass of the ring buffer, when it is in time order, both sums are computed again, so that rounding never accumulates.
+//! A new sample moves every stored one by one index towards the past: S1 += (n - 1) y - (S0 - oldest), then S0 += y -
+//! oldest. Once per pass of the ring buffer, when it is in time order, both sums are computed again, so that rounding
+//! never accumulates.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
 //! Quintic motions: the polynomials of lowest order with six end conditions (position, velocity, acceleration).
 //!
-//! Between two rests the fraction of the distance at s = t / T is 10 s^3 - 15 s^4 + 6 s^5, the motion of minimum jerk (Flash and
-//! Hogan, 1985). Its velocity 30 s^2 (1 - s)^2 / T peaks at s = 1/2 with 15/8 of the mean. From any motion p, v, a to
-//! rest at 0 the distance to the target is sum c_i s^i with c_0 = p, c_1 = v T, c_2 = a T^2 / 2, and the conditions at
-//! s = 1 give
+//! Between two rests the fraction of the distance at s = t / T is 10 s^3 - 15 s^4 + 6 s^5, the motion of minimum jerk
+//! (Flash and Hogan, 1985). Its velocity 30 s^2 (1 - s)^2 / T peaks at s = 1/2 with 15/8 of the mean. From any motion
+//! p, v, a to rest at 0 the distance to the target is sum c_i s^i with c_0 = p, c_1 = v T, c_2 = a T^2 / 2, and the
+//! conditions at s = 1 give
 //!
 //! ```text
 //! c_3 = -10 c_0 - 6 c_1 - 3 c_2,   c_4 = 15 c_0 + 8 c_1 + 3 c_2,   c_5 = -6 c_0 - 3 c_1 - c_2.

@@ -49,9 +49,9 @@ use syn::{ItemMod, parse_macro_input};
 ///
 /// A Real parameter `sample_period` is the sample period of the model.
 ///
-/// An item of an enumeration takes `#[hint("...")]`: what to do about it. An enumeration of faults declares its reactions, the
-/// mildest first, and for each fault the reaction, how it is detected, and the remedy. Its first item means that there is no
-/// fault. The macro adds the function `reaction`.
+/// An item of an enumeration takes `#[hint("...")]`: what to do about it. An enumeration of faults declares its
+/// reactions, the mildest first, and for each fault the reaction, how it is detected, and the remedy. Its first item
+/// means that there is no fault. The macro adds the function `reaction`.
 ///
 /// ```ignore
 /// #[reactions(Reaction,
@@ -66,7 +66,8 @@ use syn::{ItemMod, parse_macro_input};
 /// }
 /// ```
 ///
-/// Where the outputs have enumerations `state` and `fault`, each new item is reported to the importer, with meaning and hint.
+/// Where the outputs have enumerations `state` and `fault`, each new item is reported to the importer, with meaning and
+/// hint.
 ///
 /// A declaration that breaks a rule does not compile; the error names the field and the rule.
 #[proc_macro_attribute]

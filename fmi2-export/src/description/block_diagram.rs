@@ -1,4 +1,5 @@
-//! The block with its ports, as SVG: inputs on the left, outputs on the right, each with its unit; a large group is one port.
+//! The block with its ports, as SVG: inputs on the left, outputs on the right, each with its unit; a large group is one
+//! port.
 
 use crate::description::cells::{Cells, unit_name};
 use crate::description::xml::escape;

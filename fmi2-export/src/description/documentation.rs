@@ -1,6 +1,7 @@
 //! `documentation/index.html`: the declaration as one page for screens, light and dark, and for paper.
 //!
-//! Order: facts, block, quick start, inputs, outputs, essential parameters, timing, faults, guide, all other variables, results.
+//! Order: facts, block, quick start, inputs, outputs, essential parameters, timing, faults, guide, all other variables,
+//! results.
 
 use crate::description::block_diagram;
 use crate::description::cells::{Cells, number};

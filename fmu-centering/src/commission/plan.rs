@@ -2,12 +2,13 @@
 //!
 //! The servo of the motion board holds the slide all the time. No loop of this controller is closed around it, so an
 //! off-nominal machine cannot become unstable. The setpoint stays within travel and acceleration. The
-//! slide follows with e = r - x, of which e'' + 2 zeta w e' + w^2 e = r'': a stable filter of |r''| <= a, so |e| never exceeds
-//! (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))), the peak under an acceleration that reverses with every half period: 1.1 a / w^2
-//! at zeta = 0.7, 2.2 a / w^2 at 0.3. By that distance the slide may exceed its travel.
+//! slide follows with e = r - x, of which e'' + 2 zeta w e' + w^2 e = r'': a stable filter of |r''| <= a, so |e| never
+//! exceeds (a / w^2) coth(pi zeta / (2 sqrt(1 - zeta^2))), the peak under an acceleration that reverses with every half
+//! period: 1.1 a / w^2 at zeta = 0.7, 2.2 a / w^2 at 0.3. By that distance the slide may exceed its travel.
 //!
-//! All strokes are on the side of the ring, because the slide waits at the rear end of its travel. They end long before the ring:
-//! an approach without a ring may move by `approach.travel_max`, and the pusher touches only at `probe.at_pusher`.
+//! All strokes are on the side of the ring, because the slide waits at the rear end of its travel. They end long before
+//! the ring: an approach without a ring may move by `approach.travel_max`, and the pusher touches only at
+//! `probe.at_pusher`.
 
 use control_blocks::{commission_time, configured_or};
 
@@ -15,8 +16,9 @@ use crate::interface::Parameters;
 use crate::limits::slowest_servo;
 use crate::motion::duration;
 
-/// Positions of the strokes in travels, and their speeds in `approach.velocity`. The quick ones reverse at many frequencies around
-/// that of the servo; the slow ones are long at rest or at one speed, where only an integral action still moves the slide.
+/// Positions of the strokes in travels, and their speeds in `approach.velocity`. The quick ones reverse at many
+/// frequencies around that of the servo; the slow ones are long at rest or at one speed, where only an integral action
+/// still moves the slide.
 const STROKES: [(f64, f64); 14] = [
     (1.0, 1.0),
     (0.0, 1.0),

@@ -1,12 +1,12 @@
 //! Bandwidth, damping, integral action and delay of the servo, from the factors of its regression and their covariance.
 //!
-//! The estimator moves the slide along straight lines between its samples. Their mean over a sample T is that of the slide plus
-//! T^2/12 x''. With x'' of the servo that adds T^2/12 (w^2 r'' + 2 zeta w r''') to the right side. In strokes that reverse at the
-//! frequency of the servo r''' is -w^2 r', so that 2 zeta w is (w T)^2/12 too large.
+//! The estimator moves the slide along straight lines between its samples. Their mean over a sample T is that of the
+//! slide plus T^2/12 x''. With x'' of the servo that adds T^2/12 (w^2 r'' + 2 zeta w r''') to the right side. In
+//! strokes that reverse at the frequency of the servo r''' is -w^2 r', so that 2 zeta w is (w T)^2/12 too large.
 //!
-//! A servo that computes in steps of its own brakes half a step tau late: x'' = w^2 e + 2 zeta w (e' + tau x''), which is a servo with w
-//! and zeta (1 - 2 zeta w tau)^(-1/2) times as large. No motion distinguishes the two. So zeta w tau is part of the standard
-//! deviations; for zeta both effects add up.
+//! A servo that computes in steps of its own brakes half a step tau late: x'' = w^2 e + 2 zeta w (e' + tau x''), which
+//! is a servo with w and zeta (1 - 2 zeta w tau)^(-1/2) times as large. No motion distinguishes the two. So zeta w tau
+//! is part of the standard deviations; for zeta both effects add up.
 
 use nalgebra::SVector;
 
@@ -21,8 +21,8 @@ const DELAY_MIN: f64 = 2.5e-3;
 /// time of a reversal of the slow strokes (measured: 2.4 times the scatter on servos within 30 %).
 const SLOW: f64 = 6.0;
 
-/// Quantities that the factors of x'' = w^2 e + 2 zeta w e' - w^2 t r' + (w^2 / T_i) integral of e give, t later than `delay` samples, with
-/// standard deviations; none if the servo does not follow, or a number is not finite.
+/// Quantities that the factors of x'' = w^2 e + 2 zeta w e' - w^2 t r' + (w^2 / T_i) integral of e give, t later than
+/// `delay` samples, with standard deviations; none if the servo does not follow, or a number is not finite.
 pub fn response(p: &Parameters, fit: &Fit<TERMS>, delay: f64) -> Option<Measured> {
     let m = of_factors(p, fit, delay)?;
     let (braked_late, lines) = (braked_late(p, &m), (m.slide_bandwidth * p.sample_period).powi(2) / 12.0);

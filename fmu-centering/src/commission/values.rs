@@ -42,8 +42,8 @@ impl Values {
     }
 
     /// Whether a measurement is certain, and of a servo that this controller can work with. The slowest servo is the only
-    /// condition that the checks of the parameters impose on derived values. `shift` (samples) is the change of the delay in the
-    /// last round. The effect of servo steps rejects nothing: the servo acts as identified.
+    /// condition that the checks of the parameters impose on derived values. `shift` (samples) is the change of the
+    /// delay in the last round. The effect of servo steps rejects nothing: the servo acts as identified.
     pub fn accept(&self, p: &Parameters, m: &Measured, shift: f64) -> bool {
         is_certain(m.slide_bandwidth, m.slide_bandwidth_std, STD_MAX.hypot(braked_late(p, m)))
             && m.io_delay_std.max(shift.abs()) <= DELAY_STD_MAX

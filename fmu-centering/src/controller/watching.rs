@@ -111,8 +111,8 @@ impl Controller {
         }
     }
 
-    /// Bandwidth of the servo with which strokes are planned, rad/s: as identified during the approach, if that is certain and no
-    /// result of a commissioning run is active; otherwise that of the active parameters.
+    /// Bandwidth of the servo with which strokes are planned, rad/s: as identified during the approach, if that is
+    /// certain and no result of a commissioning run is active; otherwise that of the active parameters.
     pub(super) fn bandwidth(&self, p: &Parameters) -> f64 {
         let commissioned = p.commission.apply && self.commissioned();
         let found = self.servo.filter(|servo| servo.is_certain() && p.learns_servo() && !commissioned);

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 use crate::sensing::RESOLUTION;
 
-/// Time over which the gain ratio of the motion is computed, s (default: longer than the lag of a servo, and shorter than the
-/// time in which a slide without drive reaches the limit).
+/// Time over which the gain ratio of the motion is computed, s (default: longer than the lag of a servo, and shorter
+/// than the time in which a slide without drive reaches the limit).
 const MEMORY: f64 = 0.02;
 /// Minimum motion in that time for a meaningful ratio, m.
 const EXCITED: f64 = 1e-6;
@@ -43,8 +43,8 @@ struct Place {
 }
 
 impl DriveMonitor {
-    /// Adds the last setpoint and the slide position (m) that responds to it; `ahead` (m) is the intended distance of the setpoint
-    /// beyond the ring.
+    /// Adds the last setpoint and the slide position (m) that responds to it; `ahead` (m) is the intended distance of
+    /// the setpoint beyond the ring.
     pub fn update(&mut self, p: &Parameters, setpoint: &Trajectory, ahead: f64, slide: f64) {
         if self.before.is_none() {
             self.following = Following::resting(setpoint.position);

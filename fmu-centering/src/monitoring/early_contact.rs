@@ -1,8 +1,9 @@
 //! Early contact of the pusher with the ring: `probe.at_pusher` is configured too large.
 //!
-//! In a stroke the probe is deflected until the pusher touches. A ring that is hit early moves ahead of the slide, and the probe
-//! extends although the slide still moves in; a jammed probe stays, and one of another scale moves in. The hit cannot be detected
-//! before it has happened, and no stop reduces its effect; but the probe position at the hit is that of the pusher.
+//! In a stroke the probe is deflected until the pusher touches. A ring that is hit early moves ahead of the slide, and
+//! the probe extends although the slide still moves in; a jammed probe stays, and one of another scale moves in. The
+//! hit cannot be detected before it has happened, and no stop reduces its effect; but the probe position at the hit is
+//! that of the pusher.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,8 +25,8 @@ impl EarlyContact {
         (self.deepest, self.now) = (self.deepest.max(probe), probe);
     }
 
-    /// Position of the probe (m) at the hit, if the probe has extended since and the position was nearer to the configured one of the
-    /// pusher than to that of following.
+    /// Position of the probe (m) at the hit, if the probe has extended since and the position was nearer to the
+    /// configured one of the pusher than to that of following.
     pub fn met(&self, p: &Parameters) -> Option<f64> {
         let out = self.deepest - self.now > OUT && self.deepest > 0.5 * (p.null() + p.probe.at_pusher);
         out.then_some(self.deepest)

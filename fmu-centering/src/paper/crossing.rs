@@ -8,8 +8,8 @@ use control_blocks::wrap;
 
 /// Detects that a remaining angle becomes zero, once per revolution.
 ///
-/// A window around zero is not sufficient: 20 rpm is exactly 300 control periods per revolution, so that a ring can miss it in
-/// every revolution.
+/// A window around zero is not sufficient: 20 rpm is exactly 300 control periods per revolution, so that a ring can
+/// miss it in every revolution.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Crossing {
     left: Option<f64>,

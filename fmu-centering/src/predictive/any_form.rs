@@ -23,8 +23,8 @@ pub struct AnyForm {
 }
 
 impl AnyForm {
-    /// Of a ring whose center was near `center` (table frame, m), within `sigma` (m) in each coordinate, before the measurements
-    /// that gave a ground ring of the state `ground`; starts its first fit.
+    /// Of a ring whose center was near `center` (table frame, m), within `sigma` (m) in each coordinate, before the
+    /// measurements that gave a ground ring of the state `ground`; starts its first fit.
     pub fn new(assumed: Assumptions, center: Vector2<f64>, sigma: f64, ground: &Vector<GROUND>) -> Self {
         let mut any = Self::assumed(assumed, center, sigma);
         let mut linear = Vector::<ANY>::zeros();

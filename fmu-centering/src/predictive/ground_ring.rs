@@ -25,8 +25,8 @@ impl GroundRing {
         Self { before: estimate.now.clone(), estimate }
     }
 
-    /// Evaluates the stored measurements again, linearized at the present estimate, then with less weight for misfits; misfits of
-    /// `rough` times the noise are no dirt.
+    /// Evaluates the stored measurements again, linearized at the present estimate, then with less weight for misfits;
+    /// misfits of `rough` times the noise are no dirt.
     pub fn fit(&mut self, rough: f64, history: &[(f64, f64)]) {
         let Self { estimate, before } = self;
         let (noise, gate) = (estimate.assumed.noise, estimate.assumed.gate);

@@ -1,5 +1,5 @@
-//! All measurements since the ring was moved are evaluated again, one pass at a time (Gauss-Newton): a sample has time for one
-//! pass of a model of any form.
+//! All measurements since the ring was moved are evaluated again, one pass at a time (Gauss-Newton): a sample has time
+//! for one pass of a model of any form.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,8 @@ pub enum Purpose {
 }
 
 impl Purpose {
-    /// For each pass, the limit of misfits without dirt in multiples of the noise; at first all, since the model fits nothing yet.
+    /// For each pass, the limit of misfits without dirt in multiples of the noise; at first all, since the model fits
+    /// nothing yet.
     fn passes(self) -> &'static [f64] {
         match self {
             Self::Widen | Self::Reconsider => &[f64::INFINITY, MISFIT_MAX, MISFIT_MAX, MISFIT_MAX],

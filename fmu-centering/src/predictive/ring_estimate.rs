@@ -78,7 +78,8 @@ pub trait Known {
 }
 
 impl<const N: usize> RingEstimate<N> {
-    /// Of a ring whose center is near `center` (table frame, m), within `sigma` (m) in each coordinate; only the prior is known otherwise.
+    /// Of a ring whose center is near `center` (table frame, m), within `sigma` (m) in each coordinate; only the prior
+    /// is known otherwise.
     pub fn new(assumed: Assumptions, center: Vector2<f64>, sigma: f64) -> Self {
         let mut mean = Vector::<N>::zeros();
         mean.fixed_rows_mut::<2>(1).copy_from(&center);
@@ -91,16 +92,16 @@ impl<const N: usize> RingEstimate<N> {
         line(self.assumed.radius, &self.linear, angle, state)
     }
 
-    /// Uses the misfit of a fit of `count` measurements, whose weighted squares are `squares` in those of the noise, for `free`
-    /// of them.
+    /// Uses the misfit of a fit of `count` measurements, whose weighted squares are `squares` in those of the noise,
+    /// for `free` of them.
     pub fn note_misfit(&mut self, squares: f64, free: f64, count: usize) {
         let misfit = (squares / free).sqrt().clamp(1.0, MISFIT_MAX);
         // a few measurements fit any model
         self.misfit = if count > 2 * N { misfit } else { self.misfit.max(misfit) };
     }
 
-    /// The ring was moved: its center is now near `center` (table frame, m), within `sigma` (m) in each coordinate; false where
-    /// rounding has left no covariance.
+    /// The ring was moved: its center is now near `center` (table frame, m), within `sigma` (m) in each coordinate;
+    /// false where rounding has left no covariance.
     ///
     /// b0 and form are less certain at the new position: the ring has turned a little, and the radius is
     /// not known exactly.

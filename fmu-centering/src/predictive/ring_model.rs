@@ -3,11 +3,12 @@
 //! One scalar measurement y = s - q at a time, through the exact geometry (`ring_line`), so that a part of a revolution is
 //! enough once b0 and the form are known. The covariance states the uncertainty.
 //!
-//! The geometry is linearized at the present estimate, which is poor at first. So the measurements since the last motion of the
-//! ring are stored, and all of them are evaluated again at the better estimate from time to time (Gauss-Newton).
+//! The geometry is linearized at the present estimate, which is poor at first. So the measurements since the last
+//! motion of the ring are stored, and all of them are evaluated again at the better estimate from time to time
+//! (Gauss-Newton).
 //!
-//! Most rings are ground: few orders of form are enough, and with every order more a part of a revolution identifies less. If
-//! they do not explain the measurements, the model uses any form.
+//! Most rings are ground: few orders of form are enough, and with every order more a part of a revolution identifies
+//! less. If they do not explain the measurements, the model uses any form.
 
 use arrayvec::ArrayVec;
 use nalgebra::{Matrix2, Vector2};
@@ -22,8 +23,9 @@ use crate::predictive::ring_line::{ANY, GROUND};
 
 /// Stored measurements: more than a revolution at 20 rpm and 66 Hz; later ones are used only once.
 const HISTORY: usize = 256;
-/// A ring is no ground one if its misfit exceeds the first value in multiples of the noise (default: the configured noise may be
-/// wrong), and if more than this fraction of the measurements exceeds the second value: dirt covers less of the surface.
+/// A ring is no ground one if its misfit exceeds the first value in multiples of the noise (default: the configured
+/// noise may be wrong), and if more than this fraction of the measurements exceeds the second value: dirt covers less
+/// of the surface.
 const WIDEN: f64 = 3.0;
 const COARSE: (f64, f64) = (0.25, 2.0);
 /// Minimum fraction of the measurements that a rough ring explains; otherwise some belong to another position of the ring.
@@ -153,8 +155,8 @@ impl RingModel {
         self.any = informative.then(|| AnyForm::new(self.assumed, center, sigma, &self.ground.estimate.now.mean));
     }
 
-    /// Starts to test whether a ring with more form than assumed, or a rougher one, explains the rejected measurements; false if
-    /// none can.
+    /// Starts to test whether a ring with more form than assumed, or a rougher one, explains the rejected measurements;
+    /// false if none can.
     fn reconsider(&mut self) -> bool {
         if self.history.is_full() {
             return false;

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 /// Velocity at which the servo settles after the fast part, if the contact is slower, m/s.
 const SETTLING_VELOCITY: f64 = 1e-3;
-/// Time in which it settles, s; the travel in it exceeds the overshoot of a slide whose servo is configured 30 % too fast, 0.04 mm.
+/// Time in which it settles, s; the travel in it exceeds the overshoot of a slide whose servo is configured 30 % too
+/// fast, 0.04 mm.
 const SETTLING_TIME: f64 = 0.05;
 /// Deceleration from there to the contact velocity, m/s2.
 const EASE: f64 = 0.1;

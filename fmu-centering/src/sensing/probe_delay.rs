@@ -1,9 +1,9 @@
 //! Delay of the probe relative to the slide, identified while the slide brakes or starts at the ring.
 //!
-//! The tip is the slide minus the probe, and thus the surface position. With a probe that is d samples late it is the surface plus
-//! x_k - x_(k-d) of a slide at x. All d are tried exactly, because the effect of a long delay is not proportional to a velocity. A
-//! delayed slide has a negative d, which is known some samples later. A surface that turns by a small angle is a parabola
-//! of time. A probe of another scale adds a fraction of x, which is tried as well.
+//! The tip is the slide minus the probe, and thus the surface position. With a probe that is d samples late it is the
+//! surface plus x_k - x_(k-d) of a slide at x. All d are tried exactly, because the effect of a long delay is not
+//! proportional to a velocity. A delayed slide has a negative d, which is known some samples later. A surface that
+//! turns by a small angle is a parabola of time. A probe of another scale adds a fraction of x, which is tried as well.
 
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -18,15 +18,16 @@ const WINDOW: (f64, f64) = (0.2, 0.5);
 const EARLY: usize = 6;
 const LATEST: usize = 25;
 const DELAYS: usize = EARLY + 1 + LATEST;
-/// Terms 1, k, k^2 of a surface, and x, and the fewest samples: three for each of the surface and one for the delay, in a window of 16
-/// with [`EARLY`].
+/// Terms 1, k, k^2 of a surface, and x, and the fewest samples: three for each of the surface and one for the delay, in
+/// a window of 16 with [`EARLY`].
 const SURFACE: usize = 3;
 const TERMS: usize = 4;
 const FEWEST: f64 = 10.0;
-/// Minimum number of samples for a delay between two samples: with fewer, the parabola through three values falls below the noise.
+/// Minimum number of samples for a delay between two samples: with fewer, the parabola through three values falls below
+/// the noise.
 const BETWEEN: f64 = 40.0;
-/// A delay is reported above this fraction of a sample, if it explains the residuals by this number of standard deviations better
-/// than any scale of the probe: a step of the probe leaves much more than noise, and is no delay.
+/// A delay is reported above this fraction of a sample, if it explains the residuals by this number of standard
+/// deviations better than any scale of the probe: a step of the probe leaves much more than noise, and is no delay.
 const LATE: (f64, f64) = (0.5, 12.0);
 /// Smallest residual, m: encoders have steps. Larger residuals than those of a coarse probe come from
 /// lobes, which look like a delay by chance.
@@ -212,8 +213,8 @@ mod tests {
         -braking(0.0) - braking(0.12 / 2.56 - time.max(0.0))
     }
 
-    /// Result, in samples of `period` s, for a ring with 20 waves of `lobe` m that turns by `speed` rad/s from `angle` rad on;
-    /// probe and slide have steps of 50 nm.
+    /// Result, in samples of `period` s, for a ring with 20 waves of `lobe` m that turns by `speed` rad/s from `angle`
+    /// rad on; probe and slide have steps of 50 nm.
     fn found_in_samples(period: f64, late: f64, speed: f64, lobe: [f64; 2], slide: fn(f64) -> f64) -> Option<f64> {
         let p = Parameters { sample_period: period, ..Parameters::START };
         let mut delay = ProbeDelay::default();
@@ -266,8 +267,8 @@ mod tests {
         }
     }
 
-    /// Result, in samples of `period` s, for a probe with a noise of `noise` m that is `late` samples later than a slide that
-    /// brakes, with a window of at most this number of samples.
+    /// Result, in samples of `period` s, for a probe with a noise of `noise` m that is `late` samples later than a
+    /// slide that brakes, with a window of at most this number of samples.
     fn found_with_noise(period: f64, late: f64, noise: f64, longest: u32, seed: u64) -> Option<f64> {
         let p = Parameters { sample_period: period, ..Parameters::START };
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);

@@ -1,10 +1,10 @@
 //! Checks the inputs of a sample: usable values, replacements for the others, and faults.
 //!
-//! A value that is not finite, or that the machine cannot have reached, is bridged by the last accepted one. It moves nothing
-//! and causes no transition. The reach in one sample is three times the largest velocity of the slide (taps rebound),
-//! the fastest plausible table, and for the probe the motion of the slide plus the possible motion of the ring. A ring that is
-//! held turns with the table (eq. 2 and 5 with `ring.eccentricity_max`); one that is pushed may be anywhere around the axis, and
-//! is hit at up to twice the speed of the slide.
+//! A value that is not finite, or that the machine cannot have reached, is bridged by the last accepted one. It moves
+//! nothing and causes no transition. The reach in one sample is three times the largest velocity of the slide (taps
+//! rebound), the fastest plausible table, and for the probe the motion of the slide plus the possible motion of the
+//! ring. A ring that is held turns with the table (eq. 2 and 5 with `ring.eccentricity_max`); one that is pushed may be
+//! anywhere around the axis, and is hit at up to twice the speed of the slide.
 
 use control_blocks::{Consecutive, Edge, JumpGuard, Reach, is_plausible, wrap};
 use serde::{Deserialize, Serialize};

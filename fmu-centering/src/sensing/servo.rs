@@ -1,16 +1,16 @@
 //! The servo of the slide, identified from setpoint and encoder while both move anyway.
 //!
 //! A position-velocity servo accelerates its slide by x'' = w^2 e + 2 zeta w e' with e = r - x; a setpoint that acts t later
-//! or earlier than configured adds b r' with b = -w^2 t. All four signals go through the same filter 1 / (1 + T p)^2, whose p
-//! is that of the bilinear transform, so that derivatives are exact in the filter's own terms and no encoder is
+//! or earlier than configured adds b r' with b = -w^2 t. All four signals go through the same filter 1 / (1 + T p)^2,
+//! whose p is that of the bilinear transform, so that derivatives are exact in the filter's own terms and no encoder is
 //! differentiated. Then x'' is linear in w^2, 2 zeta w and b: least squares with their covariance.
 //!
 //! More terms are determined only by a motion made for them, in a commissioning run. Integral action adds w^2 / T_i times
 //! the integral of e. A wrong delay leaves r' of e, r'' of e', and r of that integral; a constant error of the position
 //! leaves 1. The fit uses the first terms or all of them.
 //!
-//! Residuals of filtered signals are correlated for twice the time of the filter; they are used as one. Integral action that the
-//! fit lacks increases them and with them the standard deviation: 2 % at an integral time of 50 ms.
+//! Residuals of filtered signals are correlated for twice the time of the filter; they are used as one. Integral action
+//! that the fit lacks increases them and with them the standard deviation: 2 % at an integral time of 50 ms.
 
 use control_blocks::{DELAY_MAX, SentCommands, Trajectory};
 use nalgebra::{SMatrix, SVector};
@@ -189,8 +189,9 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// A slide whose servo has the natural frequency `hertz`, damping 0.7 and an integral action of `integral` s, in an approach: to
-    /// 5 mm/s at `slide.acceleration_max`, and to rest. Result with 0.1 um of noise and one sample of delay.
+    /// A slide whose servo has the natural frequency `hertz`, damping 0.7 and an integral action of `integral` s, in an
+    /// approach: to 5 mm/s at `slide.acceleration_max`, and to rest. Result with 0.1 um of noise and one sample of
+    /// delay.
     fn found(hertz: f64, integral: f64, seed: u64) -> Option<Servo> {
         const FINE: u32 = 50;
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);

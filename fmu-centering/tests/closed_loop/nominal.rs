@@ -12,7 +12,8 @@ use crate::run::Loop;
 /// Time for which a centered ring is monitored, s.
 const LINGER: f64 = 2.0;
 
-/// Centers rings with the eccentricities of the paper at 20 to 45 rpm in both directions for this time; returns their number.
+/// Centers rings with the eccentricities of the paper at 20 to 45 rpm in both directions for this time; returns their
+/// number.
 fn rings_without_a_fault(hours: f64) -> u32 {
     let mut random = Pcg64Mcg::seed_from_u64(71_001);
     let (mut done, mut rings) = (0.0, 0);

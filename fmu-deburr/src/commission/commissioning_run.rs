@@ -14,7 +14,8 @@ use crate::interface::{Measured, MeasuredAxis, Parameters};
 use crate::learning::drive::Drive;
 use crate::path::kinematics::{AXES, Joints};
 
-/// Steps of a measurement of the tool speed, 12 bits, and its range over the idle speed, at most: coarser ones are beyond what is reported.
+/// Steps of a measurement of the tool speed, 12 bits, and its range over the idle speed, at most: coarser ones are
+/// beyond what is reported.
 const READING_STEPS: f64 = 4096.0;
 const READING_RANGE: f64 = 1.25;
 
@@ -65,8 +66,8 @@ impl CommissioningRun {
         self.values.restore();
     }
 
-    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only if the
-    /// parameters with it fit each other.
+    /// Puts the values in force in place of those that the parameters have; what was derived since the last sample only
+    /// if the parameters with it fit each other.
     pub fn put(&mut self, p: &mut Parameters) {
         if let Some(derived) = self.values.take_proposed() {
             derived.put(p);
@@ -160,8 +161,9 @@ impl CommissioningRun {
     }
 }
 
-/// Standard deviation (rad/s) that the steps of a measurement leave to mean and noise of a speed, of a tool that was configured to idle at `configured`. Noise s carries a mean
-/// across the steps d: of the deviation d/12^(1/2) of a speed that is still it leaves exp(-2 pi^2 s^2/d^2) (Widrow, Kollar 2008).
+/// Standard deviation (rad/s) that the steps of a measurement leave to mean and noise of a speed, of a tool that was
+/// configured to idle at `configured`. Noise s carries a mean across the steps d: of the deviation d/12^(1/2) of a
+/// speed that is still it leaves exp(-2 pi^2 s^2/d^2) (Widrow, Kollar 2008).
 fn unseen_step(speed: f64, configured: f64, noise: f64) -> f64 {
     // a stopped tool is at no step
     if speed == 0.0 {

@@ -1,9 +1,10 @@
 //! Gain, lag and delay of a drive from its strokes, by the estimator of `Learn`.
 //!
-//! Slow motions show only the total delay of a drive. The phases of delay and lag grow alike with the frequency, w d T and 2 zeta w/wn. They differ
-//! by their third powers, some hundredths of a radian at the 2 Hz of a stroke, which friction bends as well. The delay is therefore the remainder
-//! after the lag of the nominal drive, rounded to samples as `io_delay` is. With wn and zeta within 30 % a lag of 3.7 ms is one of 2.0 to 6.9 ms, which is
-//! -0.17 to +0.32 samples of 10 ms. The rounding error belongs to the lag.
+//! Slow motions show only the total delay of a drive. The phases of delay and lag grow alike with the frequency, w d T
+//! and 2 zeta w/wn. They differ by their third powers, some hundredths of a radian at the 2 Hz of a stroke, which
+//! friction bends as well. The delay is therefore the remainder after the lag of the nominal drive, rounded to samples
+//! as `io_delay` is. With wn and zeta within 30 % a lag of 3.7 ms is one of 2.0 to 6.9 ms, which is -0.17 to +0.32
+//! samples of 10 ms. The rounding error belongs to the lag.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -17,8 +18,8 @@ use crate::learning::identification::Identification;
 /// Smallest standard deviation: ratio of the gain, samples, and samples^2 of 1/(wn T)^2. Pulses that are rounded in the loop
 /// are no white noise, and a drive that computes in steps of its own is no lag of second order.
 const STD_MIN: [f64; 3] = [4e-5, 2.5e-3, 0.015];
-/// Deviation of the lag 2 zeta/wn from the nominal one, root of the mean square of their ratio less 1, with wn and zeta each evenly
-/// within s = 0.3: ((1 + s^2/3)/(1 - s^2) - ln((1 + s)/(1 - s))/s + 1)^(1/2).
+/// Deviation of the lag 2 zeta/wn from the nominal one, root of the mean square of their ratio less 1, with wn and zeta
+/// each evenly within s = 0.3: ((1 + s^2/3)/(1 - s^2) - ln((1 + s)/(1 - s))/s + 1)^(1/2).
 const LAG_SPREAD: f64 = 0.262;
 /// Most samples of delay that are looked for, as `WrongDelay` does.
 const DELAY_MAX: f64 = 6.0;
@@ -148,7 +149,8 @@ mod tests {
         held(machine, noise, seed, 0.0, 0.0)
     }
 
-    /// The same of a drive that friction holds back by `friction` counts, with an offset of its velocity (counts in a sample).
+    /// The same of a drive that friction holds back by `friction` counts, with an offset of its velocity (counts in a
+    /// sample).
     fn held(machine: &NominalDrive, noise: f64, seed: u64, friction: f64, offset: f64) -> Response {
         let p = Parameters::START;
         let plan = Plan::new(&p, 0.1, &[0.0, 0.0, 0.7, 0.0, 0.0, 0.0]);

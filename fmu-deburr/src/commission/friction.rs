@@ -1,9 +1,9 @@
 //! Displacement by which friction holds a drive back, from its strokes.
 //!
-//! The residual of the weights, summed, is the distance of the commanded from the actual position: h sgn x', in lags 1/(g Kp T), with
-//! h = F/(m wn^2). Only samples in which the axis slides are used, in both directions. Small errors of the weights leave parts of position, velocity and
-//! acceleration in it, an offset of the drive a slope in time, and the first sum a constant. All are fitted together with h, so that h does not
-//! depend on them.
+//! The residual of the weights, summed, is the distance of the commanded from the actual position: h sgn x', in lags
+//! 1/(g Kp T), with h = F/(m wn^2). Only samples in which the axis slides are used, in both directions. Small errors of
+//! the weights leave parts of position, velocity and acceleration in it, an offset of the drive a slope in time, and
+//! the first sum a constant. All are fitted together with h, so that h does not depend on them.
 
 use nalgebra::{SMatrix, SVector};
 

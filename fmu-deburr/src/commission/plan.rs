@@ -1,16 +1,19 @@
 //! Distance, speed and duration of the commissioning run, from its bounds.
 //!
-//! One axis after the other moves back and forth while the others hold their positions, each time from rest to rest by a minimum-jerk motion
-//! (quintic) of the distance D in the time T. Its speed peaks at 15/8 D/T, its acceleration at 5.77 D/T^2. Strokes with the speed and the acceleration
-//! of the path show the behavior of the drives on the path. Both peak where D = 1.64 v^2/a, which is the default travel. The reference does not exceed D,
-//! because a motion from rest to rest is monotone. The servo without patterns exceeds its reference by a thousandth of the distance.
+//! One axis after the other moves back and forth while the others hold their positions, each time from rest to rest by
+//! a minimum-jerk motion (quintic) of the distance D in the time T. Its speed peaks at 15/8 D/T, its acceleration at
+//! 5.77 D/T^2. Strokes with the speed and the acceleration of the path show the behavior of the drives on the path.
+//! Both peak where D = 1.64 v^2/a, which is the default travel. The reference does not exceed D, because a motion from
+//! rest to rest is monotone. The servo without patterns exceeds its reference by a thousandth of the distance.
 //!
-//! Only the position loop holds the axes: L = g Kp G(s)/s e^(-s tau) with the hold, T/2, and the delay in tau. G is flat at the
-//! crossover g Kp, so the phase margin is pi/2 - g Kp (d T + T/2 + 2 zeta/wn). For the paper's loop, a drive of 1.3 times its gain, two samples of
-//! delay and a lag of 6.9 ms (wn 0.7, zeta 1.3 times nominal) this is 59 degrees; a weaker, faster or earlier drive has more.
+//! Only the position loop holds the axes: L = g Kp G(s)/s e^(-s tau) with the hold, T/2, and the delay in tau. G is
+//! flat at the crossover g Kp, so the phase margin is pi/2 - g Kp (d T + T/2 + 2 zeta/wn). For the paper's loop, a
+//! drive of 1.3 times its gain, two samples of delay and a lag of 6.9 ms (wn 0.7, zeta 1.3 times nominal) this is 59
+//! degrees; a weaker, faster or earlier drive has more.
 //!
-//! Each stroke moves to the side on which the tip leaves the part, against the tool, otherwise to the side with more travel. In all strokes the tip is
-//! therefore never nearer to what is in front of the tool than at the start, and sideways by at most D.
+//! Each stroke moves to the side on which the tip leaves the part, against the tool, otherwise to the side with more
+//! travel. In all strokes the tip is therefore never nearer to what is in front of the tool than at the start, and
+//! sideways by at most D.
 
 use control_blocks::{QUINTIC_ACCELERATION, commission_time, configured_or, quintic_duration, ticks};
 use serde::{Deserialize, Serialize};

@@ -125,7 +125,8 @@ impl Controller {
         )
     }
 
-    /// The fault in force and how it ends: a of higher severity one takes the position of a of lower severity one, and never the other way.
+    /// The fault in force and how it ends: a of higher severity one takes the position of a of lower severity one, and
+    /// never the other way.
     pub(super) fn escalate(&mut self, found: Finding, counts: bool) -> Option<Reaction> {
         let more_severe = self.fault == Fault::None || found.fault.reaction() > self.fault.reaction();
         if counts && found.is_fault() && more_severe {

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! So c is a sum of three rates of the reference around the lag d + lambda, whose weights have the same sum (gain), the same
-//! mean (lag) and the same second moment, d^2 + 2 d lambda + 2 mu - 1/6. The weights are identified in a run, or follow from the nominal drive.
+//! mean (lag) and the same second moment, d^2 + 2 d lambda + 2 mu - 1/6. The weights are identified in a run, or follow
+//! from the nominal drive.
 
 use serde::{Deserialize, Serialize};
 

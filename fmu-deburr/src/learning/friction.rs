@@ -1,23 +1,26 @@
 //! Coulomb friction after a drive: where an axis reverses, and the command that its drive needs there.
 //!
-//! With friction F the drive of eq. 1 follows x = G (s - h sgn x'), s the integral of g v and h = F/(m wn^2): G is the same from s and from
-//! the force over m wn^2. So x = r requires s = r/G + h sgn r', which steps by 2 h where the reference reverses, and by h where it starts to move. The side on which
-//! the drive came to rest is unknown; the error is at most h. A step of s is a pulse of the command in one sample of h/(g Kp T) for each h. The hold makes
-//! a ramp of it around the middle of the sample that starts d samples later. Distributed over two samples, the middle of the ramp is where the
-//! reference reverses, including a fraction of a sample. The mixture of two patterns by eq. 4 keeps its area: at V the samples of a pattern of the speed V_j are
-//! passed V_j/V times as often, and the ratios in V sum to V.
+//! With friction F the drive of eq. 1 follows x = G (s - h sgn x'), s the integral of g v and h = F/(m wn^2): G is the
+//! same from s and from the force over m wn^2. So x = r requires s = r/G + h sgn r', which steps by 2 h where the
+//! reference reverses, and by h where it starts to move. The side on which the drive came to rest is unknown; the error
+//! is at most h. A step of s is a pulse of the command in one sample of h/(g Kp T) for each h. The hold makes a ramp of
+//! it around the middle of the sample that starts d samples later. Distributed over two samples, the middle of the ramp
+//! is where the reference reverses, including a fraction of a sample. The mixture of two patterns by eq. 4 keeps its
+//! area: at V the samples of a pattern of the speed V_j are passed V_j/V times as often, and the ratios in V sum to V.
 //!
-//! Between two laps the rest is short: a lap starts on the side on which the previous one ended. Its reversals are therefore those of a walk that
-//! continues forever. The seam has one only where an axis reverses there, and the changes sum to 0, so that nothing grows from lap to lap. Only the
-//! first lap starts on an unknown side, with an error of at most 2 h.
+//! Between two laps the rest is short: a lap starts on the side on which the previous one ended. Its reversals are
+//! therefore those of a walk that continues forever. The seam has one only where an axis reverses there, and the
+//! changes sum to 0, so that nothing grows from lap to lap. Only the first lap starts on an unknown side, with an error
+//! of at most 2 h.
 
 use crate::learning::rates::Rates;
 
 /// Motions back by less are none, counts.
 const TRAVEL_MIN: f64 = 1.0;
 
-/// Reports where an axis (from 0) of the walk reverses, in samples, and the change of the sign of its velocity: 2, or 1 where it
-/// starts to move; negative in the other direction. Of laps it reports one that follows another; a reversal at the end of the previous one has a position below 0.
+/// Reports where an axis (from 0) of the walk reverses, in samples, and the change of the sign of its velocity: 2, or 1
+/// where it starts to move; negative in the other direction. Of laps it reports one that follows another; a reversal at
+/// the end of the previous one has a position below 0.
 pub fn for_each_reversal(rates: &Rates, axis: usize, mut reversal: impl FnMut(f64, f64)) {
     let rate = |k: isize| rates.at(k)[axis];
     // direction, place, and the last samples at the lowest and at the highest place since it turned round
@@ -44,7 +47,8 @@ pub fn for_each_reversal(rates: &Rates, axis: usize, mut reversal: impl FnMut(f6
     }
 }
 
-/// Position of the extreme of a parabola through three adjacent samples with the rates before and after it: half a sample away at most.
+/// Position of the extreme of a parabola through three adjacent samples with the rates before and after it: half a
+/// sample away at most.
 fn vertex(before: f64, after: f64) -> f64 {
     let bend = before - after;
     if bend == 0.0 { 0.0 } else { (0.5 * (before + after) / bend).clamp(-0.5, 0.5) }

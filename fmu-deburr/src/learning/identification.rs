@@ -1,12 +1,14 @@
 //! A drive from a run without patterns: the weights with which it would have followed, and their uncertainty.
 //!
-//! The response of the loop to rates of the reference are the rates of the position, so the error of the run shows the residual of any weights w:
-//! e - sum w dy. Noise is in e and in dy. The instruments, responses of the nominal loop to the reference, contain none and keep it out
-//! of the weights. The prior is the nominal drive with its uncertainty. An axis that hardly moves keeps the nominal weights, as the
-//! standard deviation of `weights` shows. That of `weights_of_noise` includes the noise only, without the prior.
+//! The response of the loop to rates of the reference are the rates of the position, so the error of the run shows the
+//! residual of any weights w: e - sum w dy. Noise is in e and in dy. The instruments, responses of the nominal loop to
+//! the reference, contain none and keep it out of the weights. The prior is the nominal drive with its uncertainty. An
+//! axis that hardly moves keeps the nominal weights, as the standard deviation of `weights` shows. That of
+//! `weights_of_noise` includes the noise only, without the prior.
 //!
 //! Friction F after a velocity loop adds to the error in proportion to F', only where it reverses, because its effect on the
-//! position is in dy. A sample of a stroke therefore weighs less the slower it is: at low speed friction reverses and the axis sticks.
+//! position is in dy. A sample of a stroke therefore weighs less the slower it is: at low speed friction reverses and
+//! the axis sticks.
 
 use crate::learning::drive::{NominalDrive, TAPS, Weights};
 use crate::learning::nominal::Nominal;
@@ -68,10 +70,10 @@ impl<'a, R: BareRun> Identification<'a, R> {
 
     /// The weights; the covariance takes what is left for noise of the measurements, new in each sample.
     ///
-    /// The servo answers to noise n of the position as to any error, and the drive follows: e = sum w dy holds for that, too. What is
-    /// left is the noise of dy, u[k] = -sum w (n[k+j+1] - n[k+j]), j the samples of the weights: differences, of which slow instruments
-    /// see next to nothing. So sum z u is the sum of n[m] times what the same filter, backward, makes of z, and the variance of n
-    /// is that of u over the squares of the filter.
+    /// The servo answers to noise n of the position as to any error, and the drive follows: e = sum w dy holds for
+    /// that, too. What is left is the noise of dy, u[k] = -sum w (n[k+j+1] - n[k+j]), j the samples of the weights:
+    /// differences, of which slow instruments see next to nothing. So sum z u is the sum of n[m] times what the same
+    /// filter, backward, makes of z, and the variance of n is that of u over the squares of the filter.
     pub fn weights_of_noise(&self) -> Weights {
         let [a, b, c] = self.weights;
         let squares: f64 = [a, b - a, c - b, c].iter().map(|fraction| fraction * fraction).sum();
@@ -102,7 +104,8 @@ impl<'a, R: BareRun> Identification<'a, R> {
         self.weights.iter().sum()
     }
 
-    /// How many sums of what the weights leave, consecutive, hold the noise of one measurement: it is in each of them by one of the weights.
+    /// How many sums of what the weights leave, consecutive, hold the noise of one measurement: it is in each of them
+    /// by one of the weights.
     pub fn shared(&self) -> f64 {
         self.bare_lag().powi(2) / self.weights.iter().map(|weight| weight * weight).sum::<f64>()
     }

@@ -135,7 +135,8 @@ impl Learner {
         if self.speed < p.learn.factors.list().len() { Next::NextSpeed } else { Next::Done }
     }
 
-    /// Outputs of the learning; `running` says whether something is learned or was learned in this task, `done` whether all is.
+    /// Outputs of the learning; `running` says whether something is learned or was learned in this task, `done` whether
+    /// all is.
     pub(crate) fn report(&self, p: &Parameters, running: bool, done: bool) -> LearnOutput {
         let last = p.learn.factors.list().len() - 1;
         LearnOutput {

@@ -103,7 +103,8 @@ impl Pattern {
         self.samples[inside as usize].compensation
     }
 
-    /// Adds a value (pulses) to the compensation of an axis, in the two samples around the position `index`; beyond the ends nothing.
+    /// Adds a value (pulses) to the compensation of an axis, in the two samples around the position `index`; beyond the
+    /// ends nothing.
     pub fn add(&mut self, axis: usize, index: f64, value: f64) {
         let (whole, count) = (index.floor(), self.len() as isize);
         for (k, fraction) in [(whole as isize, 1.0 - (index - whole)), (whole as isize + 1, index - whole)] {

@@ -1,7 +1,8 @@
 //! Weights of a few signals that explain another one, by instruments, with a prior.
 //!
-//! (sum z x' + L) w = sum z y + L w0, L = 1/s0^2 for a standard deviation s0 of the prior weights and a noise of one count. The
-//! covariance of w is v M^-1 (sum z z' + L) M^-T, M = sum z x' + L, with v the variance of the residual, at least that count.
+//! (sum z x' + L) w = sum z y + L w0, L = 1/s0^2 for a standard deviation s0 of the prior weights and a noise of one
+//! count. The covariance of w is v M^-1 (sum z z' + L) M^-T, M = sum z x' + L, with v the variance of the residual,
+//! but not below that count.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,11 +1,13 @@
 //! One axis compared with the model of its loop.
 //!
-//! The loop makes of reference and compensation the position T (r + c), with T of the nominal drive. The rest of the measured position is
-//! unexplained: at rest zero, in motion the error of the gain times the lag V/Kp of the servo without patterns. The limit is therefore `error_max` + 0.5 V/Kp for drives of
-//! 0.7 to 2 times their gain, with learned, foreign or no patterns. A pattern that grows is explained by the model and is found by its error: `error_max` + V/Kp. The
-//! error of a servo without patterns and half its gain is twice V/Kp.
+//! The loop makes of reference and compensation the position T (r + c), with T of the nominal drive. The rest of the
+//! measured position is unexplained: at rest zero, in motion the error of the gain times the lag V/Kp of the servo
+//! without patterns. The limit is therefore `error_max` + 0.5 V/Kp for drives of 0.7 to 2 times their gain, with
+//! learned, foreign or no patterns. A pattern that grows is explained by the model and is found by its error:
+//! `error_max` + V/Kp. The error of a servo without patterns and half its gain is twice V/Kp.
 //!
-//! An exceeded limit starts the search for the cause: a frozen position, a command that oscillates, sign and strength of the response.
+//! An exceeded limit starts the search for the cause: a frozen position, a command that oscillates, sign and strength
+//! of the response.
 
 mod answer;
 mod lag;

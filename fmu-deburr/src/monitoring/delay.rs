@@ -1,11 +1,13 @@
 //! Delay of the axes in samples: the one that explains their accelerations, compared with `io_delay`.
 //!
-//! For each delay d the changes of the commanded motion m_d, late by d samples and by the lag 2 zeta/wn of the drive, are compared with the changes of
-//! the measured motion a, both smoothed alike. The noise of the measurement, whose second differences are fast, almost vanishes; a motion that arrives a
-//! sample later remains. The residual of the best factor is J_d = sum a^2 - (sum a m_d)^2 / sum m_d^2, so that the gain of the drive has no effect. Noise of the
-//! measurement is in every J_d, and a little more in those of long delays, because the servo responds to it: a tenth at Kp T = 0.13. A delay is therefore
-//! accepted only if its residual is below 0.8 of that of `io_delay`. Between the samples J_d is a parabola. Its vertex is the delay plus the
-//! difference of the lag from the nominal one, which is no delay of a sample: it must be farther from `io_delay` than 0.75.
+//! For each delay d the changes of the commanded motion m_d, late by d samples and by the lag 2 zeta/wn of the drive,
+//! are compared with the changes of the measured motion a, both smoothed alike. The noise of the measurement, whose
+//! second differences are fast, almost vanishes; a motion that arrives a sample later remains. The residual of the best
+//! factor is J_d = sum a^2 - (sum a m_d)^2 / sum m_d^2, so that the gain of the drive has no effect. Noise of the
+//! measurement is in every J_d, and a little more in those of long delays, because the servo responds to it: a tenth at
+//! Kp T = 0.13. A delay is therefore accepted only if its residual is below 0.8 of that of `io_delay`. Between the
+//! samples J_d is a parabola. Its vertex is the delay plus the difference of the lag from the nominal one, which is no
+//! delay of a sample: it must be farther from `io_delay` than 0.75.
 
 use control_blocks::SentCommands;
 use serde::{Deserialize, Serialize};
@@ -21,8 +23,8 @@ const DELAYS: usize = 7;
 const CLEAR: f64 = 0.8;
 /// Largest ratio of the changes of one axis that its delay may leave; an axis at rest has those of the response to noise.
 const MOVED: f64 = 0.25;
-/// Largest factor: no drive does more of what it is reported. The servo's answer to a measurement that flickers is a ratio Kp T of it, so that
-/// such a measurement would be 1/(Kp T) times what was commanded.
+/// Largest factor: no drive does more of what it is reported. The servo's answer to a measurement that flickers is a
+/// ratio Kp T of it, so that such a measurement would be 1/(Kp T) times what was commanded.
 const FACTOR_MAX: f64 = 2.5;
 /// What is left of the last sample's smoothed change in the next.
 const SMOOTHED: f64 = 0.85;

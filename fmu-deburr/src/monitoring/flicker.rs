@@ -1,26 +1,30 @@
 //! A frozen position of an axis at rest, which flickered before.
 //!
-//! At rest no motion is without response. The command that compensates the offset of the drive is the same whether the axis is at rest or creeps. A valid position
-//! flickers by its noise. Null hypothesis: the noise continues. Its variance s^2, in steps, is half the mean square of its changes minus 1/12 of a step,
-//! here minus two standard deviations of the estimate, 2 sqrt(3/n). In the middle of a step, where a position is constant for longest, it changes in a sample with the
-//! probability e = 2/(1 + exp(0.851/s)) (logistic approximation of the normal one). It is constant for n samples with (1 - e)^n, which bounds n at the levels 1e-9 in a sample and 1e-6
-//! at the end of a run.
+//! At rest no motion is without response. The command that compensates the offset of the drive is the same whether the
+//! axis is at rest or creeps. A valid position flickers by its noise. Null hypothesis: the noise continues. Its
+//! variance s^2, in steps, is half the mean square of its changes minus 1/12 of a step, here minus two standard
+//! deviations of the estimate, 2 sqrt(3/n). In the middle of a step, where a position is constant for longest, it
+//! changes in a sample with the probability e = 2/(1 + exp(0.851/s)) (logistic approximation of the normal one). It is
+//! constant for n samples with (1 - e)^n, which bounds n at the levels 1e-9 in a sample and 1e-6 at the end of a run.
 //!
-//! A position that flickers between two adjacent steps only shows that the axis is at the edge of a step. Noise is what reverses by two steps, beyond
-//! the motion of the loop model. It must be white: the mean product of two consecutive changes is -1/2 of their mean square, 0 for a drift, and
-//! more for an oscillation. It must be as large until the position freezes; otherwise an oscillation has decayed. Noise before all axes came to rest may have been
-//! their motion. It reduces the uncertainty of the variance if the noise at rest is no smaller by one standard deviation, but adds no
-//! reversal. A position that never reversed gives no evidence.
+//! A position that flickers between two adjacent steps only shows that the axis is at the edge of a step. Noise is what
+//! reverses by two steps, beyond the motion of the loop model. It must be white: the mean product of two consecutive
+//! changes is -1/2 of their mean square, 0 for a drift, and more for an oscillation. It must be as large until the
+//! position freezes; otherwise an oscillation has decayed. Noise before all axes came to rest may have been their
+//! motion. It reduces the uncertainty of the variance if the noise at rest is no smaller by one standard deviation, but
+//! adds no reversal. A position that never reversed gives no evidence.
 //!
-//! A rest before a task is too short to measure the noise and to detect its absence. A second estimate is therefore kept over the rests of all axes, across
-//! tasks, as long as the tool runs or is stopped as before: noise of one rest is expected in the next.
+//! A rest before a task is too short to measure the noise and to detect its absence. A second estimate is therefore
+//! kept over the rests of all axes, across tasks, as long as the tool runs or is stopped as before: noise of one rest
+//! is expected in the next.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::{Finding, Numbers};
 
-/// Chance of a live measurement to stand for as long, decades: in each sample of a task, at the end of a run, and in each sample of a robot that waits for days.
+/// Chance of a live measurement to stand for as long, decades: in each sample of a task, at the end of a run, and in
+/// each sample of a robot that waits for days.
 const DECADES: f64 = 9.0;
 const DECADES_ONCE: f64 = 6.0;
 const DECADES_DAYS: f64 = 12.0;
@@ -28,16 +32,18 @@ const DECADES_DAYS: f64 = 12.0;
 const FROZEN_MIN: f64 = 0.5;
 /// Smallest change that is a reversal, in the smallest change that was read: two steps.
 const REVERSAL: f64 = 1.5;
-/// Reversals that must show it, and their ratio to the samples: at the edge of a step a position reverses now and then with a noise that does not
-/// leave the middle of one.
+/// Reversals that must show it, and their ratio to the samples: at the edge of a step a position reverses now and then
+/// with a noise that does not leave the middle of one.
 const REVERSALS_MIN: f64 = 3.0;
 const REVERSALS_RATIO: f64 = 0.01;
-/// Ratio of the mean square that two changes consecutive have less than, in the middle between noise and a position that drifts.
+/// Ratio of the mean square that two changes consecutive have less than, in the middle between noise and a position
+/// that drifts.
 const INDEPENDENT: f64 = -0.25;
 /// Last samples before the stand, and the ratio of the mean square below which an oscillation dies away in them.
 const RECENT: f64 = 25.0;
 const DIED_AWAY: f64 = 0.4;
-/// Largest number of stored samples: beyond it, the older half is discarded, so that noise that decreases within minutes is followed.
+/// Largest number of stored samples: beyond it, the older half is discarded, so that noise that decreases within
+/// minutes is followed.
 const MEMORY: u32 = 10_000;
 /// Variance of a step, and deviations of the noise for which it may be less.
 const STEP: f64 = 1.0 / 12.0;
@@ -67,8 +73,8 @@ pub struct Flicker {
     reversed: bool,
     /// change of the last sample, rad or m
     last: f64,
-    /// squares of the changes, products of two consecutive, (rad or m)^2, the recent mean of the squares, in how many samples, and
-    /// reversals among them
+    /// squares of the changes, products of two consecutive, (rad or m)^2, the recent mean of the squares, in how many
+    /// samples, and reversals among them
     squares: f64,
     products: f64,
     recent: f64,
@@ -101,8 +107,8 @@ impl Default for Flicker {
 }
 
 impl Flicker {
-    /// Takes a measurement of the axis `axis` (from 0) and the position of the model of its loop, rad or m: whether the axis `rests`, and
-    /// whether it is `undisturbed`, so that only noise reverses it; what is wrong with it.
+    /// Takes a measurement of the axis `axis` (from 0) and the position of the model of its loop, rad or m: whether the
+    /// axis `rests`, and whether it is `undisturbed`, so that only noise reverses it; what is wrong with it.
     pub fn update(
         &mut self,
         p: &Parameters,

@@ -1,9 +1,10 @@
 //! A frozen tool speed on the path, which flickered before.
 //!
-//! A valid speed flickers by its noise and its last bit. Its longest constant interval by chance is measured while the tool idles before the
-//! path. One that is constant for ten times as long is frozen, at idle or under load. A speed that never flickers gives no evidence, nor does one that
-//! flickers between two adjacent steps: in the middle of a step it may be constant. A tool under load may have any speed. Therefore its
-//! reversals and their rarity are used, and not every change.
+//! A valid speed flickers by its noise and its last bit. Its longest constant interval by chance is measured while the
+//! tool idles before the path. One that is constant for ten times as long is frozen, at idle or under load. A speed
+//! that never flickers gives no evidence, nor does one that flickers between two adjacent steps: in the middle of a
+//! step it may be constant. A tool under load may have any speed. Therefore its reversals and their rarity are used,
+//! and not every change.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +13,8 @@ use crate::monitoring::finding::{Finding, Numbers};
 
 /// Shortest constant interval that is a fault, s (default; three time constants of the tool).
 const FROZEN_MIN: f64 = 0.5;
-/// Constant interval that is a fault, in the longest interval without a reversal (derived: n samples consecutive have the chance p^n; if
-/// the longest comes once in fifty samples, this comes once in 50^10).
+/// Constant interval that is a fault, in the longest interval without a reversal (derived: n samples consecutive have
+/// the chance p^n; if the longest comes once in fifty samples, this comes once in 50^10).
 const LONGER: u32 = 10;
 /// Smallest change that is a reversal, in the smallest change that was read: two steps.
 const REVERSAL: f64 = 1.5;

@@ -1,7 +1,8 @@
 //! Tool speed in the cut: too slow, or constant along a distance or the whole path.
 //!
-//! A speed is used only if it persists. Of each block of one sample more than are bridged, the slowest block is represented by its
-//! fastest sample, and the fastest block by its slowest one. So neither a bad sample nor noise is a cut.
+//! A speed is used only if it persists. Of each block of one sample more than are bridged, the slowest block is
+//! represented by its fastest sample, and the fastest block by its slowest one. So neither a bad sample nor noise is a
+//! cut.
 
 use control_blocks::Consecutive;
 use serde::{Deserialize, Serialize};

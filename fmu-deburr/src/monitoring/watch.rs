@@ -72,7 +72,8 @@ impl Watch {
         self.flicker = [Flicker::default(); AXES];
     }
 
-    /// Looks at how the measurements (rad or m) of a task that continues flicker, undisturbed by a cut or not. The first that is frozen.
+    /// Looks at how the measurements (rad or m) of a task that continues flicker, undisturbed by a cut or not. The
+    /// first that is frozen.
     pub fn look_at_flicker(&mut self, p: &Parameters, positions: &Joints, undisturbed: bool) -> Finding {
         let found: [Finding; AXES] = std::array::from_fn(|i| {
             let axis_position = AxisPosition { position: positions[i], model: self.axes[i].model(p.axis[i].pulse) };
@@ -81,9 +82,9 @@ impl Watch {
         found.into_iter().find(Finding::is_fault).unwrap_or(Finding::NONE)
     }
 
-    /// Evaluates how the positions (rad or m) flicker in rests, before, between and in tasks, with a `tool` that runs or not: the noise
-    /// of one rest is known in the next. Positions on the path do not measure it. One that is constant since the rest before is
-    /// used there. Returns the first that is frozen.
+    /// Evaluates how the positions (rad or m) flicker in rests, before, between and in tasks, with a `tool` that runs
+    /// or not: the noise of one rest is known in the next. Positions on the path do not measure it. One that is
+    /// constant since the rest before is used there. Returns the first that is frozen.
     pub fn look_at_rests(&mut self, p: &Parameters, positions: &Joints, tool: bool, on_path: bool) -> Finding {
         // what runs or not may shake the measurements
         if std::mem::replace(&mut self.tool, tool) != tool {
@@ -135,7 +136,8 @@ impl Watch {
         self.rest.update(&residual, &std::array::from_fn(|i| self.axes[i].allowance()));
     }
 
-    /// What is wrong with a run that has come to rest: an axis that does not stand where its loop brings it, or a measurement that is dead.
+    /// What is wrong with a run that has come to rest: an axis that does not stand where its loop brings it, or a
+    /// measurement that is dead.
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let (mean, allowed) = self.rest.means();
         let limit = |i: usize| p.limits.axis[i].rest_error + allowed[i];
@@ -152,7 +154,8 @@ impl Watch {
 mod tests {
     use super::*;
 
-    /// Finding of the rest after a run for an axis `i` that rests at an `offset` from its reference, after a motion by `counts`.
+    /// Finding of the rest after a run for an axis `i` that rests at an `offset` from its reference, after a motion by
+    /// `counts`.
     fn rested(i: usize, offset: f64, counts: f64) -> Finding {
         let p = Parameters::START;
         let mut watch = Watch::new(&p);

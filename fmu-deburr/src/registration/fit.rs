@@ -1,14 +1,14 @@
 //! Position of the part, from touches: weighted least squares of the distances from the programmed faces.
 //!
-//! A tip m that touches the flat face with the normal n through p is on the displaced face. Moved back to the programmed part it is on the
-//! programmed face, at any point of it:
+//! A tip m that touches the flat face with the normal n through p is on the displaced face. Moved back to the
+//! programmed part it is on the programmed face, at any point of it:
 //!
 //! ```text
 //! r = n . (c + R' (m - c - s) - p) = 0
 //! ```
 //!
-//! with three unknowns, s and the angle of R. Each touch has the weight of its standard deviation. The residual r of more touches than unknowns
-//! shows whether a part has only moved, or a touch was on something else.
+//! with three unknowns, s and the angle of R. Each touch has the weight of its standard deviation. The residual r of
+//! more touches than unknowns shows whether a part has only moved, or a touch was on something else.
 
 use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Matrix3, Vector2, Vector3};

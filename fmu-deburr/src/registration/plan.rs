@@ -1,9 +1,10 @@
 //! Requirements of touching: positions that the robot must reach, the time, and the uncertainty of a touch.
 //!
-//! At each touch the tip comes from outside at `expert.register.speed`, returns by `expert.register.retract` from where it has detected the part,
-//! returns at `expert.register.touch_speed`, and returns to where it came from. Contact is reported by the samples: the surface
-//! was between the tips of two, so half a sample of way is taken off, and what is left is spread evenly over a sample, v T/sqrt(12);
-//! in addition to it are half a count of the encoders, in both tips, and `expert.register.touch_std`.
+//! At each touch the tip comes from outside at `expert.register.speed`, returns by `expert.register.retract` from where
+//! it has detected the part, returns at `expert.register.touch_speed`, and returns to where it came from. Contact is
+//! reported by the samples: the surface was between the tips of two, so half a sample of way is taken off, and what is
+//! left is spread evenly over a sample, v T/sqrt(12); in addition to it are half a count of the encoders, in both tips,
+//! and `expert.register.touch_std`.
 
 use control_blocks::{ParameterError, commission_time, quintic_duration};
 
@@ -25,7 +26,8 @@ pub fn back_time(p: &Parameters, distance: f64) -> f64 {
     quintic_duration(distance.abs(), p.register.speed).max(p.sample_period)
 }
 
-/// Longest time of a registration that begins at rest at `from`, s: as configured, or as of a commissioning run with these motions.
+/// Longest time of a registration that begins at rest at `from`, s: as configured, or as of a commissioning run with
+/// these motions.
 pub fn time(p: &Parameters, path: &ProgrammedPath, from: &Joints, inside: bool) -> f64 {
     commission_time(p.register.time, || motions(p, path, from, inside))
 }

@@ -102,7 +102,8 @@ fn unknown_robots_are_measured_within_their_deviations_and_follow_immediately() 
             assert!(error <= 0.03, "{build:?}: {error}");
         }
     }
-    // deviations that were three times too small or too large would show; these drives have neither friction nor steps of their own
+    // deviations that were three times too small or too large would show; these drives have neither friction nor steps
+    // of their own
     for (what, errors, minimum, maximum) in [
         ("gain", gains, 0.25, 1.0),
         ("lag", lags, 0.1, 0.4),

@@ -125,7 +125,8 @@ impl Identification {
                 ..Measured::START
             };
         }
-        // near the active values, with which the stage is held, and near the configured ones, so that repeated runs do not drift
+        // near the active values, with which the stage is held, and near the configured ones, so that repeated runs do
+        // not drift
         let configured = self.values.configured();
         let near = [p.stage.force_constant, configured.force_constant];
         self.rejected =

@@ -7,8 +7,9 @@
 //! ```
 //!
 //! g = K_t / M, b = B / M, c = C / M, the delay d in samples, a held command and the current loop. Mass and thrust
-//! are not observable, only their ratio; `stage.mass` is used as configured, and all forces are those of a stage of that mass. Each tone
-//! has the variance of the left side minus the right; the four unknowns follow from weighted least squares.
+//! are not observable, only their ratio; `stage.mass` is used as configured, and all forces are those of a stage of
+//! that mass. Each tone has the variance of the left side minus the right; the four unknowns follow from weighted least
+//! squares.
 
 use control_blocks::{
     Estimate, HARMONICS, NoEstimate, Observation, PeriodicSpectra, SpectralLine, TONES, least_squares,

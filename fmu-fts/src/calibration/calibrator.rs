@@ -1,9 +1,9 @@
 //! Calibration in place: collects what was cut and what the probe says of it, fits, and keeps the record of the tool.
 //!
 //! While `calibration_cut` is true the tool cuts the part. Afterwards `probe_capture` stores probe samples: the first at its
-//! rising edge and more while the probe moves on; `calibration_solve` fits them. All samples on one flat are averaged: cut and
-//! probe the same zone of it, because the arm may drift. A lens was cut before, when
-//! the path was followed last, with the correction that it had then.
+//! rising edge and more while the probe moves on; `calibration_solve` fits them. All samples on one flat are averaged:
+//! cut and probe the same zone of it, because the arm may drift. A lens was cut before, when the path was followed
+//! last, with the correction that it had then.
 
 use std::f64::consts::PI;
 
@@ -100,8 +100,8 @@ impl Calibrator {
         }
     }
 
-    /// One sample in a calibration state; `now`: motion of arm and slide, `path`: the path followed last. A change of the mode
-    /// restarts.
+    /// One sample in a calibration state; `now`: motion of arm and slide, `path`: the path followed last. A change of
+    /// the mode restarts.
     pub fn step(&mut self, p: &Parameters, input: &Input, now: Moment, path: &PathTable) {
         if std::mem::replace(&mut self.mode, input.mode) != input.mode {
             self.begin();

@@ -1,12 +1,13 @@
 //! Form of a cut lens: what the path of the next one is to be corrected by.
 //!
-//! A measurement equals the depth of the path plus zero + g E(x, theta) - c s. E is the error of the lens along the path, g the
-//! fraction of it seen on the part, c the position of the spindle axis on the scale of the probe, and s the slope of the section.
-//! E is a [`Correction`] with the sign reversed, without its constant, which cannot be separated from the probe zero. A lens that was
-//! cut with a correction C needs C - E: that is what is fitted, so that a second lens corrects the first.
+//! A measurement equals the depth of the path plus zero + g E(x, theta) - c s. E is the error of the lens along the
+//! path, g the fraction of it seen on the part, c the position of the spindle axis on the scale of the probe, and s the
+//! slope of the section. E is a [`Correction`] with the sign reversed, without its constant, which cannot be separated
+//! from the probe zero. A lens that was cut with a correction C needs C - E: that is what is fitted, so that a second
+//! lens corrects the first.
 //!
-//! The uncertainty is that of the probe, or the scatter about the fit if it is larger. A coefficient c with the standard deviation
-//! sigma is multiplied by 1 - (3 sigma / c)^2, and ignored below three sigma.
+//! The uncertainty is that of the probe, or the scatter about the fit if it is larger. A coefficient c with the
+//! standard deviation sigma is multiplied by 1 - (3 sigma / c)^2, and ignored below three sigma.
 
 use control_blocks::{NoEstimate, Observation, least_squares};
 use nalgebra::{Complex, SVector};

@@ -1,21 +1,24 @@
 //! Inertia, friction, delay and flexure from the response measured in a commissioning run.
 //!
-//! With the torque U and the angle B of the hub at the frequency w, and N and D of the flexure as in [`crate::servo::flexure`],
+//! With the torque U and the angle B of the hub at the frequency w, and N and D of the flexure as in
+//! [`crate::servo::flexure`],
 //!
 //! ```text
 //! (-w^2 J D / N + j w b + j 4 F (1 + j w t) / (pi |B|)) B = H e^(-j w d T_s) U,
 //! ```
 //!
-//! J: inertia, b: viscous friction, F: dry friction, whose torque has the fundamental 4 F / pi at any amplitude, t: lead of its
-//! reversal over that of the speed, d: samples of delay beyond the nominal ones, H: hold, current loop and delay of the nominal arm.
-//! Relative to the response of the nominal arm, and multiplied by N, it has no pole and is linear in nearly all of the eight unknowns
-//! (F t is one of them). Only the ratio of drive gain and inertia is observable: J, b and F are relative to the commanded torque. A delay
-//! of the encoder rotates the phase like one of the command: only their sum is observable.
+//! J: inertia, b: viscous friction, F: dry friction, whose torque has the fundamental 4 F / pi at any amplitude, t:
+//! lead of its reversal over that of the speed, d: samples of delay beyond the nominal ones, H: hold, current loop and
+//! delay of the nominal arm. Relative to the response of the nominal arm, and multiplied by N, it has no pole and is
+//! linear in nearly all of the eight unknowns (F t is one of them). Only the ratio of drive gain and inertia is
+//! observable: J, b and F are relative to the commanded torque. A delay of the encoder rotates the phase like one of
+//! the command: only their sum is observable.
 //!
-//! The relative standard deviation of a point has three parts: the model error; encoder noise s, of which the mean of n samples leaves
-//! s sqrt(2 / n) in B, and as much of the response of the arm, because the loop responds to noise by its sensitivity; and the phase
-//! of dry friction. At small amplitudes friction is elastic, and friction distorts a slow oscillation: without a loop, its harmonics reverse
-//! the speed early by the sum of 1 / n^2 over the odd n from 3 on, times the ratio of friction to torque.
+//! The relative standard deviation of a point has three parts: the model error; encoder noise s, of which the mean of n
+//! samples leaves s sqrt(2 / n) in B, and as much of the response of the arm, because the loop responds to noise by its
+//! sensitivity; and the phase of dry friction. At small amplitudes friction is elastic, and friction distorts a slow
+//! oscillation: without a loop, its harmonics reverse the speed early by the sum of 1 / n^2 over the odd n from 3 on,
+//! times the ratio of friction to torque.
 //!
 //! The nominal flexure is one more observation of small weight: a rigid arm stays rigid. Another observation is t = 0.
 
@@ -67,7 +70,8 @@ pub struct IdentifiedArm {
     pub tip_ratio: [f64; 2],
 }
 
-/// A measured point: the response relative to the nominal rigid arm, the amplitude of the hub (rad), and its standard deviation.
+/// A measured point: the response relative to the nominal rigid arm, the amplitude of the hub (rad), and its standard
+/// deviation.
 struct Oscillation {
     omega: f64,
     over_rigid: Complex<f64>,
@@ -134,7 +138,8 @@ impl<'a> Nominals<'a> {
         Oscillation { omega: point.frequency, over_rigid, amplitude: amplitude * point.magnitude, noise }
     }
 
-    /// N times (e^(-j w d T_s) times the nominal arm over the measured one, less the found arm), relative to the nominal rigid arm.
+    /// N times (e^(-j w d T_s) times the nominal arm over the measured one, less the found arm), relative to the
+    /// nominal rigid arm.
     fn residual(&self, oscillation: &Oscillation, x: &Unknowns) -> Complex<f64> {
         let &[inertia, delay, frequency, damping, tip_ratio, viscous, dry, drag_delay] = &x.data.0[0];
         let (omega, servo) = (oscillation.omega, &self.plan.nominal.servo);
@@ -193,8 +198,8 @@ mod tests {
         (&p).into()
     }
 
-    /// What the tones of a plan measure on a machine with dry friction, which turns round `drag_delay` (s) before the speed, and with
-    /// `noise` times the errors that a point may have.
+    /// What the tones of a plan measure on a machine with dry friction, which turns round `drag_delay` (s) before the
+    /// speed, and with `noise` times the errors that a point may have.
     fn response(plan: &Plan, actual: &Nominal, drag_delay: f64, [noise, seed]: [f64; 2]) -> FrequencyResponse {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed as u64);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };

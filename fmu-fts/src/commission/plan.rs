@@ -1,16 +1,18 @@
 //! Travel, torque and duration of a commissioning run, and the loop that holds the arm.
 //!
-//! The arm is held by the lead-lag of the position loop with so low a crossover w_c that it is stable with g = 1/2 to 2 times
-//! the acceleration per torque, a flexure of 0.7 to 1.43 times the frequency and half the damping, and two samples more of delay.
-//! A rigid arm with the lead of 4 has the open loop g |L|, |L| = 1 at w_c; it crosses at w_c times 0.6 to 1.7, with
-//! atan(4 x) - atan(x / 4) - atan(1 / 10 x), 50 degrees and more, less the delays: w_c = 0.3 / (1.7 tau) leaves them 17
-//! degrees. Beyond its crossover |L| is at most 4 (w_c / w)^2, and at its pole w_p the flexure makes m / (2 z sqrt(1 - m)) of it: the w_c at
-//! which the whole is 1/2 with g = 2 leaves a factor 2 of gain whatever the phase is.
+//! The arm is held by the lead-lag of the position loop with so low a crossover w_c that it is stable with g = 1/2 to 2
+//! times the acceleration per torque, a flexure of 0.7 to 1.43 times the frequency and half the damping, and two
+//! samples more of delay. A rigid arm with the lead of 4 has the open loop g |L|, |L| = 1 at w_c; it crosses at w_c
+//! times 0.6 to 1.7, with atan(4 x) - atan(x / 4) - atan(1 / 10 x), 50 degrees and more, less the delays: w_c = 0.3 /
+//! (1.7 tau) leaves them 17 degrees. Beyond its crossover |L| is at most 4 (w_c / w)^2, and at its pole w_p the flexure
+//! makes m / (2 z sqrt(1 - m)) of it: the w_c at which the whole is 1/2 with g = 2 leaves a factor 2 of gain whatever
+//! the phase is.
 //!
 //! Each tone is so large that travel, torque and following error keep their bounds on every machine of that class: with the
-//! largest |T|, |K (1 - T)| and |1 - T| of them. About the flexure the torque is what bends it at its resonance half as far as full
-//! torque does at rest, twice as far with g = 2 and half the damping. It may be less than `limits.disturbance`, because the thrust of a
-//! cut is absent. Slow tones alternate in amplitude, which separates dry and viscous friction.
+//! largest |T|, |K (1 - T)| and |1 - T| of them. About the flexure the torque is what bends it at its resonance half as
+//! far as full torque does at rest, twice as far with g = 2 and half the damping. It may be less than
+//! `limits.disturbance`, because the thrust of a cut is absent. Slow tones alternate in amplitude, which separates dry
+//! and viscous friction.
 
 use std::f64::consts::TAU;
 
@@ -79,7 +81,8 @@ impl Plan {
         Self { nominal, model: LoopModel::new(nominal, compensator), tones, noise }
     }
 
-    /// Amplitude (rad) of the set-point at the tone of this frequency (rad/s), and standard deviation of each part of what is measured.
+    /// Amplitude (rad) of the set-point at the tone of this frequency (rad/s), and standard deviation of each part of
+    /// what is measured.
     pub fn oscillation(&self, omega: f64) -> [f64; 2] {
         let cycles = omega * self.nominal.sample_period / TAU;
         let near = |tone: &&Tone| (tone.frequency() / cycles - 1.0).abs() < 1e-9;

@@ -18,7 +18,8 @@ use crate::servo::nominal::Nominal;
 const NARROWER: f64 = 0.96;
 const BANDWIDTH_MIN: f64 = 0.3;
 
-/// Time in which an oscillating arm must be seen to move, s: three tones, because the hub hardly moves at the zero of the flexure.
+/// Time in which an oscillating arm must be seen to move, s: three tones, because the hub hardly moves at the zero of
+/// the flexure.
 const REST_MAX: f64 = 1.2;
 
 /// One commission after the other.
@@ -104,8 +105,8 @@ impl CommissioningRun {
         self.values.derived().entries()
     }
 
-    /// After a sample with the arm at `angle` (rad): once the oscillation is over, the response identifies the arm, and then, one trial per
-    /// sample, the bandwidth. An arm without a change of its angle identifies nothing.
+    /// After a sample with the arm at `angle` (rad): once the oscillation is over, the response identifies the arm, and
+    /// then, one trial per sample, the bandwidth. An arm without a change of its angle identifies nothing.
     pub fn observe(&mut self, p: &Parameters, angle: f64) {
         let before = std::mem::replace(&mut self.angle, angle);
         self.still = if angle == before { self.still + 1 } else { 0 };

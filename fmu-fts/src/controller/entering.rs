@@ -64,7 +64,8 @@ impl Controller {
         self.state = state;
     }
 
-    /// Another path begins: the form of the lens that was probed counts, unless something of the path before is in the motion.
+    /// Another path begins: the form of the lens that was probed counts, unless something of the path before is in the
+    /// motion.
     fn correct(&mut self, p: &Parameters) {
         if p.form.apply && self.tracker.gone(p) {
             self.tracker.correct(self.calibration.correction());

@@ -1,5 +1,5 @@
-//! Frequency response on the machine: the position loop is excited with one sine after the other, and set-point and arm angle
-//! are correlated with it over whole periods.
+//! Frequency response on the machine: the position loop is excited with one sine after the other, and set-point and arm
+//! angle are correlated with it over whole periods.
 //!
 //! Friction biases small motions: its torque does not shrink with them. So every frequency is measured with
 //! the amplitude of the cut, as far as torque, acceleration and following error allow. A frequency at which the torque

@@ -9,8 +9,8 @@ pub fn progress(tick: u32, length: u32) -> f64 {
     time * time * (3.0 - 2.0 * time)
 }
 
-/// Amplitude (rad) and frequency (periods in a sample) at this part of the way between two tones; from or to rest where there is
-/// none.
+/// Amplitude (rad) and frequency (periods in a sample) at this part of the way between two tones; from or to rest where
+/// there is none.
 pub fn glide(progress: f64, from: Option<&Tone>, to: Option<&Tone>) -> (f64, f64) {
     let between = |from: f64, to: f64| from * (to / from).powf(progress);
     match (from, to) {

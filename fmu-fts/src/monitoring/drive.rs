@@ -1,11 +1,13 @@
 //! Gain of the drive: acceleration of the arm over that of the torque command.
 //!
 //! The second difference of three arm angles responds to the mean of the two commands that acted between them,
-//! y_k - 2 y_(k-1) + y_(k-2) = T_s^2 (u_(k-1-d) + u_(k-2-d)) / (2 J). Both sides lose what is slower than 20 ms, a thrust that
-//! only the torque balances, and what is faster than 200 Hz, where the arm is no rigid body and encoders are noisy.
+//! y_k - 2 y_(k-1) + y_(k-2) = T_s^2 (u_(k-1-d) + u_(k-2-d)) / (2 J). Both sides lose what is slower than 20 ms, a
+//! thrust that only the torque balances, and what is faster than 200 Hz, where the arm is no rigid body and encoders
+//! are noisy.
 //!
-//! The present gain cannot wait for 200 Hz: a reversed drive loses the arm within two milliseconds. Without that filter only a large
-//! torque identifies it: one above the disturbances and above the noise of a second difference, sqrt(6) times that of an arm angle.
+//! The present gain cannot wait for 200 Hz: a reversed drive loses the arm within two milliseconds. Without that filter
+//! only a large torque identifies it: one above the disturbances and above the noise of a second difference, sqrt(6)
+//! times that of an arm angle.
 
 use std::f64::consts::TAU;
 
@@ -84,8 +86,8 @@ impl DriveWatch {
         }
     }
 
-    /// The same of the last millisecond, with what is fast; none while disturbances could take it below `expert.limits.drive_gain_ratio`, or three
-    /// deviations of the noise a drive that does nothing above it.
+    /// The same of the last millisecond, with what is fast; none while disturbances could take it below
+    /// `expert.limits.drive_gain_ratio`, or three deviations of the noise a drive that does nothing above it.
     pub fn now(&self, p: &Parameters) -> Option<f64> {
         let (dt, minimum_ratio) = (p.sample_period, p.limits.drive_gain_ratio);
         if minimum_ratio == 0.0 {
@@ -112,20 +114,22 @@ impl DriveWatch {
         self.now(p).or(self.latest.ratio(SHORT / p.sample_period * minimum * minimum))
     }
 
-    /// The same, over 2 ms, when the reading last changed: an arm that its drive has left comes to rest, an encoder freezes in motion.
+    /// The same, over 2 ms, when the reading last changed: an arm that its drive has left comes to rest, an encoder
+    /// freezes in motion.
     pub fn moving(&self, p: &Parameters) -> Option<f64> {
         let minimum = disturbance(p) / p.servo.inertia;
         self.moving.ratio(SHORT / p.sample_period * minimum * minimum)
     }
 
-    /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could move the
-    /// ratio, at worst 1 - d / u, of a good drive below `expert.limits.drive_gain_ratio`.
+    /// Acceleration of the arm over that of the torque; none while the torque u is so small that disturbances d could
+    /// move the ratio, at worst 1 - d / u, of a good drive below `expert.limits.drive_gain_ratio`.
     pub fn ratio(&self, p: &Parameters) -> Option<f64> {
         self.response.ratio(undisturbed(p, MEMORY))
     }
 }
 
-/// Square of accelerations in the time `memory` (s), of a torque that disturbances cannot take below `expert.limits.drive_gain_ratio`.
+/// Square of accelerations in the time `memory` (s), of a torque that disturbances cannot take below
+/// `expert.limits.drive_gain_ratio`.
 fn undisturbed(p: &Parameters, memory: f64) -> f64 {
     let minimum = disturbance(p) / (p.servo.inertia * (1.0 - p.limits.drive_gain_ratio));
     memory / p.sample_period * minimum * minimum

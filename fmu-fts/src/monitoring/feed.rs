@@ -1,8 +1,8 @@
 //! Whether the slide keeps its feed, evaluated per revolution.
 //!
-//! The slide has an external drive and may rest. `limits.feed` configures its travel per revolution. A position that moved with it for
-//! one revolution and is more than half of it off in a later one is frozen, drifts or slips. Half a feed per revolution distinguishes a
-//! slide at rest from one that moves, at any finer resolution.
+//! The slide has an external drive and may rest. `limits.feed` configures its travel per revolution. A position that
+//! moved with it for one revolution and is more than half of it off in a later one is frozen, drifts or slips. Half a
+//! feed per revolution distinguishes a slide at rest from one that moves, at any finer resolution.
 
 use std::f64::consts::TAU;
 

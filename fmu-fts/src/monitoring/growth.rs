@@ -1,10 +1,10 @@
 //! Whether the error grows from turn to turn: a cancellation or a cut that is not stable.
 //!
-//! The residual error of a stable loop decays with its time constants, and noise is the same in every revolution. A tool that enters
-//! the part, or a step of another kind, is over within two revolutions. An error that rises in four to ten consecutive revolutions,
-//! to twice its value, by 1.05 to 4 in each, is unstable: each revolution cuts the error of the one before, and the
-//! harmonics learn it with the wrong phase. Another speed means another path, and the count restarts. Below
-//! `expert.limits.tracking_error` there is no fault.
+//! The residual error of a stable loop decays with its time constants, and noise is the same in every revolution. A
+//! tool that enters the part, or a step of another kind, is over within two revolutions. An error that rises in four to
+//! ten consecutive revolutions, to twice its value, by 1.05 to 4 in each, is unstable: each revolution cuts the error
+//! of the one before, and the harmonics learn it with the wrong phase. Another speed means another path, and the count
+//! restarts. Below `expert.limits.tracking_error` there is no fault.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +31,8 @@ pub struct GrowthWatch {
 }
 
 impl GrowthWatch {
-    /// Takes the error over the last full turn (m, root mean square, 0 before the first) and the speed of the spindle (rad/s).
+    /// Takes the error over the last full turn (m, root mean square, 0 before the first) and the speed of the spindle
+    /// (rad/s).
     pub fn update(&mut self, rms: f64, speed: f64) {
         // the value is constant until the next revolution is complete
         if rms == self.last {

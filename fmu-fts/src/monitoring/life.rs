@@ -2,8 +2,8 @@
 //!
 //! On a path a valid arm angle leaves one anchor after the other; it stays at one only at a reversal, late. At
 //! rest only a torque can move the arm: beyond twice the disturbances, from one sign to the other, it would accelerate
-//! with (|u - u_a| - 2 d) / J, u_a the torque at the anchor. The torque counts without what is faster than 50 Hz: the noise of
-//! an encoder makes torques that take the arm nowhere, 5 N.m at 3 kHz by 18 urad.
+//! with (|u - u_a| - 2 d) / J, u_a the torque at the anchor. The torque counts without what is faster than 50 Hz: the
+//! noise of an encoder makes torques that take the arm nowhere, 5 N.m at 3 kHz by 18 urad.
 
 use std::f64::consts::TAU;
 

@@ -257,7 +257,8 @@ mod tests {
         }
     }
 
-    /// The monitors at the time `until` s, of a rigid arm whose drive does `gain` (of the time) of a torque of 6 N.m at 80 Hz.
+    /// The monitors at the time `until` s, of a rigid arm whose drive does `gain` (of the time) of a torque of 6 N.m at
+    /// 80 Hz.
     fn watched(p: &Parameters, gain: impl Fn(f64) -> f64, until: f64) -> Watch {
         let (dt, mut watch) = (p.sample_period, Watch::default());
         let (mut angle, mut velocity, mut before) = (0.0, 0.0, 0.0);

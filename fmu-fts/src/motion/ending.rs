@@ -1,8 +1,8 @@
 //! How a fault ends: out of the part under control, or with the drive off.
 //!
-//! The arm has no brake. If its drive responds, a pulse of torque removes its last known speed v before the drive is off: the
-//! whole `servo.torque_max` for J |v| / T_max, during which it moves J v^2 / (2 T_max). A relative error s of the inertia leaves
-//! the speed s v. A drive that is seen to be reversed gets the opposite pulse.
+//! The arm has no brake. If its drive responds, a pulse of torque removes its last known speed v before the drive is
+//! off: the whole `servo.torque_max` for J |v| / T_max, during which it moves J v^2 / (2 T_max). A relative error s of
+//! the inertia leaves the speed s v. A drive that is seen to be reversed gets the opposite pulse.
 
 use control_blocks::Reaction;
 use serde::{Deserialize, Serialize};

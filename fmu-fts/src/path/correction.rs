@@ -1,8 +1,9 @@
 //! Correction of the form: added to the coefficients a_n(x) and b_n(x) of eq. 2, as derived from a probed lens.
 //!
-//! What is constant on a machine is smooth over the lens: a wrong arm length, center offset or angle, the wind-up of the arm and
-//! a late spindle reading make errors of the few harmonics of the lens itself, which change with the radius as its slope and its
-//! depth do. So each coefficient is a polynomial of the third degree in the slide position, over what was probed.
+//! What is constant on a machine is smooth over the lens: a wrong arm length, center offset or angle, the wind-up of
+//! the arm and a late spindle reading make errors of the few harmonics of the lens itself, which change with the radius
+//! as its slope and its depth do. So each coefficient is a polynomial of the third degree in the slide position, over
+//! what was probed.
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};

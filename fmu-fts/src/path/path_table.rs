@@ -113,8 +113,8 @@ impl PathTable {
         position >= -MARGIN && position <= (self.rows - 1) as f64 + MARGIN
     }
 
-    /// Whether the slide has left the table by an end to which it has come from where the path was joined (m): at least a row
-    /// of the way is cut then.
+    /// Whether the slide has left the table by an end to which it has come from where the path was joined (m): at least
+    /// a row of the way is cut then.
     pub fn cut_over(&self, joined: f64, slide_position: f64) -> bool {
         let end = if slide_position < self.first { self.first } else { self.first + self.extent() };
         !self.covers(slide_position) && (end - joined).abs() >= self.step
@@ -187,7 +187,8 @@ impl PathTable {
 }
 
 impl Row {
-    /// Adds harmonics (m) to the depth, and to the angle what they are there: dz = R_a cos(phi) db, phi that of the mean depth.
+    /// Adds harmonics (m) to the depth, and to the angle what they are there: dz = R_a cos(phi) db, phi that of the
+    /// mean depth.
     fn add(&mut self, harmonics: &[Complex<f64>], arm: &Arm) {
         let (depths, angles) = self.values.split_at_mut(self.depth_count);
         let lever = arm.lever(arm.angle(depths[0].re));

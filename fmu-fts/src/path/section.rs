@@ -1,8 +1,8 @@
 //! What a probe reads on the part that a path cuts: the nose of the tool and the ball of the probe roll on the same section.
 //!
-//! The section at one angle of the part is the envelope of the nose, so that the center of the ball moves on the curve that is R_t - R_p
-//! from that of the center of the nose: with Z' the slope dz/drho of the latter and q = sqrt(1 + Z'^2) it is at
-//! rho - (R_t - R_p) Z' / q and z + (R_t - R_p) / q. The slope of both curves is the same there.
+//! The section at one angle of the part is the envelope of the nose, so that the center of the ball moves on the curve
+//! that is R_t - R_p from that of the center of the nose: with Z' the slope dz/drho of the latter and q = sqrt(1 +
+//! Z'^2) it is at rho - (R_t - R_p) Z' / q and z + (R_t - R_p) / q. The slope of both curves is the same there.
 
 use nalgebra::Complex;
 
@@ -22,12 +22,14 @@ pub struct Contact {
     pub depth: f64,
     /// Slope of that depth to the distance from the spindle axis.
     pub slope: f64,
-    /// What the depth of the part takes of a depth that is added to the path: 1 - Z' tan(phi), as the arm moves sideways, too.
+    /// What the depth of the part takes of a depth that is added to the path: 1 - Z' tan(phi), as the arm moves
+    /// sideways, too.
     pub gain: f64,
 }
 
-/// Where a ball of radius `ball` (m) at a distance (m) from the spindle axis rests on what a nose of radius `nose` (m) cuts on the
-/// path without its correction, at the spindle angle of `phasors` (n = 0 first); none where the path does not reach.
+/// Where a ball of radius `ball` (m) at a distance (m) from the spindle axis rests on what a nose of radius `nose` (m)
+/// cuts on the path without its correction, at the spindle angle of `phasors` (n = 0 first); none where the path does
+/// not reach.
 pub fn contact(path: &PathTable, [nose, ball]: [f64; 2], distance: f64, phasors: &[Complex<f64>]) -> Option<Contact> {
     let (arm, nose_offset) = (path.arm(), nose - ball);
     let mut slide_position = arm.slide_position(distance, 0.0);

@@ -1,19 +1,19 @@
 //! One axis whose measurements may be missing or implausible.
 //!
 //! An axis has inertia: with the velocity v of its last two samples, n samples later it is at y + n v T_s, within
-//! n w + a T_s^2 n (n + 1) / 2 for the spread w of a sample and the largest acceleration a. A sample outside of that, an invalid one,
-//! and one that is frozen while the axis moves (v T_s > w) are lost; y + n v T_s replaces them.
+//! n w + a T_s^2 n (n + 1) / 2 for the spread w of a sample and the largest acceleration a. A sample outside of that,
+//! an invalid one, and one that is frozen while the axis moves (v T_s > w) are lost; y + n v T_s replaces them.
 //!
-//! Two samples give a velocity, the third confirms both. Until then each is accepted and the velocity is computed again, because the first
-//! may be the bad one.
+//! Two samples give a velocity, the third confirms both. Until then each is accepted and the velocity is computed
+//! again, because the first may be the bad one.
 
 use control_blocks::{JumpGuard, Reach, is_plausible, wrap};
 use serde::{Deserialize, Serialize};
 
 /// Budget that a good sample restores: one of three samples may be lost forever.
 const REGAINED: f64 = 0.5;
-/// Ratio of all lost samples to consecutive ones: 4 ms of every second sample. If one in fifty samples is lost at random, four
-/// consecutive ones occur every 11 min; with one in a hundred every 3 h.
+/// Ratio of all lost samples to consecutive ones: 4 ms of every second sample. If one in fifty samples is lost at
+/// random, four consecutive ones occur every 11 min; with one in a hundred every 3 h.
 const IN_ALL: f64 = 3.0;
 
 /// Why a sample is lost.
@@ -139,7 +139,8 @@ impl GuardedAxis {
         self.loss.filter(|_| self.exhausted(axis))
     }
 
-    /// Whether position and velocity are known: after two samples for an axis that may run already, otherwise after two equal ones.
+    /// Whether position and velocity are known: after two samples for an axis that may run already, otherwise after two
+    /// equal ones.
     pub fn known(&self) -> bool {
         self.known
     }

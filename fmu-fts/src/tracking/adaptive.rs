@@ -1,8 +1,8 @@
 //! Adaptive feedforward: learned is what the arm answers, not what the error amounts to.
 //!
-//! For the motion B the position loop, T = L / (1 + L), needs the set-point B / T = B + B / L; B / L is what makes the torque
-//! of the path. An arm with an off-nominal torque or inertia needs (1 + eps) B / L, with one eps for every radius, feed
-//! and speed. So each harmonic of the path gets
+//! For the motion B the position loop, T = L / (1 + L), needs the set-point B / T = B + B / L; B / L is what makes the
+//! torque of the path. An arm with an off-nominal torque or inertia needs (1 + eps) B / L, with one eps for every
+//! radius, feed and speed. So each harmonic of the path gets
 //!
 //! ```text
 //! u = Re sum (xi_n + eps_n P_n) e^(j n theta),   P_n = H_n B_n (1 / T_n - 1),
@@ -19,9 +19,10 @@
 //! On a constant path, d(xi + eps P) = c: stability is that of the resonators. On a changing path, eps P follows immediately
 //! where a learned amplitude would be late by tau, for ever.
 //!
-//! Most of the path is in few harmonics. At first, when all of it is unknown, they learn quicker: w (1 + q |P_n|^2 / sum |P|^2),
-//! which all together is no more than q harmonics more, whatever the path; q falls with tau while it is learned, as the
-//! gain of least squares does. What is left of an error after the time t is exp(-t / tau - q (1 - exp(-t / tau))).
+//! Most of the path is in few harmonics. At first, when all of it is unknown, they learn quicker: w (1 + q |P_n|^2 /
+//! sum |P|^2), which all together is no more than q harmonics more, whatever the path; q falls with tau while it is
+//! learned, as the gain of least squares does. What is left of an error after the time t is exp(-t / tau - q (1 -
+//! exp(-t / tau))).
 
 use control_blocks::Canceller;
 use nalgebra::Complex;
@@ -168,8 +169,8 @@ mod tests {
             Self { adaptive: AdaptiveFeedforward::new(&p, 4), resonators: Resonators::new(&p), p, k, angle: 0.0 }
         }
 
-        /// Follows for `time` (s) the path that `path` gives over the time, at `omega` of harmonic 2; the largest error (rad)
-        /// of the last tenth.
+        /// Follows for `time` (s) the path that `path` gives over the time, at `omega` of harmonic 2; the largest error
+        /// (rad) of the last tenth.
         fn follow(&mut self, time: f64, omega: f64, path: impl Fn(f64) -> Complex<f64>) -> f64 {
             let (nominal, real) = (closed(omega, 1.0), closed(omega, self.k));
             let (steps, mut largest) = ((time / PERIOD) as u32, 0.0);

@@ -1,7 +1,8 @@
 //! Chooses the harmonics to be canceled: those of the tracking error that repeat with the same phase.
 //!
-//! A disturbance that does not turn with the spindle has another phase in every revolution; learning would only amplify it. Over some
-//! turns the mean of a harmonic c is compared with its scatter s: it repeats if |mean c| > LEVEL s / sqrt(TURNS).
+//! A disturbance that does not turn with the spindle has another phase in every revolution; learning would only amplify
+//! it. Over some turns the mean of a harmonic c is compared with its scatter s: it repeats if |mean c| > LEVEL s /
+//! sqrt(TURNS).
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};

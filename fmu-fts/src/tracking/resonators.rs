@@ -9,9 +9,9 @@
 //!
 //! In the angle domain it needs no speed: xi_n += 2 T_s / (tau |T|) e exp(-j (n theta + arg T)), u = Re xi_n e^(j n theta).
 //!
-//! What a feedforward with a wrong response leaves grows and shrinks with the harmonic B_n of the path. Where it does not learn the
-//! response itself (`expert.feedforward.adaptive`) xi_n is carried along, xi_n B_n(x) / B_n(x'), as the slide goes from x' to x. Learned
-//! alone it would be late by tau for ever.
+//! What a feedforward with a wrong response leaves grows and shrinks with the harmonic B_n of the path. Where it does
+//! not learn the response itself (`expert.feedforward.adaptive`) xi_n is carried along, xi_n B_n(x) / B_n(x'), as the
+//! slide goes from x' to x. Learned alone it would be late by tau for ever.
 
 use control_blocks::{Canceller, adaptation_gain};
 use nalgebra::Complex;
@@ -85,7 +85,8 @@ impl Resonators {
     }
 }
 
-/// The gain of a harmonic at `omega` (rad/s) with the response `t` of the position loop, none if it is not `enabled` or too high.
+/// The gain of a harmonic at `omega` (rad/s) with the response `t` of the position loop, none if it is not `enabled` or
+/// too high.
 pub fn gain_in_use(p: &Parameters, t: Complex<f64>, omega: f64, enabled: bool) -> Option<Complex<f64>> {
     (enabled && omega.abs() <= p.afc.frequency_max).then(|| gain_of(&p.afc, p.sample_period, t))
 }

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Natural frequency (rad/s) of the loop that estimates the speed: 20 Hz, slow enough for the encoder steps, fast enough for a
-/// ramp. The path uses the raw angle.
+/// Natural frequency (rad/s) of the loop that estimates the speed: 20 Hz, slow enough for the encoder steps, fast
+/// enough for a ramp. The path uses the raw angle.
 const BANDWIDTH: f64 = 20.0 * TAU;
 
 /// Spindle angle and speed; by default nothing, before the first sample.

@@ -270,7 +270,8 @@ fn an_uncertain_or_unsuitable_result_is_rejected_with_its_values() {
 
 #[test]
 fn a_drive_that_is_lost_or_turns_round_is_found_before_the_arm_has_gone_far() {
-    // a lost drive is found by the error that it leaves, with its name, and by nothing where the tones are smaller than the error that is a fault
+    // a lost drive is found by the error that it leaves, with its name, and by nothing where the tones are smaller than
+    // the error that is a fault
     for (time, faults) in [
         (0.3, [(0.0, Fault::WeakDrive), (-1.0, Fault::DriveSign)]),
         (2.6, [(0.0, Fault::WeakDrive), (-1.0, Fault::DriveSign)]),

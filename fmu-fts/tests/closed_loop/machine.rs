@@ -1,8 +1,8 @@
 //! A turning machine with a rotary fast tool servo: the plant of the closed loops, natively in Rust.
 //!
-//! Two inertias with a flexure downstream of a current loop, sampled exactly at 20 us; Coulomb friction on the hub, thrust of
-//! the part on the arm, ripple in step with the spindle, encoders with their resolution. The values were chosen like
-//! those of the nominal arm; the ripple leaves 1.2 um at the twelfth harmonic.
+//! Two inertias with a flexure downstream of a current loop, sampled exactly at 20 us; Coulomb friction on the hub,
+//! thrust of the part on the arm, ripple in step with the spindle, encoders with their resolution. The values were
+//! chosen like those of the nominal arm; the ripple leaves 1.2 um at the twelfth harmonic.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;

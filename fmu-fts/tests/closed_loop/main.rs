@@ -1,4 +1,5 @@
-//! The controller in closed loop with a native machine: tracking, faults, stability, state bytes; and the calibration on ideal parts.
+//! The controller in closed loop with a native machine: tracking, faults, stability, state bytes; and the calibration
+//! on ideal parts.
 
 mod calibration;
 mod commission;

@@ -10,10 +10,11 @@ use crate::commission::rubbing::mounting;
 use crate::commission::values::{Values, acceptable};
 use crate::interface::{Measured, Parameters};
 
-/// Standard deviations of the model errors, in addition to the scatter: relative for stiffness, friction and lateral stiffness, rad for the angle.
-/// All are roots of the mean square of the errors of robots within 30 %, without noise. The slope of a ramp of the force has a part of the
-/// lags of sensor and axes, and a tip that is pressed slides. Noise makes |F| larger, by 1.5 of its square over that of the friction. While
-/// the ball sticks, it creeps. The friction of the guides and the lag of the axes turn the work of rubbing.
+/// Standard deviations of the model errors, in addition to the scatter: relative for stiffness, friction and lateral
+/// stiffness, rad for the angle. All are roots of the mean square of the errors of robots within 30 %, without noise.
+/// The slope of a ramp of the force has a part of the lags of sensor and axes, and a tip that is pressed slides. Noise
+/// makes |F| larger, by 1.5 of its square over that of the friction. While the ball sticks, it creeps. The friction of
+/// the guides and the lag of the axes turn the work of rubbing.
 const LEFT_OUT: [f64; 4] = [0.016, 0.012, 0.024, 0.008];
 /// Minimum number of samples for a standard deviation.
 const SAMPLES_MIN: f64 = 4.0;

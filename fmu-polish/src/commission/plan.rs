@@ -1,15 +1,16 @@
 //! Travel, force and time of a commissioning run, from its bounds.
 //!
-//! In the air every axis follows pulses only. A drive with position and velocity loop and a feedforward of at most 1 has a maximum
-//! gain below 2, for loops from half to twice as fast as configured. The excitation happens half of the travel above the start, and its
-//! reference reaches at most a quarter of the travel. So the axes move at most half of the travel, and not below the start. Two axes together
-//! are at most 0.71 of the travel to the side.
+//! In the air every axis follows pulses only. A drive with position and velocity loop and a feedforward of at most 1
+//! has a maximum gain below 2, for loops from half to twice as fast as configured. The excitation happens half of the
+//! travel above the start, and its reference reaches at most a quarter of the travel. So the axes move at most half of
+//! the travel, and not below the start. Two axes together are at most 0.71 of the travel to the side.
 //!
-//! The tool presses by eq. 4 without integral, on a contact of up to twice the nominal stiffness k. The open loop is an integrator of
-//! the gain g = 2 k K_f / B_d with lags of the sum tau: M_d / B_d, the sensor, two and a half samples in addition to the delay, and the
-//! axis, (1 - K_ff) / K_pp + K_ff / w_ff, twice that for loops half as fast. No lag of the time constant t rotates the phase at w
-//! by more than w t. So where the gain is 1, at no more than g, the margin is at least pi / 2 - g tau. The damping is increased until
-//! g tau = 0.6 rad, 56 degrees of margin. A softer contact crosses earlier and has more.
+//! The tool presses by eq. 4 without integral, on a contact of up to twice the nominal stiffness k. The open loop is an
+//! integrator of the gain g = 2 k K_f / B_d with lags of the sum tau: M_d / B_d, the sensor, two and a half samples in
+//! addition to the delay, and the axis, (1 - K_ff) / K_pp + K_ff / w_ff, twice that for loops half as fast. No lag of
+//! the time constant t rotates the phase at w by more than w t. So where the gain is 1, at no more than g, the margin
+//! is at least pi / 2 - g tau. The damping is increased until g tau = 0.6 rad, 56 degrees of margin. A softer contact
+//! crosses earlier and has more.
 
 use control_blocks::{
     Excitation, ExcitationTimes, Multisine, RATIO_MAX, commission_time, configured_or, quintic_duration, ticks,

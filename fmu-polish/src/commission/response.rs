@@ -6,10 +6,11 @@
 //! Y = T H exp(-j w T_s d) U,   T = V (K_pp + F) / (s + V K_pp),   F = K_ff s / (1 + s / w_ff),   V = A / (s^2 + c + A),
 //! ```
 //!
-//! A = w_v (s + w_i), s = j w, with the held velocity H and the delay d in samples. Position and velocity loop are as configured, except for a
-//! common factor g: below 100 Hz the two hardly differ. Rolling guides act like a spring c over the inertia. It belongs to the excitation
-//! and is not an output. The estimates are ln g, K_ff, d and c, common to all axes. From N = K_pp + F and D = s + V K_pp
-//! follow dT/dK_pp = V (1 - T) / D, dT/dF = V / D, dT/dV = (N - T K_pp) / D, dV/d ln w_v = V (1 - V), dV/dc = -V^2 / A.
+//! A = w_v (s + w_i), s = j w, with the held velocity H and the delay d in samples. Position and velocity loop are as
+//! configured, except for a common factor g: below 100 Hz the two hardly differ. Rolling guides act like a spring c
+//! over the inertia. It belongs to the excitation and is not an output. The estimates are ln g, K_ff, d and c, common
+//! to all axes. From N = K_pp + F and D = s + V K_pp follow dT/dK_pp = V (1 - T) / D, dT/dF = V / D, dT/dV = (N - T
+//! K_pp) / D, dV/d ln w_v = V (1 - V), dV/dc = -V^2 / A.
 
 use control_blocks::{
     Estimate, HARMONICS, NoEstimate, Observation, PeriodicSpectra, SpectralLine, TONES, least_squares,
@@ -28,9 +29,10 @@ const UNKNOWNS: usize = 4;
 
 /// Minimum relative uncertainty of a tone: the friction of the guides is nonlinear.
 const STD_MIN: f64 = 3e-3;
-/// What the friction of rolling guides leaves to gain (relative), feedforward and delay (samples), as deviations. It does not grow with the
-/// motion, so no linear part stands for it: 2 N that turn over 20 um, on axes of 8, 19 and 31 kg with g and K_ff within 30 %, let the
-/// loops seem 13 % faster, 0.10 less fed forward and 0.04 samples more of delay, as a root of the mean square.
+/// What the friction of rolling guides leaves to gain (relative), feedforward and delay (samples), as deviations. It
+/// does not grow with the motion, so no linear part stands for it: 2 N that turn over 20 um, on axes of 8, 19 and 31 kg
+/// with g and K_ff within 30 %, let the loops seem 13 % faster, 0.10 less fed forward and 0.04 samples more of delay,
+/// as a root of the mean square.
 pub const GUIDES: [f64; 3] = [0.13, 0.10, 0.04];
 /// Axes.
 const AXES: usize = 3;
@@ -93,7 +95,8 @@ fn found(nominal: &Drive, x: &Unknowns) -> Drive {
     nominal.faster(x[0].exp(), x[1])
 }
 
-/// The unknowns ln g, K_ff, d and c that explain the excitation of all axes with the drives `drive` best, with their covariance.
+/// The unknowns ln g, K_ff, d and c that explain the excitation of all axes with the drives `drive` best, with their
+/// covariance.
 ///
 /// # Errors
 /// When the data do not determine the parameters.

@@ -1,12 +1,14 @@
-//! Friction, lateral stiffness and mounting of the sensor from a slow reciprocating motion across the normal, at a held force.
+//! Friction, lateral stiffness and mounting of the sensor from a slow reciprocating motion across the normal, at a held
+//! force.
 //!
-//! All vectors are in the axes of the sensor, since its mounting is unknown. The mean force of a period of the motion is the normal
-//! force, since the friction changes its sign within the period. The lateral rest does the work W = -sum(F dx), here a vector. It points
-//! in the direction in which the sensor measures the motion. With Q = -sum(|F| F dx) the friction is |Q| / |W| (see `motion/sliding.rs`:
-//! a bend of the tip is reversible).
+//! All vectors are in the axes of the sensor, since its mounting is unknown. The mean force of a period of the motion
+//! is the normal force, since the friction changes its sign within the period. The lateral rest does the work W =
+//! -sum(F dx), here a vector. It points in the direction in which the sensor measures the motion. With Q = -sum(|F| F
+//! dx) the friction is |Q| / |W| (see `motion/sliding.rs`: a bend of the tip is reversible).
 //!
-//! After a reversal the ball sticks, and the force changes from one friction to the other with the stiffness of the tip. The estimate is
-//! the slope in the middle of that travel, where the ball sticks according to the friction of the previous periods.
+//! After a reversal the ball sticks, and the force changes from one friction to the other with the stiffness of the
+//! tip. The estimate is the slope in the middle of that travel, where the ball sticks according to the friction of the
+//! previous periods.
 
 use control_blocks::Welford;
 use nalgebra::{Complex, Vector3};
@@ -79,7 +81,8 @@ pub struct Period {
 }
 
 impl Rubbing {
-    /// Takes the force (N) that the sensor shows and the position (m), in a motion along the unit vector `along`, now `forth` or back.
+    /// Takes the force (N) that the sensor shows and the position (m), in a motion along the unit vector `along`, now
+    /// `forth` or back.
     pub fn take(
         &mut self,
         p: &Parameters,
@@ -148,8 +151,8 @@ pub fn plane(v: &Vector3<f64>) -> Complex<f64> {
     Complex::new(v.x, v.y)
 }
 
-/// How the sensor is mounted, from the directions that it shows of motions along the unit vectors `along`: angle about z (rad), and
-/// -1 where its y counts the other way. It shows e exp(-j a) of a direction e, or the conjugate of that.
+/// How the sensor is mounted, from the directions that it shows of motions along the unit vectors `along`: angle about
+/// z (rad), and -1 where its y counts the other way. It shows e exp(-j a) of a direction e, or the conjugate of that.
 pub fn mounting(shown: [&Vector3<f64>; 2], along: [&Vector3<f64>; 2]) -> (f64, i32) {
     let ([a, b], [e, f]) = (shown.map(plane), along.map(plane));
     let mirrored = (a.conj() * b).im * (e.conj() * f).im < 0.0;
@@ -165,8 +168,9 @@ mod tests {
 
     const QUARTER: u32 = 100;
 
-    /// Result of reciprocating rubbing by 50 um along `along` with a tip of `stiffness` N/m that slides at `friction` N under 5 N along
-    /// `normal`, as measured by the sensor of the parameters with its lag: friction, stiffness, and the direction.
+    /// Result of reciprocating rubbing by 50 um along `along` with a tip of `stiffness` N/m that slides at `friction` N
+    /// under 5 N along `normal`, as measured by the sensor of the parameters with its lag: friction, stiffness, and the
+    /// direction.
     fn rubbed(
         p: &Parameters,
         stiffness: f64,

@@ -94,8 +94,9 @@ impl Values {
         }
     }
 
-    /// K_v (m/s) with which the ball slides as fast as the nominal axes move: on every half period the tip bends back and forth by the
-    /// friction first; on a circle the bend is orthogonal to the motion of the ball. The drives of the machine reduce the motion.
+    /// K_v (m/s) with which the ball slides as fast as the nominal axes move: on every half period the tip bends back
+    /// and forth by the friction first; on a circle the bend is orthogonal to the motion of the ball. The drives of the
+    /// machine reduce the motion.
     fn stick_slip(&self, p: &Parameters, drive: &Drive, m: &Measured) -> f64 {
         let (nominal, half) = (self.stick_slip_velocity, f64::from(p.stick_slip.half_period) * p.sample_period);
         if p.stick_slip.mode == Mode::Off || p.stick_slip.ratio > 0.0 || nominal == 0.0 {
@@ -112,8 +113,9 @@ impl Values {
     }
 }
 
-/// Whether the measurement is certain enough and within the range of this controller, with the configured values `nominal`. The
-/// uncertainty of the drives due to guide friction rejects nothing: they are identified and used with that friction.
+/// Whether the measurement is certain enough and within the range of this controller, with the configured values
+/// `nominal`. The uncertainty of the drives due to guide friction rejects nothing: they are identified and used with
+/// that friction.
 pub fn acceptable(p: &Parameters, nominal: &Values, m: &Measured) -> bool {
     let ratio = p.commission.std_max;
     let contact =

@@ -13,8 +13,8 @@ use crate::motion::velocity::VelocityParts;
 use crate::reading::Reading;
 
 impl Controller {
-    /// Replaces parameters by the results of a commissioning run with `commission.apply`, and sets the half period of the sweep;
-    /// called before each sample.
+    /// Replaces parameters by the results of a commissioning run with `commission.apply`, and sets the half period of
+    /// the sweep; called before each sample.
     pub fn bring_into_force(&mut self, p: &mut Parameters) {
         p.stick_slip.half_period = self.half_period;
         self.identification.put(p);

@@ -50,8 +50,8 @@ impl Harmonic {
         self.canceller.output(carrier)
     }
 
-    /// Evaluates a window of `samples`, in which the cause of the ripple is `raised` times as large as configured; true when the
-    /// cancellation stops because the ripple has grown.
+    /// Evaluates a window of `samples`, in which the cause of the ripple is `raised` times as large as configured; true
+    /// when the cancellation stops because the ripple has grown.
     pub fn evaluate(&mut self, samples: u32, raised: f64, maximum: f64) -> bool {
         let amplitude = 2.0 * self.sum.norm() / f64::from(samples) / raised;
         self.sum = Complex::ZERO;
@@ -84,8 +84,8 @@ mod tests {
     const WINDOW: u32 = 100;
     const LIMIT: f64 = 1e-3;
 
-    /// Which of windows with ripples of `sizes` N ends the harmonic, where what makes them is `raised` times as large as configured and an output
-    /// of `learned` was learned.
+    /// Which of windows with ripples of `sizes` N ends the harmonic, where what makes them is `raised` times as large
+    /// as configured and an output of `learned` was learned.
     fn ends(sizes: &[f64], raised: f64, learned: f64) -> Vec<bool> {
         let mut harmonic = Harmonic::default();
         harmonic.learn(1.0, Complex::ONE, Complex::ONE, -learned, LIMIT);

@@ -1,10 +1,11 @@
 //! Repetitive control: learns disturbances that recur with each revolution of the path, from the friction of the axes at
 //! their reversals and from the residual of the estimated misalignment.
 //!
-//! On a spiral both depend on the angle theta of the tangent, in the projection along z, at any feed. The controller learns a travel along the
-//! normal, h(theta) = Re sum c_m e^(j m theta), and commands its velocity w dh/dtheta, w = dtheta/dt. On a straight path that is zero. From this
-//! travel to the force error the response is H = j m w T(j m w), T that of a velocity. Per radian the fraction `expert.repetitive.gain` of the
-//! residual is corrected, so one revolution leaves exp(-2 pi gain), at every feed. Where the loop itself removes more than 1 - `RESPONSE_MIN` of a
+//! On a spiral both depend on the angle theta of the tangent, in the projection along z, at any feed. The controller
+//! learns a travel along the normal, h(theta) = Re sum c_m e^(j m theta), and commands its velocity w dh/dtheta, w =
+//! dtheta/dt. On a straight path that is zero. From this travel to the force error the response is H = j m w T(j m w),
+//! T that of a velocity. Per radian the fraction `expert.repetitive.gain` of the residual is corrected, so one
+//! revolution leaves exp(-2 pi gain), at every feed. Where the loop itself removes more than 1 - `RESPONSE_MIN` of a
 //! travel, the correction is slower.
 
 use nalgebra::Complex;
@@ -44,8 +45,8 @@ impl RepetitiveControl {
         self.frozen
     }
 
-    /// Velocity (m/s) along the normal where the path turns by `rotation`, from the force error `error` (N), for the force control `law`
-    /// on a contact of `stiffness` N/m.
+    /// Velocity (m/s) along the normal where the path turns by `rotation`, from the force error `error` (N), for the
+    /// force control `law` on a contact of `stiffness` N/m.
     pub fn step(&mut self, p: &Parameters, law: &Coefficients, stiffness: f64, rotation: Rotation, error: f64) -> f64 {
         let Rotation { angle: theta, step: rotation } = rotation;
         let rate = rotation / p.sample_period;
@@ -97,9 +98,9 @@ mod tests {
     const P: Parameters = Parameters::START;
     const K: f64 = 178e3;
 
-    /// Force errors of `revolutions` turns at `rate` rad/s, in the steady state of the loop, where the travels of a disturbance along
-    /// the normal are `size` m in each harmonic and the true phase is `late` rad off: root mean square of each revolution, and
-    /// whether the learning has ended itself.
+    /// Force errors of `revolutions` turns at `rate` rad/s, in the steady state of the loop, where the travels of a
+    /// disturbance along the normal are `size` m in each harmonic and the true phase is `late` rad off: root mean
+    /// square of each revolution, and whether the learning has ended itself.
     fn errors(p: &Parameters, rate: f64, size: f64, late: f64, revolutions: u32) -> (Vec<f64>, bool) {
         let law = Coefficients::new(p, damping(p, K));
         let (mut learning, mut turning) = (RepetitiveControl::default(), Turning::default());

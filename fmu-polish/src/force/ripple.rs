@@ -1,11 +1,12 @@
 //! Cancels the force ripple at the frequency of the stick-slip motion and at twice that; the drive model gives the phases.
 //!
-//! On a tilted mold the sweep climbs by the slope of the surface against the path, s in the plane of the mold: a linear sweep along b by s . b,
-//! once up and once down during a revolution of the path. With the phase phi of the sweep and the angle theta of the path this ripple is
-//! Re sum c_n e^(j (phi + n theta)), n = +-1. Its amplitudes are constant at any rate of revolution; at a fixed phase they would have to be
-//! learned again in every quarter of a revolution. All three terms are learned together. With the complex amplitude e of the error at phi, they
-//! correct e / x, x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `expert.repetitive.ripple_gain`, a lossless sum.
-//! So the loop is stable for phase errors of the response below a quarter of a revolution, as without these terms.
+//! On a tilted mold the sweep climbs by the slope of the surface against the path, s in the plane of the mold: a linear
+//! sweep along b by s . b, once up and once down during a revolution of the path. With the phase phi of the sweep and
+//! the angle theta of the path this ripple is Re sum c_n e^(j (phi + n theta)), n = +-1. Its amplitudes are constant at
+//! any rate of revolution; at a fixed phase they would have to be learned again in every quarter of a revolution. All
+//! three terms are learned together. With the complex amplitude e of the error at phi, they correct e / x, x = gain / s
+//! + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `expert.repetitive.ripple_gain`, a lossless sum. So the
+//! loop is stable for phase errors of the response below a quarter of a revolution, as without these terms.
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
@@ -25,10 +26,11 @@ pub const STOPPED: &str = "a part of the ripple cancellation increased the rippl
 
 /// Harmonics of the stick-slip frequency.
 const HARMONICS: usize = 2;
-/// Largest velocity of each harmonic, over that of the sweep over K_v, m/s: a tip that bends instead of sliding on a slope of 14
-/// degrees makes a ripple of a quarter of the sweep, and K_v = 20 mm/s is the most of it.
+/// Largest velocity of each harmonic, over that of the sweep over K_v, m/s: a tip that bends instead of sliding on a
+/// slope of 14 degrees makes a ripple of a quarter of the sweep, and K_v = 20 mm/s is the most of it.
 const VELOCITY_MAX: f64 = 5e-3;
-/// Fastest turn of the path with which a ripple is learned, over its frequency: the response is that at the frequency itself.
+/// Fastest turn of the path with which a ripple is learned, over its frequency: the response is that at the frequency
+/// itself.
 const ROTATION_RATIO: f64 = 0.25;
 /// Periods over which the amplitude of a ripple is taken.
 const WINDOW_PERIODS: u32 = 10;
@@ -73,8 +75,8 @@ impl RippleCancellation {
         self.frozen
     }
 
-    /// Velocity (m/s) of sample `k`, in which the sweep has K_v = `sweep` (m/s) and the path turns by `rotation`, for the force error
-    /// `error` (N).
+    /// Velocity (m/s) of sample `k`, in which the sweep has K_v = `sweep` (m/s) and the path turns by `rotation`, for
+    /// the force error `error` (N).
     pub fn step(&mut self, p: &Parameters, k: u32, sweep: f64, rotation: Rotation, error: f64) -> f64 {
         let mut velocity = 0.0;
         let sweeps = p.repetitive.ripple_gain > 0.0 && p.stick_slip.mode != Mode::Off;
@@ -127,8 +129,8 @@ impl RippleCancellation {
     }
 }
 
-/// How many times as fast as configured a circle is, and with it the ripple of a tilted mold. A linear sweep has no such allowance: its
-/// force error detects a wrong mold before the depth monitor reports a frozen sensor.
+/// How many times as fast as configured a circle is, and with it the ripple of a tilted mold. A linear sweep has no
+/// such allowance: its force error detects a wrong mold before the depth monitor reports a frozen sensor.
 fn raised(p: &Parameters, sweep: f64) -> f64 {
     match p.stick_slip.mode {
         Mode::Circular => (sweep / velocity(&p.stick_slip, p.feed.velocity)).max(1.0),
@@ -222,7 +224,8 @@ mod tests {
         assert!((1..1000).all(|k| ripple.step(&p, k, KV, STRAIGHT, if k % 2 == 0 { 1.0 } else { -1.0 }) == 0.0));
     }
 
-    /// Whether a ripple of `size` N that no output changes ends the cancellation, where it was `first` N and K_v has been raised to `sweep`.
+    /// Whether a ripple of `size` N that no output changes ends the cancellation, where it was `first` N and K_v has
+    /// been raised to `sweep`.
     fn given_up(p: &Parameters, sweep: f64, first: f64, size: f64) -> bool {
         let mut ripple = RippleCancellation::new(p, &Coefficients::new(p, damping(p, 178e3)), 178e3);
         for k in 1..=1200 {
@@ -264,8 +267,9 @@ mod tests {
         Parameters { repetitive: Repetitive { ripple_gain: 0.09, ..P.repetitive }, ..P }
     }
 
-    /// Largest error (N) in each of `revolutions` turns of a path that turns with `rate` rad/s, where a slope makes a ripple of 0.3 N
-    /// that turns with it, its true phase `late` rad off; and whether the cancellation has ended itself.
+    /// Largest error (N) in each of `revolutions` turns of a path that turns with `rate` rad/s, where a slope makes a
+    /// ripple of 0.3 N that turns with it, its true phase `late` rad off; and whether the cancellation has ended
+    /// itself.
     fn tilted(p: &Parameters, rate: f64, late: f64, revolutions: u32) -> (Vec<f64>, bool) {
         let mut ripple = RippleCancellation::new(p, &Coefficients::new(p, damping(p, 178e3)), 178e3);
         let actual = ripple.responses.map(|response| response.unwrap() * Complex::cis(late));

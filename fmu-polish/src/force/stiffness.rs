@@ -58,8 +58,8 @@ impl Slope {
         Some((n * self.position_force - self.position * self.force) / spread)
     }
 
-    /// Slope (N/m) that lines of different heights have in common, where the noise of each way has the deviation `noise` (m): it
-    /// would flatten them.
+    /// Slope (N/m) that lines of different heights have in common, where the noise of each way has the deviation
+    /// `noise` (m): it would flatten them.
     pub fn common(lines: &[Self], noise: f64) -> Option<f64> {
         let sums = lines.iter().filter(|line| line.count > 0.0).fold((0.0, 0.0), |(products, squares), line| {
             let n = line.count;

@@ -1,13 +1,15 @@
 //! Compares the force with the motion and with its own past: frozen signals, noise, and the error of the loop.
 //!
-//! At rest and during the approach only noise changes the force, so a signal that is identical for `expert.limits.frozen_time` is
-//! frozen. In contact the force must respond to the travel into the mold. A short mean of the force is an anchor ([`Frozen`]). Let the tool
-//! move w along the path. The surface explains a change of depth of w times `limits.surface_slope`. If the depth changes by more and the force
-//! stays within a band of one and a half steps, the force did not respond. The noise of the encoders is subtracted from the depth.
+//! At rest and during the approach only noise changes the force, so a signal that is identical for
+//! `expert.limits.frozen_time` is frozen. In contact the force must respond to the travel into the mold. A short mean
+//! of the force is an anchor ([`Frozen`]). Let the tool move w along the path. The surface explains a change of depth
+//! of w times `limits.surface_slope`. If the depth changes by more and the force stays within a band of one and a half
+//! steps, the force did not respond. The noise of the encoders is subtracted from the depth.
 //!
-//! A tip that is soft across its axis, z, follows a wide sweep where the ball sticks. On a steep part of the mold the sweep, orthogonal to the
-//! normal, moves up and down along z, and the ripple cancellation corrects that. The rest across z looks like depth, but the tip only bends.
-//! So with a circle, and with an increased half period, both the depth and its component along z must lack a response.
+//! A tip that is soft across its axis, z, follows a wide sweep where the ball sticks. On a steep part of the mold the
+//! sweep, orthogonal to the normal, moves up and down along z, and the ripple cancellation corrects that. The rest
+//! across z looks like depth, but the tip only bends. So with a circle, and with an increased half period, both the
+//! depth and its component along z must lack a response.
 
 use control_blocks::{Frozen, ticks};
 use nalgebra::Vector3;
@@ -22,7 +24,8 @@ use crate::motion::stick_slip::bends;
 
 /// Fraction of the normal from which on an axis carries the force.
 const CARRIES: f64 = 0.5;
-/// Noise of a depth beyond the step of the encoders that is no way, in deviations: the farthest two of 10,000 samples are 7.7 apart.
+/// Noise of a depth beyond the step of the encoders that is no way, in deviations: the farthest two of 10,000 samples
+/// are 7.7 apart.
 const NOISES: f64 = 8.0;
 /// Memory of the answer to the depth, s: 5 um at `approach.velocity`.
 const ANSWER_TIME: f64 = 0.01;
@@ -261,7 +264,8 @@ mod tests {
         }
     }
 
-    /// What is wrong on a path that is steep by 0.13, where the axes go round for 0.1 s with `radius` m, without z, and sink by `sunk` m.
+    /// What is wrong on a path that is steep by 0.13, where the axes go round for 0.1 s with `radius` m, without z, and
+    /// sink by `sunk` m.
     fn round(evaluation: Evaluation, radius: f64, sunk: f64) -> Option<Fault> {
         let offset = |k: u32| {
             let angle = std::f64::consts::TAU * f64::from(k) / 20.0;
@@ -291,8 +295,8 @@ mod tests {
         }
     }
 
-    /// The fault with 10 um of encoder noise, during the descent and for 4 s in which the force stays within its band and the
-    /// tool sinks by `sunk` m.
+    /// The fault with 10 um of encoder noise, during the descent and for 4 s in which the force stays within its band
+    /// and the tool sinks by `sunk` m.
     fn noisy(sweep: Mode, sunk: f64) -> Option<Fault> {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(8);
         let mut depth = |depth: f64| -> Vector3<f64> {

@@ -1,5 +1,5 @@
-//! Noise of a measurement from its second difference, which slow signals do not affect. White noise of the standard deviation s has
-//! d = y(k) - 2 y(k-1) + y(k-2) with the variance 6 s^2.
+//! Noise of a measurement from its second difference, which slow signals do not affect. White noise of the standard
+//! deviation s has d = y(k) - 2 y(k-1) + y(k-2) with the variance 6 s^2.
 
 use serde::{Deserialize, Serialize};
 

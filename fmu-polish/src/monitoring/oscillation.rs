@@ -1,6 +1,7 @@
-//! Detects oscillations of the force about its target by counting sign changes of the error. The errors are means over whole periods of the
-//! stick-slip motion, whose ripple is not an oscillation of the loop. A sign change is used only if it follows within half of the time in
-//! which the path can reverse, since a mold that is off causes one per revolution.
+//! Detects oscillations of the force about its target by counting sign changes of the error. The errors are means over
+//! whole periods of the stick-slip motion, whose ripple is not an oscillation of the loop. A sign change is used only
+//! if it follows within half of the time in which the path can reverse, since a mold that is off causes one per
+//! revolution.
 
 use std::f64::consts::PI;
 
@@ -9,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// Mean error of an oscillation, over the maximum force error: an oscillation that grows threefold in each half period is detected after three.
+/// Mean error of an oscillation, over the maximum force error: an oscillation that grows threefold in each half period
+/// is detected after three.
 const OSCILLATION: f64 = 0.2;
 /// Consecutive sign changes: one and a half periods.
 const CHANGES: u32 = 3;

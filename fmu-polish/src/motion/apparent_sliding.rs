@@ -1,9 +1,10 @@
 //! Apparent sliding: through a sensor that is faster than configured, a tip that only bends on a circle seems to slide.
 //!
-//! The force of a tip that rotates with the axes is in phase with their position. Through a sensor with less lag than configured it leads the
-//! sensed travel by an angle e. It seems to do the work of a ball that slides at sin e of the speed of the axes. A ball never slides backwards.
-//! So sin e is at most the minimum fraction in the cycle, for any sensor, and at most that of a sensor twice as fast as configured:
-//! e = atan(w / b) - atan(w / 2 b) at w rad/s of rotation and b rad/s of bandwidth.
+//! The force of a tip that rotates with the axes is in phase with their position. Through a sensor with less lag than
+//! configured it leads the sensed travel by an angle e. It seems to do the work of a ball that slides at sin e of the
+//! speed of the axes. A ball never slides backwards. So sin e is at most the minimum fraction in the cycle, for any
+//! sensor, and at most that of a sensor twice as fast as configured: e = atan(w / b) - atan(w / 2 b) at w rad/s of
+//! rotation and b rad/s of bandwidth.
 
 use std::f64::consts::PI;
 

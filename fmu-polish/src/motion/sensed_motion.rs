@@ -1,4 +1,5 @@
-//! The travel of the axes through the lag of the sensor, for the work against the lateral force: otherwise a bent tip would seem to do work.
+//! The travel of the axes through the lag of the sensor, for the work against the lateral force: otherwise a bent tip
+//! would seem to do work.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,8 @@ pub struct SensedMotion {
 }
 
 impl SensedMotion {
-    /// Takes the force (N) and the position (m) of a sample; returns the mean force since the last one, and the sensed travel in that time.
+    /// Takes the force (N) and the position (m) of a sample; returns the mean force since the last one, and the sensed
+    /// travel in that time.
     pub fn step(
         &mut self,
         p: &Parameters,
@@ -37,8 +39,8 @@ impl SensedMotion {
     }
 }
 
-/// White noise of the position after the lag, over its standard deviation. With the lag 1 / l in samples, a = exp(-l) and c = (1 - a) / l the
-/// position is sensed by 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
+/// White noise of the position after the lag, over its standard deviation. With the lag 1 / l in samples, a = exp(-l)
+/// and c = (1 - a) / l the position is sensed by 1 - c in its own sample and by c (1 - a) a^(k-1) k samples later.
 pub fn sensed_noise(p: &Parameters) -> f64 {
     let lag = p.sensor_bandwidth * p.sample_period;
     let keep = (-lag).exp();

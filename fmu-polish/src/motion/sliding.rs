@@ -1,12 +1,13 @@
-//! Detects whether the ball slides or the tip only bends, from the work of the axes against the lateral force. If the ball slides too
-//! little, K_v increases, then the half period.
+//! Detects whether the ball slides or the tip only bends, from the work of the axes against the lateral force. If the
+//! ball slides too little, K_v increases, then the half period.
 //!
-//! A bend of the tip is reversible. So over whole periods the integrals of F . dx and of |F| F . dx contain only the sliding, with the forces
-//! F across the normal and the travels dx of the axes. With the work W = -sum(F . dx) and Q = -sum(|F| F . dx) the friction is Q / W and
-//! the sliding distance W^2 / Q. No stiffness of the tip is needed. Without sliding W and Q are noise, so the friction is at least the
-//! root mean square of F. The travel passes through the lag of the sensor; otherwise a bent tip would seem to do work. All of this holds
-//! for a circle too. A ball that is dragged does W = mu F by its sliding distance. A ball that sticks does none, as its bend is orthogonal
-//! to the motion.
+//! A bend of the tip is reversible. So over whole periods the integrals of F . dx and of |F| F . dx contain only the
+//! sliding, with the forces F across the normal and the travels dx of the axes. With the work W = -sum(F . dx) and Q =
+//! -sum(|F| F . dx) the friction is Q / W and the sliding distance W^2 / Q. No stiffness of the tip is needed. Without
+//! sliding W and Q are noise, so the friction is at least the root mean square of F. The travel passes through the lag
+//! of the sensor; otherwise a bent tip would seem to do work. All of this holds for a circle too. A ball that is
+//! dragged does W = mu F by its sliding distance. A ball that sticks does none, as its bend is orthogonal to the
+//! motion.
 
 use control_blocks::ticks;
 use nalgebra::Vector3;
@@ -126,9 +127,10 @@ impl Sliding {
         }
     }
 
-    /// Changes the half period after sample `k` of the sweep, if this ends a period: increases one that is too short, or restores the
-    /// configured one; returns whether it has changed. A linear sweep is then in its middle; a circle starts where it is, half its width off
-    /// the path. K_v starts from its configured value, and earlier measurements are discarded.
+    /// Changes the half period after sample `k` of the sweep, if this ends a period: increases one that is too short,
+    /// or restores the configured one; returns whether it has changed. A linear sweep is then in its middle; a circle
+    /// starts where it is, half its width off the path. K_v starts from its configured value, and earlier measurements
+    /// are discarded.
     pub fn restarts(&mut self, p: &Parameters, k: u32) -> bool {
         let law = &p.stick_slip;
         let lengthened = if self.short {
@@ -163,10 +165,11 @@ impl Sliding {
 
 /// Increase of K_v = `velocity` (m/s) where the ball slides at `speed` (m/s).
 ///
-/// In a linear sweep each m/s of K_v is one of sliding. On a circle the ball slides at s, s^2 = c^2 (K_v^2 - K_0^2) with c = pi / 2, and it
-/// sticks up to K_0. This is steep, so K_v^2 increases by the missing part of s^2 over c^2. If the ball sticks, only K_0 > K_v is known.
-/// Static friction is larger by r: a ball at rest breaks loose at r K_0, and a ball that slides at a lower K_v sticks for good after any
-/// stop. So K_v never falls to a value at which the ball slid too little earlier in the cycle.
+/// In a linear sweep each m/s of K_v is one of sliding. On a circle the ball slides at s, s^2 = c^2 (K_v^2 - K_0^2)
+/// with c = pi / 2, and it sticks up to K_0. This is steep, so K_v^2 increases by the missing part of s^2 over c^2. If
+/// the ball sticks, only K_0 > K_v is known. Static friction is larger by r: a ball at rest breaks loose at r K_0, and
+/// a ball that slides at a lower K_v sticks for good after any stop. So K_v never falls to a value at which the ball
+/// slid too little earlier in the cycle.
 fn rise(p: &Parameters, velocity: f64, speed: f64) -> f64 {
     let (desired, c) = (desired_speed(p), fastest(&p.stick_slip));
     match p.stick_slip.mode {
@@ -246,8 +249,9 @@ mod tests {
         assert!(actual == 0.0 && stuck.speed.unwrap().abs() < 0.3e-3, "{stuck:?}");
     }
 
-    /// A tip of `stiffness` N/m whose ball slides at `friction` N, on axes that rotate as commanded by `sliding`, through the
-    /// lag of a sensor that is `faster` times as fast as configured; for `time` s: the true mean speed of sliding in the last window.
+    /// A tip of `stiffness` N/m whose ball slides at `friction` N, on axes that rotate as commanded by `sliding`,
+    /// through the lag of a sensor that is `faster` times as fast as configured; for `time` s: the true mean speed of
+    /// sliding in the last window.
     fn round(p: &Parameters, sliding: &mut Sliding, [stiffness, friction, faster]: [f64; 3], time: f64) -> f64 {
         const FINE: u32 = 50;
         let (mut bend, mut sensed, mut position) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());

@@ -1,10 +1,11 @@
 //! Stick-slip motion: a small velocity in addition to the feed that changes its sign (eqs. 7 to 17), or rotates.
 //!
 //! A circle is as wide as a square wave is long: radius a = K_v h T_s / 2 for h samples of half a period. So its speed is
-//! a pi / (h T_s) = (pi / 2) K_v. A tip of the stiffness k bends by d = mu F / k before the ball slides. A linear sweep loses that twice in
-//! each half period, so 2 (a - d) remain. On a circle the friction has a constant magnitude against the motion. The ball follows a circle of
-//! the radius r on which the bend d is orthogonal to its motion, r^2 + d^2 = a^2, and slides at (pi / 2) K_v sqrt(1 - d^2 / a^2). So it
-//! slides (pi / 2) sqrt((a + d) / (a - d)) times as fast as in a linear sweep. With d > a it sticks in both cases and follows the axes.
+//! a pi / (h T_s) = (pi / 2) K_v. A tip of the stiffness k bends by d = mu F / k before the ball slides. A linear sweep
+//! loses that twice in each half period, so 2 (a - d) remain. On a circle the friction has a constant magnitude against
+//! the motion. The ball follows a circle of the radius r on which the bend d is orthogonal to its motion, r^2 + d^2 =
+//! a^2, and slides at (pi / 2) K_v sqrt(1 - d^2 / a^2). So it slides (pi / 2) sqrt((a + d) / (a - d)) times as fast as
+//! in a linear sweep. With d > a it sticks in both cases and follows the axes.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -52,7 +53,8 @@ fn circle(half: u32, k: u32) -> [f64; 2] {
     [radius * cos, radius * sin]
 }
 
-/// Whether a soft tip may bend with the whole sweep: on a circle, and where the half period has been raised as far as it may.
+/// Whether a soft tip may bend with the whole sweep: on a circle, and where the half period has been raised as far as
+/// it may.
 pub fn bends(law: &StickSlip) -> bool {
     law.mode == Mode::Circular || (law.half_period_max > 0 && law.half_period >= law.half_period_max)
 }

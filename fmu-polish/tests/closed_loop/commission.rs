@@ -34,7 +34,8 @@ fn begin(run: &mut Loop, time: f64) {
     }
 }
 
-/// Runs until the commissioning run is over; the maximum lateral distance, height and depth from its start (m), and the maximum force, N.
+/// Runs until the commissioning run is over; the maximum lateral distance, height and depth from its start (m), and the
+/// maximum force, N.
 fn commission(run: &mut Loop) -> [f64; 4] {
     begin(run, 0.0);
     let (start, mut maximum) = (run.robot.position(), [0.0f64; 4]);

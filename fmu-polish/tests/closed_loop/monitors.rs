@@ -1,4 +1,5 @@
-//! Measurements and drives that fail in the middle of a cycle: the fault that is named, and how hard the tool presses meanwhile.
+//! Measurements and drives that fail in the middle of a cycle: the fault that is named, and how hard the tool presses
+//! meanwhile.
 
 mod ends;
 

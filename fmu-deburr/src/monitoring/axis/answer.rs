@@ -1,8 +1,8 @@
 //! Response of an axis to its command: sign, strength, and a command that oscillates.
 //!
-//! An offset of the drive moves the axis against the command that compensates it, as a drive of the wrong sign does. If the response is the command plus a
-//! constant, sign and strength are not evaluated. This is the case if that model leaves less than a quarter of the residual of a drive
-//! of any strength, both by least squares.
+//! An offset of the drive moves the axis against the command that compensates it, as a drive of the wrong sign does. If
+//! the response is the command plus a constant, sign and strength are not evaluated. This is the case if that model
+//! leaves less than a quarter of the residual of a drive of any strength, both by least squares.
 
 use control_blocks::{Response, Reversals};
 use serde::{Deserialize, Serialize};

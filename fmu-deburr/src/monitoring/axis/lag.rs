@@ -1,8 +1,8 @@
 //! Lag of the servo without patterns: the distance of a drive with another gain from the model of its loop.
 //!
-//! It is held at its peak and decays. A drive of gain g leaves (1/g - 1)/((1 + s/(g Kp)) (1 + s/Kp)) of the lag, later by both time
-//! constants. If the lag is at most that peak, e^(f Kp t) times the held value, it is at most (1/g - 1)/((1 - f/g)(1 - f)): with
-//! f = 0.06 half of it at g = 0.7.
+//! It is held at its peak and decays. A drive of gain g leaves (1/g - 1)/((1 + s/(g Kp)) (1 + s/Kp)) of the lag, later
+//! by both time constants. If the lag is at most that peak, e^(f Kp t) times the held value, it is at most (1/g -
+//! 1)/((1 - f/g)(1 - f)): with f = 0.06 half of it at g = 0.7.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,10 @@
 //! Counts that an encoder loses: steps of the position that no command explains, each too small for a jump.
 //!
-//! The position minus all commanded motion drifts with an offset or the gain of the drive, and bends where it accelerates. Least squares
-//! over four samples before a sample and four after it, with one slope for both, leaves the step between them. A bend in its middle contributes
-//! nothing, noise s 1.45 s. A step is used from eight counts and ten standard deviations of the residual on, at its peak. Alternating steps are
-//! noise or samples that were held; steps that add up in one direction are lost counts.
+//! The position minus all commanded motion drifts with an offset or the gain of the drive, and bends where it
+//! accelerates. Least squares over four samples before a sample and four after it, with one slope for both, leaves the
+//! step between them. A bend in its middle contributes nothing, noise s 1.45 s. A step is used from eight counts and
+//! ten standard deviations of the residual on, at its peak. Alternating steps are noise or samples that were held;
+//! steps that add up in one direction are lost counts.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +19,8 @@ const FROM_MIDDLE: [f64; SIDE] = [-1.5, -0.5, 0.5, 1.5];
 const SQUARES: f64 = 10.0;
 /// Samples less the unknowns: two means and a slope.
 const FREE: f64 = 5.0;
-/// Smallest step that is used, in counts and in standard deviations (default; nominal drives leave 4 counts, drives of 0.4 of their bandwidth 7).
+/// Smallest step that is used, in counts and in standard deviations (default; nominal drives leave 4 counts, drives of
+/// 0.4 of their bandwidth 7).
 const STEP_MIN: (f64, f64) = (8.0, 10.0);
 /// Deviation of what the fit leaves, in counts, from which it is noise that steps.
 const NOISY: f64 = 2.0;
@@ -46,7 +48,8 @@ impl Slips {
         *self = Self::default();
     }
 
-    /// Takes a measurement of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends, rad or m; what is wrong.
+    /// Takes a measurement of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends,
+    /// rad or m; what is wrong.
     pub fn update(&mut self, p: &Parameters, axis: usize, position: f64, commanded: f64) -> Finding {
         self.commanded += commanded;
         self.left.rotate_left(1);
@@ -101,7 +104,8 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// Finding for axis 3 that moves by ten counts in a sample, with `offset` as the error of its position in counts, and its sample.
+    /// Finding for axis 3 that moves by ten counts in a sample, with `offset` as the error of its position in counts,
+    /// and its sample.
     fn first_finding(offset: impl Fn(u32) -> f64) -> Option<(u32, Finding)> {
         let (mut slips, pulse) = (Slips::default(), P.axis[2].pulse);
         (0..1000).find_map(|k| {

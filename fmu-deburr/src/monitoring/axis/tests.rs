@@ -240,8 +240,8 @@ fn a_compensation_moves_the_model_as_the_reference_does() {
     assert!((monitor.model.position() - 140.0).abs() < 1e-6);
 }
 
-/// The first thing that is said in half a minute in which an offset (counts in a sample) comes in the sample `begin`, after a motion
-/// of 0.1 m/s for this number of samples.
+/// The first thing that is said in half a minute in which an offset (counts in a sample) comes in the sample `begin`,
+/// after a motion of 0.1 m/s for this number of samples.
 fn fault_of_an_offset(offset: f64, begin: usize, motion: usize) -> Option<Fault> {
     let mut bench = Bench::new();
     let outcome = (0..3000).map(|k| {

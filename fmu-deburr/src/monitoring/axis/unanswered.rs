@@ -1,10 +1,11 @@
 //! Commanded motion without a response of the position.
 //!
-//! A drive has an offset. At rest the axis is where the command cancels it, and what is commanded there is not without response. The
-//! command at the last change of the position while the model was at rest is the offset, within the band of the position. An offset that comes in motion, or
-//! immediately with an axis at rest, comes to rest before the model. It is then the difference between commanded and measured motion, in the
-//! last travel of one band. The rest without response is a fault, but not one of the position, which would have moved as commanded before it froze. A position
-//! that drifts looks like an offset; the rest after a run detects both if they are large.
+//! A drive has an offset. At rest the axis is where the command cancels it, and what is commanded there is not without
+//! response. The command at the last change of the position while the model was at rest is the offset, within the band
+//! of the position. An offset that comes in motion, or immediately with an axis at rest, comes to rest before the
+//! model. It is then the difference between commanded and measured motion, in the last travel of one band. The rest
+//! without response is a fault, but not one of the position, which would have moved as commanded before it froze. A
+//! position that drifts looks like an offset; the rest after a run detects both if they are large.
 
 use control_blocks::Frozen;
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,8 @@ use crate::interface::Parameters;
 const BAND: f64 = 1.5;
 /// Counts in a sample below which the model is at rest, and the time in 1/Kp until the axis is at rest, too.
 const STOPPED: (f64, f64) = (0.1, 4.0);
-/// Counts from its position that a measurement may be held to have come to rest: the band, half of it in its last step, and rounding.
+/// Counts from its position that a measurement may be held to have come to rest: the band, half of it in its last step,
+/// and rounding.
 const HIDDEN: f64 = 3.0;
 
 /// Ratio of what is commanded that an offset must leave, at most, to explain it.
@@ -32,8 +34,8 @@ pub struct Unanswered {
     frozen: Frozen,
     /// motion in a sample that the command makes up for at rest, rad or m
     offset: f64,
-    /// what of the commanded motion was missing in the last way of the measurement, in a sample, how unsure that is, and whether it
-    /// explains what is commanded now
+    /// what of the commanded motion was missing in the last way of the measurement, in a sample, how unsure that is,
+    /// and whether it explains what is commanded now
     missing: f64,
     uncertain: f64,
     explained: bool,
@@ -67,7 +69,8 @@ impl Unanswered {
         self.rest = Some(if stopped { self.rest.map_or(f64::INFINITY, |rest| rest + p.sample_period) } else { 0.0 });
     }
 
-    /// Takes a measurement of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends, rad or m.
+    /// Takes a measurement of the axis `axis` (from 0) and the motion that was commanded for the sample that it ends,
+    /// rad or m.
     pub fn update(&mut self, p: &Parameters, axis: usize, position: f64, commanded: f64) {
         let (kp, pulse) = (p.servo_gain[axis], p.axis[axis].pulse);
         let decay = kp * p.sample_period;

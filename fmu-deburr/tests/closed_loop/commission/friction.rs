@@ -33,7 +33,8 @@ fn friction_is_found_within_its_deviation_and_none_is_found_where_there_is_none(
     }
 }
 
-/// Largest error of axis 3 at five speeds after the first 10 mm of the path, where its drive may have rested on either side, m.
+/// Largest error of axis 3 at five speeds after the first 10 mm of the path, where its drive may have rested on either
+/// side, m.
 fn in_the_corner(run: &mut Loop) -> f64 {
     let mut maximum = 0.0;
     for factor in [1.0, 0.9, 0.7, 0.5, 0.3] {

@@ -21,7 +21,8 @@ pub struct Reaction {
 /// An end mill on the burr of an edge.
 ///
 /// Reads the position of the tip relative to the edge from [`Edge`](super::Edge). `part` is positive while
-/// the part is present. In front of the tool is the remaining burr of its bin; after it the bins keep the deviation of the tool.
+/// the part is present. In front of the tool is the remaining burr of its bin; after it the bins keep the deviation of
+/// the tool.
 #[derive(Clone, Debug)]
 pub struct Deburring {
     burr: Burr,

@@ -31,7 +31,8 @@ pub struct Shapes {
 /// `lateral` and `depth` are the position of the center of the nose from the spindle axis and into the part. While
 /// `probing` is positive, `reading` is the depth of the lowest point of a ball that rests at the position `probe` on the
 /// section which is nearest to the angle `turned` (rad), of which `angle` is the true one; otherwise both are 0. The
-/// spindle need not turn to it: the sections stay as they were cut. While `blank` is positive the part is replaced by a new one.
+/// spindle need not turn to it: the sections stay as they were cut. While `blank` is positive the part is replaced by a
+/// new one.
 #[derive(Clone, Debug)]
 pub struct TurnedPart {
     shapes: Shapes,
