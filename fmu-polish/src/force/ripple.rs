@@ -4,9 +4,9 @@
 //! sweep along b by s . b, once up and once down during a revolution of the path. With the phase phi of the sweep and
 //! the angle theta of the path this ripple is Re sum c_n e^(j (phi + n theta)), n = +-1. Its amplitudes are constant at
 //! any rate of revolution; at a fixed phase they would have to be learned again in every quarter of a revolution. All
-//! three terms are learned together. With the complex amplitude e of the error at phi, they correct e / x, x = gain / s
-//! + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `expert.repetitive.ripple_gain`, a lossless sum. So the
-//! loop is stable for phase errors of the response below a quarter of a revolution, as without these terms.
+//! three terms are learned together. With the complex amplitude e of the error at phi, they correct e / x,
+//! x = gain / s + g |w| (1 / (s - j w) + 1 / (s + j w)), w = dtheta/dt, g = `expert.repetitive.ripple_gain`, a lossless
+//! sum. So the loop is stable for phase errors of the response below a quarter of a revolution, as without these terms.
 
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
