@@ -8,9 +8,9 @@
 //!
 //! relative to the rigid arm (m: fraction of the inertia beyond the flexure), with a zero where the tool oscillates and
 //! the hub rests: the natural frequency omega_t of the arm on the locked hub, which is what tool and hub differ by.
-//! Neither the controller nor the inertia, drive gain or delay moves that zero. With the measured T the arm is T / ((1
-//! - T) K), and G is that relative to the nominal rigid arm. The fit is of `k e^(-j omega d) N - G D`, without poles,
-//! in the factor k, the delay d, omega_t, z and m.
+//! Neither the controller nor the inertia, drive gain or delay moves that zero. With the measured T the arm is
+//! `T / ((1 - T) K)`, and G is that relative to the nominal rigid arm. The fit is of `k e^(-j omega d) N - G D`, without
+//! poles, in the factor k, the delay d, omega_t, z and m.
 
 use control_blocks::{Observation, least_squares};
 use nalgebra::{Complex, SVector};
