@@ -79,7 +79,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     if (is("init_error")) {
-        tell(c, fmi2Error, "logStatusError", "init failed on purpose", 0.0);
+        report(c, fmi2Error, "logStatusError", "init failed on purpose", 0.0);
         return fmi2Error;
     }
     if (is("init_segfault")) raise(SIGSEGV);
@@ -88,21 +88,21 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 
 fmi2Status fmi2Terminate(fmi2Component c) {
     if (is("terminate_error")) {
-        tell(c, fmi2Error, "logStatusError", "terminate failed on purpose", 0.0);
+        report(c, fmi2Error, "logStatusError", "terminate failed on purpose", 0.0);
         return fmi2Error;
     }
     return is("terminate_fatal") ? fmi2Fatal : probe_terminate(c);
 }
 
 fmi2Status fmi2Reset(fmi2Component c) {
-    if (is("reset_error")) tell(c, fmi2Error, "logStatusError", "reset failed on purpose", 0.0);
+    if (is("reset_error")) report(c, fmi2Error, "logStatusError", "reset failed on purpose", 0.0);
     return is("reset_error") ? fmi2Error : is("reset_fatal") ? fmi2Fatal : probe_reset(c);
 }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
     for (size_t i = 0; i < n; i++) {
         if (vr[i] >= REALS) {
-            tell(c, fmi2Error, "logStatusError", "there is no such value reference", 0.0);
+            report(c, fmi2Error, "logStatusError", "there is no such value reference", 0.0);
             return fmi2Error;
         }
     }
@@ -110,8 +110,8 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
 }
 
 static fmi2Status step_status(Probe *p) {
-    if (is("step_error")) tell(p, fmi2Error, "logStatusError", "doStep failed on purpose", 0.0);
-    if (is("log_bytes")) tell(p, fmi2Error, "logStatusError", "100%% \x1b[31mred [/red] \xff\xfe end", 0.0);
+    if (is("step_error")) report(p, fmi2Error, "logStatusError", "doStep failed on purpose", 0.0);
+    if (is("log_bytes")) report(p, fmi2Error, "logStatusError", "100%% \x1b[31mred [/red] \xff\xfe end", 0.0);
     if (is("log_long")) {
         char *text = malloc(LONG + 1);
         memset(text, 'A', LONG);
@@ -144,7 +144,7 @@ static void break_process(Probe *p) {
     if (is("rounding_in_step")) fesetround(FE_UPWARD);
     if (is("garbage")) for (int i = 3; i < 64; i++) if (write(i, LAUGH, sizeof LAUGH) < 0) continue;
     if (is("close_files")) for (int i = 0; i < 256; i++) close(i);
-    if (is("log_spam")) for (int i = 0; i < 20000; i++) tell(p, fmi2Warning, "logStatusWarning", "spam", 0.0);
+    if (is("log_spam")) for (int i = 0; i < 20000; i++) report(p, fmi2Warning, "logStatusWarning", "spam", 0.0);
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean prior) {
