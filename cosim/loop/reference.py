@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ from cosim.loop.plant import Plant, one_each, starts
 from cosim.loop.recorder import Recorder, Sink
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.fault import Trigger, delay_of
-from cosim.loop.wires.links import Connection, Fault, Link
+from cosim.loop.wires.links import Connection, Fault, Link, Links
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
@@ -70,12 +70,35 @@ def run(parts: Parts) -> Recording:
     CosimError
         An FMU returned an error, the plant failed, or a value on a wire is not finite; names step and time.
     """
+    links, recorder = connected(parts)
+    k = 0
+    for k, _ in steps(parts, links, recorder):  # noqa: B007
+        pass
+    parts.place.end_steps([choice.shown for choice in parts.scenario.fmus])
+    return Recording(recorder.recorded(k + 1), k + 1, links.begins)
+
+
+def connected(parts: Parts) -> tuple[Links, Recorder]:
+    """Return the connections and the recorder of a run."""
+    plant, loop = parts.plant, parts.scenario.loop
+    commands = starts(plant.commands)
+    links = Connector(parts.scenario, parts.fmus, plant, commands, parts.seed).links()
+    return links, Recorder(parts.fmus, plant, loop.steps, loop.record_every, parts.sink)
+
+
+def steps(
+    parts: Parts, links: Links, recorder: Recorder
+) -> Generator[tuple[int, NDArray[np.float64] | None]]:
+    """Do one step after the other; yield its number and its row, None if it is not recorded.
+
+    Raises
+    ------
+    CosimError
+        As for `run`.
+    """
     scenario, plant = parts.scenario, parts.plant
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
-    commands = starts(plant.commands)
-    links = Connector(scenario, parts.fmus, plant, commands, parts.seed).links()
     triggers = triggers_of(parts, links.begins)
-    recorder = Recorder(parts.fmus, plant, loop.steps, loop.record_every, parts.sink)
     place, page, interrupt = parts.place, parts.place.page, parts.interrupt
     rates = [(choice.shown, loop.every(choice.step)) for choice in scenario.fmus]
     turns = list(zip(rates, parts.fmus, links.fmus, strict=True))
@@ -100,7 +123,7 @@ def run(parts: Parts) -> Recording:
                     page.stage = Stage.STEP_PLANT
             # act: the commands of this step, or of `compute_delay` steps ago
             arrive(links.plant, k)
-            plant.command(commands)
+            plant.command(links.commands)
             recorder.room(k)
             row = recorder.record(k, time)
             if row is not None:
@@ -110,16 +133,15 @@ def run(parts: Parts) -> Recording:
             plant.advance(loop.substeps)
 
             interrupt()
+            yield k, row
             if stop_when is not None and row is not None and stop_when(row):
                 break
             if progress is not None and k % PROGRESS_EVERY == 0:
                 progress(k, loop.steps)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, GeneratorExit):
         raise
     except BaseException as error:  # a panic of Rust is no `Exception`
         raise located(error, fmu, scenario, k) from error
-    place.end_steps([choice.shown for choice in scenario.fmus])
-    return Recording(recorder.recorded(k + 1), k + 1, links.begins)
 
 
 def triggers_of(parts: Parts, begins: NDArray[np.float64]) -> list[Trigger]:

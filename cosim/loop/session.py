@@ -157,21 +157,12 @@ class Session(Closing):
         KeyboardInterrupt
             After the step in which Ctrl-C was pressed.
         """
-        scenario, place = self.scenario, self.place
+        scenario = self.scenario
         seed = scenario.loop.seed if seed is None else checked_seed(seed)
         file = None if stream is None else endings.streamed(Path(stream))
-        self.complete = False
-        self.begin()
         with located(scenario), interrupts.deferred() as interrupt:
-            undriven.report(scenario, self.fmus, self.plant)
-            fmus.initialise(scenario, self.fmus, place)
-            place.at(Stage.RESET_PLANT)
-            reference.reset_plant(self.plant, scenario, child(seed, "plant"))
-            place.at(Stage.NONE)
+            parts = replace(self.start(seed), progress=progress, interrupt=interrupt)
             result = self._result(seed)
-            parts = Parts(
-                scenario, self.fmus, self.plant, seed, self.stop, self.when, progress, interrupt, place
-            )
             begin = time.perf_counter()
             done = self._loop(parts, result, file)
             result = replace(
@@ -187,6 +178,24 @@ class Session(Closing):
             recorder.report_unlisted(self.fmus, result.columns)
             metrics = measured(scenario.metric, self.metrics, result.columns)
         return replace(result, metrics=metrics, criteria=criteria.evaluate(scenario.criterion, metrics))
+
+    def start(self, seed: int) -> Parts:
+        """Initialize the FMUs and reset the plant for a run with a valid seed; return the inputs of the run.
+
+        Raises
+        ------
+        CosimError
+            An FMU or the plant failed, or the session is closed.
+        """
+        scenario, place = self.scenario, self.place
+        self.complete = False
+        self.begin()
+        undriven.report(scenario, self.fmus, self.plant)
+        fmus.initialise(scenario, self.fmus, place)
+        place.at(Stage.RESET_PLANT)
+        reference.reset_plant(self.plant, scenario, child(seed, "plant"))
+        place.at(Stage.NONE)
+        return Parts(scenario, self.fmus, self.plant, seed, self.stop, self.when, place=place)
 
     def _loop(self, parts: Parts, known: Result, file: Path | None) -> Recording:
         """Run the closed loop; the trace goes to a file if one is given."""
