@@ -1,0 +1,165 @@
+"""A scenario as an environment of Gymnasium: an agent sets inputs in place of wires and signals."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.errors import CosimError, closest
+from cosim.extras import hint
+from cosim.loop import reference
+from cosim.loop.session import Session, located
+from cosim.loop.wires.connect import PLANT, side_of
+from cosim.loop.wires.links import Links
+from cosim.metrics.expression import Expression
+from cosim.pool.runs import loaded
+from cosim.scenario.model import Scenario, Signal
+
+try:
+    import gymnasium
+except ImportError:
+    raise CosimError("`cosim.gym` needs the package `gymnasium`", hint("gym")) from None
+
+Values = NDArray[np.float64]
+
+
+class Environment(gymnasium.Env[Values, Values]):
+    """A scenario as an environment; a step of the agent is a row of the trace.
+
+    `reset` executes the first communication step, in which the actions are 0 or the bound next to it. `step`
+    writes its action in the next `loop.record_every` communication steps and returns the row of the last one.
+    An episode is terminated if `loop.stop_when` is true and truncated by the last row of `loop.duration`. All
+    other wires, signals and injections act as in `cosim run`. FMUs and plant run in this process, in the
+    reference engine.
+
+    Parameters
+    ----------
+    scenario
+        The scenario, or its name or file as for `cosim.load`.
+    actions
+        Bounds of what the agent sets: Real inputs of FMUs (`controller.<input>`) and commands of the plant
+        (`plant.<command>`), in their units. Wires and signals to them are removed from the scenario.
+    observations
+        Columns of the trace, in their units.
+    reward
+        Expression over the columns of the row.
+
+    Raises
+    ------
+    CosimError
+        An unknown name, bounds that are not finite and increasing, a wrong expression; or as for `Session`.
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012 as in the base class
+
+    def __init__(
+        self,
+        scenario: Scenario | str | Path,
+        actions: Mapping[str, tuple[float, float]],
+        observations: Sequence[str],
+        reward: str,
+    ) -> None:
+        low, high = np.array([*actions.values()], np.float64).reshape(-1, 2).T
+        for name, *bounds in zip(actions, low.tolist(), high.tolist(), strict=True):
+            if not (np.isfinite(bounds).all() and bounds[0] < bounds[1]):
+                raise CosimError(f"the bounds of `{name}` are `{bounds}`, they must be finite and increasing")
+        self.actions = dict(zip(actions, np.clip(0.0, low, high).tolist(), strict=True))
+        self.rows: Generator[tuple[int, Values | None]] | None = None
+        self.session = Session(driven(loaded(scenario), self.actions), engine="reference")
+        try:
+            self._check(observations)
+            columns = self.session.columns
+            self.reward = Expression(reward, columns, "`reward`", rowwise=True)
+        except CosimError:
+            self.session.close()
+            raise
+        self.observed = [[*columns].index(name) for name in observations]
+        self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (len(observations),), np.float64)
+
+    def _check(self, observations: Sequence[str]) -> None:
+        """Check the names of actions and observations."""
+        session = self.session
+        inputs = [f"{fmu.name}.{v.name}" for fmu in session.fmus for v in fmu.driven if v.kind == "Real"]
+        inputs += [f"{PLANT}.{channel.name}" for channel in session.plant.commands]
+        for name in (name for name in self.actions if name not in inputs):
+            problem = f"`{name}` is not a Real input of an FMU or a command of the plant"
+            raise CosimError(problem, closest(name, inputs))
+        for name in (name for name in observations if name not in session.columns):
+            raise CosimError(f"`{name}` is not a column of the trace", closest(name, session.columns))
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Values, dict[str, Any]]:
+        """Begin an episode with the noise of `seed`, or of a new seed; `info["seed"]` is the one in use."""
+        super().reset(seed=seed, options=options)
+        self._end()
+        seed = int(self.np_random.integers(2**31)) if seed is None else seed
+        with located(self.session.scenario):
+            # `step` checks the condition itself
+            parts = replace(self.session.start(seed), stop_when=None)
+            links, recorder = reference.connected(parts)
+        self.courses = courses(parts.scenario, links, [*self.actions])
+        self.rows = reference.steps(parts, links, recorder)
+        self.k, row = self._row(self.rows)
+        return row[self.observed], {"time": float(row[0]), "seed": seed}
+
+    def step(self, action: Values) -> tuple[Values, float, bool, bool, dict[str, Any]]:
+        """Apply an action until the next row; `info["time"]` is the time of the row, s.
+
+        Raises
+        ------
+        CosimError
+            The episode has ended or did not begin, or the run failed.
+        """
+        if self.rows is None:
+            raise CosimError("the episode has ended or did not begin", "Call `reset`.")
+        loop = self.session.scenario.loop
+        for course, value in zip(self.courses, np.asarray(action, np.float64), strict=True):
+            course[self.k + 1 : self.k + 1 + loop.record_every] = value
+        self.k, row = self._row(self.rows)
+        terminated = self.session.stop is not None and bool(self.session.stop(row))
+        truncated = self.k + loop.record_every >= loop.steps
+        if terminated or truncated:
+            self._end()
+        return row[self.observed], float(self.reward(row)), terminated, truncated, {"time": float(row[0])}
+
+    def _row(self, rows: Generator[tuple[int, Values | None]]) -> tuple[int, Values]:
+        """Run to the next row; return its step too."""
+        with located(self.session.scenario):
+            return next((k, row) for k, row in rows if row is not None)
+
+    def _end(self) -> None:
+        """End the episode."""
+        if self.rows is not None:
+            self.rows.close()
+        self.rows = None
+
+    def close(self) -> None:
+        """Free the FMUs and close the plant."""
+        self._end()
+        self.session.close()
+
+
+def driven(scenario: Scenario, actions: Mapping[str, float]) -> Scenario:
+    """Scenario with a signal in place of each wire and signal to an action."""
+    signals = [signal for signal in scenario.signal if signal.to not in actions]
+    added = [Signal(to=to, times=(0.0,), values=(value,)) for to, value in actions.items()]
+    wires = [wire for wire in scenario.wire if wire.to not in actions]
+    return replace(scenario, wire=tuple(wires), signal=(*signals, *added))
+
+
+def courses(scenario: Scenario, links: Links, names: Sequence[str]) -> list[Values]:
+    """Values of some signals in every step of a run, which may be changed before the step."""
+    found: dict[str, Values] = {}
+    sides = zip([*(choice.name for choice in scenario.fmus), PLANT], [*links.fmus, links.plant], strict=True)
+    for side, connection in sides:
+        targets = [signal.to for signal in scenario.signal if side_of(signal.to) == side]
+        # the start values that injections hold follow the signals
+        found |= {to: drive.course for to, drive in zip(targets, connection.drives, strict=False)}
+    return [found[name] for name in names]

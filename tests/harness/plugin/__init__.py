@@ -1,0 +1,1 @@
+"""The plugin of pytest and the environment of Gymnasium."""
