@@ -59,7 +59,7 @@ class ScenarioFile(pytest.File):
 
         self.scenario = load(self.path)
         for identifier in [criterion.id for criterion in self.scenario.criterion] or [WITHOUT_CRITERIA]:
-            yield Criterion.from_parent(self, name=identifier)
+            yield CriterionItem.from_parent(self, name=identifier)
 
     @functools.cached_property
     def outcome(self) -> Result | Exception:
@@ -78,7 +78,7 @@ class ScenarioFile(pytest.File):
         return explained(excinfo.value) or super().repr_failure(excinfo)
 
 
-class Criterion(pytest.Item):
+class CriterionItem(pytest.Item):
     """A criterion of a scenario."""
 
     parent: ScenarioFile

@@ -1,0 +1,1 @@
+"""FMUs of others: `cosim` gives the results of FMPy."""
