@@ -105,6 +105,7 @@ def summarize(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Summary:
             found.units[metric.name] = metric.unit
         for verdict in outcome.criteria:
             found.held[verdict.criterion.id] += verdict.passed
+    found.samples = found.rows
     found.values = {name: np.array(column) for name, column in values.items()}
     return found
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -29,11 +29,13 @@ from cosim.sweep.store import DONE
 
 Array = NDArray[np.float64]
 
-FEWEST_RUNS = 10
-"""Minimum number of results; with fewer the interval would be nearly -1 .. 1."""
+FEWEST_CASES = 10
+"""Minimum number of cases with a result; with fewer the interval would be nearly -1 .. 1."""
 RESAMPLES = 400
 """Number of bootstrap samples; the ends of a 95 % interval are then accurate to a tenth of its width."""
 INTERVAL = (0.025, 0.975)
+NORMAL_95 = 1.959964
+"""Half width of the 95 % interval of a normal distribution, in standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -96,17 +98,20 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
     list of Influence
         Empty with too few results.
     """
-    done = [line for line, status in enumerate(table["status"]) if status in DONE]
-    if len(done) < FEWEST_RUNS:
+    # the repeats of a case share its values: counted one by one, noise would look like an effect
+    lines: dict[int, list[int]] = defaultdict(list)
+    for line, (case, status) in enumerate(zip(table["case"], table["status"], strict=True)):
+        if status in DONE:
+            lines[case].append(line)
+    if len(lines) < FEWEST_CASES:
         return []
     varied = dict.fromkeys(key for case in plan.cases for key in case)
-    keys = {key: column for key in varied if varies(column := numbers(table[key], done))}
+    keys = {key: column for key in varied if varies(column := means(table[key], lines))}
     names = [metric.name for metric in plan.scenario.metric]
-    metrics = {name: column for name in names if varies(column := numbers(table[f"metric.{name}"], done))}
-    cases = [table["case"][line] for line in done]
+    metrics = {name: column for name in names if varies(column := means(table[f"metric.{name}"], lines))}
     found = []
     for metric, values in metrics.items():
-        indices = sobol_of(plan, cases, values) if plan.study.design.kind == "saltelli" else {}
+        indices = sobol_of(plan, dict(zip(lines, values, strict=True)))
         found += sorted(
             (
                 Influence(metric, key, rank(column, values), *indices.get(key, ()))
@@ -117,10 +122,15 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
     return found
 
 
-def numbers(column: Sequence[Any], lines: Sequence[int]) -> Array:
-    """Values of a column as numbers; NaN for missing values and texts."""
-    values = (column[line] for line in lines)
-    return np.array([float(value) if isinstance(value, int | float) else math.nan for value in values])
+def means(column: Sequence[Any], lines: Mapping[int, Sequence[int]]) -> Array:
+    """Mean of the finite numbers of each case; NaN for texts and without a number."""
+    return np.array([mean(column[line] for line in own) for own in lines.values()])
+
+
+def mean(values: Iterable[Any]) -> float:
+    """Mean of the finite numbers; NaN without one."""
+    known = [value for value in values if isinstance(value, int | float) and math.isfinite(value)]
+    return math.fsum(known) / len(known) if known else math.nan
 
 
 def varies(column: Array) -> bool:
@@ -129,17 +139,17 @@ def varies(column: Array) -> bool:
 
 
 def rank(x: Array, y: Array) -> Estimate:
-    """Rank correlation of the rows with two finite values.
+    """Rank correlation of the cases with two finite values.
 
     Its interval is that of Bonett and Wright (2000): `artanh r` is normal with the variance
     `(1 + r^2 / 2) / (n - 3)`.
     """
     both = np.isfinite(x) & np.isfinite(y)
     count = int(np.sum(both))
-    if count < FEWEST_RUNS or not varies(x[both]) or not varies(y[both]):
+    if count < FEWEST_CASES or not varies(x[both]) or not varies(y[both]):
         return Estimate(math.nan, math.nan, math.nan)
     value = float(np.clip(np.corrcoef(ranks(x[both]), ranks(y[both]))[0, 1], -1.0, 1.0))
-    half = 1.959964 * math.sqrt((1.0 + value**2 / 2.0) / (count - 3))
+    half = NORMAL_95 * math.sqrt((1.0 + value**2 / 2.0) / (count - 3))
     # 1 is where artanh is infinite
     middle = math.atanh(math.copysign(min(abs(value), 1.0 - 1e-12), value))
     return Estimate(value, math.tanh(middle - half), math.tanh(middle + half))
@@ -153,27 +163,24 @@ def ranks(column: Array) -> Array:
     return means[group]
 
 
-def sobol_of(plan: Plan, cases: Sequence[int], values: Array) -> dict[str, tuple[Estimate, Estimate]]:
-    """Sobol indices of a metric by key, from the samples with complete results."""
-    keys = [vary.key for vary in plan.study.vary]
-    by_case: dict[int, list[float]] = defaultdict(list)
-    for case, value in zip(cases, values, strict=True):
-        by_case[case].append(float(value))
-    repeats = plan.study.design.repeats
-    # average over values that are sampled again in every repeat
-    means = [
-        np.mean(drawn) if len(drawn := by_case[case]) == repeats else math.nan
-        for case in range((plan.study.design.samples or 0) * (len(keys) + 2))
-    ]
-    table = np.array(means, dtype=np.float64).reshape((-1, len(keys) + 2))
+def sobol_of(plan: Plan, means: Mapping[int, float]) -> dict[str, tuple[Estimate, Estimate]]:
+    """Sobol indices of a metric by key, from its means by case; only complete samples count."""
+    keys, design = [vary.key for vary in plan.study.vary], plan.study.design
+    if design.kind != "saltelli":
+        return {}
+    table = np.array([means.get(case, math.nan) for case in range(len(plan.cases))])
+    table = table.reshape((-1, len(keys) + 2))
     table = table[np.all(np.isfinite(table), axis=1)]
-    if len(table) < FEWEST_RUNS:
+    if len(table) < FEWEST_CASES:
         return {}
     return dict(zip(keys, sobol(table, plan.study.seed), strict=True))
 
 
 def sobol(table: Array, seed: int) -> list[tuple[Estimate, Estimate]]:
     """First-order and total indices of each key, with bootstrap intervals.
+
+    `scipy.stats.sobol_indices` gives the same indices, but takes no number of samples other than powers of
+    two, which one lost run breaks, and no seed for its intervals.
 
     Parameters
     ----------
@@ -182,24 +189,19 @@ def sobol(table: Array, seed: int) -> list[tuple[Estimate, Estimate]]:
     seed
         Seed of the bootstrap.
     """
-    first, total = indices(table)
     rows = generator(seed).integers(len(table), size=(RESAMPLES, len(table)))
-    drawn = np.array([indices(table[row]) for row in rows])
-    low, high = np.nanquantile(drawn, INTERVAL, axis=0)
-    estimates = [
-        [Estimate(*map(float, ends)) for ends in zip(*parts, strict=True)]
-        for parts in zip((first, total), low, high, strict=True)
-    ]
-    return list(zip(*estimates, strict=True))
+    ends = np.nanquantile([indices(table[row]) for row in rows], INTERVAL, axis=0)
+    parts = np.stack([indices(table), *ends], axis=-1)
+    first, total = ([Estimate(*key) for key in order] for order in parts.tolist())
+    return list(zip(first, total, strict=True))
 
 
-def indices(table: Array) -> tuple[Array, Array]:
-    """First-order and total indices of each key."""
+def indices(table: Array) -> Array:
+    """First-order and total indices of each key, shape (2, keys)."""
     a, b, mixed = table[:, 0], table[:, 1], table[:, 2:].T
-    variance = np.var(table[:, :2])
     # less scatter than with the values as they are
     b = b - np.mean(table[:, :2])
     with np.errstate(divide="ignore", invalid="ignore"):
-        first = np.mean(b * (mixed - a), axis=1) / variance
-        total = 0.5 * np.mean(np.square(a - mixed), axis=1) / variance
-    return first, total
+        parts = np.mean([b * (mixed - a), 0.5 * np.square(a - mixed)], axis=-1)
+        fractions: Array = parts / np.var(table[:, :2])
+    return fractions

@@ -19,15 +19,15 @@ from cosim.scenario.model import Scenario
 from cosim.show.display import shorten
 from cosim.sweep.designs import Case
 from cosim.sweep.plan import Plan
-from cosim.sweep.sensitivity import Influence, influences
+from cosim.sweep.sensitivity import NORMAL_95, Influence, influences
 from cosim.sweep.store import DONE, Row, Store
 from cosim.trace.columns import Columns
 
 TIME = "time"
 """First column of the table for expressions; in a sweep the simulated time of each run, s."""
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
-NORMAL_95 = 1.959964
-"""Half width of the 95 % interval of a normal distribution, in standard deviations."""
+RANDOM = ("latin-hypercube", "sobol", "monte-carlo")
+"""Designs whose cases are a random sample of the ranges."""
 
 
 @dataclass
@@ -38,6 +38,8 @@ class Summary:
     ----------
     wanted
         Runs of the study.
+    samples
+        Independent random samples with a row; 0 if the runs are none, as those of a grid.
     columns
         Table of all rows; see `places`.
     statuses
@@ -55,6 +57,7 @@ class Summary:
     """
 
     wanted: int
+    samples: int = 0
     columns: dict[str, list[Any]] = field(default_factory=dict)
     statuses: Counter[str] = field(default_factory=Counter)
     values: dict[str, NDArray[np.float64]] = field(default_factory=dict)
@@ -74,6 +77,18 @@ class Summary:
         return sum(self.statuses[status] for status in DONE)
 
     @property
+    def rate(self) -> float:
+        """Fraction of the rows that passed."""
+        return self.statuses["passed"] / max(1, self.rows)
+
+    def interval(self, rate: float) -> tuple[float, float] | tuple[()]:
+        """Confidence interval (95 %) of a rate; empty if the runs are no random sample.
+
+        The repeats of a case are not independent: an interval of the cases is the wider one.
+        """
+        return confidence(rate, self.samples) if self.samples else ()
+
+    @property
     def passed(self) -> bool | None:
         """Whether every run of the study passed; None if all were completed without criteria."""
         if self.wanted and self.statuses["done"] == self.wanted:
@@ -82,12 +97,12 @@ class Summary:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the summary as plain data for JSON."""
-        low, high = confidence(self.statuses["passed"], self.rows)
         return {
             "runs": self.wanted,
             "rows": self.rows,
             "statuses": dict(self.statuses),
-            "success": {"rate": self.statuses["passed"] / max(1, self.rows), "low": low, "high": high},
+            "success": {"rate": self.rate}
+            | dict(zip(("low", "high"), self.interval(self.rate), strict=False)),
             "metrics": {
                 name: {
                     "unit": self.units[name],
@@ -124,6 +139,8 @@ def summarize(plan: Plan, store: Store) -> Summary:
     for name in found.units:
         values = [value for value in found.columns.get(f"metric.{name}", ()) if value is not None]
         found.values[name] = np.array(values, dtype=np.float64)
+    if plan.study.design.kind in RANDOM:
+        found.samples = len(set(found.columns["case"]))
     found.influences = influences(plan, found.columns)
     return found
 
@@ -171,11 +188,9 @@ def quantities(found: Summary) -> dict[str, NDArray[np.float64]]:
     }
 
 
-def confidence(successes: int, count: int) -> tuple[float, float]:
-    """Confidence interval (95 %) of a rate (Wilson)."""
-    if not count:
-        return 0.0, 1.0
-    rate, square = successes / count, NORMAL_95**2 / count
+def confidence(rate: float, count: int) -> tuple[float, float]:
+    """Confidence interval (95 %) of a rate in some independent samples (Wilson)."""
+    square = NORMAL_95**2 / count
     middle = (rate + square / 2.0) / (1.0 + square)
     half = math.sqrt(square * (rate * (1.0 - rate) + square / 4.0)) / (1.0 + square)
     return max(0.0, middle - half), min(1.0, middle + half)

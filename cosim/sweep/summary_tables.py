@@ -21,7 +21,7 @@ from cosim.show.plot import and_more
 from cosim.sweep import influence
 from cosim.sweep.plan import Plan
 from cosim.sweep.store import DONE
-from cosim.sweep.summary import QUANTILES, Summary, confidence, quantiles, quantities
+from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities
 
 MAX_TROUBLES = 8
 MAX_METRICS = 6
@@ -57,10 +57,9 @@ def verdict(found: Summary) -> Text:
     if found.statuses["done"]:
         line.append(f"; {NOTHING_DEMANDED}", style="not bold default")
     elif found.rows:
-        low, high = confidence(found.statuses["passed"], found.rows)
-        rate = 100.0 * found.statuses["passed"] / found.rows
-        interval = f"; {rate:.4g} % passed (95 % confidence: {100.0 * low:.3g} .. {100.0 * high:.3g} %)"
-        line.append(interval, style="not bold default")
+        ends = " .. ".join(f"{100.0 * end:.3g}" for end in found.interval(found.rate))
+        interval = f" (95 % confidence: {ends} %)" if ends else ""
+        line.append(f"; {100.0 * found.rate:.4g} % passed{interval}", style="not bold default")
     return line
 
 
@@ -162,18 +161,17 @@ def plotted_keys(plan: Plan) -> dict[str, list[str]]:
 
 def draw_rates(axes: Any, scenario: Scenario, found: Summary) -> None:
     """Bars: percentage of passed runs, and of passed results of each criterion."""
-    bars = {"all": (found.statuses["passed"], found.rows)}
-    bars |= {entry.id: (found.held[entry.id], found.results) for entry in scenario.criterion}
-    rates = [100.0 * held / max(1, count) for held, count in bars.values()]
-    intervals = [[100.0 * end for end in confidence(*pair)] for pair in bars.values()]
-    errors = [
-        [max(0.0, rate - low), max(0.0, high - rate)]
-        for rate, (low, high) in zip(rates, intervals, strict=True)
-    ]
-    axes.barh(list(bars), rates, xerr=np.transpose(errors), color="tab:green", alpha=0.7, capsize=2.0)
+    held = {entry.id: found.held[entry.id] / max(1, found.results) for entry in scenario.criterion}
+    rates = {"all": found.rate, **held}
+    ends = [found.interval(rate) or (rate, rate) for rate in rates.values()]
+    errors = [[rate - low, high - rate] for rate, (low, high) in zip(rates.values(), ends, strict=True)]
+    # rounding may leave an end on the wrong side of the rate
+    spread = 100.0 * np.transpose(errors).clip(0.0) if found.samples else None
+    percent = [100.0 * value for value in rates.values()]
+    axes.barh(list(rates), percent, xerr=spread, color="tab:green", alpha=0.7, capsize=2.0)
     axes.invert_yaxis()
     axes.set_xlim(0.0, 100.0)
-    axes.set_xlabel("passed in (%), 95 % confidence")
+    axes.set_xlabel("passed in (%)" + (", 95 % confidence" if found.samples else ""))
 
 
 def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: dict[str, list[str]]) -> None:
@@ -194,8 +192,9 @@ def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: 
             axes[0].axvline(limit, color="tab:red", linestyle="--", label=f"limit {number(limit)}")
         for place, (key, texts) in zip(axes[1:], keys.items(), strict=True):
             at = np.array([place_of(value, texts) for value in columns[key]])[done]
-            place.plot(at[~failed], values[~failed], ".", markersize=3.0, color="tab:blue")
-            place.plot(at[failed], values[failed], "x", markersize=4.0, color="tab:red")
+            # as pixels: a million vectors would be a file of gigabytes
+            place.plot(at[~failed], values[~failed], ".", markersize=3.0, color="tab:blue", rasterized=True)
+            place.plot(at[failed], values[failed], "x", markersize=4.0, color="tab:red", rasterized=True)
             place.set_xlabel(key)
             place.set_ylabel(name)
             if texts:

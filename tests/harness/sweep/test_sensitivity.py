@@ -8,14 +8,15 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.stats
 
-from cosim.sweep.designs import saltelli
-from cosim.sweep.sensitivity import rank, sobol
+from cosim.sweep.designs import DESIGNS, saltelli
+from cosim.sweep.sensitivity import influences, rank, sobol
 from cosim.sweep.varied import Vary
 
 from ..conftest import END
@@ -125,6 +126,29 @@ def test_noise_is_not_clear_of_zero_and_a_constant_says_nothing() -> None:
     found = rank(random.normal(size=30), random.normal(size=30))
     assert found.low < 0.0 < found.high
     assert math.isnan(rank(np.ones(30), random.normal(size=30)).value)
+
+
+def is_significant(kind: str, cases: int, repeats: int, seed: int) -> bool:
+    """Whether a key without effect is shown as one with an effect."""
+    random = np.random.default_rng(seed)
+    keys = [Vary(f"plant.k{index}", minimum=0.0, maximum=1.0) for index in range(2)]
+    design = DESIGNS[kind](keys, cases, seed)
+    rows = [number for number in range(cases) for _ in range(repeats)]
+    values = [design[number]["plant.k0"] + 0.05 * random.normal() for number in rows]
+    columns: dict[str, list[Any]] = {key.key: [design[number][key.key] for number in rows] for key in keys}
+    columns |= {"case": rows, "status": ["passed"] * len(rows), "metric.y": values}
+    study = SimpleNamespace(design=SimpleNamespace(kind=kind), vary=keys)
+    plan: Any = SimpleNamespace(
+        cases=design, study=study, scenario=SimpleNamespace(metric=[SimpleNamespace(name="y")])
+    )
+    found = {influence.key: influence.rank for influence in influences(plan, columns)}
+    return found["plant.k1"].low > 0.0 or found["plant.k1"].high < 0.0
+
+
+@pytest.mark.parametrize("kind", ["latin-hypercube", "monte-carlo"])
+def test_repeats_of_a_case_do_not_make_a_key_significant(kind: str) -> None:
+    # nominally 10 of 200; three standard deviations of that are 9.2. Rows counted one by one give over 90
+    assert sum(is_significant(kind, 50, 10, seed) for seed in range(200)) <= 20
 
 
 STUDY = """
