@@ -12,9 +12,10 @@ from cosim import paths
 from cosim.compare.tube import interpolated
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.loop.result import Result
+from cosim.metrics.criteria import Verdict
 from cosim.optimize.problem import Problem
 from cosim.scenario.model import Criterion, Scenario
-from cosim.sweep.store import DONE, Row
+from cosim.sweep.store import DONE, Row, verdicts
 from cosim.trace.files import read
 from cosim.trace.stored import StoredTrace
 
@@ -130,7 +131,7 @@ def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float
     return float(np.mean(np.concatenate(squares)))
 
 
-def score(problem: Problem, scenario: Scenario, rows: Sequence[Row]) -> Score:
+def score(problem: Problem, criteria: Sequence[Criterion], rows: Sequence[Row]) -> Score:
     """Score of a trial from the rows of its runs."""
     lost = next((row for row in rows if row["status"] not in DONE), None)
     if lost is not None:
@@ -140,25 +141,23 @@ def score(problem: Problem, scenario: Scenario, rows: Sequence[Row]) -> Score:
     if not math.isfinite(value):
         early = ": the run ended before the measured trace" if (name, value) == (MISFIT, math.inf) else ""
         return Score(None, reason=f"`{name}` is {value}{early}")
-    held = scenario.criterion if problem.objective.metric else ()
-    return Score(value, tuple(max(violation(entry, row) for row in rows) for entry in held))
+    runs = zip(*(verdicts(row, criteria) for row in rows), strict=True)
+    return Score(value, tuple(max(map(violation, found)) for found in runs))
 
 
-def violation(criterion: Criterion, row: Row) -> float:
+def violation(verdict: Verdict) -> float:
     """Violation of a criterion relative to its limit; 0 if it passed.
 
-    The verdict of the run decides; the distance only guides the search.
+    The verdict decides; the distance only guides the search.
     """
-    if row["criteria"][criterion.id]:
+    if verdict.passed:
         return 0.0
-    value = float(row["metrics"][criterion.metric])
-    if not math.isfinite(value):
+    if not math.isfinite(verdict.value):
         return 1.0 / VIOLATED
-    limits = (criterion.minimum, criterion.maximum, criterion.equals)
-    signs = (-1.0, 1.0, 0.0)
-    beyond = []
-    for limit, sign in zip(limits, signs, strict=True):
-        if limit is not None:
-            distance = sign * (value - float(limit)) if sign else abs(value - float(limit))
-            beyond.append(distance / (abs(float(limit)) or 1.0))
+    signs = {">=": -1.0, "<=": 1.0}
+    beyond = [
+        (signs[relation] * (verdict.value - limit) if relation in signs else abs(verdict.value - limit))
+        / (abs(limit) or 1.0)
+        for relation, limit in verdict.limits
+    ]
     return min(max(VIOLATED, *beyond), 1.0 / VIOLATED)

@@ -50,7 +50,7 @@ class Runner(Closing):
 
     def row(self, run: Run, outcome: Outcome) -> Row:
         """Row of a run; in a calibration with its distance from the measured trace."""
-        row, target = row_of(run, outcome), self.variants.target
+        row, target = row_of(run, outcome, self.variants.criteria), self.variants.target
         if isinstance(outcome, Result) and target is not None:
             distance = misfit(outcome, target, self.variants.problem.objective.columns)
             row["metrics"] = {**row["metrics"], MISFIT: plain(distance)}

@@ -51,8 +51,8 @@ def search(
             runs = [variants.runs(number, proposer.propose(number)) for number in numbers]
             runner.do([run for group in runs for run in group], store)
             for group in runs:
-                rows = [row for run in group if (row := store.row(run)) is not None]
-                worth = score(variants.problem, variants.scenario, rows)
+                rows = [row for run in group if (row := store.row(run, variants.criteria)) is not None]
+                worth = score(variants.problem, variants.criteria, rows)
                 trials.append(Trial(group[0].case, group[0].changes, worth))
                 proposer.report(trials[-1])
             if all(trial.score.value is None for trial in trials):

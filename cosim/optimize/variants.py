@@ -49,6 +49,7 @@ class Variants:
             text = f"{self.origin}: `objective.metric` = `{metric}` is not a metric of the scenario"
             raise ScenarioError(text, closest(metric, names))
         self.target = measured(problem, self.scenario)
+        self.criteria = self.scenario.criterion if metric else ()
         self.seeds = problem.search.seeds or (self.scenario.loop.seed,)
         wanted = {
             "target": "" if self.target is None else digest(self.target.file),
@@ -65,8 +66,8 @@ class Variants:
         return replace(build(merged), name=paths.scenario_name(self.file), file=self.file)
 
     def job(self, run: Run, engine: Engine) -> Job:
-        """Job of one run, which keeps its trace if it is compared."""
-        scenario = self.at(run.changes)
+        """Job of one run, which keeps its trace if it is compared; its row is evaluated later."""
+        scenario = replace(self.at(run.changes), criterion=())
         fmus = tuple(digest(paths.find_fmu(choice.fmu, scenario.folder)) for choice in scenario.fmus)
         return Job(scenario, run.seed, engine, self.target is not None, fmus)
 

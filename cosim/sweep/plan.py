@@ -23,7 +23,7 @@ from cosim.loop.session import located
 from cosim.pool.job import Job
 from cosim.scenario import overrides
 from cosim.scenario.load import build
-from cosim.scenario.model import FmuChoice, Scenario
+from cosim.scenario.model import Criterion, FmuChoice, Scenario
 from cosim.scenario.toml import toml_value
 from cosim.sweep.designs import DESIGNS, Case
 from cosim.sweep.run_hash import digest, finished, leaf, plant_of, project, section, total
@@ -101,6 +101,7 @@ class Plan:
         self.totals = {name: total(section(name, part)) for name, part in self.base.table.items()}
         self.named = (*(choice.name for choice in self.scenario.fmus), "plant")
         self.settings: dict[str, Setting] = {}
+        self.changed_criteria: dict[str, tuple[Criterion, ...]] = {}
         self.cases: Sequence[Case] = study.case
         if study.design.kind != "list":
             self.cases = DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed)
@@ -155,6 +156,15 @@ class Plan:
     def build(self, merged: overrides.Overrides) -> Scenario:
         """Scenario of one case."""
         return build(merged, (self.base, self.scenario))
+
+    def criteria(self, run: Run) -> tuple[Criterion, ...]:
+        """Criteria of a run: those of the scenario, unless its case changes them."""
+        changes = {key: value for key, value in run.changes.items() if key.startswith("criterion.")}
+        name = repr(changes)
+        if name not in self.changed_criteria:
+            found = self.build(self.merged(changes, run.case)) if changes else self.scenario
+            self.changed_criteria[name] = found.criterion
+        return self.changed_criteria[name]
 
     def seed(self, number: int) -> int:
         """Seed of one run: from its number, independent of the order of execution."""

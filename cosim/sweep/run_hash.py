@@ -18,8 +18,8 @@ from cosim.loop import own_code, plant
 from cosim.pool import trial
 from cosim.scenario.overrides import is_tables
 
-PRESENTATION = ("title", "description", "plot")
-"""Parts of a scenario without effect on results."""
+NO_EFFECT = ("title", "description", "plot", "criterion")
+"""Parts of a scenario without effect on metrics; criteria are evaluated again whenever a row is read."""
 PACKAGES = ("mujoco-core", "fmpy", "numpy")
 """Their versions are part of every hash."""
 ROOMS = ("fmu", "loop", "metrics", "scenario")
@@ -48,8 +48,8 @@ def finished(summed: int, seed: int) -> bytes:
 
 
 def section(name: str, value: Any) -> dict[str, Any]:
-    """Every value in a part of a scenario by its location; none without effect on results."""
-    return {} if name in PRESENTATION else dict(values(name, value))
+    """Every value in a part of a scenario by its location; none without effect on metrics."""
+    return {} if name in NO_EFFECT else dict(values(name, value))
 
 
 def values(key: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -6,6 +6,7 @@ import contextlib
 import logging
 import math
 from collections.abc import Callable, Generator, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from cosim import paths
@@ -27,7 +28,7 @@ Observer = Callable[[Row], None]
 
 
 def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool = False) -> None:
-    """Execute the runs without a row.
+    """Execute the runs without a row; evaluate the others again if the criteria changed.
 
     After any interruption, such as Ctrl-C, the written rows remain and the next call continues from them.
 
@@ -42,8 +43,10 @@ def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool =
     again
         Whether runs without a result (`error`, `crashed`, `timeout`, `memory`, `lost`) are repeated.
     """
+    for number in {plan.runs.hash(number): number for number in range(len(plan.runs))}.values():
+        store.refresh(run := plan.runs[number], plan.criteria(run))
     for run, outcome in outcomes(plan, pending(plan, store, again), pool, keep_trace=False):
-        row = row_of(run, outcome)
+        row = row_of(run, outcome, plan.criteria(run))
         store.append(row)
         observe(row)
 
@@ -60,6 +63,9 @@ def outcomes(
 ) -> Iterator[tuple[Run, Outcome]]:
     """Yield runs with their outcomes in order of completion; scenarios are built on demand."""
     jobs = ((number, plan.job(plan.runs[number], keep_trace)) for number in numbers)
+    if not keep_trace:
+        # an error in a criterion must not become the row of a run that does not depend on it
+        jobs = ((number, replace(job, scenario=replace(job.scenario, criterion=()))) for number, job in jobs)
     with contextlib.closing(pool(jobs)) as done:
         for number, outcome in done:
             yield plan.runs[number], outcome
@@ -76,7 +82,7 @@ def save_traces(plan: Plan, store: Store, found: Summary, pool: Pool, plots: boo
         return
     make(folder)
     for run, outcome in outcomes(plan, missing, pool, keep_trace=True):
-        before = store.row(run)
+        before = store.row(run, ())
         if not isinstance(outcome, Result) or before is None:
             log.warning("run %d could not be repeated for its trace: %s", run.number, outcome)
             continue

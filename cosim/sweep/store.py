@@ -6,8 +6,9 @@ import contextlib
 import errno
 import json
 import logging
+import math
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, NoReturn
@@ -18,8 +19,9 @@ from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.formatting.strict import plain
 from cosim.loop.result import Result
-from cosim.metrics.criteria import Verdict
+from cosim.metrics.criteria import Measured, Verdict, evaluate
 from cosim.pool.job import Outcome
+from cosim.scenario.model import Criterion
 from cosim.scenario.tables import parse
 from cosim.sweep.plan import Run
 from cosim.writing import naming
@@ -141,13 +143,24 @@ class Store(Closing):
         """Status of the run with a hash; empty without a row."""
         return self.places.get(name, (0, ""))[1]
 
-    def row(self, run: Run) -> Row | None:
-        """Row of a run, with the number it has in this study."""
-        if run.hash not in self.places:
+    def stored(self, name: str) -> Row | None:
+        """Row with a hash as it was written."""
+        if name not in self.places:
             return None
-        self.reader.seek(self.places[run.hash][0])
+        self.reader.seek(self.places[name][0])
         row: Row = json.loads(self.reader.readline())
-        return {**row, "run": run.number, "case": run.case}
+        return row
+
+    def row(self, run: Run, criteria: Sequence[Criterion]) -> Row | None:
+        """Row of a run, with the number and the values it has in this study, evaluated by some criteria."""
+        stored = self.stored(run.hash)
+        return stored and evaluated({**stored, **described(run)}, criteria)
+
+    def refresh(self, run: Run, criteria: Sequence[Criterion]) -> None:
+        """Write the row of a run again if other criteria change its verdicts."""
+        stored, row = self.stored(run.hash), self.row(run, criteria)
+        if stored and row and stored.get("criteria") != row.get("criteria"):
+            self.append(row)
 
     def close(self) -> None:
         """Close the file."""
@@ -199,22 +212,28 @@ def status_of(held: Collection[bool]) -> str:
     return ("passed" if all(held) else "failed") if held else "done"
 
 
-def row_of(run: Run, outcome: Outcome) -> Row:
-    """Row of a run and its outcome."""
+def described(run: Run) -> Row:
+    """Part of a row that is known before the run."""
     changes = {key: plain(value) for key, value in run.changes.items()}
-    row: Row = {"run": run.number, "case": run.case, "seed": run.seed, "set": changes, "hash": run.hash}
+    return {"run": run.number, "case": run.case, "seed": run.seed, "set": changes, "hash": run.hash}
+
+
+def row_of(run: Run, outcome: Outcome, criteria: Sequence[Criterion] = ()) -> Row:
+    """Row of a run and its outcome, evaluated by some criteria."""
+    row = described(run)
     if isinstance(outcome, Result):
-        return {
+        result = {
             **row,
-            "status": VERDICTS[outcome.passed],
-            "reason": failed(outcome.criteria),
+            "status": "done",
+            "reason": "",
             "metrics": {metric.name: plain(metric.value) for metric in outcome.metrics.values()},
             "units": {metric.name: metric.unit for metric in outcome.metrics.values()},
-            "criteria": {verdict.criterion.id: verdict.passed for verdict in outcome.criteria},
+            "criteria": {},
             "engine": outcome.engine,
             "simulated_s": outcome.simulated_s,
             "wall_s": outcome.wall_s,
         }
+        return evaluated(result, criteria)
     return {
         **row,
         "status": getattr(outcome, "status", "error"),
@@ -223,6 +242,24 @@ def row_of(run: Run, outcome: Outcome) -> Row:
     }
 
 
-def failed(verdicts: list[Verdict]) -> str:
-    """Failed criteria, as text."""
-    return ", ".join(verdict.criterion.id for verdict in verdicts if not verdict.passed)
+def evaluated(row: Row, criteria: Sequence[Criterion]) -> Row:
+    """Row with status, reason and verdicts by some criteria; unchanged without a result.
+
+    Raises
+    ------
+    ExpressionError
+        A metric does not convert to the unit of a criterion.
+    """
+    if row["status"] in TROUBLES:
+        return row
+    held = {verdict.criterion.id: verdict.passed for verdict in verdicts(row, criteria)}
+    reason = ", ".join(name for name, passed in held.items() if not passed)
+    return {**row, "status": status_of(held.values()), "reason": reason, "criteria": held}
+
+
+def verdicts(row: Row, criteria: Sequence[Criterion]) -> list[Verdict]:
+    """Verdicts of a row with a result; a metric that it lacks is NaN."""
+    names = {criterion.metric for criterion in criteria}
+    values = {name: float(row["metrics"].get(name, math.nan)) for name in names}
+    measured = {name: Measured(name, value, row["units"].get(name, "")) for name, value in values.items()}
+    return evaluate(tuple(criteria), measured)

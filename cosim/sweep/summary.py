@@ -147,7 +147,7 @@ def summarize(plan: Plan, store: Store) -> Summary:
 
 def rows(plan: Plan, store: Store) -> Iterator[Row]:
     """Rows of a study in the order of its runs."""
-    return (row for run in plan.runs if (row := store.row(run)) is not None)
+    return (row for run in plan.runs if (row := store.row(run, plan.criteria(run))) is not None)
 
 
 def places(plan: Plan) -> dict[str, tuple[str, str]]:

@@ -236,7 +236,11 @@ def test_another_seed_gives_other_trials_and_a_changed_scenario_new_runs(command
     study('metric = "end"', trials=4)
     found(command)
     before = history()
+    # a limit changes no run of the first batch, a metric changes all
     write(LOOP.replace("minimum = 0.3", "minimum = 0.2"))
+    found(command)
+    assert len(Path("o.optimize/results.jsonl").read_text().splitlines()) == 4
+    write(LOOP.replace("0.5) ** 2", "0.4) ** 2"))
     found(command)
     assert len(Path("o.optimize/results.jsonl").read_text().splitlines()) == 8
     file = Path("o.toml")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+import cosim
 from cosim.errors import CosimError
 from cosim.sweep import run_hash, study
 from cosim.sweep.plan import Plan
@@ -134,3 +136,53 @@ def test_a_large_study_is_planned_without_its_runs_in_memory(write: Write, folde
     assert len({run.hash for run in plan.runs}) == 2000
     # one setting serves all runs that differ in parameters only
     assert len(plan.settings) == 1
+
+
+def test_a_changed_limit_repeats_no_run(write: Write, folder: Path) -> None:
+    write(studies.MEASURED.replace("maximum = 1.5", "maximum = 9.0"))
+    (folder / "grid.toml").write_text(studies.GRID)
+    assert studies.sweep("grid.toml").returncode == 0
+    before = (folder / "grid.sweep" / "results.jsonl").read_text().splitlines()
+    write(studies.MEASURED.replace("maximum = 1.5", "maximum = 1.0"))
+    done = studies.sweep("grid.toml")
+    rows = studies.rows(folder / "grid.sweep")
+    held = [row["metrics"]["end"] <= 1.0 for row in rows]
+    assert 0 < sum(held) < 12
+    assert [row["criteria"] for row in rows] == [{"end": passed} for passed in held]
+    assert [row["status"] for row in rows] == ["passed" if passed else "failed" for passed in held]
+    assert [row["reason"] for row in rows] == ["" if passed else "end" for passed in held]
+    assert done.returncode == 1
+    assert f"{sum(held)} passed" in done.stdout
+    # the same runs: their times did not change either
+    old = {row["hash"]: row["wall_s"] for row in map(json.loads, before)}
+    assert old == {row["hash"]: row["wall_s"] for row in rows}
+    file = folder / "grid.sweep" / "results.jsonl"
+    assert len(file.read_text().splitlines()) == 12 + 12 - sum(held)
+    # a metric that no row holds is another matter
+    write(studies.MEASURED.replace("last(plant.x) +", "2 * last(plant.x) +"))
+    studies.sweep("grid.toml")
+    assert len(studies.rows(folder / "grid.sweep")) == 24
+
+
+def test_a_unit_that_does_not_fit_ends_the_sweep_and_costs_no_run(write: Write, folder: Path) -> None:
+    write(studies.MEASURED.replace("maximum = 1.5", 'maximum = 1.5\nunit = "s"'))
+    (folder / "grid.toml").write_text(studies.GRID)
+    done = studies.sweep("grid.toml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "`criterion.end.unit` is `s`, `metric.end` is in `m`" in done.stderr
+    assert not (folder / "grid.sweep" / "results.jsonl").read_text()
+
+
+def test_criteria_may_vary_and_share_a_run(write: Write, folder: Path) -> None:
+    write(studies.MEASURED)
+    cases = [f"criterion.end.maximum = {limit}" for limit in (-9.0, 9.0)]
+    (folder / "list.toml").write_text(studies.case_list(cases).replace("[limits]", 'seeds = "repeat"\n'))
+    result = cosim.sweep("list.toml", workers=1)
+    assert [(row["set"], row["status"]) for row in result.rows] == [
+        ({"criterion.end.maximum": -9.0}, "failed"),
+        ({"criterion.end.maximum": 9.0}, "passed"),
+    ]
+    file = folder / "list.sweep" / "results.jsonl"
+    assert len(file.read_text().splitlines()) == 1
+    cosim.sweep("list.toml", workers=1)
+    assert len(file.read_text().splitlines()) == 1

@@ -131,7 +131,7 @@ with Store(Path("list.sweep")) as store:
         store.append(row_of(plan.runs[1], CosimError("a row that does not fit")))
     except CosimError as error:
         print(error.message)
-    print(store.row(plan.runs[0])["status"], store.row(plan.runs[1]))
+    print(store.row(plan.runs[0], plan.scenario.criterion)["status"], store.row(plan.runs[1], ()))
 """
 
 
