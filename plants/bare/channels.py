@@ -1,6 +1,7 @@
 """Channels of a bare MJCF: sensors, actuators and joints by name, with the units known from MuJoCo."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 from typing import Any, NamedTuple
 
 import mujoco
@@ -22,7 +23,16 @@ SENSOR_UNITS = {
 ALONG = {"JOINT": "joint", "TENDON": "tendon", "ACTUATOR": "actuator"}
 """Sensors of a joint, tendon or actuator, such as `JOINTPOS`, with the unit of that element."""
 QUANTITIES = {"POS": 0, "VEL": 1, "FRC": 2}
+INPUTS = {
+    "pos": "Position setpoint", "vel": "Velocity setpoint", "ff": "Feedforward force", "voltage": "Voltage",
+    "pressure": "Pressure", **dict.fromkeys(("rx", "ry", "rz"), "Rotation vector, setpoint"),
+    **dict.fromkeys(("qw", "qx", "qy", "qz"), "Quaternion, setpoint"),
+}  # fmt: skip
+"""Descriptions of the inputs of actuators, by MuJoCo's names."""
 VECTOR, QUATERNION = "xyz", "wxyz"
+SERVOS = (("FIXED", "AFFINE"), ("SO3", "SO3"))
+"""Kinds of gain and bias of actuators that are a servo if their numbers match."""
+PID = ("PID", "AFFINE")
 
 
 class BoundChannel(NamedTuple):
@@ -38,30 +48,38 @@ def readings(model: Any) -> tuple[BoundChannel, ...]:
     return unique(one for i in range(model.nsensor) for one in sensor(model, i))
 
 
-def commands(model: Any) -> tuple[BoundChannel, ...]:
-    """One command for each control of each named actuator; its limits are the `ctrlrange` of the MJCF."""
-    return unique(one for i in range(model.nactuator) for one in actuator(model, i))
+def commands(model: Any, data: Any) -> tuple[BoundChannel, ...]:
+    """One command for each control of each named actuator; its limits are the `ctrlrange` of the MJCF.
+
+    Its start value is the `ctrl` of `data`, which a keyframe may have set.
+    """
+    return unique(one for i in range(model.nactuator) for one in actuator(model, data, i))
 
 
-def truths(model: Any) -> tuple[BoundChannel, ...]:
-    """Positions and velocities of the named joints, commands and forces of the actuators, all sensors."""
+def truths(model: Any, data: Any) -> tuple[BoundChannel, ...]:
+    """Positions and velocities of the named joints, commands and forces of the actuators, all sensors.
 
-    def all_of_them() -> Iterator[BoundChannel]:
+    A sensor replaces the signal of a joint or actuator with the same name.
+    """
+    sensed = [
+        one._replace(channel=Channel(one.channel.name, one.channel.unit, one.channel.description))
+        for one in readings(model)
+    ]
+    names = {one.channel.name for one in sensed}
+
+    def derived() -> Iterator[BoundChannel]:
         for i in range(model.njnt):
             yield from joint(model, i)
-        for one in commands(model):
+        for one in commands(model, data):
             name, label = one.channel.name, "Command that acts in this step"
             yield BoundChannel(Channel(f"{name}.command", one.channel.unit, label), one.array, one.place)
         for i in range(model.nactuator):
             yield from force(model, i)
-        for one in readings(model):
-            channel = one.channel
-            yield BoundChannel(Channel(channel.name, channel.unit, channel.description), one.array, one.place)
 
-    return unique(all_of_them())
+    return unique(chain((one for one in derived() if one.channel.name not in names), sensed))
 
 
-def unique(bound: Iterator[BoundChannel]) -> tuple[BoundChannel, ...]:
+def unique(bound: Iterable[BoundChannel]) -> tuple[BoundChannel, ...]:
     """Return all channels, which must have different names."""
     found: dict[str, BoundChannel] = {}
     for one in bound:
@@ -89,18 +107,21 @@ def sensor(model: Any, i: int) -> Iterator[BoundChannel]:
         yield BoundChannel(channel, "sensordata", int(model.sensor_adr[i]) + index)
 
 
-def actuator(model: Any, i: int) -> Iterator[BoundChannel]:
-    """List the controls of an actuator; a passive one has none."""
-    count, first = int(model.actuator_ctrlnum[i]), int(model.actuator_ctrladr[i])
-    for index, part in enumerate(components(model.actuator(i).name, count)):
-        row = first + index
-        low, high = (
-            model.actuator_ctrlrange[row].tolist() if model.actuator_ctrllimited[row] else (None, None)
+def actuator(model: Any, data: Any, i: int) -> Iterator[BoundChannel]:
+    """List the controls of an actuator; a passive one has none, several have MuJoCo's names of its inputs."""
+    name, count = model.actuator(i).name, int(model.actuator_ctrlnum[i])
+    for k in range(count if name else 0):
+        row, of = int(model.actuator_ctrladr[i]) + k, mujoco.mj_actuatorInputName(model, i, k) or ""
+        low, high = model.actuator_ctrlrange[row].tolist()
+        limits = {"minimum": low, "maximum": high} if model.actuator_ctrllimited[row] else {}
+        channel = Channel(
+            name if count == 1 else f"{name}.{of or k + 1}",
+            command_unit(model, i, of),
+            f"{INPUTS.get(of, 'Control')} of `{name}`",
+            start=float(data.ctrl[row]),
+            **limits,
         )
-        limits = {} if low is None else {"minimum": low, "maximum": high}
-        yield BoundChannel(
-            Channel(part, command_unit(model, i), f"Control of `{part}`", **limits), "ctrl", row
-        )
+        yield BoundChannel(channel, "ctrl", row)
 
 
 def force(model: Any, i: int) -> Iterator[BoundChannel]:
@@ -189,9 +210,12 @@ def actuator_kind(model: Any, i: int) -> str:
     return "slide" if transmission == mujoco.mjtTrn.mjTRN_SLIDERCRANK else ""
 
 
-def command_unit(model: Any, i: int) -> str:
-    """Return the unit of a control: force of a motor, setpoint of a servo, otherwise unknown."""
+def command_unit(model: Any, i: int, of: str) -> str:
+    """Return the unit of an input: named in the MJCF, force of a motor, setpoint of a servo, or unknown."""
     position, velocity, effort = KINDS[actuator_kind(model, i)]
+    units = {"pos": position, "vel": velocity, "ff": effort, "voltage": "V", "pressure": "Pa"}
+    if of:
+        return units.get(of, "rad" if of[0] == "r" else "1")
     if model.actuator_gaintype[i] != mujoco.mjtGain.mjGAIN_FIXED:
         return ""
     if model.actuator_biastype[i] == mujoco.mjtBias.mjBIAS_NONE:
@@ -201,12 +225,18 @@ def command_unit(model: Any, i: int) -> str:
     return setpoints[servo(model, i)]
 
 
+def gain_and_bias(model: Any, i: int) -> tuple[str, str]:
+    """Kinds of the gain and of the bias of an actuator, by MuJoCo's names."""
+    gain, bias = mujoco.mjtGain(model.actuator_gaintype[i]), mujoco.mjtBias(model.actuator_biastype[i])
+    return gain.name.removeprefix("mjGAIN_"), bias.name.removeprefix("mjBIAS_")
+
+
 def servo(model: Any, i: int) -> str:
     """Return the setpoint kind of an actuator: `position`, `velocity`, or empty."""
     gain, bias = float(model.actuator_gainprm[i, 0]), model.actuator_biasprm[i]
-    fixed = model.actuator_gaintype[i] == mujoco.mjtGain.mjGAIN_FIXED
-    if not fixed or model.actuator_biastype[i] != mujoco.mjtBias.mjBIAS_AFFINE:
+    kinds = gain_and_bias(model, i)
+    if kinds not in (*SERVOS, PID):
         return ""
-    if gain == -bias[1]:
+    if gain == -bias[1] or kinds == PID:
         return "position"
     return "velocity" if gain == -bias[2] and bias[1] == 0.0 else ""

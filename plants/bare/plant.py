@@ -10,7 +10,7 @@ import numpy as np
 
 from machining_native import Cell
 from plants.bare import channels
-from plants.bare.parameters import INTEGRATORS, apply, named, parameters_of, start
+from plants.bare.parameters import INTEGRATORS, apply, damping_ratios, named, parameters_of, start
 from plants.base.plant import Plant, PlantError
 
 log = logging.getLogger(__name__)
@@ -20,14 +20,18 @@ class Bare(Plant):
     """A plant from one MJCF file; `load` makes its class."""
 
     file: ClassVar[Path]
+    ratios: ClassVar[dict[int, float]]
 
     def name_channels(self, p: Any) -> None:
         """Use the sensors, actuators and joints of the MJCF, with the numbers of the parameters."""
-        apply(p, self.model, self.data)
+        apply(p, self.model, self.data, self.ratios)
         self.timestep = float(self.model.opt.timestep)
+        # commands start at the `ctrl` of this state
+        mujoco.mj_resetData(self.model, self.data)
+        start(p, self.model, self.data)
         self._readings = channels.readings(self.model)
-        self._commands = channels.commands(self.model)
-        self._truths = channels.truths(self.model)
+        self._commands = channels.commands(self.model, self.data)
+        self._truths = channels.truths(self.model, self.data)
         self.readings = tuple(one.channel for one in self._readings)
         self.commands = tuple(one.channel for one in self._commands)
         self.truths = tuple(one.channel for one in self._truths)
@@ -63,11 +67,16 @@ def load(file: Path) -> type[Bare]:
     PlantError
         MuJoCo cannot read or compile the file, or two channels have one name.
     """
-    model = compiled(file)
-    parameters = parameters_of(model)
+    model, spec = compiled(file)
     # two channels of one name are a mistake of the file
-    channels.truths(model)
-    return type("Bare", (Bare,), {"__module__": __name__, "file": file, "Parameters": parameters})
+    channels.truths(model, mujoco.MjData(model))
+    members = {
+        "__module__": __name__,
+        "file": file,
+        "Parameters": parameters_of(model, spec),
+        "ratios": damping_ratios(model, spec),
+    }
+    return type("Bare", (Bare,), members)
 
 
 def fingerprint(file: Path) -> str:
@@ -78,24 +87,25 @@ def fingerprint(file: Path) -> str:
     PlantError
         As for `load`.
     """
-    model = compiled(file)
+    model, _ = compiled(file)
     buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
     mujoco.mj_saveModel(model, None, buffer)
     return hashlib.sha256(buffer.tobytes()).hexdigest()
 
 
-def compiled(file: Path) -> Any:
-    """Compile an MJCF file; an invalid number is an error, although MuJoCo only warns."""
+def compiled(file: Path) -> tuple[Any, Any]:
+    """Model and specification of an MJCF file; an invalid number is an error, although MuJoCo only warns."""
     heard: list[str] = []
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(heard.append)
     try:
-        model = mujoco.MjSpec.from_file(str(file)).compile()
+        spec = mujoco.MjSpec.from_file(str(file))
+        model = spec.compile()
         if nan := [text for text in heard if "NaN" in text]:
             raise ValueError(nan[0])
         for text in dict.fromkeys(heard):
             log.warning("MuJoCo warns of `%s`: %s", file.name, text)
-        return model
+        return model, spec
     except ValueError as error:
         lines = (
             str(error).removeprefix("XML Error: ").removeprefix("Error: ").replace(":\n", ": ").split("\n")

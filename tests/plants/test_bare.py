@@ -222,6 +222,125 @@ def test_an_actuator_has_the_numbers_that_mujoco_uses(write: Write, name: str) -
     assert actuator_parameters(write(), name) == KINDS[name]
 
 
+RATIO = {
+    "position": '<position name="servo" joint="hinge" kp="0.2" dampratio="0.7"/>',
+    "nameless": '<position joint="hinge" kp="0.2" dampratio="0.7"/><motor name="servo" joint="hinge"/>',
+    "pid": '<pid name="servo" joint="hinge" kp="0.2" dampratio="0.7" gear="2"/>',
+    "tendon": '<position name="servo" tendon="mixed" kp="0.2" dampratio="0.7"/>',
+    "orientation": '<orientation name="servo" joint="ball" kp="0.2" dampratio="0.7"/>',
+}
+CHANGES = {
+    "actuator__servo__kp": ('kp="0.2"', 'kp="0.5"', 0.5),
+    "actuator__servo__dampratio": ('dampratio="0.7"', 'dampratio="0.4"', 0.4),
+    "body__cart__mass": ('mass="1"', 'mass="2.5"', 2.5),
+    "joint__hinge__armature": ('damping="0.02"', 'damping="0.02" armature="0.7"', 0.7),
+}
+
+
+@pytest.mark.parametrize(("kind", "key"), [
+    *(("position", key) for key in CHANGES), ("nameless", "joint__hinge__armature"),
+    ("pid", "actuator__servo__kp"), ("tendon", "body__cart__mass"), ("orientation", "actuator__servo__kp"),
+])  # fmt: skip
+def test_a_damping_ratio_follows_gains_and_masses_as_in_the_file(write: Write, kind: str, key: str) -> None:
+    # inertias of the ball that differ from axis to axis
+    oblong = ('<geom type="sphere" size="0.1" pos="0 0 0.1"', '<geom type="box" size="0.1 0.2 0.4" pos="0.1 0 0"')
+    old, new, value = CHANGES[key]
+    plain = (SERVO, RATIO[kind]), oblong
+    given = build(write(*plain), **{key: value}).model
+    edited = build(write(*plain, (old, new))).model
+    unchanged = build(write(*plain)).model.actuator_biasprm[2, 2]
+    assert unchanged < 0.0
+    assert given.actuator_biasprm[2, 2] != unchanged
+    np.testing.assert_allclose(given.actuator_biasprm, edited.actuator_biasprm, rtol=1e-12)
+
+
+def test_a_servo_has_the_damping_ratio_of_the_file_instead_of_a_damping(write: Write) -> None:
+    numbers = actuator_parameters(write((SERVO, RATIO["position"])), "servo")
+    assert (numbers["dampratio"], "kv" in numbers) == ((0.7, "1"), False)
+
+
+def test_damping_from_a_spring_damper_is_described_as_constant(write: Write) -> None:
+    file = write(('damping="0.5"', 'springdamper="0.1 1"'))
+    fields = dataclasses.fields(cast(Any, plants.bare.load(file).Parameters))
+    texts = {field.metadata["key"]: field.metadata["description"] for field in fields}
+    from_masses = ", from `springdamper` and the masses of the file"
+    assert texts["joint.slide.damping"].endswith(from_masses)
+    assert texts["joint.slide.stiffness"].endswith(from_masses)
+    assert texts["joint.hinge.damping"] == "Damping of the joint"
+
+
+PID = '<pid name="servo" joint="{}" kp="0.2" kv="0.1" ki="0.3" input="pos vel ff" velrange="-2 2"/>'
+
+
+@pytest.mark.parametrize(
+    ("joint", "units"), [("slide", ["m", "m/s", "N"]), ("hinge", ["rad", "rad/s", "N.m"])]
+)
+def test_the_inputs_of_an_actuator_have_names_and_units(write: Write, joint: str, units: list[str]) -> None:
+    file = write((SERVO, PID.format(joint)))
+    channels = [one for one in build(file).commands if one.name.startswith("servo")]
+    assert [one.name for one in channels] == ["servo.pos", "servo.vel", "servo.ff"]
+    assert [one.unit for one in channels] == units
+    assert [one.maximum for one in channels] == [math.inf, 2.0, math.inf]
+    assert channels[1].description == "Velocity setpoint of `servo`"
+    numbers = {key: value for key, (value, _) in actuator_parameters(file, "servo").items()}
+    assert numbers == {"gear": 1.0, "kp": 0.2, "kv": 0.1, "ki": 0.3, "bias": 0.0}
+
+
+INPUT = {
+    "pos-ff": ('<pid name="servo" joint="hinge" input="pos ff"/>', {"servo.pos": "rad", "servo.ff": "N.m"}),
+    "vel": ('<pid name="servo" joint="hinge" input="vel"/>', {"servo": "rad/s"}),
+    "voltage": ('<dcmotor name="servo" joint="hinge" resistance="1" motorconst="1"/>', {"servo": "V"}),
+    "pressure": ('<cylinder name="servo" joint="slide"/>', {"servo": "Pa"}),
+    "quaternion": (
+        '<orientation name="servo" joint="ball" kp="1" input="quat"/>',
+        dict.fromkeys(("servo.qw", "servo.qx", "servo.qy", "servo.qz"), "1"),
+    ),
+    "rotation": (
+        '<orientation name="servo" joint="ball" kp="1"/>',
+        dict.fromkeys(("servo.rx", "servo.ry", "servo.rz"), "rad"),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", INPUT)
+def test_inputs_are_called_as_in_mujoco(write: Write, case: str) -> None:
+    text, units = INPUT[case]
+    found = {one.name: one.unit for one in build(write((SERVO, text))).commands}
+    assert {name: unit for name, unit in found.items() if name.startswith("servo")} == units
+
+
+def test_a_quaternion_command_starts_as_no_rotation(write: Write) -> None:
+    plant = build(write((SERVO, INPUT["quaternion"][0])))
+    assert [one.start for one in plant.commands if one.name.startswith("servo")] == [1.0, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("gain", ["kp", "kv", "ki"])
+def test_a_gain_of_a_pid_does_what_the_same_edit_of_the_file_does(write: Write, gain: str) -> None:
+    old = {"kp": "0.2", "kv": "0.1", "ki": "0.3"}[gain]
+    text = PID.format("hinge")
+    edited = text.replace(f'{gain}="{old}"', f'{gain}="0.9"')
+    commands: dict[str, Any] = {"servo.pos": 0.4, "servo.vel": 0.1}
+    given = run(build(write((SERVO, text)), **{f"actuator__servo__{gain}": 0.9}), **commands)
+    assert np.array_equal(given, run(build(write((SERVO, edited))), **commands))
+    assert not np.array_equal(given, run(build(write((SERVO, text))), **commands))
+
+
+def test_a_keyframe_sets_the_start_of_its_commands(write: Write) -> None:
+    file = write(('<key name="away"', '<key name="away" ctrl="3 0 0.2 -0.1 0.5"'))
+    plant = build(file, keyframe="away")
+    starts = {one.name: one.start for one in plant.commands}
+    assert starts == {"push": 3.0, "geared": 0.0, "servo": 0.2, "drive": -0.1}
+    plant.reset(1, 1.0)
+    assert plant.data.ctrl.tolist() == [3.0, 0.0, 0.2, -0.1, 0.5]
+    assert {one.start for one in build(file).commands} == {0.0}
+
+
+def test_a_sensor_replaces_the_signal_of_a_joint_with_its_name(write: Write) -> None:
+    plant = build(write(('jointpos name="x" joint="slide" noise="1e-3"', 'clock name="slide.position"')))
+    assert plant.readings[0].name == "slide.position"
+    assert [one.unit for one in plant.truths if one.name == "slide.position"] == ["s"]
+
+
 def test_an_actuator_of_another_kind_has_its_gear_only(write: Write) -> None:
     file = write((SERVO, '<muscle name="servo" joint="hinge" lengthrange="0 1"/>'))
     assert list(actuator_parameters(file, "servo")) == ["gear"]
@@ -259,7 +378,7 @@ MISTAKES = {
     "misspelt": (('damping="0.5"', 'dampin="0.5"'), r"cannot load `cart.xml`: .*`?'dampin'.*joint.*line 7"),
     "no-target": (('joint="slide" ctrl', 'joint="slid" ctrl'), r"cannot load `cart.xml`: .*'slid'.*line"),
     "broken": (("</mujoco>", ""), r"cannot load `cart.xml`: XML"),
-    "ambiguous": (('name="x"', 'name="slide.position"'), r"two channels .*`slide.position`\nhint: Rename"),
+    "ambiguous": (('name="x"', 'name="extra[1]"'), r"two channels .*`extra\[1\]`\nhint: Rename"),
     "rk4": (("implicitfast", "RK4"), r"`cart`: integrator `RK4` .*\nhint: Use `implicitfast`"),
 }
 
