@@ -1,4 +1,7 @@
-"""Handling of Ctrl-C that is never lost, whatever the process does."""
+"""Handling of Ctrl-C that is never lost, whatever the process does.
+
+SIGTERM, by which schedulers, containers and `timeout` end a program, is handled as Ctrl-C.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,9 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
 INTERRUPTED = 130
-"""Exit code of a process that Ctrl-C ended."""
+"""Exit code of a process that one of these signals ended."""
 SHOW_CURSOR = b"\r\x1b[2K\x1b[?25h"
 """Clears the line of a progress bar and restores the cursor."""
 Handler = Callable[..., Any]
@@ -25,25 +29,28 @@ def quit_at_once(*_: object) -> NoReturn:
 
 
 @contextlib.contextmanager
-def handled_by(handler: Handler) -> Iterator[None]:
-    """Let `handler` handle Ctrl-C, unless it is ignored or this is not the main thread."""
-    before = current()
-    if before is None:
-        yield
-        return
-    signal.signal(signal.SIGINT, handler)
+def handled_by(handler: Handler, *replaced: Any) -> Iterator[None]:
+    """Let `handler` handle the signals; `replaced` as in `current`."""
+    before = current(*replaced)
+    for number in before:
+        signal.signal(number, handler)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
 
 
-def current() -> Handler | None:
-    """Present handler of Ctrl-C; None if it must not be changed."""
-    handler = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(handler):
-        return None
-    return handler
+def current(*replaced: Any) -> dict[int, Any]:
+    """Present handlers that may be changed, by signal; none outside the main thread.
+
+    An ignored signal stays ignored. In a program of others, SIGTERM keeps its default effect: only the
+    command line replaces it, by passing `SIG_DFL`.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return {}
+    found = {number: signal.getsignal(number) for number in SIGNALS}
+    return {number: handler for number, handler in found.items() if callable(handler) or handler in replaced}
 
 
 @contextlib.contextmanager
@@ -51,7 +58,8 @@ def raising() -> Iterator[None]:
     """Let the first Ctrl-C raise KeyboardInterrupt, to close resources; the second ends the process."""
 
     def handler(*arguments: object) -> None:
-        signal.signal(signal.SIGINT, quit_at_once)
+        for number in current():
+            signal.signal(number, quit_at_once)
         raise KeyboardInterrupt
 
     with handled_by(handler):
@@ -65,19 +73,16 @@ def deferred() -> Iterator[Callable[[], None]]:
     An exception that is raised within a callback of C would be lost. A second Ctrl-C does not wait.
     """
     before = current()
-    if before is None:
-        yield lambda: None
-        return
-    held: list[tuple[object, ...]] = []
+    held: list[tuple[int, object]] = []
 
-    def hold(*arguments: object) -> None:
+    def hold(number: int, frame: object) -> None:
         if held:
-            before(*arguments)
-        held.append(arguments)
+            before[number](number, frame)
+        held.append((number, frame))
 
     def check() -> None:
         if held:
-            before(*held[0])
+            before[held[0][0]](*held[0])
 
     with handled_by(hold):
         yield check
@@ -87,7 +92,7 @@ def deferred() -> Iterator[Callable[[], None]]:
 @contextlib.contextmanager
 def second_ends_all() -> Iterator[None]:
     """Let the second Ctrl-C end the process even while its main thread is within code of C."""
-    if current() is None:
+    if not current():
         yield
         return
     receiver, sender = socket.socketpair()
@@ -106,7 +111,7 @@ def count(receiver: socket.socket) -> None:
     seen = 0
     with receiver:
         while signals := receiver.recv(16):
-            seen += signals.count(signal.SIGINT)
+            seen += sum(map(signals.count, SIGNALS))
             if seen > 1:
                 sys.stdout.flush()
                 quit_at_once()

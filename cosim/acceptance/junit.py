@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from cosim.acceptance.runner import Outcomes
+from cosim.errors import readable
 from cosim.formatting.verdicts import NOTHING_DEMANDED, limits, measured
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
@@ -23,6 +24,10 @@ def document(outcomes: Outcomes) -> str:
     root = Element("testsuites", name="cosim")
     for name, outcome in outcomes.items():
         root.append(suite(name, outcome))
+    for element in root.iter():
+        # XML has no control characters; those of terminals are frequent in messages of exceptions
+        element.text = element.text and readable(element.text)
+        element.attrib.update({name: readable(value) for name, value in element.items()})
     ElementTree.indent(root)
     return ElementTree.tostring(root, "unicode", xml_declaration=True) + "\n"
 

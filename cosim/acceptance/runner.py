@@ -40,6 +40,14 @@ Change = Callable[[str, RecordedJob], RecordedJob]
 """Replaces the task of a scenario, given by name."""
 
 
+class StoppedError(KeyboardInterrupt):
+    """Ctrl-C, with the outcomes until then."""
+
+    def __init__(self, outcomes: Outcomes) -> None:
+        super().__init__()
+        self.outcomes = outcomes
+
+
 @dataclass(frozen=True)
 class RunOptions:
     """How scenarios are run.
@@ -79,6 +87,8 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
     CosimError
         Two files have one name, the folder cannot be written, it holds a file of another kind,
         or no worker can be started.
+    StoppedError
+        Ctrl-C.
     """
     names: dict[str, str] = {}
     for given in scenarios:
@@ -100,10 +110,19 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
             if isinstance(error, CosimError):
                 report(name, error)
         jobs = {name: job for name, job in found.items() if isinstance(job, RecordedJob)}
-        for name, outcome in outcomes(jobs, options):
-            found[name] = outcome
-            report(name, outcome)
-    return {name: outcome for name, outcome in found.items() if not isinstance(outcome, RecordedJob)}
+        try:
+            for name, outcome in outcomes(jobs, options):
+                found[name] = outcome
+                report(name, outcome)
+        except KeyboardInterrupt:
+            raise StoppedError(finished(found)) from None
+    return finished(found)
+
+
+def finished(found: Mapping[str, RecordedJob | Outcome]) -> Outcomes:
+    """Outcomes; a scenario without one was interrupted."""
+    stopped = CosimError("interrupted before its end")
+    return {name: stopped if isinstance(got, RecordedJob) else got for name, got in found.items()}
 
 
 def outcomes(jobs: Mapping[str, Job], options: RunOptions) -> Iterator[tuple[str, Outcome]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import NoReturn
@@ -18,12 +19,12 @@ OTHERWISE = ("--in-process", "--seeds", "--help", "-h")
 
 
 def main() -> NoReturn:
-    """Run the command line and exit; Ctrl-C ends it at any time, also during imports."""
+    """Run the command line and exit; Ctrl-C and SIGTERM end it at any time, also during imports."""
     # replace a stream that the caller closed by one that discards everything
     sys.stdout = sys.stdout or Path(os.devnull).open("w")  # noqa: SIM115
     sys.stderr = sys.stderr or Path(os.devnull).open("w")  # noqa: SIM115
     with contextlib.ExitStack() as stack:
-        stack.enter_context(interrupts.handled_by(interrupts.quit_at_once))
+        stack.enter_context(interrupts.handled_by(interrupts.quit_at_once, signal.SIG_DFL))
         if isolated(sys.argv[1:]):
             from cosim.pool import once
 

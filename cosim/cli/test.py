@@ -74,7 +74,8 @@ def run_tests(
     """Run many scenarios and print the acceptance table.
 
     Each runs once with its own seed. An error in one does not stop the others. Exit
-    code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
+    code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run. Ctrl-C
+    and SIGTERM keep the results until then.
     """
     configure_logging(verbose, quiet)
     from cosim.acceptance import junit as xml
@@ -95,14 +96,18 @@ def run_tests(
     limits = checked_limits(timeout, memory, in_process=False)
     options = runner.RunOptions(out, wanted(plots), workers, engines.checked(engine), limits, quiet)
     chosen = select(scenarios or ())
-    if page is None:
-        found = runner.run(chosen, options)
-    else:
-        from cosim.report import book
+    stopped: KeyboardInterrupt | None = None
+    try:
+        if page is None:
+            found = runner.run(chosen, options)
+        else:
+            from cosim.report import book
 
-        book.check("--report", page)
-        contents = book.Contents(book.TITLE, chosen, tuple(study or ()), tuple(document or ()))
-        found = book.write(contents, options, page).scenarios
+            book.check("--report", page)
+            contents = book.Contents(book.TITLE, chosen, tuple(study or ()), tuple(document or ()))
+            found = book.write(contents, options, page).scenarios
+    except runner.StoppedError as error:
+        found, stopped = error.outcomes, error
     shown = table.table(found)
     text = table.text(shown)
     if out is not None:
@@ -116,6 +121,8 @@ def run_tests(
         console.print(shown)
     elif json != "-":
         print(text, end="", flush=True)
+    if stopped is not None:
+        raise stopped
     raise typer.Exit(exit_code(found))
 
 

@@ -13,10 +13,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cosim.acceptance import runner
+from cosim.acceptance import junit, runner
 from cosim.acceptance.selection import select
 from cosim.cli import app
-from cosim.errors import CosimError, ScenarioError
+from cosim.errors import CosimError, PlantError, ScenarioError
 
 from ..cli.commands import cosim
 from ..conftest import DATA, END, SCENARIO
@@ -224,3 +224,13 @@ def test_no_file_of_the_user_is_written_over(
     reported = capsys.readouterr().err
     assert f"`{tmp_path / file}` would overwrite a file that is not {kind}" in reported
     assert {place: place.read_text() for place in tmp_path.rglob("*.*")} == before
+
+
+def test_junit_has_no_control_characters() -> None:
+    error = PlantError("\x1b[31mdiverged\x00", "a\x08b")
+    root = ElementTree.fromstring(junit.document({"lag": error}).encode())
+    (found,) = root.iter("error")
+    assert (found.get("message"), found.text) == (
+        "\ufffd[31mdiverged\ufffd",
+        "\ufffd[31mdiverged\ufffd\nhint: a\ufffdb",
+    )

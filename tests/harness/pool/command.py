@@ -51,13 +51,15 @@ def started(
     )
 
 
-def interrupted(process: subprocess.Popen[str], presses: int = 1) -> tuple[str, str]:
-    """Press Ctrl-C; give what is on stdout and stderr in the end, after which nothing of it is left."""
+def interrupted(
+    process: subprocess.Popen[str], presses: int = 1, number: int = signal.SIGINT
+) -> tuple[str, str]:
+    """Press Ctrl-C, or send another signal; return stdout and stderr when no process is left."""
     family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
     for press in range(presses):
         # two signals that wait are one
         time.sleep(1.0 if press else 0.0)
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
     try:
         stdout, stderr = process.communicate(timeout=60)
     except subprocess.TimeoutExpired:

@@ -1,19 +1,23 @@
-"""Ctrl-C ends `cosim run` at any moment: exit code 130, one line, no remains."""
+"""Ctrl-C and SIGTERM end `cosim` at any moment: exit code 130, one line, no partial files."""
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 import cosim
 
-from ..conftest import DATA, SCENARIO
+from ..conftest import DATA, END, SCENARIO, entry
 from ..test_cli import cosim as cli
 from . import command
 
@@ -49,6 +53,57 @@ def test_ctrl_c_ends_a_run(arguments: list[str], write: Write, folder: Path) -> 
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
     assert "Traceback" not in stderr
+
+
+@pytest.mark.parametrize("more", [[], ["--in-process"]])
+def test_sigterm_ends_a_run_as_ctrl_c_does(more: list[str], write: Write, folder: Path) -> None:
+    write(text=UNDRIVEN)
+    with command.started(command.STEPS, "--trace", "t.parquet", "-v", *more) as process:
+        command.wait_for_line(process, TOLD)
+        stdout, stderr = command.interrupted(process, number=signal.SIGTERM)
+    assert (process.returncode, stdout) == (130, "")
+    assert stderr.splitlines()[-1] == "error: interrupted"
+    assert not [file for file in folder.iterdir() if "parquet" in file.name]
+
+
+def test_a_program_that_uses_the_harness_keeps_its_own_sigterm(write: Write, folder: Path) -> None:
+    write(text=UNDRIVEN)
+    program = (
+        "import cosim; print('begins', flush=True); cosim.run(cosim.load('lag.toml', ['loop.duration=1000']))"
+    )
+    line = [sys.executable, "-c", program]
+    variables = {**os.environ, "PYTHONPATH": str(command.ROOT)}
+    with subprocess.Popen(line, stdout=subprocess.PIPE, text=True, env=variables) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begins\n"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(timeout=60) == -signal.SIGTERM
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_tests_leave_the_results_until_then(
+    number: int, write: Write, folder: Path, tmp_path: Path
+) -> None:
+    write(END + entry("criterion", id="end", claim="ends", metric="end", maximum=9.0), name="fast.toml")
+    write(END + "[plant.parameters]\nstall_at = 3\n", name="slow.toml")
+    outputs = ("--out", "out", "--junit", "j.xml", "--json", "j.json")
+    line = ("test", "fast.toml", "slow.toml", "--workers", "1", *outputs)
+    with command.started(command=line) as process:
+        command.wait_for_line(process, "fast: 1 of 1 criteria passed")
+        stdout, stderr = command.interrupted(process, number=number)
+    assert process.returncode == 130
+    assert stderr.splitlines()[-1] == "error: interrupted"
+    assert stdout == (folder / "out" / "acceptance.txt").read_text()
+    assert stdout.splitlines()[-1] == "1 of 1 criteria passed, 1 of 2 scenarios could not run"
+    suites = ElementTree.parse(folder / "j.xml").getroot()
+    errors = {suite.get("name"): suite.get("errors") for suite in suites}
+    assert errors == {"fast": "0", "slow": "1"}
+    assert [entry["passed"] for entry in json.loads((folder / "j.json").read_text())] == [True, False]
+    assert sorted(file.name for file in (folder / "out").iterdir()) == [
+        "acceptance.txt",
+        "fast.json",
+        "fast.svg",
+    ]
 
 
 def test_ctrl_c_that_a_module_in_c_turned_into_another_error(write: Write, folder: Path) -> None:

@@ -185,7 +185,8 @@ def test_cases_may_share_the_noise_of_their_repeats(study: Path, folder: Path) -
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-def test_ctrl_c_keeps_results_and_the_next_call_continues(write: Write, folder: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_keeps_results_and_the_next_call_continues(number: int, write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     cases = ["controller.gain = 0.1", "controller.hang_at = 3", "controller.gain = 0.2"]
     (folder / "list.toml").write_text(studies.case_list(cases))
@@ -202,7 +203,7 @@ def test_ctrl_c_keeps_results_and_the_next_call_continues(write: Write, folder: 
     studies.wait_for(lambda: results.exists() and results.read_bytes().count(b"\n") == 1)
     other = studies.sweep("list.toml")
     assert (other.returncode, "another sweep writes" in other.stderr) == (2, True)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     stdout, stderr = process.communicate(timeout=30)
     assert (process.returncode, stdout, stderr.splitlines()[-1]) == (130, "", "error: interrupted")
     assert studies.statuses(folder / "list.sweep") == ["passed"]
