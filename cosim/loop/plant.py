@@ -18,8 +18,8 @@ from cosim.errors import CosimError, PlantError, closest, concerning
 from cosim.loop import own_code
 from cosim.scenario.tables import parse, parse_value, readers, show
 
-MJCF = ".xml"
-"""File name extension of MJCF plants."""
+MJCF = (".xml", ".urdf")
+"""File name extensions of the models that MuJoCo reads."""
 METHODS = ("reset", "sense", "command", "advance", "truth")
 log = logging.getLogger("cosim")
 SHAPE = "Follow the protocols `Plant` and `Channel` in `cosim.loop.plant`."
@@ -106,7 +106,7 @@ def plant_class(name: str, folder: Path) -> Any:
     """
     physics.ready()
     if not name:
-        return bare(Path(importlib.import_module("plants").__path__[0], "bare", f"empty{MJCF}"))
+        return bare(Path(importlib.import_module("plants").__path__[0], "bare", "empty.xml"))
     if name.endswith(MJCF):
         return bare(paths.find_mjcf(name, folder))
     module_name, colon, class_name = name.partition(":")
@@ -165,7 +165,7 @@ def packaged(name: str) -> Any:
             raise PlantError(text, hint or "Show the origin with `-v`.") from error
     raise PlantError(
         f"there is no plant `{name}`",
-        closest(name, names) + f" Name your own plant `module:Class`, an MJCF file `name{MJCF}`.",
+        closest(name, names) + f" Name your own plant `module:Class`, an MJCF file `name.xml`.",
     )
 
 

@@ -34,8 +34,14 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
     file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
     place.begin(file.name, plant_name, 0, 0.0)
     place.at(Stage.BUILD_PLANT)
+    required: dict[str, tuple[str, str]] = {}
+    driven = None
     try:
-        driven = plant.build(plant_name, {}, Path.cwd()) if plant_name else None
+        if plant_name:
+            # the plants of MJCF files with RK4 have a value for `integrator`
+            required = getattr(plant.plant_class(plant_name, Path.cwd()), "required", {})
+            values = {name: value for name, (value, _) in required.items()}
+            driven = plant.build(plant_name, values, Path.cwd())
     except SystemExit as error:
         raise plant.exited(plant_name, error) from error
     sensed, commanded = (
@@ -52,6 +58,7 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
         title=f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
         fmu=relative_name(fmu, file.path, folder),
         plant=relative_name(plant_name, paths.expanded(plant_name), folder),
+        parameters=required,
         step=step,
         substeps=substeps,
         steps=max(1, round(LONGEST / step)),
@@ -81,6 +88,6 @@ def steps(wanted: float, timestep: float) -> tuple[float, int]:
 
 def relative_name(name: str, file: Path, folder: Path) -> str:
     """Name in the scenario: a path is relative to its folder."""
-    if name.endswith((".fmu", plant.MJCF)) or os.sep in name:
+    if name.endswith((".fmu", *plant.MJCF)) or os.sep in name:
         return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
     return name

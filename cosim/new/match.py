@@ -67,7 +67,10 @@ def same_words(one: str, other: str) -> float:
     mine, others = words(one), words(other)
     if not mine or not others:
         return float(one == other)
-    if set(mine) <= set(others) or set(others) <= set(mine):
+    fewer, more = sorted((set(mine), set(others)), key=len)
+    # a letter or an index alone names a component: the output `y` is not `force.y`
+    named = any(len(word) > 1 and not word.isdigit() for word in fewer)
+    if fewer <= more and (named or fewer == more):
         return 1.0 - 0.02 * abs(len(mine) - len(others))
     whole = difflib.SequenceMatcher(None, "_".join(mine), "_".join(others)).ratio()
     # `x.position` and `y.position` differ in the significant word

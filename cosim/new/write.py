@@ -23,6 +23,8 @@ class Draft:
     ----------
     title, fmu, plant
         Title, and names or paths for the file; empty without a plant.
+    parameters
+        Parameters of the plant that are not the defaults: value and reason.
     step, substeps, steps
         Communication step in s, plant steps in it, length of the run in steps.
     readings, commands
@@ -34,6 +36,7 @@ class Draft:
     title: str
     fmu: str
     plant: str
+    parameters: dict[str, tuple[str, str]]
     step: float
     substeps: int
     steps: int
@@ -75,6 +78,8 @@ def head(draft: Draft) -> Iterator[str]:
         yield f"name = {quoted(draft.plant)}"
         yield ""
         yield "[plant.parameters]"
+        for name, (value, reason) in draft.parameters.items():
+            yield f"{name} = {quoted(value)}    # {reason}"
         yield ""
 
 

@@ -71,25 +71,19 @@ def entry(
     return kind, field(default=default, metadata=metadata)
 
 
-def one_of(
-    key: str, default: str, description: str, names: tuple[str, ...], instead: str = ""
-) -> tuple[Any, Any]:
-    """Type and field of a parameter with a list of names.
-
-    The default may be another name. Drafts of scenarios then choose `instead`, if there is one.
-    """
+def one_of(key: str, default: str, description: str, names: tuple[str, ...]) -> tuple[Any, Any]:
+    """Type and field of a parameter with a list of names; the default may be another one."""
     text = f"{description}, one of `{'`, `'.join(names)}`"
     item: Any = choice(default, text, names, SOURCE)
     kind: Any = Literal.__getitem__(names)
-    metadata = {**item.metadata, "key": key, "places": (), "instead": instead}
-    return kind, field(default=default, metadata=metadata)
+    return kind, field(default=default, metadata={**item.metadata, "key": key, "places": ()})
 
 
 def options(model: Any) -> Iterator[tuple[Any, Any]]:
     """Step, integrator, gravity and, if there are any, the initial keyframe."""
     yield entry("timestep", float(model.opt.timestep), "s", "Plant step", 1e-9)
     integrator = next((name for name, kind in INTEGRATORS.items() if kind == model.opt.integrator), "rk4")
-    yield one_of("integrator", integrator, "Integrator", tuple(INTEGRATORS), "implicitfast")
+    yield one_of("integrator", integrator, "Integrator", tuple(INTEGRATORS))
     for k, axis in enumerate("xyz"):
         yield entry(f"gravity.{axis}", float(model.opt.gravity[k]), "m/s2", "Gravity")
     if names := tuple(model.key(k).name for k in range(model.nkey) if model.key(k).name):
@@ -149,7 +143,7 @@ def geoms(model: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def actuators(model: Any, ratios: Mapping[int, float]) -> Iterator[tuple[Any, Any]]:
-    """Gears, gains and biases of the named actuators; a servo has `kp`, `kv` or `dampratio` as in its MJCF."""
+    """Gears, gains and biases of the named actuators; a servo has `kp`, and `kv` or `dampratio`."""
     for i in range(model.nactuator):
         name, unit = model.actuator(i).name, KINDS[actuator_kind(model, i)][2]
         if not name:
@@ -165,8 +159,8 @@ def actuators(model: Any, ratios: Mapping[int, float]) -> Iterator[tuple[Any, An
             value = 0.0 + factor * float(getattr(model, array)[index])
             yield entry(f"actuator.{name}.{key}", value, unit, text, minimum, places)
         if i in ratios:
-            text = "Damping ratio of the servo; the damping follows `kp` and the masses"
-            yield entry(f"actuator.{name}.{RATIO}", ratios[i], "1", text, TINY, at("actuator_biasprm", (i, 2)))
+            text, places = "Damping ratio; the damping follows `kp` and masses", at("actuator_biasprm", (i, 2))
+            yield entry(f"actuator.{name}.{RATIO}", ratios[i], "1", text, TINY, places)
 
 
 def servo_terms(model: Any, i: int, by_ratio: bool) -> list[Term]:

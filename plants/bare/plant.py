@@ -14,6 +14,7 @@ from plants.bare.parameters import INTEGRATORS, apply, damping_ratios, named, pa
 from plants.base.plant import Plant, PlantError
 
 log = logging.getLogger(__name__)
+NOT_DIVIDED = "a step of `RK4` cannot be divided at the sensors"
 
 
 class Bare(Plant):
@@ -21,6 +22,8 @@ class Bare(Plant):
 
     file: ClassVar[Path]
     ratios: ClassVar[dict[int, float]]
+    required: ClassVar[dict[str, tuple[str, str]]]
+    """Parameters that must differ from the file: value and reason."""
 
     def name_channels(self, p: Any) -> None:
         """Use the sensors, actuators and joints of the MJCF, with the numbers of the parameters."""
@@ -70,11 +73,13 @@ def load(file: Path) -> type[Bare]:
     model, spec = compiled(file)
     # two channels of one name are a mistake of the file
     channels.truths(model, mujoco.MjData(model))
+    rk4 = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
     members = {
         "__module__": __name__,
         "file": file,
         "Parameters": parameters_of(model, spec),
         "ratios": damping_ratios(model, spec),
+        "required": {"integrator": ("implicitfast", NOT_DIVIDED)} if rk4 else {},
     }
     return type("Bare", (Bare,), members)
 

@@ -146,7 +146,7 @@ class Plant(ABC):
         if self.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
             raise PlantError(
                 f"plant `{self.name}`: integrator `RK4` cannot be split at the sensors\n"
-                "hint: Use `implicitfast` in the <option> of the MJCF, or as `integrator` of a bare MJCF."
+                "hint: Use `implicitfast` in the <option> of the MJCF, or as `plant.parameters.integrator`."
             )
 
     # what a subclass says

@@ -243,9 +243,9 @@ CHANGES = {
 ])  # fmt: skip
 def test_a_damping_ratio_follows_gains_and_masses_as_in_the_file(write: Write, kind: str, key: str) -> None:
     # inertias of the ball that differ from axis to axis
-    oblong = ('<geom type="sphere" size="0.1" pos="0 0 0.1"', '<geom type="box" size="0.1 0.2 0.4" pos="0.1 0 0"')
+    ball = '<geom type="sphere" size="0.1" pos="0 0 0.1"'
     old, new, value = CHANGES[key]
-    plain = (SERVO, RATIO[kind]), oblong
+    plain = (SERVO, RATIO[kind]), (ball, '<geom type="box" size="0.1 0.2 0.4" pos="0.1 0 0"')
     given = build(write(*plain), **{key: value}).model
     edited = build(write(*plain, (old, new))).model
     unchanged = build(write(*plain)).model.actuator_biasprm[2, 2]
