@@ -17,7 +17,7 @@ from typing import Any
 import fmpy
 from fmpy.validation import validate_model_description
 
-from cosim import paths, renamed
+from cosim import paths, renamed, units
 from cosim.errors import FmuError
 from cosim.fmu import members
 from cosim.fmu.cache import extracted
@@ -238,7 +238,8 @@ def describe(path: Path, folder: Path, description: Any) -> FmuFile:
         for unit in description.unitDefinitions
         for display in unit.displayUnits
     }
-    variables = {variable.name: scalar(variable, displays) for variable in description.modelVariables}
+    known = units.of_fmu(description.unitDefinitions)
+    variables = {variable.name: scalar(variable, displays, known) for variable in description.modelVariables}
     return FmuFile(
         path=path,
         folder=folder,
@@ -251,7 +252,9 @@ def describe(path: Path, folder: Path, description: Any) -> FmuFile:
     )
 
 
-def scalar(variable: Any, displays: dict[tuple[str, str], DisplayUnit]) -> Variable:
+def scalar(
+    variable: Any, displays: dict[tuple[str, str], DisplayUnit], known: dict[str, units.Definition]
+) -> Variable:
     """Variable from that of FMPy; its type can be a declared type."""
     declared = variable.declaredType
 
@@ -260,7 +263,8 @@ def scalar(variable: Any, displays: dict[tuple[str, str], DisplayUnit]) -> Varia
         return str(own or (getattr(declared, name, None) if declared else None) or "")
 
     display = displays.get((attribute("unit"), attribute("displayUnit")))
-    if display and attribute("relativeQuantity"):
+    relative = bool(attribute("relativeQuantity"))
+    if display and relative:
         display = replace(display, offset=0.0)
     return Variable(
         name=variable.name,
@@ -270,7 +274,7 @@ def scalar(variable: Any, displays: dict[tuple[str, str], DisplayUnit]) -> Varia
         variability=variable.variability or "continuous",
         description=variable.description or "",
         start=variable.start or "",
-        unit=attribute("unit"),
+        unit=units.Unit(attribute("unit"), known, "difference" if relative else "value"),
         minimum=attribute("min"),
         maximum=attribute("max"),
         items=items_of(variable.name, declared),

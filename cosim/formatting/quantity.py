@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
-PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-PREFIXED = {"m", "s", "N", "A", "V", "W", "J", "Pa", "Hz", "m/s", "N/s", "N.m", "m/s2"}
+from cosim import units
+
+PREFIXES = {exponent: prefix for prefix, exponent in units.PREFIXES.items()}
+PREFIXED = {"m", "s", "A", *units.DERIVED, "m/s", "N/s", "N.m", "m/s2"}
 """Units that take a prefix; others (rad, kg, 1, ...) are not scaled."""
 SMALLEST = 1e-15
 """Smaller values and 0 take no prefix."""

@@ -18,31 +18,30 @@ Program = list[tuple[str, float]]
 """Postfix: (`column`, index), (`number`, value) and (name of a ufunc, 0)."""
 EXACT = {
     "add", "subtract", "multiply", "divide", "negative", "positive", "absolute", "sqrt", "minimum", "maximum",
-}  # fmt: skip
-"""Functions with the same rounding in every library."""
-LOGICAL = {
     "equal", "not_equal", "less", "less_equal", "greater", "greater_equal",
     "logical_and", "logical_or", "logical_not", "isfinite",
 }  # fmt: skip
-"""Functions that return true or false."""
+"""Functions with the same rounding in every library."""
 
 
 class Symbol(np.lib.mixins.NDArrayOperatorsMixin):
     """A symbolic value with the program that computes it."""
 
-    def __init__(self, program: Program, logical: bool = False) -> None:
+    def __init__(self, program: Program) -> None:
         self.program = program
-        self.logical = logical
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Record a function without computing it."""
-        sides = [value if isinstance(value, Symbol) else number(value) for value in inputs]
-        # numpy computes differently with only Booleans
-        countable = ufunc.__name__ in EXACT and not all(side.logical for side in sides)
-        if method != "__call__" or options or not (countable or ufunc.__name__ in LOGICAL):
+        if method != "__call__" or options or ufunc.__name__ not in EXACT:
             return NotImplemented
-        program = [step for side in sides for step in side.program]
-        return Symbol([*program, (ufunc.__name__, 0.0)], ufunc.__name__ in LOGICAL)
+        sides = [
+            value.program if isinstance(value, Symbol) else [("number", float(value))] for value in inputs
+        ]
+        return Symbol([*(step for side in sides for step in side), (ufunc.__name__, 0.0)])
+
+    def astype(self, kind: type[np.float64]) -> Symbol:
+        """Truth values are numbers in a program."""
+        return self
 
     def __array_function__(self, *arguments: Any) -> Any:
         """Reject functions that are not ufuncs."""
@@ -51,11 +50,6 @@ class Symbol(np.lib.mixins.NDArrayOperatorsMixin):
     def __bool__(self) -> bool:
         """Reject branches."""
         raise TypeError("a symbol has no truth value")
-
-
-def number(value: Any) -> Symbol:
-    """Symbol of a constant."""
-    return Symbol([("number", float(value))], isinstance(value, bool | np.bool_))
 
 
 def program(expression: Expression, columns: int) -> Program | None:
@@ -89,9 +83,9 @@ def compiled(text: str, key: str, found: Mapping[str, Variable | None]) -> Expre
         return None
     with concerning(key):
         made = Expression(text, items_of(found), f"`{key}`", rowwise=True)
-        column = found.get(text.strip())
-        truth = np.asarray(made(np.zeros(len(found)))).dtype == np.bool_
-        if not truth and (column is None or column.kind != "Boolean"):
+        column = found.get(made.root.column)
+        made(np.zeros(len(found)))
+        if not made.root.logical and (column is None or column.kind != "Boolean"):
             hint = f"Compare it with a number: `{text} > 0`."
             raise ExpressionError(f"`{key}` = `{text}` is not a condition", hint)
     return made

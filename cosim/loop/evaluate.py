@@ -12,11 +12,11 @@ from cosim.loop.result import Result
 from cosim.loop.session import located
 from cosim.metrics import criteria
 from cosim.metrics.expression import Expression
-from cosim.metrics.units import ONE
 from cosim.scenario.model import Scenario
 from cosim.trace.columns import Held
 from cosim.trace.measure import measured
 from cosim.trace.stored import StoredTrace
+from cosim.units import ONE
 
 log = logging.getLogger("cosim")
 ENGINE = "stored"

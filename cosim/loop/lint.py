@@ -8,8 +8,8 @@ from cosim.loop.place import Stage
 from cosim.loop.plant import starts
 from cosim.loop.session import Session, located
 from cosim.loop.wires.connect import Connector
-from cosim.metrics.units import SCALES
 from cosim.scenario.model import Wire
+from cosim.units import conversion
 
 
 def check(session: Session) -> list[str]:
@@ -48,12 +48,16 @@ def warnings(session: Session) -> list[str]:
 def unlike(wire: Wire, session: Session) -> str:
     """Warning of a wire between different units without conversion; empty if there is none."""
     before, after = (unit_of(end, session) for end in (wire.source, wire.to))
-    unknown = {"", "1"} & {before, after}
-    if unknown or before == after or (wire.scale, wire.offset) != (1.0, 0.0):
+    if {"", "1"} & {before, after} or (wire.scale, wire.offset) != (1.0, 0.0):
+        return ""
+    found = conversion(before, after)
+    if found is not None and not found.changes:
         return ""
     sentence = f"`wire.{wire.to}` connects {before} of `{wire.source}` to {after} without conversion"
-    factor = ratio(before, after)
-    return sentence if factor is None else f"{sentence}; set `scale = {factor:.12g}`"
+    if found is None:
+        return sentence
+    offset = f" and `offset = {found.offset:.12g}`" if found.offset else ""
+    return f"{sentence}; set `scale = {found.factor:.12g}`{offset}"
 
 
 def unit_of(end: str, session: Session) -> str:
@@ -63,9 +67,3 @@ def unit_of(end: str, session: Session) -> str:
         return fmu.file.variables[name].unit
     channels = (*session.plant.readings, *session.plant.commands)
     return next((channel.unit for channel in channels if channel.name == name), "")
-
-
-def ratio(before: str, after: str) -> float | None:
-    """Factor from one unit to another of the same kind; None if unknown."""
-    (base, scale), (other, size) = SCALES.get(before, ("", 1.0)), SCALES.get(after, ("", 1.0))
-    return scale / size if base and base == other else None

@@ -13,9 +13,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from cosim.errors import ExpressionError, concerning
-from cosim.metrics.expression import Columns, Expression, Items, Node
-from cosim.metrics.units import ONE, PLAIN, conversion
+from cosim.metrics.expression import Columns, Expression, Items, Node, normal
 from cosim.scenario.model import Criterion, Metric
+from cosim.units import ONE, PLAIN, UNCHANGED, Conversion, Unit, conversion, definitions_of, kind_of
 
 
 class Trace(Columns, Protocol):
@@ -78,11 +78,11 @@ def drawn(criterion: Criterion, unit: str) -> list[float]:
     Raises
     ------
     ExpressionError
-        As for `factor`.
+        As for `converted`.
     """
     if isinstance(criterion.equals, bool):
         return []
-    return [limit / factor(criterion, unit) for _, limit in relations(criterion)]
+    return [converted(criterion, unit).back(limit) for _, limit in relations(criterion)]
 
 
 def compile_metrics(
@@ -113,7 +113,8 @@ def compile_metrics(
             made = Expression(metric.value, columns, f"`{name}.value`", units=units, known=nodes)
         check_unit(metric, made)
         kept = functools.partial(reference, name, made)
-        compiled[name], nodes[name] = made, replace(made.root, evaluate=kept, unit=metric.unit or made.unit)
+        compiled[name] = made
+        nodes[normal(name)] = replace(made.root, evaluate=kept, unit=unit_of(metric, made) or made.unit)
     return [compiled[name] for name in named]
 
 
@@ -127,7 +128,8 @@ def check_unit(metric: Metric, made: Expression) -> None:
     ExpressionError
         The unit converts to another of the same kind.
     """
-    if not made.unit or made.converts or conversion(made.unit, metric.unit) in (None, 1.0):
+    found = conversion(made.unit or ONE, metric.unit)
+    if not made.unit or made.converts or found is None or not found.changes:
         return
     key = f"metric.{metric.name}"
     with concerning(f"{key}.unit"):
@@ -143,7 +145,7 @@ def reference(name: str, expression: Expression, columns: Trace) -> Any:
 
 def mentions(text: str, name: str) -> bool:
     """Whether an expression contains a whole dotted name."""
-    return re.search(rf"(?<![\w.]){re.escape(name)}(?!\w)", text) is not None
+    return re.search(rf"(?<![\w.]){re.escape(normal(name))}(?!\w)", normal(text)) is not None
 
 
 def measure(metric: Metric, expression: Expression, columns: Trace) -> Measured:
@@ -179,16 +181,17 @@ def check_units(
     }
     for criterion in criteria:
         with concerning(f"criterion.{criterion.id}.unit"):
-            factor(criterion, units[criterion.metric])
+            converted(criterion, units[criterion.metric])
 
 
 def unit_of(metric: Metric, expression: Expression) -> str:
     """Return the unit of a metric: its own, or that of its expression; empty if unknown."""
-    return metric.unit or expression.unit or PLAIN
+    known = expression.unit or PLAIN
+    return Unit(metric.unit, definitions_of(known), kind_of(known)) if metric.unit else known
 
 
-def factor(criterion: Criterion, unit: str) -> float:
-    """Factor from `unit` of a metric to the unit of a criterion.
+def converted(criterion: Criterion, unit: str) -> Conversion:
+    """Conversion from `unit` of a metric to the unit of a criterion.
 
     A metric with unknown unit is used in the unit of the criterion, except for percent: such a number may be
     a fraction as well.
@@ -202,8 +205,8 @@ def factor(criterion: Criterion, unit: str) -> float:
     found = conversion(unit or ONE, wanted)
     problem = f"`criterion.{criterion.id}.unit` is `{wanted}`, `metric.{criterion.metric}`"
     if not unit:
-        if found in (None, 1.0):
-            return 1.0
+        if found is None or not found.changes:
+            return UNCHANGED
         hint = f'Set `unit = "{ONE}"` in the metric if it is a fraction, otherwise `unit = "{wanted}"`.'
         raise ExpressionError(f"{problem} has no unit; it is ambiguous", hint)
     if found is None:
@@ -219,6 +222,6 @@ def evaluate(criteria: tuple[Criterion, ...], measured: Mapping[str, Measured]) 
     verdicts = []
     for criterion in criteria:
         metric = measured[criterion.metric]
-        value = metric.value * factor(criterion, metric.unit)
+        value = converted(criterion, metric.unit)(metric.value)
         verdicts.append(Verdict(criterion, value, criterion.unit or metric.unit))
     return verdicts

@@ -9,20 +9,26 @@ enumeration are texts: `controller.state == "Detect"`. A metric can use others: 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Mapping
+import functools
+import unicodedata
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 
 from cosim.errors import ExpressionError, closest
-from cosim.metrics.functions import BINARY, COMPARE, CONSTANTS, KEEP_ITEMS, ROWWISE, TIMES, UNARY, WHOLE
-from cosim.metrics.units import PLAIN, SCALES, unit_of
+from cosim.metrics import functions
+from cosim.metrics.unit_rules import unit_of
+from cosim.units import CONSTANTS as UNITS
+from cosim.units import PLAIN
 
 Items = Mapping[str, int]
 """Items of an enumeration by name."""
 
 LONGEST = 2000
+normal = functools.partial(unicodedata.normalize, "NFKC")
+"""Name as Python reads it: the micro sign and the letter mu are the same."""
 
 
 class Columns(Protocol):
@@ -33,14 +39,32 @@ class Columns(Protocol):
 
 @dataclass(frozen=True)
 class Node:
-    """A compiled part: a function of the columns, with items where its values are those of an enumeration.
+    """A compiled part of an expression.
 
-    Its unit is None if it is unknown.
+    Parameters
+    ----------
+    evaluate
+        Function of the columns.
+    items
+        Items of the enumeration that its values belong to.
+    unit
+        Its unit; None if unknown.
+    logical
+        Whether it is true or false.
+    constant
+        Whether it depends on no column.
+    column, factor, absolute
+        Column of which it is `factor` times some values, or `absolute` values; empty if there is none.
     """
 
     evaluate: Callable[[Columns], Any]
     items: Items | None = None
     unit: str | None = None
+    logical: bool = False
+    constant: bool = False
+    column: str = ""
+    factor: float = 1.0
+    absolute: bool = False
 
 
 class Expression:
@@ -80,6 +104,9 @@ class Expression:
         self.known = known
         self.names = {name: index for index, name in enumerate(columns)}
         self.items = columns
+        self.normal: dict[str, list[str]] = {}
+        for name in columns:
+            self.normal.setdefault(normal(name), []).append(name)
         if len(text) > LONGEST:
             raise self.error(f"is longer than {LONGEST} characters")
         try:
@@ -131,12 +158,12 @@ class Expression:
                 return self.subscript(tree)
             case ast.Call():
                 return self.call(tree)
-            case ast.BinOp() if type(tree.op) in BINARY:
-                return self.operate(tree.op, BINARY[type(tree.op)], tree.left, tree.right)
+            case ast.BinOp() if type(tree.op) in functions.BINARY:
+                return self.operate(tree.op, functions.BINARY[type(tree.op)], tree.left, tree.right)
             case ast.UnaryOp():
-                return self.operate(tree.op, UNARY[type(tree.op)], tree.operand)
+                return self.operate(tree.op, functions.UNARY[type(tree.op)], tree.operand)
             case ast.BoolOp():
-                function = np.logical_and if isinstance(tree.op, ast.And) else np.logical_or
+                function = functions.AND if isinstance(tree.op, ast.And) else functions.OR
                 return self.fold(function, [self.build(value) for value in tree.values])
             case ast.Compare():
                 return self.compare(tree)
@@ -151,18 +178,21 @@ class Expression:
             number = np.float64(value)
         except OverflowError:
             raise self.error("holds a number that is too large") from None
-        return Node(lambda columns: number, unit=unit)
+        return Node(lambda columns: number, unit=unit, constant=True)
 
     def name(self, tree: ast.expr) -> Node:
         """Column, metric, constant or unit."""
         name = dotted(tree)
-        if name in CONSTANTS:
-            return self.constant(CONSTANTS[name])
-        if name in SCALES:
-            unit, number = SCALES[name]
+        if name in functions.CONSTANTS:
+            return self.constant(functions.CONSTANTS[name])
+        if name in UNITS:
+            unit, number = UNITS[name]
             return self.constant(number, unit)
-        if name in self.names:
-            return self.found(name)
+        if same := self.normal.get(name):
+            if len(same) > 1:
+                problem = f"names `{name}`, which may be " + " or ".join(f"`{column}`" for column in same)
+                raise self.error(problem, f'Use `column("{same[0]}")`.')
+            return self.found(same[0])
         known = self.known or {}
         if name in known:
             return known[name]
@@ -182,12 +212,12 @@ class Expression:
         """Compile an existing column."""
         index, items = self.names[name], self.items[name]
         unit = self.units.get(name) or (PLAIN if items else None)
-        return Node(lambda columns: columns[index], items, unit)
+        return Node(lambda columns: columns[index], items, unit, column=name)
 
     def subscript(self, tree: ast.Subscript) -> Node:
         """Column of a structured name (`bias[1]`), or the rows of a value that meet a condition."""
         name = dotted(tree)
-        if name in self.names or isinstance(tree.slice, ast.Constant):
+        if name in self.normal or isinstance(tree.slice, ast.Constant):
             return self.name(tree)
         if self.rowwise:
             raise self.error("selects rows with `[...]`, but it is applied to one row at a time")
@@ -196,32 +226,35 @@ class Expression:
         def pick(columns: Columns) -> Any:
             return value.evaluate(columns)[np.not_equal(condition.evaluate(columns), 0)]
 
-        return Node(pick, value.items, value.unit)
+        return replace(value, evaluate=pick, constant=False)
 
     def call(self, tree: ast.Call) -> Node:
         """Call of one of the functions of the language."""
         function = tree.func.id if isinstance(tree.func, ast.Name) else ast.unparse(tree.func)
-        known = [*ROWWISE, *WHOLE, *TIMES, "column"]
+        known = [*functions.ROWWISE, *functions.WHOLE, *functions.TIMES, "column"]
         if function not in known:
             raise self.error(f"calls `{function}`, which is not a known function", closest(function, known))
         if tree.keywords or any(isinstance(argument, ast.Starred) for argument in tree.args):
             raise self.error(f"calls `{function}` with more than plain arguments")
         if function == "column":
             return self.column(tree)
-        if self.rowwise and function not in ROWWISE:
+        if self.rowwise and function not in functions.ROWWISE:
             raise self.error(
                 f"calls `{function}`, which needs the whole trace, but it is applied to one row at a time"
             )
         arguments = [self.build(argument) for argument in tree.args]
         if function in ("min", "max") and len(arguments) == 2:
             function += "imum"
-        count, compute = (ROWWISE | WHOLE | TIMES)[function]
+        count, compute = (functions.ROWWISE | functions.WHOLE | functions.TIMES)[function]
         if len(arguments) != count:
             raise self.error(f"calls `{function}` with {len(arguments)} arguments instead of {count}")
-        clock = [Node(lambda columns: columns[0])] if function in TIMES else []
-        items = arguments[0].items if function in KEEP_ITEMS else None
-        unit = unit_of(function, [argument.unit for argument in arguments])
-        return replace(self.apply(compute, *clock, *arguments), items=items, unit=unit)
+        clock = [Node(lambda columns: columns[0])] if function in functions.TIMES else []
+        made = derived(self.apply(compute, *clock, *arguments), function, arguments)
+        if function in functions.KEEP_ITEMS:
+            made = replace(made, items=arguments[0].items)
+        if function == "abs" or function in functions.VALUES:
+            made = of_column(made, arguments[0])
+        return replace(made, absolute=made.absolute or function == "abs")
 
     def column(self, tree: ast.Call) -> Node:
         """Column by its name as a text."""
@@ -238,37 +271,47 @@ class Expression:
     def operate(self, operator: ast.AST, function: Callable[..., Any], *sides: ast.expr) -> Node:
         """Apply an operator."""
         nodes = [self.build(side) for side in sides]
-        return replace(
-            self.apply(function, *nodes), unit=unit_of(type(operator).__name__, [node.unit for node in nodes])
-        )
+        made = derived(self.apply(function, *nodes), type(operator).__name__, nodes)
+        match operator, nodes:
+            case ast.Mult(), [Node(constant=True) as factor, value]:
+                return of_column(made, value, number(factor))
+            case ast.Mult(), [value, Node(constant=True) as factor]:
+                return of_column(made, value, number(factor))
+            case ast.Div(), [value, Node(constant=True) as divisor] if number(divisor):
+                return of_column(made, value, 1.0 / number(divisor))
+        return made
 
     def apply(self, function: Callable[..., Any], *arguments: Node) -> Node:
         """Apply a function to the values of other nodes; the result is a plain number."""
-        match arguments:
+        parts = [argument.evaluate for argument in arguments]
+        constant = all(argument.constant for argument in arguments)
+        match parts:
             case [one]:
-                return Node(lambda columns: function(one.evaluate(columns)), unit=PLAIN)
+                return Node(lambda columns: function(one(columns)), unit=PLAIN, constant=constant)
             case [left, right]:
                 return Node(
-                    lambda columns: function(left.evaluate(columns), right.evaluate(columns)), unit=PLAIN
+                    lambda columns: function(left(columns), right(columns)), unit=PLAIN, constant=constant
                 )
-        return Node(lambda columns: function(*(part.evaluate(columns) for part in arguments)), unit=PLAIN)
+        return Node(
+            lambda columns: function(*(part(columns) for part in parts)), unit=PLAIN, constant=constant
+        )
 
     def fold(self, function: Callable[[Any, Any], Any], nodes: list[Node]) -> Node:
-        """Join nodes by a function of two values, from the left."""
-        joined = nodes[0]
-        for node in nodes[1:]:
-            joined = self.apply(function, joined, node)
-        return joined
+        """Join nodes by a logical function of two values, from the left."""
+        joined = functools.reduce(functools.partial(self.apply, function), nodes)
+        return replace(joined, logical=True)
 
     def compare(self, tree: ast.Compare) -> Node:
         """Comparison, chained as in `0 < x < 1`; a text is an item of the enumeration on the other side."""
         sides = [tree.left, *tree.comparators]
         parts = []
         for left, compared, right in zip(sides, tree.ops, sides[1:], strict=False):
-            if type(compared) not in COMPARE:
+            if type(compared) not in functions.COMPARE:
                 raise self.error(f"holds `{ast.unparse(tree)}`, which is not supported")
-            parts.append(self.apply(COMPARE[type(compared)], self.side(left, right), self.side(right, left)))
-        return self.fold(np.logical_and, parts)
+            parts.append(
+                self.apply(functions.COMPARE[type(compared)], self.side(left, right), self.side(right, left))
+            )
+        return self.fold(functions.AND, parts)
 
     def side(self, tree: ast.expr, other: ast.expr) -> Node:
         """One side of a comparison."""
@@ -286,6 +329,29 @@ class Expression:
                     )
                 return self.constant(items[item])
         return self.build(tree)
+
+
+def derived(made: Node, what: str, arguments: Sequence[Node]) -> Node:
+    """Add its unit to the result of an operator or function, and whether it is true or false."""
+    choices = [arguments[index].logical for index in functions.CHOICES.get(what, ())]
+    unit = unit_of(what, [argument.unit for argument in arguments])
+    return replace(made, unit=unit, logical=what in functions.LOGICAL or (bool(choices) and all(choices)))
+
+
+def number(constant: Node) -> float:
+    """Value of a part without columns, such as `180 / pi`; 0 if it is not one number."""
+    with np.errstate(all="ignore"):
+        try:
+            return float(constant.evaluate(()))
+        except (ValueError, IndexError, TypeError):
+            return 0.0
+
+
+def of_column(made: Node, value: Node, factor: float = 1.0) -> Node:
+    """Mark a result as a number times the values of another part."""
+    if not factor or not np.isfinite(factor):
+        return made
+    return replace(made, column=value.column, factor=factor * value.factor, absolute=value.absolute)
 
 
 def dotted(tree: ast.expr) -> str:

@@ -16,6 +16,12 @@ def reduction(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return lambda values: function(values) if np.size(values) else np.float64(math.nan)
 
 
+def truth(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Make the truth values of a function the numbers 1 and 0, with which numpy computes as with others."""
+    return lambda *values: function(*values).astype(np.float64)
+
+
+AND, OR, NOT = truth(np.logical_and), truth(np.logical_or), truth(np.logical_not)
 BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -23,22 +29,22 @@ BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: np.divide,
     ast.Mod: np.mod,
     ast.Pow: np.power,
-    ast.BitAnd: np.logical_and,
-    ast.BitOr: np.logical_or,
+    ast.BitAnd: AND,
+    ast.BitOr: OR,
 }
 UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {
     ast.USub: operator.neg,
     ast.UAdd: operator.pos,
-    ast.Invert: np.logical_not,
-    ast.Not: np.logical_not,
+    ast.Invert: NOT,
+    ast.Not: NOT,
 }
 COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
+    ast.Eq: truth(np.equal),
+    ast.NotEq: truth(np.not_equal),
+    ast.Lt: truth(np.less),
+    ast.LtE: truth(np.less_equal),
+    ast.Gt: truth(np.greater),
+    ast.GtE: truth(np.greater_equal),
 }
 ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
     "abs": (1, np.abs),
@@ -60,7 +66,7 @@ ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
     "round": (1, np.rint),
     "clip": (3, np.clip),
     "sign": (1, np.sign),
-    "isfinite": (1, np.isfinite),
+    "isfinite": (1, truth(np.isfinite)),
     "where": (3, lambda condition, yes, no: np.where(np.not_equal(condition, 0), yes, no)),
     "minimum": (2, np.minimum),
     "maximum": (2, np.maximum),
@@ -74,9 +80,9 @@ WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
     "std": (1, reduction(np.std)),
     "rms": (1, reduction(lambda values: np.sqrt(np.mean(np.square(values))))),
     "sum": (1, np.sum),
-    "count": (1, np.count_nonzero),
-    "any": (1, np.any),
-    "all": (1, np.all),
+    "count": (1, lambda values: np.float64(np.count_nonzero(values))),
+    "any": (1, truth(np.any)),
+    "all": (1, truth(np.all)),
     "first": (1, reduction(lambda values: np.atleast_1d(values)[0])),
     "last": (1, reduction(lambda values: np.atleast_1d(values)[-1])),
     "median": (1, reduction(np.median)),
@@ -106,6 +112,12 @@ TIMES: dict[str, tuple[int, Callable[..., Any]]] = {
 Times of a condition: of its first row (`inf` if there is none), its last (`-inf`), its longest interval.
 Of a column: derivative and integral over time, value at a time.
 """
+LOGICAL = {"BitAnd", "BitOr", "Invert", "Not", "any", "all", "isfinite"}
+"""Operators and functions whose result is true or false."""
+CHOICES = {"where": (1, 2), "minimum": (0, 1), "maximum": (0, 1), "Mult": (0, 1)}
+"""Arguments that are true or false if the result is."""
+VALUES = ("max", "min", "first", "last", "at")
+"""Functions whose result is a value of their column."""
 KEEP_ITEMS = {"first", "last", "min", "max", "cummax", "cummin", "hold", "at"}
 CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "true": 1.0, "false": 0.0}
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cosim.loop.lint import ratio
+from cosim.units import UNCHANGED, Conversion, conversion
 
 ENOUGH = 0.65
 """Similarity of two names above which they match."""
@@ -27,11 +27,11 @@ class End:
 
 @dataclass(frozen=True)
 class Match:
-    """Two matching ports; `scale` converts the unit, `sure` is true if the names match."""
+    """Two matching ports; `conversion` is that of the unit, `sure` is true if the names match."""
 
     source: End
     target: End
-    scale: float = 1.0
+    conversion: Conversion = UNCHANGED
     sure: bool = True
 
 
@@ -45,18 +45,18 @@ def match(sources: Sequence[End], targets: Sequence[End]) -> list[Match]:
     pairs = [(likeness(source, target), source, target) for source in sources for target in targets]
     for value, source, target in sorted(pairs, key=lambda pair: -pair[0]):
         if value >= ENOUGH and source.name not in used and target.name not in found:
-            found[target.name] = Match(source, target, factor(source.unit, target.unit) or 1.0)
+            found[target.name] = Match(source, target, converted(source.unit, target.unit) or UNCHANGED)
             used.add(source.name)
     left = [source for source in sources if source.name not in used]
     open_ = [target for target in targets if target.name not in found]
-    if len(left) == len(open_) == 1 and (scale := factor(left[0].unit, open_[0].unit)) is not None:
-        found[open_[0].name] = Match(left[0], open_[0], scale, sure=False)
+    if len(left) == len(open_) == 1 and (change := converted(left[0].unit, open_[0].unit)) is not None:
+        found[open_[0].name] = Match(left[0], open_[0], change, sure=False)
     return [found[target.name] for target in targets if target.name in found]
 
 
 def likeness(source: End, target: End) -> float:
     """From 0 to a little above 1; 0 for units that contradict each other."""
-    if factor(source.unit, target.unit) is None:
+    if converted(source.unit, target.unit) is None:
         return 0.0
     known = source.unit == target.unit and source.unit not in ("", "1")
     return same_words(source.name, target.name) + (SAME_UNIT if known else 0.0)
@@ -83,8 +83,6 @@ def words(name: str) -> list[str]:
     return [part.lower() for part in parts]
 
 
-def factor(before: str, after: str) -> float | None:
-    """Factor from one unit to another; 1 if one is unknown, None if they are incompatible."""
-    if before == after or {before, after} & {"", "1"}:
-        return 1.0
-    return ratio(before, after)
+def converted(before: str, after: str) -> Conversion | None:
+    """Conversion from one unit to another; no change if one is unknown, None if they are incompatible."""
+    return UNCHANGED if {before, after} & {"", "1"} else conversion(before, after)

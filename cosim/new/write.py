@@ -98,8 +98,11 @@ def wire(match: Match, source: str, target: str) -> Iterator[str]:
     yield "[[wire]]"
     yield f"from = {quoted(f'{source}.{match.source.name}')}"
     yield f"to = {quoted(f'{target}.{match.target.name}')}"
-    if match.scale != 1.0:
-        yield f"scale = {match.scale!r}".ljust(26) + f"# {match.source.unit} to {match.target.unit}"
+    if match.conversion.changes:
+        scale, offset = match.conversion
+        yield f"scale = {scale!r}".ljust(26) + f"# {match.source.unit} to {match.target.unit}"
+        if offset:
+            yield f"offset = {offset!r}"
     yield ""
 
 

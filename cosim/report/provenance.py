@@ -6,7 +6,7 @@ import math
 import re
 
 from cosim.metrics.criteria import Verdict
-from cosim.metrics.units import conversion
+from cosim.units import conversion
 
 SOURCES = {"paper": "from the paper", "prediction": "prediction", "choice": "choice"}
 """Source of a limit, as in the report."""
@@ -15,8 +15,6 @@ NUMBER = re.compile(
 )
 RANGE = re.compile(r"\s*(?:to|-|\.\.)\s*")
 """Text between two numbers with a common unit."""
-WORDS = {"min": "minute"}
-"""Units of papers that are functions in expressions."""
 
 
 def origin(verdict: Verdict) -> str:
@@ -44,8 +42,8 @@ def numbers(words: str, unit: str) -> list[float]:
         digits, own = number[1], number[2] or ""
         if not own and RANGE.fullmatch(words, number.end(), begin):
             own = behind
-        factor = conversion(WORDS.get(own, own) or "1", unit or "1")
-        if factor is not None:
-            found.append(factor * float(digits.replace(",", "")))
+        converted = conversion(own or "1", unit or "1")
+        if converted is not None:
+            found.append(converted(float(digits.replace(",", ""))))
         behind, begin = own, number.start()
     return found[::-1]

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.errors import ExpressionError
 from cosim.fmu.archive import DisplayUnit
 from cosim.formatting.quantity import text
 from cosim.loop.result import Result
 from cosim.metrics import criteria
-from cosim.metrics.expression import Expression
-from cosim.metrics.units import conversion
 from cosim.scenario.model import Criterion, Panel, Scenario
 from cosim.trace.columns import Array
+from cosim.units import UNCHANGED, Conversion, conversion
 
-SHOWN_AS_THEY_ARE = ("max", "min", "first", "last", "at")
-"""Functions whose value is a value of the column."""
 FAR = 2.0
 """Distance of a limit from the lines, in line spans, above which it is not plotted."""
 
@@ -58,79 +53,34 @@ def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, st
     A criterion limits a column if it names the column, or if its metric is a single value of the column or of
     its absolute value times a number. An absolute value is limited on both sides.
     """
-    values = {metric.name: metric.value for metric in scenario.metric}
+    columns = {name: result.items.get(name) for name in result.columns}
+    compiled = criteria.compile_metrics(scenario.metric, columns, result.units)
+    roots = {metric.name: made.root for metric, made in zip(scenario.metric, compiled, strict=True)}
     found: dict[str, list[tuple[float, str]]] = {}
     for verdict in result.criteria:
         criterion = verdict.criterion
-        measured = result.metrics.get(criterion.metric)
-        if measured is None:
+        measured, root = result.metrics.get(criterion.metric), roots.get(criterion.metric)
+        if measured is None or root is None:
             continue
-        factors = {
-            name: conversion(result.units.get(name, ""), measured.unit) or 1.0 for name in criterion.columns
+        changes = {
+            name: conversion(result.units.get(name, ""), measured.unit) or UNCHANGED
+            for name in criterion.columns
         }
-        column, factor, both = limited(values.get(criterion.metric, ""), result.units)
-        if column:
-            factors[column] = factor
+        if root.column:
+            changes[root.column] = Conversion(root.factor)
         drawn = criteria.drawn(criterion, measured.unit)
         for place, (relation, limit) in zip(drawn, verdict.limits, strict=False):
             words = limit_text(criterion, relation, limit, verdict.unit)
-            for name, factor in factors.items():
-                found.setdefault(name, []).append((place / factor, words))
-                if both:
-                    found[name].append((-place / factor, ""))
+            for name, change in changes.items():
+                found.setdefault(name, []).append((change.back(place), words))
+                if root.absolute:
+                    found[name].append((change.back(-place), ""))
     return found
 
 
 def limit_text(criterion: Criterion, relation: str, limit: float, unit: str) -> str:
     """Text of a limit."""
     return f"{criterion.id} {relation} {text(limit, unit, 3)}"
-
-
-def limited(value: str, columns: Mapping[str, str]) -> tuple[str, float, bool]:
-    """Column, factor, and absolute-value flag of a metric that is a single value of a column.
-
-    None for any other metric.
-    """
-    try:
-        tree, factor = without_factor(ast.parse(value.strip(), mode="eval").body)
-    except SyntaxError:
-        return "", 1.0, False
-    if not isinstance(tree, ast.Call) or getattr(tree.func, "id", "") not in SHOWN_AS_THEY_ARE:
-        return "", factor, False
-    both = False
-    inner = tree.args[0] if tree.args else tree
-    while ast.unparse(inner) not in columns:
-        if isinstance(inner, ast.Subscript):
-            inner = inner.value
-        elif isinstance(inner, ast.Call) and getattr(inner.func, "id", "") == "abs" and inner.args:
-            inner, both = inner.args[0], True
-        else:
-            return "", factor, both
-    return ast.unparse(inner), factor, both
-
-
-def without_factor(tree: ast.expr) -> tuple[ast.expr, float]:
-    """Split an expression into its varying part and its constant factor."""
-    factor = 1.0
-    while isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Mult | ast.Div):
-        left, right = number(tree.left), number(tree.right)
-        if right:
-            factor = factor * right if isinstance(tree.op, ast.Mult) else factor / right
-            tree = tree.left
-        elif left and isinstance(tree.op, ast.Mult):
-            factor *= left
-            tree = tree.right
-        else:
-            break
-    return tree, factor
-
-
-def number(tree: ast.expr) -> float:
-    """Value of an expression without columns, such as `180 / pi`; 0 for others."""
-    try:
-        return float(Expression(ast.unparse(tree), {}, "")(()))
-    except ExpressionError:
-        return 0.0
 
 
 def near(panel: Panel, marked: Marked, shown: DisplayUnit, lines: Sequence[Array]) -> list[tuple[float, str]]:

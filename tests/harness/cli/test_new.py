@@ -32,7 +32,7 @@ MJCF = """
 
 
 def pairs(sources: list[End], targets: list[End]) -> dict[str, tuple[str, float, bool]]:
-    return {m.target.name: (m.source.name, m.scale, m.sure) for m in match(sources, targets)}
+    return {m.target.name: (m.source.name, m.conversion.factor, m.sure) for m in match(sources, targets)}
 
 
 def test_ends_match_by_the_words_of_their_names() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import cosim
 from cosim.errors import ExpressionError
-from cosim.metrics.units import conversion
+from cosim.units import conversion
 
 from ..conftest import END
 from ..sweep import studies
@@ -58,7 +58,9 @@ BEYOND = [("nm^-99", "m^-99"), ("nm99", "m99"), (".".join(["nm9"] * 5), ".".join
 
 @pytest.mark.parametrize(("units", "factor"), UNITS.items())
 def test_units_convert(units: tuple[str, str], factor: float) -> None:
-    assert conversion(*units) == pytest.approx(factor, rel=1e-12)
+    found = conversion(*units)
+    assert found is not None
+    assert (found.factor, found.offset) == (pytest.approx(factor, rel=1e-12), 0.0)
 
 
 @pytest.mark.parametrize(
