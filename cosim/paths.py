@@ -9,6 +9,7 @@ from pathlib import Path
 import platformdirs
 
 from cosim.errors import CosimError, FmuError, PlantError, ScenarioError, closest, readable
+from cosim.warned import warn_once
 
 PACKED = Path(__file__).resolve().parent / "packed"
 """Scenarios and FMUs in the wheel."""
@@ -233,7 +234,11 @@ def folders_text() -> str:
 
 def from_env(name: str) -> list[Path]:
     """Folders in an environment variable, separated as in PATH."""
-    return [Path(part) for part in os.environ.get(name, "").split(os.pathsep) if part]
+    found = [Path(part) for part in os.environ.get(name, "").split(os.pathsep) if part]
+    for folder in found:
+        if not folder.is_dir():
+            warn_once(f"`{name}` names `{folder}`, which is not a folder")
+    return found
 
 
 def unique(folders: list[Path]) -> list[Path]:

@@ -13,7 +13,7 @@ from cosim.optimize.proposer import Trial
 from cosim.optimize.runner import SearchOptions
 from cosim.optimize.variants import Variants
 from cosim.show.console import progress_bar
-from cosim.sweep.store import Store, folder_of
+from cosim.sweep.store import opened
 
 
 @dataclass(frozen=True, repr=False)
@@ -93,9 +93,9 @@ def optimize(
         The file is wrong, Optuna is not installed, the folder cannot be written, or no trial gave a number.
     """
     options = SearchOptions(workers, engines.checked(engine), again)
-    folder = folder_of(out, Path(f"{Path(study).stem}.optimize"))
     variants = Variants(problem.load(paths.find_study(str(study))))
-    with Store(folder) as store, progress_bar(variants.problem.name, quiet) as progress:
+    name, file = variants.problem.name, variants.problem.file
+    with opened(file, out, f"{name}.optimize") as store, progress_bar(name, quiet) as progress:
         trials = search.search(variants, store, options, progress)
-    report.save_csv(variants, trials, folder / "trials.csv")
-    return OptimizeResult(variants, folder, trials)
+    report.save_csv(variants, trials, store.folder / "trials.csv")
+    return OptimizeResult(variants, store.folder, trials)

@@ -21,7 +21,7 @@ from cosim.sweep.check import check_charts
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
-from cosim.sweep.store import DONE, Store, folder_of
+from cosim.sweep.store import DONE, Store
 from cosim.sweep.summary import QUANTILES, Summary, columns, quantiles, quantities, results
 
 Table = dict[str, Any]
@@ -41,8 +41,7 @@ def check(file: Path) -> None:
 
 def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
     """Continue a study as `cosim sweep`, without plots and traces."""
-    folder = folder_of(None, Path(f"{file.stem}.sweep"))
-    options = Options(file, folder, workers, engine=engine, plots=False, quiet=quiet, traces=False)
+    options = Options(file, None, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
     def describe(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)

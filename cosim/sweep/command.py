@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
@@ -24,9 +24,9 @@ from cosim.show.lines import ProgressLines
 from cosim.sweep import influence, study, summary_tables
 from cosim.sweep.check import check_charts
 from cosim.sweep.export import save_csv, save_parquet
-from cosim.sweep.plan import Plan
-from cosim.sweep.runner import Observer, Pool, pending, save_traces, sweep, worst
-from cosim.sweep.store import DONE, Row, Store
+from cosim.sweep.plan import Plan, part_of
+from cosim.sweep.runner import Observer, Pool, merge, merge_traces, pending, save_traces, sweep, worst
+from cosim.sweep.store import DONE, Row, Store, opened, study_of
 from cosim.sweep.summary import Summary, summarize
 
 log = logging.getLogger("cosim")
@@ -35,10 +35,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the command, as in `cosim.sweep`; `folder` is that of the results."""
+    """Options of the command, as in `cosim.sweep`; `merged` are folders of parts, whose runs are complete."""
 
     file: Path
-    folder: Path
+    out: str | Path | None = None
     workers: int | None = None
     cluster: str | None = None
     engine: str = "native"
@@ -46,11 +46,19 @@ class Options:
     plots: bool = True
     quiet: bool = False
     traces: bool = True
+    part: str = ""
+    merged: tuple[Path, ...] = ()
 
     def __post_init__(self) -> None:
         """Reject an empty address: the runs would be executed here."""
         if self.cluster == "":
             raise CosimError("`--cluster` is empty", "Omit it to run on this machine.")
+
+    @property
+    def default(self) -> str:
+        """Default folder; parts that run at the same time have one each."""
+        first, count = part_of(self.part)
+        return f"{self.file.stem}.{first + 1}-of-{count}.sweep" if self.part else f"{self.file.stem}.sweep"
 
 
 def execute(options: Options) -> tuple[Summary, RenderableType]:
@@ -73,19 +81,45 @@ def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
         After the summary of the completed runs was written.
     """
     with planning(options) as observe:
-        plan = Plan(study.load(paths.find_study(str(options.file))), engines.checked(options.engine), observe)
+        loaded = study.load(paths.find_study(str(options.file)))
+        plan = Plan(loaded, engines.checked(options.engine), observe, options.part)
     check_charts(plan)
     options = replace(options, plots=wanted(options.plots))
-    with Store(options.folder) as store:
+    with opened(loaded.file, options.out, options.default) as store:
         try:
-            with progress(plan, store, options) as observe:
-                sweep(plan, store, pool_of(plan, options), observe, options.again)
+            if options.merged:
+                merge(plan, store, options.merged)
+            else:
+                with progress(plan, store, options) as observe:
+                    sweep(plan, store, pool_of(plan, options), observe, options.again)
         finally:
             found = summarize(plan, store)
             write_summary(plan, found, store.folder, options.plots)
+        merge_traces(plan, store.folder, found, options.merged)
         if options.traces:
             save_traces(plan, store, found, pool_of(plan, options), options.plots)
         return take(plan, store, found)
+
+
+def of_parts(folders: Sequence[Path]) -> Path:
+    """Study of the folders of its parts.
+
+    Raises
+    ------
+    CosimError
+        There is no folder, one does not name its study, or two have different studies.
+    """
+    found: dict[Path, str] = {}
+    for folder in folders:
+        file = study_of(folder)
+        if file is None or not paths.is_file(file):
+            problem = f"`{paths.shown(folder)}` is not the folder of a sweep, or its study is not there"
+            raise CosimError(problem, "Put it where it was written, relative to the study.")
+        found.setdefault(paths.resolved(file), f"`{paths.shown(folder)}` holds `{paths.shown(file)}`")
+    if len(found) != 1:
+        problem = "the folders have several studies: " + ", ".join(found.values())
+        raise CosimError(problem if found else "`merge` has no folder", "Give the folders of one study.")
+    return next(iter(found))
 
 
 def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None:
@@ -106,7 +140,7 @@ def pool_of(plan: Plan, options: Options) -> Pool:
     if options.cluster is not None:
         return functools.partial(cluster.outcomes, address=options.cluster, limits=limits)
     workers = options.workers or processors()
-    return functools.partial(local.outcomes, workers=min(workers, len(plan.runs)), limits=limits)
+    return functools.partial(local.outcomes, workers=min(workers, len(plan.numbers)), limits=limits)
 
 
 @contextlib.contextmanager
@@ -131,7 +165,7 @@ def progress(plan: Plan, store: Store, options: Options) -> Iterator[Observer]:
         if options.quiet:
             yield lambda row: None
             return
-        total = len(plan.runs)
+        total = len(plan.numbers)
         done = total - len(pending(plan, store, options.again))
         counts = {"done": done, "failed": 0, "lost": 0}
         if shown is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -29,6 +30,7 @@ from cosim.sweep.designs import DESIGNS, Case
 from cosim.sweep.run_hash import digest, finished, leaf, plant_of, project, section, total
 from cosim.sweep.study import Study
 
+PART = re.compile(r"(\d{1,6})/(\d{1,6})")
 MAX_SETTINGS = 1000
 """Maximum number of cached settings during planning."""
 
@@ -78,7 +80,7 @@ class Setting:
 
 
 class Plan:
-    """All runs of a study.
+    """All runs of a study, and the numbers of those in one of several parts.
 
     Raises
     ------
@@ -86,7 +88,10 @@ class Plan:
         A key, a value, the scenario or the FMU of any run is wrong; names study and case.
     """
 
-    def __init__(self, study: Study, engine: Engine = "native", progress: Progress | None = None) -> None:
+    def __init__(
+        self, study: Study, engine: Engine = "native", progress: Progress | None = None, part: str = ""
+    ) -> None:
+        first, count = part_of(part)
         self.study = study
         self.engine = engine
         plant_of.cache_clear()
@@ -106,6 +111,11 @@ class Plan:
         if study.design.kind != "list":
             self.cases = DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed)
         self.runs = Runs(self, progress)
+        self.numbers = range(first, len(self.runs), count)
+
+    def different(self) -> list[int]:
+        """List the numbers of the runs of this part, each hash once."""
+        return list({self.runs.hash(number): number for number in self.numbers}.values())
 
     def admit(self, index: int) -> int:
         """Check one case; return the sum of the hashes of everything that affects its results."""
@@ -193,6 +203,20 @@ class Plan:
         options = [shlex.quote(f"{key}={text(value)}") for key, value in changes.items()]
         words = ["cosim run", shlex.quote(scenario), *(f"--set {option}" for option in options)]
         return " ".join([*words, f"--seed {run.seed}"])
+
+
+def part_of(text: str) -> tuple[int, int]:
+    """First number of a part such as `2/8`, and the distance between its numbers; all without a text.
+
+    Raises
+    ------
+    CosimError
+        It is not such a part.
+    """
+    found = PART.fullmatch(text or "1/1")
+    if found is None or not 1 <= int(found[1]) <= int(found[2]):
+        raise CosimError(f"`--part` is `{text}`", "Give part and number of parts, from `1/8` to `8/8`.")
+    return int(found[1]) - 1, int(found[2])
 
 
 def things(scenario: Scenario, files: dict[str, FmuFile], plant_hash: str) -> dict[str, str]:

@@ -12,7 +12,7 @@ from cosim.formatting.quantity import text
 from cosim.sweep import summary_tables
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
-from cosim.sweep.store import Row, Store, folder_of
+from cosim.sweep.store import Row, Store
 from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities, rows
 
 
@@ -84,6 +84,7 @@ def sweep(
     again: bool = False,
     plots: bool = False,
     quiet: bool = True,
+    part: str = "",
 ) -> SweepResult:
     """Run the cases of a study in parallel; completed runs are not repeated.
 
@@ -105,15 +106,17 @@ def sweep(
         Whether to make plots, if matplotlib is installed.
     quiet
         Whether to hide the progress on stderr.
+    part
+        Part of the runs, such as `2/8`; all by default. `cosim sweep merge` merges the folders.
 
     Raises
     ------
     CosimError
         The study is wrong, the folder cannot be written, or no worker can be started.
     """
-    file = Path(study)
-    folder = folder_of(out, Path(f"{file.stem}.sweep"))
-    return run_study(Options(file, folder, workers, cluster, engine, again, plots, quiet), collect)
+    return run_study(
+        Options(Path(study), out, workers, cluster, engine, again, plots, quiet, part=part), collect
+    )
 
 
 def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:

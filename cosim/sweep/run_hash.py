@@ -92,10 +92,15 @@ def plant_of(name: str, folder: Path) -> tuple[Any, str]:
 
 
 def sources(kind: Any, folder: Path) -> list[Path]:
-    """Files of a plant's class and its bases, and of their imports from their or the scenario's folder."""
-    modules = [sys.modules.get(base.__module__) for base in kind.__mro__]
+    """Files of a plant's class and its bases, their packages, and their imports from folders of the user."""
+    names = {base.__module__ for base in kind.__mro__}
+    modules = [sys.modules.get(name) for name in names]
     files = {Path(file).resolve() for module in modules if (file := getattr(module, "__file__", None))}
     files |= {found for file in files if not is_installed(file) for found in imported(file, folder)}
+    # the whole package, installed or not: any of its modules may be imported at any time
+    packages = [sys.modules.get(name.partition(".")[0]) for name in names]
+    for place in (Path(found) for package in packages for found in getattr(package, "__path__", ())):
+        files |= {file.resolve() for file in place.rglob("*") if file.suffix in CODE and file.is_file()}
     # by name, then folder: wherever they lie
     return sorted(files, key=lambda file: file.parts[::-1])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import math
+import shutil
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -15,12 +16,14 @@ from cosim.loop.result import Result
 from cosim.pool.job import Finished, Numbered, Outcome
 from cosim.show import plot
 from cosim.sweep.plan import Plan, Run
-from cosim.sweep.store import DONE, TROUBLES, Row, Store, row_of
+from cosim.sweep.store import DONE, TROUBLES, Row, Store, existing, row_of
 from cosim.sweep.summary import Summary
+from cosim.writing import whole
 
 log = logging.getLogger("cosim")
 Pool = Callable[[Iterable[Numbered]], Generator[Finished]]
 """Runs jobs and yields their outcomes in order of completion: on this machine or on a cluster."""
+TRACES, ENDINGS = "traces", (".npz", ".svg")
 MAX_PLOTS = 3
 """Maximum plots of the worst runs: a plot takes longer than a run."""
 Observer = Callable[[Row], None]
@@ -43,7 +46,7 @@ def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool =
     again
         Whether runs without a result (`error`, `crashed`, `timeout`, `memory`, `lost`) are repeated.
     """
-    for number in {plan.runs.hash(number): number for number in range(len(plan.runs))}.values():
+    for number in plan.different():
         store.refresh(run := plan.runs[number], plan.criteria(run))
     for run, outcome in outcomes(plan, pending(plan, store, again), pool, keep_trace=False):
         row = row_of(run, outcome, plan.criteria(run))
@@ -54,8 +57,7 @@ def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool =
 def pending(plan: Plan, store: Store, again: bool) -> list[int]:
     """List the numbers of the missing runs, each hash once."""
     done = DONE if again else (*DONE, *TROUBLES)
-    hashes = ((number, plan.runs.hash(number)) for number in range(len(plan.runs)))
-    return list({name: number for number, name in hashes if store.status(name) not in done}.values())
+    return [number for number in plan.different() if store.status(plan.runs.hash(number)) not in done]
 
 
 def outcomes(
@@ -73,14 +75,12 @@ def outcomes(
 
 def save_traces(plan: Plan, store: Store, found: Summary, pool: Pool, plots: bool) -> None:
     """Repeat the failed and the worst runs, save their traces and plot the worst; existing files stay."""
-    folder = store.folder / "traces"
     drawn = worst(plan, found)[:MAX_PLOTS] if plots else []
-    names = {number: f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen(plan, found)}
-    files = {number: folder / name for number, name in names.items()}
+    files = trace_files(plan, store.folder, found)
     missing = [number for number, file in files.items() if not file.exists()]
     if not missing:
         return
-    make(folder)
+    make(store.folder / TRACES)
     for run, outcome in outcomes(plan, missing, pool, keep_trace=True):
         before = store.row(run, ())
         if not isinstance(outcome, Result) or before is None:
@@ -95,6 +95,42 @@ def save_traces(plan: Plan, store: Store, found: Summary, pool: Pool, plots: boo
                 plot.save(plan.job(run).scenario, outcome, file.with_suffix(".svg"))
             except CosimError as error:
                 log.warning("run %d is not plotted: %s", run.number, error)
+
+
+def merge(plan: Plan, store: Store, folders: Iterable[Path]) -> None:
+    """Copy the rows of several folders, in the order of the runs; a result replaces a run without one.
+
+    Raises
+    ------
+    CosimError
+        A folder holds no sweep, another sweep writes to it, or none holds a run of the study.
+    """
+    with contextlib.ExitStack() as stack:
+        parts = [stack.enter_context(existing(folder)) for folder in folders]
+        for number in plan.different():
+            run = plan.runs[number]
+            rows = [row for part in parts if (row := part.row(run, plan.criteria(run)))]
+            if rows and store.status(run.hash) not in DONE:
+                store.append(min(rows, key=lambda row: row["status"] in TROUBLES))
+    if not store.places:
+        problem = f"the folders hold no run of {plan.origin} as it is now"
+        raise CosimError(problem, "Merge with the study, FMUs, plants and versions that made them.")
+
+
+def merge_traces(plan: Plan, folder: Path, found: Summary, folders: Iterable[Path]) -> None:
+    """Copy traces and plots that a sweep in one folder would have: the parts have at least these."""
+    for name in (file.stem for file in trace_files(plan, folder, found).values()):
+        for source in (part / TRACES / f"{name}{ending}" for part in folders for ending in ENDINGS):
+            if source.is_file():
+                make(folder / TRACES)
+                with whole(folder / TRACES / source.name) as partial:
+                    shutil.copyfile(source, partial)
+
+
+def trace_files(plan: Plan, folder: Path, found: Summary) -> dict[int, Path]:
+    """Files of the traces by the numbers of their runs."""
+    names = {number: f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen(plan, found)}
+    return {number: folder / TRACES / name for number, name in names.items()}
 
 
 def make(folder: Path) -> None:

@@ -24,10 +24,12 @@ from cosim.pool.job import Outcome
 from cosim.scenario.model import Criterion
 from cosim.scenario.tables import parse
 from cosim.sweep.plan import Run
-from cosim.writing import naming
+from cosim.writing import naming, write
 
 log = logging.getLogger("cosim")
 FILE = "results.jsonl"
+ORIGIN = "study.txt"
+"""File with the path of the study, relative to the folder of its results."""
 Row = dict[str, Any]
 """One line: run, case, seed, status, reason, settings, metrics, criteria, times, hash."""
 VERDICTS = {True: "passed", False: "failed", None: "done"}
@@ -90,18 +92,21 @@ class Store(Closing):
             raise
 
     def lock(self) -> None:
-        """Lock the file for this process."""
+        """Lock the file for this process, if its file system has locks."""
         try:
             import fcntl
         except ImportError:  # this system has no such locks
             return
         try:
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+        except OSError as error:
             shown = paths.shown(self.folder)
-            raise CosimError(
-                f"another sweep writes to `{shown}`", "Wait for it, or choose another `--out`."
-            ) from None
+            if error.errno not in (errno.EWOULDBLOCK, errno.EAGAIN):
+                text = "cannot lock `%s` (%s): start no other sweep in it until this one ends"
+                log.warning(text, shown, error.strerror or error)
+                return
+            problem = f"another sweep writes to `{shown}`"
+            raise CosimError(problem, "Wait for it, or choose another `--out`.") from None
 
     def scan(self) -> None:
         """Index the existing rows; nothing is removed, and an incomplete last line is terminated."""
@@ -169,17 +174,55 @@ class Store(Closing):
             self.file.close()
 
 
-def folder_of(out: str | Path | None, otherwise: Path) -> Path:
-    """Return the requested folder of results, or the default.
+def opened(study: Path, out: str | Path | None, otherwise: str) -> Store:
+    """Store of a study in the requested folder, or in the default one, which is that of one study.
 
     Raises
     ------
     CosimError
-        Its name is empty, which would mean the working directory.
+        As for `Store`; the name of the folder is empty, which would mean the working directory; the default
+        folder holds the results of another study.
     """
     if out == "":
         raise CosimError("`--out` is empty", "Use `--out .` for the working directory.")
-    return otherwise if out is None else Path(out)
+    folder = Path(otherwise if out is None else out)
+    other = study_of(folder)
+    if out is None and other is not None and other.is_file() and not other.samefile(study):
+        problem = f"`{paths.shown(folder)}` holds the results of `{paths.shown(other)}`"
+        raise CosimError(f"{problem}, not of `{paths.shown(study)}`", "Choose another folder with `--out`.")
+    store = Store(folder)
+    write(f"{relative(study, folder)}\n", folder / ORIGIN)
+    return store
+
+
+def existing(folder: Path) -> Store:
+    """Store of a folder that exists.
+
+    Raises
+    ------
+    CosimError
+        As for `Store`, or it holds no sweep.
+    """
+    if not paths.is_file(folder / FILE):
+        problem = f"`{paths.shown(folder)}` is not the folder of a sweep: it has no `{FILE}`"
+        raise CosimError(problem, "Name the folders of `cosim sweep --part`.")
+    return Store(folder)
+
+
+def study_of(folder: Path) -> Path | None:
+    """Study of a folder of results; None if it is not known."""
+    try:
+        return folder / (folder / ORIGIN).read_text(encoding="utf-8").strip()
+    except (OSError, ValueError):
+        return None
+
+
+def relative(file: Path, folder: Path) -> str:
+    """Path of a file from a folder, which stays valid when both are moved."""
+    try:
+        return Path(os.path.relpath(paths.resolved(file), paths.resolved(folder))).as_posix()
+    except ValueError:  # another drive
+        return str(paths.resolved(file))
 
 
 def read(line: bytes) -> Row:

@@ -122,7 +122,7 @@ class Summary:
 
 def summarize(plan: Plan, store: Store) -> Summary:
     """Read all rows of a study once."""
-    found = Summary(len(plan.runs))
+    found = Summary(len(plan.numbers))
     where = places(plan)
     found.columns = {name: [] for name in where}
     for row in rows(plan, store):
@@ -147,7 +147,8 @@ def summarize(plan: Plan, store: Store) -> Summary:
 
 def rows(plan: Plan, store: Store) -> Iterator[Row]:
     """Rows of a study in the order of its runs."""
-    return (row for run in plan.runs if (row := store.row(run, plan.criteria(run))) is not None)
+    runs = (plan.runs[number] for number in plan.numbers)
+    return (row for run in runs if (row := store.row(run, plan.criteria(run))) is not None)
 
 
 def places(plan: Plan) -> dict[str, tuple[str, str]]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import cosim
+from cosim import paths
 from cosim.errors import CosimError, ScenarioError
 
 from .conftest import END, entry
@@ -90,6 +92,17 @@ def test_names_are_found_in_the_folders(write: Write, folder: Path, monkeypatch:
     assert cosim.load("lag/fast").name == "lag/fast"
     with pytest.raises(ScenarioError, match="there is no scenario `lag/fats`\nhint: Use `lag/fast`"):
         cosim.load("lag/fats")
+
+
+@pytest.mark.parametrize("name", ["COSIM_SCENARIOS", "COSIM_FMU_PATH"])
+def test_a_folder_that_does_not_exist_is_reported_once(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv(name, os.pathsep.join((str(tmp_path), str(tmp_path / "no"))))
+    for _ in range(2):
+        assert paths.from_env(name) == [tmp_path, tmp_path / "no"]
+    expected = f"`{name}` names `{tmp_path / 'no'}`, which is not a folder"
+    assert [record.getMessage() for record in caplog.records] == [expected]
 
 
 def test_overrides_win_and_the_last_one_wins(write: Write) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 
@@ -73,6 +74,31 @@ def test_a_module_that_a_plant_imports_is_part_of_its_hash(write: Write, folder:
     before = hashes(folder, study_text)
     assert hashes(folder, study_text) == before
     (folder / "helper.py").write_text("GAIN = 100.0\n")
+    assert hashes(folder, study_text) != before
+
+
+@pytest.mark.parametrize("layout", ["installed", "on the path"])
+def test_the_package_of_a_plant_is_part_of_its_hash(
+    write: Write, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, layout: str
+) -> None:
+    package = f"mymachine{layout.count(' ')}"
+    installed = tmp_path / "elsewhere"
+    (installed / package / "parts").mkdir(parents=True)
+    for name, text in {
+        "__init__": "",
+        "plant": "from probe_plants import Lag\nfrom .parts.friction import GAIN\nclass P(Lag): ...\n",
+        "parts/friction": "GAIN = 1.0\n",
+    }.items():
+        (installed / package / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(str(installed))
+    if layout == "installed":
+        places = {**sysconfig.get_paths(), "purelib": str(installed)}
+        monkeypatch.setattr(sysconfig, "get_paths", lambda: places)
+    write(text=SCENARIO.replace("probe_plants:Lag", f"{package}.plant:P"))
+    study_text = studies.case_list(["plant.pole = 0.25"])
+    before = hashes(folder, study_text)
+    assert hashes(folder, study_text) == before
+    (installed / package / "parts" / "friction.py").write_text("GAIN = 100.0\n")
     assert hashes(folder, study_text) != before
 
 

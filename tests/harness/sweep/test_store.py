@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import re
 import subprocess
 import sys
@@ -12,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from cosim.errors import CosimError
 from cosim.sweep.store import Store
 
 from . import studies
@@ -153,3 +156,22 @@ def test_a_full_disk_is_reported_and_loses_no_row(write: Write, folder: Path) ->
     assert studies.sweep("list.toml").returncode in (0, 1)
     assert file.read_bytes().startswith(before)
     assert len(studies.rows(folder / "list.sweep")) == 2
+
+
+@pytest.mark.parametrize("number", [errno.ENOSYS, errno.ENOLCK, errno.EWOULDBLOCK])
+def test_only_a_lock_of_another_process_is_another_sweep(
+    number: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fcntl = pytest.importorskip("fcntl")
+
+    def flock(*_: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    if number == errno.EWOULDBLOCK:
+        with pytest.raises(CosimError, match="another sweep writes to"):
+            Store(tmp_path)
+        return
+    with Store(tmp_path) as store:
+        store.append(json.loads(ROW))
+    assert f"({os.strerror(number)}): start no other sweep" in caplog.text
