@@ -18,7 +18,7 @@ use crate::platform::Platform;
 pub struct Report {
     /// Lines for people.
     pub text: String,
-    /// Faults of its libraries.
+    /// Violations of the standard; limits of portability are no faults.
     pub faults: usize,
 }
 
@@ -32,8 +32,11 @@ pub fn inspect(file: &Path) -> Result<Report> {
     let mut archive = ZipArchive::new(BufReader::new(opened)).with_context(|| format!("`{shown}` is no zip file"))?;
     let description = read(&mut archive, DESCRIPTION).with_context(|| format!("`{shown}` is no FMU"))?;
     let description = String::from_utf8(description).with_context(|| format!("`{DESCRIPTION}` is no UTF-8"))?;
-    let interface = Interface::read(&description)?;
+    let interface = Interface::read(&description).with_context(|| format!("`{shown}`"))?;
     let mut report = Report { text: head(&interface), faults: 0 };
+    if interface.identifiers.is_empty() {
+        report.add(&[format!("`{DESCRIPTION}` has no `modelIdentifier`")]);
+    }
 
     let mut names = archive.file_names().filter_map(Result::ok).map(String::from).collect::<Vec<_>>();
     names.retain(|name| is_library(name));
@@ -41,18 +44,31 @@ pub fn inspect(file: &Path) -> Result<Report> {
     for name in names {
         let library = read(&mut archive, &name)?;
         let _ = writeln!(report.text, "{name} ({} kB)", library.len().div_ceil(1000));
+        if !is_model(&name, &interface.identifiers) {
+            let _ = writeln!(report.text, "    another library, not of FMI");
+            continue;
+        }
         match Facts::read(&library) {
             Ok(facts) => {
                 let _ = writeln!(report.text, "    {facts}");
-                report.add(&inspect::faults(&library, &facts, &Rules::for_anyone()));
+                report.add(&inspect::incomplete(&facts, &interface.functions));
                 if let Some(platform) = name.split('/').nth(1).and_then(Platform::find) {
                     report.add(&inspect::misplaced(&facts, platform, &interface.guid));
+                }
+                for limit in inspect::limits(&library, &facts, &Rules::for_anyone()) {
+                    let _ = writeln!(report.text, "    portability: {limit}");
                 }
             }
             Err(error) => report.add(&[format!("{error:#}")]),
         }
     }
     Ok(report)
+}
+
+/// Whether a file in `binaries` has the name of the model.
+fn is_model(path: &str, identifiers: &[String]) -> bool {
+    let stem = Path::new(path).file_stem().unwrap_or_default();
+    identifiers.iter().any(|identifier| stem == identifier.as_str())
 }
 
 impl Report {

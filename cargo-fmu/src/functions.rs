@@ -48,6 +48,69 @@ pub const FMI2_FUNCTIONS: [&str; 44] = [
     "fmi2Terminate",
 ];
 
+/// Functions that FMI 2.0 requires, by element of the description (any if empty) and its attribute (none if empty) that
+/// is true or above zero.
+pub const REQUIRED: [(&str, &str, &[&str]); 9] = [
+    (
+        "",
+        "",
+        &[
+            "fmi2EnterInitializationMode",
+            "fmi2ExitInitializationMode",
+            "fmi2FreeInstance",
+            "fmi2GetBoolean",
+            "fmi2GetInteger",
+            "fmi2GetReal",
+            "fmi2GetString",
+            "fmi2GetTypesPlatform",
+            "fmi2GetVersion",
+            "fmi2Instantiate",
+            "fmi2Reset",
+            "fmi2SetBoolean",
+            "fmi2SetDebugLogging",
+            "fmi2SetInteger",
+            "fmi2SetReal",
+            "fmi2SetString",
+            "fmi2SetupExperiment",
+            "fmi2Terminate",
+        ],
+    ),
+    ("", "canGetAndSetFMUstate", &["fmi2FreeFMUstate", "fmi2GetFMUstate", "fmi2SetFMUstate"]),
+    ("", "canSerializeFMUstate", &["fmi2DeSerializeFMUstate", "fmi2SerializeFMUstate", "fmi2SerializedFMUstateSize"]),
+    ("", "providesDirectionalDerivative", &["fmi2GetDirectionalDerivative"]),
+    (
+        "CoSimulation",
+        "",
+        &[
+            "fmi2DoStep",
+            "fmi2GetBooleanStatus",
+            "fmi2GetIntegerStatus",
+            "fmi2GetRealStatus",
+            "fmi2GetStatus",
+            "fmi2GetStringStatus",
+        ],
+    ),
+    ("CoSimulation", "canRunAsynchronuously", &["fmi2CancelStep"]),
+    ("CoSimulation", "canInterpolateInputs", &["fmi2SetRealInputDerivatives"]),
+    ("CoSimulation", "maxOutputDerivativeOrder", &["fmi2GetRealOutputDerivatives"]),
+    (
+        "ModelExchange",
+        "",
+        &[
+            "fmi2CompletedIntegratorStep",
+            "fmi2EnterContinuousTimeMode",
+            "fmi2EnterEventMode",
+            "fmi2GetContinuousStates",
+            "fmi2GetDerivatives",
+            "fmi2GetEventIndicators",
+            "fmi2GetNominalsOfContinuousStates",
+            "fmi2NewDiscreteStates",
+            "fmi2SetContinuousStates",
+            "fmi2SetTime",
+        ],
+    ),
+];
+
 /// Prefix of the functions that `fmi2-export` adds: the files of the FMU, and the seam between C functions and model.
 pub const OWN_PREFIX: &str = "fmi2_export_";
 

@@ -66,12 +66,17 @@ pub fn missing(facts: &Facts) -> Vec<&'static str> {
     FMI2_FUNCTIONS.into_iter().filter(|name| !facts.exports.contains(*name)).collect()
 }
 
-/// Everything that is wrong with a library, one sentence each.
-pub fn faults(library: &[u8], facts: &Facts, rules: &Rules) -> Vec<String> {
-    let mut faults: Vec<_> = missing(facts).iter().map(|name| format!("`{name}` is not exported")).collect();
+/// The required functions that a library does not export, one sentence each.
+pub fn incomplete(facts: &Facts, required: &[&str]) -> Vec<String> {
+    let missing = required.iter().filter(|name| !facts.exports.contains(**name));
+    missing.map(|name| format!("`{name}` is not exported")).collect()
+}
+
+/// Everything that keeps a library from running everywhere, one sentence each; the standard allows it.
+pub fn limits(library: &[u8], facts: &Facts, rules: &Rules) -> Vec<String> {
     let known = |name: &str| FMI2_FUNCTIONS.contains(&name) || name.starts_with(OWN_PREFIX);
     let extra = facts.exports.iter().filter(|name| !known(name));
-    faults.extend(extra.map(|name| format!("`{name}` is exported and should not be")));
+    let mut faults: Vec<_> = extra.map(|name| format!("`{name}` is exported and should not be")).collect();
     let named = rules.folders.iter().filter(|folder| contains(library, folder.as_bytes()));
     faults.extend(named.map(|folder| format!("the builder's folder `{folder}` is named inside")));
     if let Some((major, minor)) = rules.glibc {
@@ -90,6 +95,11 @@ pub fn faults(library: &[u8], facts: &Facts, rules: &Rules) -> Vec<String> {
         faults.push("it asks for an executable stack".into());
     }
     faults
+}
+
+/// Everything that is wrong with a library of this project, one sentence each.
+pub fn faults(library: &[u8], facts: &Facts, rules: &Rules) -> Vec<String> {
+    [incomplete(facts, &FMI2_FUNCTIONS), limits(library, facts, rules)].concat()
 }
 
 /// What is wrong with a library in this place of an FMU that has this GUID, one sentence each.

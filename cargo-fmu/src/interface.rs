@@ -1,8 +1,11 @@
 //! Variables of a model, read from its description.
 
+use std::collections::BTreeSet;
+
 use anyhow::{Context, Result, ensure};
 use roxmltree::{Document, Node};
 
+use crate::functions::REQUIRED;
 use crate::pack::DESCRIPTION;
 
 /// A model as its description states it; missing attributes are empty.
@@ -13,6 +16,10 @@ pub struct Interface {
     pub tool: String,
     /// Model identifier for co-simulation: the name of the binary.
     pub identifier: String,
+    /// Model identifiers for co-simulation and model exchange, each once.
+    pub identifiers: Vec<String>,
+    /// Functions that the standard requires of the binary.
+    pub functions: Vec<&'static str>,
     /// Name for people.
     pub name: String,
     pub description: String,
@@ -77,20 +84,29 @@ impl Interface {
     /// Reads a model description, whoever wrote it.
     ///
     /// # Errors
-    /// When it is not well-formed, has no GUID, or a variable lacks what FMI asks for.
+    /// When it is not well-formed, of another version than FMI 2.0, has no GUID, or a variable lacks what FMI asks for.
     pub fn read(description: &str) -> Result<Self> {
         let document = Document::parse(description).with_context(|| format!("`{DESCRIPTION}` is not well-formed"))?;
         let all = |tag: &'static str| document.descendants().filter(move |node| node.has_tag_name(tag));
         let first = |tag, attribute| all(tag).next().map_or_else(String::new, |node| text(node, attribute));
         let root = document.root_element();
+        let version = text(root, "fmiVersion");
+        ensure!(
+            version.is_empty() || version.starts_with("2."),
+            "the FMU has FMI {version}, only FMI 2.0 is read\nhint: Use `fmpy info FILE`."
+        );
+        let identifiers: BTreeSet<_> =
+            ["CoSimulation", "ModelExchange"].map(|tag| first(tag, "modelIdentifier")).into();
         let choices = all("SimpleType").filter_map(|ty| Some((ty, child(ty, "Enumeration")?)));
         let choices: Vec<_> = choices.map(|(ty, items)| Choice::read(ty, items)).collect();
         let variables = all("ScalarVariable").map(|node| Quantity::read(node, &choices)).collect::<Result<_>>()?;
         let guid = root.attribute("guid").with_context(|| format!("`{DESCRIPTION}` has no GUID"))?;
         Ok(Self {
-            version: text(root, "fmiVersion"),
+            version,
             tool: text(root, "generationTool"),
             identifier: first("CoSimulation", "modelIdentifier"),
+            identifiers: identifiers.into_iter().filter(|identifier| !identifier.is_empty()).collect(),
+            functions: required(root),
             name: text(root, "modelName"),
             description: text(root, "description"),
             guid: guid.to_owned(),
@@ -171,6 +187,20 @@ impl Quantity {
     }
 }
 
+/// Functions that the standard requires for the kinds and capabilities of a description.
+fn required(root: Node) -> Vec<&'static str> {
+    let applies = |tag: &str, capability: &str| {
+        let kinds = root.children().filter(|node| {
+            let name = node.tag_name().name();
+            if tag.is_empty() { matches!(name, "CoSimulation" | "ModelExchange") } else { name == tag }
+        });
+        let has = |kind: Node| !matches!(kind.attribute(capability), None | Some("false" | "0"));
+        kinds.into_iter().any(|kind| capability.is_empty() || has(kind))
+    };
+    let rules = REQUIRED.iter().filter(|(tag, capability, _)| applies(tag, capability));
+    rules.flat_map(|(_, _, functions)| functions.iter().copied()).collect()
+}
+
 fn text(node: Node, attribute: &str) -> String {
     node.attribute(attribute).unwrap_or_default().to_owned()
 }
@@ -196,7 +226,20 @@ pub mod tests {
         let [version, tool, identifier, name, description, guid, step] =
             ["2.0", "", "m", "M", "A model", "{0}", "0.001"].map(str::to_owned);
         let (choices, variables) = (Vec::new(), variables.collect());
-        Interface { version, tool, identifier, name, description, guid, step, choices, variables }
+        let (identifiers, functions) = (vec![identifier.clone()], Vec::new());
+        Interface {
+            version,
+            tool,
+            identifier,
+            identifiers,
+            functions,
+            name,
+            description,
+            guid,
+            step,
+            choices,
+            variables,
+        }
     }
 
     #[test]
@@ -210,6 +253,26 @@ pub mod tests {
         assert_eq!(error(&xml("")), "`modelDescription.xml` names no modelIdentifier");
         assert_eq!(error(&xml(binary)), "`modelDescription.xml` names no stepSize");
         assert_eq!(error("<fmiModelDescription/>"), "`modelDescription.xml` has no GUID");
+        let other = error("<fmiModelDescription fmiVersion=\"3.0\" instantiationToken=\"t\"/>");
+        assert_eq!(other, "the FMU has FMI 3.0, only FMI 2.0 is read\nhint: Use `fmpy info FILE`.");
+    }
+
+    #[test]
+    fn functions_are_required_for_kinds_and_capabilities() {
+        let read = |kinds: &str| {
+            Interface::read(&format!("<fmiModelDescription guid=\"g\">{kinds}</fmiModelDescription>")).unwrap()
+        };
+        let cosimulation = read("<CoSimulation modelIdentifier=\"a\" canGetAndSetFMUstate=\"false\"/>");
+        assert_eq!((cosimulation.identifiers, cosimulation.functions.len()), (vec!["a".to_owned()], 24));
+        assert!(["fmi2GetDerivatives", "fmi2GetFMUstate"].iter().all(|name| !cosimulation.functions.contains(name)));
+        let both = read(
+            "<ModelExchange modelIdentifier=\"b\" canGetAndSetFMUstate=\"true\"/>\
+            <CoSimulation modelIdentifier=\"a\" maxOutputDerivativeOrder=\"1\"/>",
+        );
+        assert_eq!(both.identifiers, ["a", "b"]);
+        for name in ["fmi2GetDerivatives", "fmi2GetFMUstate", "fmi2GetRealOutputDerivatives", "fmi2DoStep"] {
+            assert!(both.functions.contains(&name), "{name}");
+        }
     }
 
     #[test]

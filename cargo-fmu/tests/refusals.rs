@@ -5,7 +5,10 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use cargo_fmu::functions::REQUIRED;
+use cargo_fmu::platform::Platform;
 use tempfile::TempDir;
+use zip::write::SimpleFileOptions;
 
 const CDYLIB: &str = "[lib]\ncrate-type = [\"cdylib\"]\n";
 
@@ -18,6 +21,18 @@ fn project(files: &[(&str, &str)]) -> TempDir {
         fs::write(file, text).unwrap();
     }
     folder
+}
+
+/// Writes `a.fmu` with the description of a kind and these libraries.
+fn packed(folder: &Path, version: &str, kind: &str, libraries: &[(&str, Vec<u8>)]) {
+    let mut zip = zip::ZipWriter::new(fs::File::create(folder.join("a.fmu")).unwrap());
+    let root = format!("<fmiModelDescription modelName=\"A\" fmiVersion=\"{version}\" guid=\"1\">");
+    let description = format!("{root}{kind}</fmiModelDescription>").into_bytes();
+    for (path, bytes) in [("modelDescription.xml", description)].into_iter().chain(libraries.iter().cloned()) {
+        zip.start_file(path, SimpleFileOptions::default()).unwrap();
+        zip.write_all(&bytes).unwrap();
+    }
+    zip.finish().unwrap();
 }
 
 fn manifest(name: &str, more: &str) -> String {
@@ -120,15 +135,48 @@ fn a_file_that_is_no_fmu() {
 #[test]
 fn an_fmu_with_a_library_that_does_not_load() {
     let folder = tempfile::tempdir().unwrap();
-    let mut zip = zip::ZipWriter::new(fs::File::create(folder.path().join("a.fmu")).unwrap());
-    let description = "<fmiModelDescription modelName=\"A\" fmiVersion=\"2.0\" guid=\"1\"/>";
-    for (path, text) in [("modelDescription.xml", description), ("binaries/linux64/a.so", "no library")] {
-        zip.start_file(path, zip::write::SimpleFileOptions::default()).unwrap();
-        zip.write_all(text.as_bytes()).unwrap();
-    }
-    zip.finish().unwrap();
+    let kind = "<CoSimulation modelIdentifier=\"a\"/>";
+    let names = ["binaries/linux64/a.so", "binaries/linux64/libgain.so"];
+    packed(folder.path(), "2.0", kind, &names.map(|name| (name, b"no library".to_vec())));
     let output = cargo_fmu(folder.path(), &["inspect", "a.fmu"]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
     has(&text, &["A, FMI 2.0, GUID 1", "binaries/linux64/a.so (1 kB)\n    warning: this is no library"]);
+    has(&text, &["binaries/linux64/libgain.so (1 kB)\n    another library, not of FMI\n"]);
+}
+
+#[test]
+fn an_fmu_of_another_version() {
+    let folder = tempfile::tempdir().unwrap();
+    packed(folder.path(), "3.0", "", &[]);
+    let error = refusal(&folder, &["inspect", "a.fmu"]);
+    has(&error, &["`a.fmu`: the FMU has FMI 3.0, only FMI 2.0 is read\nhint: Use `fmpy info FILE`."]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_fmu_for_co_simulation_lacks_no_functions_of_model_exchange() {
+    let folder = tempfile::tempdir().unwrap();
+    let inspected = |kind: &str, more: &str| {
+        let functions = |(_, _, names): &(&str, &str, &'static [&'static str])| names.iter().copied();
+        let of_cosimulation =
+            REQUIRED.iter().filter(|(tag, attribute, _)| *tag != "ModelExchange" && attribute.is_empty());
+        let code: String =
+            of_cosimulation.flat_map(functions).map(|name| format!("int {name}(void) {{ return 0; }}\n")).collect();
+        fs::write(folder.path().join("a.c"), code + more).unwrap();
+        let compiled =
+            Command::new("cc").current_dir(folder.path()).args(["-shared", "-fPIC", "-o", "a.so", "a.c"]).status();
+        assert!(compiled.unwrap().success());
+        let folder_of_platform = Platform::host().unwrap().folder;
+        let name = format!("binaries/{folder_of_platform}/a.so");
+        packed(folder.path(), "2.0", kind, &[(name.as_str(), fs::read(folder.path().join("a.so")).unwrap())]);
+        let output = cargo_fmu(folder.path(), &["inspect", "a.fmu"]);
+        (output.status.code(), String::from_utf8(output.stdout).unwrap())
+    };
+    let (code, text) = inspected("<CoSimulation modelIdentifier=\"a\"/>", "int gain(void) { return 1; }");
+    assert_eq!(code, Some(0), "{text}");
+    has(&text, &["    portability: `gain` is exported and should not be"]);
+    let (code, text) = inspected("<ModelExchange modelIdentifier=\"a\"/>", "");
+    assert_eq!(code, Some(1), "{text}");
+    has(&text, &["    warning: `fmi2GetDerivatives` is not exported"]);
 }

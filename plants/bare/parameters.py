@@ -159,7 +159,8 @@ def actuators(model: Any, ratios: Mapping[int, float]) -> Iterator[tuple[Any, An
             value = 0.0 + factor * float(getattr(model, array)[index])
             yield entry(f"actuator.{name}.{key}", value, unit, text, minimum, places)
         if i in ratios:
-            text, places = "Damping ratio; the damping follows `kp` and masses", at("actuator_biasprm", (i, 2))
+            places = at("actuator_biasprm", (i, 2))
+            text = "Damping ratio; the damping follows `kp` and the masses"
             yield entry(f"actuator.{name}.{RATIO}", ratios[i], "1", text, TINY, places)
 
 

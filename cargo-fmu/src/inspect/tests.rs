@@ -1,7 +1,7 @@
 use std::process::Command;
 
 use super::*;
-use crate::process;
+use crate::{functions, process};
 
 fn rules() -> Rules {
     Rules { glibc: None, libgcc: false, folders: vec!["/home/builder/".into()] }
@@ -29,6 +29,13 @@ fn faults(library: &[u8], rules: &Rules) -> Vec<String> {
 #[test]
 fn the_function_list_is_sorted_and_has_no_doubles() {
     assert!(FMI2_FUNCTIONS.is_sorted_by(|a, b| a < b));
+}
+
+#[test]
+fn the_standard_requires_each_function_for_one_reason() {
+    let mut required: Vec<_> = functions::REQUIRED.iter().flat_map(|(_, _, names)| names.iter().copied()).collect();
+    required.sort_unstable();
+    assert_eq!(required, FMI2_FUNCTIONS);
 }
 
 #[test]

@@ -120,6 +120,36 @@ def test_an_fmu_alone_gets_a_scenario_without_a_plant(folder: Path) -> None:
     assert called("check", "deep/alone.toml").returncode == 0
 
 
+def test_a_single_letter_matches_no_component() -> None:
+    components = [End(f"force.{axis}", "N") for axis in "xyz"]
+    assert pairs([End("y")], components) == {}
+    assert pairs([End("y")], [End("y", "N")]) == {"y": ("y", 1.0, True)}
+    setpoints = [End("servo.pos", "m"), End("servo.vel", "m/s"), End("servo.ff", "N")]
+    assert pairs([End("y")], setpoints) == {}
+    assert pairs([End("velocity", "m/s")], [setpoints[1]]) == {"servo.vel": ("velocity", 1.0, False)}
+
+
+def test_a_model_with_rk4_gets_another_integrator(folder: Path) -> None:
+    (folder / "cart.xml").write_text(MJCF.replace("<option ", '<option integrator="RK4" '))
+    assert called("new", "probe.fmu", "cart.xml").returncode == 0
+    reason = "a step of `RK4` cannot be divided at the sensors"
+    assert f'integrator = "implicitfast"    # {reason}\n' in (folder / "probe.toml").read_text()
+    scenario = api.load(folder / "probe.toml")
+    assert scenario.plant.parameters == {"integrator": "implicitfast"}
+    assert set(api.run(scenario).metrics) == {"peak"}
+
+
+def test_a_urdf_file_is_a_plant(folder: Path) -> None:
+    links = '<link name="base"/><link name="arm"><inertial><mass value="1"/>'
+    inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    joint = '<parent link="base"/><child link="arm"/><limit lower="-1" upper="1" effort="3" velocity="1"/>'
+    robot = f'{links}{inertia}<joint name="hinge" type="revolute">{joint}</joint>'
+    (folder / "arm.urdf").write_text(f'<robot name="arm">{robot}</robot>')
+    assert called("new", "probe.fmu", "arm.urdf").returncode == 0
+    scenario = api.load(folder / "probe.toml")
+    assert "plant.hinge.position" in api.run(scenario).units
+
+
 def test_nothing_is_ever_overwritten(folder: Path) -> None:
     (folder / "probe.toml").write_text("mine")
     done = called("new", "probe.fmu")
