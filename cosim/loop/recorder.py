@@ -60,8 +60,11 @@ class Recorder:
         self.stop: Program | None = None
         self.triggers: Sequence[Any] = ()
         rows = -(-steps // every)
-        self.table = np.zeros((rows if sink is None else min(rows, sink.rows), len(columns(fmus, plant))))
+        self.columns = columns(fmus, plant)
+        self.table = np.zeros((rows if sink is None else min(rows, sink.rows), len(self.columns)))
         self.taken = 0
+        # a minimum is NaN once a value was
+        self.minima, self.sensed = np.zeros(len(self.columns)), np.zeros(len(plant.readings))
         # inputs that nothing drives are constant
         first = 1
         for fmu, variable in undriven_inputs(fmus):
@@ -107,25 +110,33 @@ class Recorder:
     def recorded(self, steps: int) -> NDArray[np.float64]:
         """Return the rows that no sink received."""
         rows = -(-steps // self.every) - self.taken
-        if self.sink is None:
-            return self.table[:rows]
         self.hand_over(rows)
-        return self.table[:0]
+        self.report_nan()
+        return self.table[: rows if self.sink is None else 0]
 
     def hand_over(self, rows: int) -> None:
-        """Pass the first rows of the table to the sink.
+        """Pass the first rows of the table to the sink, if there is one.
 
         Raises
         ------
         CosimError
             The sink failed.
         """
+        self.minima = np.minimum(self.minima, np.min(self.table[:rows], axis=0, initial=0.0))
         if self.sink is not None and rows:
             try:
                 self.sink.write(list(self.table[:rows].T))
             except OSError as error:
                 raise CosimError(f"the trace cannot be written: {error.strerror or error}") from error
             self.taken += rows
+
+    def report_nan(self) -> None:
+        """Log measurements and columns that were NaN, except inputs, which only an injection sets to NaN."""
+        ends = [(f"plant.{channel.name}", None) for channel in self.plant.readings]
+        known = zip([*self.columns.items(), *ends], [*self.minima, *self.sensed], strict=True)
+        for (name, variable), minimum in known:
+            if np.isnan(minimum) and (variable is None or variable.causality != "input"):
+                warn_once(f"`{name}` was NaN during the run: every comparison with NaN is false")
 
 
 def undriven_inputs(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]:

@@ -112,6 +112,7 @@ def steps(
             time = k * loop.step
             # sample: ideal readings, which wires make what the FMUs see
             links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
+            np.minimum(recorder.sensed, links.sensed, out=recorder.sensed)
             # compute: the FMUs move first, one after the other
             for (name, every), fmu, connection in turns:
                 arrive(connection, k)

@@ -113,6 +113,9 @@ def compile_metrics(
             made = Expression(metric.value, columns, f"`{name}.value`", units=units, known=nodes)
         check_unit(metric, made)
         kept = functools.partial(reference, name, made)
+        if normal(name) in nodes:
+            problem = "differ only in characters that Python does not distinguish"
+            raise ExpressionError(f"two metrics `{normal(name)}` {problem}", "Rename one of them.")
         compiled[name] = made
         nodes[normal(name)] = replace(made.root, evaluate=kept, unit=unit_of(metric, made) or made.unit)
     return [compiled[name] for name in named]
