@@ -34,7 +34,8 @@ Array = NDArray[np.float64]
 class Alone:
     """A run of MuJoCo without cosim: sensors and coordinates for each row, and the state at the end.
 
-    A file with keyframes starts at the first one, and nothing drives its commands. `implicitfast` replaces RK4, as `cosim new` proposes.
+    A file with keyframes starts at the first one, and nothing drives its commands. `implicitfast` replaces
+    RK4, as `cosim new` proposes.
     """
 
     def __init__(self, file: Path) -> None:
