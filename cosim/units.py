@@ -6,8 +6,8 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from dataclasses import astuple, dataclass, replace
+from typing import Any, NamedTuple
 
 PLAIN = ""
 """Unit of a number without known unit, which may also be a fraction or percent."""
@@ -38,7 +38,6 @@ FACTOR = re.compile(r"([^\d./*^-]+)\^?(-?\d?)")
 """Unit and exponent of one factor: `m`, `s2`, `s^-1`."""
 GROUP = re.compile(r"/\(([^()/]*)\)$")
 """Several units of a denominator: `W/(m2.K)`."""
-Kind = Literal["value", "difference", "unclear"]
 
 
 @dataclass(frozen=True)
@@ -51,24 +50,14 @@ class Definition:
 
 
 class Unit(str):
-    """Name of a unit with what its conversion depends on; a plain text is a `value` in units of SI.
-
-    Parameters
-    ----------
-    known
-        Definitions of the FMU, which precede those of SI.
-    kind
-        A `difference` (FMI: `relativeQuantity`) converts without offset; after arithmetic with plain numbers
-        it is `unclear` whether the offset applies.
-    """
+    """Name of a unit with the definitions of its FMU, which precede those of SI."""
 
     known: Mapping[str, Definition]
-    kind: Kind
 
-    def __new__(cls, name: str, known: Mapping[str, Definition] | None = None, kind: Kind = "value") -> Unit:
-        """Name with definitions and kind."""
+    def __new__(cls, name: str, known: Mapping[str, Definition] | None = None) -> Unit:
+        """Name with definitions."""
         unit = super().__new__(cls, name)
-        unit.known, unit.kind = known or {}, kind
+        unit.known = known or {}
         return unit
 
 
@@ -106,11 +95,7 @@ def conversion(source: str, target: str) -> Conversion | None:
         return UNCHANGED if source == target else None
     if one.powers != other.powers:
         return None
-    offset = (one.offset - other.offset) / other.factor
-    kind = kind_of(source)
-    if kind == "unclear" and offset:
-        return None
-    return Conversion(one.factor / other.factor, 0.0 if kind == "difference" else offset)
+    return Conversion(one.factor / other.factor, (one.offset - other.offset) / other.factor)
 
 
 def definitions_of(unit: str) -> Mapping[str, Definition]:
@@ -118,9 +103,38 @@ def definitions_of(unit: str) -> Mapping[str, Definition]:
     return unit.known if isinstance(unit, Unit) else {}
 
 
-def kind_of(unit: str) -> Kind:
-    """Kind of the values in a unit."""
-    return unit.kind if isinstance(unit, Unit) else "value"
+def has_zero(unit: str | None) -> bool:
+    """Whether a unit is one of temperature, in which a difference converts in another way than a value."""
+    found = defined(unit or PLAIN, definitions_of(unit or PLAIN))
+    return found is not None and found.powers == SYMBOLS["K"].powers
+
+
+def relative(known: Mapping[str, Definition]) -> dict[str, Definition]:
+    """Definitions of an FMU for differences, in which units have no offset."""
+    temperatures = {name: SYMBOLS[name] for name in TEMPERATURES}
+    return {name: replace(one, offset=0.0) for name, one in {**temperatures, **known}.items()}
+
+
+def beyond_si(names: Iterable[str]) -> dict[str, Any]:
+    """Table `definitions` for JSON of the units that SI does not define in the same way, if there are any."""
+    known = {name: defined(name, definitions_of(name)) for name in names if definitions_of(name)}
+    found = {name: astuple(one) for name, one in known.items() if one is not None and one != defined(name)}
+    return {"definitions": found} if found else {}
+
+
+def restored(names: Mapping[str, str], stored: Mapping[str, Any]) -> dict[str, str]:
+    """Units by any key, with the definitions of `beyond_si`.
+
+    Raises
+    ------
+    ValueError
+        The definitions are no such table.
+    """
+    try:
+        known = {name: Definition(tuple(powers), *rest) for name, (powers, *rest) in stored.items()}
+    except (TypeError, AttributeError):
+        raise ValueError("its definitions of units are damaged") from None
+    return {key: Unit(name, known) if name in known else name for key, name in names.items()}
 
 
 def defined(unit: str, known: Mapping[str, Definition] | None = None) -> Definition | None:

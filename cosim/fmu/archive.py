@@ -263,9 +263,9 @@ def scalar(
         return str(own or (getattr(declared, name, None) if declared else None) or "")
 
     display = displays.get((attribute("unit"), attribute("displayUnit")))
-    relative = bool(attribute("relativeQuantity"))
-    if display and relative:
-        display = replace(display, offset=0.0)
+    if attribute("relativeQuantity"):
+        display = display and replace(display, offset=0.0)
+        known = units.relative(known)
     return Variable(
         name=variable.name,
         reference=variable.valueReference,
@@ -274,7 +274,7 @@ def scalar(
         variability=variable.variability or "continuous",
         description=variable.description or "",
         start=variable.start or "",
-        unit=units.Unit(attribute("unit"), known, "difference" if relative else "value"),
+        unit=units.Unit(attribute("unit"), known),
         minimum=attribute("min"),
         maximum=attribute("max"),
         items=items_of(variable.name, declared),

@@ -20,6 +20,7 @@ from cosim.metrics.criteria import Measured, Verdict
 from cosim.trace import files
 from cosim.trace.columns import Columns, Held
 from cosim.trace.stored import LABELS
+from cosim.units import beyond_si
 from cosim.writing import write
 
 
@@ -151,7 +152,7 @@ class Result:
         """Return the metadata of a saved trace; equal runs give identical bytes."""
         run = ("scenario", "title", "seed", "engine", "fmus", "simulated_s")
         facts = {name: getattr(self, name) for name in (*run, *LABELS)}
-        return {"cosim": version(PROJECT), **facts}
+        return {"cosim": version(PROJECT), **facts, **beyond_si(self.units.values())}
 
 
 def criterion(verdict: Verdict) -> dict[str, Any]:

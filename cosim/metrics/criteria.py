@@ -15,7 +15,7 @@ import numpy as np
 from cosim.errors import ExpressionError, concerning
 from cosim.metrics.expression import Columns, Expression, Items, Node, normal
 from cosim.scenario.model import Criterion, Metric
-from cosim.units import ONE, PLAIN, UNCHANGED, Conversion, Unit, conversion, definitions_of, kind_of
+from cosim.units import ONE, PLAIN, UNCHANGED, Conversion, Unit, conversion, definitions_of
 
 
 class Trace(Columns, Protocol):
@@ -190,7 +190,7 @@ def check_units(
 def unit_of(metric: Metric, expression: Expression) -> str:
     """Return the unit of a metric: its own, or that of its expression; empty if unknown."""
     known = expression.unit or PLAIN
-    return Unit(metric.unit, definitions_of(known), kind_of(known)) if metric.unit else known
+    return Unit(metric.unit, definitions_of(known)) if metric.unit else known
 
 
 def converted(criterion: Criterion, unit: str) -> Conversion:

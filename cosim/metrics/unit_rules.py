@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cosim.units import ONE, PLAIN, Kind, Unit, definitions_of, kind_of
+from cosim.units import ONE, PLAIN, Unit, definitions_of, has_zero
 
 SELECTIONS = {
     "min", "max", "minimum", "maximum", "clip", "round", "mean", "median", "first", "last", "percentile",
     "cummax", "cummin", "hold", "at", "where", "UAdd",
 }  # fmt: skip
 """Operators and functions whose result is one of their values, or between them."""
-DIFFERENCES = {"Sub", "diff", "ptp", "std"}
-SAME = SELECTIONS | DIFFERENCES | {"Add", "Mod", "USub", "abs", "hypot", "rms", "sum", "cumsum", "unwrap"}
+SAME = SELECTIONS | {
+    "Add", "Sub", "Mod", "USub", "abs", "hypot", "rms", "sum", "cumsum", "unwrap", "diff", "ptp", "std",
+}  # fmt: skip
 """Operators and functions whose result has the unit of their arguments."""
 TIMES = {"first_time", "last_time", "longest_time"}
 ANGLES = {"arcsin", "arccos", "arctan", "arctan2", "radians"}
@@ -24,7 +25,8 @@ ALONE = {"percentile": (0,), "hold": (0,), "at": (0,), "where": (1, 2), "Mod": (
 def unit_of(what: str, units: Sequence[str | None]) -> str | None:
     """Return the unit of a result; None if unknown.
 
-    Plain numbers can be added to every quantity: in `depth - 1e-6` the number is in the unit of the depth.
+    Plain numbers can be added to every quantity: in `depth - 1e-6` the number is in the unit of the depth. A
+    calculated temperature has no unit, because `t - 273.15`, a difference and a value convert differently.
 
     Parameters
     ----------
@@ -35,11 +37,11 @@ def unit_of(what: str, units: Sequence[str | None]) -> str | None:
     """
     if what in SAME:
         terms = [units[index] for index in ALONE.get(what, range(len(units)))]
-        return of_kind(common(terms), kind(what, terms))
-    if what == "Mult":
-        return product(*units)
-    if what == "Div":
-        return quotient(*units)
+        unit = common(terms)
+        return None if what not in SELECTIONS and has_zero(unit) else unit
+    if what in ("Mult", "Div"):
+        unit = product(*units) if what == "Mult" else quotient(*units)
+        return None if has_zero(unit) else unit
     if what in TIMES:
         return "s"
     if what in ANGLES:
@@ -58,30 +60,11 @@ def common(units: Sequence[str | None]) -> str | None:
     return known.pop() if len(known) == 1 else None
 
 
-def kind(what: str, units: Sequence[str | None]) -> Kind:
-    """Whether the result is a value, or a difference of values such as temperatures in degC."""
-    kinds = {kind_of(unit) for unit in units if unit not in (None, PLAIN, ONE)}
-    if kinds == {"difference"} or (what in SELECTIONS and len(kinds) == 1):
-        return kinds.pop()
-    of_values = what in DIFFERENCES and kinds == {"value"} and not {None, PLAIN, ONE} & set(units)
-    return "difference" if of_values else "unclear"
-
-
-def of_kind(unit: str | None, kind: Kind) -> str | None:
-    """Return a unit with the kind of its values."""
-    return unit if unit in (None, PLAIN, ONE) else Unit(unit, definitions_of(unit), kind)
-
-
-def scaled(unit: str | None) -> str | None:
-    """Return the unit after a multiplication by a number, which makes an offset unclear."""
-    return of_kind(unit, "difference" if unit and kind_of(unit) == "difference" else "unclear")
-
-
 def product(left: str | None, right: str | None) -> str | None:
     """Return the unit of a product with a plain number; `100 * ratio` may be in percent."""
     if left in (PLAIN, ONE):
-        return PLAIN if right == ONE else scaled(right)
-    return scaled(left) if right in (PLAIN, ONE) else None
+        return PLAIN if right == ONE else right
+    return left if right in (PLAIN, ONE) else None
 
 
 def quotient(left: str | None, right: str | None) -> str | None:

@@ -24,6 +24,7 @@ from cosim.pool.job import Outcome
 from cosim.scenario.model import Criterion
 from cosim.scenario.tables import parse
 from cosim.sweep.plan import Run
+from cosim.units import beyond_si, restored
 from cosim.writing import naming, write
 
 log = logging.getLogger("cosim")
@@ -55,6 +56,7 @@ class RowSchema:
     hint: str = ""
     metrics: dict[str, Number] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
+    definitions: dict[str, Any] = field(default_factory=dict)
     criteria: dict[str, bool] = field(default_factory=dict)
     engine: str = ""
     simulated_s: float | None = None
@@ -276,7 +278,7 @@ def row_of(run: Run, outcome: Outcome, criteria: Sequence[Criterion] = ()) -> Ro
             "simulated_s": outcome.simulated_s,
             "wall_s": outcome.wall_s,
         }
-        return evaluated(result, criteria)
+        return evaluated(result | beyond_si(metric.unit for metric in outcome.metrics.values()), criteria)
     return {
         **row,
         "status": getattr(outcome, "status", "error"),
@@ -304,5 +306,6 @@ def verdicts(row: Row, criteria: Sequence[Criterion]) -> list[Verdict]:
     """Verdicts of a row with a result; a metric that it lacks is NaN."""
     names = {criterion.metric for criterion in criteria}
     values = {name: float(row["metrics"].get(name, math.nan)) for name in names}
-    measured = {name: Measured(name, value, row["units"].get(name, "")) for name, value in values.items()}
+    units = restored(row["units"], row.get("definitions", {}))
+    measured = {name: Measured(name, value, units.get(name, "")) for name, value in values.items()}
     return evaluate(tuple(criteria), measured)

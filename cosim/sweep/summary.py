@@ -22,6 +22,7 @@ from cosim.sweep.plan import Plan
 from cosim.sweep.sensitivity import NORMAL_95, Influence, influences
 from cosim.sweep.store import DONE, Row, Store
 from cosim.trace.columns import Columns
+from cosim.units import restored
 
 TIME = "time"
 """First column of the table for expressions; in a sweep the simulated time of each run, s."""
@@ -128,7 +129,7 @@ def summarize(plan: Plan, store: Store) -> Summary:
     for row in rows(plan, store):
         for name, (part, key) in where.items():
             found.columns[name].append(cell(row, part, key))
-        found.units |= row.get("units", {})
+        found.units |= restored(row.get("units", {}), row.get("definitions", {}))
         found.statuses[row["status"]] += 1
         for name, held in row.get("criteria", {}).items():
             found.held[name] += held

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cosim import paths
 from cosim.errors import CosimError
 from cosim.trace.columns import Columns, whole
+from cosim.units import restored
 
 LABELS = ("units", "items", "descriptions")
 """Metadata of columns by name: unit, enumeration items and description."""
@@ -67,6 +68,7 @@ def with_labels(file: Path, data: Columns, about: Any) -> StoredTrace:
     if not isinstance(about, dict) or not all(isinstance(about.get(label, {}), dict) for label in LABELS):
         raise ValueError(f"its metadata are not a table with {', '.join(LABELS)}")
     units = {name: str(unit) for name, unit in about.get("units", {}).items()}
+    units = restored(units, about.get("definitions", {}))
     items = {name: entry for name, entry in about.get("items", {}).items() if isinstance(entry, dict)}
     return StoredTrace(file, data, units, items, facts(about))
 
