@@ -44,7 +44,7 @@ class Proposer:
         # by its number: a search that is resumed draws the same
         seed = int(child(self.problem.seed, f"trial {number}").generate_state(1)[0])
         with quiet():
-            self.study.sampler = self.optuna.samplers.TPESampler(seed=seed)
+            self.study.sampler = self.optuna.samplers.TPESampler(seed=seed, constant_liar=True)
             trial = self.study.ask()
             self.open[number] = trial
             return {vary.key: suggested(trial, vary) for vary in self.problem.vary}

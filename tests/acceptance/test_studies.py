@@ -10,6 +10,8 @@ import pytest
 
 import cosim
 from cosim.pool.worker import JobRunner
+from cosim.scenario.kinds import kind_of
+from cosim.scenario.toml import parse_file
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
 
@@ -18,7 +20,10 @@ STEPS = 200
 """Of that run; whole ones are those of the scenarios, and of the samples that their loops are held by."""
 
 
-@pytest.mark.parametrize("name", sorted(file.stem for file in FOLDER.glob("*.toml")))
+@pytest.mark.parametrize(
+    "name",
+    sorted(file.stem for file in FOLDER.glob("*.toml") if kind_of(parse_file(file)) == "study"),
+)
 def test_a_study_can_be_run(name: str) -> None:
     plan = Plan(study.load(FOLDER / f"{name}.toml"))
     assert len({run.hash for run in plan.runs}) == len(plan.runs)

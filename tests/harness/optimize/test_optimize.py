@@ -275,6 +275,14 @@ def test_a_plant_parameter_is_recovered_from_a_measured_trace(command: Run) -> N
     assert "of a standard deviation" in command()[1]
 
 
+def test_the_example_identifies_the_mass_of_a_slide(folder: Path) -> None:
+    example = studies.ROOT / "studies" / "dob-identify.toml"
+    found = cosim.optimize(example, workers=2).best
+    assert found is not None
+    # the mass of the slide in the file, within the uncertainty that its noise leaves
+    assert found.values["plant.mass"] == pytest.approx(12.7, rel=0.02)
+
+
 def test_the_true_value_has_no_misfit(command: Run) -> None:
     cosim.run(cosim.load("lag.toml", ["plant.pole=0.4"])).save_trace(Path("m.npz"))
     vary = '[[vary]]\nkey = "plant.pole"\nvalues = [0.1, 0.4, 0.8]\n'

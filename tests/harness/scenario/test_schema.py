@@ -16,6 +16,7 @@ import pytest
 from cosim.cli.tasks import Schema
 from cosim.optimize.problem import problem_schema
 from cosim.pool.worker import JobRunner
+from cosim.scenario.kinds import kind_of
 from cosim.scenario.model import scenario_schema
 from cosim.sweep.study import study_schema
 
@@ -48,7 +49,9 @@ def test_no_two_metrics_of_a_scenario_are_described_alike(file: Path) -> None:
 
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.name)
 def test_every_study_of_the_project_fits(file: Path) -> None:
-    assert problems(study_schema(), tomllib.loads(file.read_text())) == []
+    table = tomllib.loads(file.read_text())
+    schema = problem_schema() if kind_of(table) == "optimization" else study_schema()
+    assert problems(schema, table) == []
 
 
 @pytest.mark.parametrize(
