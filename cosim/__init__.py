@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from cosim.scenario.model import Scenario
     from cosim.sweep.results import SweepResult, sweep
     from cosim.trace.files import read as read_trace
-else:
-    # packages that can be called, and import nothing until then
-    from cosim import optimize, sweep
 
 __all__ = [
     "CosimError",
@@ -54,12 +51,19 @@ LOCATIONS = {
     "SweepResult": "cosim.sweep.results.SweepResult",
     "evaluate": "cosim.loop.evaluate.evaluate",
     "load": "cosim.scenario.load.load",
+    "optimize": "cosim.optimize.results.optimize",
     "read_trace": "cosim.trace.files.read",
     "run": "cosim.pool.runs.run",
     "run_each": "cosim.pool.runs.run_each",
     "run_many": "cosim.pool.runs.run_many",
+    "sweep": "cosim.sweep.results.sweep",
 }
 """Where each public name is defined."""
+for package in ("optimize", "sweep"):
+    # the first import of a package sets its name here, which belongs to a function
+    import_module(f"{__name__}.{package}")
+    globals().pop(package, None)
+del package
 RENAMED = {"judge": "evaluate"}
 """Public names of version 0.1 and their replacements."""
 

@@ -103,9 +103,8 @@ class Environment(gymnasium.Env[Values, Values]):
         with located(self.session.scenario):
             # `step` checks the condition itself
             parts = replace(self.session.start(seed), stop_when=None)
-            links, recorder = reference.connected(parts)
-        self.courses = courses(parts.scenario, links, [*self.actions])
-        self.rows = reference.steps(parts, links, recorder)
+        self.courses = courses(parts.scenario, parts.links, [*self.actions])
+        self.rows = reference.steps(parts, reference.recording(parts))
         self.k, row = self._row(self.rows)
         return row[self.observed], {"time": float(row[0]), "seed": seed}
 
@@ -123,7 +122,8 @@ class Environment(gymnasium.Env[Values, Values]):
         for course, value in zip(self.courses, np.asarray(action, np.float64), strict=True):
             course[self.k + 1 : self.k + 1 + loop.record_every] = value
         self.k, row = self._row(self.rows)
-        terminated = self.session.stop is not None and bool(self.session.stop(row))
+        stop, fmus = self.session.stop, self.session.fmus
+        terminated = any(fmu.ended is not None for fmu in fmus) or (stop is not None and bool(stop(row)))
         truncated = self.k + loop.record_every >= loop.steps
         if terminated or truncated:
             self._end()

@@ -9,7 +9,7 @@ import lzma
 import re
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,10 @@ from cosim.fmu.cache import extracted
 
 log = logging.getLogger("cosim")
 
+NUMBERS: dict[str, Callable[[str], object]] = {
+    "Real": float, "Integer": int, "Enumeration": int, "Boolean": str, "String": str
+}  # fmt: skip
+"""Types of variables, and what reads their start values and limits."""
 MAX_PROBLEMS = 20
 """Maximum number of reported problems; a fault of the tool repeats for every variable."""
 
@@ -54,6 +58,8 @@ class Variable:
         Names and numbers of an enumeration, empty otherwise.
     display
         Its display unit, if the description gives one.
+    settable
+        Whether it accepts a start value.
     """
 
     name: str
@@ -68,13 +74,15 @@ class Variable:
     maximum: str
     items: tuple[tuple[str, int], ...] = ()
     display: DisplayUnit | None = None
+    settable: bool = True
 
 
 @dataclass(frozen=True)
 class FmuFile:
     """A checked FMI 2.0 co-simulation FMU for this platform.
 
-    `once` states that a process can instantiate it only once.
+    `once` states that a process can instantiate it only once. `start_time` (s) and `tolerance` are those of
+    its default experiment.
     """
 
     path: Path
@@ -85,6 +93,8 @@ class FmuFile:
     description: str
     variables: dict[str, Variable]
     once: bool = False
+    start_time: float = 0.0
+    tolerance: float | None = None
 
     def named(self, causality: str) -> list[Variable]:
         """Return the variables of one causality in the order of the model description."""
@@ -118,15 +128,19 @@ def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
     try:
         sizes = members.sizes(path)
         content = read(path, shown, members.DESCRIPTION)
-        check_interface(shown, parsed(shown, content))
+        root = parsed(shown, content)
+        check_interface(shown, root)
         check_platform(shown, fmpy.supported_platforms(str(path)))
-        description = described(shown, path)
+        description = described(shown, path, root)
         check_identifier(shown, description.coSimulation.modelIdentifier)
         folder = extracted(path, sizes, lambda target: unpack(path, shown, target))
         renamed.learn(folder)
     except OSError as error:
         raise unreadable(path, error) from None
-    return describe(path, folder, description)
+    try:
+        return describe(path, folder, description)
+    except (TypeError, ValueError) as error:  # a number that is none
+        raise invalid(shown, *schema_flaws(root), *problems(error)) from None
 
 
 def unreadable(path: Path, error: OSError) -> FmuError:
@@ -163,7 +177,7 @@ def parsed(shown: str, content: bytes) -> Any:
     try:
         return etree.fromstring(content)
     except etree.XMLSyntaxError as error:
-        raise invalid(shown, Exception(error.msg)) from None
+        raise invalid(shown, error.msg) from None
 
 
 def check_interface(shown: str, root: Any) -> None:
@@ -187,26 +201,77 @@ def check_interface(shown: str, root: Any) -> None:
         )
 
 
-def described(shown: str, path: Path) -> Any:
-    """FMPy's model description; an error in the model structure, which is not used, is a warning."""
+def described(shown: str, path: Path, root: Any) -> Any:
+    """FMPy's model description; a flaw in what no run needs is a warning."""
+    flaws = schema_flaws(root)
     try:
         with path.open("rb") as file:
-            description = fmpy.read_model_description(file)
-        found = validate_model_description(description, validate_model_structure=True)
+            description = fmpy.read_model_description(file, validate=False)
     except OSError:
         raise
     except Exception as error:  # FMPy raises bare exceptions for a broken model description
-        raise invalid(shown, error) from None
-    for problem in listed(found):
-        log.warning("`%s`: %s", shown, problem)
+        raise invalid(shown, *flaws, *problems(error)) from None
+    try:
+        flaws += validate_model_description(description, validate_model_structure=True)
+    except Exception as error:  # FMPy fails at some flaws
+        flaws += problems(error)
+    if needed := missing(root):
+        raise invalid(shown, *flaws, *needed)
+    if flaws:
+        log.warning("the model description of `%s` has flaws that no run needs:%s", shown, lines(flaws))
     return description
 
 
-def invalid(shown: str, error: Exception) -> FmuError:
+@functools.cache
+def schema() -> Any:
+    """Return the XML schema of FMI 2.0."""
+    from lxml import etree
+
+    return etree.XMLSchema(file=str(Path(fmpy.__file__).parent / "schema/fmi2/fmi2ModelDescription.xsd"))
+
+
+def schema_flaws(root: Any) -> list[str]:
+    """Violations of the XML schema, as FMPy reports them."""
+    schema().validate(root)
+    return [
+        f"{error.level_name} (line {error.line}, column {error.column}): {error.message}"
+        for error in schema().error_log
+    ]
+
+
+def missing(root: Any) -> list[str]:
+    """Flaws in what a run needs: identifiers, and name, reference, type and numbers of each variable."""
+    found, names = [], set[str]()
+    if root.get("guid") is None or root.find("CoSimulation").get("modelIdentifier") is None:
+        found.append("It has no `guid` or no `modelIdentifier`.")
+    for variable in root.iterfind("ModelVariables/ScalarVariable"):
+        name, reference = variable.get("name"), variable.get("valueReference", "")
+        types = [child for child in variable if child.tag in NUMBERS]
+        if not name or name in names:
+            found.append(f'The variable name "{name}" (line {variable.sourceline}) is not unique.')
+        names.add(name)
+        if not (reference.isdecimal() and int(reference) < 2**32):
+            found.append(f'The variable "{name}" has the value reference "{reference}".')
+        if len(types) != 1:
+            found.append(f'The variable "{name}" (ScalarVariable) has {len(types)} types.')
+        texts = [(key, one.get(key)) for one in types for key in ("start", "min", "max") if one.get(key)]
+        for key, text in texts:
+            try:
+                NUMBERS[types[0].tag](text)
+            except ValueError:
+                found.append(f'The variable "{name}" has the {key} \'{text}\'.')
+    return found
+
+
+def lines(found: Iterable[object]) -> str:
+    """Problems in a line each."""
+    return "".join(f"\n  {problem}" for problem in listed(dict.fromkeys(found)))
+
+
+def invalid(shown: str, *found: object) -> FmuError:
     """Error of a model description, with all messages of the parser or of FMPy."""
-    found = "".join(f"\n  {problem}" for problem in problems(error))
     return FmuError(
-        f"the model description of `{shown}` is not valid:{found}",
+        f"the model description of `{shown}` is not valid:{lines(found)}",
         f"List all problems with `fmpy validate {shown}`.",
     )
 
@@ -238,6 +303,11 @@ def describe(path: Path, folder: Path, description: Any) -> FmuFile:
         for unit in description.unitDefinitions
         for display in unit.displayUnits
     }
+
+    def experiment(name: str) -> float | None:
+        text = getattr(description.defaultExperiment, name, None)
+        return None if text is None else float(text)
+
     known = units.of_fmu(description.unitDefinitions)
     variables = {variable.name: scalar(variable, displays, known) for variable in description.modelVariables}
     return FmuFile(
@@ -249,6 +319,8 @@ def describe(path: Path, folder: Path, description: Any) -> FmuFile:
         description=description.description or "",
         variables=variables,
         once=bool(description.coSimulation.canBeInstantiatedOnlyOncePerProcess),
+        start_time=experiment("startTime") or 0.0,
+        tolerance=experiment("tolerance"),
     )
 
 
@@ -279,6 +351,7 @@ def scalar(
         maximum=attribute("max"),
         items=items_of(variable.name, declared),
         display=display,
+        settable=variable.variability != "constant" and variable.initial in ("exact", "approx"),
     )
 
 
@@ -299,7 +372,7 @@ def problems(error: Exception) -> list[str]:
     if not found or (type(error).__module__ == "builtins" and type(error) is not Exception):
         # what Python itself says is no sentence without the name of the error
         found = [f"{type(error).__name__}: {error}"]
-    return listed(found)
+    return [str(problem) for problem in found]
 
 
 def listed(found: Iterable[object]) -> list[str]:

@@ -9,7 +9,6 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from cosim.fmu.archive import Variable
-from cosim.fmu.values import is_settable
 from cosim.scenario import schema
 from cosim.scenario.model import ALONE, Scenario, scenario_schema
 
@@ -45,7 +44,7 @@ def filled_schema(
 def settable_variables(variables: Iterable[Variable]) -> dict[str, dict[str, Any]]:
     """Describe the permitted parameters by name; an array as a whole and by its elements."""
     found: dict[str, dict[str, Any]] = {}
-    for variable in filter(is_settable, variables):
+    for variable in (variable for variable in variables if variable.settable):
         found[variable.name] = entry = described(variable)
         if array := re.fullmatch(r"(.+)\[\d+\]", variable.name):
             whole = found.setdefault(array[1], {"type": "array", "items": entry, "minItems": 0})

@@ -20,7 +20,7 @@ from cosim.errors import FmuError, concerning
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.library import check_headers, check_library
 from cosim.fmu.messages import Messages
-from cosim.fmu.values import expand
+from cosim.fmu.values import beyond, expand
 from cosim.scenario.model import ALONE, FmuChoice
 from cosim.warned import warn_once
 
@@ -33,6 +33,9 @@ BASE = {
 }
 """FMI function of each type; enumerations are integers."""
 CTYPE: dict[str, Any] = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
+WARNING, DISCARD = 1, 2
+TERMINATED = 3
+"""Kind of status that states whether a discarded step ends the run."""
 STATUS = {0: "fmi2OK", 1: "fmi2Warning", 2: "fmi2Discard", 3: "fmi2Error", 4: "fmi2Fatal", 5: "fmi2Pending"}
 
 log = logging.getLogger("cosim")
@@ -69,18 +72,25 @@ def banks(variables: list[Variable]) -> list[Bank]:
 class Instance(Closing):
     """An instantiated FMU.
 
-    Life: `initialise` (which resets a used instance), then `set`, `step`, `get` in every step, then `close`.
+    Life: `initialise` (which resets a used instance), then `compute` in every step, then `close`.
 
     Parameters
     ----------
     file
         The opened FMU.
     inputs, outputs
-        Variables that `set` and `get` move in every step; local variables may be among the outputs.
+        Variables that `compute` moves in every step; local variables may be among the outputs.
     log_events
         Whether the FMU logs events in addition to warnings and errors.
     owner
         Its entry in the scenario, for messages.
+
+    Attributes
+    ----------
+    warned
+        Function and time (s) of the first call of a run that returned fmi2Warning.
+    ended
+        Start (s) of the step in which the FMU ended the run; None if it did not.
     """
 
     def __init__(
@@ -102,28 +112,54 @@ class Instance(Closing):
         self.called = file.name if owner.alone else owner.name
         self.messages = Messages(self.called)
         self.closed = False
+        self.warned: tuple[str, float] | None = None
+        self.ended: float | None = None
         self._instantiate()
 
     def _instantiate(self) -> None:
         self.slave = load_library(self.file, self.name)
         self.used, self.running, self.dead = False, False, True
         with self.errors(f"instantiate the FMU `{self.called}`"):
-            self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=self.log_events)
+            try:
+                self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=self.log_events)
+            except Exception:
+                if self.log_events or self.messages.kept:
+                    raise
+                # some FMUs log their reason only with logging on
+                self.slave.instantiate(callbacks=self.messages.callbacks, loggingOn=True)
         self.dead = False
         check_headers(self.slave, self.file.path.name)
         self._setters = [self._mover("Set", bank) for bank in self.inputs]
         self._getters = [self._mover("Get", bank) for bank in self.outputs]
 
-    def _mover(self, verb: str, bank: Bank) -> Callable[[], int]:
-        """One FMI get or set call with its arguments bound."""
-        function = getattr(self.slave, f"fmi2{verb}{bank.base}")
+    def _mover(self, verb: str, bank: Bank) -> Callable[[float], None]:
+        """One FMI get or set call with its arguments bound; it is called with the time, s."""
+        name = f"fmi2{verb}{bank.base}"
+        function = getattr(self.slave, name)
         arguments = (self.slave.component, bank.references, len(bank.variables), bank.buffer)
-        return lambda: int(function(*arguments))
 
-    def initialise(self, parameters: dict[str, Any]) -> None:
-        """Set the start values and pass the initialization mode; a used instance is reset first.
+        def move(time: float) -> None:
+            if function(*arguments) == WARNING:
+                self._warn(name, time)
+
+        return move
+
+    def _warn(self, function: str, time: float) -> None:
+        self.warned = self.warned or (function, time)
+
+    def initialise(self, parameters: dict[str, Any], stop_time: float, arrive: Callable[[], None]) -> None:
+        """Set the start values, and the inputs in the initialization mode; a used instance is reset first.
 
         An instance that rejects the reset is replaced, with a warning: runs are independent of each other.
+
+        Parameters
+        ----------
+        parameters
+            Start values by variables.
+        stop_time
+            Largest time that a step of the run may reach, s.
+        arrive
+            Writes the inputs of t = 0 to the arrays of `inputs`; called in the initialization mode.
 
         Raises
         ------
@@ -139,24 +175,33 @@ class Instance(Closing):
             )
         if self.used:
             self._reset()
-        self.used, self.running = True, False
+        self.used, self.running, self.warned, self.ended = True, False, None, None
+        if self.file.start_time:
+            begins = f"its `DefaultExperiment` starts at {self.file.start_time:g} s, this run at 0 s"
+            warn_once(f"{self.owner.who}: {begins}")
         with self.errors("set up the experiment" + ("" if self.owner.alone else f" of `{self.name}`")):
-            self.slave.setupExperiment(startTime=0.0)
+            self.slave.setupExperiment(tolerance=self.file.tolerance, startTime=0.0, stopTime=stop_time)
         for variable, value in expand(self.file.variables, parameters, self.owner):
             refused = f"the FMU rejected `{self.name}.{variable.name}` = `{value}`"
             with concerning(f"{self.name}.parameters.{variable.name}"), self.errors(refused):
                 getattr(self.slave, f"set{BASE[variable.kind]}")([variable.reference], [value])
+            if limit := beyond(variable, value):
+                warn_once(f"`{self.name}.{variable.name}` = `{value}` is {limit}")
         refused = (
             f"{self.owner.who} rejected its parameters" if parameters else f"initialize {self.owner.who}"
         )
         with self.errors(refused):
-            self.slave.enterInitializationMode()
-            self.slave.exitInitializationMode()
+            if self.slave.enterInitializationMode() == WARNING:
+                self._warn("fmi2EnterInitializationMode", 0.0)
+        arrive()
+        with self.errors(f"set the inputs of {self.owner.who} at t = 0 s"):
+            self._move(self._setters, 0.0)
+        with self.errors(refused):
+            if self.slave.exitInitializationMode() == WARNING:
+                self._warn("fmi2ExitInitializationMode", 0.0)
         self.running = True
-        # the arrays start with what the FMU holds
-        with self.errors(f"read the inputs and outputs of {self.owner.who}"):
-            for bank in [*self.inputs, *self.outputs]:
-                self._mover("Get", bank)()
+        with self.errors(f"read the outputs of {self.owner.who}"):
+            self._move(self._getters, 0.0)
 
     def _reset(self) -> None:
         try:
@@ -175,19 +220,48 @@ class Instance(Closing):
         with self.errors(f"read `{self.name}.{variable.name}`"):
             return float(getattr(self.slave, f"get{BASE[variable.kind]}")([variable.reference])[0])
 
-    def set(self) -> None:
-        """Write the values of all input banks."""
-        for move in self._setters:
-            move()
+    def read_inputs(self) -> None:
+        """Read the start values of all input banks."""
+        with self.errors(f"read the inputs of {self.owner.who}"):
+            self._move([self._mover("Get", bank) for bank in self.inputs], 0.0)
 
-    def step(self, time: float, step: float) -> None:
-        """Do one communication step from `time` to `time + step`, in s."""
-        self.slave.fmi2DoStep(self.slave.component, time, step, 1)
+    def compute(self, time: float, step: float) -> bool:
+        """Write the inputs, do the step from `time` to `time + step` (s) and read the outputs.
 
-    def get(self) -> None:
-        """Read the values of all output banks."""
-        for move in self._getters:
-            move()
+        Returns
+        -------
+        bool
+            Whether the FMU ended the run in this step.
+        """
+        self._move(self._setters, time)
+        try:
+            if self.slave.fmi2DoStep(self.slave.component, time, step, 1) == WARNING:
+                self._warn("fmi2DoStep", time)
+        except FMICallException as error:
+            if error.status != DISCARD or not self._terminated():
+                raise
+            self.ended = time
+        self._move(self._getters, time)
+        return self.ended is not None
+
+    def _move(self, moves: list[Callable[[float], None]], time: float) -> None:
+        for move in moves:
+            move(time)
+
+    def _terminated(self) -> bool:
+        try:
+            return bool(self.slave.getBooleanStatus(TERMINATED))
+        except FMICallException:
+            return False
+
+    def report(self) -> None:
+        """Log the first fmi2Warning of a run, and that the FMU ended it."""
+        if self.warned:
+            function, time = self.warned
+            warn_once(f"{self.owner.who}: `{function}` returned fmi2Warning at t = {time:.9g} s")
+        if self.ended is not None:
+            status = "`fmi2DoStep` returned fmi2Discard with fmi2Terminated"
+            warn_once(f"{self.owner.who} ended the run in the step at t = {self.ended:.9g} s: {status}")
 
     @contextlib.contextmanager
     def errors(self, action: str) -> Iterator[None]:

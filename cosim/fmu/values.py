@@ -90,21 +90,21 @@ def expand(
 def settable(variables: dict[str, Variable], name: str, owner: FmuChoice) -> Variable:
     """Variable that accepts a start value."""
     variable = lookup(variables, name, owner)
-    if not is_settable(variable):
-        what = "constant" if variable.variability == "constant" else variable.causality
+    if not variable.settable:
+        what = "is constant" if variable.variability == "constant" else f"of causality `{variable.causality}` is calculated"
         raise FmuError(
-            f"`{owner.name}.{name}` has causality `{what}` and cannot be set",
-            "Set parameters or start values of inputs.",
+            f"`{owner.name}.{name}` {what} and cannot be set", "Set parameters or start values of inputs."
         )
     return variable
 
 
-def is_settable(variable: Variable) -> bool:
-    """Whether a variable accepts a start value."""
-    derived = variable.causality in ("output", "calculatedParameter", "independent")
-    # a continuous local variable may be a state with a start value; a discrete one is a result
-    result = variable.causality == "local" and variable.variability == "discrete"
-    return variable.variability != "constant" and not derived and not result
+def beyond(variable: Variable, *values: Any) -> str:
+    """Text of the limit of a variable that one of the values exceeds; empty if there is none."""
+    numbers = [value for value in values if is_number(value)]
+    for name, limit, sign in (("minimum", variable.minimum, 1), ("maximum", variable.maximum, -1)):
+        if limit and any(sign * value < sign * float(limit) for value in numbers):
+            return f"beyond its {name} `{limit}`"
+    return ""
 
 
 def lookup(variables: dict[str, Variable], name: str, owner: FmuChoice = ALONE) -> Variable:

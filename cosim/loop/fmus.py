@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 
 from cosim import paths
 from cosim.errors import FmuError, concerning
+from cosim.fmu import bundled
 from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.fmu.instance import Instance
-from cosim.loop import recorder
+from cosim.loop import recorder, repeats
 from cosim.loop.place import Place, Stage
+from cosim.loop.repeats import NewProcessError
 from cosim.loop.wires.connect import driven
 from cosim.scenario.model import FmuChoice, Scenario
+
+loaded: dict[Path, FmuFile] = {}
+"""FMUs that this process has loaded, by their extracted folders."""
 
 
 def open_files(scenario: Scenario) -> dict[str, FmuFile]:
@@ -20,7 +26,7 @@ def open_files(scenario: Scenario) -> dict[str, FmuFile]:
     Raises
     ------
     FmuError
-        A file cannot be opened, or it allows fewer instances.
+        A file cannot be opened, it allows fewer instances, or two of them cannot share a process.
     """
     files: dict[str, FmuFile] = {}
     for choice in scenario.fmus:
@@ -31,8 +37,48 @@ def open_files(scenario: Scenario) -> dict[str, FmuFile]:
                 both = f"`{twins[0]}` and `{choice.name}` are both `{file.path.name}`"
                 problem = f"{both}, which a process can instantiate only once"
                 raise FmuError(problem, "Use each such FMU once (`canBeInstantiatedOnlyOncePerProcess`).")
+            for name, other in files.items():
+                if shared := clash(file, other):
+                    problem = f"`{name}` and `{choice.name}` bring different versions of {shared}"
+                    raise FmuError(f"{problem}; a process loads only one", "Rename it in one of the FMUs.")
             files[choice.name] = file
     return files
+
+
+def clash(one: FmuFile, other: FmuFile) -> str:
+    """Name of a module or library of which two FMUs bring different versions; empty if there is none."""
+    ours, theirs = (bundled.brought(file.folder, file.identifier) for file in (one, other))
+    return next((name for name in ours if theirs.get(name, ours[name]) != ours[name]), "")
+
+
+def check_process(files: Iterable[FmuFile]) -> None:
+    """Check that this process can load these files, which it may have loaded before.
+
+    An interpreter keeps the modules of other FMUs, and a library may stay in the process after its FMU.
+
+    Raises
+    ------
+    FmuError
+        A module of this process has the name of a module of an FMU.
+    NewProcessError
+        The process has loaded other files that they cannot follow.
+    """
+    wanted = {file.folder: file for file in files}
+    for file in wanted.values():
+        shown = f"`{paths.shown(file.path)}`"
+        for other in (one for folder, one in loaded.items() if folder not in wanted):
+            if bundled.loads_interpreter(file.folder) or bundled.loads_interpreter(other.folder):
+                why = "an interpreter keeps the modules of both"
+            elif shared := clash(file, other):
+                why = f"{shared} differs"
+            else:
+                continue
+            both = f"{shown} needs a process without `{paths.shown(other.path)}`"
+            raise NewProcessError(f"{both}: {why}", repeats.SEPARATE)
+        if module := bundled.foreign_module(file.folder):
+            problem = f"{shown} would use `{paths.shown(Path(module))}` in place of its own module"
+            raise FmuError(problem, "Rename one of the modules.")
+    loaded.update(wanted)
 
 
 def open_instances(
@@ -61,8 +107,9 @@ def open_instances(
         and fmu.recorded == recorder.recorded(file, scenario.loop.record_locals)
     }
     close([fmu for fmu in before if fmu not in fitting.values()], place)
-    opened = []
+    opened: list[Instance] = []
     try:
+        check_process(files.values())
         for choice, file, inputs in wanted:
             place.at(Stage.LOAD, choice.shown)
             fmu = fitting.get(choice.name) or Instance(
@@ -84,19 +131,6 @@ def fits(fmu: Instance, file: FmuFile, inputs: list[Variable], log_events: bool)
     """Whether an open instance transfers these variables of a file."""
     same = fmu.file is file and fmu.driven == inputs
     return same and fmu.log_events == log_events and not fmu.dead
-
-
-def initialise(scenario: Scenario, fmus: Sequence[Instance], place: Place) -> None:
-    """Set the start values of all FMUs in their order; used instances are reset first.
-
-    Raises
-    ------
-    FmuError
-        See `Instance.initialise`.
-    """
-    for choice, fmu in zip(scenario.fmus, fmus, strict=True):
-        place.at(Stage.INITIALISE, choice.shown)
-        fmu.initialise(choice.parameters)
 
 
 def close(fmus: Sequence[Instance], place: Place) -> None:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from cosim.loop import fmus, undriven
+from cosim.loop import reference, undriven
 from cosim.loop.ineffective import ineffective_settings
-from cosim.loop.place import Stage
-from cosim.loop.plant import starts
 from cosim.loop.session import Session, located
-from cosim.loop.wires.connect import Connector
 from cosim.scenario.model import Wire
 from cosim.units import conversion
 
@@ -22,10 +19,7 @@ def check(session: Session) -> list[str]:
     """
     scenario = session.scenario
     with located(scenario):
-        fmus.initialise(scenario, session.fmus, session.place)
-        session.place.at(Stage.NONE)
-        commands = starts(session.plant.commands)
-        Connector(scenario, session.fmus, session.plant, commands, scenario.loop.seed).links()
+        reference.initialise(scenario, session.fmus, session.plant, scenario.loop.seed, session.place)
     session.check_drawn()
     return warnings(session)
 

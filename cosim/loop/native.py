@@ -14,10 +14,8 @@ from cosim.fmu.instance import Bank, Instance
 from cosim.loop import condition, reference
 from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
-from cosim.loop.plant import Plant, starts
-from cosim.loop.recorder import Recorder
+from cosim.loop.plant import Plant
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
-from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Links, Slot, whole
 from cosim.scenario.model import Scenario
 from cosim.warned import warn_once
@@ -51,6 +49,7 @@ class NativeFmu:
     component: int
     set: list[Call]
     step: int
+    status: int
     get: list[Call]
     owner: Instance
 
@@ -101,6 +100,7 @@ def controller(fmu: Instance) -> NativeFmu:
         component=fmu.slave.component,
         set=[call("Set", bank) for bank in fmu.inputs],
         step=function(DO_STEP),
+        status=function("fmi2GetBooleanStatus"),
         get=[call("Get", bank) for bank in fmu.outputs],
         owner=fmu,
     )
@@ -126,8 +126,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     body: Any = plant
     steps, step = scenario.loop.steps, scenario.loop.step
     machine = body.machine()
-    links = Connector(scenario, parts.fmus, plant, starts(plant.commands), parts.seed).links()
-    recorder = Recorder(parts.fmus, plant, steps, scenario.loop.record_every, parts.sink)
+    links, recorder = parts.links, reference.recording(parts)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None
     triggers = reference.triggers_of(parts, links.begins)
@@ -142,14 +141,15 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     # what native code cannot evaluate is looked at after every step
     look = stop_when if recorder.stop is None else None
     slow = [trigger for trigger, program in zip(triggers, programs, strict=True) if program is None]
-    done, ended = 0, False
+    done, ended, stop = 0, False, None
     parts.place.at(Stage.STEP_BOTH)
     try:
         while done < steps and not ended:
             parts.place.page.step = done
             room = recorder.room(done)
             until = done + 1 if look or slow else min(done + chunk, steps, room)
-            ended = explain(body.run(stepper, until), links, calls, plant)
+            stop = body.run(stepper, until)
+            ended = explain(stop, links, calls, plant)
             if (look or slow) and (row := recorder.row(done)) is not None:
                 for trigger in slow:
                     trigger(row, done)
@@ -162,11 +162,17 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     except Exception as error:
         raise reference.located(error, fmu, scenario, stepper.k) from error
     parts.place.end_steps([choice.shown for choice in scenario.fmus])
+    if stepper.warned is not None:
+        number, time = stepper.warned
+        fmu.warned = fmu.warned or (calls.name(number), time)
+    if stop is not None and stop[0] == "terminated":
+        fmu.ended = (done - 1) * step
+    reference.report(parts.fmus)
     return Recording(recorder.recorded(done), done, links.begins)
 
 
 def explain(stop: tuple[str, int, float] | None, links: Links, calls: NativeFmu, plant: Plant) -> bool:
-    """Whether the condition stopped the native code; otherwise raise the error of the reference engine."""
+    """Whether the condition or the FMU ended the run; otherwise raise the error of the reference engine."""
     match stop:
         case ("reading", wire, value):
             raise links.readings[wire].shape.refusal(value)
@@ -178,6 +184,6 @@ def explain(stop: tuple[str, int, float] | None, links: Links, calls: NativeFmu,
             plant.command(links.commands)
         case ("call", number, status):
             raise FMICallException(calls.name(number), int(status))
-    if stop is not None and stop[0] != "stop":
+    if stop is not None and stop[0] not in ("stop", "terminated"):
         raise RuntimeError(f"the native engine stopped for an unknown reason: {stop}")
     return stop is not None

@@ -47,12 +47,16 @@ PLANT = {
 
 
 class Page(ctypes.Structure):
-    """Layout of the shared memory. In the native engine `step` is the first of a chunk of steps."""
+    """Layout of the shared memory. In the native engine `step` is the first of a chunk of steps.
+
+    `repeated` counts the earlier runs that were repeated before a run.
+    """
 
     _fields_ = (
         ("stage", ctypes.c_int64),
         ("step", ctypes.c_int64),
         ("steps", ctypes.c_int64),
+        ("repeated", ctypes.c_int64),
         ("period", ctypes.c_double),
         ("fmu", ctypes.c_char * NAME),
         ("plant", ctypes.c_char * NAME),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import zlib
 from collections.abc import Sequence
 from typing import Any, Protocol
 
@@ -16,6 +18,8 @@ from cosim.loop.plant import Plant, one_each
 from cosim.trace.columns import Columns
 from cosim.warned import warn_once
 
+BLOCK = 4096
+"""Rows of a run at once that only its checksums need."""
 LOCALS_MAX = 256
 """Local variables of an FMU that are recorded without a request; models of other tools may have thousands."""
 
@@ -27,6 +31,29 @@ class Sink(Protocol):
 
     def write(self, columns: Sequence[NDArray[np.float64]]) -> None:
         """Receive rows, given by their columns."""
+
+
+class Checksums:
+    """Checksum of each column of a run, independent of the blocks; passes the rows on to `sink` if there is one.
+
+    Without a sink the rows of a run need little memory.
+    """
+
+    def __init__(self, sink: Sink | None = None) -> None:
+        self.sink = sink
+        self.columns: list[int] = []
+
+    @property
+    def rows(self) -> int:
+        """Rows of a block."""
+        return BLOCK if self.sink is None else self.sink.rows
+
+    def write(self, columns: Sequence[NDArray[np.float64]]) -> None:
+        """Receive rows, given by their columns."""
+        pairs = itertools.zip_longest(columns, self.columns, fillvalue=0)
+        self.columns = [zlib.crc32(np.ascontiguousarray(column), before) for column, before in pairs]
+        if self.sink is not None:
+            self.sink.write(columns)
 
 
 class Recorder:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+import contextlib
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +19,8 @@ from cosim.loop.plant import Plant, one_each, starts
 from cosim.loop.recorder import Recorder, Sink
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.fault import Trigger, delay_of
-from cosim.loop.wires.links import Connection, Fault, Link, Links
+from cosim.loop.wires.links import Connection, Fault, Link, Links, Slot
+from cosim.loop.wires.wiring import child
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
@@ -40,7 +43,7 @@ class Recording(NamedTuple):
 
 @dataclass(frozen=True)
 class Parts:
-    """Inputs of a run: initialized FMUs in the order of the scenario, and a plant after `reset`.
+    """Inputs of a run: FMUs in the order of the scenario, plant and connections after `initialise`.
 
     The run ends in the first row for which `stop_when` is true. `when` holds the start conditions of the
     injections, or None. `interrupt` is called after every step and may raise. `place` records whose code
@@ -50,7 +53,7 @@ class Parts:
     scenario: Scenario
     fmus: Sequence[Instance]
     plant: Plant
-    seed: int
+    links: Links
     stop_when: Expression | None = None
     when: Sequence[Expression | None] = ()
     progress: Progress | None = None
@@ -70,25 +73,76 @@ def run(parts: Parts) -> Recording:
     CosimError
         An FMU returned an error, the plant failed, or a value on a wire is not finite; names step and time.
     """
-    links, recorder = connected(parts)
+    recorder = recording(parts)
     k = 0
-    for k, _ in steps(parts, links, recorder):  # noqa: B007
+    for k, _ in steps(parts, recorder):  # noqa: B007
         pass
     parts.place.end_steps([choice.shown for choice in parts.scenario.fmus])
-    return Recording(recorder.recorded(k + 1), k + 1, links.begins)
+    report(parts.fmus)
+    return Recording(recorder.recorded(k + 1), k + 1, parts.links.begins)
 
 
-def connected(parts: Parts) -> tuple[Links, Recorder]:
-    """Return the connections and the recorder of a run."""
-    plant, loop = parts.plant, parts.scenario.loop
-    commands = starts(plant.commands)
-    links = Connector(parts.scenario, parts.fmus, plant, commands, parts.seed).links()
-    return links, Recorder(parts.fmus, plant, loop.steps, loop.record_every, parts.sink)
+def recording(parts: Parts) -> Recorder:
+    """Return the recorder of a run."""
+    loop = parts.scenario.loop
+    recorder = Recorder(parts.fmus, parts.plant, loop.steps, loop.record_every, parts.sink)
+    recorder.sensed[:] = parts.links.sensed
+    return recorder
 
 
-def steps(
-    parts: Parts, links: Links, recorder: Recorder
-) -> Generator[tuple[int, NDArray[np.float64] | None]]:
+def report(fmus: Sequence[Instance]) -> None:
+    """Log what FMUs reported in a run without an error."""
+    for fmu in fmus:
+        fmu.report()
+
+
+def initialise(scenario: Scenario, fmus: Sequence[Instance], plant: Plant, seed: int, place: Place) -> Links:
+    """Reset the plant, and initialize the FMUs in their order with their inputs of t = 0.
+
+    Inputs of an FMU whose source is initialized later keep their start values until the first step. The
+    measurements of t = 0 are in `sensed` of the result; the first step does not sample again.
+
+    Raises
+    ------
+    CosimError
+        The plant or an FMU failed, or a name is wrong.
+    """
+    place.at(Stage.RESET_PLANT)
+    reset_plant(plant, scenario, child(seed, "plant"))
+    place.at(Stage.NONE)
+    connector = Connector(scenario, fmus, plant, starts(plant.commands), seed)
+    links = connector.links()
+    loop = scenario.loop
+    place.at(Stage.STEP_PLANT)
+    with locating(fmus[0], scenario):
+        links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
+    for choice, fmu, connection in zip(scenario.fmus, fmus, links.fmus, strict=True):
+        place.at(Stage.INITIALISE, choice.shown)
+        every = loop.every(choice.step)
+        last = (loop.steps - 1) // every * every * loop.step
+        # the last step of a slower FMU may end after the run
+        stop = max(loop.duration, last + every * loop.step)
+        fmu.initialise(choice.parameters, stop, partial(arrive_first, connection, fmu, scenario))
+    place.at(Stage.NONE)
+    connector.prime()
+    return links
+
+
+def arrive_first(connection: Connection, fmu: Instance, scenario: Scenario) -> None:
+    """Write the inputs of t = 0 of an FMU in its initialization mode."""
+    if connection.held or any(link.late for link in connection.wires):
+        fmu.read_inputs()
+    for drive in connection.held:
+        drive.course.fill(drive.target.array[drive.target.index])
+    with locating(fmu, scenario):
+        for link in connection.wires:
+            if not link.late:
+                # a delay starts with the first value
+                write(link.target, link.shape(float(link.source.array[link.source.index]), 0))
+        arrive(Connection(drives=connection.drives, faults=connection.faults), 0)
+
+
+def steps(parts: Parts, recorder: Recorder) -> Generator[tuple[int, NDArray[np.float64] | None]]:
     """Do one step after the other; yield its number and its row, None if it is not recorded.
 
     Raises
@@ -96,14 +150,14 @@ def steps(
     CosimError
         As for `run`.
     """
-    scenario, plant = parts.scenario, parts.plant
+    scenario, plant, links = parts.scenario, parts.plant, parts.links
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
     triggers = triggers_of(parts, links.begins)
     place, page, interrupt = parts.place, parts.place.page, parts.interrupt
     rates = [(choice.shown, loop.every(choice.step)) for choice in scenario.fmus]
     turns = list(zip(rates, parts.fmus, links.fmus, strict=True))
 
-    k, fmu = 0, parts.fmus[0]
+    k, fmu, ended = 0, parts.fmus[0], False
     page.stage = Stage.STEP_PLANT
     try:
         for k in range(loop.steps):
@@ -111,16 +165,15 @@ def steps(
             # time is never accumulated
             time = k * loop.step
             # sample: ideal readings, which wires make what the FMUs see
-            links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
-            np.minimum(recorder.sensed, links.sensed, out=recorder.sensed)
+            if k:
+                links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
+                np.minimum(recorder.sensed, links.sensed, out=recorder.sensed)
             # compute: the FMUs move first, one after the other
             for (name, every), fmu, connection in turns:
                 arrive(connection, k)
                 if k % every == 0:
                     place.at(Stage.STEP, name)
-                    fmu.set()
-                    fmu.step(time, every * loop.step)
-                    fmu.get()
+                    ended |= fmu.compute(time, every * loop.step)
                     page.stage = Stage.STEP_PLANT
             # act: the commands of this step, or of `compute_delay` steps ago
             arrive(links.plant, k)
@@ -135,7 +188,7 @@ def steps(
 
             interrupt()
             yield k, row
-            if stop_when is not None and row is not None and stop_when(row):
+            if ended or (stop_when is not None and row is not None and stop_when(row)):
                 break
             if progress is not None and k % PROGRESS_EVERY == 0:
                 progress(k, loop.steps)
@@ -143,6 +196,17 @@ def steps(
         raise
     except BaseException as error:  # a panic of Rust is no `Exception`
         raise located(error, fmu, scenario, k) from error
+
+
+@contextlib.contextmanager
+def locating(fmu: Instance, scenario: Scenario) -> Iterator[None]:
+    """Raise errors of foreign code before the first step as those of step 0."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a panic of Rust is no `Exception`
+        raise located(error, fmu, scenario, 0) from error
 
 
 def triggers_of(parts: Parts, begins: NDArray[np.float64]) -> list[Trigger]:
@@ -178,14 +242,19 @@ def arrive(connection: Connection, k: int) -> None:
     for link in connection.wires:
         carry(link, k)
     for drive in connection.drives:
-        drive.target.array[drive.target.index] = drive.target.convert(drive.course.item(k))
+        write(drive.target, drive.course.item(k))
     inject(connection.faults, k)
 
 
 def carry(link: Link, k: int) -> None:
     """Pass one value through its wire."""
     value = link.shape(float(link.source.array[link.source.index]), k)
-    link.target.array[link.target.index] = link.target.convert(link.delay(value, k))
+    write(link.target, link.delay(value, k))
+
+
+def write(target: Slot, value: float) -> None:
+    """Write a number to a target of any type."""
+    target.array[target.index] = target.convert(value)
 
 
 def inject(faults: list[Fault], k: int) -> None:
@@ -194,7 +263,7 @@ def inject(faults: list[Fault], k: int) -> None:
         since = k - fault.begin.array.item(fault.begin.index)
         value = fault.change(float(fault.target.array[fault.target.index]), k, since)
         if 0.0 <= since < fault.length:
-            fault.target.array[fault.target.index] = fault.target.convert(value)
+            write(fault.target, value)
 
 
 def located(error: BaseException, fmu: Instance, scenario: Scenario, k: int) -> CosimError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import operator
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,11 @@ from cosim.errors import CosimError, FmuError, PlantError, concerning
 from cosim.fmu import readable
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.instance import Instance
-from cosim.loop import condition, fmus, native, plant, recorder, reference, undriven
+from cosim.loop import condition, fmus, native, plant, recorder, reference, repeats, undriven
 from cosim.loop.engines import Engine, checked
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Parts, Progress, Recording
 from cosim.loop.result import Result
-from cosim.loop.wires.wiring import child
 from cosim.metrics import criteria, drawable
 from cosim.scenario.model import Scenario
 from cosim.trace import endings
@@ -35,6 +34,8 @@ MAX_SUBSTEPS = 10**6
 
 class Session(Closing):
     """A scenario with its FMUs and plant opened once; each `run` resets all.
+
+    The second run in a process repeats the first of the same FMUs and plant before, see `repeats`.
 
     Parameters
     ----------
@@ -64,9 +65,14 @@ class Session(Closing):
         previous: Session | None = None,
         place: Place | None = None,
     ) -> None:
-        self.scenario = scenario
+        self.scenario, self.wanted, self.log_events = scenario, checked(engine), log_events
         self.place = place or Place()
         self.has_plant = self.complete = False
+        self._open(previous)
+
+    def _open(self, previous: Session | None) -> None:
+        """Open the FMUs and the plant, or take them from a session that is no longer used."""
+        scenario = self.scenario
         self.begin()
         with located(scenario):
             files = fmus.open_files(scenario)
@@ -74,21 +80,23 @@ class Session(Closing):
             self.plant = open_plant(scenario, previous)
             self.place.at(Stage.NONE)
             self.has_plant = True
+            self.plant_used = previous is not None and self.plant is previous.plant
+            self.key = repeats.key(scenario, files)
             try:
-                self._open(files, engine, log_events, previous)
+                self._instantiate(files, previous)
             except BaseException:
                 self.close_plant()
                 raise
 
-    def _open(
-        self, files: Mapping[str, FmuFile], engine: Engine, log_events: bool, previous: Session | None
-    ) -> None:
+    def _instantiate(self, files: Mapping[str, FmuFile], previous: Session | None) -> None:
         """Instantiate the FMUs, and check that they and the plant fit the scenario."""
         scenario = self.scenario
-        self.engine = native.choose(checked(engine), scenario, self.plant)
+        self.engine = native.choose(self.wanted, scenario, self.plant)
         check_timestep(scenario, self.plant.timestep)
         before: tuple[Instance, ...] = () if previous is None else previous.fmus
-        self.fmus: tuple[Instance, ...] = fmus.open_instances(scenario, files, log_events, before, self.place)
+        self.fmus: tuple[Instance, ...] = fmus.open_instances(
+            scenario, files, self.log_events, before, self.place
+        )
         self.place.at(Stage.NONE)
         try:
             self._compile()
@@ -153,7 +161,7 @@ class Session(Closing):
         Raises
         ------
         CosimError
-            The run failed and leaves no file, or the session is closed.
+            The run failed and leaves no file, the session is closed, or FMU or plant keep state between runs.
         KeyboardInterrupt
             After the step in which Ctrl-C was pressed.
         """
@@ -161,10 +169,12 @@ class Session(Closing):
         seed = scenario.loop.seed if seed is None else checked_seed(seed)
         file = None if stream is None else endings.streamed(Path(stream))
         with located(scenario), interrupts.deferred() as interrupt:
-            parts = replace(self.start(seed), progress=progress, interrupt=interrupt)
-            result = self._result(seed)
-            begin = time.perf_counter()
-            done = self._loop(parts, result, file)
+            self._check_repeatable(interrupt)
+            with self._noted(seed) as sums:
+                parts = replace(self.start(seed), progress=progress, interrupt=interrupt)
+                result = self._result(seed)
+                begin = time.perf_counter()
+                done = self._loop(parts, result, file, sums)
             result = replace(
                 result,
                 simulated_s=done.steps * scenario.loop.step,
@@ -191,23 +201,83 @@ class Session(Closing):
         self.complete = False
         self.begin()
         undriven.report(scenario, self.fmus, self.plant)
-        fmus.initialise(scenario, self.fmus, place)
-        place.at(Stage.RESET_PLANT)
-        reference.reset_plant(self.plant, scenario, child(seed, "plant"))
-        place.at(Stage.NONE)
-        return Parts(scenario, self.fmus, self.plant, seed, self.stop, self.when, place=place)
+        self.plant_used = True
+        links = reference.initialise(scenario, self.fmus, self.plant, seed, place)
+        return Parts(scenario, self.fmus, self.plant, links, self.stop, self.when, place=place)
 
-    def _loop(self, parts: Parts, known: Result, file: Path | None) -> Recording:
+    def _loop(self, parts: Parts, known: Result, file: Path | None, sums: recorder.Checksums) -> Recording:
         """Run the closed loop; the trace goes to a file if one is given."""
-        run = native.run if self.engine == "native" else reference.run
         if file is None:
-            return run(parts)
+            done = self._steps(parts)
+            sums.write(list(done.table.T))
+            return done
         from cosim.trace.parquet import streaming
 
         with streaming(file, list(self.columns), known.about()) as writer:
-            done = run(replace(parts, sink=writer))
+            sums.sink = writer
+            done = self._steps(replace(parts, sink=sums))
             writer.finish(done.steps * self.scenario.loop.step)
         return done
+
+    def _steps(self, parts: Parts) -> Recording:
+        return native.run(parts) if self.engine == "native" else reference.run(parts)
+
+    @contextlib.contextmanager
+    def _noted(self, seed: int) -> Iterator[recorder.Checksums]:
+        """Note the outcome of a run, if it is the first of its kind in this process."""
+        outcome: object = None
+        sums = recorder.Checksums()
+        try:
+            yield sums
+            outcome = sums.columns
+        except CosimError as error:
+            outcome = error.message
+            raise
+        finally:
+            if outcome is not None:
+                first = repeats.FirstRun(self.scenario, self.engine, seed, outcome)
+                repeats.first_runs.setdefault(self.key, first)
+
+    def _check_repeatable(self, interrupt: Callable[[], None]) -> None:
+        """Repeat the first run of the same FMUs and plant in this process, unless that was done before.
+
+        Raises
+        ------
+        NewProcessError
+            It gives another outcome.
+        """
+        first = repeats.first_runs.get(self.key)
+        if first is None or any(fmu.dead or fmu.closed for fmu in self.fmus):
+            return
+        # the repetition may leave a used plant where it was new
+        while (known := repeats.verdict(self.key, used := self._used)) is None:
+            with repeats.muted():
+                repeats.verdicts[self.key, used] = self._repeated(first, interrupt) == first.outcome
+            self.place.page.repeated += 1
+        if not known:
+            raise repeats.unrepeatable(self.place.ran())
+
+    @property
+    def _used(self) -> repeats.Used:
+        return any(fmu.used for fmu in self.fmus), self.plant_used
+
+    def _repeated(self, first: repeats.FirstRun, interrupt: Callable[[], None]) -> object:
+        """Outcome of another run with the FMUs, and if it is equal the plant, of this session."""
+        sums, reset = recorder.Checksums(), self._used[0]
+        try:
+            other = Session(first.scenario, self.log_events, first.engine, self, self.place)
+        except CosimError as error:
+            return error.message
+        try:
+            other._steps(replace(other.start(first.seed), interrupt=interrupt, sink=sums))
+            return sums.columns
+        except CosimError as error:
+            return error.message
+        finally:
+            # the run after it has new instances if the repetition had
+            if not reset:
+                other.close()
+            self._open(other if reset else None)
 
     def _result(self, seed: int) -> Result:
         """Return the parts of a result that are known before the run."""

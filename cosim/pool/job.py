@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from cosim.errors import CosimError, FmuError
+from cosim.loop.repeats import Verdicts
 from cosim.pool.lines import EVENTS
 
 if TYPE_CHECKING:
@@ -102,8 +103,9 @@ def name(number: int, job: Job) -> str:
 
 @dataclass(frozen=True)
 class Order:
-    """Message to a worker: a task, the log level, and the maximum number of log lines."""
+    """Message to a worker: a task, the log level, the maximum number of log lines, and known verdicts."""
 
     task: Task
     level: int
     lines: float
+    verdicts: Verdicts

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import logging
 import queue
 import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any
 
+from cosim.loop.repeats import NewProcessError
 from cosim.pool.inbox import Inbox
 from cosim.pool.job import Finished, Numbered, name
 from cosim.pool.limits import Limits, isolates, unkept
@@ -76,13 +78,23 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
 
 
 def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
-    """Run jobs in this process, one after the other, without protection against crashes."""
+    """Run jobs in this process, one after the other, without protection against crashes.
+
+    When earlier runs in this process would change a result, that run and the others have their own processes.
+    """
     from cosim.pool.worker import JobRunner
 
+    rest = iter(jobs)
     with contextlib.closing(JobRunner()) as runner:
-        for number, job in jobs:
+        for number, job in rest:
             log.info("%s:", name(number, job))
-            yield number, runner.run(job)
+            outcome = runner.run(job)
+            if isinstance(outcome, NewProcessError):
+                if outcome.warning:
+                    log.warning("%s", outcome.warning)
+                yield from outcomes(itertools.chain([(number, job)], rest), 1, Limits())
+                return
+            yield number, outcome
 
 
 def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 from collections.abc import Generator, Sequence
 from pathlib import Path
 
 from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
+from cosim.loop.repeats import NewProcessError
 from cosim.loop.result import Result
 from cosim.loop.session import Session
 from cosim.pool import local
@@ -18,6 +20,8 @@ from cosim.pool.supervisor import Worker
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario
 from cosim.writing import discard
+
+log = logging.getLogger("cosim")
 
 
 def run(
@@ -58,8 +62,12 @@ def run(
     if not isolated:
         if limits is not None:
             raise CosimError("`limits` apply only to isolated runs", "Set `isolated=True`.")
-        with Session(scenario, engine=engine) as session:
-            return session.run(seed, progress, stream)
+        try:
+            with Session(scenario, engine=engine) as session:
+                return session.run(seed, progress, stream)
+        except NewProcessError as error:
+            if error.warning:
+                log.warning("%s", error.warning)
     if not isolates():
         raise CosimError(
             "runs cannot be isolated on this system", "Set `isolated=False` to run in this process."

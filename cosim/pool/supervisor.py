@@ -16,7 +16,9 @@ from typing import Any
 
 from cosim.closing import Closing
 from cosim.errors import CosimError
+from cosim.loop import repeats
 from cosim.loop.place import Place
+from cosim.loop.repeats import NewProcessError
 from cosim.pool.channel import NoMessageError
 from cosim.pool.child import Child, ending, no_start, spawn
 from cosim.pool.job import Order, Task, WorkerError
@@ -96,7 +98,8 @@ class Worker(Closing):
         `on_line` receives its log lines.
 
         A process can die because of an earlier run, a memory limit or an external signal. The task is then
-        repeated once in a new process, whose memory is only checked periodically.
+        repeated once in a new process, whose memory is only checked periodically. A run that other runs of the
+        process would change has a new process.
 
         Raises
         ------
@@ -108,6 +111,11 @@ class Worker(Closing):
         if self.doubtful(outcome):
             log.info("%s; the run is repeated in a new process", outcome.message)
             outcome = self.attempt(task, watch, None)
+        if isinstance(outcome, NewProcessError):
+            if outcome.warning:
+                self.on_line((log.name, logging.WARNING, outcome.warning))
+            self.finish()
+            outcome = self.attempt(task, watch, self.confined)
         child = self.child
         if self.limits.process_per_run or (child and (child.spoilt or child.memory != self.confined)):
             self.finish()
@@ -135,7 +143,7 @@ class Worker(Closing):
             with contextlib.suppress(BrokenPipeError, ConnectionResetError):
                 if first:
                     child.channel.send(memory)
-                child.channel.send(Order(task, log.getEffectiveLevel(), lines))
+                child.channel.send(Order(task, log.getEffectiveLevel(), lines, dict(repeats.verdicts)))
             return self.outcome(child, watch)
         except (EOFError, OSError):
             return self.crashed(child)
@@ -159,7 +167,7 @@ class Worker(Closing):
     def outcome(self, child: Child, watch: Watch | None) -> Any:
         """Outcome of the sent task, or the exceeded limit."""
         memory = self.limits.memory if child.memory is None else None
-        end = self.deadline(child)
+        end, repeated = self.deadline(child), 0
         while True:
             left = None if end is None else max(0.0, end - time.monotonic())
             waits = (left, WATCH_INTERVAL if watch else None, MEMORY_INTERVAL if memory else None)
@@ -170,11 +178,15 @@ class Worker(Closing):
                     end = self.deadline(child)
                 elif kind == "done":
                     child.busy = False
-                    outcome, fit = content
+                    outcome, fit, verdicts = content
                     child.spoilt = not fit
+                    repeats.verdicts.update(verdicts)
                     return outcome
             elif left == 0.0:
-                return self.too_long(child)
+                if self.place.page.repeated == repeated:
+                    return self.too_long(child)
+                # an earlier run was repeated before this one, and each has its own time
+                repeated, end = self.place.page.repeated, self.deadline(child)
             elif child.process.poll() is not None and not child.channel.waits(0.0):
                 return self.crashed(child)
             if watch and self.place.page.steps:

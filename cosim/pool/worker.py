@@ -17,6 +17,7 @@ from typing import Any
 from cosim import process
 from cosim.closing import Closing
 from cosim.errors import CosimError, UnforeseenError, unforeseen
+from cosim.loop import repeats
 from cosim.loop.engines import Engine
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Progress
@@ -27,8 +28,8 @@ from cosim.pool.limits import confine
 from cosim.scenario.model import Scenario
 
 READY, LOG, DONE = "ready", "log", "done"
-"""Kinds of messages of a worker process: ready; a log line; the outcome of a task, and whether the process
-is fit for another."""
+"""Kinds of messages of a worker process: ready; a log line; the outcome of a task, whether the process is fit for
+another, and the verdicts on its FMUs and plants."""
 IDLE = 600.0
 """Idle time after which a worker process ends, s; the next task starts another one."""
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
@@ -118,7 +119,8 @@ def main(end: int, page: int, parent: int) -> None:
         before = process.belongings()
         while (order := awaited(tasks)) is not None:
             outcome = refusal or done(runner, order, forward)
-            channel.send((DONE, looked_over(outcome, before, runner.place)))
+            outcome, fit = looked_over(outcome, before, runner.place)
+            channel.send((DONE, (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
     # the interpreter would look through all that was imported for circles, which takes longer than the rest
     gc.freeze()
 
@@ -153,6 +155,7 @@ def done(runner: JobRunner, order: Order | CosimError, forward: Forward) -> Any:
     if isinstance(order, CosimError):
         return order
     forward.left = order.lines
+    repeats.verdicts.update(order.verdicts)
     log.handlers[:], log.propagate = [forward], False
     log.setLevel(order.level)
     outcome = runner.run(order.task)

@@ -64,6 +64,11 @@ impl Evidence<'_> {
         self.working() || (self.state == State::Fault && !self.halted)
     }
 
+    /// A cycle or commissioning run is active, or is requested and waits for a valid sample.
+    fn requested(&self) -> bool {
+        self.working() || (self.reading.pending && matches!(self.state, State::Idle | State::Done))
+    }
+
     fn longer_than(&self, p: &Parameters, state: State, time: f64) -> bool {
         self.state == state && self.ticks > ticks(time, p.sample_period)
     }
@@ -92,11 +97,11 @@ fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     first([
         (Fault::EmergencyStop, reading.stopped),
         (Fault::LongStep, seen.moves() && seen.long_step),
-        (Fault::PositionLost, seen.moves() && reading.position_doubt.lost > maximum),
+        (Fault::PositionLost, (seen.moves() || seen.requested()) && reading.position_doubt.lost > maximum),
         (Fault::PositionJump, seen.moves() && reading.position_doubt.doubted > maximum),
         (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
         // during the retract no force is needed
-        (Fault::ForceLost, seen.working() && reading.force_doubt.lost > maximum),
+        (Fault::ForceLost, seen.requested() && reading.force_doubt.lost > maximum),
         (Fault::ForceJump, seen.working() && reading.force_doubt.doubted > maximum),
         (Fault::InvalidInput, seen.working() && reading.invalid > maximum),
     ])
@@ -312,6 +317,26 @@ mod tests {
                     let counts = counts.contains(&state) || (taring && counts.starts_with(WORKING));
                     let expected = (times > 1.0 && counts).then_some(*fault);
                     assert_eq!(sample.fault(), expected, "row {i} in {state:?}, taring: {taring}, {times}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_request_without_a_valid_sample_is_a_fault_before_the_motion() {
+        let losses: [(Fault, fn(&mut Reading) -> &mut Doubt); 2] = [
+            (Fault::PositionLost, |reading| &mut reading.position_doubt),
+            (Fault::ForceLost, |reading| &mut reading.force_doubt),
+        ];
+        for (fault, doubt) in losses {
+            for state in State::ALL.iter().copied() {
+                for (pending, lost) in [(false, 6), (true, 5), (true, 6)] {
+                    let mut sample = Sample { halted: true, ..Sample::good(state) };
+                    sample.reading.pending = pending;
+                    doubt(&mut sample.reading).lost = lost;
+                    let waits = pending && matches!(state, State::Idle | State::Done);
+                    let expected = (lost > 5 && (waits || state.moving())).then_some(fault);
+                    assert_eq!(sample.fault(), expected, "{state:?}, pending: {pending}, {lost}");
                 }
             }
         }

@@ -39,6 +39,8 @@ pub struct Reading {
     pub commission: bool,
     /// Rising edge of `commission`.
     pub begin_commission: bool,
+    /// A rising edge of `enable` or `commission` waits for a valid sample.
+    pub pending: bool,
     /// Rising edge of `reset_fault`.
     pub reset: bool,
     /// Every measurement is of this sample.
@@ -68,7 +70,7 @@ pub struct Reader {
     force: [JumpGuard; 3],
     lost: [Consecutive; 2],
     invalid: Consecutive,
-    /// `enable` and `commission` of the last sample; set before the first, so that nothing moves by itself
+    /// `enable` and `commission`, accepted with a valid sample; set before the first, so that nothing moves by itself
     enabled: bool,
     commission: bool,
     reset: Edge,
@@ -114,6 +116,7 @@ impl Reader {
             start: input.enable && !self.enabled,
             commission: input.commission,
             begin_commission: input.commission && !self.commission,
+            pending: false,
             reset: self.reset.rises(input.reset_fault),
             fresh: false,
             position_doubt: Doubt { lost: lost[0], doubted: doubted(&self.position) },
@@ -123,12 +126,12 @@ impl Reader {
             force_override: self.overrides.1,
         };
         let fresh = [reading.position_doubt, reading.force_doubt] == [Doubt::default(); 2];
-        // an edge is used with the first valid sample
-        if fresh {
-            (self.enabled, self.commission) = (input.enable, input.commission);
-        }
-        let (start, begin_commission) = (fresh && reading.start, fresh && reading.begin_commission);
-        Reading { fresh, start, begin_commission, ..reading }
+        let Reading { start, begin_commission, .. } = reading;
+        // an edge waits for the first valid sample; a low input needs none, as it starts nothing
+        self.enabled = input.enable && (self.enabled || fresh);
+        self.commission = input.commission && (self.commission || fresh);
+        let pending = !fresh && (start || begin_commission);
+        Reading { fresh, start: fresh && start, begin_commission: fresh && begin_commission, pending, ..reading }
     }
 
     /// Stores the overrides; returns the consecutive invalid samples.
@@ -281,6 +284,29 @@ mod tests {
         });
         // one more than that is a fault during a motion
         assert_eq!(doubts.count(), P.limits.lost_samples as usize + 1);
+    }
+
+    #[test]
+    fn an_edge_before_the_first_valid_sample_waits_for_it() {
+        let (on, never) = (Input { enable: true, commission: true, ..resting() }, resting());
+        for lose in [|i: &mut Input| i.force.x = f64::NAN, |i: &mut Input| i.position.y = f64::INFINITY] {
+            let mut reader = Reader::new();
+            let mut read = |input: &Input, lost: bool| {
+                let mut input = input.clone();
+                if lost {
+                    lose(&mut input);
+                }
+                reader.rest(&P, &input);
+                reader.read(&P, &input, GROWTH)
+            };
+            assert!((0..20).all(|_| !read(&never, true).pending));
+            assert!((0..20).map(|_| read(&on, true)).all(|now| now.pending && !now.start && !now.begin_commission));
+            let first = read(&on, false);
+            assert!(first.start && first.begin_commission && !first.pending);
+            // also an edge between two bad samples
+            assert!(!read(&on, true).pending && !read(&never, true).pending && read(&on, true).pending);
+            assert!(read(&on, false).start && !read(&on, false).start);
+        }
     }
 
     #[test]

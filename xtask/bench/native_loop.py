@@ -24,7 +24,6 @@ import cosim
 from cosim.loop import condition, native, reference
 from cosim.loop.plant import starts
 from cosim.loop.recorder import Recorder
-from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.links import Connection, Drive, Links, Slot
 from cosim.loop.wires.wiring import child
 from machining_native import Stepper
@@ -53,7 +52,17 @@ class Bench:
         """Reset the plant and return what steps it."""
         reference.reset_plant(self.plant, self.scenario, child(self.scenario.loop.seed, "plant"))
         plant: Any = self.plant
+        plant.sense()
         return plant.machine()
+
+    def initialise(self) -> tuple[Links, Any]:
+        """Initialize FMU and plant for a run; return its connections and what steps the plant."""
+        plant: Any = self.plant
+        links = reference.initialise(
+            self.scenario, [self.fmu], self.plant, self.scenario.loop.seed, self.session.place
+        )
+        self.commands = links.commands
+        return links, plant.machine()
 
     def stepper(self, machine: Any, controller: Any, links: Links, log: Any) -> Stepper:
         """Tie a stepper to a plant that was reset."""
@@ -61,11 +70,7 @@ class Bench:
 
     def closed(self) -> Stepper:
         """Tie the closed loop and its trace together, as the engine does."""
-        self.fmu.initialise(self.scenario.controller.parameters)
-        machine = self.reset()
-        links = Connector(
-            self.scenario, [self.fmu], self.plant, self.commands, self.scenario.loop.seed
-        ).links()
+        links, machine = self.initialise()
         log = Recorder([self.fmu], self.plant, self.steps)
         if stop := self.session.stop:
             log.stop = condition.program(stop, log.table.shape[1])
@@ -77,7 +82,7 @@ class Bench:
 
     def served(self) -> Stepper:
         """Tie plant and FMU to commands and inputs of the closed loop; no wires, no trace."""
-        self.fmu.initialise(self.scenario.controller.parameters)
+        self.initialise()
         drives = [Drive(course, place) for course, place in zip(self.given, self.inputs, strict=True)]
         return self.driven(native.controller(self.fmu), drives)
 

@@ -25,5 +25,5 @@ pub use fault::FaultEffect;
 pub use links::{Drive, Injection, Link, Links};
 pub use log::{Log, Trigger};
 pub use machine::Machine;
-pub use stepper::Stepper;
+pub use stepper::{End, Stepper};
 pub use wire::{Delay, Shape};

@@ -6,7 +6,8 @@ use std::ptr::NonNull;
 
 use cosim_engine::ffi::{Apply, Bank, Body, Call, Controller, Functions, Physics, Slot, Table, Trap};
 use cosim_engine::{
-    Condition, Delay, Failure, FaultEffect, Injection, Link, Links, Log, Machine, Operation, Shape, Stepper, Trigger,
+    Condition, Delay, End, Failure, FaultEffect, Injection, Link, Links, Log, Machine, Operation, Shape, Stepper,
+    Trigger,
 };
 use plants::{Circuit, Element, Place, Ports};
 
@@ -41,6 +42,7 @@ struct FakeController {
     real: [f64; 2],
     times: Vec<f64>,
     fail_at: Option<usize>,
+    end_at: Option<usize>,
 }
 
 unsafe extern "C" fn set(brain: *mut c_void, references: *const c_uint, count: usize, values: *mut c_void) -> c_int {
@@ -73,7 +75,19 @@ unsafe extern "C" fn do_step(brain: *mut c_void, time: f64, _: f64, _: c_int) ->
     let k = brain.times.len();
     brain.times.push(time);
     brain.real[1] = -0.5 * brain.real[0];
-    if brain.fail_at == Some(k) { 3 } else { 0 }
+    if brain.fail_at == Some(k) {
+        3
+    } else if brain.end_at == Some(k) {
+        2
+    } else {
+        0
+    }
+}
+
+unsafe extern "C" fn status(brain: *mut c_void, kind: c_int, value: *mut c_int) -> c_int {
+    // SAFETY: as above.
+    unsafe { value.write(c_int::from(kind == 3 && (*brain.cast::<FakeController>()).end_at.is_some())) };
+    0
 }
 
 unsafe extern "C" fn make(_: *const c_void, _: c_int, _: *const c_void, _: *mut c_char, _: c_int) -> *mut c_void {
@@ -164,7 +178,7 @@ fn controller(bench: &mut Bench) -> Controller {
     };
     let (set, get) = (vec![call(set, 0, &mut bench.input)], vec![call(get, 1, &mut bench.output)]);
     // SAFETY: the bench outlives the stepper.
-    unsafe { Controller::new((&raw mut bench.brain).cast(), set, do_step, get) }
+    unsafe { Controller::new((&raw mut bench.brain).cast(), set, do_step, status, get) }
 }
 
 fn log(bench: &mut Bench, stop: Option<Condition>) -> Log {
@@ -201,10 +215,10 @@ fn assembled(bench: &mut Bench, substeps: usize, apply: Apply, links: Links, log
 }
 
 fn start() -> Box<Bench> {
-    Box::new(Bench { world: FakePlant { x: 1.0, ..FakePlant::default() }, ..Bench::default() })
+    Box::new(Bench { world: FakePlant { x: 1.0, ..FakePlant::default() }, sensed: 1.0, ..Bench::default() })
 }
 
-fn run(stepper: &mut Stepper, until: usize) -> Result<bool, Failure> {
+fn run(stepper: &mut Stepper, until: usize) -> Result<Option<End>, Failure> {
     stepper.run(&mut Circuit::default(), &mut Circuit::default(), until)
 }
 
@@ -213,13 +227,15 @@ fn the_controller_moves_first_and_sees_the_plant_of_its_time() {
     // x continues by 2 * 0.5 * u = -0.5 x
     let mut bench = start();
     let mut stepper = stepper(&mut bench, 0, 2, apply, None);
-    assert_eq!(run(&mut stepper, 1), Ok(false));
-    assert_eq!(run(&mut stepper, 4), Ok(false));
+    assert_eq!(run(&mut stepper, 1), Ok(None));
+    assert_eq!(run(&mut stepper, 4), Ok(None));
     assert_eq!(stepper.steps(), 4);
     let rows = [[0.0, 1.0, -0.5, 1.0], [0.1, 0.5, -0.25, 0.5], [0.2, 0.25, -0.125, 0.25]];
     assert_eq!(bench.table[..3], rows);
     assert_eq!(bench.table[3][0].to_bits(), (3.0 * 0.1_f64).to_bits());
-    assert_eq!(bench.world.halves, 4 * 2 * 2);
+    // the measurements at time zero were read before
+    assert_eq!(bench.world.halves, 4 * 2 * 2 - 1);
+    assert_eq!(stepper.warned(), Some((2, 0.0)));
     assert_eq!(bench.brain.times, [0.0, 0.1, 0.2, 3.0 * 0.1]);
 }
 
@@ -227,7 +243,7 @@ fn the_controller_moves_first_and_sees_the_plant_of_its_time() {
 fn a_delayed_command_acts_one_step_later() {
     let mut bench = start();
     let mut stepper = stepper(&mut bench, 1, 1, apply, None);
-    assert_eq!(run(&mut stepper, 4), Ok(false));
+    assert_eq!(run(&mut stepper, 4), Ok(None));
     let truths = bench.table.map(|row| row[3]);
     assert_eq!(truths[..4], [1.0, 1.0, 0.75, 0.5]);
 }
@@ -237,8 +253,17 @@ fn a_condition_ends_the_run_after_its_step() {
     let program = vec![Operation::Column(3), Operation::Number(0.3), Operation::named("less").expect("an operation")];
     let mut bench = start();
     let mut stepper = stepper(&mut bench, 0, 2, apply, Condition::new(program, 4));
-    assert_eq!(run(&mut stepper, 8), Ok(true));
+    assert_eq!(run(&mut stepper, 8), Ok(Some(End::Stopped)));
     assert_eq!((stepper.steps(), bench.world.x), (3, 0.125));
+}
+
+#[test]
+fn a_controller_that_terminates_ends_the_run_after_its_step() {
+    let mut bench = start();
+    bench.brain.end_at = Some(2);
+    let mut ending = stepper(&mut bench, 0, 2, apply, None);
+    assert_eq!(run(&mut ending, 8), Ok(Some(End::Terminated)));
+    assert_eq!((ending.steps(), bench.world.x), (3, 0.125));
 }
 
 #[test]
@@ -252,7 +277,7 @@ fn a_condition_begins_an_injection_once_and_it_ends_by_itself() {
     let condition = Condition::new(program, 4).expect("a condition");
     log.triggers = vec![Trigger { condition, delay: 1.0, begin: at(&mut bench.begin) }];
     let mut stepper = assembled(&mut bench, 2, apply, links, log);
-    assert_eq!(run(&mut stepper, 5), Ok(false));
+    assert_eq!(run(&mut stepper, 5), Ok(None));
     // x is below 0.6 in the row of step 1; what arrives in the steps 2 and 3 is x + 1
     let rows = bench.table.map(|row| (row[1], row[3]));
     assert_eq!(rows[..5], [(1.0, 1.0), (0.5, 0.5), (1.25, 0.25), (0.625, -0.375), (-0.6875, -0.6875)]);
@@ -272,8 +297,8 @@ fn failures_name_their_step() {
 fn what_is_not_finite_is_found_where_it_arises() {
     let mut bench = start();
     bench.world.x = f64::NAN;
-    assert_eq!(run(&mut stepper(&mut bench, 0, 1, apply, None), 1), Err(Failure::Sensed));
-    bench.world.x = 1e4;
+    assert_eq!(run(&mut stepper(&mut bench, 0, 1, apply, None), 2), Err(Failure::Sensed));
+    (bench.world.x, bench.sensed) = (1e4, 1e4);
     let mut stepper = stepper(&mut bench, 0, 1, apply, None);
     assert_eq!(run(&mut stepper, 8), Err(Failure::Warning));
     assert_eq!(stepper.steps(), 1);

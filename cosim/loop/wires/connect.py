@@ -83,9 +83,10 @@ class Connector:
         self.sensed = np.zeros(len(plant.readings))
         self.readings = {channel.name: (i, channel) for i, channel in enumerate(plant.readings)}
         self.channels = {channel.name: (i, channel) for i, channel in enumerate(plant.commands)}
+        self.outputs: list[tuple[str, Link]] = []
 
     def links(self) -> Links:
-        """Build all connections of initialized FMUs, whose outputs initialize the delays."""
+        """Build all connections, before the FMUs are initialized; `prime` completes them afterwards."""
         connections = {name: Connection() for name in (*self.fmus, PLANT)}
         for wire in self.scenario.wire:
             with concerning(f"wire.{wire.to}"):
@@ -96,11 +97,21 @@ class Connector:
             connections[side_of(signal.to)].drives.append(drive)
         for to, hold in self.holds().items():
             connections[side_of(to)].drives.append(hold)
+            connections[side_of(to)].held.append(hold)
         begins = np.full(len(self.scenario.inject), NEVER)
         for index, injection in enumerate(self.scenario.inject):
             connections[side_of(injection.to)].faults.append(self.fault(injection, Slot(begins, index)))
         fmus = [connections[name] for name in self.fmus]
         return Links(self.sensed, self.commands, fmus, connections[PLANT], begins)
+
+    def prime(self) -> None:
+        """Fill the delays of the outputs of initialized FMUs.
+
+        Before its first result arrives, the other end gets what the initialized FMU puts out.
+        """
+        for to, link in self.outputs:
+            with concerning(f"wire.{to}"):
+                link.delay.prime(link.shape(float(link.source.array[link.source.index]), 0))
 
     def link(self, wire: Wire) -> Link:
         """Create a wire according to its ends."""
@@ -127,16 +138,18 @@ class Connector:
         source, loop = self.source(wire.source), self.scenario.loop
         side, _, name = wire.to.partition(".")
         channel: Channel
+        late = False
         if side == PLANT:
             (_, channel), delay = self.channels[name], Delay(wire.delay + loop.compute_delay)
         else:
             order.check(wire, self.scenario)
             # a wire against the order is read before its source steps, so it has one step of delay already
-            channel, delay = Ideal(), Delay(wire.delay - order.goes_back(wire, list(self.fmus)))
+            late = order.goes_back(wire, list(self.fmus))
+            channel, delay = Ideal(), Delay(wire.delay - late)
         shape = shaper(wire, channel, False, noise(wire, channel, self.seed, loop.steps))
-        # before its first result arrives the other end gets what the initialised FMU puts out
-        delay.prime(shape(float(source.array[source.index]), 0))
-        return Link(source, target, shape, delay)
+        link = Link(source, target, shape, delay, late)
+        self.outputs.append((wire.to, link))
+        return link
 
     def source(self, end: str) -> Slot:
         """Slot of `<fmu>.<output>`."""

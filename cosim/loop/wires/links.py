@@ -47,12 +47,13 @@ class Slot:
 
 @dataclass(frozen=True)
 class Link:
-    """One connected wire."""
+    """One connected wire; `late` states that its source is initialized after its target."""
 
     source: Slot
     target: Slot
     shape: Shape
     delay: Delay
+    late: bool = False
 
 
 @dataclass(frozen=True)
@@ -75,11 +76,15 @@ class Fault:
 
 @dataclass(frozen=True)
 class Connection:
-    """Connections to the inputs of an FMU, or to the commands of the plant, before its step."""
+    """Connections to the inputs of an FMU, or to the commands of the plant, before its step.
+
+    `held` are the drives, among all drives, that hold the start values of targets that only injections write.
+    """
 
     wires: list[Link] = field(default_factory=list)
     drives: list[Drive] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
+    held: list[Drive] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -190,6 +190,35 @@ fn what_stays_bad_is_lost_or_has_jumped() {
 }
 
 #[test]
+fn a_sensor_that_gives_nothing_before_the_cycle_is_reported_and_a_late_one_is_not() {
+    let cases: [(Fault, Spoil); 2] = [
+        (Fault::ForceLost, |input| input.force.x = f64::NAN),
+        (Fault::PositionLost, |input| input.position.y = f64::NAN),
+    ];
+    for (expected, change) in cases {
+        // `enable` rises in sample 3: the sensor is good two samples later, or never
+        for (good, fault) in [(5, Fault::None), (u32::MAX, expected)] {
+            let mut run = Loop::new(&P, Build::NOMINAL, 515);
+            for k in 0..20 {
+                run.step_with(|input| {
+                    input.enable = k >= 3;
+                    if k < good {
+                        change(input);
+                    }
+                });
+                let o = &run.output;
+                assert_eq!(o.pulses, Axes::all(0), "{k}");
+                // the samples before the request count too
+                assert_eq!(o.fault, if k >= 5 { fault } else { Fault::None }, "{expected:?} in sample {k}");
+            }
+            if fault == Fault::None {
+                assert!(run.run_to(State::Follow, 5.0));
+            }
+        }
+    }
+}
+
+#[test]
 fn an_override_that_is_no_number_takes_the_tool_out() {
     let failure = fails(&P, Build::NOMINAL, State::Follow, |input, _| input.force_override = f64::INFINITY);
     assert_eq!((failure.fault, failure.drive_enable), (Fault::InvalidInput, true));

@@ -153,16 +153,9 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
         ("no binary for this platform", "`c-code`"),
     ),
     "XML not well-formed": (described(description()[:-30]), ("not valid", "line ")),
-    "bad attribute": (edited(("<Real/>", '<Real wrong="1"/>')), ("not valid", "'wrong'", "not allowed")),
-    "wrong order": (
-        edited((IN_ORDER, ""), ("</ModelStructure>", f"</ModelStructure>{IN_ORDER}")),
-        ("not valid", "ModelStructure", "ModelVariables"),
-    ),
     "duplicate names": (edited(('name="sum"', 'name="out"')), ("not valid", '"out"', "is not unique")),
-    "missing start": (edited((GAIN, '<Real max="10"/>')), ("not valid", '"gain"', "has no start value")),
     "wrong identifier": (identifier("Nope"), (f"`{PLATFORM}/Nope.so`", "`probe.so`")),
     "no model description": (files({LIBRARY: b""}), ("holds no `modelDescription.xml`", LIBRARY)),
-    "undefined unit": (edited((GAIN, '<Real unit="furlong" start="1"/>')), ('"furlong"', "is not defined")),
     "library cut off": (with_library(lambda b: b[: len(b) // 2]), (LIBRARY, "is truncated")),
     "not a zip": (raw(b"hello, this is a text"), ("is not an FMU", "not a zip file")),
     # the reference defects: calls
@@ -246,11 +239,33 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "message of a megabyte": (defect("log_long"), ("AAAA...", "fmi2DoStep")),
     "output not known": (
         edited(('"clock.time" valueReference="6"', '"clock.time" valueReference="77"')),
-        ("cannot read the inputs and outputs of the FMU: there is no such value reference", "fmi2GetReal"),
+        ("cannot read the outputs of the FMU: there is no such value reference", "fmi2GetReal"),
     ),
 }
 """Each defect: how it is made, and what the message must say."""
 WARNED: dict[str, tuple[Build, tuple[str, ...]]] = {
+    "bad attribute": (edited(("<Real/>", '<Real wrong="1"/>')), ("no run needs", "'wrong'", "not allowed")),
+    "wrong order": (
+        edited((IN_ORDER, ""), ("</ModelStructure>", f"</ModelStructure>{IN_ORDER}")),
+        ("no run needs", "ModelStructure", "ModelVariables"),
+    ),
+    "missing start": (edited((GAIN, '<Real max="10"/>')), ('"gain"', "has no start value")),
+    "undefined unit": (
+        edited((GAIN, '<Real unit="furlong" displayUnit="mile" start="1"/>')),
+        ("no run needs", "furlong"),
+    ),
+    "start of a result": (
+        edited((OUTPUT, OUTPUT.replace("<Real/>", '<Real start="0"/>'))),
+        ("no run needs", '"sum"', 'initial="calculated" but provides a start value'),
+    ),
+    "start of the independent variable": (
+        edited((OUTPUT, OUTPUT.replace("output", "independent").replace("<Real/>", '<Real start="0"/>'))),
+        ("no run needs", '"sum"', "provides a start value"),
+    ),
+    "date": (
+        edited((' guid="probe', ' generationDateAndTime="1.2.2026" guid="probe')),
+        ("no run needs", "generationDateAndTime"),
+    ),
     "output not in structure": (edited(('<Unknown index="6"/>', "")), ("ModelStructure", "Outputs")),
     "parameter not known": (
         edited(('name="bias[2]" valueReference="3"', 'name="bias[2]" valueReference="99"')),

@@ -92,12 +92,12 @@ def test_a_bad_sum_of_the_library_is_found(lag: Path, refuse: Refuse, broken_lib
 
 def test_fmpy_says_the_same(lag: Path, broken_library: bytes) -> None:
     """The reason in the message is the one that FMPy gives."""
-    build, _ = fmus.FILES["undefined unit"]
+    build, _ = fmus.FILES["duplicate names"]
     build(lag / "broken.fmu", broken_library)
     code = "import fmpy, sys; fmpy.read_model_description(sys.argv[1])"
     theirs = subprocess.run(
         [sys.executable, "-c", code, "broken.fmu"], capture_output=True, text=True, check=False
     )
     ours = test_cli.cosim("run", "lag.toml", "--set", "controller.fmu=broken.fmu")
-    reason = next(line for line in theirs.stderr.splitlines() if "furlong" in line)
+    reason = next(line for line in theirs.stderr.splitlines() if "not unique" in line)
     assert reason.strip("- ") in ours.stderr

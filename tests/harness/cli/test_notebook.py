@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import pickle
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -97,8 +99,17 @@ def test_a_second_call_does_nothing_again(study: Path, folder: Path) -> None:
     assert (folder / "out" / "results.jsonl").read_bytes() == lines
 
 
-def test_the_rooms_of_the_package_stay_reachable() -> None:
+@pytest.mark.parametrize("name", ["evaluate", "load", "optimize", "run", "run_each", "run_many", "sweep"])
+def test_a_public_function_has_a_signature_and_help_and_can_be_pickled(name: str) -> None:
+    function = getattr(cosim, name)
+    assert inspect.isfunction(function)
+    assert inspect.signature(function).parameters.keys() - {"arguments", "options"}
+    assert "Parameters\n" in (inspect.getdoc(function) or "")
+    assert pickle.loads(pickle.dumps(function)) is function
+
+
+def test_a_package_keeps_its_modules_next_to_the_function_of_the_same_name() -> None:
     from cosim.sweep import study as module
 
     assert sys.modules["cosim.sweep.study"] is module
-    assert callable(cosim.sweep)
+    assert inspect.isfunction(cosim.sweep)

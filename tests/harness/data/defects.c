@@ -14,6 +14,10 @@
 #undef fmi2Reset
 #undef fmi2GetVersion
 #undef fmi2GetTypesPlatform
+#undef fmi2SetupExperiment
+#undef fmi2GetBooleanStatus
+#define fmi2SetupExperiment probe_setup_experiment
+#define fmi2GetBooleanStatus probe_get_boolean_status
 #define fmi2Instantiate probe_instantiate
 #define fmi2ExitInitializationMode probe_exit_initialization
 #define fmi2DoStep probe_do_step
@@ -31,6 +35,8 @@
 #undef fmi2Reset
 #undef fmi2GetVersion
 #undef fmi2GetTypesPlatform
+#undef fmi2SetupExperiment
+#undef fmi2GetBooleanStatus
 
 #define LONG 1000000
 #define LAUGH "\x80\x05ha ha ha ha ha ha ha"
@@ -63,6 +69,10 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         guid = "probe-guid";
     }
     if (is("instantiate_null")) return NULL;
+    if (is("instantiate_null_quietly")) {
+        if (logging) functions->logger(functions->componentEnvironment, name, fmi2Error, "logAll", "no module `law`");
+        return NULL;
+    }
     if (is("exit_in_instantiate")) exit(0);
     if (is("fork")) fork();
     if (is("runaway") && fork() == 0) {
@@ -75,6 +85,21 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     }
     change_process();
     return probe_instantiate(name, type, guid, resources, functions, visible, logging);
+}
+
+/* what was set up is in the outputs: tolerance, stop time */
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real t, fmi2Real begin, fmi2Boolean sd, fmi2Real stop) {
+    Probe *p = c;
+    if (is("setup")) {
+        p->real[BIAS_1] = td ? t : -1.0;
+        p->real[BIAS_2] = sd ? stop : -1.0;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+    *value = is("step_terminates") && kind == fmi2Terminated;
+    return fmi2OK;
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
@@ -119,7 +144,7 @@ static fmi2Status step_status(Probe *p) {
         p->functions->logger(p->functions->componentEnvironment, p->name, fmi2Error, "logStatusError", text);
         free(text);
     }
-    if (is("step_discard")) return fmi2Discard;
+    if (is("step_discard") || is("step_terminates")) return fmi2Discard;
     if (is("step_fatal")) return fmi2Fatal;
     if (is("step_pending")) return fmi2Pending;
     if (is("step_77")) return (fmi2Status)77;
@@ -152,6 +177,10 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     if (p->integer[CALLS] == 3) {
         break_process(p);
         if (strncmp(defect, "step_", 5) == 0 || is("log_bytes") || is("log_long")) return step_status(p);
+        if (is("warning")) {
+            probe_do_step(c, time, step, prior);
+            return fmi2Warning;
+        }
         if (is("nan")) p->integer[NAN_AT] = 3;
     }
     return probe_do_step(c, time, step, prior);

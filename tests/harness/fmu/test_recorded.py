@@ -1,4 +1,4 @@
-"""Which variables of an FMU are recorded, and which accept a value."""
+"""Which variables of an FMU are recorded."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from cosim.fmu.archive import FmuFile, Variable
-from cosim.fmu.values import is_settable
 from cosim.loop.recorder import LOCALS_MAX, recorded
 
 
@@ -45,11 +44,3 @@ def test_outputs_are_recorded_and_local_variables_by_choice(
 def test_all_local_variables_are_recorded_on_request() -> None:
     assert len(recorded(fmu(LOCALS_MAX), None)) == 1 + LOCALS_MAX
     assert len(recorded(fmu(LOCALS_MAX + 1), True)) == 2 + LOCALS_MAX
-
-
-def test_a_result_accepts_no_value() -> None:
-    assert not is_settable(variable("y", "output"))
-    assert not is_settable(variable("x", "local"))
-    assert is_settable(variable("x", "local", "continuous"))
-    assert is_settable(variable("u", "input"))
-    assert is_settable(variable("p", "parameter", "fixed"))

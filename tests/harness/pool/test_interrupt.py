@@ -167,14 +167,14 @@ def test_ctrl_c_within_a_callback_of_the_fmu_is_not_lost(
     with cosim.Session(scenario, log_events=True) as session:
         monkeypatch.setattr(session.fmu.messages, "add", press)
         slave = session.fmu.slave
-        step = session.fmu.step
+        compute = session.fmu.compute
 
-        def chatty(time: float, length: float) -> None:
+        def chatty(time: float, length: float) -> bool:
             # as an FMU does that logs in a step: through the callback, from C
             session.fmu.messages.callbacks.logger(session.fmu.messages.handle, b"probe", 0, b"", b"text")
-            step(time, length)
+            return compute(time, length)
 
-        monkeypatch.setattr(session.fmu, "step", chatty)
+        monkeypatch.setattr(session.fmu, "compute", chatty)
         assert slave.component
         with pytest.raises(KeyboardInterrupt):
             session.run()

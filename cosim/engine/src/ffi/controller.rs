@@ -8,9 +8,14 @@ use crate::failure::Failure;
 pub type Move = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut c_void) -> c_int;
 /// `fmi2DoStep`.
 pub type DoStep = unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int;
+/// `fmi2GetBooleanStatus`.
+pub type GetBooleanStatus = unsafe extern "C" fn(*mut c_void, c_int, *mut c_int) -> c_int;
 
 /// the last status that permits a run to continue
 const WARNING: c_int = 1;
+const DISCARD: c_int = 2;
+/// the kind of status that states whether a discarded step ends the run
+const TERMINATED: c_int = 3;
 const TRUE: c_int = 1;
 
 /// One call with its arguments.
@@ -32,7 +37,10 @@ pub struct Controller {
     component: *mut c_void,
     set: Vec<Call>,
     step: DoStep,
+    status: GetBooleanStatus,
     get: Vec<Call>,
+    /// number of the first call that returned a warning, and its time
+    pub(crate) warned: Option<(usize, f64)>,
 }
 
 // SAFETY: who makes it vouches for its addresses and for one thread at a time, see `Controller::new`.
@@ -41,30 +49,53 @@ unsafe impl Send for Controller {}
 unsafe impl Sync for Controller {}
 
 impl Controller {
-    /// Component of the functions, calls that write the inputs, `fmi2DoStep`, calls that read the outputs.
+    /// Component of the functions, calls that write the inputs, `fmi2DoStep`, `fmi2GetBooleanStatus`, calls that
+    /// read the outputs.
     ///
     /// # Safety
     /// Functions, component and arrays are those of one live instance that no other code uses.
-    pub unsafe fn new(component: *mut c_void, set: Vec<Call>, step: DoStep, get: Vec<Call>) -> Self {
-        Self { component, set, step, get }
+    pub unsafe fn new(
+        component: *mut c_void,
+        set: Vec<Call>,
+        step: DoStep,
+        status: GetBooleanStatus,
+        get: Vec<Call>,
+    ) -> Self {
+        Self { component, set, step, status, get, warned: None }
     }
 
-    /// Writes the inputs, does the step from `time` to `time + step` and reads the outputs.
-    pub(crate) fn compute(&self, time: f64, step: f64) -> Result<(), Failure> {
-        let mut number = 0;
-        let mut check = |status| {
-            number += 1;
-            if status > WARNING { Err(Failure::Call { call: number - 1, status }) } else { Ok(()) }
+    /// Writes the inputs, does the step from `time` to `time + step` and reads the outputs; returns whether the
+    /// controller ended the run in this step.
+    pub(crate) fn compute(&mut self, time: f64, step: f64) -> Result<bool, Failure> {
+        let mut warned = self.warned;
+        let mut check = |call, status| {
+            if status == WARNING {
+                warned = warned.or(Some((call, time)));
+            }
+            if status > WARNING { Err(Failure::Call { call, status }) } else { Ok(()) }
         };
-        for call in &self.set {
-            check(self.transfer(call))?;
+        for (number, call) in self.set.iter().enumerate() {
+            check(number, self.transfer(call))?;
         }
         // SAFETY: by the contract of `new`.
-        check(unsafe { (self.step)(self.component, time, step, TRUE) })?;
-        for call in &self.get {
-            check(self.transfer(call))?;
+        let status = unsafe { (self.step)(self.component, time, step, TRUE) };
+        let ended = status == DISCARD && self.terminated();
+        if !ended {
+            check(self.set.len(), status)?;
         }
-        Ok(())
+        for (number, call) in self.get.iter().enumerate() {
+            check(self.set.len() + 1 + number, self.transfer(call))?;
+        }
+        self.warned = warned;
+        Ok(ended)
+    }
+
+    /// Whether the discarded step ends the run.
+    fn terminated(&self) -> bool {
+        let mut value = 0;
+        // SAFETY: by the contract of `new`.
+        let status = unsafe { (self.status)(self.component, TERMINATED, &raw mut value) };
+        status <= WARNING && value != 0
     }
 
     fn transfer(&self, call: &Call) -> c_int {

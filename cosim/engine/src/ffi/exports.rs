@@ -10,7 +10,7 @@ use pyo3::buffer::{Element, PyBuffer};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
-use super::controller::{Call, Controller, DoStep, Move};
+use super::controller::{Call, Controller, DoStep, GetBooleanStatus, Move};
 use super::physics::{Half, Physics};
 use super::trap::{Apply, DeleteBatch, ErrorText, Functions, MakeBatch, Trap};
 use super::values::{Bank, Series, Slot, Table};
@@ -111,7 +111,8 @@ impl Exports {
         // SAFETY: the caller vouches for the addresses.
         unsafe {
             let step = transmute::<usize, DoStep>(address(row.step)?);
-            Ok(Controller::new(row.component as *mut c_void, set, step, get))
+            let status = transmute::<usize, GetBooleanStatus>(address(row.status)?);
+            Ok(Controller::new(row.component as *mut c_void, set, step, status, get))
         }
     }
 

@@ -10,7 +10,7 @@ mod physics;
 mod trap;
 mod values;
 
-pub use controller::{Call, Controller, DoStep, Move};
+pub use controller::{Call, Controller, DoStep, GetBooleanStatus, Move};
 #[cfg(feature = "python")]
 pub use exports::{Exports, trap};
 pub use physics::{Half, Physics};

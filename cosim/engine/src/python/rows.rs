@@ -35,6 +35,7 @@ pub struct ControllerRow<'py> {
     pub component: usize,
     pub set: Vec<CallRow<'py>>,
     pub step: usize,
+    pub status: usize,
     pub get: Vec<CallRow<'py>>,
 }
 

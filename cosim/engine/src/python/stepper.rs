@@ -8,7 +8,7 @@ use super::build;
 use super::rows::{LinksRow, LogRow, MachineRow};
 use crate::failure::Failure;
 use crate::ffi::{Exports, trap};
-use crate::stepper::Stepper;
+use crate::stepper::{End, Stepper};
 
 /// A closed loop of a plant and a controller in native code.
 ///
@@ -21,7 +21,7 @@ use crate::stepper::Stepper;
 /// controller : object or None
 ///     Addresses of an initialized FMU; None runs the plant alone.
 /// links : object
-///     Wires, signals and injections.
+///     Wires, signals and injections; `sensed` holds the measurements at time zero.
 /// log : object or None
 ///     Table of the trace.
 /// step : float
@@ -85,6 +85,12 @@ impl PyStepper {
         self.stepper.steps()
     }
 
+    /// Number of the first call of the controller that returned a warning, and its time in s.
+    #[getter]
+    fn warned(&self) -> Option<(usize, f64)> {
+        self.stepper.warned()
+    }
+
     /// Run until `until` steps are done, without the GIL.
     ///
     /// Returns
@@ -92,8 +98,8 @@ impl PyStepper {
     /// (str, int, float) or None
     ///     Kind, number and value of the cause of the end: `warning`, `sensed` and `command` are the plant's,
     ///     `reading` and `output` are wire numbers, `integer` is a value beyond 32 bits, `call` is a function
-    ///     of the controller by number (set, doStep, get) with its status. The loop cannot continue then. `stop` is the
-    ///     condition of the log, after the step.
+    ///     of the controller by number (set, doStep, get) with its status. The loop cannot continue then. After the
+    ///     step, `stop` is the condition of the log, and `terminated` the controller that ends the run.
     ///
     /// Raises
     /// ------
@@ -103,8 +109,9 @@ impl PyStepper {
         let (mut sensing, mut circuit) = (self.sensing.try_borrow_mut(py)?, self.circuit.try_borrow_mut(py)?);
         let (sensing, circuit, stepper) = (sensing.circuit(), circuit.circuit(), &mut self.stepper);
         match py.detach(|| stepper.run(sensing, circuit, until)) {
-            Ok(false) => Ok(None),
-            Ok(true) => Ok(Some(("stop", 0, 0.0))),
+            Ok(None) => Ok(None),
+            Ok(Some(End::Stopped)) => Ok(Some(("stop", 0, 0.0))),
+            Ok(Some(End::Terminated)) => Ok(Some(("terminated", 0, 0.0))),
             Err(Failure::Element(error)) => Err(error.into()),
             Err(Failure::MuJoCo(words)) => Err(PyRuntimeError::new_err(words)),
             Err(Failure::Warning) => Ok(Some(("warning", 0, 0.0))),
