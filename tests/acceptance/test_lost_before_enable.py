@@ -1,6 +1,6 @@
-"""A measurement that is missing from the first sample on, and a request meanwhile: it begins, or a fault says why not.
+"""A measurement that is missing from the first sample on: a request for a cycle is answered by a fault.
 
-Drives and sensors that start after the controller are usual; a request without an answer is a wait without an end.
+A sensor may start after the controller. A request without an answer is a wait without an end.
 """
 
 from __future__ import annotations
