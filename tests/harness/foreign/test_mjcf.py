@@ -1,4 +1,4 @@
-"""MJCF files give in cosim what `mj_step` gives: the same bits of state and sensors in both engines.
+"""MJCF files give in cosim what `mj_step` gives: bit-identical state and sensors in both engines.
 
 `mj_step1` and `mj_step2` are the two halves of `mj_step`, and controls are read in the second one. Sensors of
 forces and accelerations are computed in the second half, so cosim records those of the plant step before.
