@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import re
 from typing import Any
 
 from cosim.errors import CosimError
+from cosim.formatting.versions import PROJECT, version
+
+REQUIREMENT = re.compile(r"""(([\w.-]+)(\[.*\])?[^;]*?)\s*;\s*extra\s*==\s*['"](\w+)['"]""")
+"""A package of an extra: the requirement, name and extras of the package, and name of the extra."""
 
 
 def needed(module: str, problem: str, hint: str) -> Any:
@@ -23,5 +28,19 @@ def needed(module: str, problem: str, hint: str) -> Any:
 
 
 def hint(extra: str) -> str:
-    """Hint how to install an extra of this project."""
-    return f"Install the extra: `pip install machining-fmus[{extra}]`."
+    """Hint how to install the missing packages of an extra; no registry has this project itself."""
+    found = [known for known in map(REQUIREMENT.fullmatch, requirements()) if known and known[4] == extra]
+    # an extra of an installed package may be missing, or its version too old
+    missing = [known[1] for known in found if known[3] or not version(known[2])] or [one[1] for one in found]
+    packages = " ".join(f'"{one}"' for one in missing)
+    return f"Run `pip install {packages}`." if packages else f"Install the packages of the extra `{extra}`."
+
+
+def requirements() -> list[str]:
+    """Return the requirements of this project; empty if it was not installed."""
+    from importlib import metadata
+
+    try:
+        return metadata.requires(PROJECT) or []
+    except metadata.PackageNotFoundError:
+        return []

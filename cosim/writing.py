@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
+import secrets
+import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -14,6 +17,8 @@ JSON = re.compile(rb"\s*(\{|\[\s*[{\]])")
 """Start of a JSON file of a command; `[` alone also starts a TOML table."""
 LOOKED_AT = 4096
 """Number of bytes that identify the kind of a file."""
+PART = re.compile(r"\.(.+)\.[0-9a-f]{8}\.partial(\.\w+)?")
+"""Name of the part of a file that is being written, see `whole`."""
 
 
 def write(text: str, file: str | Path) -> None:
@@ -27,8 +32,8 @@ def write(text: str, file: str | Path) -> None:
     if file == "-":
         print(text, end="", flush=True)
         return
-    with naming(file):
-        Path(file).write_text(text, encoding="utf-8")
+    with whole(Path(file)) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def check_text(option: str, file: str | Path, kind: str, beginning: re.Pattern[bytes]) -> None:
@@ -109,7 +114,9 @@ def is_device(file: Path) -> bool:
 def whole(file: Path) -> Iterator[Path]:
     """Temporary path that becomes `file` at the end, so that `file` is always complete.
 
-    A link stays a link: its target is written. A device is written directly.
+    Its name is unique and keeps the ending. A process that starts another one to write the file passes it the
+    temporary path, which is then written directly: whatever becomes of the other process, no partial file
+    remains. A link stays a link: its target is written. A device is written directly.
 
     Raises
     ------
@@ -117,33 +124,37 @@ def whole(file: Path) -> Iterator[Path]:
         The file cannot be written. After any exception no partial file remains.
     """
     target = Path(os.path.realpath(file))
-    try:
-        if is_device(target):
-            yield target
-        else:
-            yield partial(target)
-            partial(target).replace(target)
-    except BaseException as error:
-        discard(target)
-        if isinstance(error, OSError):
-            raise refused(file, error) from None
-        raise
+    part = target.with_name(f".{target.stem}.{secrets.token_hex(4)}.partial{target.suffix}")
+    with naming(file):
+        if is_device(target) or PART.fullmatch(target.name):
+            yield file
+            return
+        if target.exists() and not os.access(target, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        part.touch(exist_ok=False)
+        try:
+            with contextlib.suppress(OSError):
+                shutil.copymode(target, part)
+            yield part
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
 
 
-def partial(file: Path) -> Path:
-    """Temporary path of a file that is being written."""
-    target = Path(os.path.realpath(file))
-    return target.with_name(f".{target.name}.partial")
-
-
-def discard(file: Path) -> None:
-    """Remove the partial file of a process that died."""
-    with contextlib.suppress(OSError):
-        partial(Path(os.path.realpath(file))).unlink(missing_ok=True)
+@contextlib.contextmanager
+def whole_if(file: Path | None) -> Iterator[Path | None]:
+    """As `whole`; nothing for None."""
+    if file is None:
+        yield None
+        return
+    with whole(file) as part:
+        yield part
 
 
 def refused(file: str | Path, error: OSError, hint: str = "") -> CosimError:
-    """Error of a file that cannot be written."""
+    """Error of a file that cannot be written; a part is named as the file that it becomes."""
+    path = Path(file)
+    file = path.with_name(PART.sub(r"\1\2", path.name)) if PART.fullmatch(path.name) else file
     return CosimError(f"cannot write `{file}`: {error.strerror or error}", hint)
 
 

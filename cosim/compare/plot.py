@@ -36,15 +36,8 @@ def save(found: Comparison, path: Path) -> None:
         The file cannot be written.
     """
     drawn = sorted(found.deviations, key=lambda d: (not d.outside, -d.outside))[:MAX_PANELS]
-    with figures.styled() as pyplot:
-        figure, grid = pyplot.subplots(
-            len(drawn),
-            1,
-            sharex=True,
-            squeeze=False,
-            layout="constrained",
-            figsize=(9.0, 1.2 + 1.7 * len(drawn)),
-        )
+    with figures.styled((9.0, 1.2 + 1.7 * len(drawn))) as figure:
+        grid = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)
         for (axes,), deviation in zip(grid, drawn, strict=True):
             draw(axes, found, deviation)
         grid[0][0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import logging
 import lzma
 import re
 import zipfile
@@ -21,8 +20,7 @@ from cosim import paths, renamed, units
 from cosim.errors import FmuError
 from cosim.fmu import members
 from cosim.fmu.cache import extracted
-
-log = logging.getLogger("cosim")
+from cosim.warned import warn_once
 
 NUMBERS: dict[str, Callable[[str], object]] = {
     "Real": float, "Integer": int, "Enumeration": int, "Boolean": str, "String": str
@@ -82,7 +80,7 @@ class FmuFile:
     """A checked FMI 2.0 co-simulation FMU for this platform.
 
     `once` states that a process can instantiate it only once. `start_time` (s) and `tolerance` are those of
-    its default experiment.
+    its default experiment. `warning` names flaws of the model description.
     """
 
     path: Path
@@ -95,6 +93,7 @@ class FmuFile:
     once: bool = False
     start_time: float = 0.0
     tolerance: float | None = None
+    warning: str = ""
 
     def named(self, causality: str) -> list[Variable]:
         """Return the variables of one causality in the order of the model description."""
@@ -118,6 +117,8 @@ def open_fmu(path: Path) -> FmuFile:
     if not file.folder.is_dir():
         opened.cache_clear()
         return open_fmu(path)
+    if file.warning:
+        warn_once(file.warning)
     return file
 
 
@@ -131,14 +132,14 @@ def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
         root = parsed(shown, content)
         check_interface(shown, root)
         check_platform(shown, fmpy.supported_platforms(str(path)))
-        description = described(shown, path, root)
+        description, warning = described(shown, path, root)
         check_identifier(shown, description.coSimulation.modelIdentifier)
         folder = extracted(path, sizes, lambda target: unpack(path, shown, target))
         renamed.learn(folder)
     except OSError as error:
         raise unreadable(path, error) from None
     try:
-        return describe(path, folder, description)
+        return replace(describe(path, folder, description), warning=warning)
     except (TypeError, ValueError) as error:  # a number that is none
         raise invalid(shown, *schema_flaws(root), *problems(error)) from None
 
@@ -201,8 +202,8 @@ def check_interface(shown: str, root: Any) -> None:
         )
 
 
-def described(shown: str, path: Path, root: Any) -> Any:
-    """FMPy's model description; a flaw in what no run needs is a warning."""
+def described(shown: str, path: Path, root: Any) -> tuple[Any, str]:
+    """FMPy's model description, and a warning of flaws in what no run needs."""
     flaws = schema_flaws(root)
     try:
         with path.open("rb") as file:
@@ -217,9 +218,8 @@ def described(shown: str, path: Path, root: Any) -> Any:
         flaws += problems(error)
     if needed := missing(root):
         raise invalid(shown, *flaws, *needed)
-    if flaws:
-        log.warning("the model description of `%s` has flaws that no run needs:%s", shown, lines(flaws))
-    return description
+    warning = f"the model description of `{shown}` has flaws that no run needs:{lines(flaws)}"
+    return description, warning if flaws else ""
 
 
 @functools.cache
@@ -259,7 +259,7 @@ def missing(root: Any) -> list[str]:
             try:
                 NUMBERS[types[0].tag](text)
             except ValueError:
-                found.append(f'The variable "{name}" has the {key} \'{text}\'.')
+                found.append(f"The variable \"{name}\" has the {key} '{text}'.")
     return found
 
 

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from cosim import paths
 from cosim.errors import FmuError
+from cosim.warned import warn_once
 
 log = logging.getLogger("cosim")
 
@@ -95,14 +96,16 @@ def is_whole(folder: Path, sizes: dict[str, int]) -> bool:
         return False
 
 
-def remove_unused(cache: Path) -> None:
-    """Remove folders of the cache that were not used for `UNUSED_DAYS` days."""
-    oldest = time.time() - UNUSED_DAYS * 86400.0
+def remove_unused(cache: Path, days: float = UNUSED_DAYS) -> int:
+    """Remove folders of the cache that were not used for some days; return their number."""
+    oldest, removed = time.time() - days * 86400.0, 0
     for folder in cache.iterdir():
         with contextlib.suppress(OSError):
             found = folder.lstat()
             if OWN.fullmatch(folder.name) and stat.S_ISDIR(found.st_mode) and found.st_mtime < oldest:
                 discard(folder)
+                removed += 1
+    return removed
 
 
 def discard(folder: Path) -> None:
@@ -150,7 +153,7 @@ def usable(wanted: Path) -> Path:
     fallback = Path(tempfile.gettempdir()) / f"{paths.CACHE_NAME}-{user}"
     if refusal(fallback):
         fallback = of_this_process()
-    warn(wanted, problem, fallback)
+    warn_once(f"the cache `{wanted}` {problem}: FMUs are extracted to `{fallback}`")
     return fallback
 
 
@@ -160,12 +163,6 @@ def of_this_process() -> Path:
     folder = Path(tempfile.mkdtemp(prefix=f"{paths.CACHE_NAME}-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder
-
-
-@functools.cache
-def warn(wanted: Path, problem: str, fallback: Path) -> None:
-    """Log once in a process why a cache is not used."""
-    log.warning("the cache `%s` %s: FMUs are extracted to `%s`", wanted, problem, fallback)
 
 
 def refusal(cache: Path) -> str:

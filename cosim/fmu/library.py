@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import logging
 import struct
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ import fmpy
 
 from cosim.errors import FmuError
 from cosim.fmu.messages import readable
+from cosim.warned import warn_once
 
 ANSWERS = {"fmi2GetVersion": b"2.0", "fmi2GetTypesPlatform": b"default"}
 """Identification of the FMI 2.0 headers with which a library was compiled."""
@@ -21,8 +20,6 @@ SEGMENT = struct.Struct("<IIQQQQQQ")
 """Entry of its table of segments."""
 LITTLE_64 = (2, 1)
 """Class and byte order of the examined files."""
-
-log = logging.getLogger("cosim")
 
 
 def check_library(folder: Path, identifier: str, shown: str) -> None:
@@ -51,13 +48,7 @@ def check_headers(slave: Any, shown: str) -> None:
         reported: bytes | None = getattr(slave, function)()
         if reported != wanted:
             answer = "nothing" if reported is None else f"`{readable(reported)}`"
-            warn(f"the library of `{shown}`: `{function}` returns {answer}, not `{wanted.decode()}`")
-
-
-@functools.cache
-def warn(text: str) -> None:
-    """Log a warning once in a process, not for every instance."""
-    log.warning("%s", text)
+            warn_once(f"the library of `{shown}`: `{function}` returns {answer}, not `{wanted.decode()}`")
 
 
 def elf_problem(library: Path) -> str:

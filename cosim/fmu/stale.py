@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import logging
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -11,8 +9,7 @@ from typing import Any
 
 from cosim import paths
 from cosim.scenario.model import Scenario
-
-log = logging.getLogger("cosim")
+from cosim.warned import warn_once
 
 PARTS = ("Cargo.toml", "build.rs", "src", "resources")
 """Sources of a library in the folder of its crate."""
@@ -24,9 +21,8 @@ def warn_of(scenario: Scenario) -> None:
         warn(choice.fmu, paths.find_fmu(choice.fmu, scenario.folder))
 
 
-@functools.cache
 def warn(name: str, file: Path) -> None:
-    """Log once in a process that an FMU found by name is older than its sources.
+    """Warn that an FMU found by name is older than its sources.
 
     FMUs given by path, from other folders or without sources are not checked.
     """
@@ -37,7 +33,7 @@ def warn(name: str, file: Path) -> None:
     times = ((source, source.stat().st_mtime) for source in sources(checkout, name))
     if changed := changed_after(file.stat().st_mtime, times):
         shown, command = paths.shown(changed), f"cargo xtask fmu {name.removeprefix('fmu-')}"
-        log.warning("`%s` is older than `%s`: build it again with `%s`", paths.shown(file), shown, command)
+        warn_once(f"`{paths.shown(file)}` is older than `{shown}`: build it again with `{command}`")
 
 
 def changed_after(built: float, times: Iterable[tuple[Path, float]]) -> Path | None:

@@ -26,6 +26,7 @@ from cosim.scenario.model import Scenario
 from cosim.trace import endings
 from cosim.trace.columns import structured
 from cosim.trace.measure import measured
+from cosim.warned import once
 
 TIMESTEP_TOLERANCE = 1e-9
 MAX_SUBSTEPS = 10**6
@@ -144,6 +145,7 @@ class Session(Closing):
         with located(self.scenario):
             drawable.check(self.scenario, self.columns)
 
+    @once()
     def run(
         self, seed: int | None = None, progress: Progress | None = None, stream: str | Path | None = None
     ) -> Result:

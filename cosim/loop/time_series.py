@@ -17,6 +17,7 @@ from cosim import extras, paths
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.scenario.checks import MAX_STEPS
 from cosim.scenario.model import Scenario
+from cosim.trace import csv_file
 from cosim.trace.endings import PARQUET
 
 TIME = "time"
@@ -32,7 +33,8 @@ class TimeSeries:
     Parameters
     ----------
     times, values
-        Increasing times in s, and the value from each time on.
+        Times in s that do not decrease, and the value from each time on. Of values at one time, the first is
+        the left limit and the last the right limit.
     places
         Line, or row of a Parquet file, of each value; for messages.
     file
@@ -62,7 +64,7 @@ def sample(
     Parameters
     ----------
     times
-        Increasing times, s; the first is not after 0.
+        Times that do not decrease, s; the first is not after 0.
     values
         Value at each.
     step, steps
@@ -70,12 +72,14 @@ def sample(
     interpolation
         `hold` keeps a value until the next, `linear` interpolates.
     """
-    grid, known = np.arange(steps), np.asarray(values, np.float64)
-    if interpolation == "linear":
-        joined: NDArray[np.float64] = np.interp(grid * step, times, known)
-        return joined
+    grid, times, known = np.arange(steps), np.asarray(times), np.asarray(values, np.float64)
     # the first step that is not before the time, as in `first_step`
-    first = np.ceil(np.clip(np.asarray(times) / step - 1e-6, 0.0, MAX_STEPS))
+    first = np.ceil(np.clip(times / step - 1e-6, 0.0, MAX_STEPS))
+    if interpolation == "linear":
+        # a jump has its right limit in its own step, whatever the rounding of both times
+        jumps = np.isin(times, times[1:][np.diff(times) == 0.0]) & (np.abs(times / step - first) < 1e-6)
+        joined: NDArray[np.float64] = np.interp(grid * step, np.where(jumps, first * step, times), known)
+        return joined
     held: NDArray[np.float64] = known[np.searchsorted(first, grid, side="right") - 1]
     return held
 
@@ -141,11 +145,11 @@ def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
         raise ScenarioError(f"{series.place(int(wrong[0]))}: time and value must be finite numbers")
     if series.times[0] > 0.0:
         raise ScenarioError(f"{series.place(0)}: the time starts at `{series.times[0]:g}` s, after 0")
-    falls = np.flatnonzero(np.diff(series.times) <= 0.0) + 1
+    falls = np.flatnonzero(np.diff(series.times) < 0.0) + 1
     if falls.size:
         index = int(falls[0])
         before, now = series.times[index - 1 : index + 1]
-        problem = f"the time `{now:g}` s does not increase, the time before is `{before:g}` s"
+        problem = f"the time `{now:g}` s is before `{before:g}` s, the time above it"
         raise ScenarioError(f"{series.place(index)}: {problem}")
     return series
 
@@ -166,7 +170,8 @@ def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]
         problem = f"`{shown}` has no column `{column}`" if column else several
         hint = closest(column, others)
         raise ScenarioError(
-            problem, hint or "Separate values by commas; put the names of the columns into the first line."
+            problem,
+            hint or "Put the names of the columns into the first line, separated by `,`, `;` or tabs.",
         )
     return time, names.index(column)
 
@@ -174,23 +179,20 @@ def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]
 def read_csv(file: Path, column: str) -> TimeSeries:
     """Read a CSV file: names in the first line, numbers, `true` and `false` below."""
     numbers: list[tuple[float, float, int]] = []
-    with file.open(newline="", encoding="utf-8-sig") as stream:
-        lines = csv.reader(stream)
-        try:
-            names = [name.strip() for name in next(lines, [])]
-            places = columns_of(names, column, file)
-            for cells in lines:
-                if any(cell.strip() for cell in cells):
-                    at = f"`{paths.shown(file)}`, line {lines.line_num}"
-                    if len(cells) != len(names):
-                        raise ScenarioError(
-                            f"{at} has {len(cells)} cells, but the first line has {len(names)}"
-                        )
-                    time, value = (number(cells[place], at) for place in places)
-                    numbers.append((time, value, lines.line_num))
-        except (UnicodeDecodeError, csv.Error) as error:
-            at = f"`{paths.shown(file)}`, after line {lines.line_num}"
-            raise ScenarioError(f"{at}: not a CSV file in UTF-8: {error}") from None
+    try:
+        text, separator = csv_file.lines(file)
+        lines = csv.reader(text, delimiter=separator)
+        names = [name.strip() for name in next(lines, [])]
+        places = columns_of(names, column, file)
+        for cells in lines:
+            if any(cell.strip() for cell in cells):
+                at = f"`{paths.shown(file)}`, line {lines.line_num}"
+                if len(cells) != len(names):
+                    raise ScenarioError(f"{at} has {len(cells)} cells, but the first line has {len(names)}")
+                time, value = (number(cells[place], at) for place in places)
+                numbers.append((time, value, lines.line_num))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ScenarioError(f"`{paths.shown(file)}` is not a CSV file in UTF-8: {error}") from None
     table = np.array(numbers, np.float64).reshape(-1, 3)
     return TimeSeries(table[:, 0], table[:, 1], table[:, 2].astype(np.int64), file)
 

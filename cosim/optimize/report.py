@@ -15,6 +15,7 @@ from rich.text import Text
 from cosim import paths
 from cosim.formatting import strict
 from cosim.formatting.quantity import number, text
+from cosim.formatting.verdicts import STATUSES
 from cosim.optimize.objective import MISFIT
 from cosim.optimize.proposer import Trial
 from cosim.optimize.search import best
@@ -22,7 +23,7 @@ from cosim.optimize.variants import Variants
 from cosim.show.listing import plain_table
 from cosim.sweep.plan import text as value_text
 from cosim.sweep.varied import Vary
-from cosim.writing import naming
+from cosim.writing import whole
 
 AT_END = 0.01
 """Fraction of a range within which a value is regarded as its end."""
@@ -113,6 +114,7 @@ def to_json(variants: Variants, trials: Sequence[Trial]) -> str:
     found = best(variants.problem, trials)
     objective = variants.problem.objective
     content = {
+        "status": STATUSES[found is not None],
         "objective": objective.metric or MISFIT,
         "direction": objective.direction,
         "trials": len(trials),
@@ -138,7 +140,7 @@ def save_csv(variants: Variants, trials: Sequence[Trial], file: Path) -> None:
         The file cannot be written.
     """
     keys = [vary.key for vary in variants.problem.vary]
-    with naming(file), file.open("w", newline="", encoding="utf-8") as lines:
+    with whole(file) as part, part.open("w", newline="", encoding="utf-8") as lines:
         writer = csv.writer(lines)
         writer.writerow(["trial", *keys, variants.problem.objective.metric or MISFIT, "feasible", "reason"])
         for trial in trials:

@@ -17,8 +17,10 @@ from cosim.optimize.proposer import Proposer, Trial
 from cosim.optimize.runner import Runner, SearchOptions
 from cosim.optimize.variants import Variants
 from cosim.sweep.store import Store
+from cosim.warned import once
 
 
+@once()
 def search(
     variants: Variants, store: Store, options: SearchOptions, progress: Progress | None = None
 ) -> list[Trial]:

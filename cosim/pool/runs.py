@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import logging
 from collections.abc import Generator, Sequence
 from pathlib import Path
@@ -19,16 +20,19 @@ from cosim.pool.limits import Limits, isolates, processors
 from cosim.pool.supervisor import Worker
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario
-from cosim.writing import discard
+from cosim.trace import endings
+from cosim.warned import once
+from cosim.writing import whole_if
 
 log = logging.getLogger("cosim")
 
 
+@once()
 def run(
     scenario: Scenario | str | Path,
     seed: int | None = None,
     progress: Progress | None = None,
-    engine: Engine = "reference",
+    engine: Engine = "native",
     isolated: bool = False,
     limits: Limits | None = None,
     stream: str | Path | None = None,
@@ -44,7 +48,7 @@ def run(
     progress
         Called with the completed and the total number of steps.
     engine
-        `reference` or `native`, see `Session`.
+        `native` or `reference`, see `Session`; the results are bit-identical.
     isolated
         Whether it runs in a separate process, so that a crash or hang of an FMU or plant is an ordinary
         error; the imports of that process take about a second.
@@ -72,22 +76,19 @@ def run(
         raise CosimError(
             "runs cannot be isolated on this system", "Set `isolated=False` to run in this process."
         )
-    file = None if stream is None else Path(stream).absolute()
+    file = None if stream is None else endings.streamed(Path(stream))
     seed = scenario.loop.seed if seed is None else seed
-    job = Job(scenario, seed, engine, keep_trace=True, stream=file)
-    try:
+    with whole_if(file) as part:
+        job = Job(scenario, seed, engine, keep_trace=True, stream=part and part.absolute())
         with Worker(limits or Limits(keys=("timeout", "memory")), relay=True) as worker:
             outcome = worker.call(job, progress)
-    finally:
-        if file is not None:
-            # a process that died left it
-            discard(file)
-    if isinstance(outcome, CosimError):
-        raise outcome
-    done: Result = outcome
+        if isinstance(outcome, CosimError):
+            raise outcome
+    done: Result = dataclasses.replace(outcome, file=file)
     return done
 
 
+@once()
 def run_many(
     scenario: Scenario | str | Path,
     seeds: Sequence[int],
@@ -131,6 +132,7 @@ def loaded(scenario: Scenario | str | Path) -> Scenario:
     return scenario if isinstance(scenario, Scenario) else load(scenario)
 
 
+@once()
 def run_each(
     scenarios: Sequence[Scenario | str | Path],
     workers: int | None = None,

@@ -26,6 +26,7 @@ from cosim.pool.channel import MessageChannel, Parcel
 from cosim.pool.job import Order, Task, WorkerError
 from cosim.pool.limits import confine
 from cosim.scenario.model import Scenario
+from cosim.warned import once
 
 READY, LOG, DONE = "ready", "log", "done"
 """Kinds of messages of a worker process: ready; a log line; the outcome of a task, whether the process is fit for
@@ -114,7 +115,7 @@ def main(end: int, page: int, parent: int) -> None:
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
     forward = Forward(channel)
     refusal = refused(tasks)
-    with JobRunner(Place(page)) as runner:
+    with JobRunner(Place(page)) as runner, once():
         channel.send((READY, None))
         before = process.belongings()
         while (order := awaited(tasks)) is not None:

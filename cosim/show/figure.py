@@ -10,7 +10,7 @@ from typing import Any
 
 from cosim import extras
 from cosim.errors import CosimError
-from cosim.writing import naming
+from cosim.writing import whole
 
 ENDINGS = (".svg", ".png", ".pdf")
 STYLE: Any = {
@@ -64,7 +64,7 @@ def check(file: Path) -> None:
 
 
 def library() -> Any:
-    """Return matplotlib, set to draw into files.
+    """Return matplotlib.
 
     Raises
     ------
@@ -75,30 +75,27 @@ def library() -> Any:
         import matplotlib
     except ValueError as error:  # of a backend that is none
         raise CosimError(f"matplotlib does not start: {error}", "Unset `MPLBACKEND`.") from error
-    matplotlib.use("agg")
     return matplotlib
 
 
 @contextlib.contextmanager
-def styled(changes: Any = None) -> Iterator[Any]:
-    """Return `pyplot` in the style of all figures, with optional settings by name."""
+def styled(size: tuple[float, float], changes: Any = None) -> Iterator[Any]:
+    """Return an empty figure of a size in inches, in the style of all figures, with optional settings by name.
+
+    It is not one of `pyplot`, which would choose and keep the backend of a notebook.
+    """
     matplotlib = library()
-    from matplotlib import pyplot
+    from matplotlib.figure import Figure
 
     with matplotlib.rc_context(STYLE | (changes or {})):
-        yield pyplot
+        yield Figure(figsize=size, layout="constrained")
 
 
 def save(figure: Any, file: Path) -> None:
-    """Write a figure and close it; raise a `CosimError` if it cannot be written."""
-    from matplotlib import pyplot
-
+    """Write a figure; raise a `CosimError` if it cannot be written."""
     show_as_written(figure)
-    try:
-        with naming(file):
-            figure.savefig(file, dpi=110, metadata=SVG if file.suffix == ".svg" else None)
-    finally:
-        pyplot.close(figure)
+    with whole(file) as part:
+        figure.savefig(part, dpi=110, metadata=SVG if file.suffix == ".svg" else None)
 
 
 def show_as_written(figure: Any) -> None:

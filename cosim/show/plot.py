@@ -43,11 +43,8 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
     windows = [np.ones(len(trace["time"]), dtype=bool), *zoomed(scenario, result, trace)]
     marked = marks.marked(scenario, result)
     rows = max(1, len(panels))
-    with figures.styled() as pyplot:
-        size = (6.5 * len(windows) + 2.5, 1.2 + 1.7 * rows)
-        figure, grid = pyplot.subplots(
-            rows, len(windows), sharex="col", squeeze=False, layout="constrained", figsize=size
-        )
+    with figures.styled((6.5 * len(windows) + 2.5, 1.2 + 1.7 * rows)) as figure:
+        grid = figure.subplots(rows, len(windows), sharex="col", squeeze=False)
         for row, panel in zip(grid, panels, strict=False):
             for axes, window in zip(row, windows, strict=True):
                 shown = {name: trace[name][window] for name in ("time", *panel.columns)}

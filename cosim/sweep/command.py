@@ -28,6 +28,7 @@ from cosim.sweep.plan import Plan, part_of
 from cosim.sweep.runner import Observer, Pool, merge, merge_traces, pending, save_traces, sweep, worst
 from cosim.sweep.store import DONE, Row, Store, opened, study_of
 from cosim.sweep.summary import Summary, summarize
+from cosim.warned import once
 
 log = logging.getLogger("cosim")
 T = TypeVar("T")
@@ -70,6 +71,7 @@ def execute(options: Options) -> tuple[Summary, RenderableType]:
     return run_study(options, tables)
 
 
+@once()
 def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
     """Continue a study and write its summary; return the result of `take`.
 

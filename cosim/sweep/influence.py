@@ -78,9 +78,8 @@ def save_plots(found: list[Influence], title: str, file: Path) -> None:
     columns = min(3, len(drawn))
     lines = -(-len(drawn) // columns)
     heat, line = 0.32 * len(metrics) + 1.4, 0.34 * len(keys) + 1.0
-    with figures.styled({"axes.grid": False}) as pyplot:
-        size = (4.0 * max(2, columns) + 1.0, heat + line * lines + 0.6)
-        figure = pyplot.figure(figsize=size, layout="constrained")
+    size = (4.0 * max(2, columns) + 1.0, heat + line * lines + 0.6)
+    with figures.styled(size, {"axes.grid": False}) as figure:
         grid = figure.add_gridspec(1 + lines, columns, height_ratios=[heat, *[line] * lines])
         draw_heat_map(figure, figure.add_subplot(grid[0, :]), found, metrics, keys)
         for index, metric in enumerate(drawn):

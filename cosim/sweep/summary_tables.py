@@ -118,11 +118,9 @@ def save_plots(plan: Plan, found: Summary, file: Path) -> None:
     names, keys = metrics[:MAX_METRICS], dict([*varied.items()][:MAX_KEYS])
     more = and_more("metric", len(metrics) - len(names)), and_more("key", len(varied) - len(keys))
     count = 1 + len(keys)
-    with figures.styled({"axes.formatter.limits": (-3, 4)}) as pyplot:
-        size = (3.6 * count + 1.0, 2.4 * max(1, len(names)) + 1.6)
-        figure, grid = pyplot.subplots(
-            1 + len(names), count, squeeze=False, layout="constrained", figsize=size
-        )
+    size = (3.6 * count + 1.0, 2.4 * max(1, len(names)) + 1.6)
+    with figures.styled(size, {"axes.formatter.limits": (-3, 4)}) as figure:
+        grid = figure.subplots(1 + len(names), count, squeeze=False)
         for axes in grid[0][1:]:
             axes.set_axis_off()
         draw_rates(grid[0][0], scenario, found)

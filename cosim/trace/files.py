@@ -20,7 +20,7 @@ from cosim.writing import whole
 
 MODULES = {
     endings.NPZ: "npz",
-    endings.CSV: "comma",
+    endings.CSV: "csv_file",
     **dict.fromkeys(endings.PARQUET, "parquet"),
     endings.MAT: "mat",
 }

@@ -44,7 +44,6 @@ def checkout(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.move(folder / "probe.fmu", built / "probe.fmu")
     os.utime(built / "probe.fmu", (BUILT, BUILT))
     monkeypatch.setattr(paths, "OWN_FMUS", built)
-    stale.warn.cache_clear()
     return folder
 
 
@@ -109,12 +108,10 @@ def test_the_command_line_shows_it_in_one_line(
 ) -> None:
     write()
     assert stderr_of(capsys, monkeypatch, *command, "lag.toml") == ""
-    stale.warn.cache_clear()
     edit(checkout / "probe" / "src" / "deep" / "lib.rs")
     reported = stderr_of(capsys, monkeypatch, *command, "lag.toml")
     assert reported.startswith("warning: `target/fmu/probe.fmu` is older than `probe/src/deep/lib.rs`: ")
     assert reported.count("\n") == 1
-    stale.warn.cache_clear()
     given = ("--set", "controller.fmu=target/fmu/probe.fmu")
     assert stderr_of(capsys, monkeypatch, *command, "lag.toml", *given) == ""
     assert stderr_of(capsys, monkeypatch, *command, "lag.toml", "-q") == ""

@@ -12,7 +12,7 @@ from cosim.cli.options import InProcess, Quiet, Set, Timeout, Verbose, checked_l
 from cosim.cli.tasks import place
 from cosim.errors import CosimError
 from cosim.show.console import configure_logging, progress_bar
-from cosim.writing import discard
+from cosim.writing import whole
 
 
 def video(
@@ -24,11 +24,14 @@ def video(
     seconds: Seconds = 8.0,
     begin: Begin = None,
     end: End = None,
-    size_: Annotated[str, Option("--size", metavar="WIDTHxHEIGHT", help="Pixels.")] = "640x480",
+    size_: Annotated[
+        str, Option("--size", metavar="WIDTHxHEIGHT", help="Width and height in pixels.")
+    ] = "640x480",
     camera: Annotated[
         str,
         Option(
-            help="Camera of the MJCF. Default: `closeup` with `overview` in a corner, or an overall view."
+            metavar="NAME",
+            help="Camera of the MJCF. Default: `closeup` with `overview` in a corner, or an overall view.",
         ),
     ] = "",
     enlarge: Enlarge = None,
@@ -54,12 +57,10 @@ def video(
 
     shot = video_file.Shot(size(size_), seconds, begin, end, camera, tuple(enlarge or ()))
     video_file.check(out, shot)
-    task = Video(run, loop, tuple(set_ or ()), shot, out)
-    try:
+    with whole(out) as part:
+        task = Video(run, loop, tuple(set_ or ()), shot, part)
         with place(checked_limits(timeout, None, in_process)) as do, progress_bar("video", quiet) as progress:
             outcome: CosimError | None = do(task, progress)
-    finally:
-        discard(out)
-    if outcome is not None:
-        raise outcome
+        if outcome is not None:
+            raise outcome
     print(f"wrote {out}")

@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from cosim.warned import warn_once
-
 from ..conftest import DATA, END, HEADERS
 from . import fmus
 from .calling import Refuse, refused
@@ -30,7 +28,6 @@ def broken_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 def lag(write: object, folder: Path) -> Path:
     """Write the lag scenario with a metric and a criterion into a folder of its own."""
     assert callable(write)
-    warn_once.cache_clear()
     write(END + '[[criterion]]\nid = "end"\nclaim = "ends"\nmetric = "end"\nmaximum = 1.0\n')
     return folder
 

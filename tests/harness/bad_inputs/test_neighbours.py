@@ -11,7 +11,6 @@ import pytest
 import cosim
 from cosim.loop.engines import Engine
 from cosim.process import Arithmetic
-from cosim.warned import warn_once
 
 from ..conftest import DATA
 from ..native.conftest import CART, SCENARIO
@@ -121,7 +120,6 @@ def test_both_engines_put_back_how_the_processor_calculates(
     broken_library: bytes,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    warn_once.cache_clear()
     (folder / "cart.xml").write_text(CART)
     cart = cosim.load(write(text=SCENARIO), ["controller.fmu=rounding.fmu"])
     fmus.defect("rounding_in_step")(folder / "rounding.fmu", broken_library)

@@ -63,7 +63,7 @@ def test_without_pandas_the_message_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     result = cosim.run(cosim.load(write()))
-    reported = r"needs pandas, which is not installed\nhint: Install the extra: `.*\[frames\]`"
+    reported = r"needs pandas, which is not installed\nhint: Run `pip install \"pandas>=.*\"`"
     with pytest.raises(CosimError, match=reported):
         result.to_dataframe()
 

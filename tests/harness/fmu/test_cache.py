@@ -40,7 +40,6 @@ def aged(path: Path) -> Path:
 @pytest.fixture(autouse=True)
 def _fresh() -> None:
     archive.opened.cache_clear()
-    cache.warn.cache_clear()
     cache.of_this_process.cache_clear()
 
 

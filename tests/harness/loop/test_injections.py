@@ -12,7 +12,6 @@ import pytest
 
 import cosim
 from cosim.errors import CosimError
-from cosim.warned import warn_once
 
 from ..conftest import SCENARIO, entry
 
@@ -154,7 +153,6 @@ def test_a_mistake_names_key_and_hint(write: Write, case: str) -> None:
 
 
 def test_a_condition_that_never_holds_is_warned_of(write: Write, caplog: pytest.LogCaptureFixture) -> None:
-    warn_once.cache_clear()
     fault = entry("inject", to="controller.in", when="time > 1", offset=1.0)
     with caplog.at_level(logging.WARNING, "cosim"):
         result = cosim.run(cosim.load(write("\n" + fault)))
@@ -166,6 +164,5 @@ def test_a_condition_that_never_holds_is_warned_of(write: Write, caplog: pytest.
 
 
 def test_a_fault_that_changes_nothing_is_warned_of(write: Write, caplog: pytest.LogCaptureFixture) -> None:
-    warn_once.cache_clear()
     cosim.run(cosim.load(write("\n" + entry("inject", to="controller.in", from_time=0.0, scale=1.0))))
     assert caplog.messages == ["`lag.toml`: `inject.controller.in.scale` is `1`, which changes nothing"]

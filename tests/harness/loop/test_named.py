@@ -12,12 +12,12 @@ from rich.console import Console
 import cosim
 from cosim.errors import CosimError, FmuError
 from cosim.loop import lint
-from cosim.scenario import complete, overrides
+from cosim.cli import complete
+from cosim.scenario import overrides
 from cosim.scenario.model import scenario_schema
 from cosim.show import display
 from cosim.sweep.check import check
 from cosim.sweep.command import Options, execute
-from cosim.warned import warn_once
 
 from ..conftest import DATA, pack
 from ..scenario.test_schema import problems
@@ -74,7 +74,6 @@ def test_a_variant_replaces_one_and_drops_another(write: Write, folder: Path) ->
 
 
 def test_what_nothing_drives_is_warned_of(write: Write, caplog: pytest.LogCaptureFixture) -> None:
-    warn_once.cache_clear()
     run(write(text=CHAIN.replace('"b.flag"', '"b.flga"')))
     unknown, forgotten = (record.getMessage() for record in caplog.records)
     assert "lists `b.flga`" in unknown

@@ -70,7 +70,7 @@ def test_the_file_shows_units_and_what_ran(cart: Cart) -> None:
     assert schema.field("plant.position").metadata[b"descriptions"]
     assert json.loads(of_mode[b"items"]) == result.items["controller.mode"]
     facts = json.loads(schema.metadata[b"cosim"])
-    assert (facts["scenario"], facts["seed"], facts["engine"]) == ("cart", 5, "reference")
+    assert (facts["scenario"], facts["seed"], facts["engine"]) == ("cart", 5, "native")
     assert list(facts["fmus"]) == ["probe"]
     assert facts["cosim"]
     found = cosim.read_trace("x.parquet")

@@ -11,7 +11,6 @@ import pytest
 
 import cosim
 from cosim.pool import supervisor
-from cosim.warned import warn_once
 
 from ..conftest import DATA
 from . import command
@@ -81,7 +80,6 @@ def test_what_goes_wrong_at_the_end_is_a_warning_and_loses_no_result(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     assert not notes.exists()
-    warn_once.cache_clear()
     monkeypatch.setattr(supervisor, "GRACE", 0.5)
     result = cosim.run(cosim.load("lag.toml", changes), isolated=True)
     assert result.simulated_s == pytest.approx(0.05)

@@ -9,20 +9,28 @@ import pytest
 
 import cosim
 from cosim.loop import lint, undriven
-from cosim.warned import warn_once
 
 from ..conftest import END, SCENARIO, entry
 
 Write = Callable[..., Path]
 
 
-def test_what_nothing_drives_is_warned_of_once(write: Write, caplog: pytest.LogCaptureFixture) -> None:
-    warn_once.cache_clear()
+def test_every_run_warns_once_of_what_nothing_drives(write: Write, caplog: pytest.LogCaptureFixture) -> None:
     text = SCENARIO.replace(', "controller.flag", "plant.extra"', ', "plant.etra"')
-    file = write(text=text)
+    scenario = cosim.load(write(text=text))
+    for workers in (1, 2):
+        cosim.run_many(scenario, range(4), workers=workers)
+        assert len(caplog.records) <= 2 * workers
+        caplog.clear()
     for _ in range(2):
-        cosim.run(cosim.load(file))
-    unknown, forgotten = (record.getMessage() for record in caplog.records)
+        caplog.clear()
+        cosim.run(scenario)
+    unknown, forgotten = caplog.messages
+    caplog.clear()
+    with cosim.Session(scenario) as session:
+        session.run()
+        session.run()
+    assert caplog.messages == 2 * [unknown, forgotten]
     assert unknown.startswith("`lag.toml`: `undriven` lists `plant.etra`, which is not an input or command. ")
     assert unknown.endswith("Use `plant.extra`.")
     assert forgotten.startswith("`lag.toml`: nothing drives `controller.flag`, `plant.extra`: add the ")
@@ -31,7 +39,6 @@ def test_what_nothing_drives_is_warned_of_once(write: Write, caplog: pytest.LogC
 def test_a_command_that_nothing_drives_stays_at_its_start(
     write: Write, caplog: pytest.LogCaptureFixture
 ) -> None:
-    warn_once.cache_clear()
     text = SCENARIO.replace(', "plant.extra"', "").replace("probe_plants:Lag", "probe_plants:Switched")
     trace = cosim.run(cosim.load(write(text=text))).trace
     assert trace is not None
@@ -56,7 +63,6 @@ def test_a_command_that_nothing_drives_stays_at_its_start(
 def test_what_is_driven_otherwise_is_not_idle(
     write: Write, caplog: pytest.LogCaptureFixture, driven: str
 ) -> None:
-    warn_once.cache_clear()
     cosim.run(cosim.load(write(driven, text=SCENARIO.replace(', "controller.flag"', ""))))
     assert not caplog.records
 
@@ -79,7 +85,6 @@ LIMIT = END + entry("criterion", id="end", claim="It ends", metric="end")
 def test_what_has_no_effect_is_warned_of_in_runs_and_checks(
     write: Write, caplog: pytest.LogCaptureFixture, content: str, reported: str
 ) -> None:
-    warn_once.cache_clear()
     scenario = cosim.load(write(content))
     cosim.run(scenario)
     messages = [record.getMessage() for record in caplog.records]

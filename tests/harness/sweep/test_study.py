@@ -211,15 +211,15 @@ def test_bad_options_are_one_message_and_exit_code_2(
 
 
 @pytest.mark.parametrize(
-    ("module", "extra", "design", "options"),
+    ("module", "package", "design", "options"),
     [
-        ("scipy.stats.qmc", "sweep", "sobol", []),
-        ("distributed", "cluster", "monte-carlo", ["--cluster", "tcp://127.0.0.1:9"]),
+        ("scipy.stats.qmc", "scipy", "sobol", []),
+        ("distributed", "distributed", "monte-carlo", ["--cluster", "tcp://127.0.0.1:9"]),
     ],
 )
 def test_a_missing_extra_is_named(
     module: str,
-    extra: str,
+    package: str,
     design: str,
     options: list[str],
     write: Write,
@@ -235,4 +235,4 @@ def test_a_missing_extra_is_named(
         main()
     stderr = capsys.readouterr().err
     assert exited.value.code == 2
-    assert f"pip install machining-fmus[{extra}]" in stderr
+    assert f'hint: Run `pip install "{package}>=' in stderr
