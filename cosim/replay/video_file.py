@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -21,7 +22,6 @@ from cosim.writing import check_folder, whole
 if TYPE_CHECKING:
     from cosim.replay.renderer import Picture
 
-ENDINGS = (".mp4", ".gif", ".webp")
 LARGEST = 4096
 """Maximum pixels of a side for MuJoCo's buffers and the formats."""
 POSES = 32
@@ -62,8 +62,8 @@ def check(file: Path, shot: Shot) -> None:
     CosimError
         Unknown ending, no such folder, an invalid size or duration, or a package is not installed.
     """
-    if file.suffix not in ENDINGS:
-        endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
+    if file.suffix not in WRITERS:
+        endings = ", ".join(f"`{ending}`" for ending in WRITERS)
         raise CosimError(f"cannot write a video to `{file}`", f"Use a name that ends in {endings}.")
     check_folder(file)
     width, height = shot.size
@@ -97,28 +97,21 @@ def save(
         As for `check`; its coordinates are not in the trace; no rendering backend works.
     """
     check(file, shot)
-    content = made(recorded, shot, file.suffix, progress)
-    with whole(file) as partial:
-        partial.write_bytes(content)
+    moved = motion(recorded)
+    paced = pace.pace(moved.times, shot.seconds, shot.begin, shot.end)
+    pictures = reported(filmed(recorded, moved, paced, shot), len(paced.rows), progress)
+    with whole(file) as part:
+        WRITERS[file.suffix](pictures, len(paced.rows), shot.size, part)
 
 
 def still(film: Path) -> bytes:
     """Middle picture of an MP4 video, as JPEG."""
     with library().open(str(film)) as container:
-        pictures = list(container.decode(video=0))
+        middle = container.streams.video[0].frames // 2
+        picture = next(itertools.islice(container.decode(video=0), middle, None))
     content = io.BytesIO()
-    pictures[len(pictures) // 2].to_image().save(content, "JPEG", quality=85)
+    picture.to_image().save(content, "JPEG", quality=85)
     return content.getvalue()
-
-
-def made(
-    recorded: Recorded, shot: Shot, ending: str, progress: Callable[[int, int], None] | None = None
-) -> bytes:
-    """Video of a run in the format of an ending."""
-    moved = motion(recorded)
-    paced = pace.pace(moved.times, shot.seconds, shot.begin, shot.end)
-    pictures = reported(filmed(recorded, moved, paced, shot), len(paced.rows), progress)
-    return (encoded if ending == ".mp4" else animated)(pictures, shot, ending)
 
 
 def filmed(recorded: Recorded, moved: Motion, paced: Pace, shot: Shot) -> Iterator[Picture]:
@@ -163,41 +156,67 @@ def reported(
 ) -> Iterator[Picture]:
     """Pictures, with a progress call for each."""
     for done, picture in enumerate(pictures, 1):
-        yield picture
         if progress is not None:
             progress(done, count)
+        yield picture
 
 
-def encoded(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:
-    """Make an MP4 file with H.264, which all browsers support."""
+def write_mp4(pictures: Iterator[Picture], count: int, size: tuple[int, int], file: Path) -> None:
+    """Write an MP4 file with H.264, which all browsers support."""
     av = library()
-    content = io.BytesIO()
-    with av.open(content, "w", format=ending[1:]) as container:
+    with av.open(str(file), "w", format="mp4") as container:
         stream = container.add_stream("libx264", rate=RATE)
-        stream.width, stream.height = shot.size
+        stream.width, stream.height = size
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": "27", "preset": "faster", "threads": "1"}
         for picture in pictures:
             frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
-    return content.getvalue()
 
 
-def animated(pictures: Iterator[Picture], shot: Shot, ending: str) -> bytes:
-    """Make a looping GIF or WebP file."""
+def write_gif(pictures: Iterator[Picture], count: int, size: tuple[int, int], file: Path) -> None:
+    """Write a looping GIF file, each picture with its own colors; Pillow would hold all pictures."""
+    from PIL import GifImagePlugin, Image, ImageChops
+
+    duration = 1000 // RATE
+    before = None
+    with file.open("wb") as stream:
+        for image in map(Image.fromarray, pictures):
+            box = ImageChops.difference(image, before).getbbox() or (0, 0, 1, 1) if before else (0, 0, *size)
+            part = image.crop(box).convert("P", palette=Image.Palette.ADAPTIVE)
+            if before is None:
+                stream.writelines(GifImagePlugin.getheader(part, info={"loop": 0, "duration": duration})[0])
+            options = {"duration": duration, "include_color_table": before is not None}
+            stream.writelines(GifImagePlugin.getdata(part, box[:2], **options))
+            before = image
+        stream.write(b";")
+
+
+def write_webp(pictures: Iterator[Picture], count: int, size: tuple[int, int], file: Path) -> None:
+    """Write a looping WebP file."""
     from PIL import Image
 
-    first, *others = (Image.fromarray(picture) for picture in pictures)
-    content = io.BytesIO()
-    options: dict[str, Any] = {"quality": 70, "method": 2} if ending == ".webp" else {}
-    first.save(
-        content,
-        ending[1:],
-        save_all=bool(others),
-        append_images=others,
-        duration=1000 // RATE,
-        loop=0,
-        **options,
-    )
-    return content.getvalue()
+    first = Image.fromarray(next(pictures))
+    others: Any = [OnDemand(pictures, count - 1)]
+    options: dict[str, Any] = {"duration": 1000 // RATE, "loop": 0, "quality": 70, "method": 2}
+    first.save(file, "webp", save_all=True, append_images=others, **options)
+
+
+class OnDemand:
+    """Pictures as an animated image of Pillow, of which only one is in memory."""
+
+    def __init__(self, pictures: Iterator[Picture], count: int) -> None:
+        self.pictures, self.n_frames = pictures, count
+
+    def seek(self, number: int) -> None:
+        """Take the next picture; Pillow asks for them in their order."""
+        from PIL import Image
+
+        self.image = Image.fromarray(next(self.pictures))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.image, name)
+
+
+WRITERS = {".mp4": write_mp4, ".gif": write_gif, ".webp": write_webp}

@@ -7,6 +7,8 @@ import importlib
 import io
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +81,7 @@ def test_what_is_written_is_above_where_no_player_hides_it() -> None:
 
 
 @pytest.mark.usefixtures("_drawing")
-@pytest.mark.parametrize("ending", video_file.ENDINGS)
+@pytest.mark.parametrize("ending", [*video_file.WRITERS])
 def test_a_video_has_its_pictures(ending: str, cart: Path, folder: Path) -> None:
     file = folder / f"cart{ending}"
     seen: list[tuple[int, int]] = []
@@ -99,6 +101,36 @@ def test_a_video_has_its_pictures(ending: str, cart: Path, folder: Path) -> None
     assert len(pictures) == count
     assert pictures[0].shape == (120, 160, 3)
     assert np.abs(pictures[0].astype(int) - pictures[-1].astype(int)).max() > 60
+
+
+MEMORY = """
+import resource, sys
+from pathlib import Path
+import numpy as np
+from cosim.replay.video_file import WRITERS
+
+def pictures(count):
+    for k in range(count):
+        picture = np.zeros((480, 640, 3), np.uint8)
+        picture[100:200, 3 * k : 3 * k + 100] = (200, 30, 30)
+        yield picture
+
+file = Path(sys.argv[1])
+for count in (20, 120):
+    WRITERS[file.suffix](pictures(count), count, (640, 480), file)
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="peak memory in kB")
+@pytest.mark.parametrize("ending", [*video_file.WRITERS])
+def test_the_memory_of_a_video_does_not_grow_with_its_pictures(ending: str, folder: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", MEMORY, f"x{ending}"], capture_output=True, text=True, check=True
+    )
+    few, many = map(float, done.stdout.split())
+    # a picture has 0.9 MB
+    assert many - few < 25.0
 
 
 @pytest.mark.usefixtures("_drawing")
@@ -213,7 +245,7 @@ def test_an_mjcf_names_what_may_be_drawn_larger(cart: Path) -> None:
 @pytest.mark.usefixtures("_drawing")
 def test_a_camera_that_is_not_there_is_reported(cart: Path) -> None:
     with pytest.raises(CosimError, match="no camera `sid`") as caught:
-        video_file.made(recorded(cart), Shot((64, 48), camera="sid"), ".webp")
+        video_file.save(recorded(cart), Shot((64, 48), camera="sid"), Path("cart.webp"))
     assert caught.value.hint == "Use `side`."
 
 
