@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from cosim.loop import reference, undriven
-from cosim.loop.ineffective import ineffective_settings
 from cosim.loop.session import Session, located
 from cosim.scenario.model import Wire
 from cosim.units import conversion
@@ -33,7 +32,7 @@ def warnings(session: Session) -> list[str]:
     if forgotten := undriven.undriven(session.scenario, known):
         found.append(undriven.sentence(forgotten, session.plant))
     found += [sentence for wire in session.scenario.wire if (sentence := unlike(wire, session))]
-    found += [sentence for _, sentence in ineffective_settings(session.scenario)]
+    found += [sentence for _, sentence in undriven.ineffective_settings(session.scenario)]
     if not session.scenario.criterion:
         found.append("the scenario has no criteria")
     return found

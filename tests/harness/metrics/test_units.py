@@ -20,8 +20,8 @@ from cosim.new.match import End, match
 from cosim.scenario.model import Criterion, Metric
 from cosim.units import BASES, CONSTANTS, Definition, Unit, conversion, defined, of_fmu
 
-from .conftest import DATA, entry, grid, pack
-from .loop.test_named import library
+from ..conftest import DATA, entry, grid, pack
+from ..loop.test_named import library
 
 Write = Callable[..., Path]
 

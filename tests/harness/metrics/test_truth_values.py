@@ -17,7 +17,7 @@ from cosim.fmu.archive import Variable
 from cosim.loop import condition
 from cosim.metrics.expression import Expression, Items
 
-from .conftest import SCENARIO, entry
+from ..conftest import SCENARIO, entry
 
 Write = Callable[..., Path]
 Pair = tuple[str, Callable[[Any, Any], Any]]
