@@ -26,7 +26,11 @@ class CosimError(Exception):
     ----------
     key
         Key of the scenario that it concerns, if known.
+    status
+        Status in JSON and in the rows of a sweep.
     """
+
+    status = "error"
 
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message, hint)
@@ -37,6 +41,10 @@ class CosimError(Exception):
     def __str__(self) -> str:
         """Message and hint as on the command line."""
         return f"{self.message}\nhint: {self.hint}" if self.hint else self.message
+
+    def to_dict(self) -> dict[str, str]:
+        """Return plain data for JSON."""
+        return {"status": self.status, "error": self.message, "hint": self.hint}
 
 
 class ScenarioError(CosimError):

@@ -53,7 +53,8 @@ def find_scenario(name: str, near: Path | None = None) -> Path:
     """
     bases = [near] if near else []
     if name.endswith(".toml"):
-        places = [*bases, working_folder()]
+        # a study of the project is named by its kind
+        places = [*bases, working_folder(), OWN_STUDIES.parent]
         if file := existing(name, places):
             return file
         problem = f"the scenario file `{brief(name)}` {missing(name, places)}"
@@ -61,6 +62,9 @@ def find_scenario(name: str, near: Path | None = None) -> Path:
     for folder in [*bases, *scenario_folders()]:
         if is_file(file := folder / f"{name}.toml"):
             return file
+    if set(name) & set("*?["):
+        hint = f"Run all matching scenarios with `cosim test '{brief(name)}'`."
+        raise ScenarioError(f"`{brief(name)}` is a pattern, not a scenario", hint)
     hint = closest(name, dict(list_scenarios()))
     nothing = f"no scenario files in {folders_text()}"
     raise ScenarioError(f"there is no scenario `{brief(name)}`", hint or nothing)
@@ -90,8 +94,13 @@ def find_study(name: str) -> Path:
     places = [working_folder(), OWN_STUDIES.parent]
     if file := existing(name, places):
         return file
-    own = [f"{OWN_STUDIES.name}/{file.name}" for file in sorted(OWN_STUDIES.glob("*.toml"))]
-    raise ScenarioError(f"the study file `{brief(name)}` {missing(name, places)}", closest(name, own))
+    hint = closest(name, list_studies())
+    raise ScenarioError(f"the study file `{brief(name)}` {missing(name, places)}", hint)
+
+
+def list_studies() -> dict[str, Path]:
+    """Names and files of the project's own studies, sorted."""
+    return {f"{OWN_STUDIES.name}/{file.name}": file for file in sorted(OWN_STUDIES.glob("*.toml"))}
 
 
 def scenario_name(file: Path) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import itertools
 import re
 import sys
@@ -115,6 +116,10 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
                 found[name] = outcome
                 report(name, outcome)
         except KeyboardInterrupt:
+            # the worker processes were killed, possibly while they wrote
+            for file in itertools.chain.from_iterable(files.values()):
+                for part in file.parent.glob(f".{glob.escape(file.stem)}.*.partial{file.suffix}"):
+                    part.unlink(missing_ok=True)
             raise StoppedError(finished(found)) from None
     return finished(found)
 
@@ -167,7 +172,7 @@ def plain(outcomes: Outcomes) -> list[dict[str, Any]]:
     return [
         outcome.to_dict()
         if isinstance(outcome, Result)
-        else {"scenario": name, "passed": False, "error": outcome.message, "hint": outcome.hint}
+        else {"scenario": name, "passed": False, **outcome.to_dict()}
         for name, outcome in outcomes.items()
     ]
 

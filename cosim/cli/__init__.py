@@ -12,7 +12,7 @@ from typing import NoReturn
 
 from cosim import interrupts
 
-ISOLATED = [["run"], ["show"], ["check"]]
+ISOLATED = ("run", "show", "check")
 """Commands that do most of their work in a worker process."""
 OTHERWISE = ("--in-process", "--seeds", "--help", "-h")
 """Prefixes of options that need no worker process, or several."""
@@ -40,7 +40,8 @@ def main() -> NoReturn:
 
 def isolated(arguments: list[str]) -> bool:
     """Whether a command needs a worker process, estimated from its unparsed arguments."""
-    return arguments[:1] in ISOLATED and not any(entry.startswith(OTHERWISE) for entry in arguments)
+    command = next((entry for entry in arguments if not entry.startswith("-")), "")
+    return command in ISOLATED and not any(entry.startswith(OTHERWISE) for entry in arguments)
 
 
 def replace_unsupported_characters() -> None:

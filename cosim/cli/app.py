@@ -6,12 +6,15 @@ import errno
 import logging
 import os
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import typer
+import typer.core
 import typer.exceptions
 
 from cosim import errors, interrupts
+from cosim.cli.cache import cache
 from cosim.cli.check import check
 from cosim.cli.compare import compare
 from cosim.cli.evaluate import evaluate, judge
@@ -22,15 +25,17 @@ from cosim.cli.media.video import video
 from cosim.cli.media.view import view
 from cosim.cli.new import new
 from cosim.cli.optimize import optimize
-from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE
+from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE, options
 from cosim.cli.run import run
 from cosim.cli.schema import schema
 from cosim.cli.show import show
 from cosim.cli.sweep import sweep
 from cosim.cli.test import run_tests
-from cosim.cli.version import options
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.show.console import report
+from cosim.warned import once
+from cosim.writing import write
 
 NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
 """Disk errors of a redirected stdout."""
@@ -40,6 +45,21 @@ COMPLETION = ("--install-completion", "--show-completion")
 """Options that typer handles before it ends the process; exit code 1 is an unknown shell."""
 
 log = logging.getLogger("cosim")
+
+
+class Command(typer.core.TyperCommand):
+    """A command that prints its error as JSON, if JSON on stdout is requested; files keep their content."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except CosimError as error:
+            if ctx.params.get("json") == "-":
+                write(strict.text(error.to_dict()), "-")
+            raise
+
+
 app = typer.Typer(
     pretty_exceptions_enable=False,
     # plain help: rich takes longer to import than everything else
@@ -49,28 +69,33 @@ app = typer.Typer(
     epilog="Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not run.",
 )
 app.callback()(options)
-app.command("list")(list_scenarios)
-app.command()(show)
-app.command()(new)
-app.command()(check)
-app.command()(run)
-app.command("test")(run_tests)
-app.command("report")(report_page)
-app.command()(view)
-app.command()(video)
-app.command()(evaluate)
+COMMANDS: dict[str, Callable[..., None]] = {
+    "list": list_scenarios,
+    "show": show,
+    "new": new,
+    "check": check,
+    "run": run,
+    "test": run_tests,
+    "report": report_page,
+    "view": view,
+    "video": video,
+    "evaluate": evaluate,
+    "compare": compare,
+    "sweep": sweep,
+    "optimize": optimize,
+    "schema": schema,
+    "ssp": ssp,
+    "cache": cache,
+}
+for name, command in COMMANDS.items():
+    app.command(name, cls=Command)(command)
 app.command(hidden=True, context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(judge)
-app.command()(compare)
-app.command()(sweep)
-app.command()(optimize)
-app.command()(schema)
-app.command()(ssp)
 
 
 def status_of(command: Any) -> int:
     """Exit code of a command; an error prints one message, with a traceback only on request."""
     try:
-        with interrupts.raising():
+        with interrupts.raising(), once():
             code = command(standalone_mode=False)
             sys.stdout.flush()
         if code == INTERRUPTED:
@@ -88,7 +113,8 @@ def status_of(command: Any) -> int:
         return COULD_NOT_RUN
     except typer.exceptions.TyperException as error:
         context = getattr(error, "ctx", None)
-        called = context.command_path if context else "cosim"
+        named = [word for word in sys.argv[1:] if word in COMMANDS]
+        called = context.command_path if context else " ".join(["cosim", *named[:1]])
         report(error.format_message(), f"Show the arguments with `{called} --help`.")
         return COULD_NOT_RUN
     except (KeyboardInterrupt, typer.Abort):

@@ -6,14 +6,14 @@ import logging
 from typing import Annotated
 
 import typer
-from typer import Argument, Option
+from typer import Argument
 
 from cosim import paths
-from cosim.cli.options import COULD_NOT_RUN, InProcess, Quiet, Timeout, Verbose, checked_limits
+from cosim.cli import complete
+from cosim.cli.options import COULD_NOT_RUN, InProcess, Json, Quiet, Timeout, Verbose, checked_limits
 from cosim.cli.tasks import Check, place
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.scenario import complete
 from cosim.scenario.checked import Checked
 from cosim.show.console import configure_logging, report
 from cosim.writing import write
@@ -27,12 +27,12 @@ def check(
         Argument(
             metavar="SCENARIO|FILE.toml...",
             help="Scenarios, studies and optimizations.",
-            autocompletion=complete.loops,
+            autocompletion=complete.any_files,
         ),
     ],
     timeout: Timeout = None,
     in_process: InProcess = False,
-    json: Annotated[bool, Option("--json", help="Print the findings as JSON.")] = False,
+    json: Json = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
@@ -43,9 +43,9 @@ def check(
     configure_logging(verbose, quiet)
     with place(checked_limits(timeout, None, in_process)) as do:
         found = [named(file, do(Check(file))) for file in files]
-    if json:
-        write(strict.text([entry.to_dict() for entry in found]), "-")
-    else:
+    if json is not None:
+        write(strict.text([entry.to_dict() for entry in found]), json)
+    if json != "-":
         for entry in found:
             show(entry, quiet)
     raise typer.Exit(COULD_NOT_RUN if any(entry.error for entry in found) else 0)

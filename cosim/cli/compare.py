@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import FAILED, Quiet, Set, Verbose
+from cosim.cli.options import FAILED, Engine, Json, Quiet, Set, Verbose
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.loop import engines
 from cosim.show.console import configure_logging, output, progress_bar
 from cosim.trace.endings import READ, listed
 from cosim.writing import write
@@ -19,6 +18,7 @@ from cosim.writing import write
 if TYPE_CHECKING:
     from cosim.compare.comparison import Comparison
     from cosim.compare.tolerance import Tolerances
+    from cosim.loop import engines
     from cosim.scenario.model import Scenario
 
 LIMIT = "[PATTERN=]VALUE"
@@ -56,14 +56,12 @@ def compare(
         bool, Option("--update", help="Run the scenario and store the trace as its baseline.")
     ] = False,
     set_: Set = None,
-    engine: Annotated[
-        str, Option(metavar="native|reference", help="reference (FMPy) or native (faster, bit-identical).")
-    ] = "reference",
+    engine: Engine = "native",
     plot: Annotated[
         Path | None,
         Option(metavar="FILE.svg|.png", help="Plot the columns with the largest deviations."),
     ] = None,
-    json: Annotated[bool, Option("--json", help="Print the comparison as JSON.")] = False,
+    json: Json = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
@@ -85,8 +83,12 @@ def compare(
 
     --atol, --rtol, --dt and --only may be repeated. A limit applies to the
     columns or metrics that its pattern matches (`*` is any text), without a
-    pattern to all; the last match is used. A value v at time t passes if
-    |v - r| <= atol + rtol |r| for some r of the reference in t - dt .. t + dt.
+    pattern to all; the last match is used. A value v at time t passes if,
+    for some value r of the reference in t - dt .. t + dt,
+
+    \b
+        |v - r| <= atol + rtol |r|
+
     NaN on one side only is a difference at any tolerance.
 
     Exit code: 0 within tolerance, 1 not, 2 could not be compared.
@@ -115,35 +117,35 @@ def compare(
         found = with_baseline(reference, allowed, set_ or [], engine, quiet)
     if plot is not None:
         plots.save(found, plot)
-    if json:
-        write(found.to_json(), "-")
-    else:
+    if json is not None:
+        write(found.to_json(), json)
+    if json != "-":
         output().print(tables.comparison(found))
     raise typer.Exit(0 if found.within else FAILED)
 
 
-def with_baseline(loop: str, allowed: Tolerances, changes: list[str], engine: str, quiet: bool) -> Comparison:
+def with_baseline(
+    loop: str, allowed: Tolerances, changes: list[str], engine: engines.Engine, quiet: bool
+) -> Comparison:
     """Compare a scenario with its baseline."""
     from cosim.compare import baseline
 
-    chosen = engines.checked(engine)
     scenario = scenario_of(loop, changes)
     with progress_bar(scenario.name, quiet) as progress:
-        return baseline.compare(scenario, allowed, chosen, progress)
+        return baseline.compare(scenario, allowed, engine, progress)
 
 
-def write_baseline(loop: str, engine: str, json: bool, quiet: bool) -> None:
+def write_baseline(loop: str, engine: engines.Engine, json: str | None, quiet: bool) -> None:
     """Write the baseline of a scenario and print its file name."""
     from cosim.compare import baseline
 
-    chosen = engines.checked(engine)
     scenario = scenario_of(loop, [])
     with progress_bar(scenario.name, quiet) as progress:
-        result = baseline.update(scenario, chosen, progress)
+        result = baseline.update(scenario, engine, progress)
     file = baseline.file_of(scenario)
-    if json:
-        write(strict.text({"baseline": str(file), **result.to_dict()}), "-")
-    else:
+    if json is not None:
+        write(strict.text({"baseline": str(file), **result.to_dict()}), json)
+    if json != "-":
         print(f"wrote {file}")
 
 

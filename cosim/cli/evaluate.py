@@ -9,7 +9,6 @@ import typer
 from typer import Argument
 
 from cosim.cli.options import FAILED, Json, Loop, Quiet, Set, Verbose
-from cosim.cli.run import check_outputs
 from cosim.errors import CosimError
 from cosim.show.console import configure_logging, output
 from cosim.trace.endings import READ, listed
@@ -40,7 +39,6 @@ def evaluate(
     if trace.suffix not in READ and Path(loop).suffix in READ:
         hint = f"Give the trace first: `cosim evaluate {loop} {trace}`."
         raise CosimError(f"`{trace}` is not a trace", hint)
-    check_outputs(json, None, None)
     from cosim.loop.evaluate import evaluate as evaluated
     from cosim.scenario.load import load
     from cosim.show import display

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import logging
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from typer import Argument, Option
 
 from cosim import paths
 from cosim.cli.options import InProcess, Quiet, Timeout, Verbose, checked_limits
-from cosim.cli.tasks import DraftText, New, place
+from cosim.cli.tasks import DraftText, New, Schema, place
 from cosim.errors import CosimError
+from cosim.formatting import strict
 from cosim.show.console import configure_logging
-from cosim.writing import naming
+from cosim.writing import JSON, check_text, naming, write
+
+log = logging.getLogger("cosim")
 
 
 def new(
@@ -33,7 +37,8 @@ def new(
 ) -> None:
     """Write a first scenario for an FMU and a plant.
 
-    Wires follow from names and units; the other ports are listed as comments.
+    Wires follow from names and units; the other ports are listed as comments. The schema
+    next to the scenario gives editors its keys, see `cosim schema`.
     """
     configure_logging(verbose, quiet)
     limits = checked_limits(timeout, None, in_process)
@@ -45,13 +50,24 @@ def new(
     # the description of an FMU is only read; a plant is code that runs
     with place(limits if plant or timeout else None) as do:
         found: DraftText | CosimError = do(New(fmu, plant, file.parent))
-    if isinstance(found, CosimError):
-        raise found
-    with naming(file):
-        try:
-            with file.open("x", encoding="utf-8") as stream:
-                stream.write(found.text)
-        except FileExistsError:
-            raise CosimError(f"`{file}` exists already", "Choose another name with `--out`.") from None
+        if isinstance(found, CosimError):
+            raise found
+        schema = file.with_suffix(".schema.json")
+        with naming(file):
+            try:
+                with file.open("x", encoding="utf-8") as stream:
+                    stream.write(f"#:schema ./{schema.name}\n{found.text}")
+            except FileExistsError:
+                raise CosimError(f"`{file}` exists already", "Choose another name with `--out`.") from None
+        write_schema(schema, do(Schema(str(file))))
     print(f"{file}: {found.wired} wires, {found.left} inputs and commands left as comments")
     print(f"next: cosim check {shlex.quote(str(file))}")
+
+
+def write_schema(file: Path, found: dict[str, Any] | CosimError) -> None:
+    """Write the schema of a new scenario; without it the scenario is still complete."""
+    if isinstance(found, CosimError):
+        log.warning("there is no schema: %s", found.message)
+        return
+    check_text("the schema", file, "JSON", JSON)
+    write(strict.text(found), file)

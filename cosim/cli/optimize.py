@@ -9,24 +9,28 @@ import typer
 from typer import Argument, Option
 
 from cosim import paths
-from cosim.cli.options import FAILED, Quiet, Verbose
+from cosim.cli import complete
+from cosim.cli.options import FAILED, Again, Engine, Json, Quiet, Verbose, Workers
 from cosim.show.console import configure_logging, output
 from cosim.writing import write
 
 
 def optimize(
-    study: Annotated[Path, Argument(metavar="STUDY.toml", help="Scenario, variables and objective.")],
+    study: Annotated[
+        Path,
+        Argument(
+            metavar="STUDY.toml",
+            help="Scenario, variables and objective.",
+            autocompletion=complete.studies,
+        ),
+    ],
     out: Annotated[
         str | None, Option("-o", "--out", metavar="FOLDER", help="Results; default `STUDY.optimize`.")
     ] = None,
-    workers: Annotated[
-        int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")
-    ] = None,
-    engine: Annotated[
-        str, Option(metavar="native|reference", help="native (compiled) or reference (FMPy, bit-identical).")
-    ] = "native",
-    again: Annotated[bool, Option("--again", help="Repeat runs that gave no result.")] = False,
-    json: Annotated[bool, Option("--json", help="Print the best trial as JSON.")] = False,
+    workers: Workers = None,
+    engine: Engine = "native",
+    again: Again = False,
+    json: Json = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
@@ -43,7 +47,11 @@ def optimize(
         limits = {timeout = 600.0, memory = 2000.0}
 
     The criteria of the scenario are constraints. To calibrate parameters, name a
-    measured trace: objective = {trace = "measured.csv", columns = ["plant.x"]}.
+    measured trace:
+
+    \b
+        objective = {trace = "measured.csv", columns = ["plant.x"]}
+
     All keys of search and limits are optional. batch is the number of points that
     are proposed at a time. Several seeds are averaged. timeout (s) and memory (MB)
     apply to each run.
@@ -59,9 +67,9 @@ def optimize(
     from cosim.optimize import report, results
 
     found = results.optimize(study, out, workers=workers, engine=engine, again=again, quiet=quiet)
-    if json:
-        write(report.to_json(found.variants, found.trials), "-")
-    else:
+    if json is not None:
+        write(report.to_json(found.variants, found.trials), json)
+    if json != "-":
         output().print(report.tables(found.variants, found.trials))
         # for copying: never wrapped
         if found.best is not None:

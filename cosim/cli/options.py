@@ -1,15 +1,20 @@
-"""Exit codes, arguments and options that several commands share."""
+"""Exit codes, arguments and options that several commands share, and the options before any command."""
 
 from __future__ import annotations
 
+import platform
 from typing import Annotated
 
+import typer
 from typer import Argument, Option
 
 from cosim import interrupts
+from cosim.cli import complete
 from cosim.errors import CosimError
+from cosim.formatting.versions import PROJECT, version
+from cosim.loop import engines
 from cosim.pool.limits import Limits, isolates, unkept
-from cosim.scenario import complete
+from cosim.writing import JSON, check_text
 
 FAILED = 1
 """Exit code: a criterion failed."""
@@ -19,14 +24,48 @@ INTERRUPTED = interrupts.INTERRUPTED
 """Exit code: Ctrl-C."""
 READER_GONE = 141
 """Exit code: the reader of stdout is gone, as a shell reports SIGPIPE."""
-MAX_SEED = 2**63 - 1
-"""Largest seed: integers of scenarios have 64 bits."""
+DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
+"""Distribution of each program whose version is shown."""
+
+
+def checked_json(file: str | None) -> str | None:
+    """Check before a long run that a JSON file can be written without overwriting another file."""
+    if file is not None:
+        check_text("--json", file, "JSON", JSON)
+    return file
+
+
+def show_version(wanted: bool) -> None:
+    """Print the versions of the programs that compute the results, without importing them; then end."""
+    if wanted:
+        for name, distribution in DISTRIBUTIONS.items():
+            print(name, version(distribution) or "not installed")
+        print("Python", platform.python_version())
+        raise typer.Exit
+
 
 Timeout = Annotated[float | None, Option(metavar="S", help="Maximum wall time in s.")]
+Memory = Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process in MB.")]
 InProcess = Annotated[
     bool, Option("--in-process", help="Run in this process, for debuggers; a crash ends it.")
 ]
-Json = Annotated[str | None, Option(metavar="FILE|-", help="Write the result as JSON; `-` is stdout.")]
+Seed = Annotated[int | None, Option(metavar="N", help="Seed of all noise; default: that of the scenario.")]
+Workers = Annotated[int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")]
+Engine = Annotated[
+    engines.Engine,
+    Option(
+        parser=engines.checked,
+        metavar="native|reference",
+        autocompletion=lambda incomplete: complete.beginning(incomplete, engines.ENGINES),
+        help="`reference` (FMPy) checks `native`: the results are bit-identical.",
+    ),
+]
+Again = Annotated[bool, Option("--again", help="Repeat runs that gave no result.")]
+Plots = Annotated[bool, Option(help="Whether to make plots, if matplotlib is installed.")]
+Json = Annotated[
+    str | None,
+    Option(metavar="FILE|-", callback=checked_json, help="Write the result as JSON; `-` is stdout."),
+]
 Verbose = Annotated[bool, Option("-v", "--verbose", help="Log events of the FMU and the origin of errors.")]
 Quiet = Annotated[bool, Option("-q", "--quiet", help="Log errors only, no progress.")]
 Loop = Annotated[
@@ -48,6 +87,23 @@ Set = Annotated[
         "`criterion.<id>.<key>`. May be repeated.",
     ),
 ]
+Version = Annotated[
+    bool,
+    Option(
+        "--version",
+        callback=show_version,
+        is_eager=True,
+        help="Show the versions of cosim, FMPy, MuJoCo, numpy and Python.",
+    ),
+]
+
+
+def options(
+    context: typer.Context, version: Version = False, verbose: Verbose = False, quiet: Quiet = False
+) -> None:
+    """Options before any command; they are the defaults of those after it."""
+    commands = getattr(context.command, "commands", ())
+    context.default_map = {name: {"verbose": verbose, "quiet": quiet} for name in commands}
 
 
 def checked_limits(timeout: float | None, memory: float | None, in_process: bool) -> Limits | None:

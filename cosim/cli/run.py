@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 from typer import Option
 
 from cosim.cli.options import (
+    COULD_NOT_RUN,
     FAILED,
-    MAX_SEED,
+    Engine,
     InProcess,
     Json,
     Loop,
+    Memory,
     Quiet,
+    Seed,
     Set,
     Timeout,
     Verbose,
+    Workers,
     checked_limits,
 )
-from cosim.cli.seeds import check_options, run_seeds
 from cosim.cli.tasks import Report, Single, place
 from cosim.errors import CosimError
-from cosim.loop import engines
+from cosim.formatting import strict
+from cosim.scenario.assignment import Assignment
 from cosim.show import sheet
-from cosim.show.console import configure_logging, progress_bar
+from cosim.show.console import configure_logging, output, progress_bar, report
 from cosim.trace import endings
-from cosim.writing import JSON, check_apart, check_folder, check_text, discard, write
+from cosim.writing import check_apart, check_folder, whole_if, write
+
+if TYPE_CHECKING:
+    from cosim.pool.limits import Limits
 
 TRACE = (
     f"Write the trace: {endings.listed(endings.WRITTEN)}. A Parquet file is written during the run, "
@@ -38,17 +47,13 @@ TRACE = (
 def run(
     loop: Loop,
     set_: Set = None,
-    seed: Annotated[
-        int | None,
-        Option(min=0, max=MAX_SEED, metavar="N", help="Seed of all noise; default: that of the scenario."),
-    ] = None,
+    seed: Seed = None,
     seeds: Annotated[
         str | None,
         Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print the distributions."),
     ] = None,
-    engine: Annotated[
-        str | None, Option(metavar="native|reference", help="reference (FMPy) or native (compiled).")
-    ] = None,
+    workers: Workers = None,
+    engine: Engine = "native",
     delay: Annotated[
         int | None, Option(metavar="STEPS", help="Delay of the commands in steps: 0 or 1.")
     ] = None,
@@ -57,33 +62,36 @@ def run(
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv|...", help=TRACE)] = None,
     plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
     timeout: Timeout = None,
-    memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of the run's process.")] = None,
+    memory: Memory = None,
     in_process: InProcess = False,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a scenario and print its metrics and criteria.
 
-    The engines give bit-identical results. Default: native with `--seeds`, otherwise reference.
+    Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not run.
     """
     configure_logging(verbose, quiet)
-    chosen = engines.checked(engine or ("reference" if seeds is None else "native"))
-    options = {"loop.seed": seed, "loop.compute_delay": delay, "loop.duration": duration}
-    changes = (*(set_ or ()), *(f"{key}={value!r}" for key, value in options.items() if value is not None))
+    options = (
+        Assignment("--seed", "loop.seed", seed),
+        Assignment("--delay", "loop.compute_delay", delay),
+        Assignment("--duration", "loop.duration", duration),
+    )
+    changes = (*(set_ or ()), *(option for option in options if option.value is not None))
     limits = checked_limits(timeout, memory, in_process)
     check_outputs(json, trace, plot)
     if seeds is not None:
-        check_options(seed, trace, plot)
-        run_seeds(loop, changes, seeds, chosen, limits, json, quiet)
-    task = Single(loop, changes, chosen, verbose, trace, plot, sheet.stdout())
-    try:
+        given = {"--seed": seed, "--trace": trace, "--plot": plot}
+        run_seeds(loop, changes, seeds, given, engine, limits, workers, json, quiet)
+    if workers is not None:
+        raise CosimError("`--workers` applies to several runs only", "Add `--seeds`, or omit it.")
+    stream = trace if trace is not None and endings.streams(trace) else None
+    with whole_if(stream) as part:
+        task = Single(loop, changes, engine, verbose, trace, plot, sheet.stdout(), part)
         with place(limits) as do, progress_bar(loop, quiet) as progress:
             done: Report | CosimError = do(task, progress)
-    finally:
-        if trace is not None:
-            discard(trace)
-    if isinstance(done, CosimError):
-        raise done
+        if isinstance(done, CosimError):
+            raise done
     save(done, json, trace, plot)
     print(done.json if json == "-" else done.table, end="", flush=True)
     if json != "-":
@@ -99,7 +107,9 @@ def save(report: Report, json: str | None, trace: Path | None, plot: Path | None
     if plot is not None and report.result is not None and report.scenario is not None:
         from cosim.show import plot as plots
 
-        plots.save(report.scenario, report.result, plot)
+        # the file that the run wrote has its name now
+        streamed = replace(report.result, file=trace) if report.result.file else report.result
+        plots.save(report.scenario, streamed, plot)
     if json is not None and json != "-":
         write(report.json, json)
 
@@ -110,7 +120,48 @@ def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> No
         endings.check(trace)
     if plot is not None:
         check_folder(plot)
-    if json is not None:
-        check_text("--json", json, "JSON", JSON)
     named = Path(json) if json is not None and json != "-" else None
     check_apart({"--json": named, "--trace": trace, "--plot": plot})
+
+
+def run_seeds(
+    loop: str,
+    changes: Sequence[str | Assignment],
+    text: str,
+    given: Mapping[str, object],
+    engine: Engine,
+    limits: Limits | None,
+    workers: int | None,
+    json: str | None,
+    quiet: bool,
+) -> NoReturn:
+    """Run a scenario with several seeds, print the distributions and exit.
+
+    Of `given`, the options for a single run, all values must be None.
+    """
+    for option, value in given.items():
+        if value is not None:
+            hint = f"Repeat one run with `--seed` to get its {option[2:]}."
+            if option == "--seed":
+                hint = "Use `--seed 7` for one run or `--seeds 1..20` for twenty."
+            raise CosimError(f"`{option}` and `--seeds` cannot be given together", hint)
+    from cosim.fmu import stale
+    from cosim.scenario.load import load
+    from cosim.sweep import seeds
+
+    scenario = load(loop, changes)
+    stale.warn_of(scenario)
+    chosen = seeds.parse(text)
+    with progress_bar(f"{scenario.name}, {len(chosen)} seeds", quiet) as progress:
+        outcomes = seeds.run(scenario, chosen, engine, limits, progress, workers)
+    found = seeds.summarize(chosen, outcomes)
+    runs = [seeds.plain(seed, outcome) for seed, outcome in zip(chosen, outcomes, strict=True)]
+    if json is not None:
+        write(strict.text(runs), json)
+    if json != "-":
+        output().print(seeds.tables(scenario, found))
+    if found.results < found.wanted:
+        (_, reason), *_ = found.troubles
+        report(f"{found.wanted - found.results} of {found.wanted} runs gave no result; the first: {reason}")
+        raise typer.Exit(COULD_NOT_RUN)
+    raise typer.Exit(FAILED if found.passed is False else 0)

@@ -7,11 +7,12 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from cosim.cli.options import checked_limits
+from cosim.cli import complete
+from cosim.cli.options import Quiet, Verbose, checked_limits
 from cosim.cli.tasks import Schema, place
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.scenario import complete
+from cosim.show.console import configure_logging
 from cosim.writing import write
 
 
@@ -36,13 +37,19 @@ def schema(
             autocompletion=complete.loops,
         ),
     ] = "",
+    verbose: Verbose = False,
+    quiet: Quiet = False,
 ) -> None:
     """Print the JSON schema of one kind of file.
 
-    Editors use it to complete and check files. Name the schema in the first line of the TOML:
-    `cosim schema --for my.toml > my.schema.json`, then `#:schema ./my.schema.json`.
-    It works with Taplo: Even Better TOML for VS Code, `taplo lsp` for other editors.
-    """
+    Editors with Taplo use it to complete and check files: VS Code with Even Better TOML,
+    others with `taplo lsp`. `cosim new` writes it next to the scenario. For other files,
+    store it and name it in the first line of the TOML, `#:schema ./my.schema.json`:
+
+    \b
+        cosim schema --for my.toml > my.schema.json
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
+    configure_logging(verbose, quiet)
     if for_:
         write(strict.text(filled(file, for_)), "-")
         return

@@ -9,47 +9,55 @@ import typer
 from typer import Argument, Option
 
 from cosim import paths
-from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Verbose
+from cosim.cli import complete
+from cosim.cli.options import COULD_NOT_RUN, FAILED, Again, Engine, Json, Plots, Quiet, Verbose, Workers
 from cosim.errors import CosimError
 from cosim.show.console import configure_logging, output, report
 from cosim.writing import write
 
 MERGE = "merge"
 CLUSTER = (
-    "Dask scheduler: address, scheduler file, or security file with address, ca, certificate and key for TLS."
+    "Dask scheduler: address, scheduler file (`.json`), or file with address, ca, certificate and key for "
+    "TLS (`.toml`)."
 )
 
 
 def sweep(
     study: Annotated[
-        list[Path], Argument(metavar="STUDY.toml|merge FOLDER...", help="Scenario, varied keys and design.")
+        list[Path],
+        Argument(
+            metavar="STUDY.toml|merge FOLDER...",
+            help="Scenario, varied keys and design.",
+            autocompletion=complete.studies,
+        ),
     ],
     out: Annotated[
         str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of results; default `STUDY.sweep`.")
     ] = None,
-    workers: Annotated[
-        int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")
-    ] = None,
-    cluster: Annotated[str | None, Option(metavar="ADDRESS|FILE.json|FILE.toml", help=CLUSTER)] = None,
-    engine: Annotated[
-        str, Option(metavar="native|reference", help="native (compiled) or reference (FMPy, bit-identical).")
-    ] = "native",
+    workers: Workers = None,
+    cluster: Annotated[str | None, Option(metavar="ADDRESS|FILE", help=CLUSTER)] = None,
+    engine: Engine = "native",
     part: Annotated[
         str, Option(metavar="I/N", help="Run only part I of N, into a folder of its own, see `merge`.")
     ] = "",
-    again: Annotated[bool, Option("--again", help="Repeat runs that gave no result.")] = False,
-    plots: Annotated[bool, Option(help="Whether to make plots, if matplotlib is installed.")] = True,
-    json: Annotated[bool, Option("--json", help="Print the summary as JSON.")] = False,
+    again: Again = False,
+    plots: Plots = True,
+    json: Json = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
     """Run the cases of a study in parallel.
 
     Completed runs are not repeated: the command continues an interrupted sweep.
-    On machines without a common scheduler, run `cosim sweep STUDY.toml --part I/N` with
-    each I, and then `cosim sweep merge FOLDER... -o FOLDER`, which gives the folder of an
-    undivided sweep.
-    """
+    On machines without a common scheduler, run each part, then merge the folders
+    into that of an undivided sweep:
+
+    \b
+        cosim sweep STUDY.toml --part 1/20
+        cosim sweep merge FOLDER... -o FOLDER
+
+    Exit code: 0 all criteria passed, 1 a criterion failed, 2 no run gave a result.
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
     from cosim.sweep import command
 
@@ -63,9 +71,9 @@ def sweep(
         file, out, workers, cluster, engine, again, plots, quiet, part=part, merged=merged
     )
     found, tables = command.execute(options)
-    if json:
-        write(found.to_json(), "-")
-    else:
+    if json is not None:
+        write(found.to_json(), json)
+    if json != "-":
         output().print(tables, crop=False)
         # not wrapped, so that it can be copied
         print(f"wrote {paths.shown(Path(out or options.default))}")

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from cosim.loop.result import Result
     from cosim.pool.job import Bench
     from cosim.pool.limits import Limits
+    from cosim.scenario.assignment import Assignment
     from cosim.scenario.checked import Checked
     from cosim.scenario.model import Scenario
 
@@ -59,20 +60,23 @@ class Single:
     verbose
         Whether the FMU logs events.
     trace
-        File of the trace or None; it is written during the run if its format allows that.
+        File of the trace or None.
     plot
         File of the plot or None; it is checked before the run.
     sheet
         Output device of the table.
+    stream
+        File that the run writes and that becomes the trace, if its format allows that.
     """
 
     loop: str
-    changes: tuple[str, ...]
+    changes: tuple[str | Assignment, ...]
     engine: Engine
     verbose: bool
     trace: Path | None
     plot: Path | None
     sheet: Sheet
+    stream: Path | None = None
 
     def run(self, bench: Bench) -> Report:
         """Run once."""
@@ -80,7 +84,7 @@ class Single:
         from cosim.loop import time_series
         from cosim.scenario.load import load
         from cosim.show import display
-        from cosim.trace import endings, files
+        from cosim.trace import files
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, self.engine, self.verbose)
@@ -90,16 +94,15 @@ class Single:
 
             figure.check(self.plot)
             session.check_drawn()
-        stream = self.trace if self.trace and endings.streams(self.trace) else None
         if self.trace is not None:
             time_series.check_apart(scenario, "--trace", self.trace)
             files.check_rows(self.trace, scenario.loop.rows)
-        result = session.run(progress=bench.progress, stream=stream)
+        result = session.run(progress=bench.progress, stream=self.stream)
         return Report(
             passed=result.passed,
             table=rendered(display.result(result), self.sheet),
             json=result.to_json(),
-            result=result if self.plot or (self.trace and not stream) else None,
+            result=result if self.plot or (self.trace and not self.stream) else None,
             scenario=scenario if self.plot else None,
         )
 
@@ -110,6 +113,7 @@ class Show:
 
     loop: str
     changes: tuple[str, ...]
+    parts: tuple[str, ...]
     sheet: Sheet
 
     def run(self, bench: Bench) -> str:
@@ -121,7 +125,7 @@ class Show:
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, "reference")
         stale.warn_of(scenario)
-        return rendered(display.scenario(scenario, session.fmus, session.plant), self.sheet)
+        return rendered(display.scenario(scenario, session.fmus, session.plant, self.parts), self.sheet)
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,22 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import COULD_NOT_RUN, FAILED, Quiet, Timeout, Verbose, checked_limits
-from cosim.cli.run import check_outputs
+from cosim.cli import complete
+from cosim.cli.options import (
+    COULD_NOT_RUN,
+    FAILED,
+    Engine,
+    Json,
+    Memory,
+    Plots,
+    Quiet,
+    Timeout,
+    Verbose,
+    Workers,
+    checked_limits,
+)
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.loop import engines
-from cosim.scenario import complete
 from cosim.show.console import configure_logging, output, report
 from cosim.writing import check_apart, check_text, write
 
@@ -38,18 +48,12 @@ def run_tests(
     out: Annotated[
         Path | None, Option("-o", "--out", metavar="FOLDER", help="Folder for table, results and plots.")
     ] = None,
-    workers: Annotated[
-        int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")
-    ] = None,
-    engine: Annotated[
-        str, Option(metavar="native|reference", help="native (compiled) or reference (FMPy, bit-identical).")
-    ] = "native",
+    workers: Workers = None,
+    engine: Engine = "native",
     timeout: Timeout = None,
-    memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process.")] = None,
-    plots: Annotated[bool, Option(help="Whether to make plots, if matplotlib is installed.")] = True,
-    json: Annotated[
-        str | None, Option(metavar="FILE|-", help="Write all results as JSON; `-` is stdout.")
-    ] = None,
+    memory: Memory = None,
+    plots: Plots = True,
+    json: Json = None,
     junit: Annotated[
         str | None, Option(metavar="FILE.xml", help="Write the verdicts as JUnit XML, for CI.")
     ] = None,
@@ -62,6 +66,7 @@ def run_tests(
         Option(
             metavar="FILE.toml",
             help="A study for the report, without effect on the exit code. May be repeated.",
+            autocompletion=complete.studies,
         ),
     ] = None,
     document: Annotated[
@@ -73,9 +78,10 @@ def run_tests(
 ) -> None:
     """Run many scenarios and print the acceptance table.
 
-    Each runs once with its own seed. An error in one does not stop the others. Exit
-    code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run. Ctrl-C
-    and SIGTERM keep the results until then.
+    Each runs once with its own seed. An error in one does not stop the others.
+    Ctrl-C and SIGTERM keep the results until then.
+
+    Exit code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
     """
     configure_logging(verbose, quiet)
     from cosim.acceptance import junit as xml
@@ -83,7 +89,6 @@ def run_tests(
     from cosim.acceptance.selection import select
     from cosim.show.figure import wanted
 
-    check_outputs(json, None, None)
     if junit is not None:
         check_text("--junit", junit, "JUnit XML", xml.BEGINNING)
     files = {"--json": json, "--junit": junit, "--report": page}
@@ -94,7 +99,7 @@ def run_tests(
     if out is not None and out.is_dir():
         check_text("--out", out / TABLE, "an acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
-    options = runner.RunOptions(out, wanted(plots), workers, engines.checked(engine), limits, quiet)
+    options = runner.RunOptions(out, wanted(plots), workers, engine, limits, quiet)
     chosen = select(scenarios or ())
     stopped: KeyboardInterrupt | None = None
     try:

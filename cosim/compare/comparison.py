@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cosim.compare.tube import Tube
 from cosim.formatting import strict
 from cosim.formatting.strict import plain
+from cosim.formatting.verdicts import STATUSES
 
 
 @dataclass(frozen=True)
@@ -110,6 +111,7 @@ class Comparison:
             "kind": self.kind,
             "reference": self.reference,
             "other": self.other,
+            "status": STATUSES[self.within],
             "within": self.within,
             "quantities": [found.to_dict() for found in self.deviations],
             "differences": self.differences,

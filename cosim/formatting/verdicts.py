@@ -7,6 +7,9 @@ from collections.abc import Iterable, Sequence
 from cosim.formatting.quantity import text
 from cosim.metrics.criteria import Verdict
 
+STATUSES = {True: "passed", False: "failed", None: "done"}
+"""Status of a result by `Result.passed`; `done` without criteria."""
+
 NOTHING_DEMANDED = "no criteria"
 COLUMNS = ("claim", "paper", "measured", "limit", "result")
 """Columns of tables of criteria."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import logging
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,8 +19,8 @@ from cosim.loop.plant import Plant
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
 from cosim.loop.wires.links import Links, Slot, whole
 from cosim.scenario.model import Scenario
-from cosim.warned import warn_once
 
+log = logging.getLogger("cosim")
 DO_STEP = "fmi2DoStep"
 
 
@@ -59,16 +60,14 @@ class NativeFmu:
 
 
 def choose(engine: Engine, scenario: Scenario, plant: Plant) -> Engine:
-    """Engine for a scenario and its plant: the requested one, or with a warning the reference engine."""
+    """Engine for a scenario and its plant: the requested one, or the reference engine."""
     if engine == "reference":
         return engine
     if scenario.fmu:
-        warn_once(
-            f"`{scenario.name}` runs in the reference engine: the native engine requires a `[controller]`"
-        )
+        log.info("`%s` runs in the reference engine: the native engine requires a `[controller]`", scenario.name)
         return "reference"
     if reason := obstacle(plant):
-        warn_once(f"the plant `{scenario.plant.name}` runs in the reference engine: {reason}")
+        log.info("the plant `%s` runs in the reference engine: %s", scenario.plant.name, reason)
         return "reference"
     return engine
 

@@ -14,7 +14,7 @@ from cosim.fmu.archive import DisplayUnit
 from cosim.formatting import html, strict
 from cosim.formatting.frame import dataframe
 from cosim.formatting.strict import plain
-from cosim.formatting.verdicts import counted
+from cosim.formatting.verdicts import STATUSES, counted
 from cosim.formatting.versions import PROJECT, version
 from cosim.metrics.criteria import Measured, Verdict
 from cosim.trace import files
@@ -131,6 +131,7 @@ class Result:
             "engine": self.engine,
             "metrics": {m.name: {"value": plain(m.value), "unit": m.unit} for m in self.metrics.values()},
             "criteria": [criterion(verdict) for verdict in self.criteria],
+            "status": STATUSES[self.passed],
             "passed": self.passed,
             "simulated_s": self.simulated_s,
             "wall_s": self.wall_s,

@@ -38,6 +38,7 @@ class Checked:
         return {
             "file": self.name,
             "kind": self.kind,
+            "status": self.error.status if self.error else "valid",
             "ok": self.error is None,
             "runs": self.runs,
             "error": error,

@@ -9,12 +9,13 @@ from pathlib import Path
 from cosim import paths
 from cosim.errors import ScenarioError
 from cosim.scenario import checks, overrides
+from cosim.scenario.assignment import Assignment
 from cosim.scenario.model import Scenario
 from cosim.scenario.overrides import Overrides
 from cosim.scenario.tables import parse, parse_value
 
 
-def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  # noqa: A002
+def load(name_or_path: str | Path, set: str | Sequence[str | Assignment] = ()) -> Scenario:  # noqa: A002
     """Load a scenario by name (`dob`, `dob/paper`) or from a file (`my.toml`).
 
     Parameters
@@ -31,7 +32,7 @@ def load(name_or_path: str | Path, set: str | Sequence[str] = ()) -> Scenario:  
     """
     file = paths.find_scenario(str(name_or_path))
     merged = overrides.read(file)
-    if isinstance(set, Mapping) or not all(isinstance(entry, str) for entry in set):
+    if isinstance(set, Mapping) or not all(isinstance(entry, str | Assignment) for entry in set):
         raise ScenarioError(
             f"`set` is `{set!r}`, it must hold texts", 'Use, for example, `set=["loop.seed=1"]`.'
         )

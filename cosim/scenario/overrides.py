@@ -10,9 +10,10 @@ from typing import Any, NoReturn
 
 from cosim import paths
 from cosim.errors import ScenarioError, closest
+from cosim.scenario.assignment import Assignment
 from cosim.scenario.kinds import check_kind
 from cosim.scenario.tables import IDENTITY, dotted, item_key, join, show
-from cosim.scenario.toml import parse_file, toml_value
+from cosim.scenario.toml import check_sizes, parse_file, toml_value
 
 SET = "--set"
 Place = list[str | int]
@@ -185,8 +186,8 @@ def drop(table: dict[str, Any], entry: str, origin: str) -> None:
     table[name] = kept
 
 
-def override(layers: Overrides, assignments: Sequence[str]) -> None:
-    """Apply `KEY=VALUE` overrides.
+def override(layers: Overrides, assignments: Sequence[str | Assignment]) -> None:
+    """Apply overrides `KEY=VALUE`, and those of options.
 
     `controller.<fmi name>` and `plant.<parameter>` set parameters (`controller.fmu` and `plant.name`
     the FMU and the plant). With several FMUs the name of the FMU replaces `controller`. `loop.<key>`, `title`
@@ -195,18 +196,28 @@ def override(layers: Overrides, assignments: Sequence[str]) -> None:
     text.
     """
     for assignment in assignments:
-        key, equals, text = assignment.partition("=")
-        key = key.strip()
-        if not equals or not key:
-            raise ScenarioError(
-                f"`{SET} {assignment}` is not of the form KEY=VALUE",
-                "Use, for example, `--set loop.duration=1.0`.",
-            )
+        option, key, value = read_assignment(assignment)
+        origin = f"`{option}`"
         try:
-            value = toml_value(text.strip(), key)
+            if isinstance(assignment, str):
+                value = toml_value(value, key)
+            check_sizes(value, place=key)
         except ScenarioError as error:
-            raise ScenarioError(f"`{SET} {key}`: {error.message}", error.hint) from None
-        assign(layers, key, value)
+            raise ScenarioError(f"{origin}: {error.message}", error.hint) from None
+        assign(layers, key, value, origin)
+
+
+def read_assignment(assignment: str | Assignment) -> Assignment:
+    """Parts of an assignment; the value of a text `KEY=VALUE` is a text."""
+    if isinstance(assignment, Assignment):
+        return assignment
+    key, equals, text = assignment.partition("=")
+    if not equals or not key.strip():
+        raise ScenarioError(
+            f"`{SET} {assignment}` is not of the form KEY=VALUE",
+            "Use, for example, `--set loop.duration=1.0`.",
+        )
+    return Assignment(f"{SET} {key.strip()}", key.strip(), text.strip())
 
 
 def assign(layers: Overrides, key: str, value: Any, origin: str = "") -> None:

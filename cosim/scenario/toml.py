@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from cosim.scenario.tables import join, show
 
 MAX_NESTED = 32
 """Maximum nesting of tables and arrays; our files have at most five levels."""
+POINT = re.compile(r"[+-]?(\d+\.|\.\d+)([eE][+-]?\d+)?")
+"""Numbers that start or end with a decimal point, which TOML does not know."""
 TOO_DEEP = f"tables and arrays are nested more than {MAX_NESTED} deep"
 
 
@@ -120,7 +123,7 @@ def toml_value(text: str, key: str) -> Any:
     try:
         parsed = parse_text(f"value = {text}")
     except tomllib.TOMLDecodeError:
-        return text
+        return float(text) if POINT.fullmatch(text) else text
     for value in parsed.values():
         check_sizes(value, place=key)
     return parsed["value"] if set(parsed) == {"value"} else text

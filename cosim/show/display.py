@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import typing
 from collections.abc import Sequence
 from typing import Any
@@ -12,6 +13,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from cosim.errors import CosimError, closest
 from cosim.fmu.archive import Variable
 from cosim.fmu.instance import Instance
 from cosim.formatting.quantity import number, text
@@ -34,8 +36,37 @@ CAUSALITIES = {
 }
 
 
-def scenario(found: Scenario, fmus: Sequence[Instance], plant: Plant) -> RenderableType:
-    """Return the description of one closed loop."""
+def scenario(
+    found: Scenario, fmus: Sequence[Instance], plant: Plant, wanted: Sequence[str] = ()
+) -> RenderableType:
+    """Return the description of one closed loop, or only the tables with a word of `wanted` in their titles.
+
+    Raises
+    ------
+    CosimError
+        No table has such a word.
+    """
+    tables = {
+        f"{fmu.name} {title}": variable_table(variables, choice.parameters)
+        for choice, fmu in zip(found.fmus, fmus, strict=True)
+        for causality, title in CAUSALITIES.items()
+        if (variables := fmu.file.named(causality))
+    }
+    if found.plant.name:
+        tables |= plant_tables(found, plant)
+    tables["wires, signals and injections"] = wire_table(found)
+    words = {title: re.findall(r"\w+", title) for title in tables}
+    for part in wanted:
+        if not any(part in found for found in words.values()):
+            known = dict.fromkeys(word for found in words.values() for word in found if word != "and")
+            raise CosimError(f"`{found.name}` has no part `{part}`", closest(part, known))
+    shown = [title for title in tables if not wanted or set(words[title]) & set(wanted)]
+    parts = [part for title in shown for part in (heading(title), tables[title])]
+    return Group(*([] if wanted else [head(found, fmus)]), *parts)
+
+
+def head(found: Scenario, fmus: Sequence[Instance]) -> Text:
+    """Title, description and settings of a scenario."""
     loop = found.loop
     head = Text()
     head.append(f"{found.name}: {found.title}\n", style="bold")
@@ -47,30 +78,17 @@ def scenario(found: Scenario, fmus: Sequence[Instance], plant: Plant) -> Rendera
         f" {loop.order}, {delay}, seed {loop.seed}\n"
     )
     head.append("\n".join(f"{fmu.name}: {fmu.file.name} ({fmu.file.path.name})" for fmu in fmus))
-    parts: list[RenderableType] = [head]
-    for choice, fmu in zip(found.fmus, fmus, strict=True):
-        for causality, title in CAUSALITIES.items():
-            if variables := fmu.file.named(causality):
-                parts += [heading(f"{fmu.name} {title}"), variable_table(variables, choice.parameters)]
-    if found.plant.name:
-        parts += plant_parts(found, plant)
-    parts += [heading("wires, signals and injections"), wire_table(found)]
-    return Group(*parts)
+    return head
 
 
-def plant_parts(found: Scenario, plant: Plant) -> list[RenderableType]:
+def plant_tables(found: Scenario, plant: Plant) -> dict[str, Table]:
     """Parameters and channels of a plant."""
-    parts: list[RenderableType] = [
-        heading(f"plant `{found.plant.name}`: parameters"),
-        parameter_table(plant, found.plant.parameters),
-    ]
-    for title, channels in (
-        ("measurements", plant.readings),
-        ("commands", plant.commands),
-        ("ground truth", plant.truths),
-    ):
-        parts += [heading(f"plant {title}"), channel_table(channels)]
-    return parts
+    return {
+        f"plant `{found.plant.name}`: parameters": parameter_table(plant, found.plant.parameters),
+        "plant measurements": channel_table(plant.readings),
+        "plant commands": channel_table(plant.commands),
+        "plant ground truth": channel_table(plant.truths),
+    }
 
 
 def variable_table(variables: list[Variable], given: dict[str, Any]) -> Table:

@@ -13,6 +13,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from cosim.errors import CosimError
+from cosim.formatting.verdicts import STATUSES
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
 from cosim.loop.result import Result
@@ -21,7 +22,6 @@ from cosim.pool.limits import Limits
 from cosim.pool.runs import ordered
 from cosim.scenario.model import Scenario
 from cosim.sweep import summary_tables
-from cosim.sweep.store import VERDICTS
 from cosim.sweep.summary import Summary, quantities
 
 MAX_SEEDS = 100_000
@@ -64,6 +64,7 @@ def run(
     engine: Engine = "native",
     limits: Limits | None = None,
     progress: Progress | None = None,
+    workers: int | None = None,
 ) -> list[Outcome]:
     """Run a scenario with many seeds on all cores; an error in one does not stop the others.
 
@@ -75,11 +76,12 @@ def run(
         Limits of each run; None runs them in this process, one after the other.
     progress
         Called with the completed and the total number of runs.
+    workers
+        Number of processes; None is one per available processor.
     """
-    workers = 1 if limits is None else None
     found: list[Outcome] = []
     with contextlib.closing(
-        ordered([Job(scenario, seed, engine) for seed in seeds], workers, limits)
+        ordered([Job(scenario, seed, engine) for seed in seeds], 1 if limits is None else workers, limits)
     ) as done:
         for outcome in done:
             found.append(outcome)
@@ -94,12 +96,12 @@ def summarize(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Summary:
     values: dict[str, list[float]] = {}
     for seed, outcome in zip(seeds, outcomes, strict=True):
         if not isinstance(outcome, Result):
-            status = getattr(outcome, "status", "error")
-            found.statuses[status] += 1
-            count, first = found.troubles.get((status, outcome.message), (0, seed))
-            found.troubles[status, outcome.message] = count + 1, first
+            trouble = outcome.status, outcome.message
+            found.statuses[outcome.status] += 1
+            count, first = found.troubles.get(trouble, (0, seed))
+            found.troubles[trouble] = count + 1, first
             continue
-        found.statuses[VERDICTS[outcome.passed]] += 1
+        found.statuses[STATUSES[outcome.passed]] += 1
         for metric in outcome.metrics.values():
             values.setdefault(metric.name, []).append(metric.value)
             found.units[metric.name] = metric.unit
@@ -126,4 +128,4 @@ def plain(seed: int, outcome: Outcome) -> dict[str, Any]:
     """One run as plain data for JSON: its result or its error."""
     if isinstance(outcome, Result):
         return outcome.to_dict()
-    return {"seed": seed, "passed": False, "error": outcome.message, "hint": outcome.hint}
+    return {"seed": seed, "passed": False, **outcome.to_dict()}

@@ -18,6 +18,7 @@ from cosim.closing import Closing
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.formatting.strict import plain
+from cosim.formatting.verdicts import STATUSES
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Measured, Verdict, evaluate
 from cosim.pool.job import Outcome
@@ -33,9 +34,7 @@ ORIGIN = "study.txt"
 """File with the path of the study, relative to the folder of its results."""
 Row = dict[str, Any]
 """One line: run, case, seed, status, reason, settings, metrics, criteria, times, hash."""
-VERDICTS = {True: "passed", False: "failed", None: "done"}
-"""Status of a result by `Result.passed`; `done` without criteria."""
-DONE = tuple(VERDICTS.values())
+DONE = tuple(STATUSES.values())
 """Statuses of runs that gave a result."""
 TROUBLES = ("error", "crashed", "timeout", "memory", "lost")
 """Statuses of runs without result."""
@@ -281,7 +280,7 @@ def row_of(run: Run, outcome: Outcome, criteria: Sequence[Criterion] = ()) -> Ro
         return evaluated(result | beyond_si(metric.unit for metric in outcome.metrics.values()), criteria)
     return {
         **row,
-        "status": getattr(outcome, "status", "error"),
+        "status": outcome.status,
         "reason": outcome.message,
         "hint": outcome.hint,
     }

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.formatting.strict import plain
+from cosim.formatting.verdicts import STATUSES
 from cosim.metrics.expression import Items
 from cosim.scenario.model import Scenario
 from cosim.show.display import shorten
@@ -113,6 +115,7 @@ class Summary:
             },
             "criteria": {name: {"held": count, "of": self.results} for name, count in self.held.items()},
             "sensitivity": [influence.to_dict() for influence in self.influences],
+            "status": STATUSES[self.passed] if self.results else CosimError.status,
             "passed": self.passed,
         }
 

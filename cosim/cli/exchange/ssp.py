@@ -40,7 +40,7 @@ def ssp(
     ] = None,
     seed: Annotated[
         int | None,
-        Option(min=0, max=2**31 - 1, help="Seed of all noise; default: that of the scenario."),
+        Option(min=0, max=2**31 - 1, metavar="N", help="Seed of all noise; default: that of the scenario."),
     ] = None,
     set_: Set = None,
     timeout: Timeout = None,

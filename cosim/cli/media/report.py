@@ -8,10 +8,9 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import FAILED, Quiet, Timeout, Verbose, checked_limits
+from cosim.cli import complete
+from cosim.cli.options import FAILED, Engine, Memory, Quiet, Timeout, Verbose, Workers, checked_limits
 from cosim.cli.test import exit_code
-from cosim.loop import engines
-from cosim.scenario import complete
 from cosim.show.console import configure_logging
 
 
@@ -29,24 +28,24 @@ def report(
     ),
     study: Annotated[
         list[Path] | None,
-        Option(metavar="FILE.toml", help="A study, as for `cosim sweep`. May be repeated."),
+        Option(
+            metavar="FILE.toml",
+            help="A study, as for `cosim sweep`. May be repeated.",
+            autocompletion=complete.studies,
+        ),
     ] = None,
     document: Annotated[
         list[Path] | None,
         Option(metavar="FILE.md", help="A Markdown text to include. May be repeated."),
     ] = None,
-    title: Annotated[str, Option(help="Title of the report.")] = "",
+    title: Annotated[str, Option(metavar="TEXT", help="Title of the report.")] = "",
     videos: Annotated[
         bool, Option(help="Whether to add a video of each controller's first scenario (extra `replay`).")
     ] = True,
-    workers: Annotated[
-        int | None, Option(min=1, metavar="N", help="Worker processes; default: one per core.")
-    ] = None,
-    engine: Annotated[
-        str, Option(metavar="native|reference", help="native (compiled) or reference (FMPy, bit-identical).")
-    ] = "native",
+    workers: Workers = None,
+    engine: Engine = "native",
     timeout: Timeout = None,
-    memory: Annotated[float | None, Option(metavar="MB", help="Maximum memory of a run's process.")] = None,
+    memory: Memory = None,
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
@@ -54,8 +53,9 @@ def report(
 
     The report holds claims, descriptions, videos, plots and parameters, and needs only a browser.
     Each scenario runs once with its own seed. Only the missing cases of a study run.
-    Exit code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
     Requires the extra `report`.
+
+    Exit code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
     """
     configure_logging(verbose, quiet)
     from cosim.acceptance.runner import RunOptions
@@ -64,7 +64,7 @@ def report(
 
     book.check("--out", out)
     limits = checked_limits(timeout, memory, in_process=False)
-    options = RunOptions(None, False, workers, engines.checked(engine), limits, quiet)
+    options = RunOptions(None, False, workers, engine, limits, quiet)
     chosen = select(scenarios or ()) if scenarios or not study else ()
     contents = book.Contents(title or book.TITLE, chosen, tuple(study or ()), tuple(document or ()), videos)
     written = book.write(contents, options, out)

@@ -31,7 +31,9 @@ def cosim(*arguments: str, **environment: str) -> subprocess.CompletedProcess[st
 
 def called(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run the command line in this process: for what it says and writes, not for what it is as a process."""
-    inside = ["--in-process"] if arguments[0] in ISOLATED and "--in-process" not in arguments else []
+    inside = (
+        ["--in-process"] if set(arguments[:2]) & set(ISOLATED) and "--in-process" not in arguments else []
+    )
     out, err = io.StringIO(), io.StringIO()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "argv", ["cosim", *arguments, *inside])

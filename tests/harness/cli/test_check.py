@@ -81,7 +81,7 @@ def test_a_file_is_named_once(write: Write, folder: Path) -> None:
 def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_reported(write: Write, folder: Path) -> None:
     write(COMPLETE)
     (folder / "bad.toml").write_text(STUDY.format(7.0))
-    done = called("check", "bad.toml", "none.toml", "lag.toml", "--json")
+    done = called("check", "bad.toml", "none.toml", "lag.toml", "--json", "-")
     assert done.returncode == 2
     bad, none, good = json.loads(done.stdout)
     assert (bad["kind"], bad["ok"], bad["runs"]) == ("study", False, 0)
@@ -91,7 +91,7 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_reported(write:
         "hint": "List the known names with `cosim list`.",
     }
     assert good == {
-        "file": "lag.toml", "kind": "scenario", "ok": True, "runs": 1, "error": None, "warnings": [],
+        "file": "lag.toml", "kind": "scenario", "status": "valid", "ok": True, "runs": 1, "error": None, "warnings": [],
     }  # fmt: skip
 
 

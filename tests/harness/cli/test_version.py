@@ -56,16 +56,27 @@ def test_names_of_scenarios_and_files_are_completed(write: Write, folder: Path) 
 def test_keys_are_those_of_the_scenario_and_its_fmu(write: Write) -> None:
     write("[plant.parameters]\npole = 0.2\n")
     assert completed("run", "lag.toml", "--set", "controller.g") == ["controller.gain="]
-    assert completed("run", "lag.toml", "--set", "plant.") == ["plant.name=", "plant.pole="]
+    found = completed("run", "lag.toml", "--set", "plant.")
+    # parameters that the file does not set are those of the plant's class
+    assert {"plant.name=", "plant.pole=", "plant.fail_at="} <= set(found)
     assert completed("run", "--set", "loop.seed=3", "lag.toml", "--set", "loop.d") == ["loop.duration="]
     assert "wire.controller.in.noise=" in completed("run", "lag.toml", "--set", "wire.")
 
 
 @pytest.mark.parametrize("text", ["title =", "controller = 3", "controller = {fmu = 'lag.toml'}"])
-def test_a_broken_scenario_completes_nothing_and_says_nothing(write: Write, text: str) -> None:
+def test_a_broken_scenario_completes_only_what_is_known_and_says_nothing(write: Write, text: str) -> None:
     write(name="lag.toml", text=text)
-    assert completed("run", "lag.toml", "--set", "controller.") == []
+    assert completed("run", "lag.toml", "--set", "controller.gain") == []
     assert completed("run", "none.toml", "--set", "controller.") == []
+
+
+def test_studies_and_engines_are_completed(folder: Path) -> None:
+    (folder / "stages.toml").write_text("")
+    assert completed("sweep", "studies/dob-cont") == ["studies/dob-contact.toml"]
+    assert {"stages.toml", "studies/dob-contact.toml"} <= set(completed("sweep", "st"))
+    assert completed("run", "lag.toml", "--engine", "na") == ["native"]
+    assert completed("show", "dob", "pl") == ["plant"]
+    assert completed("cache", "cl") == ["clean"]
 
 
 @pytest.mark.parametrize(

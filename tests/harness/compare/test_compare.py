@@ -44,7 +44,7 @@ def save(file: str, units: dict[str, str] | None = None, items: Any = None, **co
 
 def found(command: Run, *arguments: str) -> tuple[int, dict[str, Any]]:
     """Exit code and JSON of a comparison."""
-    code, out, err = command("compare", *arguments, "--json")
+    code, out, err = command("compare", *arguments, "--json", "-")
     assert code in (0, 1), err
     return code, json.loads(out)
 
@@ -215,7 +215,7 @@ def test_a_run_that_fails_is_no_baseline_and_leaves_the_one_before(
     assert command("compare", "lag.toml", "--update")[0] == 0
     before = (folder / "lag.baseline.npz").read_bytes()
     write(END + CRITERION)
-    code, out, err = command("compare", "lag.toml", "--update", "--json")
+    code, out, err = command("compare", "lag.toml", "--update", "--json", "-")
     assert (code, out) == (2, "")
     assert "a run that fails `end` cannot be the baseline" in err
     assert (folder / "lag.baseline.npz").read_bytes() == before
@@ -224,7 +224,7 @@ def test_a_run_that_fails_is_no_baseline_and_leaves_the_one_before(
 @pytest.mark.usefixtures("folder")
 def test_the_json_of_an_update_shows_file_and_result(command: Run, write: Write) -> None:
     write(END)
-    code, out, _ = command("compare", "lag.toml", "--update", "--json")
+    code, out, _ = command("compare", "lag.toml", "--update", "--json", "-")
     answer = json.loads(out)
     assert code == 0
     assert Path(answer["baseline"]).samefile("lag.baseline.npz")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -143,7 +144,8 @@ def test_runs_repeat_and_the_native_engine_leaves_it_to_the_reference_loop(
     scenario = cosim.load(write(name="ring.toml", text=ring(1)))
     with cosim.Session(scenario) as session:
         first, again = session.run(), session.run()
-    result = cosim.run(scenario, engine="native")
+    with caplog.at_level(logging.INFO, "cosim"):
+        result = cosim.run(scenario)
     assert result.engine == "reference"
     reported = [record.getMessage() for record in caplog.records if "reference engine" in record.getMessage()]
     assert reported == ["`ring` runs in the reference engine: the native engine requires a `[controller]`"]

@@ -66,7 +66,7 @@ def command(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, 
 
 def found(command: Run, *arguments: str) -> dict[str, Any]:
     """JSON of an optimization that found something."""
-    code, out, err = command(*arguments, "--json")
+    code, out, err = command(*arguments, "--json", "-")
     assert code == 0, err
     best: dict[str, Any] = json.loads(out)
     return best
@@ -126,7 +126,7 @@ def test_no_trial_that_holds_the_criteria_is_exit_code_1(command: Run) -> None:
         f"closest is trial {largest[0]}, which fails `end`; 9 trials, 0 of them passed all criteria"
         in " ".join(out.split())
     )
-    assert json.loads(command("--json")[1])["best"] is None
+    assert json.loads(command("--json", "-")[1])["best"] is None
 
 
 VALUES = """

@@ -32,7 +32,7 @@ def test_nothing_demanded_is_not_passed(write: Write) -> None:
 def test_a_sweep_of_what_is_not_demanded_is_done_not_passed(write: Write, folder: Path) -> None:
     write(END)
     (folder / "study.toml").write_text(studies.GRID)
-    done = studies.sweep("study.toml", "--json")
+    done = studies.sweep("study.toml", "--json", "-")
     assert done.returncode == 0
     found = json.loads(done.stdout)
     assert (found["statuses"], found["passed"]) == ({"done": 12}, None)

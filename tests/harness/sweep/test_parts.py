@@ -70,7 +70,7 @@ def test_parts_may_be_merged_elsewhere_and_before_all_are_there(study: Path, tmp
     shutil.copytree(study, tmp_path / "other machine")
     shutil.rmtree(study / "grid.2-of-4.sweep")
     folder = tmp_path / "other machine" / "grid.2-of-4.sweep"
-    done = studies.sweep("merge", str(folder), "--json")
+    done = studies.sweep("merge", str(folder), "--json", "-")
     assert json.loads(done.stdout)["rows"] == 3
     assert [row["run"] for row in studies.rows(study / "grid.sweep")] == [1, 5, 9]
     assert done.returncode == 1

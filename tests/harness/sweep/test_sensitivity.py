@@ -169,7 +169,7 @@ seeds = "repeat"
 def test_a_sweep_shows_what_moves_its_metrics(write: Write, folder: Path) -> None:
     write(END)
     (folder / "s.toml").write_text(STUDY)
-    command = [sys.executable, "-m", "cosim", "sweep", "s.toml", "--json"]
+    command = [sys.executable, "-m", "cosim", "sweep", "s.toml", "--json", "-"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode in (0, 1), done.stderr
     survey = json.loads(done.stdout)
@@ -183,7 +183,7 @@ def test_a_sweep_shows_what_moves_its_metrics(write: Write, folder: Path) -> Non
 
     # again without runs: the same words and bytes
     before = (folder / "s.sweep" / "sensitivity.svg").read_bytes()
-    again = subprocess.run(command[:-1], capture_output=True, text=True, check=False, timeout=120)
+    again = subprocess.run(command[:-2], capture_output=True, text=True, check=False, timeout=120)
     assert (folder / "s.sweep" / "sensitivity.svg").read_bytes() == before
     (line,) = [line for line in again.stdout.splitlines() if "sensitivity of" in line]
     assert line.split() == ["sensitivity", "of", "controller.gain", "wire.plant.u.noise"]
@@ -201,6 +201,6 @@ def test_indices_are_reported_of_the_samples_that_are_whole(write: Write, folder
     crashed = rows[place]
     lines[place] = json.dumps({**crashed, "status": "crashed", "reason": "test", "metrics": {}}) + "\n"
     file.write_text("".join(lines))
-    done = studies.sweep("s.toml", "--json")
+    done = studies.sweep("s.toml", "--json", "-")
     (first, _) = json.loads(done.stdout)["sensitivity"]
     assert first["total"]["value"] == pytest.approx(1.0, abs=0.4)

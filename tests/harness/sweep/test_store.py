@@ -110,7 +110,7 @@ def test_values_that_json_has_not_are_kept(write: Write, folder: Path) -> None:
 def test_a_run_of_which_nothing_is_demanded_is_done_and_did_not_pass(write: Write, folder: Path) -> None:
     added = studies.MEASURED.partition("[[criterion]]")[0]
     write_study(write, folder, ["plant.pole = 0.1", "plant.pole = 0.2"], added)
-    done = studies.sweep("list.toml", "--json")
+    done = studies.sweep("list.toml", "--json", "-")
     assert studies.statuses(folder / "list.sweep") == ["done", "done"]
     summary = json.loads(done.stdout)
     assert (summary["passed"], summary["statuses"], done.returncode) == (None, {"done": 2}, 0)

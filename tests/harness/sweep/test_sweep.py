@@ -126,7 +126,7 @@ def test_plots_that_cannot_start_are_reported_before_the_first_run(study: Path) 
 def test_the_summary_as_json_counts_and_plots_are_drawn(study: Path, folder: Path) -> None:
     traces = '\n[traces]\nworst = 1\nfailed = 0\nmetric = "end"\n'
     (folder / "grid.toml").write_text(studies.GRID + traces)
-    command = [sys.executable, "-m", "cosim", "sweep", "grid.toml", "--json"]
+    command = [sys.executable, "-m", "cosim", "sweep", "grid.toml", "--json", "-"]
     variables = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
     done = subprocess.run(command, capture_output=True, text=True, env=variables, check=False)
     summary = json.loads(done.stdout)

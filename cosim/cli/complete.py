@@ -1,9 +1,12 @@
-"""Shell completion: scenarios, files and keys for `--set`; never raises errors."""
+"""Shell completion: scenarios, studies, files and keys for `--set`; never raises errors."""
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
+import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,22 +19,26 @@ ITEM_KEYS = {
     "criterion": ("minimum", "maximum", "equals"),
 }
 """Useful override keys of items, also if the file does not contain them."""
-LOOP_KEYS = (
-    "step",
-    "duration",
-    "substeps",
-    "seed",
-    "compute_delay",
-    "record_every",
-    "record_qpos",
-    "stop_when",
-)
 
 
 def loops(incomplete: str) -> list[str]:
     """Names of scenarios, and scenario files of the working directory."""
-    names = [name for name, _ in paths.list_scenarios() if name.startswith(incomplete)]
-    return names + files(incomplete)
+    return [*beginning(incomplete, (name for name, _ in paths.list_scenarios())), *files(incomplete)]
+
+
+def studies(incomplete: str) -> list[str]:
+    """Names of the project's own studies, and files of the working directory."""
+    return list(dict.fromkeys([*beginning(incomplete, paths.list_studies()), *files(incomplete)]))
+
+
+def any_files(incomplete: str) -> list[str]:
+    """Names and files of scenarios and studies."""
+    return list(dict.fromkeys([*loops(incomplete), *studies(incomplete)]))
+
+
+def beginning(incomplete: str, names: Iterable[str]) -> list[str]:
+    """Names with a given prefix."""
+    return [name for name in names if name.startswith(incomplete)]
 
 
 def files(incomplete: str) -> list[str]:
@@ -50,32 +57,52 @@ def glob_escape(text: str) -> str:
     return re.sub(r"([*?\[])", r"[\1]", text)
 
 
+def parts(incomplete: str) -> list[str]:
+    """Usual parts of `cosim show`."""
+    return beginning(incomplete, ("controller", "plant", "inputs", "outputs", "parameters", "wires"))
+
+
 def keys(ctx: typer.Context, incomplete: str) -> list[str]:
     """Keys of the scenario named earlier on the command line, each with its `=`."""
     from cosim.scenario import overrides
 
     # an option that still lacks its value leaves the arguments unparsed
     loop = next((word for word in (ctx.params.get("loop"), *ctx.args) if word), "")
-    try:
+    found: set[str] = set()
+    # `cosim check` reports errors in the files, and the code of a plant may print
+    with contextlib.suppress(Exception), contextlib.redirect_stdout(io.StringIO()):
         file = paths.find_scenario(str(loop))
         table = overrides.read(file).table
-        found = dict.fromkeys([*scenario_keys(table), *fmu_keys(table, file.parent)])
-    except Exception:  # `cosim check` reports errors in the files
-        return []
-    return [f"{key}=" for key in sorted(found) if key.startswith(incomplete)]
+        found.update(scenario_keys(table))
+        found.update(fmu_keys(table, file.parent))
+        # the class is imported only for its own keys
+        if incomplete.startswith("plant.") and "plant" in table:
+            found.update(plant_keys(table["plant"]["name"], file.parent))
+    return [f"{key}=" for key in beginning(incomplete, sorted(found))]
 
 
 def scenario_keys(table: dict[str, Any]) -> Iterator[str]:
     """Existing and possible keys of a scenario."""
+    from cosim.scenario.model import Loop
     from cosim.scenario.tables import IDENTITY
 
-    yield from ("plant.name", *(f"loop.{key}" for key in LOOP_KEYS))
+    yield from ("plant.name", *(f"loop.{field.name}" for field in dataclasses.fields(Loop)))
     for name, entry in [*fmus(table), ("plant", table.get("plant", {}))]:
         yield from (f"{name}.{parameter}" for parameter in entry.get("parameters", {}))
     for section, identity in IDENTITY.items():
         for item in () if section == "fmu" else table.get(section, ()):
             own = {key for key in item if key != identity} | set(ITEM_KEYS.get(section, ()))
             yield from (f"{section}.{item[identity]}.{key}" for key in own)
+
+
+def plant_keys(name: str, folder: Path) -> Iterator[str]:
+    """All parameters of a plant."""
+    from cosim.loop.plant import plant_class
+    from cosim.scenario.tables import toml_key
+
+    yield from (
+        f"plant.{toml_key(field)}" for field in dataclasses.fields(plant_class(name, folder).Parameters)
+    )
 
 
 def fmu_keys(table: dict[str, Any], folder: Path) -> Iterator[str]:

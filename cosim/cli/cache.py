@@ -1,0 +1,40 @@
+"""`cosim cache`."""
+
+from __future__ import annotations
+
+import enum
+from typing import Annotated
+
+from typer import Argument
+
+from cosim import paths
+from cosim.cli.options import Quiet, Verbose
+from cosim.show.console import configure_logging
+
+
+class Action(enum.StrEnum):
+    """Actions of the command."""
+
+    DIR = "dir"
+    CLEAN = "clean"
+
+
+def cache(
+    action: Annotated[Action, Argument(metavar="dir|clean", help="Print the folder, or empty it.")],
+    verbose: Verbose = False,
+    quiet: Quiet = False,
+) -> None:
+    """Show or clean the cache of extracted FMUs.
+
+    The cache is in the user's cache folder, or in the folder that COSIM_CACHE names. FMUs that
+    were not used for 7 days are removed in any case.
+    """
+    configure_logging(verbose, quiet)
+    folder = paths.cache_folder()
+    if action == Action.DIR:
+        print(folder)
+        return
+    from cosim.fmu.cache import remove_unused
+
+    removed = remove_unused(folder, days=0.0) if folder.is_dir() else 0
+    print(f"removed {removed} extracted FMUs from {folder}")
