@@ -36,12 +36,14 @@ ELSEWHERE = {
     r"notes\.md": "tests/harness/report has a document on its page",
     r"cosim run trial": "tests/house makes the trial",
     r"crane": "tests/harness/test_any.py goes through the tutorials step by step",
+    r"chiller\.toml": "tests/harness/loop/test_chiller.py builds its FMUs",
     r"dob --update|compare dob$": "would write next to the scenario: tests/harness/compare",
 }
 """Commands that are run elsewhere, and where."""
 OTHERS = {
     r"^source \.venv/bin/activate$|^mkdir crane && cd crane$": "tests/harness/test_any.py",
     r"^pip install pythonfmu$|^pythonfmu build -f pd\.py$": "tests/harness/test_any.py",
+    r"^pythonfmu build -f (spindle|chiller|compensation)\.py$": "tests/harness/loop/test_chiller.py",
     r"^pip install .*machining_fmus-.*\[sweep,report\]": "tests/harness/test_wheel.py",
     r"^cargo (new|add|install) |^cargo fmu$|^cargo fmu (-o|--package) ": "tests/conformance/test_example.py",
     r"^cargo fmu inspect ": "tests/conformance/test_example.py",
