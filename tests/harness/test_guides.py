@@ -99,8 +99,8 @@ def test_all_kinds_of_charts_are_listed() -> None:
     ] == []
 
 
-def test_the_study_of_the_tutorial_has_twelve_runs(folder: Path) -> None:
+def test_the_study_of_the_tutorial_has_twenty_runs(folder: Path) -> None:
     (example,) = blocks("toml", text("tutorials/first-sweep.md"))
     (folder / "first-sweep.toml").write_text(example)
     found = study.load(folder / "first-sweep.toml")
-    assert study.count(found) * found.design.repeats == 12
+    assert study.count(found) * found.design.repeats == 20

@@ -86,6 +86,8 @@ def test_interrupted_tests_leave_the_results_until_then(
 ) -> None:
     write(END + entry("criterion", id="end", claim="ends", metric="end", maximum=9.0), name="fast.toml")
     write(END + "[plant.parameters]\nstall_at = 3\n", name="slow.toml")
+    (folder / "out").mkdir()
+    (folder / "out" / ".slow.0badcafe.partial.svg").write_text("of a process that was killed")
     outputs = ("--out", "out", "--junit", "j.xml", "--json", "j.json")
     line = ("test", "fast.toml", "slow.toml", "--workers", "1", *outputs)
     with command.started(command=line) as process:
