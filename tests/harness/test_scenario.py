@@ -11,6 +11,7 @@ import pytest
 import cosim
 from cosim import paths
 from cosim.errors import CosimError, ScenarioError
+from cosim.warned import once
 
 from .conftest import END, entry
 
@@ -99,8 +100,9 @@ def test_a_folder_that_does_not_exist_is_reported_once(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setenv(name, os.pathsep.join((str(tmp_path), str(tmp_path / "no"))))
-    for _ in range(2):
-        assert paths.from_env(name) == [tmp_path, tmp_path / "no"]
+    with once():
+        for _ in range(2):
+            assert paths.from_env(name) == [tmp_path, tmp_path / "no"]
     expected = f"`{name}` names `{tmp_path / 'no'}`, which is not a folder"
     assert [record.getMessage() for record in caplog.records] == [expected]
 
