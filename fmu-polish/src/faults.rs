@@ -324,11 +324,10 @@ mod tests {
 
     #[test]
     fn a_request_without_a_valid_sample_is_a_fault_before_the_motion() {
-        let losses: [(Fault, fn(&mut Reading) -> &mut Doubt); 2] = [
-            (Fault::PositionLost, |reading| &mut reading.position_doubt),
-            (Fault::ForceLost, |reading| &mut reading.force_doubt),
-        ];
-        for (fault, doubt) in losses {
+        type Measured = fn(&mut Reading) -> &mut Doubt;
+        let position: Measured = |reading| &mut reading.position_doubt;
+        let force: Measured = |reading| &mut reading.force_doubt;
+        for (fault, doubt) in [(Fault::PositionLost, position), (Fault::ForceLost, force)] {
             for state in State::ALL.iter().copied() {
                 for (pending, lost) in [(false, 6), (true, 5), (true, 6)] {
                     let mut sample = Sample { halted: true, ..Sample::good(state) };
