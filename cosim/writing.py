@@ -6,7 +6,6 @@ import contextlib
 import errno
 import os
 import re
-import secrets
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -124,7 +123,7 @@ def whole(file: Path) -> Iterator[Path]:
         The file cannot be written. After any exception no partial file remains.
     """
     target = Path(os.path.realpath(file))
-    part = target.with_name(f".{target.stem}.{secrets.token_hex(4)}.partial{target.suffix}")
+    part = target.with_name(f".{target.stem}.{os.urandom(4).hex()}.partial{target.suffix}")
     with naming(file):
         if is_device(target) or PART.fullmatch(target.name):
             yield file
