@@ -11,7 +11,7 @@ from cosim.errors import ExpressionError
 from cosim.formatting.quantity import text
 from cosim.formatting.verdicts import counted, row
 from cosim.loop.result import Result
-from cosim.report import charts, panels, provenance
+from cosim.report import charts, drawing, panels, provenance
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show.display import injection_text, shorten
@@ -51,6 +51,7 @@ def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, A
         "passed": result.passed,
         "charts": drawn,
         "views": views,
+        "drawings": [drawing.charts(drawn), drawing.views(views)],
         "undrawn": undrawn,
         "video": None,
         "still": None,

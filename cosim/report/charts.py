@@ -13,9 +13,8 @@ from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import bode, curves, drawing, fields, polar, series
-from cosim.report.curves import Line
-from cosim.report.drawing import Cells
+from cosim.report import bode, curves, fields, series
+from cosim.report.curves import Cells, Line
 from cosim.report.series import scaled
 from cosim.scenario.model import Chart, Scenario
 from cosim.show import marks
@@ -121,11 +120,9 @@ def view(
     places: Sequence[tuple[float, str]] = (),
     levels: Sequence[tuple[float, str]] = (),
 ) -> dict[str, Any]:
-    """One chart: its lines as numbers and as a drawing, with marked positions of `x` and marked values."""
+    """One chart: its lines as numbers, with marked positions of `x` and marked values."""
     points = all(len(line.x) <= FEW for line in drawn)
     whole = all(np.all(line.x == np.round(line.x)) for line in drawn)
-    shown = [(scaled(line.x, chart.x_log), scaled(line.y, chart.log)) for line in drawn]
-    picture = polar.chart if chart.kind == "polar" else drawing.chart
     return {
         **axes(chart),
         "points": points,
@@ -133,15 +130,13 @@ def view(
         "marks": list(places),
         "levels": list(levels),
         "lines": [
-            {"name": line.name, "x": series.packed(x), "y": series.packed(y)}
-            for line, (x, y) in zip(drawn, shown, strict=True)
+            {
+                "name": line.name,
+                "x": series.packed(scaled(line.x, chart.x_log)),
+                "y": series.packed(scaled(line.y, chart.log)),
+            }
+            for line in drawn
         ],
-        "svg": picture(
-            shown,
-            drawing.Kind(chart.x_log, chart.log, chart.equal, points, whole),
-            [(float(scaled(np.array([x]), chart.x_log)[0]), text) for x, text in places],
-            [(float(scaled(np.array([y]), chart.log)[0]), text) for y, text in levels],
-        ),
     }
 
 
@@ -193,9 +188,9 @@ def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
 
 
 def mapped(chart: Chart, cells: Cells) -> dict[str, Any]:
-    """One map, as numbers and as a drawing."""
+    """One map, as numbers."""
     held = {"x": cells.x.tolist(), "y": cells.y.tolist(), **series.packed(cells.parts.ravel())}
-    return {**axes(chart), "cells": held, "svg": drawing.cells(cells, chart.equal)}
+    return {**axes(chart), "cells": held}
 
 
 def picked(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Array]:

@@ -35,6 +35,23 @@ class Line:
     y: Array
 
 
+@dataclass(frozen=True)
+class Cells:
+    """Values in the cells of a plane.
+
+    Parameters
+    ----------
+    x, y
+        Edges of the columns and rows.
+    parts
+        Values relative to the largest, shape (y, x).
+    """
+
+    x: Array
+    y: Array
+    parts: Array
+
+
 Evaluate = Callable[[str], Array]
 
 

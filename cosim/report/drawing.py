@@ -1,258 +1,150 @@
-"""Panels as SVG, for print and for browsers without scripts."""
+"""Pictures of views and charts by matplotlib, for print and for browsers without scripts.
+
+They show the same data as the script of the page, which draws them interactively.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from html import escape
-from itertools import pairwise
+import io
+import re
+import string
+from collections.abc import Sequence
+from textwrap import fill
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 
-from cosim.report.series import thinned
+from cosim.report.series import thinned, unpacked
+from cosim.show import figure as figures
+from cosim.show import plot
 from cosim.trace.columns import Array
 
-WIDTH, HEIGHT = 1200, 300
-LEFT, RIGHT, TOP, BOTTOM = 130, 16, 14, 46
-COLOURS = 8
-"""Number of colors in the style sheet, each with its own dashes."""
+STYLE: Any = {
+    "svg.fonttype": "none",
+    "axes.titlelocation": "left",
+    "axes.titlesize": 9.0,
+    "legend.fontsize": 7.0,
+    "path.simplify_threshold": 0.7,
+}
+DASHES = ("-", (0, (7, 3)), (0, (2, 2)), "-.", (0, (12, 3)), (0, (4, 2)), (0, (1, 2)), (0, (10, 2, 2, 2)))
+"""Dashes of lines in their order, for print without colors."""
 POINTS = 100
-LEAST = 0.02
-"""Minimum relative value of a drawn cell."""
-SHADES = 20
-"""Number of shades of cells in a drawing; the interactive plot has all."""
-CHART = 560
-"""Height of a chart that is not a time series."""
+PLAIN = string.punctuation.translate({ord(one): None for one in "#%&"}) + " \n"
+"""Characters that are themselves in the address of an image, between `"` in a page."""
+WIDTH = 75
+"""Letters in a line of a title."""
+COLUMNS = 2
+"""Charts next to each other."""
+CIRCLE = np.linspace(0.0, 2.0 * np.pi, 181)
 
 
-@dataclass(frozen=True)
-class Frame:
-    """Axes of a drawing: minimum and maximum of `x` and `y`."""
-
-    x: tuple[float, float]
-    y: tuple[float, float]
-    height: int = HEIGHT
-
-    def across(self, x: Any) -> Any:
-        """Position in the picture from the left."""
-        low, high = self.x
-        return LEFT + (WIDTH - LEFT - RIGHT) * (x - low) / ((high - low) or 1.0)
-
-    def down(self, y: Any) -> Any:
-        """Position in the picture from the top."""
-        low, high = self.y
-        return TOP + (self.height - TOP - BOTTOM) * (high - y) / (high - low)
-
-    def grid(
-        self, named: Sequence[tuple[float, str]], log: bool, x_log: bool = False, whole: bool = False
-    ) -> Iterator[str]:
-        """Grid lines and numbers at round values, or the names of values."""
-        for value, name in named or [
-            (tick, label(10.0**tick if log else tick)) for tick in ticks(*self.y, 4)
-        ]:
-            at = self.down(value)
-            yield f'<path class="grid" d="M{LEFT} {at:.0f}H{WIDTH - RIGHT}"/>'
-            yield f'<text class="y" x="{LEFT - 8}" y="{at + 7:.0f}">{escape(name)}</text>'
-        for tick in ticks(*self.x, 6, 1.0 if whole else 0.0):
-            shown = label(10.0**tick if x_log else tick)
-            yield f'<text class="x" x="{self.across(tick):.0f}" y="{self.height - 16}">{shown}</text>'
-
-    def picture(self, parts: Sequence[str]) -> str:
-        """SVG of the parts."""
-        return f'<svg viewBox="0 0 {WIDTH} {self.height}" role="img">{"".join(parts)}</svg>'
+def views(found: Sequence[dict[str, Any]]) -> str:
+    """Draw the views of a run side by side, each with its panels; empty without a panel."""
+    if not found or not found[0]["panels"]:
+        return ""
+    rows = len(found[0]["panels"])
+    with figures.styled((6.0 * len(found), 1.7 * rows), STYLE) as figure:
+        grid = figure.subplots(rows, len(found), sharex="col", squeeze=False)
+        for column, view in zip(grid.T, found, strict=True):
+            for axes, panel in zip(column, view["panels"], strict=True):
+                draw_panel(axes, view, panel)
+            plot.name_events(column[0], view["events"])
+            column[-1].set_xlabel(f"time (s), {view['title']}")
+        return image(figure)
 
 
-def panel(
-    lines: Sequence[Array],
-    time: tuple[float, float],
-    log: bool,
-    items: Mapping[str, int],
-    events: Sequence[float],
-    limits: Sequence[float] = (),
-) -> str:
-    """Draw one panel.
-
-    Parameters
-    ----------
-    lines
-        Values of each column at equal times, in axis coordinates.
-    time
-        First and last of them, s.
-    log
-        Whether the values are logarithms.
-    items
-        Names of the values of an enumeration.
-    events
-        Marked times, s.
-    limits
-        Marked values.
-    """
-    shown = [thinned(line, POINTS) for line in lines]
-    frame = Frame(time, extent([*shown, np.array(limits, dtype=float)]))
-    present = {number for line in shown for number in np.unique(line[np.isfinite(line)])} if items else set()
-    named = [(float(number), name) for name, number in items.items() if number in present]
-    parts = list(frame.grid(named, log))
-    parts += [f'<path class="event" d="M{frame.across(t):.0f} {TOP}V{HEIGHT - BOTTOM}"/>' for t in events]
-    parts += [f'<path class="limit" d="M{LEFT} {frame.down(v):.0f}H{WIDTH - RIGHT}"/>' for v in limits]
-    for i, line in enumerate(shown):
-        times = np.linspace(LEFT, WIDTH - RIGHT, len(line))
-        parts.append(f'<path class="line c{i % COLOURS}" d="{curve(times, frame.down(line))}"/>')
-    return frame.picture(parts)
+def draw_panel(axes: Any, view: dict[str, Any], panel: dict[str, Any]) -> None:
+    """Draw one panel of a view."""
+    for number, line in enumerate(panel["lines"]):
+        y = values(thinned(unpacked(line), POINTS), panel["log"])
+        y = np.round(y) if panel["items"] else y
+        times = np.linspace(view["from"], view["to"], len(y))
+        style: Any = {"drawstyle": "steps-post" if line["stepped"] else "default", "linestyle": dash(number)}
+        axes.plot(times, y, label=line["name"], linewidth=1.1, **style)
+    unit = f" ({panel['unit']})" if panel["unit"] else ""
+    axes.set_title(fill(f"{panel['title']}{unit}".strip(), WIDTH))
+    axes.set_yscale("log" if panel["log"] else "linear")
+    plot.mark(axes, panel["limits"], view["events"], panel["log"], panel["items"])
+    axes.margins(x=0.0)
+    axes.legend(ncols=3)
 
 
-@dataclass(frozen=True)
-class Kind:
-    """Style of a chart of values over values.
-
-    Parameters
-    ----------
-    x_log, log
-        Whether `x` and `y` are logarithms.
-    equal
-        Whether both axes have the same scale.
-    points
-        Whether every point has a marker.
-    whole
-        Whether `x` are whole numbers.
-    """
-
-    x_log: bool = False
-    log: bool = False
-    equal: bool = False
-    points: bool = False
-    whole: bool = False
+def charts(found: Sequence[dict[str, Any]]) -> str:
+    """Draw charts that are not time series; empty without a chart."""
+    if not found:
+        return ""
+    columns = min(COLUMNS, len(found))
+    rows = -(-len(found) // columns)
+    with figures.styled((6.0 * columns, 3.2 * rows), STYLE) as figure:
+        for number, chart in enumerate(found, 1):
+            projection = "polar" if chart["polar"] else None
+            draw_chart(figure.add_subplot(rows, columns, number, projection=projection), chart)
+        return image(figure)
 
 
-def chart(
-    lines: Sequence[tuple[Array, Array]],
-    kind: Kind,
-    marks: Sequence[tuple[float, str]] = (),
-    levels: Sequence[tuple[float, str]] = (),
-) -> str:
-    """Draw values over values, both in axis coordinates.
+def draw_chart(axes: Any, chart: dict[str, Any]) -> None:
+    """Draw one chart: lines or cells, marked positions and values."""
+    from matplotlib.ticker import MaxNLocator
 
-    Parameters
-    ----------
-    marks
-        Marked positions of `x` with texts.
-    levels
-        Marked values with texts.
-    """
-    ends = extent([*(y for _, y in lines), np.array([level for level, _ in levels], dtype=float)])
-    sides = extent([*(x for x, _ in lines), np.array([place for place, _ in marks], dtype=float)])
-    frame = framed(sides, ends, kind.equal)
-    parts = list(frame.grid([], kind.log, kind.x_log, kind.whole))
-    for level, words in levels:
-        at = frame.down(level)
-        parts.append(f'<path class="limit" d="M{LEFT} {at:.0f}H{WIDTH - RIGHT}"/>')
-        parts.append(f'<text class="mark" x="{WIDTH - RIGHT}" y="{at - 6:.0f}">{escape(words)}</text>')
-    for i, (place, words) in enumerate(marks):
-        at = f"{frame.across(place):.0f}"
-        parts.append(f'<path class="event" d="M{at} {TOP}V{CHART - BOTTOM}"/>')
-        parts.append(f'<text class="mark" x="{WIDTH - RIGHT}" y="{TOP + 24 + 26 * i}">{escape(words)}</text>')
-    for i, (across, values) in enumerate(lines):
-        places, heights = frame.across(across), frame.down(values)
-        parts.append(f'<path class="line c{i % COLOURS}" d="{curve(places, heights)}"/>')
-        if kind.points:
-            known = np.isfinite(places) & np.isfinite(heights)
-            dots = "".join(f"M{a:.0f} {b:.0f}h0" for a, b in zip(places[known], heights[known], strict=True))
-            parts.append(f'<path class="dots c{i % COLOURS}" d="{dots}"/>')
-    return frame.picture(parts)
+    if cells := chart["cells"]:
+        parts = unpacked(cells).reshape(len(cells["y"]) - 1, -1)
+        axes.pcolormesh(cells["x"], cells["y"], parts, cmap="Blues", vmin=0.0, vmax=1.0, rasterized=True)
+    for number, line in enumerate(chart["lines"]):
+        x, y = values(unpacked(line["x"]), chart["x_log"]), values(unpacked(line["y"]), chart["log"])
+        style: Any = {"linestyle": dash(number), "marker": "." if chart["points"] else ""}
+        axes.plot(x, y, label=line["name"], linewidth=1.1, **style)
+    for position, text in chart["marks"]:
+        axes.axvline(position, label=text or None, **plot.EVENT)
+    axes.set(title=fill(chart["title"], WIDTH), yscale="log" if chart["log"] else "linear")
+    if chart["polar"]:
+        for value, text in chart["levels"]:
+            axes.plot(CIRCLE, np.full(len(CIRCLE), value), label=text or None, **plot.LIMIT)
+        if not chart["log"]:
+            axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    else:
+        for value, text in chart["levels"]:
+            axes.axhline(value, label=text or None, **plot.LIMIT)
+        axes.set(xlabel=chart["x_label"], ylabel=chart["label"], xscale="log" if chart["x_log"] else "linear")
+        if chart["whole"]:
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    if chart["equal"]:
+        axes.set_aspect("equal", adjustable="datalim")
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend()
 
 
-@dataclass(frozen=True)
-class Cells:
-    """Values in the cells of a plane.
-
-    Parameters
-    ----------
-    x, y
-        Edges of the columns and rows.
-    parts
-        Values relative to the largest, shape (y, x).
-    """
-
-    x: Array
-    y: Array
-    parts: Array
+def values(found: Array, log: bool) -> Array:
+    """Values of axis coordinates, see `series.scaled`."""
+    return 10.0**found if log else found
 
 
-def cells(found: Cells, equal: bool) -> str:
-    """Draw cells with a darkness that increases with the value.
-
-    `equal` states whether both axes have the same scale.
-    """
-    x, y, parts = found.x, found.y, found.parts
-    frame = framed((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])), equal)
-    high = float(frame.down(y[0]) - frame.down(y[1]))
-    shades: dict[float, list[str]] = {}
-    # merge adjacent cells with the same shade
-    steps = np.where(parts > LEAST, np.ceil(parts * SHADES), 0.0)
-    for row, line in enumerate(steps):
-        top = frame.down(y[row + 1])
-        ends = [0, *(np.flatnonzero(np.diff(line)) + 1), len(line)]
-        for first, last in pairwise(ends):
-            if line[first] > 0.0:
-                left, right = frame.across(x[first]), frame.across(x[last])
-                way = f"{right - left + 1:.0f}"
-                places = shades.setdefault(line[first] / SHADES, [])
-                places.append(f"M{left:.0f} {top:.0f}h{way}v{high + 1:.0f}h-{way}")
-    painted = (
-        f'<path class="cell" opacity="{shade:g}" d="{"".join(places)}"/>' for shade, places in shades.items()
-    )
-    return frame.picture([*frame.grid([], False), *painted])
+def dash(number: int) -> Any:
+    """Dashes of a line."""
+    return DASHES[number % len(DASHES)]
 
 
-def framed(x: tuple[float, float], y: tuple[float, float], equal: bool) -> Frame:
-    """Axes of a chart that is not a time series."""
-    if not equal:
-        return Frame(x, y, CHART)
-    # a unit is as many pixels across as down
-    wide = (WIDTH - LEFT - RIGHT) / (CHART - TOP - BOTTOM)
-    half = 0.5 * max(x[1] - x[0], wide * (y[1] - y[0]))
-    across, up = 0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])
-    return Frame((across - half, across + half), (up - half / wide, up + half / wide), CHART)
+def image(figure: Any) -> str:
+    """Address of a figure as SVG for an `img` in the page."""
+    figures.show_as_written(figure)
+    content = io.BytesIO()
+    figure.savefig(content, format="svg", metadata=figures.SVG)
+    return "data:image/svg+xml," + quote(compact(content.getvalue().decode()), safe=PLAIN)
 
 
-def curve(x: Array, y: Array) -> str:
-    """Path through points, interrupted at NaN; a level section has two points."""
-    pieces: list[list[tuple[int, int]]] = [[]]
-    for across, down in zip(x, y, strict=True):
-        if not (math.isfinite(down) and math.isfinite(across)):
-            pieces.append([])
-            continue
-        point, piece = (round(float(across)), round(float(down))), pieces[-1]
-        if len(piece) > 1 and piece[-2][1] == piece[-1][1] == point[1]:
-            (before, _), (last, _) = piece[-2:]
-            if (last - before) * (point[0] - last) >= 0:
-                piece.pop()
-        piece.append(point)
-    return "".join("M" + "L".join(f"{across} {down}" for across, down in piece) for piece in pieces if piece)
+def compact(svg: str) -> str:
+    """Return an SVG without `"` and of a third of its size: equal styles once, tenths of a point."""
+    styles: dict[str, str] = {}
 
+    def named(found: re.Match[str]) -> str:
+        return f'class="{styles.setdefault(found[1], f"s{len(styles)}")}"'
 
-def extent(lines: Sequence[Array]) -> tuple[float, float]:
-    """Limits of an axis for all finite values, with a margin."""
-    finite = np.concatenate([line[np.isfinite(line)] for line in lines])
-    if not finite.size:
-        return 0.0, 1.0
-    low, high = float(finite.min()), float(finite.max())
-    room = 0.05 * (high - low) or 0.5 * abs(low) or 1.0
-    return low - room, high + room
+    def short(tag: re.Match[str]) -> str:
+        # groups without names, texts that are not turned, and lines without a letter for each point
+        content = re.sub(r'style="([^"]*)"', named, tag[0])
+        content = re.sub(r'(<g) id=".*?"| transform="rotate\(-0 .*?"|(\.\d)\d+| \nL(?= )', r"\1\2", content)
+        return content.replace("'", "&apos;").replace('"', "'")
 
-
-def ticks(low: float, high: float, count: int, least: float = 0.0) -> list[float]:
-    """Round numbers between two limits, with an approximate count and a minimum spacing."""
-    raw = (high - low) / count
-    if not (raw > 0.0 and math.isfinite(raw)):
-        return [low]
-    power = 10.0 ** math.floor(math.log10(raw))
-    step = max(least, next(m * power for m in (1.0, 2.0, 5.0, 10.0) if m * power >= raw * (1.0 - 1e-9)))
-    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return [n * step for n in range(first, last + 1)]
-
-
-def label(value: float) -> str:
-    """Format a number at an axis."""
-    return f"{value:.4g}" if abs(value) > 1e-12 else "0"
+    svg = re.sub(r"<[^>]*>", short, svg[svg.index("<svg") :])
+    rules = "".join(f".{name}{{{style}}}" for style, name in styles.items())
+    return re.sub(r"\s*\n\s*", "\n", svg.replace("</style>", f"{rules}</style>")).replace('"', "&quot;")

@@ -10,7 +10,7 @@ import numpy as np
 
 from cosim.errors import ScenarioError, closest
 from cosim.loop import own_code
-from cosim.report.drawing import Cells
+from cosim.report.curves import Cells
 from cosim.scenario.model import Chart
 from cosim.trace.columns import Array
 

@@ -32,7 +32,7 @@ def check() -> None:
     CosimError
         A package is missing.
     """
-    for package in ("jinja2", "markdown_it", "plotly"):
+    for package in ("jinja2", "markdown_it", "matplotlib", "plotly"):
         problem = f"the report needs the package `{package}`, which is not installed"
         extras.needed(package, problem, extras.hint("report"))
 
@@ -90,14 +90,9 @@ def text(
 
 
 def plain(chapter: Chapter) -> dict[str, Any]:
-    """Charts and views of a chapter or sweep without their drawings, which are in the page itself."""
-    drawn = (*chapter["charts"], *chapter.get("distributions", ()))
-    charts = [{k: v for k, v in chart.items() if k != "svg"} for chart in drawn]
-    views = [
-        {**view, "panels": [{k: v for k, v in panel.items() if k != "svg"} for panel in view["panels"]]}
-        for view in chapter.get("views", ())
-    ]
-    return {"charts": charts, "views": views}
+    """Charts and views of a chapter or sweep, as the script of the page draws them."""
+    charts = (*chapter["charts"], *chapter.get("distributions", ()))
+    return {"charts": charts, "views": chapter.get("views", ())}
 
 
 @functools.cache

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cosim.loop.result import Result
-from cosim.report import drawing, series
+from cosim.report import series
 from cosim.report.series import scaled
 from cosim.scenario.model import Panel, Scenario
 from cosim.show import marks, plot
@@ -42,19 +42,12 @@ def view(
     times = trace["time"][window]
     span = float(times[0]), float(times[-1])
     inside = plot.inside(times, marked)
-    drawn = [one(panel, trace, window, span, Marked(inside, marked.limits), result) for panel in panels]
+    drawn = [one(panel, trace, window, marked, result) for panel in panels]
     return {"title": title, "from": span[0], "to": span[1], "events": inside, "panels": drawn}
 
 
-def one(
-    panel: Panel,
-    trace: Columns,
-    window: Any,
-    span: tuple[float, float],
-    marked: Marked,
-    result: Result,
-) -> dict[str, Any]:
-    """One panel: its lines as numbers and as a drawing."""
+def one(panel: Panel, trace: Columns, window: Any, marked: Marked, result: Result) -> dict[str, Any]:
+    """One panel: its lines as numbers."""
     shown = plot.unit_of(panel, result, plot.largest(trace[name][window] for name in panel.columns))
     items = plot.items_of(panel, result)
     lines: list[Array] = [shown.factor * trace[name][window] + shown.offset for name in panel.columns]
@@ -75,12 +68,4 @@ def one(
             }
             for name, line in zip(panel.columns, lines, strict=True)
         ],
-        "svg": drawing.panel(
-            [scaled(line, log) for line in lines],
-            span,
-            log,
-            items,
-            [t for t, _ in marked.events],
-            scaled(np.array([limit for limit, _ in limits]), log).tolist(),
-        ),
     }

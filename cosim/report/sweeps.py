@@ -12,7 +12,7 @@ import numpy as np
 from cosim import paths
 from cosim.formatting.quantity import prefixed, text
 from cosim.metrics import criteria
-from cosim.report import charts, curves
+from cosim.report import charts, curves, drawing
 from cosim.report.curves import Line
 from cosim.scenario.model import Chart
 from cosim.show import marks
@@ -46,7 +46,7 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
     def describe(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)
         drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
-        runs = worst(plan, found)
+        runs, spread = worst(plan, found), [*distributions(plan, found)]
         return {
             "name": file.stem,
             "scenario": plan.scenario.name,
@@ -59,7 +59,8 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
             "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
             "repeat": [plan.command(plan.runs[run]) for run in runs],
             "charts": drawn,
-            "distributions": [*distributions(plan, found)],
+            "distributions": spread,
+            "drawings": [drawing.charts(drawn), drawing.charts(spread)],
             "undrawn": undrawn,
         }
 

@@ -80,7 +80,7 @@ def library() -> Any:
 
 @contextlib.contextmanager
 def styled(size: tuple[float, float], changes: Any = None) -> Iterator[Any]:
-    """Return an empty figure of a size in inches, in the style of all figures, with optional settings by name.
+    """Return an empty figure of a size in inches in the style of all figures, with settings by name.
 
     It is not one of `pyplot`, which would choose and keep the backend of a notebook.
     """

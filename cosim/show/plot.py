@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ MAX_COLUMNS = 8
 MAX_EVENTS = 6
 LIMIT: Any = {"color": "0.35", "linestyle": "--", "linewidth": 0.8}
 EVENT: Any = {"color": "0.35", "linestyle": ":", "linewidth": 0.8}
+Named: TypeAlias = Sequence[tuple[float, str]]
+"""Limits or times of events with their texts."""
 NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
 
 
@@ -62,8 +64,7 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
         for axes, window in zip(grid[0], windows, strict=True):
-            for moment, label in inside(trace["time"][window], marked):
-                axes.text(moment, 1.0, f" {label}", **NAME, transform=axes.get_xaxis_transform())
+            name_events(axes, inside(trace["time"][window], marked))
         figure.suptitle(heading(result), fontsize=10)
         figures.save(figure, path)
 
@@ -92,15 +93,27 @@ def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked
     # without a positive value there is nothing to show on a logarithmic axis
     if panel.log and positive:
         axes.set_yscale("log", nonpositive="mask")
-    for limit, label in marks.near(panel, marked, shown, lines):
-        if not panel.log or limit > 0.0:
+    limits, events = marks.near(panel, marked, shown, lines), inside(trace["time"], marked)
+    mark(axes, limits, events, panel.log, items_of(panel, result))
+
+
+def mark(axes: Any, limits: Named, events: Named, log: bool, items: Mapping[str, int] | None = None) -> None:
+    """Draw limits, events and the names of present items; a logarithmic axis has only positive limits."""
+    present = {float(number) for line in axes.get_lines() for number in np.unique(line.get_ydata())}
+    for limit, label in limits:
+        if not log or limit > 0.0:
             axes.axhline(limit, label=label or None, **LIMIT)
-    for moment, _ in inside(trace["time"], marked):
+    for moment, _ in events:
         axes.axvline(moment, **EVENT)
-    if items := items_of(panel, result):
-        present = np.unique([trace[column] for column in panel.columns])
+    if items:
         named = {name: number for name, number in items.items() if number in present}
         axes.set_yticks(list(named.values()), list(named))
+
+
+def name_events(axes: Any, events: Named) -> None:
+    """Write the names of events next to them."""
+    for moment, label in events:
+        axes.text(moment, 1.0, f" {label}", **NAME, transform=axes.get_xaxis_transform())
 
 
 def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:

@@ -3,6 +3,9 @@ const root = document.documentElement;
 const one = (selector, from = document) => from.querySelector(selector);
 const all = (selector, from = document) => [...from.querySelectorAll(selector)];
 
+// without this the pictures of the plots stay
+if ("DecompressionStream" in window) root.classList.add("scripted");
+
 // texts are compressed in the page
 const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 async function expanded(id) {
@@ -86,7 +89,6 @@ function layout(view, panel) {
   };
 }
 
-// the static drawing is kept for print
 function plotOf(figure) {
   if (!one(".plot", figure)) figure.append(Object.assign(document.createElement("div"), { className: "plot" }));
   figure.classList.add("drawn");

@@ -24,6 +24,7 @@ from ..cli.commands import called
 from ..cli.commands import cosim as command
 from ..conftest import DATA, END, SCENARIO
 from . import browser
+from .traces import texts
 
 SCRIPT = "<script>document.title = 'taken'</script>"
 LAG = (
@@ -177,7 +178,9 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
     speed = unpacked(chart["lines"][0]["y"])
     assert (chart["title"], len(speed)) == ("Speed over position", len(wanted))
     assert view["events"] == [[pytest.approx(0.02), "fault injected: plant.u"]]
-    assert page.get_element_by_id("chapter-0").xpath(".//figure//path[@class='line c0']")
+    first, second = page.get_element_by_id("chapter-0").find_class("still")
+    assert "Speed over position" in texts(first.get("src"))
+    assert {"end <= 700 mm", "time (s), the whole run"} <= set(texts(second.get("src")))
     library = gzip.decompress(base64.b64decode(page.get_element_by_id("library").text))
     assert b"plotly.js" in library[:2000]
 
@@ -260,8 +263,8 @@ def test_a_failed_drawing_loses_no_verdict(made: Path, monkeypatch: pytest.Monke
         "Not plotted: plot.charts Speed over position = ",
         "Not plotted: plot.zoom = first_time(plant.x[tim",
     ]
-    (view,) = page.find_class("views")
-    assert view.xpath(".//path[@class='line c0']")
+    (picture,) = page.find_class("still")
+    assert "time (s), the whole run" in texts(picture.get("src"))
 
 
 @pytest.mark.parametrize("option", ["--out", "--report"])
@@ -314,9 +317,9 @@ PRINTED = """
 (() => {
   document.querySelector("#theme").click();
   if (document.documentElement.dataset.theme !== "dark") document.querySelector("#theme").click();
-  const shown = (what) => getComputedStyle(document.querySelector("figure[data-chart] " + what)).display;
+  const shown = (what) => getComputedStyle(document.querySelector(what)).display;
   return {
-    color: getComputedStyle(document.body).backgroundColor, plot: shown(".plot"), still: shown(".still"),
+    color: getComputedStyle(document.body).backgroundColor, plot: shown(".charts"), still: shown(".still"),
   };
 })()
 """

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import base64
 import json
-import re
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -28,6 +26,7 @@ from cosim.report.series import BUCKETS, STEPS, packed, scaled, thinned, unpacke
 
 from ..cli.commands import cosim as command
 from ..conftest import DATA, SCENARIO
+from .traces import points, texts
 
 NAN = float("nan")
 
@@ -67,55 +66,45 @@ def test_packed_values_are_closer_than_a_pixel(scale: float) -> None:
     assert np.nanmax(np.abs(found - values)) <= 0.5 / STEPS * np.ptp(values[np.isfinite(values)]) * (1 + 1e-6)
 
 
-def parts(svg: str, kind: str) -> list[ElementTree.Element]:
-    return [part for part in ElementTree.fromstring(svg) if part.get("class", "").split()[0] == kind]
-
-
-def points(path: ElementTree.Element) -> list[tuple[int, int]]:
-    return [(int(x), int(y)) for x, y in re.findall(r"[ML](-?\d+) (-?\d+)", path.get("d", ""))]
+def shown(line: np.ndarray, log: bool = False, items: dict[str, int] | None = None) -> str:
+    """Drawing of a panel with one line."""
+    data = {"name": "y", "stepped": False, **packed(scaled(line, log))}
+    panel = {"title": "t", "unit": "m", "log": log, "items": items or {}, "limits": [], "lines": [data]}
+    return drawing.views(
+        [{"title": "run", "from": 0.0, "to": 2.0, "events": [(1.0, "hit")], "panels": [panel]}]
+    )
 
 
 def test_a_drawing_shows_values_from_low_to_high_within_its_frame() -> None:
-    svg = drawing.panel([np.linspace(0.0, 1.0, 100), np.full(100, 0.5)], (0.0, 2.0), False, {}, [1.0])
-    rising, level = (points(line) for line in parts(svg, "line"))
-    assert [x for x, _ in rising] == sorted(x for x, _ in rising)
-    assert [y for _, y in rising] == sorted((y for _, y in rising), reverse=True)
-    assert rising[0][0] == drawing.LEFT
-    assert rising[-1][0] == drawing.WIDTH - drawing.RIGHT
-    assert len({y for _, y in level}) == 1
-    assert all(drawing.TOP <= y <= drawing.HEIGHT - drawing.BOTTOM for _, y in rising)
-    (event,) = parts(svg, "event")
-    middle = drawing.LEFT + (drawing.WIDTH - drawing.LEFT - drawing.RIGHT) // 2
-    assert (event.get("d") or "").startswith(f"M{middle} ")
-
-
-def test_a_level_line_is_as_long_as_it_is_and_has_no_more_points() -> None:
-    x, y = np.array([0.0, 1.0, 2.0, 9.0, 4.0, 4.0, 5.0]), np.array([3.0, 3.0, 3.0, 3.0, 3.0, 3.0, 7.0])
-    assert drawing.curve(x, y) == "M0 3L9 3L4 3L5 7"
+    svg = shown(np.sqrt(np.linspace(0.0, 1.0, 100)))
+    x, y = points(svg, "#1f77b4").T
+    assert np.all(np.diff(x) > 0.0)
+    assert np.all(np.diff(y) < 0.0)
+    ((middle, _), _) = points(svg, "#595959")
+    assert middle == pytest.approx(0.5 * (x[0] + x[-1]), abs=1.0)
+    assert {"t (m)", "time (s), run", "hit"} <= set(texts(svg))
 
 
 def test_a_drawing_is_interrupted_where_there_is_no_number() -> None:
-    line = np.array([1.0, 2.0, NAN, 4.0, 5.0])
-    (path,) = parts(drawing.panel([line], (0.0, 1.0), False, {}, []), "line")
-    assert (path.get("d") or "").count("M") == 2
-    assert len(points(path)) == 4
+    assert len(points(shown(np.array([1.0, 2.0, NAN, 4.0, 5.0])), "#1f77b4")) == 4
 
 
 def test_a_logarithmic_drawing_leaves_out_what_is_not_positive() -> None:
-    line = scaled(np.array([-1.0, 0.0, 1.0, 10.0, 100.0]), log=True)
-    svg = drawing.panel([line], (0.0, 1.0), True, {}, [])
-    (path,) = parts(svg, "line")
-    heights = [y for _, y in points(path)]
-    assert {mark.text for mark in parts(svg, "y")} >= {"1", "10", "100"}
-    assert len(heights) == 3
-    assert heights[0] - heights[1] == pytest.approx(heights[1] - heights[2], abs=1)
+    heights = points(shown(np.array([-1.0, 0.0, 1.0, 100.0, 10.0, 1000.0]), log=True), "#1f77b4")[:, 1]
+    assert len(heights) == 4
+    parts = (heights[0] - heights) / (heights[0] - heights[-1])
+    assert parts == pytest.approx([0.0, 2 / 3, 1 / 3, 1.0], abs=0.02)
 
 
 def test_the_items_that_come_are_named_at_the_axis_and_escaped() -> None:
-    svg = drawing.panel(
-        [np.array([1.0, 3.0, 3.0])], (0.0, 1.0), False, {"<Idle>": 1, "Never": 2, "Run": 3}, []
-    )
-    assert [mark.text for mark in parts(svg, "y")] == ["<Idle>", "Run"]
+    items = {"<Idle>": 1, "Never": 2, "it's": 3, 'a"b': 4, "Run & on": 5}
+    svg = shown(np.array([1.0, 3.0, 3.0, 4.0, 5.0]), items=items)
+    assert [text for text in texts(svg) if text in items] == ["<Idle>", "it's", 'a"b', "Run & on"]
+    assert '"' not in svg
+
+
+def test_a_drawing_without_content_is_none() -> None:
+    assert drawing.views([]) == drawing.charts([]) == ""
 
 
 def encoded(content: bytes) -> str:
@@ -185,12 +174,3 @@ def test_a_video_that_ends_its_process_loses_no_run(write: Callable[..., Path], 
     assert (done.returncode, done.stdout) == (0, "wrote lag.html\n"), done.stderr
     (note,) = html.fromstring((folder / "lag.html").read_text()).find_class("note")
     assert "ended the process with exit code 3" in note.text_content()
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "found"),
-    [(0.0, 1.0, [0.0, 0.5, 1.0]), (-3.0, 7.0, [0.0, 5.0]), (1e-9, 2.1e-9, [1e-9, 1.5e-9, 2e-9])],
-)
-def test_ticks_are_round_numbers(low: float, high: float, found: list[float]) -> None:
-    assert drawing.ticks(low, high, 3) == pytest.approx(found)
-    assert drawing.ticks(1.0, 1.0, 3) == [1.0]

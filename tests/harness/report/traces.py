@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
+from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Measured, Verdict
@@ -50,3 +54,28 @@ def result(trace: Held, value: str, **limits: Any) -> tuple[Scenario, Result]:
         trace.table, units=units, items={"controller.fault": {"None": 1, "Stuck": 3}}, injected=(0.5, None),
     )  # fmt: skip
     return of, found
+
+
+def texts(picture: str) -> list[str]:
+    """Texts of a drawing for print."""
+    return [
+        "".join(part.itertext()).strip() for part in drawn(picture).iter("{http://www.w3.org/2000/svg}text")
+    ]
+
+
+def points(picture: str, color: str) -> NDArray[np.float64]:
+    """Points of the longest line of a color in a drawing for print, shape (points, 2)."""
+    root = drawn(picture)
+    style = "".join(part.text or "" for part in root.iter("{http://www.w3.org/2000/svg}style"))
+    classes = {name for name, rules in re.findall(r"\.(s\d+)\{(.*?)\}", style) if f"stroke: {color}" in rules}
+    lines = [
+        np.array(re.findall(r"-?[\d.]+", part.get("d", "")), dtype=float).reshape(-1, 2)
+        for part in root.iter("{http://www.w3.org/2000/svg}path")
+        if part.get("class") in classes
+    ]
+    return max(lines, key=len)
+
+
+def drawn(picture: str) -> Any:
+    """Root of a drawing for print."""
+    return ElementTree.fromstring(unquote(picture.partition(",")[2]))
