@@ -28,7 +28,7 @@ def python() -> str:
     """Page of all public names; mkdocstrings adds their documentation."""
     parts = ["# Python", "`import cosim` is cheap: dependencies are imported on first use of a name."]
     for name in cosim.__all__:
-        place = cosim.LOCATIONS.get(name, f"cosim.{name}.results.{name}")
+        place = cosim.LOCATIONS[name]
         parts.append(f'::: {place}\n    options:\n      heading: "cosim.{name}"\n      toc_label: "{name}"')
     return "\n\n".join(parts) + "\n"
 

@@ -91,7 +91,8 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_reported(write:
         "hint": "List the known names with `cosim list`.",
     }
     assert good == {
-        "file": "lag.toml", "kind": "scenario", "status": "valid", "ok": True, "runs": 1, "error": None, "warnings": [],
+        "file": "lag.toml", "kind": "scenario", "status": "valid", "ok": True, "runs": 1, "error": None,
+        "warnings": [],
     }  # fmt: skip
 
 
