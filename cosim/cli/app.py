@@ -26,6 +26,7 @@ from cosim.cli.media.view import view
 from cosim.cli.new import new
 from cosim.cli.optimize import optimize
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE, options
+from cosim.cli.plot import plot
 from cosim.cli.run import run
 from cosim.cli.schema import schema
 from cosim.cli.show import show
@@ -81,6 +82,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "video": video,
     "evaluate": evaluate,
     "compare": compare,
+    "plot": plot,
     "sweep": sweep,
     "optimize": optimize,
     "schema": schema,

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from cosim.formatting.quantity import round_down
 from cosim.metrics.drawable import numbered
-from cosim.report import series
 from cosim.scenario.model import Chart
 from cosim.trace.columns import Array, Columns
+from cosim.trace.thinned import BUCKETS, extremes
 
-MAX_POINTS = 2 * series.BUCKETS
+MAX_POINTS = 2 * BUCKETS
 SEEN = 0.1
 """Size of the largest enlarged error relative to the path."""
 ORDERS = 40
@@ -100,7 +100,7 @@ def few(x: Array, y: Array) -> tuple[Array, Array]:
     """Decimated points: the rows with minimum and maximum `x` and `y` in equal intervals."""
     if len(y) <= MAX_POINTS:
         return x, y
-    rows = np.unique(np.concatenate([series.extremes(each, MAX_POINTS // 4) for each in (x, y)]))
+    rows = np.unique(np.concatenate([extremes(each, MAX_POINTS // 4) for each in (x, y)]))
     return x[rows], y[rows]
 
 

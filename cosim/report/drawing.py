@@ -15,10 +15,11 @@ from urllib.parse import quote
 
 import numpy as np
 
-from cosim.report.series import thinned, unpacked
+from cosim.report.series import unpacked
 from cosim.show import figure as figures
 from cosim.show import plot
 from cosim.trace.columns import Array
+from cosim.trace.thinned import thinned
 
 STYLE: Any = {
     "svg.fonttype": "none",

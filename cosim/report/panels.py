@@ -13,6 +13,7 @@ from cosim.scenario.model import Panel, Scenario
 from cosim.show import marks, plot
 from cosim.show.marks import Marked
 from cosim.trace.columns import Array, Columns, stepped
+from cosim.trace.thinned import thinned
 
 
 def views(scenario: Scenario, result: Result) -> list[dict[str, Any]]:
@@ -64,7 +65,7 @@ def one(panel: Panel, trace: Columns, window: Any, marked: Marked, result: Resul
             {
                 "name": name,
                 "stepped": stepped(trace[name][window]),
-                **series.packed(scaled(series.thinned(line), log)),
+                **series.packed(scaled(thinned(line), log)),
             }
             for name, line in zip(panel.columns, lines, strict=True)
         ],

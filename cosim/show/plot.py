@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,18 @@ EVENT: Any = {"color": "0.35", "linestyle": ":", "linewidth": 0.8}
 Named: TypeAlias = Sequence[tuple[float, str]]
 """Limits or times of events with their texts."""
 NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
+
+
+class Labels(Protocol):
+    """Units of columns, and the items of those that are enumerations."""
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit by column."""
+
+    @property
+    def items(self) -> dict[str, dict[str, int]]:
+        """Items by column."""
 
 
 def save(scenario: Scenario, result: Result, path: Path) -> None:
@@ -145,24 +157,24 @@ def largest(columns: Iterable[NDArray[np.float64]]) -> float:
     return max(float(np.max(np.abs(one), where=np.isfinite(one), initial=0.0)) for one in columns)
 
 
-def items_of(panel: Panel, result: Result) -> dict[str, int]:
+def items_of(panel: Panel, labels: Labels) -> dict[str, int]:
     """Names of the values of a panel whose columns are one enumeration; none for other panels."""
-    first, *others = (result.items.get(column, {}) for column in panel.columns)
+    first, *others = (labels.items.get(column, {}) for column in panel.columns)
     return first if all(items == first for items in others) else {}
 
 
-def default_panels(trace: Columns, result: Result) -> tuple[Panel, ...]:
-    """Default panels of a scenario: changing columns by enumeration or unit, and the number of omitted ones.
+def default_panels(trace: Columns, labels: Labels, every: bool = False) -> tuple[Panel, ...]:
+    """Default panels of a trace: changing columns by enumeration or unit, and the number of omitted ones.
 
-    A trace with only the time has none.
+    A trace with only the time has none. `every` includes columns that do not change.
     """
     names = list(trace)[1:]
     if not names:
         return ()
-    moving = [name for name in names if moves(trace[name])] or names[:1]
+    moving = [name for name in names if every or moves(trace[name])] or names[:1]
     groups: dict[tuple[tuple[str, ...], str], list[str]] = {}
     for name in moving:
-        group = tuple(result.items.get(name, ())), result.units.get(name, "")
+        group = tuple(labels.items.get(name, ())), labels.units.get(name, "")
         groups.setdefault(group, []).append(name)
     # what the loop is doing comes first
     largest = sorted(groups.items(), key=lambda group: (not group[0][0], -len(group[1])))

@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 
-from ..conftest import DATA, END, HEADERS
+from ..conftest import END
 from . import fmus
 from .calling import Refuse, refused
-
-
-@pytest.fixture(scope="session")
-def broken_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """Compile the library whose defect the GUID names."""
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    assert compiler, "a C compiler is needed to build the FMUs"
-    library = tmp_path_factory.mktemp("defects") / "defects.so"
-    command = [compiler, "-shared", "-fPIC", "-O1", f"-I{HEADERS}", str(DATA / "defects.c"), "-lm"]
-    subprocess.run([*command, "-o", str(library)], check=True)
-    return library.read_bytes()
 
 
 @pytest.fixture

@@ -22,7 +22,8 @@ from cosim.errors import CosimError
 from cosim.pool.job import Outcome
 from cosim.report import book, drawing
 from cosim.report.job import VideoJob
-from cosim.report.series import BUCKETS, STEPS, packed, scaled, thinned, unpacked
+from cosim.report.series import STEPS, packed, scaled, unpacked
+from cosim.trace.thinned import BUCKETS, thinned
 
 from ..cli.commands import cosim as command
 from ..conftest import DATA, SCENARIO
