@@ -13,20 +13,20 @@ import typer
 import typer.core
 import typer.exceptions
 
-from cosim import errors, interrupts
+from cosim import RENAMED, errors, interrupts
 from cosim.cli.cache import cache
 from cosim.cli.check import check
 from cosim.cli.compare import compare
-from cosim.cli.evaluate import evaluate, judge
+from cosim.cli.evaluate import evaluate
 from cosim.cli.exchange.ssp import ssp
 from cosim.cli.listing import list_scenarios
+from cosim.cli.media.plot import plot
 from cosim.cli.media.report import report as report_page
 from cosim.cli.media.video import video
 from cosim.cli.media.view import view
 from cosim.cli.new import new
 from cosim.cli.optimize import optimize
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE, options
-from cosim.cli.plot import plot
 from cosim.cli.run import run
 from cosim.cli.schema import schema
 from cosim.cli.show import show
@@ -91,7 +91,6 @@ COMMANDS: dict[str, Callable[..., None]] = {
 }
 for name, command in COMMANDS.items():
     app.command(name, cls=Command)(command)
-app.command(hidden=True, context_settings={"allow_extra_args": True, "ignore_unknown_options": True})(judge)
 
 
 def status_of(command: Any) -> int:
@@ -115,9 +114,10 @@ def status_of(command: Any) -> int:
         return COULD_NOT_RUN
     except typer.exceptions.TyperException as error:
         context = getattr(error, "ctx", None)
-        named = [word for word in sys.argv[1:] if word in COMMANDS]
-        called = context.command_path if context else " ".join(["cosim", *named[:1]])
-        report(error.format_message(), f"Show the arguments with `{called} --help`.")
+        word = next((word for word in sys.argv[1:] if not word.startswith("-")), "")
+        called = context.command_path if context else " ".join(["cosim", *filter(COMMANDS.get, [word])])
+        hint = f"Show the arguments with `{called} --help`."
+        report(error.format_message(), f"Use `cosim {RENAMED[word]}`." if word in RENAMED else hint)
         return COULD_NOT_RUN
     except (KeyboardInterrupt, typer.Abort):
         report("interrupted")

@@ -8,8 +8,6 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from cosim import paths
 from cosim.errors import CosimError, closest
 from cosim.formatting.quantity import prefixed
@@ -111,8 +109,9 @@ def converted(trace: StoredTrace, name: str, unit: str) -> Array:
         The units do not convert.
     """
     own = trace.units.get(name, "")
-    change = conversion(own, unit) if own and own != unit else UNCHANGED
+    change: Any = conversion(own, unit) if own and own != unit else UNCHANGED
     if change is None:
         problem = f"`{name}` is in `{own}` in `{paths.shown(trace.file)}` and in `{unit}` in another trace"
         raise CosimError(problem, "Plot the traces separately.")
-    return np.asarray(change(trace.data[name]))
+    values: Array = change(trace.data[name])
+    return values

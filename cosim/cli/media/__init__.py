@@ -1,1 +1,1 @@
-"""Commands with visual output: videos, the viewer and the HTML report."""
+"""Commands with visual output: plots, videos, the viewer and the HTML report."""

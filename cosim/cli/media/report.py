@@ -49,9 +49,9 @@ def report(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write an HTML report of scenarios and studies.
+    """Write an HTML report.
 
-    The report holds claims, descriptions, videos, plots and parameters, and needs only a browser.
+    The report of scenarios and studies holds claims, descriptions, videos, plots and parameters, and needs only a browser.
     Each scenario runs once with its own seed. Only the missing cases of a study run.
     Requires the extra `report`.
 
