@@ -21,7 +21,8 @@ def commands() -> str:
     line = ["-m", "typer", "cosim.cli.app", "utils", "docs", "--name", "cosim", "--title", "Commands"]
     done = subprocess.run([sys.executable, *line], capture_output=True, text=True, check=True)
     # the commands are in the table of contents; `$ ` would be copied with a line
-    return done.stdout.replace("```console\n$ ", "```text\n")
+    # a backspace marks the examples for the terminal
+    return done.stdout.replace("```console\n$ ", "```text\n").replace("\b\n", "")
 
 
 def python() -> str:

@@ -65,7 +65,7 @@ def compare(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare traces, results, sweeps or a baseline.
+    """Compare traces, results or sweeps.
 
     Give the reference first:
 

@@ -1,4 +1,4 @@
-"""`cosim evaluate`, and the error for its old name."""
+"""`cosim evaluate`."""
 
 from __future__ import annotations
 
@@ -50,8 +50,3 @@ def evaluate(
     if json != "-":
         output().print(display.result(result))
     raise typer.Exit(FAILED if result.passed is False else 0)
-
-
-def judge() -> None:
-    """Raise an error that names `cosim evaluate`."""
-    raise CosimError("`cosim judge` was renamed", "Use `cosim evaluate`.")

@@ -35,7 +35,7 @@ def new(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write a first scenario for an FMU and a plant.
+    """Write a first scenario for an FMU.
 
     Wires follow from names and units; the other ports are listed as comments. The schema
     next to the scenario gives editors its keys, see `cosim schema`.

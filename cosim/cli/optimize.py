@@ -34,7 +34,7 @@ def optimize(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Find the parameter values that optimize a metric.
+    """Find parameters that optimize a metric.
 
     The objective can also be the agreement with a measured trace. The file is
     similar to a study of `cosim sweep`, with an objective in place of a design:

@@ -67,7 +67,7 @@ def run(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scenario and print its metrics and criteria.
+    """Run a scenario and evaluate its criteria.
 
     Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not run.
     """

@@ -30,7 +30,7 @@ def show(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Show variables, parameters and wires of a scenario.
+    """Show variables, parameters and wires.
 
     Variables and parameters have units, defaults and ranges.
 

@@ -76,7 +76,7 @@ def run_tests(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run many scenarios and print the acceptance table.
+    """Run many scenarios as acceptance tests.
 
     Each runs once with its own seed. An error in one does not stop the others.
     Ctrl-C and SIGTERM keep the results until then.

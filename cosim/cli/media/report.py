@@ -51,8 +51,9 @@ def report(
 ) -> None:
     """Write an HTML report.
 
-    The report of scenarios and studies holds claims, descriptions, videos, plots and parameters, and needs only a browser.
-    Each scenario runs once with its own seed. Only the missing cases of a study run.
+    The report of scenarios and studies holds claims, descriptions, videos, plots and
+    parameters, and needs only a browser. Each scenario runs once with its own seed. Only
+    the missing cases of a study run.
     Requires the extra `report`.
 
     Exit code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.

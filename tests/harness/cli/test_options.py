@@ -13,6 +13,7 @@ import typer
 import cosim as package
 from cosim import paths
 from cosim.cli.app import app
+from handbook import reference
 
 from ..conftest import END, entry, grid
 from .commands import called, cosim
@@ -29,10 +30,20 @@ def test_a_help_fits_into_80_columns(name: str) -> None:
     assert not re.search(r"\w\.\.\.$|<(str|int|float|path)\b", shown, re.MULTILINE)
 
 
+def test_a_summary_is_complete_in_the_list_of_the_help_and_on_the_page_of_the_commands() -> None:
+    page = reference.commands()
+    assert not re.search(r"^\* .*\.\.\.$", page, re.MULTILINE)
+    assert "\b" not in page
+
+
+def test_an_old_command_points_to_its_new_name() -> None:
+    assert called("judge", "x.npz", "dob").stderr.endswith("hint: Use `cosim evaluate`.\n")
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_options_of_a_name_are_alike_in_all_commands(name: str) -> None:
     options = {option: param for param in COMMANDS[name].params for option in param.opts}
-    assert {"-v", "-q"} <= options.keys() or name == "judge"
+    assert {"-v", "-q"} <= options.keys()
     assert ("-o" in options) == ("--out" in options)
     if "--json" in options:
         assert options["--json"].metavar == "FILE|-"
