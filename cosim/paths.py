@@ -62,7 +62,7 @@ def find_scenario(name: str, near: Path | None = None) -> Path:
     for folder in [*bases, *scenario_folders()]:
         if is_file(file := folder / f"{name}.toml"):
             return file
-    if set(name) & set("*?["):
+    if set(name) & set("*?"):
         hint = f"Run all matching scenarios with `cosim test '{brief(name)}'`."
         raise ScenarioError(f"`{brief(name)}` is a pattern, not a scenario", hint)
     hint = closest(name, dict(list_scenarios()))

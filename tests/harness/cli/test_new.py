@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from collections.abc import Callable
@@ -85,6 +86,18 @@ def test_the_new_scenario_passes_the_check_and_runs(folder: Path) -> None:
     ]
     assert (scenario.loop.step, scenario.loop.substeps) == (0.01, 10)
     assert set(api.run(scenario).metrics) == {"peak"}
+
+
+def test_the_schema_of_a_new_scenario_is_named_in_its_first_line_and_knows_fmu_and_plant(
+    folder: Path,
+) -> None:
+    (folder / "cart.xml").write_text(MJCF)
+    assert called("new", "probe.fmu", "cart.xml", "-o", "my.toml").returncode == 0
+    assert (folder / "my.toml").read_text().startswith("#:schema ./my.schema.json\n")
+    schema = json.loads((folder / "my.schema.json").read_text())
+    known = {name: schema["properties"][name]["properties"]["parameters"] for name in ("controller", "plant")}
+    assert "gain" in known["controller"]["properties"]
+    assert known["plant"]["properties"]
 
 
 def test_the_comments_are_a_scenario_once_the_marks_are_taken_away(folder: Path) -> None:
