@@ -88,7 +88,7 @@ def test_the_new_scenario_passes_the_check_and_runs(folder: Path) -> None:
     assert set(api.run(scenario).metrics) == {"peak"}
 
 
-def test_the_schema_of_a_new_scenario_is_named_in_its_first_line_and_knows_fmu_and_plant(
+def test_the_schema_of_a_new_scenario_is_named_in_it_and_knows_fmu_and_plant(
     folder: Path,
 ) -> None:
     (folder / "cart.xml").write_text(MJCF)

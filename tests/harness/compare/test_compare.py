@@ -216,7 +216,7 @@ def test_a_run_that_fails_is_no_baseline_and_leaves_the_one_before(
     before = (folder / "lag.baseline.npz").read_bytes()
     write(END + CRITERION)
     code, out, err = command("compare", "lag.toml", "--update", "--json", "-")
-    assert (code, out) == (2, "")
+    assert (code, json.loads(out)["status"]) == (2, "error")
     assert "a run that fails `end` cannot be the baseline" in err
     assert (folder / "lag.baseline.npz").read_bytes() == before
 

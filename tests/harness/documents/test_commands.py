@@ -126,8 +126,6 @@ def fewer(line: str) -> str:
 
 def quick(line: str) -> str:
     """Line that does the same sooner."""
-    if line.startswith("cosim run") and "--engine" not in line:
-        line += " --engine native"
     if line.startswith("cosim report"):
         line += " --no-videos"
     return fewer(line)
