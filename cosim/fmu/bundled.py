@@ -16,6 +16,8 @@ from cosim.fmu.members import DESCRIPTION
 
 SCRIPT = "slavemodule.txt"
 """Resource that names the Python module of an FMU of PythonFMU and UniFMU."""
+TOOLKIT = "pythonfmu"
+"""Package of PythonFMU, of which each of its FMUs brings a copy; any version serves the scripts of others."""
 INTERPRETER = re.compile(rb"libpython\d|python3\d*\.dll|libjvm\.|\bjvm\.dll|libjulia", re.IGNORECASE)
 """Name of an interpreter in a library that is linked to it or loads it."""
 TOOL = re.compile(rb"""needsExecutionTool\s*=\s*["'](true|1)["']""")
@@ -46,21 +48,25 @@ def loads_interpreter(folder: Path) -> bool:
 
 @functools.cache
 def modules(folder: Path) -> dict[str, str]:
-    """Python modules of an extracted FMU with a script, and the SHA-256 of their files."""
+    """Python modules of an extracted FMU with a script, and the SHA-256 of each."""
     resources = folder / "resources"
     if not (resources / SCRIPT).is_file():
         return {}
-    files: dict[str, list[Path]] = {}
-    for path in sorted(resources.rglob("*.py")):
-        files.setdefault(Path(path.relative_to(resources).parts[0]).stem, []).append(path)
-    return {name: digest(paths) for name, paths in files.items()}
+    own = (path for path in resources.iterdir() if path.is_dir() or path.suffix == ".py")
+    return {path.stem: sources(path) for path in own if path.name != TOOLKIT}
+
+
+def sources(module: Path) -> str:
+    """SHA-256 of the file of a module, or of all modules of a package."""
+    return digest(sorted(module.rglob("*.py")) if module.is_dir() else [module])
 
 
 def foreign_module(folder: Path) -> str:
     """File of a module of this process that an FMU takes for its own; empty if there is none."""
     for name, wanted in modules(folder).items():
-        file = getattr(sys.modules.get(name), "__file__", None)
-        if file and not Path(file).is_relative_to(folder) and digest([Path(file)]) != wanted:
+        file = Path(getattr(sys.modules.get(name), "__file__", None) or folder)
+        module = file.parent if file.name == "__init__.py" else file
+        if not file.is_relative_to(folder) and sources(module) != wanted:
             return str(file)
     return ""
 
@@ -69,8 +75,8 @@ def foreign_module(folder: Path) -> str:
 def brought(folder: Path, identifier: str) -> dict[str, str]:
     """SHA-256 of the files of an extracted FMU that its process looks up by name, not by path.
 
-    These are Python modules, and libraries that other libraries of the FMU name. The process takes what has the name
-    already, from whatever FMU.
+    These are Python modules, and libraries that other libraries of the FMU name. The process takes what has
+    the name already, from whatever FMU.
     """
     found = {f"the Python module `{name}`": content for name, content in modules(folder).items()}
     own = libraries(folder)

@@ -18,6 +18,8 @@ from cosim.scenario.model import FmuChoice, Scenario
 
 loaded: dict[Path, FmuFile] = {}
 """FMUs that this process has loaded, by their extracted folders."""
+strict = False
+"""Whether this is a worker process, which can be replaced."""
 
 
 def open_files(scenario: Scenario) -> dict[str, FmuFile]:
@@ -54,7 +56,8 @@ def clash(one: FmuFile, other: FmuFile) -> str:
 def check_process(files: Iterable[FmuFile]) -> None:
     """Check that this process can load these files, which it may have loaded before.
 
-    An interpreter keeps the modules of other FMUs, and a library may stay in the process after its FMU.
+    An interpreter keeps the modules of other FMUs, and a library may stay in the process after its FMU. A
+    worker process with an interpreter therefore loads no other file.
 
     Raises
     ------
@@ -67,7 +70,7 @@ def check_process(files: Iterable[FmuFile]) -> None:
     for file in wanted.values():
         shown = f"`{paths.shown(file.path)}`"
         for other in (one for folder, one in loaded.items() if folder not in wanted):
-            if bundled.loads_interpreter(file.folder) or bundled.loads_interpreter(other.folder):
+            if strict and any(bundled.loads_interpreter(one.folder) for one in (file, other)):
                 why = "an interpreter keeps the modules of both"
             elif shared := clash(file, other):
                 why = f"{shared} differs"

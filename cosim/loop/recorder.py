@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import zlib
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from cosim.trace.columns import Columns
 from cosim.warned import warn_once
 
 BLOCK = 4096
-"""Rows of a run at once that only its checksums need."""
+"""Rows of a block of a run of which only the checksums are needed."""
 LOCALS_MAX = 256
 """Local variables of an FMU that are recorded without a request; models of other tools may have thousands."""
 
@@ -34,26 +34,34 @@ class Sink(Protocol):
 
 
 class Checksums:
-    """Checksum of each column of a run, independent of the blocks; passes the rows on to `sink` if there is one.
+    """Checksum of each column of a run, independent of its blocks of rows.
 
-    Without a sink the rows of a run need little memory.
+    Rows are passed on to a sink, if there is one; otherwise a run needs little memory.
+
+    Attributes
+    ----------
+    passing
+        Whether the sink has failed, or is receiving rows.
     """
 
-    def __init__(self, sink: Sink | None = None) -> None:
-        self.sink = sink
+    def __init__(self) -> None:
+        self.rows, self.sink = BLOCK, cast("Sink | None", None)
         self.columns: list[int] = []
+        self.passing = False
 
-    @property
-    def rows(self) -> int:
-        """Rows of a block."""
-        return BLOCK if self.sink is None else self.sink.rows
+    def onto(self, sink: Sink) -> Self:
+        """Pass the rows on to a sink."""
+        self.rows, self.sink = sink.rows, sink
+        return self
 
     def write(self, columns: Sequence[NDArray[np.float64]]) -> None:
         """Receive rows, given by their columns."""
         pairs = itertools.zip_longest(columns, self.columns, fillvalue=0)
-        self.columns = [zlib.crc32(np.ascontiguousarray(column), before) for column, before in pairs]
+        self.columns = [zlib.crc32(np.ascontiguousarray(column).data, before) for column, before in pairs]
         if self.sink is not None:
+            self.passing = True
             self.sink.write(columns)
+            self.passing = False
 
 
 class Recorder:

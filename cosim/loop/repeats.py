@@ -1,7 +1,8 @@
 """Runs whose result would depend on what earlier runs left in their process.
 
-The reset of an FMU may do nothing; a library, an interpreter or the module of a plant may hold static state. Before
-the second run of an FMU and plant in a process, their first run is repeated: the bytes of both traces must be equal.
+The reset of an FMU may do nothing; a library, an interpreter or the module of a plant may hold static state.
+Before the second run of an FMU and plant in a process, their first run is repeated: the bytes of both traces
+must be equal.
 """
 
 from __future__ import annotations
@@ -50,24 +51,25 @@ class NewProcessError(FmuError):
 
     @property
     def warning(self) -> str:
-        """Text for the log of whoever runs it in a new process; empty if there is nothing to tell."""
+        """Warning of the caller that runs it in a new process; empty without kept state."""
         return f"{self.message}; every run gets a new process" if self.state else ""
 
 
 first_runs: dict[Key, FirstRun] = {}
 verdicts: Verdicts = {}
-"""Whether a repeated run had the same outcome. The verdicts of a worker process are sent to its supervisor, and with
-the next tasks to the other workers."""
+"""Whether a repeated run had the same outcome. The verdicts of a worker process are sent to its supervisor,
+and with the next tasks to the other workers."""
 
 
 def key(scenario: Scenario, files: Mapping[str, FmuFile]) -> Key:
-    """FMU files and plant of a scenario; your own plants have equal names in different folders."""
+    """FMU files and plant of a scenario; plants of users may have equal names in different folders."""
     name = scenario.plant.name
-    return *(file.folder.name for file in files.values()), name, str(scenario.folder) if ":" in name or name.endswith(".xml") else ""
+    folder = str(scenario.folder) if {":", "."} & set(name) else ""
+    return *(file.folder.name for file in files.values()), name, folder
 
 
 def verdict(key: Key, used: Used) -> bool | None:
-    """Whether runs are repeatable; None if unknown. A proof with used instances holds for new ones as well."""
+    """Whether runs are repeatable; None if unknown. What holds for used instances holds for new ones."""
     proofs = [mode for (proven, mode), equal in verdicts.items() if equal and proven == key]
     if any(all(map(operator.ge, mode, used)) for mode in proofs):
         return True
@@ -89,17 +91,15 @@ def unrepeatable(who: str) -> NewProcessError:
 
 @contextlib.contextmanager
 def muted() -> Iterator[None]:
-    """Hide the log lines of this thread: a repetition logs what was logged before."""
+    """Hide the messages of FMUs in this thread: a repetition logs what was logged before."""
     own = threading.get_ident()
 
     def is_foreign(record: logging.LogRecord) -> bool:
         return record.thread != own
 
-    loggers = [logging.getLogger(name) for name in ("cosim", "cosim.fmu")]
-    for logger in loggers:
-        logger.addFilter(is_foreign)
+    messages = logging.getLogger("cosim.fmu")
+    messages.addFilter(is_foreign)
     try:
         yield
     finally:
-        for logger in loggers:
-            logger.removeFilter(is_foreign)
+        messages.removeFilter(is_foreign)

@@ -216,8 +216,7 @@ class Session(Closing):
         from cosim.trace.parquet import streaming
 
         with streaming(file, list(self.columns), known.about()) as writer:
-            sums.sink = writer
-            done = self._steps(replace(parts, sink=sums))
+            done = self._steps(replace(parts, sink=sums.onto(writer)))
             writer.finish(done.steps * self.scenario.loop.step)
         return done
 
@@ -226,14 +225,14 @@ class Session(Closing):
 
     @contextlib.contextmanager
     def _noted(self, seed: int) -> Iterator[recorder.Checksums]:
-        """Note the outcome of a run, if it is the first of its kind in this process."""
+        """Note the outcome of the first run of its kind in this process, unless a trace cannot be written."""
         outcome: object = None
         sums = recorder.Checksums()
         try:
             yield sums
             outcome = sums.columns
         except CosimError as error:
-            outcome = error.message
+            outcome = None if sums.passing else error.message
             raise
         finally:
             if outcome is not None:
@@ -264,10 +263,14 @@ class Session(Closing):
         return any(fmu.used for fmu in self.fmus), self.plant_used
 
     def _repeated(self, first: repeats.FirstRun, interrupt: Callable[[], None]) -> object:
-        """Outcome of another run with the FMUs, and if it is equal the plant, of this session."""
-        sums, reset = recorder.Checksums(), self._used[0]
+        """Outcome of another run, with the instances of this session if they are used, otherwise new ones."""
+        sums, used = recorder.Checksums(), self._used[0]
+        if not used:
+            # one after the other, as runs are: instances of a library may share its variables
+            fmus.close(self.fmus, self.place)
         try:
-            other = Session(first.scenario, self.log_events, first.engine, self, self.place)
+            previous = self if used else None
+            other = Session(first.scenario, self.log_events, first.engine, previous, self.place)
         except CosimError as error:
             return error.message
         try:
@@ -276,10 +279,11 @@ class Session(Closing):
         except CosimError as error:
             return error.message
         finally:
-            # the run after it has new instances if the repetition had
-            if not reset:
+            if used:
+                self._open(other)
+            else:
                 other.close()
-            self._open(other if reset else None)
+                self._instantiate(fmus.open_files(self.scenario), None)
 
     def _result(self, seed: int) -> Result:
         """Return the parts of a result that are known before the run."""

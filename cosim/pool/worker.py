@@ -17,7 +17,7 @@ from typing import Any
 from cosim import process
 from cosim.closing import Closing
 from cosim.errors import CosimError, UnforeseenError, unforeseen
-from cosim.loop import repeats
+from cosim.loop import fmus, repeats
 from cosim.loop.engines import Engine
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Progress
@@ -29,8 +29,8 @@ from cosim.scenario.model import Scenario
 from cosim.warned import once
 
 READY, LOG, DONE = "ready", "log", "done"
-"""Kinds of messages of a worker process: ready; a log line; the outcome of a task, whether the process is fit for
-another, and the verdicts on its FMUs and plants."""
+"""Kinds of messages of a worker process: ready; a log line; the outcome of a task, whether the process is fit
+for another, and the verdicts on its FMUs and plants."""
 IDLE = 600.0
 """Idle time after which a worker process ends, s; the next task starts another one."""
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
@@ -114,6 +114,7 @@ def main(end: int, page: int, parent: int) -> None:
     tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
     forward = Forward(channel)
+    fmus.strict = True
     refusal = refused(tasks)
     with JobRunner(Place(page)) as runner, once():
         channel.send((READY, None))
