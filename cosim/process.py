@@ -16,7 +16,9 @@ DRAWING = b"PYOPENGL_PLATFORM="
 """Environment variable that MuJoCo sets for rendering and no other code reads."""
 HANDLER = ctypes.sizeof(ctypes.c_void_p)
 """Bytes of the handler, which is first in `struct sigaction`."""
-_c: Any = ctypes.CDLL(None) if os.name == "posix" else None
+POSIX = os.name == "posix" and not os.environ.get("COSIM_PORTABLE")
+"""Whether calls of POSIX are used; tests set the variable to use only what Windows has as well."""
+_c: Any = ctypes.CDLL(None) if POSIX else None
 SYSTEM = (sys.platform, os.uname().machine if hasattr(_c, "fegetenv") else "")
 CONTROL = {
     # control word of the x87 at 0, MXCSR without its flags at 28 and 4
@@ -54,20 +56,21 @@ class Arithmetic:
 def belongings() -> dict[str, object]:
     """Return the state of the process by name; takes about 0.1 ms."""
     import locale
-    import resource
 
     mask = os.umask(0o077)
     os.umask(mask)
-    kinds = {getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")}
-    limits = [resource.getrlimit(kind) for kind in sorted(kinds)]
-    return {
+    found: dict[str, object] = {
         "working directory": folder(),
         "`umask`": mask,
         "locale": locale.setlocale(locale.LC_ALL),
-        "environment variables": environment(),
-        "signal handling": signals(),
-        LIMITS: limits,
     }
+    if not POSIX:
+        return {**found, "environment variables": dict(os.environ)}
+    import resource
+
+    kinds = {getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")}
+    limits = [resource.getrlimit(kind) for kind in sorted(kinds)]
+    return {**found, "environment variables": environment(), "signal handling": signals(), LIMITS: limits}
 
 
 def folder() -> str:

@@ -65,11 +65,10 @@ class ScenarioFile(pytest.File):
     def outcome(self) -> Result | Exception:
         """Result of the run, or the error that ended it."""
         from cosim.errors import CosimError
-        from cosim.pool.limits import isolates
         from cosim.pool.runs import run
 
         try:
-            return run(self.scenario, engine="native", isolated=isolates())
+            return run(self.scenario, engine="native", isolated=True)
         except CosimError as error:
             return error
 

@@ -13,7 +13,7 @@ from cosim.cli import complete
 from cosim.errors import CosimError
 from cosim.formatting.versions import PROJECT, version
 from cosim.loop import engines
-from cosim.pool.limits import Limits, isolates, unkept
+from cosim.pool.limits import Limits
 from cosim.writing import JSON, check_text
 
 FAILED = 1
@@ -112,13 +112,10 @@ def checked_limits(timeout: float | None, memory: float | None, in_process: bool
     Raises
     ------
     CosimError
-        A limit that cannot be enforced, or there is no process that could enforce it.
+        A limit without a process that could enforce it.
     """
     limits = Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
     for name, value in (("--timeout", timeout), ("--memory", memory)):
         if value is not None and in_process:
             raise CosimError(f"`{name}` needs a separate process", "Omit `--in-process`.")
-    for option in unkept(limits):
-        problem = f"{option} cannot be enforced: this system has no supervised worker processes"
-        raise CosimError(problem, f"Omit {option}; the command then runs in its own process.")
-    return None if in_process or not isolates() else limits
+    return None if in_process else limits

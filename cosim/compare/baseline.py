@@ -12,7 +12,6 @@ from cosim.errors import CosimError
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
 from cosim.loop.result import Result
-from cosim.pool.limits import isolates
 from cosim.pool.runs import run
 from cosim.scenario.model import Scenario
 from cosim.trace.files import read
@@ -51,7 +50,7 @@ def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: P
         There is no baseline, the run failed, or a pattern matches no column.
     """
     before = stored(scenario)
-    result = run(scenario, progress=progress, engine=engine, isolated=isolates())
+    result = run(scenario, progress=progress, engine=engine, isolated=True)
     now = StoredTrace(Path(), result.columns, result.units, result.items)
     names = paths.shown(before.file), f"{result.scenario}, seed {result.seed}"
     return traces.compare(before, now, allowed, names)
@@ -68,7 +67,7 @@ def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Res
     file = file_of(scenario)
     if file.is_dir():
         raise CosimError(f"cannot write `{paths.shown(file)}`: it is a folder")
-    result = run(scenario, progress=progress, engine=engine, isolated=isolates())
+    result = run(scenario, progress=progress, engine=engine, isolated=True)
     if result.passed is False:
         failed = ", ".join(f"`{held.criterion.id}`" for held in result.criteria if not held.passed)
         raise CosimError(

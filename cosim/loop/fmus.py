@@ -69,7 +69,7 @@ def check_process(files: Iterable[FmuFile]) -> None:
     wanted = {file.folder: file for file in files}
     for file in wanted.values():
         shown = f"`{paths.shown(file.path)}`"
-        for other in (one for folder, one in loaded.items() if folder not in wanted):
+        for other in (one for folder, one in loaded.copy().items() if folder not in wanted):
             if strict and any(bundled.loads_interpreter(one.folder) for one in (file, other)):
                 why = "an interpreter keeps the modules of both"
             elif shared := clash(file, other):

@@ -5,12 +5,16 @@ from __future__ import annotations
 import ctypes
 import enum
 import mmap
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from cosim.process import Arithmetic
 from cosim.warned import warn_once
 
+PAGE = 4096
+"""Bytes of a file that holds a position."""
 NAME = 400
 """Maximum bytes of a name."""
 
@@ -72,12 +76,17 @@ class Place:
     Parameters
     ----------
     file
-        Descriptor of a file that another process maps as well; None for this process only.
+        File of `PAGE` bytes that another process maps as well; None for this process only.
     """
 
-    def __init__(self, file: int | None = None) -> None:
-        size = ctypes.sizeof(Page)
-        self.page: Any = Page.from_buffer(bytearray(size) if file is None else mmap.mmap(file, size))
+    def __init__(self, file: Path | None = None) -> None:
+        memory: Any = bytearray(PAGE)
+        if file is not None:
+            with file.open("r+b") as opened:
+                # what is written to each descriptor there is overwrites no name in it
+                opened.seek(0, os.SEEK_END)
+                memory = mmap.mmap(opened.fileno(), ctypes.sizeof(Page))
+        self.page: Any = Page.from_buffer(memory)
         self.arithmetic = Arithmetic()
 
     def begin(self, fmu: str, plant: str, steps: int, period: float) -> None:
@@ -85,6 +94,10 @@ class Place:
         self.at(Stage.NONE)
         self.arithmetic = Arithmetic()
         self._write(fmu, plant, steps, period)
+
+    def detach(self) -> None:
+        """Keep the record, but not the memory of the other process."""
+        self.page = Page.from_buffer_copy(self.page)
 
     def clear(self) -> None:
         """Clear the record of another process."""

@@ -70,7 +70,7 @@ def key(scenario: Scenario, files: Mapping[str, FmuFile]) -> Key:
 
 def verdict(key: Key, used: Used) -> bool | None:
     """Whether runs are repeatable; None if unknown. What holds for used instances holds for new ones."""
-    proofs = [mode for (proven, mode), equal in verdicts.items() if equal and proven == key]
+    proofs = [mode for (proven, mode), equal in verdicts.copy().items() if equal and proven == key]
     if any(all(map(operator.ge, mode, used)) for mode in proofs):
         return True
     return verdicts.get((key, used))
@@ -78,7 +78,7 @@ def verdict(key: Key, used: Used) -> bool | None:
 
 def spoilt() -> bool:
     """Whether a run in this process would change later ones."""
-    return any(key in first_runs and not equal for (key, _), equal in verdicts.items())
+    return any(key in first_runs and not equal for (key, _), equal in verdicts.copy().items())
 
 
 def unrepeatable(who: str) -> NewProcessError:

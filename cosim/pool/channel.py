@@ -1,20 +1,17 @@
-"""Messages between two processes: pickles over a socket, with arrays outside of the pickle without a copy."""
+"""Messages between two processes: pickles over pipes, with arrays outside of the pickle without a copy."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pickle
-import select
-import socket
 import struct
 import threading
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, BinaryIO
 
 from cosim.closing import Closing
 
-STALLED = 60.0
-"""Timeout within a message, s."""
 MARK = b"\xc0sim\r\n\x1a\0"
 """Precedes each number of a message and follows its end, to detect foreign bytes."""
 NUMBER = struct.Struct(f"!{len(MARK)}sQQ")
@@ -44,10 +41,16 @@ class Parcel:
 
 
 class MessageChannel(Closing):
-    """One end of a connection; several threads can send, one receives."""
+    """One end of a connection; several threads can send, one receives.
 
-    def __init__(self, end: socket.socket) -> None:
-        self.end = end
+    Parameters
+    ----------
+    source, sink
+        Buffered ends of two pipes.
+    """
+
+    def __init__(self, source: BinaryIO, sink: BinaryIO) -> None:
+        self.source, self.sink = source, sink
         self.lock = threading.Lock()
         self.maker = os.getpid()
 
@@ -74,17 +77,12 @@ class MessageChannel(Closing):
             *(array.raw() for array in arrays),
         ]
         with self.lock:
-            self.end.sendall(numbered(len(parts)))
+            self.sink.write(numbered(len(parts)))
             for part in parts:
-                self.end.sendall(numbered(memoryview(part).nbytes))
-                self.end.sendall(part)
-            self.end.sendall(MARK)
-
-    def waits(self, timeout: float | None) -> bool:
-        """Whether a message or the end of the connection can be received within a time in s."""
-        poll = select.poll()
-        poll.register(self.end, select.POLLIN)
-        return bool(poll.poll(None if timeout is None else 1e3 * timeout))
+                self.sink.write(numbered(memoryview(part).nbytes))
+                self.sink.write(part)
+            self.sink.write(MARK)
+            self.sink.flush()
 
     def receive(self) -> Parcel:
         """Wait for one message.
@@ -92,19 +90,13 @@ class MessageChannel(Closing):
         Raises
         ------
         EOFError, OSError
-            The other side is gone, or stopped within the message.
+            The other side is gone.
         NoMessageError
             The received bytes are not a message.
         """
-        self.end.settimeout(None)
-        count = self._number()
-        self.end.settimeout(STALLED)
-        try:
-            body, *arrays = [self._take(self._number()) for _ in range(count)]
-            if self._take(len(MARK)) != MARK:
-                raise NoMessageError
-        finally:
-            self.end.settimeout(None)
+        body, *arrays = [self._take(self._number()) for _ in range(self._number())]
+        if self._take(len(MARK)) != MARK:
+            raise NoMessageError
         return Parcel(body, arrays)
 
     def _number(self) -> int:
@@ -116,13 +108,13 @@ class MessageChannel(Closing):
 
     def _take(self, size: int) -> bytearray:
         taken = bytearray(size)
-        free = memoryview(taken)
-        while free:
-            if not (count := self.end.recv_into(free)):
-                raise EOFError
-            free = free[count:]
+        if self.source.readinto(taken) < size:  # type: ignore[attr-defined]
+            raise EOFError
         return taken
 
     def close(self) -> None:
         """End the connection."""
-        self.end.close()
+        for end in (self.sink, self.source):
+            # what could not be sent is lost
+            with contextlib.suppress(OSError):
+                end.close()

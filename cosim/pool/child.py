@@ -4,21 +4,54 @@ from __future__ import annotations
 
 import contextlib
 import os
+import queue
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
+import threading
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import IO, Any
 
 from cosim.errors import CosimError
-from cosim.pool.channel import MessageChannel
+from cosim.loop.place import PAGE, Place
+from cosim.pool.channel import MessageChannel, NoMessageError, Parcel
 from cosim.pool.limits import memory_of, process_of
+from cosim.process import POSIX
 
 LONGEST_OUTPUT = 300
 """Maximum length of the last output of a worker process."""
-COMMAND = "from cosim.pool.worker import main; main({}, {}, {})"
+TAIL = 4 * LONGEST_OUTPUT
+"""Bytes that are kept of the output of a worker process."""
+LAST_OUTPUT = 0.5
+"""Maximum time for the last output of an ended process, s: its child processes may keep the pipe open."""
+COMMAND = "import sys; sys.path[:] = {!r}; from cosim.pool.worker import main; main({!r}, {})"
+GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
+"""Flag of Windows that is as a session of POSIX: Ctrl-C is for the parent to handle."""
+EXCEPTIONS = {0xC0000005: "access violation", 0xC0000094: "division by zero", 0xC00000FD: "stack overflow"}
+"""Exit codes of Windows."""
+
+
+class Output:
+    """The end of what a process prints, read in a thread so that it fills neither a pipe nor a disk."""
+
+    def __init__(self, pipe: IO[bytes]) -> None:
+        self.pipe = pipe
+        self.kept = b""
+        self.thread = threading.Thread(target=self._read, daemon=True)
+        self.thread.start()
+
+    def _read(self) -> None:
+        while chunk := os.read(self.pipe.fileno(), 1 << 16):
+            self.kept = (self.kept + chunk)[-TAIL:]
+        self.pipe.close()
+
+    def last_line(self) -> str:
+        """Last line of an ended process; empty if there is none."""
+        self.thread.join(LAST_OUTPUT)
+        lines = self.kept.decode(errors="replace").split("\n")
+        return next((line.strip() for line in reversed(lines) if line.strip()), "")
 
 
 @dataclass
@@ -28,9 +61,13 @@ class Child:
     Parameters
     ----------
     output
-        Its output; None if it goes to stderr of this process.
+        The end of its output; None if it goes to stderr of this process.
+    place, page
+        Its position, and the file in which it records it.
     memory
         Memory limit of the operating system in bytes, or None; sent with its first task.
+    ready
+        Its number by its own account; 0 until its imports are done.
     tasks
         Number of tasks sent to it.
     busy
@@ -42,29 +79,64 @@ class Child:
     offspring
         Processes that it started, as far as known.
     killed
-        Whether it and all its child processes were killed.
+        Whether it and all its child processes were killed; `forced` is whether it was alive then.
     """
 
     process: subprocess.Popen[bytes]
     channel: MessageChannel
-    output: IO[bytes] | None
+    output: Output | None
+    place: Place
+    page: Path
     memory: float | None = None
-    ready: bool = False
+    ready: int = 0
     tasks: int = 0
     busy: bool = False
     spoilt: bool = False
     said: str = ""
     offspring: list[Any] = field(default_factory=list)
     killed: bool = False
+    forced: bool = False
+    inbox: queue.SimpleQueue[Parcel | BaseException] = field(default_factory=queue.SimpleQueue)
+
+    def __post_init__(self) -> None:
+        """Receive in a thread: Windows cannot wait for a pipe with a timeout."""
+        self.thread = threading.Thread(target=self._listen, daemon=True)
+        self.thread.start()
+
+    def _listen(self) -> None:
+        try:
+            while True:
+                self.inbox.put(self.channel.receive())
+        except (EOFError, OSError, ValueError, NoMessageError) as error:
+            self.inbox.put(error)
+
+    def receive(self, timeout: float) -> Parcel | None:
+        """Next message; None if there is none within a time in s.
+
+        Raises
+        ------
+        EOFError, OSError, NoMessageError
+            As `MessageChannel.receive`.
+        """
+        try:
+            found = self.inbox.get(timeout=timeout)
+        except queue.Empty:
+            return None
+        if isinstance(found, BaseException):
+            self.inbox.put(found)
+            raise found
+        return found
 
     def kill(self) -> None:
         """Kill it and its child processes."""
         # once: what it started may outlive it, but the number is not its own for ever
         if not self.killed:
-            self.killed = True
+            self.killed, self.forced = True, self.process.poll() is None
             self.note_offspring()
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(self.process.pid, signal.SIGKILL)
+            if POSIX:
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.kill()
             for process in self.offspring:
                 with contextlib.suppress(Exception):  # psutil raises its own exception if it is gone
                     process.kill()
@@ -78,60 +150,74 @@ class Child:
     def release(self) -> None:
         """Release its resources after its end."""
         self.process.wait()
-        self.channel.close()
-        if self.output:
-            self.output.close()
+        self.thread.join(LAST_OUTPUT)
+        if not self.thread.is_alive():
+            # a pipe that a thread reads cannot be closed
+            self.channel.close()
+        self.place.detach()
+        with contextlib.suppress(OSError):
+            self.page.unlink(missing_ok=True)
 
     def last_output(self) -> str:
         """Last line that it printed or logged; empty if its output goes to stderr."""
         if self.output is None:
             return ""
-        self.output.seek(-min(self.output.seek(0, os.SEEK_END), 4 * LONGEST_OUTPUT), os.SEEK_END)
-        lines = self.output.read().decode(errors="replace").split("\n")
-        printed = next((line.strip() for line in reversed(lines) if line.strip()), "")
-        return (printed or self.said)[:LONGEST_OUTPUT]
+        return (self.output.last_line() or self.said)[:LONGEST_OUTPUT]
 
     def resident(self) -> int:
         """Resident memory, bytes; 0 after its end."""
         try:
-            return int(memory_of(self.process.pid).rss)
+            # in a virtual environment of Windows the started process only starts another one
+            return int(memory_of(self.ready or self.process.pid).rss)
         except Exception:  # psutil raises its own exception if it is gone
             return 0
 
 
-def spawn(page: int, relay: bool) -> Child:
-    """Start a worker process.
+def spawn(relay: bool) -> Child:
+    """Start a worker process; `relay` states whether its output goes to stderr of this process.
 
-    Parameters
-    ----------
-    page
-        Descriptor of the file in which it records its position.
-    relay
-        Whether its output goes to stderr of this process.
+    Raises
+    ------
+    CosimError
+        The system starts no more processes.
     """
-    ours, theirs = socket.socketpair()
-    # it lives as long as the process
-    output = None if relay else tempfile.TemporaryFile("a+b")  # noqa: SIM115
-    with theirs:
-        # `-P`: a `numpy.py` in the working directory does not replace the package
+    page = None
+    try:
+        handle, name = tempfile.mkstemp(prefix="cosim-")
+        page = Path(name)
+        with open(handle, "wb") as file:  # noqa: PTH123
+            file.write(bytes(PAGE))
+        place = Place(page)
+        # `-P`: a `numpy.py` in the working directory does not replace the package; the environment is that of
+        # the user, because a run may start another Python
+        command = COMMAND.format([*map(os.path.abspath, sys.path)], name, os.getpid())
         process = subprocess.Popen(
-            [sys.executable, "-P", "-c", COMMAND.format(theirs.fileno(), page, os.getpid())],
-            stdin=subprocess.DEVNULL,
-            stdout=output or 2,
-            stderr=output,
-            pass_fds=(theirs.fileno(), page),
-            start_new_session=True,  # Ctrl-C is for the parent to handle
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))},
+            [sys.executable, "-P", "-c", command],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=None if relay else subprocess.PIPE,
+            start_new_session=POSIX,
+            creationflags=GROUP,
         )
+    except OSError as error:
+        if page:
+            page.unlink(missing_ok=True)
+        problem = f"a worker process cannot be started: {error.strerror or error}"
+        raise CosimError(problem, "Use fewer `--workers`, or raise the limits of the system.") from error
     # psutil is imported while the process starts, and needed where that ends
     process_of(process.pid)
-    return Child(process, MessageChannel(ours), output)
+    assert process.stdin is not None
+    assert process.stdout is not None
+    channel = MessageChannel(process.stdout, process.stdin)  # type: ignore[arg-type]
+    return Child(process, channel, Output(process.stderr) if process.stderr else None, place, page)
 
 
 def ending(code: int | None) -> str:
     """Return the description of the end of a process from its return code; None if it is alive."""
     if code is None:
         return "it does not answer"
+    if code >= min(EXCEPTIONS):
+        return f"killed by exception 0x{code:08X} ({EXCEPTIONS.get(code, 'see NTSTATUS')})"
     if code >= 0:
         return f"it ended the process with exit code {code}"
     try:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.errors import CosimError
+from cosim.process import POSIX
 
 MAX_MEMORY = 1e18
 """Maximum memory limit in bytes, which fits into 64 bits."""
@@ -53,20 +54,6 @@ class Limits:
             raise CosimError(f"{given} must be positive and at most {MAX_MEMORY / 1e6:g}, in MB")
 
 
-def isolates() -> bool:
-    """Whether this system can supervise worker processes."""
-    return os.name == "posix"
-
-
-def unkept(limits: Limits) -> list[str]:
-    """Names of the limits that this system cannot enforce, in backticks."""
-    if isolates():
-        return []
-    wanted = (limits.timeout, limits.memory, limits.process_per_run or None)
-    names = (*limits.keys, "limits.process_per_run")
-    return [f"`{name}`" for name, value in zip(names, wanted, strict=True) if value is not None]
-
-
 def process_of(number: int | None = None) -> Any:
     """Process by number for psutil; None is this process."""
     return importlib.import_module("psutil").Process(number)
@@ -79,7 +66,7 @@ def memory_of(process: int | None = None) -> Any:
 
 def system_confines() -> bool:
     """Whether the operating system can limit the memory of a process."""
-    return sys.platform == "linux"
+    return POSIX and sys.platform == "linux"
 
 
 def confine(memory: float) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 from cosim.loop.repeats import NewProcessError
 from cosim.pool.inbox import Inbox
 from cosim.pool.job import Finished, Numbered, name
-from cosim.pool.limits import Limits, isolates, unkept
+from cosim.pool.limits import Limits
 from cosim.pool.lines import Lines
 from cosim.pool.supervisor import ClosedError, Worker
 
@@ -24,8 +24,7 @@ log = logging.getLogger("cosim")
 def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generator[Finished]:
     """Run jobs on worker processes of this machine; yield outcomes in order of completion.
 
-    Closing the generator ends the worker processes. If the system cannot supervise them, all runs are
-    executed in this process, with a warning.
+    Closing the generator ends the worker processes.
 
     Parameters
     ----------
@@ -42,12 +41,6 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
     CosimError
         No worker process can be started.
     """
-    if not isolates():
-        text = "this system has no supervised worker processes: the runs use this process"
-        lost = ", ".join(unkept(limits))
-        log.warning("%s", f"{text}; {lost} cannot be enforced" if lost else text)
-        yield from inside(jobs)
-        return
     done: queue.SimpleQueue[Finished | BaseException | None] = queue.SimpleQueue()
     pool = [Worker(limits) for _ in range(workers)]
     take, lines = shared(jobs), Lines()

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from cosim import interrupts
-from cosim.pool.limits import Limits, isolates
+from cosim.errors import CosimError
+from cosim.pool.limits import Limits
 from cosim.pool.supervisor import Worker
 
 Do = Callable[..., Any]
@@ -24,11 +25,10 @@ def started_ahead() -> Iterator[None]:
     """
     with contextlib.ExitStack() as stack:
         # a runner without it starts its own process and reports errors
-        with contextlib.suppress(OSError):
-            if isolates():
-                worker = stack.enter_context(Worker(Limits(), relay=True))
-                worker.prepare()
-                ahead.append(worker)
+        with contextlib.suppress(CosimError):
+            worker = stack.enter_context(Worker(Limits(), relay=True))
+            worker.prepare()
+            ahead.append(worker)
         try:
             yield
         finally:

@@ -16,7 +16,7 @@ from cosim.loop.result import Result
 from cosim.loop.session import Session
 from cosim.pool import local
 from cosim.pool.job import Job, Outcome
-from cosim.pool.limits import Limits, isolates, processors
+from cosim.pool.limits import Limits, processors
 from cosim.pool.supervisor import Worker
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario
@@ -72,10 +72,6 @@ def run(
         except NewProcessError as error:
             if error.warning:
                 log.warning("%s", error.warning)
-    if not isolates():
-        raise CosimError(
-            "runs cannot be isolated on this system", "Set `isolated=False` to run in this process."
-        )
     file = None if stream is None else endings.streamed(Path(stream))
     seed = scenario.loop.seed if seed is None else seed
     with whole_if(file) as part:

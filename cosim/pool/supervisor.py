@@ -5,24 +5,20 @@ from __future__ import annotations
 import contextlib
 import logging
 import math
-import os
-import signal
 import subprocess
-import tempfile
 import threading
 import time
 from collections.abc import Callable
 from typing import Any
 
 from cosim.closing import Closing
-from cosim.errors import CosimError
 from cosim.loop import repeats
 from cosim.loop.place import Place
 from cosim.loop.repeats import NewProcessError
-from cosim.pool.channel import NoMessageError
+from cosim.pool.channel import NoMessageError, Parcel
 from cosim.pool.child import Child, ending, no_start, spawn
 from cosim.pool.job import Order, Task, WorkerError
-from cosim.pool.limits import Limits, isolates, system_confines
+from cosim.pool.limits import Limits, system_confines
 from cosim.pool.lines import OnLine, most, report
 from cosim.warned import warn_once
 
@@ -36,6 +32,10 @@ LOOK_INTERVAL = 1.0
 """Period of checks that the process is alive, s: its child processes may keep its connection open."""
 WATCH_INTERVAL = 0.1
 """Period of progress messages, s."""
+LAST_MESSAGE = 0.2
+"""Maximum time for a message of an ended process to be read, s."""
+KILLED = (-9, -15)
+"""Return codes of a process that SIGKILL or SIGTERM ended, as others send them."""
 AGAIN = "Increase `{}`, or check the scenario for a hang."
 
 log = logging.getLogger("cosim")
@@ -57,28 +57,16 @@ class Worker(Closing):
     relay
         Whether its output goes to stderr and all its log lines to the log; otherwise only the last line is
         kept for error texts, and the log is limited.
-
-    Raises
-    ------
-    CosimError
-        This system cannot supervise a process.
     """
 
     def __init__(self, limits: Limits, relay: bool = False) -> None:
-        if not isolates():
-            raise CosimError("runs cannot be isolated on this system", "Use Linux or macOS.")
         self.limits = limits
         self.relay = relay
         self.child: Child | None = None
         self.on_line: OnLine = report
         self.lock = threading.Lock()
         self.closed = False
-        with tempfile.TemporaryFile() as page:
-            page.truncate(4096)
-            # what is written to each descriptor there is overwrites no name in it
-            page.seek(0, os.SEEK_END)
-            self.page = os.dup(page.fileno())
-        self.place = Place(self.page)
+        self.place = Place()
 
     @property
     def confined(self) -> float | None:
@@ -98,8 +86,8 @@ class Worker(Closing):
         `on_line` receives its log lines.
 
         A process can die because of an earlier run, a memory limit or an external signal. The task is then
-        repeated once in a new process, whose memory is only checked periodically. A run that other runs of the
-        process would change has a new process.
+        repeated once in a new process, whose memory is only checked periodically. A run whose result would
+        depend on earlier ones has a new process.
 
         Raises
         ------
@@ -125,14 +113,14 @@ class Worker(Closing):
         """Whether a crash may have another cause than the current run."""
         if not isinstance(outcome, WorkerError) or outcome.status != "crashed" or self.child is None:
             return False
-        killed = self.child.process.returncode in (-signal.SIGKILL, -signal.SIGTERM)
+        killed = self.child.process.returncode in KILLED
         return killed or self.child.tasks > 1 or self.child.memory is not None
 
     def attempt(self, task: Task, watch: Watch | None, memory: float | None) -> Any:
         """Execute one task in a process with a memory limit."""
         child = self.start(memory)
         if child.output:
-            child.output.truncate(0)
+            child.output.kept = b""
         self.place.clear()
         first = not child.tasks
         child.tasks += 1
@@ -140,7 +128,7 @@ class Worker(Closing):
         lines = math.inf if self.relay else most()
         try:
             # a process that dies while it starts is reported by `outcome`
-            with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            with contextlib.suppress(OSError):
                 if first:
                     child.channel.send(memory)
                 child.channel.send(Order(task, log.getEffectiveLevel(), lines, dict(repeats.verdicts)))
@@ -160,7 +148,8 @@ class Worker(Closing):
             if child is None or not fits or child.process.poll() is not None:
                 self.kill()
                 self.release()
-                child = self.child = spawn(self.page, self.relay)
+                child = self.child = spawn(self.relay)
+                self.place = child.place
             child.memory = memory
             return child
 
@@ -171,10 +160,14 @@ class Worker(Closing):
         while True:
             left = None if end is None else max(0.0, end - time.monotonic())
             waits = (left, WATCH_INTERVAL if watch else None, MEMORY_INTERVAL if memory else None)
-            if child.channel.waits(min((LOOK_INTERVAL, *(wait for wait in waits if wait is not None)))):
-                kind, content = self.message(child)
+            parcel = child.receive(min((LOOK_INTERVAL, *(wait for wait in waits if wait is not None))))
+            ended = parcel is None and child.process.poll() is not None
+            if ended:
+                parcel = child.receive(LAST_MESSAGE)
+            if parcel is not None:
+                kind, content = self.message(child, parcel)
                 if kind == "ready":
-                    child.ready = True
+                    child.ready = content
                     end = self.deadline(child)
                 elif kind == "done":
                     child.busy = False
@@ -187,16 +180,15 @@ class Worker(Closing):
                     return self.too_long(child)
                 # an earlier run was repeated before this one, and each has its own time
                 repeated, end = self.place.page.repeated, self.deadline(child)
-            elif child.process.poll() is not None and not child.channel.waits(0.0):
+            elif ended:
                 return self.crashed(child)
             if watch and self.place.page.steps:
                 watch(self.place.page.step, self.place.page.steps)
             if memory and (used := child.resident()) > memory:
                 return self.too_much(used)
 
-    def message(self, child: Child) -> tuple[str, Any]:
-        """Next message of a process; passes on its log lines."""
-        parcel = child.channel.receive()
+    def message(self, child: Child, parcel: Parcel) -> tuple[str, Any]:
+        """Message of a process; passes on its log lines."""
         try:
             kind, content = parcel.open()
         except Exception:  # pickle has many
@@ -264,10 +256,12 @@ class Worker(Closing):
         try:
             child.note_offspring()
             child.channel.send(None)
-            while (left := end - time.monotonic()) > 0.0 and child.channel.waits(left):
-                self.message(child)
+            while (parcel := child.receive(max(0.0, end - time.monotonic()))) is not None:
+                self.message(child, parcel)
         except (EOFError, OSError, NoMessageError):
             late = False
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                child.process.wait(max(0.0, end - time.monotonic()))
         finally:
             self.kill()
         self.look_back(child, late)
@@ -275,7 +269,7 @@ class Worker(Closing):
     def look_back(self, child: Child, late: bool) -> None:
         """Log an abnormal end of a process whose results are complete."""
         who, when, code = self.place.who(), self.place.when(), child.process.returncode
-        if self.closed or not (who or late or code not in (0, -signal.SIGKILL)):
+        if self.closed or not (who or late or (code and not child.forced)):
             return
         how = f"it did not end within {GRACE:g} s and was killed" if late else ending(code)
         warn_once(f"{who or 'a worker process'} {'hung' if late else 'crashed'} {when}".rstrip() + f": {how}")
@@ -305,6 +299,3 @@ class Worker(Closing):
         self.finish()
         self.stop()
         self.release()
-        if self.page >= 0:
-            os.close(self.page)
-            self.page = -1

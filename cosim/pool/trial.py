@@ -9,7 +9,7 @@ from cosim.errors import CosimError
 from cosim.loop import plant
 from cosim.loop.place import Stage
 from cosim.pool.job import Bench
-from cosim.pool.limits import Limits, isolates
+from cosim.pool.limits import Limits
 from cosim.pool.once import place
 
 
@@ -34,15 +34,11 @@ class Import:
 def import_plant(name: str, folder: Path) -> None:
     """Check in a separate process whether a plant's module can be imported without ending the process.
 
-    Without supervised processes nothing is checked.
-
     Raises
     ------
     CosimError
         The import failed or ended the process.
     """
-    if not isolates():
-        return
     with place(Limits()) as do:
         outcome = do(Import(name, folder))
     if isinstance(outcome, CosimError):

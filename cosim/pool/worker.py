@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import gc
+import io
 import logging
 import os
 import queue
 import signal
-import socket
 import sys
 import threading
 import traceback
+from pathlib import Path
 from typing import Any
 
 from cosim import process
@@ -25,6 +27,7 @@ from cosim.loop.session import Session
 from cosim.pool.channel import MessageChannel, Parcel
 from cosim.pool.job import Order, Task, WorkerError
 from cosim.pool.limits import confine
+from cosim.process import POSIX
 from cosim.scenario.model import Scenario
 from cosim.warned import once
 
@@ -104,20 +107,20 @@ class Forward(logging.Handler):
             self.channel.send((LOG, (record.name, record.levelno, self.format(record))))
 
 
-def main(end: int, page: int, parent: int) -> None:
-    """Serve the channel until the order to end, or until the other side closes it."""
+def main(page: str, parent: int) -> None:
+    """Serve stdin and stdout until the order to end, or until the other side closes them."""
     die_with(parent)
-    for descriptor in (end, page):
-        # what FMU or plant may start must not keep the channel open
-        os.set_inheritable(descriptor, False)
-    channel = MessageChannel(socket.socket(fileno=end))
+    channel, place = channel_of_streams(), Place(Path(page))
+    # Windows keeps it until both sides are done
+    with contextlib.suppress(OSError):
+        Path(page).unlink()
     tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
     forward = Forward(channel)
     fmus.strict = True
     refusal = refused(tasks)
-    with JobRunner(Place(page)) as runner, once():
-        channel.send((READY, None))
+    with JobRunner(place) as runner, once():
+        channel.send((READY, os.getpid()))
         before = process.belongings()
         while (order := awaited(tasks)) is not None:
             outcome = refusal or done(runner, order, forward)
@@ -125,6 +128,20 @@ def main(end: int, page: int, parent: int) -> None:
             channel.send((DONE, (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
     # the interpreter would look through all that was imported for circles, which takes longer than the rest
     gc.freeze()
+
+
+def channel_of_streams() -> MessageChannel:
+    """Channel of the pipes on stdin and stdout; runs then read nothing and print to stderr."""
+    # the copies are not inherited: what a run starts must not keep the channel open
+    source, sink = os.dup(0), os.dup(1)
+    null = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(null, 0)
+    os.close(null)
+    os.dup2(2, 1)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # a crash loses no line
+        sys.stdout.reconfigure(line_buffering=True)
+    return MessageChannel(os.fdopen(source, "rb"), os.fdopen(sink, "wb"))
 
 
 def refused(tasks: queue.SimpleQueue[Parcel]) -> WorkerError | None:
@@ -195,7 +212,7 @@ def die_with(parent: int) -> None:
 
     Child processes of a run stay below this process, to be found and ended with it.
     """
-    if sys.platform == "linux":
+    if POSIX and sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
         if os.getppid() != parent:

@@ -11,6 +11,7 @@ import psutil
 import pytest
 
 import cosim
+from cosim.errors import CosimError
 from cosim.pool import once, supervisor
 from cosim.pool.job import Job, WorkerError
 from cosim.pool.limits import Limits
@@ -55,12 +56,12 @@ def test_the_first_place_takes_it_and_holds_it_to_its_limits(write: Write, folde
 
 def test_what_hinders_it_is_reported_by_its_location(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> None:
-        raise BlockingIOError
+        raise CosimError("no process")
 
     monkeypatch.setattr(supervisor, "spawn", refused)
     with once.started_ahead():
         assert not once.ahead
-        with pytest.raises(BlockingIOError), once.place(Limits()):
+        with pytest.raises(CosimError, match="no process"), once.place(Limits()):
             pass
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import socket
-from typing import Any
+import os
+from typing import Any, BinaryIO
 
 import numpy as np
 import pytest
@@ -11,21 +11,27 @@ import pytest
 from cosim.pool.channel import MessageChannel, NoMessageError
 
 
+def pipe() -> tuple[BinaryIO, BinaryIO]:
+    """Both ends of a pipe."""
+    source, sink = os.pipe()
+    return os.fdopen(source, "rb"), os.fdopen(sink, "wb")
+
+
 def sent(message: object) -> bytes:
     """Bytes of a message in transit."""
-    ours, theirs = socket.socketpair()
-    with MessageChannel(ours) as channel, theirs:
-        channel.send(message)
-        channel.end.shutdown(socket.SHUT_WR)
-        return b"".join(iter(lambda: theirs.recv(1 << 16), b""))
+    source, sink = pipe()
+    with source:
+        MessageChannel(source, sink).send(message)
+        sink.close()
+        return source.read()
 
 
 def received(stream: bytes) -> Any:
     """Message of what came."""
-    ours, theirs = socket.socketpair()
-    with MessageChannel(ours) as channel, theirs:
-        theirs.sendall(stream)
-        theirs.shutdown(socket.SHUT_WR)
+    source, sink = pipe()
+    with MessageChannel(source, sink) as channel:
+        sink.write(stream)
+        sink.close()
         return channel.receive().open()
 
 

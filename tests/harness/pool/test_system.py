@@ -1,84 +1,104 @@
-"""Where the system cannot supervise processes all is done in one; what cannot be kept is said."""
+"""Worker processes without the calls that only POSIX has, as on Windows: limits, crashes, equal results."""
 
 from __future__ import annotations
 
-import os
-import sys
+import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 
-import cosim
-from cosim.cli import main
-from cosim.pool import limits
-from cosim.pool.job import Job
-from cosim.pool.limits import Limits
-from cosim.pool.supervisor import Worker
+from cosim.pool.child import ending
 
-from ..conftest import grid
+from ..conftest import DATA
+from ..sweep import studies
+from . import command
 
 Write = Callable[..., Path]
+ENDS = {
+    "a crash": (["controller.crash_at=3"], (), "the FMU `probe` crashed at t = 0.003 s (step 3): killed by"),
+    "an exit": (["controller.exit_at=3"], (), "it ended the process with exit code 0"),
+    "a hang": (["controller.hang_at=3"], ("--timeout", "1"), "no result within `--timeout` = `1` s: the FMU"),
+    "memory": (["controller.eat_at=3"], ("--memory", "300"), "MB of memory are more than `--memory` = `300`"),
+}
 
 
 @pytest.fixture(autouse=True)
-def windows(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the system be one that has no supervised processes, with the lag scenario."""
-    write()
-
-    class System:
-        """The module `os` as another system has it."""
-
-        name = "nt"
-
-        def __getattr__(self, name: str) -> object:
-            return getattr(os, name)
-
-    monkeypatch.setattr(limits, "os", System())
+def _portable(write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write the lag scenario and hostile plants; let processes use only what Windows has as well."""
+    for name in ("hostile_plants.py", "counting.py"):
+        shutil.copy(DATA / name, folder / name)
+    write(studies.MEASURED)
+    monkeypatch.setenv("COSIM_PORTABLE", "1")
 
 
-def call(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> object:
-    """Exit code of a command line."""
-    monkeypatch.setattr(sys, "argv", ["cosim", *arguments])
-    with pytest.raises(SystemExit) as exited:
-        main()
-    return exited.value.code
+@pytest.mark.parametrize(("changes", "options", "line"), ENDS.values(), ids=ENDS)
+def test_what_ends_a_process_is_one_line(changes: list[str], options: tuple[str, ...], line: str) -> None:
+    settings = [word for change in changes for word in ("--set", change)]
+    done = command.finished(*settings, *options)
+    assert done.returncode == 2
+    assert any(text.startswith("error: ") and line in text for text in done.stderr.splitlines()), done.stderr
 
 
-def test_a_run_is_done_in_the_process_of_the_command(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("engine", ["reference", "native"])
+def test_results_are_those_of_posix(engine: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def result() -> dict[str, object]:
+        done = command.finished("--json", "-", "--timeout", "60", "--memory", "500", "--engine", engine)
+        found: dict[str, object] = json.loads(done.stdout)
+        return {name: value for name, value in found.items() if name != "wall_s"}
+
+    portable = result()
+    monkeypatch.delenv("COSIM_PORTABLE")
+    assert portable == result()
+
+
+def test_a_sweep_has_several_processes_and_a_row_for_a_crash(folder: Path) -> None:
+    cases = [*(f"controller.gain = 0.{k}" for k in range(1, 6)), "controller.crash_at = 3"]
+    text = studies.case_list([f'{case}\nplant.name = "counting:Counting"' for case in cases])
+    (folder / "study.toml").write_text(text)
+    studies.sweep("study.toml", "--workers", "2")
+    statuses = [row["status"] for row in studies.rows(folder / "study.sweep")]
+    assert statuses == ["passed"] * 5 + ["crashed"]
+    assert len(set((folder / "processes").read_text().split())) > 1
+
+
+def test_a_change_of_the_process_is_left_to_its_run(folder: Path) -> None:
+    (folder / "changing.py").write_text(
+        "import os, probe_plants\nclass Changing(probe_plants.Lag):\n    def advance(self, substeps):\n"
+        "        super().advance(substeps)\n        os.environ['CHANGED'] = str(os.getpid())\n"
+    )
+    (folder / "study.toml").write_text(studies.case_list(['plant.name = "changing:Changing"'] * 2))
+    done = studies.sweep("study.toml", "--workers", "1")
+    assert "changed the environment variables of its process" in done.stderr
+
+
+def test_what_a_run_starts_ends_with_it(folder: Path) -> None:
+    (folder / "starting.py").write_text(
+        "import pathlib, subprocess, sys, time, probe_plants\nclass Starting(probe_plants.Lag):\n"
+        "    def advance(self, substeps):\n"
+        "        child = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(100)'])\n"
+        "        pathlib.Path('child').write_text(str(child.pid))\n        time.sleep(100)\n"
+    )
+    assert command.finished("--set", "plant.name=starting:Starting", "--timeout", "2").returncode == 2
+    child = int((folder / "child").read_text())
+    studies.wait_for(lambda: not psutil.pid_exists(child))
+
+
+def test_a_worker_ends_with_the_process_that_started_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert call(monkeypatch, "run", "lag.toml") == 0
-    assert "simulated in" in capsys.readouterr().out
-    assert call(monkeypatch, "show", "lag.toml") == 0
+    (folder / "tmp").mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder / "tmp"))
+    with command.started("--set", "plant.name=hostile_plants:Slow") as process:
+        command.wait_for_line(process, "asleep")
+        (worker,) = psutil.Process(process.pid).children()
+        process.kill()
+    worker.wait(timeout=20.0)
+    assert not list((folder / "tmp").iterdir())
 
 
-@pytest.mark.parametrize("option", ["--timeout", "--memory"])
-def test_an_option_that_cannot_be_kept_is_rejected(
-    option: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert call(monkeypatch, "run", "lag.toml", option, "100") == 2
-    assert capsys.readouterr().err.splitlines() == [
-        f"error: `{option}` cannot be enforced: this system has no supervised worker processes",
-        f"hint: Omit `{option}`; the command then runs in its own process.",
-    ]
-
-
-def test_a_sweep_is_done_in_one_process_and_says_so(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (folder / "study.toml").write_text(grid(pole=[0.1, 0.2]))
-    assert call(monkeypatch, "sweep", "study.toml", "--no-plots") == 0
-    seen = capsys.readouterr()
-    assert "2 of 2 runs" in seen.out
-    reported = "warning: this system has no supervised worker processes: the runs use this process; "
-    assert f"{reported}`limits.timeout` cannot be enforced" in seen.err
-
-
-def test_isolation_that_is_asked_for_is_rejected() -> None:
-    scenario = cosim.load("lag.toml")
-    with pytest.raises(cosim.CosimError, match="cannot be isolated on this system"):
-        cosim.run(scenario, isolated=True)
-    # as a Dask worker on such a system does it
-    with pytest.raises(cosim.CosimError, match="cannot be isolated on this system"):
-        Worker(Limits()).call(Job(scenario, 1))
+def test_exit_codes_of_windows_are_named() -> None:
+    assert ending(0xC0000005) == "killed by exception 0xC0000005 (access violation)"
+    assert ending(0xC0000374) == "killed by exception 0xC0000374 (see NTSTATUS)"
