@@ -18,7 +18,8 @@ from cosim.pool.limits import memory_of, process_of
 
 LONGEST_OUTPUT = 300
 """Maximum length of the last output of a worker process."""
-COMMAND = "from cosim.pool.worker import main; main({}, {}, {})"
+COMMAND = "import gc; gc.disable(); from cosim.pool.worker import main; main({}, {}, {})"
+"""Program of a worker process; imports leave no garbage worth collecting."""
 
 
 @dataclass

@@ -106,6 +106,7 @@ class Forward(logging.Handler):
 
 def main(end: int, page: int, parent: int) -> None:
     """Serve the channel until the order to end, or until the other side closes it."""
+    gc.enable()
     die_with(parent)
     for descriptor in (end, page):
         # what FMU or plant may start must not keep the channel open
