@@ -67,26 +67,27 @@ def pack(target: Path, description: str, members: dict[str, bytes]) -> Path:
     return target
 
 
+def compiled(folder: Path, name: str) -> bytes:
+    """Compile a library for tests from the C file of that name."""
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        pytest.fail("a C compiler is needed to build the FMUs")
+    library = folder / f"{name}.so"
+    command = [compiler, "-shared", "-fPIC", "-O1", f"-I{HEADERS}", str(DATA / f"{name}.c"), "-lm"]
+    subprocess.run([*command, "-o", str(library)], check=True)
+    return library.read_bytes()
+
+
 @pytest.fixture(scope="session")
 def probe_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """Compile the probe."""
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    if compiler is None:
-        pytest.fail("a C compiler is needed to build the probe FMU")
-    library = tmp_path_factory.mktemp("probe") / "probe.so"
-    command = [
-        compiler,
-        "-shared",
-        "-fPIC",
-        "-O1",
-        f"-I{HEADERS}",
-        str(DATA / "probe.c"),
-        "-o",
-        str(library),
-        "-lm",
-    ]
-    subprocess.run(command, check=True)
-    return library.read_bytes()
+    return compiled(tmp_path_factory.mktemp("probe"), "probe")
+
+
+@pytest.fixture(scope="session")
+def broken_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Compile the library whose defect the GUID names."""
+    return compiled(tmp_path_factory.mktemp("defects"), "defects")
 
 
 @pytest.fixture(scope="session")
