@@ -110,7 +110,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
     (p, ring)
 }
 
-/// What goes wrong while the surface is collected.
+/// Disturbs the inputs while the surface is collected.
 fn disturb(fault: Fault, run: &mut Loop) {
     match fault {
         Fault::NoPart => run.ring.present = false,

@@ -14,7 +14,7 @@ pub fn check(p: &Parameters, path: &ProgrammedPath) -> Result<(), ParameterError
     commission_time(p, path)
 }
 
-/// What the samples of delay must fit, the only ones of what a commissioning run derives that others depend on.
+/// Conditions for the samples of delay, the only derived result of a commissioning run on which others depend.
 ///
 /// # Errors
 /// When a parameter does not fit them.

@@ -292,7 +292,7 @@ impl Controller {
         }
     }
 
-    /// What `mode` asks for where it is no task: nothing moves by itself afterwards.
+    /// Applies a request of `mode` that is no task: nothing moves by itself afterwards.
     fn take_mode(&mut self, before: State, mode: Mode, enable: bool) {
         // after a fault, a commissioning run or a registration, or after an edge of `enable` that came during a stop
         let measured = (self.commissioning || self.registering) && self.state == State::Idle;

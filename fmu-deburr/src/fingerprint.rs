@@ -24,7 +24,7 @@ impl Fingerprint {
         }
     }
 
-    /// What has come of the numbers.
+    /// Fingerprint of the numbers so far.
     pub fn value(self) -> u64 {
         self.0
     }

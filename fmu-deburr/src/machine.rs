@@ -35,16 +35,16 @@ pub enum Progress {
     Again,
 }
 
-/// What happens in one sample.
+/// Events of one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Events {
     /// The drives may move.
     pub enable: bool,
     /// The drives might not move at some moment of the present stop.
     pub disabled: bool,
-    /// What is asked for.
+    /// Requested mode.
     pub mode: Mode,
-    /// What is done.
+    /// Running task.
     pub task: Mode,
     /// Stand during the motion.
     pub hold: bool,
@@ -58,7 +58,7 @@ pub struct Events {
     pub register: bool,
     /// The commissioning run or registration is to be aborted.
     pub abort: bool,
-    /// What stops is a commissioning run or a registration.
+    /// The task that stops is a commissioning run or a registration.
     pub measuring: bool,
     /// Something is wrong in this sample.
     pub fault: bool,

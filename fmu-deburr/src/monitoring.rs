@@ -1,4 +1,4 @@
-//! What watches the machine: axes against the model of their loop, the flicker of their measurements, the delay of
+//! Monitors of the machine: axes against the model of their loop, the flicker of their measurements, the delay of
 //! their answers, the tool's speed and its measurement, the time of a task.
 
 pub mod axis;

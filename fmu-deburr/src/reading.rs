@@ -31,7 +31,7 @@ pub struct Reading {
     pub speed_override: f64,
 }
 
-/// What is known of the machine before a sample is read.
+/// State of the machine before a sample is read.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadingContext<'a> {
     /// Motion that was commanded for the sample that ends now, rad or m.

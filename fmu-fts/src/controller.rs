@@ -232,7 +232,7 @@ impl Controller {
         }
     }
 
-    /// What a pulse of the brake would begin from.
+    /// Motion from which a pulse of the brake would start.
     fn last_motion(&self, p: &Parameters) -> LastMotion {
         LastMotion { velocity: self.reader.arm_velocity(p), answer: self.watch.answer(p) }
     }

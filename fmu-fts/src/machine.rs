@@ -7,7 +7,7 @@ use crate::interface::{Fault, Input, Mode, State};
 /// Which job is asked for; by default none was yet.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Request {
-    /// What the inputs ask for.
+    /// Mode that the inputs request.
     requested: Mode,
     /// It ended with a fault: until something else is asked for, nothing is.
     spent: bool,
@@ -36,7 +36,7 @@ impl Request {
         self.renewed
     }
 
-    /// What is asked for now begins nothing any more.
+    /// The present request starts nothing any more.
     pub fn spend(&mut self) {
         self.spent = true;
     }
@@ -49,7 +49,7 @@ impl State {
     }
 }
 
-/// What happened in one sample.
+/// Events of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
     /// Something is wrong.

@@ -83,7 +83,7 @@ impl Reader {
         reading
     }
 
-    /// What is missing now.
+    /// Measurements that are missing now.
     pub fn missing(&self) -> &Missing {
         &self.missing
     }
@@ -295,7 +295,7 @@ mod tests {
         }
     }
 
-    /// What is missing first where inputs are held over `held` samples.
+    /// First missing measurement where inputs are held over `held` samples.
     fn found_in_steps_of(held: u32) -> Missing {
         let (p, mut reader) = (Parameters::START, Reader::default());
         let missing = (0..3000).map(|k| {

@@ -16,7 +16,7 @@ impl State {
     }
 }
 
-/// What happened in one sample.
+/// Events of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
     /// A fault is present.

@@ -1,4 +1,4 @@
-"""What holds for every closed loop and variant; a new scenario file is picked up by itself."""
+"""Properties of every closed loop and variant; a new scenario file is included automatically."""
 
 import subprocess
 import sys

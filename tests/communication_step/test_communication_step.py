@@ -1,4 +1,4 @@
-"""What the page on communication steps says is what is measured, and what the FMUs warn of."""
+"""The page on communication steps shows the measured values and the warnings of the FMUs."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ pytestmark = [
 
 @dataclass(frozen=True)
 class Replay:
-    """What an FMU did with a recording."""
+    """Outputs of an FMU for a recording."""
 
     outputs: NDArray[np.uint64]
     log: str

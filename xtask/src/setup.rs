@@ -11,7 +11,7 @@ use crate::process;
 use crate::python;
 use crate::workspace::Workspace;
 
-/// What the module `machining_native` is made of.
+/// Sources of the module `machining_native`.
 pub const NATIVE: &[&str] = &[
     "Cargo.lock",
     "Cargo.toml",

@@ -82,7 +82,7 @@ fn with_words(command: impl Fn(&str) -> Command, line: &str) -> Command {
     command
 }
 
-/// What was done, how long it took and whether it passed.
+/// Executed steps, their times and whether they passed.
 struct Steps {
     start: Instant,
     times: Vec<(&'static str, Duration, bool)>,
@@ -122,7 +122,7 @@ impl Steps {
     }
 }
 
-/// What a step gives, and how long it took.
+/// Result of a step, and its time.
 fn clocked<T>(step: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = step();

@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-/// What is a source file by its name alone.
+/// Name endings of source files.
 const ENDS: [&str; 2] = [".rs", ".py"];
 const MANIFEST: &str = "Cargo.toml";
 
-/// What lies here is inside the FMU.
+/// Folder whose files are packed into the FMU.
 const PACKED: &str = "resources/";
 
 /// Programs that are run where the sources are.
 const COMMANDS: [&str; 2] = ["cargo", "pytest"];
 
-/// What belongs to a project and not into its FMUs.
+/// Parts of a project that its FMUs do not contain.
 #[derive(Default)]
 pub struct Outside {
     /// Folders: what lies at a path with a `/` in one of them is a source.

@@ -1,4 +1,4 @@
-//! What leads an instance from phase to phase, and what concerns all of it.
+//! Functions that lead an instance from phase to phase, and functions that concern all of it.
 
 use super::call::{BAD_STRING, texts, with};
 use super::types::*;

@@ -1,4 +1,4 @@
-//! What a table of variables shows of a row, in words: for the documentation page and for a README.
+//! Text of the cells in a table of variables: for the documentation page and for a README.
 
 use crate::table::units::DisplayUnit;
 use crate::table::variable::{Kind, Real, Role, Variable};

@@ -15,7 +15,7 @@ pub fn install() {
     INSTALLED.call_once(|| panic::set_hook(Box::new(remember)));
 }
 
-/// What the last panic of this thread said, with file and line.
+/// Message of the last panic of this thread, with file and line.
 pub fn take_panic() -> String {
     LAST.take()
 }

@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use std::sync::{Arc, Mutex};
 
-    /// What of all categories is sent, as their first letters.
+    /// First letters of the categories that are sent, of all categories.
     fn sent(logger: &Logger, heard: &Arc<Mutex<String>>) -> String {
         Category::ALL.iter().for_each(|category| logger.send(*category, "x"));
         std::mem::take(&mut heard.lock().unwrap())

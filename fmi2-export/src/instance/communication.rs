@@ -7,7 +7,7 @@ use crate::model::Experiment;
 /// Whether a step begins where the last one has ended, by the clock, and is one that can be done.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Returns the reason if the step is rejected.
 #[inline]
 pub fn check_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Result<(), Refusal> {
     let possible = clock.is_usual(step) || (step > 0.0 && step.is_finite() && step <= MAX_TICKS * clock.period);
@@ -22,7 +22,7 @@ pub fn check_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) 
     }
 }
 
-/// What is wrong with a step that [`check_step`] rejects.
+/// Reason why [`check_step`] rejects a step.
 #[cold]
 fn wrong_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Refusal {
     let expected = experiment.start + clock.position();

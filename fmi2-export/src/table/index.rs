@@ -1,9 +1,9 @@
-//! What the value references stand for: constant tables, made from the rows when the library is compiled.
+//! Variables by value reference: constant tables, made from the rows when the library is compiled.
 
 use crate::table::place::{Place, Run};
 use crate::table::variable::{Kind, Role, Variable};
 
-/// What a value reference stands for: an element of a row.
+/// Variable of a value reference: an element of a row.
 #[derive(Debug)]
 pub struct Entry<V: 'static> {
     pub(crate) row: &'static Variable<V>,

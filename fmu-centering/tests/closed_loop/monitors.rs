@@ -56,7 +56,7 @@ fn a_probe_with_another_scale_pushes_nothing() {
     }
 }
 
-/// What ends a centering at 45 rpm whose probe is `late` samples late from `state` on, and the eccentricity then, m.
+/// Fault of a centering at 45 rpm whose probe is `late` samples late from `state` on, and the eccentricity then, m.
 fn with_late_probe(late: usize, state: State) -> (Fault, f64) {
     let mut ring = Ring::new(1, 5e-4, 0.5);
     ring.speed = 4.71;

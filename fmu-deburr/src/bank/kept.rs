@@ -1,4 +1,4 @@
-//! What a bank held before the present learning: each pattern of it stays until that of its speed is learned.
+//! Patterns that a bank held before the present learning: each one stays until that of its speed is learned.
 
 use serde::{Deserialize, Serialize};
 

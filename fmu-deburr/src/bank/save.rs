@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Writes under another name and renames; an older file stays until the new one is complete.
 ///
 /// # Errors
-/// What the system says; nothing is left after.
+/// Error of the operating system; no partial file remains.
 pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if fs::metadata(path).is_ok_and(|about| !about.is_file()) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there is a folder or device of this name"));

@@ -24,7 +24,7 @@ const READING_RANGE: f64 = 1.25;
 pub struct CommissioningRun {
     /// The present or last experiment.
     pub experiment: Experiment,
-    /// What was measured.
+    /// Measured values.
     pub measured: Measured,
     /// Why the result cannot be used.
     pub rejected: Option<Rejection>,

@@ -144,7 +144,7 @@ mod tests {
 
     const AXIS: usize = 2;
 
-    /// What is found of a drive from its strokes, with noise of `noise` counts.
+    /// Response of a drive identified from its strokes, with noise of `noise` counts.
     fn found(machine: &NominalDrive, noise: f64, seed: u64) -> Response {
         held(machine, noise, seed, 0.0, 0.0)
     }

@@ -15,7 +15,7 @@ pub struct Experiment {
     start: Joints,
     /// Number of the axis that moves, from 0; `AXES` when all have.
     pub axis: usize,
-    /// What its strokes have shown.
+    /// Data of its strokes.
     pub strokes: Strokes,
     stroke: u32,
     /// samples of this stroke

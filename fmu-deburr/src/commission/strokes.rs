@@ -1,4 +1,4 @@
-//! What the strokes of one axis have shown: reference and control error, sample by sample.
+//! Data of the strokes of one axis: reference and control error, sample by sample.
 
 use serde::{Deserialize, Serialize};
 

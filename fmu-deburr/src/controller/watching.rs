@@ -1,4 +1,4 @@
-//! What is wrong in a sample, and the fault that is in force.
+//! Findings of a sample, and the active fault.
 
 use control_blocks::Reaction;
 

@@ -101,7 +101,7 @@ impl NominalDrive {
     }
 }
 
-/// What is known of a drive.
+/// Knowledge of a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Velocity over commanded velocity, and its standard deviation.
@@ -121,7 +121,7 @@ impl Drive {
         Self { gain: [nominal.gain, unknown.gain[1]], lag: [nominal.lag(), unknown.lag[1]], frequency }
     }
 
-    /// What weights and their covariance say of it.
+    /// Drive that follows from weights and their covariance.
     pub fn of(nominal: &NominalDrive, found: &Weights) -> Self {
         let Weights { first, weights, covariance } = found;
         let sum: f64 = weights.iter().sum();

@@ -37,7 +37,7 @@ impl ErrorSums {
         }
     }
 
-    /// What they are of.
+    /// Errors of these samples.
     pub fn errors(&self) -> Errors {
         let count = self.count.max(1) as f64;
         let Errors { rms, cost, .. } = self.sums;

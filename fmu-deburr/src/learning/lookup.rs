@@ -9,7 +9,7 @@ const SPEED_TOLERANCE: f64 = 5e-4;
 /// Above the fastest pattern it is enlarged up to this factor.
 const SCALE_MAX: f64 = 1.1;
 
-/// What the lookup takes from a pattern.
+/// Values that the lookup takes from a pattern.
 #[derive(Clone, Copy, Debug)]
 pub struct PatternLookup {
     /// Distance at which the speeds are compared, and the speed there.

@@ -64,7 +64,7 @@ impl Renewal {
         }
     }
 
-    /// What the control law makes of the values of one axis as a whole.
+    /// Transforms all values of one axis by the control law.
     fn transform(&mut self, p: &Parameters, count: usize, axis: usize, cyclic: bool) {
         let values = &mut self.values[..count];
         let [a, b, c] = &mut self.room;

@@ -37,7 +37,7 @@ const GROWN: f64 = 1.0;
 const LAST: f64 = 2.5;
 const COMES_TO_REST: f64 = 4.0;
 
-/// What one axis is watched with.
+/// Monitors of one axis.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AxisMonitor {
     nominal: Nominal,
@@ -53,7 +53,7 @@ pub struct AxisMonitor {
     calm: u32,
 }
 
-/// What one axis does, rad or m.
+/// Motion of one axis, rad or m.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Encoder measurement.
@@ -75,7 +75,7 @@ pub enum Expectation {
     Compensated,
 }
 
-/// What is wrong with an axis.
+/// Finding about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// Nothing.

@@ -26,7 +26,7 @@ const MOVED: f64 = 0.25;
 /// Largest factor: no drive does more of what it is reported. The servo's answer to a measurement that flickers is a
 /// ratio Kp T of it, so that such a measurement would be 1/(Kp T) times what was commanded.
 const FACTOR_MAX: f64 = 2.5;
-/// What is left of the last sample's smoothed change in the next.
+/// Factor of the last sample's smoothed change in the next sample.
 const SMOOTHED: f64 = 0.85;
 /// Samples by which it has to be another one.
 const ANOTHER: f64 = 0.75;
@@ -94,7 +94,7 @@ impl DelayMonitor {
         self.axis[axis].take(smoothed);
     }
 
-    /// What is wrong so far: another delay than `io_delay`, of all axes or of one.
+    /// Finding so far: another delay than `io_delay`, of all axes or of one.
     pub fn found(&self, p: &Parameters) -> Finding {
         let configured = p.io_delay as usize;
         if configured >= DELAYS {
@@ -144,7 +144,7 @@ impl Sums {
         }
     }
 
-    /// What the delay leaves unexplained.
+    /// Residual that the delay does not explain.
     fn left(&self, delay: usize) -> f64 {
         let (product, square) = (self.product[delay], self.square[delay]);
         let factor = (product / square.max(f64::MIN_POSITIVE)).clamp(0.0, FACTOR_MAX);
@@ -171,7 +171,7 @@ impl Sums {
 mod tests {
     use super::*;
 
-    /// What is found of axes that answer to the command of `delay` samples ago with a gain and a noise of counts.
+    /// Finding for axes that answer to the command of `delay` samples ago with a gain and a noise of counts.
     fn found(io_delay: i32, delay: usize, gain: f64, noise: f64) -> Finding {
         let mut p = Parameters::START;
         p.io_delay = io_delay;
@@ -231,7 +231,7 @@ mod tests {
         }
     }
 
-    /// What is found of axes that answer after a number of samples that is none; also that of whole ones.
+    /// Finding for axes that answer after a fraction of samples; also after whole ones.
     fn found_between(io_delay: i32, delay: f64) -> Finding {
         let mut p = Parameters::START;
         p.io_delay = io_delay;

@@ -1,4 +1,4 @@
-//! What was found wrong, with its numbers.
+//! A fault that was found, with its numbers.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ pub use crate::monitoring::numbers::Numbers;
 /// A fault and its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// What is wrong.
+    /// Fault that was found.
     pub fault: Fault,
     /// By how much.
     pub numbers: Numbers,

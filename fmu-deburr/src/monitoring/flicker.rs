@@ -172,13 +172,13 @@ impl Flicker {
         (self.before, self.still, self.reversed, self.last) = (None, 0, false, 0.0);
     }
 
-    /// What has shaken the axis may have ended: noise shows itself again.
+    /// The cause of the vibration of the axis may have ended: noise becomes visible again.
     pub fn settle(&mut self) {
         let Self { bit, farthest, model, still, squares, observed, .. } = *self;
         *self = Self { bit, farthest, model, still, earlier: (squares, observed), ..Self::default() };
     }
 
-    /// What is wrong with the measurement of the axis `axis` (from 0) at the end of a run.
+    /// Finding about the measurement of the axis `axis` (from 0) at the end of a run.
     pub fn after_run(&self, p: &Parameters, axis: usize) -> Finding {
         self.frozen(p, axis, DECADES_ONCE)
     }

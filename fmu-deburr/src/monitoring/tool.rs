@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::{Finding, Numbers};
 
-/// What is seen of the tool along one path.
+/// Data of the tool along one path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolMonitor {
     slow: Consecutive,
@@ -67,7 +67,7 @@ impl ToolMonitor {
         }
     }
 
-    /// What is wrong with a path that has come to its end: nothing was cut.
+    /// Finding at the end of a path: nothing was cut.
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let change = self.held.map_or(0.0, |(slowest, fastest)| (fastest - slowest).max(0.0));
         let minimum = p.limits.spindle_change;

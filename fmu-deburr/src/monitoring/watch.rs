@@ -104,7 +104,7 @@ impl Watch {
         self.flicker.iter_mut().for_each(Flicker::pause);
     }
 
-    /// What is done now is none of the rests that are looked at.
+    /// Pauses the monitors at rest: the present task is not monitored by them.
     pub fn pause_rests(&mut self) {
         self.resting.iter_mut().for_each(Flicker::pause);
     }
@@ -136,7 +136,7 @@ impl Watch {
         self.rest.update(&residual, &std::array::from_fn(|i| self.axes[i].allowance()));
     }
 
-    /// What is wrong with a run that has come to rest: an axis that does not stand where its loop brings it, or a
+    /// Finding about a run that has come to rest: an axis that is not where its loop brings it, or a
     /// measurement that is dead.
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let (mean, allowed) = self.rest.means();

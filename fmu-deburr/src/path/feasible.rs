@@ -12,7 +12,7 @@ const NAMES: [(&str, &str); AXES] =
 /// Most positions that are looked at.
 const SAMPLES_MAX: f64 = 2e5;
 
-/// What is in the way of an axis.
+/// Limit that an axis would exceed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hindrance {
     /// The wrist is on the axis of the column.

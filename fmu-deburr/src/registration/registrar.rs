@@ -12,7 +12,7 @@ use crate::path::touch::Touch;
 use crate::registration::fit::{Touched, fit};
 use crate::registration::plan::{back_time, deviation};
 
-/// What the tip does at a touch.
+/// Phase of the tip at a touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     /// Moves to the start of the approach.
@@ -28,9 +28,9 @@ enum Phase {
 /// One registration after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Registrar {
-    /// What was found.
+    /// Result of the registration.
     pub found: Registration,
-    /// What is wrong with it.
+    /// Fault of the registration.
     pub wrong: Finding,
     /// It has come to its end, and this is where the part lies.
     pub displacement: Option<Displacement>,

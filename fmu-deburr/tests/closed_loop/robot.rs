@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Communication step, s.
 pub const STEP: f64 = 0.01;
 
-/// What of a robot a test may choose.
+/// Properties of a robot that a test may choose.
 #[derive(Clone, Copy, Debug)]
 pub struct Build {
     /// Velocity over commanded velocity.

@@ -13,7 +13,7 @@ use crate::monitoring::rest::SETTLING;
 /// Consecutive calibration cycles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CalibrationRun {
-    /// What was learned.
+    /// Result of the calibration.
     pub calibrated: Calibrated,
     /// Touches are made to learn from them.
     pub active: bool,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibration::bias::SPEEDS;
 
-/// What a calibration says of it.
+/// Result of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Speeds that were calibrated, the slowest first, m/s.

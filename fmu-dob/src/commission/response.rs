@@ -120,7 +120,7 @@ mod tests {
         [ratio, damping.atan2(push) + half * (2.0 * x[1] + 1.0) + loop_ratio.atan()]
     }
 
-    /// What is found of a stage with these unknowns, from its answer to the excitation with `noise` (m) on the
+    /// Estimate of a stage with these unknowns, from its answer to the excitation with `noise` (m) on the
     /// position.
     fn found(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<4>, NoEstimate> {
         let plan = Plan::new(p);

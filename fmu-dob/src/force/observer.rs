@@ -121,7 +121,7 @@ impl DisturbanceObserver {
         (self.force_constant * acted - self.force()) / self.mass
     }
 
-    /// What an acceleration of 1 m/s2 that is not foreseen adds to the motion of a sample, m: T_s^2 / 2, and T_s / g_v
+    /// Motion that an unforeseen acceleration of 1 m/s2 adds in a sample, m: T_s^2 / 2, and T_s / g_v
     /// by the velocity that the filter does not yet show.
     pub fn leverage(&self) -> f64 {
         self.leverage

@@ -23,7 +23,7 @@ pub struct Monitors {
     pub frozen_at_rest: bool,
     /// Force after the retract.
     pub relief: RestForce,
-    /// What is left of a motion.
+    /// Detects a decaying oscillation after a motion.
     pub oscillation: OscillationMonitor,
     /// Consecutive samples too far from the reference.
     pub diverged: Consecutive,

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// What is left of a motion has died out after this many times 1 / `servo.bandwidth`.
+/// A motion has decayed after this many times 1 / `servo.bandwidth`.
 pub const SETTLING: f64 = 20.0;
 /// Equal samples that noise of three tenths of a step makes with 1e-13.
 pub const ROW: u32 = 300;
@@ -30,7 +30,7 @@ impl Rest {
         *self = Self::default();
     }
 
-    /// What is left of the motion before has died out.
+    /// Whether the motion before has decayed.
     pub fn settled(&self, p: &Parameters) -> bool {
         self.lasts(ticks(SETTLING / p.servo.bandwidth, p.sample_period))
     }

@@ -146,7 +146,7 @@ impl Calibrator {
         self.lens_fitted
     }
 
-    /// What the last lens asks the path to be corrected by; none before.
+    /// Correction of the path after the last lens; none before.
     pub fn correction(&self) -> Option<Correction> {
         self.correction
     }

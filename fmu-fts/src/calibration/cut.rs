@@ -1,4 +1,4 @@
-//! What the arm and the slide did while the tool cut a part for the calibration.
+//! Motion of the arm and the slide while the tool cut a part for the calibration.
 
 use serde::{Deserialize, Serialize};
 

@@ -79,7 +79,7 @@ struct Oscillation {
     noise: f64,
 }
 
-/// What a response is compared with.
+/// Values with which a response is compared.
 struct Nominals<'a> {
     plan: &'a Plan,
     shape: Shape,
@@ -198,7 +198,7 @@ mod tests {
         (&p).into()
     }
 
-    /// What the tones of a plan measure on a machine with dry friction, which turns round `drag_delay` (s) before the
+    /// Response to the tones of a plan on a machine with dry friction, which reverses `drag_delay` (s) before the
     /// speed, and with `noise` times the errors that a point may have.
     fn response(plan: &Plan, actual: &Nominal, drag_delay: f64, [noise, seed]: [f64; 2]) -> FrequencyResponse {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed as u64);

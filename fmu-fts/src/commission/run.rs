@@ -27,7 +27,7 @@ const REST_MAX: f64 = 1.2;
 pub struct CommissioningRun {
     /// The tones of the present or last run.
     pub experiment: Identification,
-    /// What was measured.
+    /// Measured values.
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,

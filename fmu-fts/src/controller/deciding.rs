@@ -1,4 +1,4 @@
-//! What is asked for, what has happened, and the state that follows.
+//! Requests, events, and the state that follows.
 
 use crate::controller::Controller;
 use crate::faults::{self, Situation};
@@ -72,7 +72,7 @@ impl Controller {
         }
     }
 
-    /// What faults are found from.
+    /// Values from which faults are found.
     fn situation(&self, p: &Parameters, mode: Mode, reading: &Reading) -> Situation<'_> {
         let path = self.tracker.path();
         let requested =

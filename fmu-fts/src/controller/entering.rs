@@ -1,4 +1,4 @@
-//! What happens once, when a state begins: the loop closes, the path is joined or left.
+//! Actions once, when a state begins: the loop closes, the path is joined or left.
 
 use control_blocks::Trajectory;
 
@@ -12,7 +12,7 @@ use crate::reading::Reading;
 use crate::servo::lead_lag::Recursion;
 
 impl Controller {
-    /// What happens once, when `state` begins.
+    /// Acts once, when `state` begins.
     pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         let closed = self.closed();
         let fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);

@@ -28,7 +28,7 @@ impl Controller {
         }
     }
 
-    /// What the arm should do.
+    /// Target of the arm.
     pub(super) fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Target {
         let target = if self.closed() {
             let held = self.held(p, reading);

@@ -13,7 +13,7 @@ const ERROR_RATIO: f64 = 0.7;
 /// Smallest averaging time, in whole periods, s: two periods of the lowest default frequency.
 const AVERAGE_TIME: f64 = 0.2;
 
-/// What is expected at a frequency.
+/// Expected response at a frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
     /// T.

@@ -108,7 +108,7 @@ impl DriveWatch {
         self.now.ratio(undisturbed(p, NOW)).or(self.latest(p))
     }
 
-    /// What it does now; of a small torque over the last 2 ms, where what was before hardly blurs what a fault has become.
+    /// Present answer of the drive; of a small torque over the last 2 ms, where earlier samples hardly hide a fault.
     pub fn latest(&self, p: &Parameters) -> Option<f64> {
         let minimum = disturbance(p) / p.servo.inertia;
         self.now(p).or(self.latest.ratio(SHORT / p.sample_period * minimum * minimum))

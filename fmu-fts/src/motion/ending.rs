@@ -31,7 +31,7 @@ struct Pulse {
     acts: bool,
 }
 
-/// What is known of the arm when its loop opens.
+/// Motion of the arm when its loop opens.
 #[derive(Clone, Copy, Debug)]
 pub struct LastMotion {
     /// Velocity, rad/s.

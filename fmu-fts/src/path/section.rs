@@ -1,4 +1,5 @@
-//! What a probe reads on the part that a path cuts: the nose of the tool and the ball of the probe roll on the same section.
+//! Section that a probe measures on the part that a path cuts. The nose of the tool and the ball of the probe roll on
+//! it.
 //!
 //! The section at one angle of the part is the envelope of the nose, so that the center of the ball moves on the curve
 //! that is R_t - R_p from that of the center of the nose: with Z' the slope dz/drho of the latter and q = sqrt(1 +
@@ -22,7 +23,7 @@ pub struct Contact {
     pub depth: f64,
     /// Slope of that depth to the distance from the spindle axis.
     pub slope: f64,
-    /// What the depth of the part takes of a depth that is added to the path: 1 - Z' tan(phi), as the arm moves
+    /// Ratio of the depth of the part to a depth that is added to the path: 1 - Z' tan(phi), as the arm moves
     /// sideways, too.
     pub gain: f64,
 }

@@ -53,7 +53,7 @@ impl Directions {
     }
 }
 
-/// What the search for a point of contact ends with.
+/// Result of the search for a point of contact.
 #[derive(Clone, Copy)]
 enum Found {
     /// Depth of the nose center, m.

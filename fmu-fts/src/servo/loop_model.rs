@@ -120,7 +120,7 @@ impl LoopModel {
         self.at(omega).arm
     }
 
-    /// What of the loop does not depend on the compensator, at `omega` (rad/s).
+    /// Part of the loop that does not depend on the compensator, at `omega` (rad/s).
     pub fn at(&self, omega: f64) -> ArmPoint {
         let (sine, cosine) = (omega * self.period).sin_cos();
         let z = Complex::new(cosine, sine);

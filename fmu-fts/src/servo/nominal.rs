@@ -1,4 +1,4 @@
-//! What the position loop is designed for: arm, drive, delay and sample period.
+//! Data for the design of the position loop: arm, drive, delay and sample period.
 
 use serde::{Deserialize, Serialize};
 

@@ -13,7 +13,7 @@ const BYTES_MAX: u64 = 16 << 20;
 pub struct Table<'a> {
     /// The file.
     pub file: FileParameter<'a>,
-    /// What it holds, in a few words.
+    /// Content in a few words.
     pub content: &'static str,
 }
 
@@ -62,7 +62,7 @@ pub(crate) mod tests {
     use super::*;
     use std::fmt::Debug;
 
-    /// What `read` makes of a folder of resources with a file of this text, or its message.
+    /// Result of `read` for a folder of resources with a file of this text, or its message.
     pub fn with_resource<T>(
         name: &str,
         text: &str,

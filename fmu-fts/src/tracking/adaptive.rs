@@ -51,7 +51,7 @@ pub struct PathHarmonic {
     pub hub_over_tool: Complex<f64>,
 }
 
-/// What was learned of the response at each harmonic, n = 1 first.
+/// Learned response at each harmonic, n = 1 first.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AdaptiveFeedforward {
     /// eps
@@ -116,7 +116,7 @@ impl AdaptiveFeedforward {
         }
     }
 
-    /// What is added to the set-point, rad, from the harmonics of the path and e^(j n theta), n = 1 first.
+    /// Addition to the set-point, rad, from the harmonics of the path and e^(j n theta), n = 1 first.
     pub fn output(&self, path: &[Complex<f64>], phasors: &[Complex<f64>]) -> f64 {
         let all = self.learned.iter().zip(&self.factors).zip(path).zip(phasors);
         all.map(|(((learned, factor), path), phasor)| learned.output(factor * path * phasor)).sum()

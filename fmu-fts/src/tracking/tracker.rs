@@ -32,7 +32,7 @@ pub struct Layers {
     pub learning: bool,
 }
 
-/// What the arm should do in a sample.
+/// Target of the arm in a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// Motion of the hub.
@@ -141,7 +141,7 @@ impl Tracker {
         self.transition.leave(p, duration);
     }
 
-    /// What the arm, now at `arm_angle` (rad), should do in this sample; `held` is the motion that it leaves.
+    /// Target of the arm, now at `arm_angle` (rad), in this sample; `held` is the motion that it leaves.
     pub fn follow(
         &mut self,
         p: &Parameters,

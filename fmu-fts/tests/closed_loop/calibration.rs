@@ -9,7 +9,7 @@ use fmu_fts::path::path_table::PathTable;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// What is true of the machine.
+/// True values of the machine.
 const LENGTH: f64 = 0.080_02;
 const OFFSET: f64 = 0.150_3;
 const ZERO: f64 = 0.052;

@@ -26,7 +26,7 @@ enum Phase {
     Over,
 }
 
-/// What has just been reached.
+/// Last milestone that was reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Milestone {
     /// Nothing new.
@@ -39,16 +39,16 @@ pub enum Milestone {
     Over,
 }
 
-/// What a sample has read and sent.
+/// Inputs and commands of a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a> {
-    /// What the force sensor shows beyond its zero, N.
+    /// Measured force without the zero of the sensor, N.
     pub shown: &'a Vector3<f64>,
     /// Place of the axes, m.
     pub position: &'a Vector3<f64>,
     /// Velocity that was sent in pulses, m/s.
     pub sent: &'a Vector3<f64>,
-    /// What is measured.
+    /// Measurement of the sample.
     pub now: &'a Measurement,
     /// Counters and means of the contact.
     pub contact: &'a ContactMonitor,

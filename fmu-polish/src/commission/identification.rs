@@ -24,7 +24,7 @@ const SAMPLES_MIN: f64 = 4.0;
 pub struct Identification {
     /// The present or last experiment.
     pub experiment: Experiment,
-    /// What was measured.
+    /// Measured values.
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,

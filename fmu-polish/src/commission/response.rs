@@ -136,7 +136,7 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// What is found of axes with these unknowns, from their answer to the excitation with `noise` (m) on the positions.
+    /// Estimate of axes with these unknowns, from their answer to the excitation with `noise` (m) on the positions.
     fn answer(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<UNKNOWNS>, NoEstimate> {
         let plan = Plan::new(p);
         let tones =

@@ -1,4 +1,4 @@
-//! What is measured in a sample, and what counters and means make of it: contact, settled force, lost contact.
+//! Measurement of a sample, and results of counters and means: contact, settled force, lost contact.
 
 use control_blocks::{Consecutive, ticks};
 use nalgebra::Vector3;
@@ -24,7 +24,7 @@ const HOLD_TIME: f64 = 0.1;
 /// A force is gone below this, over the contact force.
 const UNLOADED_RATIO: f64 = 0.5;
 
-/// What is measured in one sample, before anything is decided.
+/// Measurement of one sample, before any decision.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
     /// The path at the present position.

@@ -29,16 +29,16 @@ pub struct NormalMotion {
     /// Cancellation of the ripple.
     pub ripple: RippleCancellation,
     turning: Turning,
-    /// What is learned from turn to turn.
+    /// Repetitive control, which learns from turn to turn.
     pub repetitive: RepetitiveControl,
     /// Estimate of the misalignment.
     pub misalignment: MisalignmentEstimate,
 }
 
-/// What the stability of the loop hangs on and can change: K_f, B_d, T_i and the stiffness.
+/// Tunable values that decide the stability of the loop: K_f, B_d, T_i and the stiffness.
 type Tuned = (f64, f64, f64, f64);
 
-/// What is measured along the normal in one sample.
+/// Measurement along the normal in one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalMeasurement {
     /// Target minus measured force, N.

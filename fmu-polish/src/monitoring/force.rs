@@ -36,7 +36,7 @@ const ERROR_RATIO: f64 = 0.2;
 /// The most that one sample counts, over the largest force error.
 const ERROR_CLIP: f64 = 2.0;
 
-/// What is known of the force; by default nothing.
+/// State of the force monitor; empty by default.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ForceMonitor {
     /// each raw axis, to the bit
@@ -74,7 +74,7 @@ pub struct ForceSample<'a> {
     pub state: State,
     /// Raw force, N.
     pub raw: &'a Vector3<f64>,
-    /// What it says.
+    /// Measurement of the sample.
     pub now: &'a Measurement,
     /// The normal as the sensor shows it.
     pub normal: &'a Vector3<f64>,
@@ -150,7 +150,7 @@ impl ForceMonitor {
         faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
     }
 
-    /// What is wrong with the loop.
+    /// Fault of the loop.
     pub fn loop_fault(&self, p: &Parameters) -> Option<Fault> {
         let cause = if self.oscillations.many() { Fault::Oscillation } else { Fault::ForceError };
         let [error, limit] = self.error(p);
@@ -224,7 +224,7 @@ mod tests {
         monitor.reading_fault(p, &sample)
     }
 
-    /// What is wrong with the measurements `forces` (N) along the normal.
+    /// Fault of the measurements `forces` (N) along the normal.
     fn fault_of(p: &Parameters, forces: impl Iterator<Item = f64>) -> Option<Fault> {
         let mut monitor = ForceMonitor::default();
         forces.fold(None, |fault, force| fault.or(show(&mut monitor, p, State::Approach, force)))
@@ -264,7 +264,7 @@ mod tests {
         }
     }
 
-    /// What is wrong on a path that is steep by 0.13, where the axes go round for 0.1 s with `radius` m, without z, and
+    /// Fault on a path that is steep by 0.13, where the axes move in a circle for 0.1 s with `radius` m, without z, and
     /// sink by `sunk` m.
     fn round(evaluation: Evaluation, radius: f64, sunk: f64) -> Option<Fault> {
         let offset = |k: u32| {

@@ -49,7 +49,7 @@ pub struct Sliding {
     pub speed: Option<f64>,
     /// Friction while it slides, N.
     pub friction: f64,
-    /// What is added to K_v, m/s.
+    /// Addition to K_v, m/s.
     pub added: f64,
     /// Samples that are added to the half period.
     pub lengthened: i32,
@@ -157,7 +157,7 @@ impl Sliding {
         (stick_slip::velocity(&p.stick_slip, feed) + self.raised(p)).min(accelerated(p))
     }
 
-    /// What is added (m/s) to the K_v of this sample, whose parameters may have been tuned since the last window.
+    /// Addition (m/s) to the K_v of this sample, whose parameters may have been tuned since the last window.
     fn raised(&self, p: &Parameters) -> f64 {
         if desired_speed(p) > 0.0 { self.added.min((highest(p) - p.stick_slip.velocity).max(0.0)) } else { 0.0 }
     }

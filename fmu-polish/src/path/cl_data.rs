@@ -22,9 +22,9 @@ pub struct Point {
 pub struct ClError {
     /// Line of the file, from 1.
     pub line: usize,
-    /// What is wrong there, with value and limit.
+    /// Reason with value and limit.
     pub reason: String,
-    /// What to do.
+    /// Remedy.
     pub hint: &'static str,
 }
 

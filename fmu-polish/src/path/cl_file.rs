@@ -58,7 +58,7 @@ pub fn points(bytes: &[u8], p: &Parameters) -> Result<Vec<Point>, ClError> {
     reader.finish(p)
 }
 
-/// What the statements before have set.
+/// Settings of the statements before.
 #[derive(Debug, Default)]
 struct Interpreter {
     units: Option<Units>,

@@ -28,7 +28,7 @@ impl Units {
     }
 }
 
-/// What a line says.
+/// Content of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Statement {
     /// Nothing about the path.
@@ -45,13 +45,13 @@ pub enum Statement {
     Fini,
 }
 
-/// What is wrong with a line, and what to do.
+/// Error in a line, and its remedy.
 pub type Wrong = (String, &'static str);
 
 /// The statement in `line`, none in an empty line or a comment.
 ///
 /// # Errors
-/// What is wrong, and what to do.
+/// Error in the line, and its remedy.
 pub fn parse(line: &str) -> Result<Option<Statement>, Wrong> {
     let text = line.split("$$").next().unwrap_or_default().trim();
     if text.is_empty() {

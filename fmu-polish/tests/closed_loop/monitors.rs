@@ -14,10 +14,10 @@ use crate::run::Loop;
 
 const P: Parameters = Parameters::START;
 
-/// What is wrong with the inputs of a sample.
+/// Spoils the inputs of a sample.
 type Spoil = fn(&mut Input);
 
-/// What a failure did.
+/// Result of a failure.
 #[derive(Debug)]
 struct Failure {
     fault: Fault,

@@ -30,7 +30,7 @@ pub struct Loop {
     steps: u32,
 }
 
-/// What a cycle was like.
+/// Data of a cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Cycle {
     /// From the first touch to the start of the feed, s.

@@ -1,1 +1,1 @@
-"""What the acceptance tests draw and run: rings, robots, molds, scenarios with changes."""
+"""Samples of the acceptance tests and their runs: rings, robots, molds, scenarios with changes."""

@@ -1,4 +1,4 @@
-"""What an FMU does to the process that it is in changes no other run."""
+"""Changes that an FMU makes to its process change no other run."""
 
 from __future__ import annotations
 

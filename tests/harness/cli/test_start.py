@@ -1,4 +1,4 @@
-"""What is imported before there is something to do: the start of the command line stays short."""
+"""Imports at the start of the command line: it stays short."""
 
 from __future__ import annotations
 

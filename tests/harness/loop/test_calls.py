@@ -1,4 +1,4 @@
-"""What is given from Python: scenarios by name or file, seeds, overrides."""
+"""Arguments from Python: scenarios by name or file, seeds, overrides."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run has opened is closed when it ends by itself: the FMU is terminated, the plant closed."""
+"""A run closes everything that it has opened: the FMU is terminated, the plant closed."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 
 TOLD = "nothing drives `plant.extra`"
-"""What a run warns of when FMU and plant stand."""
+"""Warnings of a run about an FMU and a plant that are at rest."""
 UNDRIVEN = SCENARIO.replace(', "plant.extra"]', "]")
 BUSY = {
     "in the loop": [command.STEPS],

@@ -1,4 +1,4 @@
-"""What a process shares: its working directory, its processors, its last resort."""
+"""Shared properties of a process: its working directory, its processors, its last resort."""
 
 from __future__ import annotations
 

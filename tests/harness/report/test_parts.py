@@ -1,4 +1,4 @@
-"""What a page is made of: thinned and packed columns, drawings."""
+"""Parts of a page: thinned and packed columns, drawings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was demanded and whether it holds: nothing demanded is not passed, limits have units."""
+"""Criteria and their results: a run without criteria is not passed, limits have units."""
 
 from __future__ import annotations
 

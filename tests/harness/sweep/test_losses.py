@@ -1,4 +1,4 @@
-"""What a Dask cluster loses during a sweep costs no run: a worker, its scheduler, or both for good."""
+"""Losses of a Dask cluster during a sweep cost no run: a worker, its scheduler, or both permanently."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What probe, slide and spindle give."""
+"""Measurements of probe, slide and spindle."""
 
 import math
 

@@ -1,4 +1,4 @@
-//! What it costs that `cosim run` works in a supervised process of its own.
+//! Cost of the process of its own in which `cosim run` works.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;

@@ -1,4 +1,4 @@
-//! What it costs to make an instance ready, to end it, and to save and restore its state.
+//! Cost of making an instance ready, ending it, and saving and restoring its state.
 
 use std::time::Instant;
 

@@ -9,7 +9,7 @@ use super::statistics::Samples;
 use crate::process;
 use crate::workspace::Workspace;
 
-/// What the runs took; times are us of CPU per communication step, and the kinds take turns.
+/// Times of the runs, us of CPU per communication step; the kinds alternate.
 #[derive(Deserialize)]
 pub struct NativeLoopCosts {
     /// The closed loop with its trace.
@@ -24,7 +24,7 @@ pub struct NativeLoopCosts {
     pub real_time_factor: Samples,
 }
 
-/// What the runs took; times are us per communication step, the parts are of other runs than the real-time factor.
+/// Times of the runs, us per communication step; the parts are from other runs than the real-time factor.
 #[derive(Deserialize)]
 pub struct ReferenceLoopCosts {
     /// Simulated time over wall time; the smallest run is the slowest one.
@@ -57,7 +57,7 @@ pub fn reference(workspace: &Workspace, scenario: &str, effort: &Effort) -> Resu
     costs(workspace, "reference", scenario, effort)
 }
 
-/// What the script of the `name` loop prints about a scenario.
+/// Parses the output of the script of the `name` loop for a scenario.
 fn costs<T: DeserializeOwned>(workspace: &Workspace, name: &str, scenario: &str, effort: &Effort) -> Result<T> {
     let mut command = workspace.venv_command("python");
     let script = format!("xtask/bench/{name}_loop.py");

@@ -1,4 +1,4 @@
-//! What it takes to plan a large study.
+//! Cost of planning a large study.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
@@ -7,7 +7,7 @@ use super::effort::Effort;
 use crate::process;
 use crate::workspace::Workspace;
 
-/// What the plan took.
+/// Time and memory of the plan.
 #[derive(Deserialize)]
 pub struct PlanningCosts {
     /// Wall time, s.

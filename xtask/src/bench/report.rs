@@ -13,7 +13,7 @@ pub struct Row {
     unit: &'static str,
     #[serde(flatten)]
     measured: Summary,
-    /// What it should be at most.
+    /// Limit of the value.
     goal: Option<f64>,
 }
 

@@ -7,7 +7,7 @@ use super::effort::Effort;
 use crate::process;
 use crate::workspace::Workspace;
 
-/// What a sweep on two workers took.
+/// Times of a sweep on two workers.
 #[derive(Deserialize)]
 pub struct SweepCosts {
     /// Runs per second over twice those of one core that does only the runs.

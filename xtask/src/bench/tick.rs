@@ -1,6 +1,6 @@
-//! What one sample of a controller costs in its busiest state, and what its slowest sample costs.
+//! Cost of one sample of a controller in its busiest state, and of its slowest sample.
 //!
-//! What the FMU read in a run of its closed loop is replayed from saved states, so that every repeat does the same
+//! The inputs that the FMU read in a run of its closed loop are replayed from saved states. Every repeat does the same
 //! arithmetic, and only the FMU is timed.
 
 use std::ops::Range;

@@ -95,7 +95,7 @@ impl Answer {
         self.response.ratio((EXCITED * pulse).powi(2))
     }
 
-    /// What a drive of this answer is a fault by, if anything.
+    /// Fault of a drive with this answer, if any.
     pub fn cause(&self, pulse: f64) -> Option<Fault> {
         if self.oscillations >= OSCILLATIONS.0 {
             return Some(Fault::Oscillation);

@@ -11,7 +11,7 @@ use crate::interface::Parameters;
 /// Rate of its decay in Kp, in motion and in the rest after it.
 const FADING: [f64; 2] = [0.06, 0.5];
 
-/// What is left of V/Kp.
+/// Rest of V/Kp.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Lag {
     /// Held at its peak, rad or m.

@@ -25,7 +25,7 @@ const EXPLAINED: f64 = 0.5;
 
 /// Counts by which a way of the measurement is rounded, at its begin and at its end.
 const ROUNDED: f64 = 2.0;
-/// What is commanded that no offset explains, in Kp `error_max`: half of it leaves the axis where no axis may be.
+/// Command that no offset explains, in Kp `error_max`: half of it moves the axis to where no axis may be.
 const LARGEST: f64 = 2.0;
 
 /// A measurement against what was commanded.

@@ -1,4 +1,4 @@
-//! What the plan leaves: phase at the largest crossing, and the flexure at its resonance.
+//! Margins of the plan: phase at the largest crossing, and the flexure at its resonance.
 
 use std::f64::consts::PI;
 
