@@ -14,10 +14,11 @@ pub fn check(p: &Parameters, path: &ProgrammedPath) -> Result<(), ParameterError
     commission_time(p, path)
 }
 
-/// Conditions for the samples of delay, the only derived result of a commissioning run on which others depend.
+/// Checks the parameters whose limits depend on `io_delay`: it is the only parameter that a commissioning run derives
+/// and from which limits of others follow.
 ///
 /// # Errors
-/// When a parameter does not fit them.
+/// When lead, lead-in or preview does not fit `io_delay`.
 pub fn check_delay(p: &Parameters) -> Result<(), ParameterError> {
     check_all(p, &[lead, lead_in, preview])
 }

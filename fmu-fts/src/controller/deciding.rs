@@ -1,4 +1,4 @@
-//! Requests, events, and the state that follows.
+//! Decides the next state from the requested mode, the events and the fault of a sample.
 
 use crate::controller::Controller;
 use crate::faults::{self, Situation};
@@ -72,7 +72,7 @@ impl Controller {
         }
     }
 
-    /// Values from which faults are found.
+    /// Findings of the monitors and of the state of the controller, from which the fault of this sample is selected.
     fn situation(&self, p: &Parameters, mode: Mode, reading: &Reading) -> Situation<'_> {
         let path = self.tracker.path();
         let requested =

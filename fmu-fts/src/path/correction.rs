@@ -40,7 +40,8 @@ impl Correction {
         self
     }
 
-    /// Upper bound of the derivative of the given order to the spindle angle, m.
+    /// Upper bound of the magnitude of the derivative of the depth by the spindle angle, of the given order (0: the
+    /// depth), m/rad^order.
     pub fn bound(&self, order: i32) -> f64 {
         let row = |(n, row): (usize, &[Complex<f64>; POLYNOMIALS])| {
             // no Legendre polynomial is above 1

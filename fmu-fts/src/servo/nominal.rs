@@ -1,4 +1,4 @@
-//! Data for the design of the position loop: arm, drive, delay and sample period.
+//! Nominal machine for which the position loop is designed: sample period, delays, arm, drive and desired bandwidth.
 
 use serde::{Deserialize, Serialize};
 

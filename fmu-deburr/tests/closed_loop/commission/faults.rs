@@ -1,4 +1,4 @@
-//! Failures while a commissioning run measures, and results that it rejects.
+//! Faults of drives and measurements during a commissioning run, and results that it rejects.
 
 use fmu_deburr::interface::{Fault, Parameters, State};
 
