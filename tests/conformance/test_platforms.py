@@ -180,7 +180,7 @@ def test_outputs_and_log_are_those_of_linux64(name: str, loop: str, folder: Path
             0.0
             if v.type != "Real" or loop in EXACT
             else ESTIMATE
-            if v.name.startswith(("measured.", "response."))
+            if v.name.startswith("measured.")
             else BOUND
         )
         assert deviation(home.outputs[:, k], away.outputs[:, k]) <= bound, v.name
