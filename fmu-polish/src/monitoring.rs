@@ -1,4 +1,4 @@
-//! Monitors of a cycle in which every control law works: axes, force and time.
+//! Monitors of a cycle, independent of the control laws: axes, force and time.
 
 pub mod axis;
 pub mod cycle;

@@ -1,4 +1,4 @@
-"""Properties of every closed loop and variant; a new scenario file is included automatically."""
+"""Every scenario passes its criteria, and every loop is reproducible; new scenario files are included."""
 
 import subprocess
 import sys

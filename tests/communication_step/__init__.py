@@ -1,1 +1,1 @@
-"""Effect of communication step and delay on the closed loops: `docs/communication-step.md`."""
+"""Measured effect of communication step and delay on the closed loops: `docs/communication-step.md`."""

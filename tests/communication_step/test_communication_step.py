@@ -1,4 +1,4 @@
-"""The page on communication steps shows the measured values and the warnings of the FMUs."""
+"""The page on communication steps agrees with new measurements and with the warnings of the FMUs."""
 
 from __future__ import annotations
 

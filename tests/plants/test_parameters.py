@@ -1,4 +1,4 @@
-"""Properties of every plant: it is found by name, and its parameters are documented and checked."""
+"""Every plant is found by name, and its parameters are documented and checked."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""Inputs of an FMU in a run of its closed loop, for a replay; JSON for `cargo xtask bench`."""
+"""Records the inputs of an FMU in a run of its closed loop, for a replay; JSON for `cargo xtask bench`."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ pub struct Field {
     pub shape: Shape,
 }
 
-/// Content of a field.
+/// Structure of a field: one value, an array, a group of variables, or no variable.
 pub enum Shape {
     Scalar(Kind),
     /// An array of scalars, with its length.

@@ -140,7 +140,7 @@ impl Row<'_> {
         }
     }
 
-    /// Heading of the group of the row; empty without a group.
+    /// Description of the group of the row: the doc comment of its field; empty without a group.
     pub fn head(&self) -> String {
         self.group.map_or(String::new(), |group| self.numbered(group))
     }

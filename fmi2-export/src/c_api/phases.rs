@@ -1,4 +1,4 @@
-//! Functions that lead an instance from phase to phase, and functions that concern all of it.
+//! C functions that set up an instance and change its phase; version, types platform and debug logging.
 
 use super::call::{BAD_STRING, texts, with};
 use super::types::*;

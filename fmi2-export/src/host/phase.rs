@@ -19,7 +19,7 @@ pub enum Status {
     Fatal,
 }
 
-/// Interface type of an instance.
+/// Interface type for which an instance was made: `fmi2Type`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FmuType {
     /// The importer steps.

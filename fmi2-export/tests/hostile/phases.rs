@@ -4,7 +4,7 @@ use crate::common::*;
 use std::ffi::c_int;
 use std::ptr::{null, null_mut};
 
-/// Status of an allowed call and the phase after it; `None` stays in the phase.
+/// Status of an allowed call, and the phase after it; `None` if the call does not change the phase.
 type Answer = (Status, Option<Phase>);
 
 const STAYS: Answer = (OK, None);

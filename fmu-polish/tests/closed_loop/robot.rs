@@ -41,7 +41,7 @@ pub struct Build {
     pub shift: Vector3<f64>,
     /// Height of the ball above the start of the path, m.
     pub height: f64,
-    /// Factors on the pulses of each axis.
+    /// Ratio of executed to commanded pulses of each axis: 0 for a dead drive, -1 for a reversed one.
     pub pulses: Vector3<f64>,
     /// Samples by which pulses act later than one.
     pub late: usize,
@@ -49,7 +49,7 @@ pub struct Build {
     pub feedforward: f64,
     /// Angle about z by which the force sensor is turned, rad.
     pub rotation: f64,
-    /// Factors on each axis of the sensor.
+    /// Signs of the axes of the sensor: 1, or -1 for a reversed axis.
     pub signs: Vector3<f64>,
 }
 
@@ -144,12 +144,12 @@ impl Robot {
         }
     }
 
-    /// Encoder positions, m.
+    /// Encoder positions, rounded to 1 um, m.
     pub fn position(&self) -> Vector3<f64> {
         self.actual().map(|x| (x * 1e6).round() * 1e-6)
     }
 
-    /// Measured force, N.
+    /// Samples the force sensor: filtered force in the axes of the sensor, with noise, rounded to a step, N.
     pub fn force(&mut self) -> Vector3<f64> {
         let f = self.filtered;
         let (sin, cos) = self.build.rotation.sin_cos();

@@ -1,1 +1,1 @@
-"""Samples of the acceptance tests and their runs: rings, robots, molds, scenarios with changes."""
+"""Random samples of the acceptance tests and the runs with them: rings, robots, molds, scenario overrides."""

@@ -1,4 +1,4 @@
-"""Changes that an FMU makes to its process change no other run."""
+"""Changes that an FMU makes to its process do not affect other runs."""
 
 from __future__ import annotations
 

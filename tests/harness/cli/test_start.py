@@ -1,4 +1,4 @@
-"""Imports at the start of the command line: it stays short."""
+"""The command line imports large modules only when it needs them, so that it starts fast."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shared properties of a process: its working directory, its processors, its last resort."""
+"""State of the whole process: working directory, number of usable processors, unexpected errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parts of a page: thinned and packed columns, drawings."""
+"""Parts of the HTML report: thinned and packed columns, drawings, videos."""
 
 from __future__ import annotations
 

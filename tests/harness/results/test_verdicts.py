@@ -1,4 +1,4 @@
-"""Criteria and their results: a run without criteria is not passed, limits have units."""
+"""Verdicts of criteria: a run without criteria is not passed, and values are converted to the unit."""
 
 from __future__ import annotations
 

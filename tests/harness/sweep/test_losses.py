@@ -1,4 +1,4 @@
-"""Losses of a Dask cluster during a sweep cost no run: a worker, its scheduler, or both permanently."""
+"""A sweep repeats runs of lost Dask workers, waits for a lost scheduler, and resumes without a cluster."""
 
 from __future__ import annotations
 

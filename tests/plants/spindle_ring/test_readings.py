@@ -1,4 +1,4 @@
-"""Measurements of probe, slide and spindle."""
+"""Measurements of probe, slide and spindle agree with the geometry and the configured errors of the plant."""
 
 import math
 

@@ -1,4 +1,4 @@
-//! Cost of the process of its own in which `cosim run` works.
+//! Cost of the isolation of `cosim run`, which works in a supervised process of its own.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;

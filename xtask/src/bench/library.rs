@@ -22,7 +22,7 @@ type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_
 type Instantiate =
     unsafe extern "C" fn(*const c_char, i32, *const c_char, *const c_char, *const Callbacks, i32, i32) -> Component;
 
-/// Functions that the FMU may call.
+/// Functions that the FMU may call: `fmi2CallbackFunctions`.
 #[repr(C)]
 pub struct Callbacks {
     logger: Option<Logger>,

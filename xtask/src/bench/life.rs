@@ -1,4 +1,4 @@
-//! Cost of making an instance ready, ending it, and saving and restoring its state.
+//! Times of an instance: exit of the initialization, whole life cycle, saving and restoring its state.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Start-up cost of the command line.
+//! Processor time of the start of the command line.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;

@@ -1,7 +1,7 @@
 //! Cost of one sample of a controller in its busiest state, and of its slowest sample.
 //!
-//! The inputs that the FMU read in a run of its closed loop are replayed from saved states. Every repeat does the same
-//! arithmetic, and only the FMU is timed.
+//! The recorded inputs of the FMU are replayed from its saved states, so that every repeat does the same arithmetic.
+//! Only the FMU is timed.
 
 use std::ops::Range;
 use std::time::Instant;

@@ -1,5 +1,5 @@
-//! Tools that build and run FMUs of other platforms. They lie below `target/platforms/`: nothing is installed on the
-//! machine.
+//! Tools that build and run FMUs of other platforms. They are unpacked below `target/platforms/`: nothing is installed
+//! on the machine.
 
 pub mod debian;
 pub mod emulators;
