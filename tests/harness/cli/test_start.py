@@ -1,4 +1,4 @@
-"""What is imported before there is something to do: the start of the command line stays short."""
+"""The command line imports large modules only when it needs them, so that it starts fast."""
 
 from __future__ import annotations
 
