@@ -19,7 +19,7 @@ pub const OUTPUTS: &str = "FMI2_EXPORT_OUTPUTS";
 
 /// A C library and the packages that were compiled for it, build scripts and macros included.
 pub struct Built {
-    /// What it was compiled for.
+    /// Platform that the library was compiled for.
     pub platform: &'static Platform,
     /// The library.
     pub library: PathBuf,

@@ -30,7 +30,7 @@ pub struct Packed {
     pub bytes: Vec<u8>,
     /// The libraries, as the loader of their platform sees them; that of this machine is the first.
     pub facts: Vec<(&'static Platform, Facts)>,
-    /// What keeps the libraries from being portable, one sentence each.
+    /// Violations of the rules for portable libraries, one line each, with the platform.
     pub faults: Vec<String>,
 }
 
@@ -133,7 +133,7 @@ pub fn write(file: &Path, bytes: &[u8]) -> Result<()> {
     fs::write(&part, bytes).and_then(|()| fs::rename(&part, file)).with_context(|| format!("cannot write `{shown}`"))
 }
 
-/// What a crate lacks that does not know the exporter.
+/// Hint in the error message for a package that does not depend on `fmi2-export`.
 const DEPENDENCY: &str = "hint: `fmi2-export = { path = \"...\" }` or `fmi2-export = { git = \"...\" }` belongs in \
                           `[dependencies]`: it is in no registry\n";
 

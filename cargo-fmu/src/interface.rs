@@ -23,7 +23,7 @@ pub struct Interface {
     /// Name for people.
     pub name: String,
     pub description: String,
-    /// What the description and every library of it have in common.
+    /// GUID that the description and every library of it share.
     pub guid: String,
     /// Communication step that the model suggests, s.
     pub step: String,

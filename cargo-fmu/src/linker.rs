@@ -1,4 +1,4 @@
-//! What links the library, and how old a C library it may then meet.
+//! Linker of the library, and the oldest C library with which the linked library works.
 
 use std::process::Command;
 
@@ -7,7 +7,7 @@ use crate::process;
 /// Newest version of the GNU C library whose symbols a Linux FMU may need when [`Linker::Zig`] links it.
 pub const GLIBC: (u32, u32) = (2, 17);
 
-/// What links the library.
+/// Linker of the library of an FMU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Linker {
     /// The system's linker: the library needs the C library of this machine or a newer one.

@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use toml::{Table, Value};
 
-/// What makes a library small and free of names; a project that sets a key itself keeps its value.
+/// Release profile for a small library without symbol names; a key that the project sets keeps its value.
 const DEFAULTS: [(&str, &str); 3] = [("codegen-units", "1"), ("lto", "\"fat\""), ("strip", "true")];
 
 /// Words for `cargo rustc` that fill what `[profile.release]` of the workspace's manifest leaves open.

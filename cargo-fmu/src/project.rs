@@ -15,7 +15,7 @@ pub struct Project {
     pub root: PathBuf,
     /// Packages, targets and dependency graph, as cargo sees them.
     pub metadata: Metadata,
-    /// What links the libraries.
+    /// Linker of the libraries.
     pub linker: Linker,
     /// More words for every build, such as `--locked`.
     pub arguments: Vec<OsString>,

@@ -165,7 +165,7 @@ def packaged(name: str) -> Any:
             raise PlantError(text, hint or "Show the origin with `-v`.") from error
     raise PlantError(
         f"there is no plant `{name}`",
-        closest(name, names) + f" Name your own plant `module:Class`, an MJCF file `name.xml`.",
+        closest(name, names) + " Name your own plant `module:Class`, an MJCF file `name.xml`.",
     )
 
 

@@ -109,6 +109,7 @@ class Forward(logging.Handler):
 
 def main(page: str, parent: int) -> None:
     """Serve stdin and stdout until the order to end, or until the other side closes them."""
+    gc.enable()
     die_with(parent)
     channel, place = channel_of_streams(), Place(Path(page))
     # Windows keeps it until both sides are done

@@ -1,4 +1,4 @@
-//! What a shared library offers: `export!` makes the tables of its model and the functions that are compiled for it.
+//! `export!`: makes the tables of a model and the C functions that are compiled for this model.
 
 /// Exports a [`Model`](crate::Model) from this library as an FMI 2.0 FMU, for co-simulation and model exchange.
 ///

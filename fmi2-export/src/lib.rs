@@ -93,7 +93,7 @@ pub use table::enumeration::{EnumType, Enumeration, Item, Reaction};
 pub use table::units::{self, DisplayUnit, Unit};
 pub use table::variable::Variable;
 
-/// What the code that [`export!`] makes works with.
+/// Items that the code made by [`export!`] uses.
 #[doc(hidden)]
 pub mod __private {
     pub use crate::description::files::Files;

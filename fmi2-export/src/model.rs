@@ -1,4 +1,4 @@
-//! What a controller implements to become an FMU.
+//! Traits that make a controller an FMU, the facts about it, and its environment.
 
 use crate::host::logger::{Category, Logger};
 use crate::table::enumeration::Item;
@@ -92,7 +92,7 @@ pub trait Interface: Sized + 'static {
         None
     }
 
-    /// What is reported to the importer: the items of the outputs `state` and `fault`, where the model has them.
+    /// Items of the outputs `state` and `fault`, whose changes are logged; none where the model has no such output.
     fn status(&self) -> Report {
         Report::default()
     }
@@ -144,14 +144,14 @@ pub trait Model: Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     fn sample(&mut self, vars: &mut Self::Vars, env: &mut Env) -> Result<(), Error>;
 }
 
-/// What a model has access to in addition to its variables.
+/// Environment of a model, in addition to its variables: time, experiment, instance name, resources and log.
 pub struct Env<'a> {
     pub(crate) time: f64,
     pub(crate) experiment: Experiment,
     pub(crate) host: &'a Host,
 }
 
-/// What the importer passed at instantiation.
+/// Instance name, folder of resources and logger that the importer passed at instantiation.
 pub(crate) struct Host {
     pub name: String,
     pub resources: Option<PathBuf>,
@@ -183,7 +183,7 @@ impl Env<'_> {
         Some(self.experiment.stop).filter(|stop| stop.is_finite())
     }
 
-    /// What the importer calls this instance.
+    /// Name that the importer has given to this instance.
     pub fn instance_name(&self) -> &str {
         &self.host.name
     }

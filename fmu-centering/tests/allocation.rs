@@ -110,7 +110,7 @@ fn machine(fault: Fault, mut p: Parameters) -> (Parameters, Ring) {
     (p, ring)
 }
 
-/// What goes wrong while the surface is collected.
+/// Steps with a disturbed machine or with disturbed inputs until the fault state, at most 4000 steps.
 fn disturb(fault: Fault, run: &mut Loop) {
     match fault {
         Fault::NoPart => run.ring.present = false,

@@ -14,10 +14,11 @@ pub fn check(p: &Parameters, path: &ProgrammedPath) -> Result<(), ParameterError
     commission_time(p, path)
 }
 
-/// What the samples of delay must fit, the only ones of what a commissioning run derives that others depend on.
+/// Checks the parameters whose limits depend on `io_delay`: it is the only parameter that a commissioning run derives
+/// and from which limits of others follow.
 ///
 /// # Errors
-/// When a parameter does not fit them.
+/// When lead, lead-in or preview does not fit `io_delay`.
 pub fn check_delay(p: &Parameters) -> Result<(), ParameterError> {
     check_all(p, &[lead, lead_in, preview])
 }

@@ -76,7 +76,7 @@ pub struct Controller {
     holds: bool,
     fault: Fault,
     numbers: Numbers,
-    /// what is being done
+    /// present or last task; a `mode` that is equal to it starts nothing
     task: Mode,
     /// `mode` of the last sample with `enable`; none before the first one
     requested: Option<Mode>,
@@ -97,7 +97,7 @@ pub struct Controller {
     /// control error and compensation of the last sample, pulses
     error: Joints,
     compensation: Joints,
-    /// what a run that came to its end had wrong
+    /// fault at the end of a run or lap, for the next sample
     ended: Finding,
     /// the bank is to be written
     export: bool,
@@ -292,7 +292,8 @@ impl Controller {
         }
     }
 
-    /// What `mode` asks for where it is no task: nothing moves by itself afterwards.
+    /// Takes over `mode` as the task, without starting it, where a change of `mode` must not start a motion. In `Off`,
+    /// a mode that is unchanged since the last sample with `enable` starts with the next `enable`.
     fn take_mode(&mut self, before: State, mode: Mode, enable: bool) {
         // after a fault, a commissioning run or a registration, or after an edge of `enable` that came during a stop
         let measured = (self.commissioning || self.registering) && self.state == State::Idle;

@@ -24,7 +24,7 @@ impl Fingerprint {
         }
     }
 
-    /// What has come of the numbers.
+    /// 64-bit hash of all numbers and bytes added so far.
     pub fn value(self) -> u64 {
         self.0
     }

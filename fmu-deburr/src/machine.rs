@@ -35,38 +35,38 @@ pub enum Progress {
     Again,
 }
 
-/// What happens in one sample.
+/// Inputs of the state machine in one sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Events {
-    /// The drives may move.
+    /// `enable` is true, and the positions of all axes are known.
     pub enable: bool,
-    /// The drives might not move at some moment of the present stop.
+    /// `enable` is false, or was false at some time in the present stop.
     pub disabled: bool,
-    /// What is asked for.
+    /// Requested mode, the input `mode`.
     pub mode: Mode,
-    /// What is done.
+    /// Present task, or the last one at rest; a `mode` that is equal to it starts nothing.
     pub task: Mode,
-    /// Stand during the motion.
+    /// The motion pauses.
     pub hold: bool,
     /// Rising edge of `reset_fault` while the axes are at rest.
     pub reset: bool,
-    /// How the fault ends that stopped the task, if one did.
+    /// Reaction to the active fault; none without one.
     pub end: Option<Reaction>,
-    /// A commissioning run is asked for, and the axes are at rest.
+    /// A commissioning run is requested, the axes are at rest, and `hold` is false.
     pub commission: bool,
-    /// A registration is asked for, and the axes are at rest.
+    /// A registration is requested, the axes are at rest, and `hold` is false.
     pub register: bool,
     /// The commissioning run or registration is to be aborted.
     pub abort: bool,
-    /// What stops is a commissioning run or a registration.
+    /// A commissioning run or a registration is in progress or stops.
     pub measuring: bool,
-    /// Something is wrong in this sample.
+    /// A fault is detected in this sample.
     pub fault: bool,
     /// The tool may be in the part.
     pub inside: bool,
-    /// A pattern that is being learned grows.
+    /// The control error with a pattern that is being learned exceeded its limit.
     pub grown: bool,
-    /// All that was to be learned is learned.
+    /// The task is `Learn`, and all speeds are learned.
     pub learned: bool,
     /// How far the present state has come.
     pub progress: Progress,

@@ -1,5 +1,5 @@
-//! What watches the machine: axes against the model of their loop, the flicker of their measurements, the delay of
-//! their answers, the tool's speed and its measurement, the time of a task.
+//! Monitors of the machine: axes compared with the model of their loop, flicker of their measurements, delay of their
+//! response, speed of the tool and its measurement, time of a task.
 
 pub mod axis;
 pub mod budget;

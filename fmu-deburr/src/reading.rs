@@ -31,7 +31,7 @@ pub struct Reading {
     pub speed_override: f64,
 }
 
-/// What is known of the machine before a sample is read.
+/// Commanded motion and state of the controller, on which the accepted change of an input depends.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadingContext<'a> {
     /// Motion that was commanded for the sample that ends now, rad or m.

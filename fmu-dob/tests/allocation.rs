@@ -17,7 +17,7 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 /// Out of reach, m.
 const NO_WORKPIECE: f64 = 1.0;
 
-/// What an input does wrong.
+/// Changes the inputs of a step to cause a fault; no change where parameters or the stage cause it.
 type Cause = fn(&mut Input);
 
 /// Steps to each of the states in turn; no step may allocate.

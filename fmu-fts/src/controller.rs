@@ -232,7 +232,7 @@ impl Controller {
         }
     }
 
-    /// What a pulse of the brake would begin from.
+    /// Arm velocity and response of the drive, from which the braking pulse of a fault is computed.
     fn last_motion(&self, p: &Parameters) -> LastMotion {
         LastMotion { velocity: self.reader.arm_velocity(p), answer: self.watch.answer(p) }
     }

@@ -1,17 +1,17 @@
-//! State machine: which job is asked for, what is done, faults and the transitions between them.
+//! State machine: requested mode, states, and the transitions between them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Input, Mode, State};
 
-/// Which job is asked for; by default none was yet.
+/// Requested mode, and whether it may still start a task; by default `Idle`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Request {
-    /// What the inputs ask for.
+    /// Request of the last sample: `mode` while `enable` is true, otherwise `Idle`.
     requested: Mode,
-    /// It ended with a fault: until something else is asked for, nothing is.
+    /// It is used up by a fault or a commissioning run, and has the effect of `Idle` until it changes.
     spent: bool,
-    /// Something else is asked for than in the last sample.
+    /// It has changed in this sample.
     renewed: bool,
 }
 
@@ -22,7 +22,8 @@ impl Default for Request {
 }
 
 impl Request {
-    /// The task of this sample: `mode` while `enable` is true.
+    /// Reads the inputs of this sample. Returns `mode` while `enable` is true and the request is not used up, otherwise
+    /// `Idle`.
     pub fn read(&mut self, input: &Input) -> Mode {
         let requested = if input.enable { input.mode } else { Mode::Idle };
         self.renewed = requested != self.requested;
@@ -31,12 +32,12 @@ impl Request {
         if self.spent { Mode::Idle } else { requested }
     }
 
-    /// Whether this sample is the first that asks for it.
+    /// Whether the request has changed in this sample.
     pub fn renewed(&self) -> bool {
         self.renewed
     }
 
-    /// What is asked for now begins nothing any more.
+    /// Marks the present request as used up: until it changes, [`Self::read`] returns `Idle`.
     pub fn spend(&mut self) {
         self.spent = true;
     }
@@ -49,16 +50,16 @@ impl State {
     }
 }
 
-/// What happened in one sample.
+/// Inputs of the state machine in one sample, except the mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Something is wrong.
+    /// Fault of this sample, if any.
     pub fault: Option<Fault>,
     /// `reset_fault` rises.
     pub reset: bool,
-    /// The arm is not moved.
+    /// The arm is at rest off the path, or its loop is open and no braking pulse acts.
     pub at_rest: bool,
-    /// Something else is asked for.
+    /// The request has changed in this sample.
     pub renewed: bool,
     /// A commissioning run is requested.
     pub commission: bool,

@@ -32,10 +32,10 @@ pub struct Reading {
     pub cutting: bool,
 }
 
-/// Missing inputs of a sample.
+/// Inputs that are missing for too long to be replaced, in a sample; by default none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Missing {
-    /// Too many samples of the arm are missing to replace them.
+    /// Reason why the samples of the arm are missing; none while they are valid or replaced.
     pub arm: Option<Loss>,
     /// The same for the spindle.
     pub spindle: Option<Loss>,
@@ -83,7 +83,7 @@ impl Reader {
         reading
     }
 
-    /// What is missing now.
+    /// Inputs that are missing for too long to be replaced, in the last sample that was read.
     pub fn missing(&self) -> &Missing {
         &self.missing
     }
@@ -295,7 +295,7 @@ mod tests {
         }
     }
 
-    /// What is missing first where inputs are held over `held` samples.
+    /// First loss that is detected in 3000 samples if each input is held constant over `held` samples.
     fn found_in_steps_of(held: u32) -> Missing {
         let (p, mut reader) = (Parameters::START, Reader::default());
         let missing = (0..3000).map(|k| {

@@ -287,7 +287,7 @@ impl Controller {
         self.normal = NormalMotion::new(p);
     }
 
-    /// What happens once, when `state` begins.
+    /// Prepares `state`: called once, at the transition to it, before `self.state` changes.
     fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading, now: &Measurement) {
         // a retract continues
         if (self.state, state) != (State::Retract, State::Fault) {

@@ -16,7 +16,7 @@ impl State {
     }
 }
 
-/// What happened in one sample.
+/// Conditions of one sample that decide the next state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
     /// A fault is present.

@@ -1,4 +1,4 @@
-//! What goes wrong in a cycle although every law does its work: axes, force and time.
+//! Monitors of a cycle, independent of the control laws: axes, force and time.
 
 pub mod axis;
 pub mod cycle;

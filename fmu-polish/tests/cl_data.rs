@@ -15,7 +15,7 @@ const P: Parameters = Parameters::START;
 /// Lines before the first point.
 const HEADER: usize = 4;
 
-/// What `path.file` = `file` says.
+/// Reads the points of the path with `path.file` = `file`.
 fn read(file: &str, resources: Option<&Path>) -> Result<Vec<Point>, ParameterError> {
     let mut p = P;
     p.path.file = file.to_owned();

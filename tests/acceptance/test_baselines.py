@@ -59,7 +59,7 @@ ROBOTS = {
     "strong": ("plant.drive_gain=1.1",),
 }
 WIDE = tuple(f"controller.expert.limits.axis{axis}.pattern_error=0.1" for axis in range(1, 7))
-"""What a wrong pattern leaves is measured and no fault."""
+"""Wide fault limits: the effect of a wrong pattern is measured and does not raise `PatternMismatch`."""
 
 
 def test_patterns_that_are_computed_need_the_gain_and_identified_ones_do_not(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What holds for every closed loop and variant; a new scenario file is picked up by itself."""
+"""Every scenario passes its criteria, and every loop is reproducible; new scenario files are included."""
 
 import subprocess
 import sys

@@ -1,1 +1,1 @@
-"""What communication step and delay do to the closed loops, measured: `docs/communication-step.md`."""
+"""Measured effect of communication step and delay on the closed loops: `docs/communication-step.md`."""

@@ -24,7 +24,7 @@ WORKS = 2.0
 """Maximum ratio of the number of a working loop to that of the nominal cell."""
 ROUNDING = 1e-9
 WARNING = "the communication step `"
-"""What is in the message of an FMU whose step is too long."""
+"""Part of the warning of an FMU whose communication step is too long."""
 
 
 @dataclass(frozen=True)

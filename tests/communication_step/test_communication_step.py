@@ -1,4 +1,4 @@
-"""What the page on communication steps says is what is measured, and what the FMUs warn of."""
+"""The page on communication steps agrees with new measurements and with the warnings of the FMUs."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ __declspec(dllexport) int ProcessPrng(unsigned char *bytes, unsigned long long c
 
 @dataclass(frozen=True)
 class Machine:
-    """What compiles a C program for a platform, and what runs it."""
+    """Compiler of C programs for a platform, and the program that runs them."""
 
     name: str
     extension: str

@@ -331,5 +331,5 @@ def test_the_reference_run_gives_what_it_says(fmu: Fmu) -> None:
             got = get([variable.valueReference])[0]
             assert abs(got - float(results[name])) <= bound[name], (k, name)
     slave.freeInstance()
-    # the run changes outputs
-    assert len({tuple(row.items())[1:] for row in wanted}) > 1
+    # the run leaves the first state
+    assert len({row["state"] for row in wanted}) > 1

@@ -51,7 +51,7 @@ BOUND = 1e-8
 ESTIMATE = 1e-6
 """Tolerance for results of a commissioning run: its least squares amplify rounding differences."""
 LEAST = 1e-9
-"""What the bound is of, at least, in SI units: what is smaller may be what rounding left of a difference."""
+"""Lower bound of the value to which the tolerance refers, in SI units: smaller ones may be rounding."""
 
 pytestmark = [
     pytest.mark.platforms,
@@ -64,7 +64,7 @@ pytestmark = [
 
 @dataclass(frozen=True)
 class Replay:
-    """What an FMU did with a recording."""
+    """Outputs of an FMU for a recording."""
 
     outputs: NDArray[np.uint64]
     log: str

@@ -39,10 +39,10 @@ def test_without_delay_the_command_acts_in_the_same_step(write: Write, gain: flo
 
 @pytest.mark.parametrize("gain", [0.5, -0.8])
 def test_with_delay_the_command_acts_one_step_later(write: Write, gain: float) -> None:
-    # x[k+1] = a x[k] + (1 - a) g x[k-1], the output of the initialized FMU is 0: x[0] = 1, x[1] = a
+    # x[k+1] = a x[k] + (1 - a) g x[k-1], the FMU is initialized with x[0]: x[0] = 1, x[1] = a + (1 - a) g
     result = run(write(), "loop.compute_delay=1", f"controller.gain={gain}")
     first, second = np.roots([1.0, -0.5, -0.5 * gain]).astype(complex)
-    share = (0.5 - second) / (first - second)
+    share = (0.5 + 0.5 * gain - second) / (first - second)
     k = np.arange(50)
     expected = (share * first**k + (1.0 - share) * second**k).real
     assert column(result, "plant.x") == pytest.approx(expected, rel=1e-9, abs=1e-12)
@@ -53,7 +53,8 @@ def test_a_delay_of_the_command_wire_is_a_compute_delay(write: Write) -> None:
     by_wire = run(write(), "loop.compute_delay=0", "wire.plant.u.delay=1")
     assert column(by_loop, "plant.x").tobytes() == column(by_wire, "plant.x").tobytes()
     both = run(write(), "loop.compute_delay=1", "wire.plant.u.delay=1")
-    assert column(both, "plant.u")[:3].tolist() == [0.0, 0.0, 1.0]
+    x = column(both, "plant.x")
+    assert column(both, "plant.u")[:4].tolist() == [x[0], x[0], x[0], x[1]]
 
 
 def test_the_controller_sees_the_plant_at_the_same_time(write: Write) -> None:

@@ -73,7 +73,7 @@ ANY = re.compile("|".join(pattern.pattern for pattern, _ in PATTERNS), re.IGNORE
 
 @dataclass(frozen=True, order=True)
 class Offense:
-    """What breaks a rule, and where."""
+    """Offense against a rule, with its file and line."""
 
     file: str
     line: int

@@ -1,4 +1,4 @@
-"""What holds for every plant: it is found by name, and its parameters are documented and checked."""
+"""Every plant is found by name, and its parameters are documented and checked."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""What a step of the native engine costs, part by part; JSON for `cargo xtask bench`.
+"""Cost of a step of the native engine, part by part; JSON for `cargo xtask bench`.
 
 The plant alone makes the same steps with the same elements and gets the commands of the closed loop, so that
 it goes through the same states. With the FMU's own calls, which get the inputs of the closed loop, it is

@@ -1,4 +1,4 @@
-"""What an FMU reads in a run of its closed loop, so that it can be replayed; JSON for `cargo xtask bench`."""
+"""Records the inputs of an FMU in a run of its closed loop, for a replay; JSON for `cargo xtask bench`."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ pub fn run(workspace: &Workspace) -> Result<bool> {
     Ok(held)
 }
 
-/// What the page came to: ` (13.1 MB, made in 400 s)`.
+/// Size of the HTML report and the time that it took, as a text such as ` (13.1 MB, made in 400 s)`.
 fn size_and_time(page: &Path, taken: Duration) -> Result<String> {
     let size = fs::metadata(page).with_context(|| format!("cannot read `{}`", page.display()))?.len();
     Ok(format!(" ({}.{} MB, made in {} s)", size / 1_000_000, size / 100_000 % 10, taken.as_secs()))

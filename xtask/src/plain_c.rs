@@ -12,7 +12,7 @@ use crate::fmu::{controllers, select};
 use crate::setup;
 use crate::workspace::Workspace;
 
-/// What a parameter of a controller begins with in Modelica: a command acts at the instant of its sample there.
+/// Parameters with another start value in the Modelica blocks: a command acts there at the instant of its sample.
 const STARTS: [(&str, &str); 1] = [("io_delay", "0")];
 
 /// Name of the Modelica package; what of it is not made from declarations lies in `modelica/`.

@@ -15,7 +15,7 @@ use crate::process;
 use crate::setup;
 use crate::workspace::Workspace;
 
-/// What every FMU of the set holds a library for.
+/// Platforms of the libraries in every FMU of the set.
 const PLATFORMS: [&Platform; 3] = [LINUX64, AARCH64_LINUX, WIN64];
 
 /// Folder of the set.

@@ -11,7 +11,7 @@ use crate::process;
 use crate::python;
 use crate::workspace::Workspace;
 
-/// What the module `machining_native` is made of.
+/// Files and folders from which the module `machining_native` is built; a change of one rebuilds the module.
 pub const NATIVE: &[&str] = &[
     "Cargo.lock",
     "Cargo.toml",

@@ -82,7 +82,7 @@ fn with_words(command: impl Fn(&str) -> Command, line: &str) -> Command {
     command
 }
 
-/// What was done, how long it took and whether it passed.
+/// Steps of a test run that are complete, each with its time and whether it passed.
 struct Steps {
     start: Instant,
     times: Vec<(&'static str, Duration, bool)>,
@@ -122,7 +122,7 @@ impl Steps {
     }
 }
 
-/// What a step gives, and how long it took.
+/// Runs a step; returns its result and its wall time.
 fn clocked<T>(step: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = step();

@@ -43,7 +43,7 @@ fn text_name(name: &str) -> String {
     if Path::new(name).extension().is_some_and(|ending| ending == "txt") { name.into() } else { format!("{name}.txt") }
 }
 
-/// What a reader opens first.
+/// Text of `license.txt`: the license expression, and the names of the license files in the order of the expression.
 fn summary(licence: Option<&str>, names: &[String]) -> String {
     let mut text = match licence {
         Some(licence) if licence.contains(" OR ") => format!("This FMU is licensed under {licence}, at your option"),

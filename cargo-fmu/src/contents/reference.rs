@@ -63,7 +63,7 @@ pub fn files(library: &Path, interface: &Interface, resources: &Path) -> Result<
     Ok(files.into_iter().map(|(name, text)| (format!("{FOLDER}/{name}"), text)).collect())
 }
 
-/// What the description says of a run.
+/// Model and ports of the reference run, from the model description; `step` in s.
 struct Run<'a> {
     name: &'a str,
     guid: &'a str,

@@ -2,20 +2,20 @@
 
 use std::path::PathBuf;
 
-/// What is a source file by its name alone.
+/// Endings that identify the name of a source file, in whatever folder it is.
 const ENDS: [&str; 2] = [".rs", ".py"];
 const MANIFEST: &str = "Cargo.toml";
 
-/// What lies here is inside the FMU.
+/// Start of the paths of files that are packed into the FMU.
 const PACKED: &str = "resources/";
 
 /// Programs that are run where the sources are.
 const COMMANDS: [&str; 2] = ["cargo", "pytest"];
 
-/// What belongs to a project and not into its FMUs.
+/// Folders and commands of a project that its FMUs do not contain.
 #[derive(Default)]
 pub struct Outside {
-    /// Folders: what lies at a path with a `/` in one of them is a source.
+    /// Source folders: a path with a `/` that exists in one of them names a source.
     pub folders: Vec<PathBuf>,
     /// Commands of the project, in addition to `cargo` and `pytest`.
     pub commands: Vec<String>,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a machine does when a fault occurs, in the order of severity: of two faults the more severe one decides
+/// Reaction of a machine to a fault, in ascending order of severity: of two faults the more severe reaction applies
 /// (`Ord::max`).
 ///
 /// ```

@@ -19,7 +19,7 @@ pub struct Declaration {
     pub name: Ident,
     pub groups: Vec<Group>,
     pub choices: Vec<Choice>,
-    /// What the macro leaves alone: imports, constants, `impl` blocks.
+    /// Items that the macro does not change: imports, constants, `impl` blocks.
     pub others: Vec<Item>,
 }
 
@@ -51,7 +51,7 @@ pub struct Field {
     pub shape: Shape,
 }
 
-/// What a field holds.
+/// Structure of a field: one value, an array, a group of variables, or no variable.
 pub enum Shape {
     Scalar(Kind),
     /// An array of scalars, with its length.

@@ -6,7 +6,7 @@ use syn::{Expr, Ident, LitStr};
 
 use crate::declaration::{Declaration, Field, Group, Kind, Root, Shape};
 
-/// What the names of expert parameters start with.
+/// Prefix of the names of expert parameters.
 const EXPERT: &str = "expert.";
 
 /// One row of the variable table.
@@ -140,7 +140,7 @@ impl Row<'_> {
         }
     }
 
-    /// What the group of the row is about; empty without a group.
+    /// Description of the group of the row: the doc comment of its field; empty without a group.
     pub fn head(&self) -> String {
         self.group.map_or(String::new(), |group| self.numbered(group))
     }

@@ -105,7 +105,7 @@ fn check_field(field: &Field, errors: &mut Errors) {
     must(!group, misplaced.map(Ident::span), "a group takes only the flags `local` and `expert`");
 }
 
-/// What depends on where the field is used.
+/// Checks the rules that depend on the use of the field: as input, output or parameter, and in which groups.
 fn check_role(row: &Row, errors: &mut Errors) {
     let allowed = |flag: &str| match flag {
         "accepts_nan" => row.root == Root::Inputs,

@@ -15,7 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// No array of the elements of this API can be longer.
 pub(super) const LONGEST_ARRAY: usize = isize::MAX as usize / size_of::<fmi2Real>();
 
-/// What a `fmi2Component` points to; its address is the owner of the states it has made.
+/// Target of a `fmi2Component` pointer; its address identifies the owner of the FMU states made with it.
 pub(super) struct Component {
     /// Set while a call runs, so that a call from within the logger is rejected. Not atomic:
     /// the standard forbids overlapping calls, and an atomic swap would cost more than the call.

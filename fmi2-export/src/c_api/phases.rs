@@ -1,4 +1,4 @@
-//! What leads an instance from phase to phase, and what concerns all of it.
+//! C functions that set up an instance and change its phase; version, types platform and debug logging.
 
 use super::call::{BAD_STRING, texts, with};
 use super::types::*;

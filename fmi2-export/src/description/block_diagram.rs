@@ -15,7 +15,7 @@ const LETTER: usize = 8;
 /// Number of variables of a group that still have ports of their own.
 const SINGLE: usize = 4;
 
-/// What the arrows mean, below the picture.
+/// Legend of the arrows, below the picture.
 const LEGEND: &str =
     "<p>Filled arrow: Real. Open arrow: Integer, Boolean or enumeration. Thick arrow: a group of variables.</p>\n";
 

@@ -1,4 +1,4 @@
-//! What a table of variables shows of a row, in words: for the documentation page and for a README.
+//! Texts of the cells of a row in a table of variables: for the documentation page and the Markdown pages.
 
 use crate::table::units::DisplayUnit;
 use crate::table::variable::{Kind, Real, Role, Variable};

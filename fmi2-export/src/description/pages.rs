@@ -84,7 +84,7 @@ fn assert_part(part: &Part, path: &Path) {
     std::fs::write(path, renewed).unwrap_or_else(|error| panic!("cannot write `{shown}`: {error}"));
 }
 
-/// What a user of the FMU sees first: ports and essential parameters.
+/// Part of the README: inputs, outputs and essential parameters.
 fn ports<V>(table: &[Variable<V>]) -> String {
     let mut text = String::new();
     signals(&mut text, "Inputs", table, INPUTS);

@@ -15,7 +15,7 @@ pub fn install() {
     INSTALLED.call_once(|| panic::set_hook(Box::new(remember)));
 }
 
-/// What the last panic of this thread said, with file and line.
+/// Takes the message of the last panic of this thread, with file and line; empty if there was none since the last call.
 pub fn take_panic() -> String {
     LAST.take()
 }

@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use std::sync::{Arc, Mutex};
 
-    /// What of all categories is sent, as their first letters.
+    /// Sends one message of each category; returns the first letters of the categories that reach the callback.
     fn sent(logger: &Logger, heard: &Arc<Mutex<String>>) -> String {
         Category::ALL.iter().for_each(|category| logger.send(*category, "x"));
         std::mem::take(&mut heard.lock().unwrap())

@@ -1,4 +1,4 @@
-//! What lies between an instance and the program that has loaded it: rules of the calls, messages, panics, folders.
+//! Layer between an instance and the program that has loaded it: rules of the calls, messages, panics, folders.
 
 pub mod hook;
 pub mod logger;

@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a call returns to the master.
+/// Status that a call returns to the master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// All well.
@@ -19,7 +19,7 @@ pub enum Status {
     Fatal,
 }
 
-/// What an instance was made for.
+/// Interface type for which an instance was made: `fmi2Type`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FmuType {
     /// The importer steps.

@@ -29,7 +29,7 @@ impl Refusal {
 
 /// A value of one of the types that cross the C API.
 pub trait Value<V>: Copy + Display {
-    /// What the accessing functions are called, for messages.
+    /// Type in the names of the accessing functions, such as `Real` in `fmi2GetReal`; for messages.
     const KIND: &'static str;
     /// Whether the variable is of this type.
     fn fits(row: &Variable<V>) -> bool;

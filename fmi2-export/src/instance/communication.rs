@@ -4,10 +4,10 @@ use crate::instance::access::Refusal;
 use crate::instance::clock::{Clock, MAX_TICKS, SNAP};
 use crate::model::Experiment;
 
-/// Whether a step begins where the last one has ended, by the clock, and is one that can be done.
+/// Checks that a step starts where the last one has ended, by the clock, and can be done.
 ///
 /// # Errors
-/// What is wrong with it.
+/// If `step` is not positive or too long, if `time` is not the end of the last step, or if it passes the stop time.
 #[inline]
 pub fn check_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Result<(), Refusal> {
     let possible = clock.is_usual(step) || (step > 0.0 && step.is_finite() && step <= MAX_TICKS * clock.period);
@@ -22,7 +22,7 @@ pub fn check_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) 
     }
 }
 
-/// What is wrong with a step that [`check_step`] rejects.
+/// Error that names the reason why [`check_step`] rejects a step.
 #[cold]
 fn wrong_step(clock: &Clock, experiment: &Experiment, time: f64, step: f64) -> Refusal {
     let expected = experiment.start + clock.position();

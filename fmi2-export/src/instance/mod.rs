@@ -233,7 +233,7 @@ fn fresh<M: Exported>(fmu_type: FmuType) -> SnapshotOf<M> {
     fresh
 }
 
-/// What follows from parameters after some were set.
+/// Updates the parameters in force and the calculated ones after some parameters were set.
 fn parameters_set<M: Model>(now: &mut SnapshotOf<M>) {
     now.vars.bring_into_force(|reference| now.is_set[reference]);
     M::calculate(&mut now.vars);
@@ -244,7 +244,7 @@ fn not_initialized() -> Refusal {
     Refusal::error("the instance is not initialized")
 }
 
-/// What may not be called in a phase, or never on an instance that was made for `other`.
+/// Error for a call that is not allowed in `phase`; `other` is the type of this instance if it never allows the call.
 #[cold]
 fn illegal(phase: Phase, other: Option<FmuType>) -> Refusal {
     let made_for = other.map_or(String::new(), |other| format!(": this instance is for {}", other.name()));

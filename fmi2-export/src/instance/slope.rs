@@ -15,7 +15,7 @@ pub struct Derivative {
 }
 
 impl Derivative {
-    /// What it adds to the input `after` seconds: a term of the Taylor sum.
+    /// Contribution of this derivative to the input after `after` seconds: a term of the Taylor series.
     fn term(&self, after: f64) -> f64 {
         let mut factor = 1.0;
         for k in 1..=self.order {
@@ -64,7 +64,7 @@ impl<V> Slope<V> {
         self.derivatives[0].reference
     }
 
-    /// What the importer has set, for a message.
+    /// Value and derivatives that the importer has set, as text for a message.
     pub fn to_text(&self) -> String {
         let derivative = |Derivative { order, value, .. }: &Derivative| format!("{value} (order {order})");
         let derivatives = self.derivatives.iter().map(derivative).collect::<Vec<_>>().join(", ");

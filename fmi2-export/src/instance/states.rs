@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// A taken state; only an instance of the same model can use it.
 pub type TakenState = Arc<dyn Any + Send + Sync>;
 
-/// What the master calls a state by; never 0, and never used again.
+/// Number by which the master identifies a state: never 0, and not used again after the state is freed.
 pub type Handle = usize;
 
 struct Held {

@@ -5,11 +5,11 @@
 pub struct EnumType {
     /// Type name.
     pub name: &'static str,
-    /// What the enumeration is about.
+    /// Description of the enumeration.
     pub description: &'static str,
     /// Items in the order of their numbers, the first is 1.
     pub items: &'static [Item],
-    /// Reactions to the items where they are faults, the mildest first; empty for other enumerations.
+    /// Reactions to the items where they are faults, the lowest severity first; empty for other enumerations.
     pub reactions: &'static [Reaction],
 }
 
@@ -20,7 +20,7 @@ pub struct Item {
     pub name: &'static str,
     /// Meaning of the item.
     pub description: &'static str,
-    /// What to do about it; empty where there is nothing to do.
+    /// Instruction to the user, such as the remedy of a fault; empty where there is nothing to do.
     pub hint: &'static str,
     /// Name of the reaction to a fault; empty where there is none.
     pub reaction: &'static str,
@@ -28,12 +28,12 @@ pub struct Item {
     pub detection: &'static str,
 }
 
-/// What a machine does when a fault occurs.
+/// Reaction of a machine to a fault.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Reaction {
     /// Name of the reaction.
     pub name: &'static str,
-    /// What the machine does.
+    /// Behavior of the machine in this reaction, such as its motion.
     pub description: &'static str,
     /// How the fault is acknowledged.
     pub acknowledge: &'static str,

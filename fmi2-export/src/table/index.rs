@@ -1,16 +1,16 @@
-//! What the value references stand for: constant tables, made from the rows when the library is compiled.
+//! Variables by value reference: constant tables, made from the variable table when the library is compiled.
 
 use crate::table::place::{Place, Run};
 use crate::table::variable::{Kind, Role, Variable};
 
-/// What a value reference stands for: an element of a row.
+/// Element of a row of the variable table that a value reference identifies.
 #[derive(Debug)]
 pub struct Entry<V: 'static> {
     pub(crate) row: &'static Variable<V>,
     pub(crate) element: u32,
-    /// Of a Real: where it lies.
+    /// Location of the value; none if it is not a Real.
     pub(crate) real: Option<Place<V, f64>>,
-    /// Of a Real input, which takes any finite number at any time, and nothing else follows from it.
+    /// Location of a Real input, which accepts any finite number at any time without an effect on other variables.
     pub(crate) input: Option<Place<V, f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! What names and texts must be, for checks when a table is compiled.
+//! Rules for names and texts, as constant functions: a table is checked when it is compiled.
 
 /// Whether XML can hold a text.
 pub const fn is_text(text: &str) -> bool {

@@ -18,7 +18,7 @@ pub struct Variable<V: 'static> {
     pub(crate) name: &'static str,
     pub(crate) role: Option<Role>,
     pub(crate) description: &'static str,
-    /// What the group of the variable is about; empty where it is in none.
+    /// Description of the group of the variable; empty without a group.
     pub(crate) head: &'static str,
     /// Where the start value comes from.
     pub(crate) source: &'static str,
@@ -69,7 +69,7 @@ pub(crate) enum Kind<V: 'static> {
     Choice { get: fn(&V) -> i32, set: fn(&mut V, i32), start: i32, ty: &'static EnumType },
 }
 
-/// What only a Real has.
+/// Attributes that only a Real has.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Real {
     pub min: f64,
@@ -194,7 +194,7 @@ impl<V> Variable<V> {
         self
     }
 
-    /// What the group of the variable is about.
+    /// Sets the description of the group of the variable.
     pub const fn head(mut self, text: &'static str) -> Self {
         self.head = text;
         self
@@ -206,13 +206,13 @@ impl<V> Variable<V> {
         self
     }
 
-    /// What the start value is in the paper that the model follows; the number of an item, 0 or 1 for a Boolean.
+    /// Sets the value of the paper that the model follows: item number of an enumeration, 0 or 1 of a Boolean.
     pub const fn paper(mut self, value: f64) -> Self {
         self.paper = Some(value);
         self
     }
 
-    /// What the start value of a String is in the paper that the model follows.
+    /// Sets the value of a String that the paper gives.
     pub const fn paper_text(mut self, text: &'static str) -> Self {
         self.paper_text = text;
         self

@@ -35,7 +35,7 @@ pub struct Callbacks {
     pub environment: *mut c_void,
 }
 
-/// What fmi2NewDiscreteStates answers.
+/// Result of `fmi2NewDiscreteStates`: `fmi2EventInfo`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventInfo {

@@ -1,4 +1,4 @@
-//! What the tests of the C API share: the loaded library, and an instance with a captured log.
+//! Fixtures of the tests of the C API: the loaded library, and an instance with a captured log.
 //!
 //! The tests never link this crate: they load the built libraries as an importer does.
 #![allow(dead_code, reason = "every test uses a part of it")]

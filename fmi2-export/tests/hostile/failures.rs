@@ -17,7 +17,7 @@ fn about_to_fail(fmu: &Fmu, failure: i32) -> Instance<'_> {
     instance
 }
 
-/// What is left after an error: reading, reset, freeing; and nothing else moves.
+/// Checks that outputs and parameters can be read after an error, and that stepping, setting and terminating fail.
 fn is_stuck_but_readable(instance: &Instance) {
     for name in ["force", "sum", "natural_frequency", "position"] {
         assert!(instance.real(name).is_finite(), "{name}");

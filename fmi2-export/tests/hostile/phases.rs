@@ -4,7 +4,7 @@ use crate::common::*;
 use std::ffi::c_int;
 use std::ptr::{null, null_mut};
 
-/// What an allowed call answers, and where it leads; `None` stays in the phase.
+/// Status of an allowed call, and the phase after it; `None` if the call does not change the phase.
 type Answer = (Status, Option<Phase>);
 
 const STAYS: Answer = (OK, None);

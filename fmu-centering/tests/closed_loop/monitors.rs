@@ -56,7 +56,8 @@ fn a_probe_with_another_scale_pushes_nothing() {
     }
 }
 
-/// What ends a centering at 45 rpm whose probe is `late` samples late from `state` on, and the eccentricity then, m.
+/// Centers at 45 rpm with a probe signal that is delayed by `late` samples from `state` on; returns the fault, if any,
+/// and the eccentricity at the end, m.
 fn with_late_probe(late: usize, state: State) -> (Fault, f64) {
     let mut ring = Ring::new(1, 5e-4, 0.5);
     ring.speed = 4.71;

@@ -111,7 +111,7 @@ impl Ring {
         self.pusher() - self.surface()
     }
 
-    /// What the encoders say: spindle angle (wrapped, rad), slide and probe (m).
+    /// Measurements with noise and resolution: spindle angle (wrapped, rad), slide and probe positions (m).
     pub fn read(&mut self) -> [f64; 3] {
         let noise: f64 = StandardNormal.sample(&mut self.random);
         let collapse = (AT_PUSHER - self.gap()).max(0.0);

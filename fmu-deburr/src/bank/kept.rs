@@ -1,16 +1,17 @@
-//! What a bank held before the present learning: each pattern of it stays until that of its speed is learned.
+//! Copy of the patterns of a bank during learning. If learning ends early, the previous patterns of the speeds that
+//! are not yet learned are restored.
 
 use serde::{Deserialize, Serialize};
 
 use crate::bank::pattern_bank::PatternBank;
 use crate::path::kinematics::{AXES, Joints};
 
-/// Memory for the compensations of a bank.
+/// Copy of the compensations of all patterns of a bank.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct KeptPatterns {
     compensations: Vec<Vec<Joints>>,
     usable: usize,
-    /// they are not those of before any more
+    /// they come from the identified drives, not from before the learning
     renewed: bool,
 }
 
@@ -21,13 +22,13 @@ impl KeptPatterns {
         Self { compensations, usable: 0, renewed: false }
     }
 
-    /// Learning begins, from zero or from what is there.
+    /// Begins to learn, from zero or from the present patterns; no pattern is usable until it is learned.
     pub fn begin(&mut self, bank: &mut PatternBank, from_bank: bool) {
         self.renewed = false;
         self.keep(bank, from_bank);
     }
 
-    /// Learning continues from other patterns, which take the position of those of before.
+    /// Continues to learn from other patterns, of which the copy replaces the previous one.
     pub fn renew(&mut self, bank: &mut PatternBank) {
         self.renewed = true;
         self.keep(bank, true);
@@ -46,7 +47,7 @@ impl KeptPatterns {
         bank.limit(0);
     }
 
-    /// Learning ends before all is learned: what is not learned is what it was before. Whether anything is new.
+    /// Ends the learning before all speeds are learned: restores the others. Returns whether any pattern is new.
     pub fn end(&self, bank: &mut PatternBank) -> bool {
         let learned = bank.patterns().len();
         for (index, kept) in self.compensations.iter().enumerate().skip(learned) {

@@ -1,4 +1,4 @@
-//! The bank: the control patterns of all speeds, and what they belong to.
+//! The bank: the control patterns of all speeds, and the path and machine to which they belong.
 
 use control_blocks::ParameterError;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use crate::learning::pattern::Pattern;
 use crate::path::kinematics::Joints;
 use crate::path::programmed_path::{CORNER, ProgrammedPath};
 
-/// What a bank belongs to; another path or machine needs another bank.
+/// Path, machine and speeds of a bank; its patterns are not valid for another path or machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identity {
     /// Fingerprint of the path, its feed, the geometry of the robot and its gains.
@@ -25,10 +25,10 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// Nothing if the other one is the same.
+    /// Checks that a bank of the identity `other` fits this one. It may have the first of the speeds only.
     ///
     /// # Errors
-    /// What differs, in words for the user.
+    /// The first difference, as a text for the user.
     pub fn accepts(&self, other: &Self) -> Result<(), String> {
         let differs =
             |what: &str, found: String, expected: String| Err(format!("{what} `{found}`, must be `{expected}`"));
@@ -109,7 +109,7 @@ impl PatternBank {
         &self.patterns
     }
 
-    /// What the bank belongs to.
+    /// Path, machine and speeds to which the bank belongs.
     pub fn identity(&self) -> &Identity {
         &self.identity
     }
@@ -170,7 +170,7 @@ impl PatternBank {
     }
 }
 
-/// What a bank for this path and these parameters belongs to.
+/// Identity of a bank for this path and these parameters.
 fn identity(p: &Parameters, path: &ProgrammedPath) -> Identity {
     let mut print = Fingerprint::default();
     path.fingerprint(&mut print);

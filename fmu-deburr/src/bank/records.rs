@@ -127,7 +127,7 @@ fn fit<T: TryFrom<i64>>(value: f64, what: &str) -> Result<T, String> {
         .map_err(|_| format!("{what} is `{value}`, which does not fit; hint: `expert.bank.format` = Full"))
 }
 
-/// What is left of the bytes.
+/// Bytes of a file that are not yet read.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {

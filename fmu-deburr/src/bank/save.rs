@@ -1,4 +1,4 @@
-//! Writes a file so that it is there as a whole or not at all.
+//! Writes a file completely or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 /// Writes under another name and renames; an older file stays until the new one is complete.
 ///
 /// # Errors
-/// What the system says; nothing is left after.
+/// If `path` is a folder or a device, or has no file name, or if the operating system cannot write the file. The
+/// partial file is removed.
 pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if fs::metadata(path).is_ok_and(|about| !about.is_file()) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "there is a folder or device of this name"));

@@ -1,4 +1,4 @@
-//! The commissioning run as the controller sees it: what moves, what was found, and which values are in force.
+//! The commissioning run inside the controller: motion, results and active values.
 
 use std::f64::consts::PI;
 
@@ -19,16 +19,16 @@ use crate::path::kinematics::{AXES, Joints};
 const READING_STEPS: f64 = 4096.0;
 const READING_RANGE: f64 = 1.25;
 
-/// One commission after the other.
+/// Commissioning run; [`Self::begin`] starts another one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CommissioningRun {
     /// The present or last experiment.
     pub experiment: Experiment,
-    /// What was measured.
+    /// Delay, drives and tool speed with standard deviations; [`Measured::START`] until all strokes are evaluated.
     pub measured: Measured,
-    /// Why the result cannot be used.
+    /// Reason why the result is rejected; none before the end of a run and after a good one.
     pub rejected: Option<Rejection>,
-    /// The experiment has come to its end, and its result is good.
+    /// The experiment is complete and its result is accepted.
     pub finished: bool,
     responses: [Response; AXES],
     tool: Welford,

@@ -144,12 +144,13 @@ mod tests {
 
     const AXIS: usize = 2;
 
-    /// What is found of a drive from its strokes, with noise of `noise` counts.
+    /// Response of the drive `machine`, identified from simulated strokes with white encoder noise of the standard
+    /// deviation `noise` (counts).
     fn found(machine: &NominalDrive, noise: f64, seed: u64) -> Response {
         held(machine, noise, seed, 0.0, 0.0)
     }
 
-    /// The same of a drive that friction holds back by `friction` counts, with an offset of its velocity (counts in a
+    /// The same for a drive that friction holds back by `friction` counts, with an offset of its velocity (counts per
     /// sample).
     fn held(machine: &NominalDrive, noise: f64, seed: u64, friction: f64, offset: f64) -> Response {
         let p = Parameters::START;

@@ -13,9 +13,9 @@ use crate::path::kinematics::{AXES, Joints};
 pub struct Experiment {
     plan: Plan,
     start: Joints,
-    /// Number of the axis that moves, from 0; `AXES` when all have.
+    /// Number of the axis that moves, from 0; `AXES` when all have moved.
     pub axis: usize,
-    /// What its strokes have shown.
+    /// Reference and control error of that axis in each sample since its first stroke began, counts.
     pub strokes: Strokes,
     stroke: u32,
     /// samples of this stroke

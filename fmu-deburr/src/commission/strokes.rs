@@ -1,10 +1,10 @@
-//! What the strokes of one axis have shown: reference and control error, sample by sample.
+//! Record of the strokes of one axis: reference and control error of each sample.
 
 use serde::{Deserialize, Serialize};
 
 use crate::learning::identification::BareRun;
 
-/// A record of one axis, counts.
+/// Reference and control error of one axis in each sample, counts.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Strokes {
     reference: Vec<f64>,

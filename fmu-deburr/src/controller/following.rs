@@ -100,7 +100,8 @@ impl Controller {
         }
     }
 
-    /// What a run or a lap that has come to its end has wrong.
+    /// First fault at the end of a run or lap: rest error or frozen position, wrong delay, or a path without a cut in
+    /// `Deburr`; otherwise none.
     fn after_run(&self, p: &Parameters) -> Finding {
         let tool = if self.task == Mode::Deburr { self.tool.after_run(p) } else { Finding::NONE };
         let found = [self.watch.after_run(p), self.delay.found(p), tool];

@@ -1,4 +1,4 @@
-//! What is wrong in a sample, and the fault that is in force.
+//! Runs the monitors in each sample and keeps the active fault, which only one of higher severity replaces.
 
 use control_blocks::Reaction;
 
@@ -125,8 +125,8 @@ impl Controller {
         )
     }
 
-    /// The fault in force and how it ends: a of higher severity one takes the position of a of lower severity one, and
-    /// never the other way.
+    /// Makes `found` the active fault if `counts` is true and none of the same or a higher severity is active. Returns
+    /// the reaction to the active fault; none without one.
     pub(super) fn escalate(&mut self, found: Finding, counts: bool) -> Option<Reaction> {
         let more_severe = self.fault == Fault::None || found.fault.reaction() > self.fault.reaction();
         if counts && found.is_fault() && more_severe {

@@ -1,4 +1,4 @@
-//! A drive as configured, eq. 1 after a gain and a delay, and what is known of one.
+//! A drive as configured, eq. 1 with a gain and a delay, and the estimate of a drive from its weights.
 
 use serde::{Deserialize, Serialize};
 
@@ -101,7 +101,7 @@ impl NominalDrive {
     }
 }
 
-/// What is known of a drive.
+/// Gain, lag and natural frequency of a drive, each with its standard deviation; nominal or identified.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Velocity over commanded velocity, and its standard deviation.
@@ -113,7 +113,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// As it is reported, before a run.
+    /// The nominal drive, with the standard deviations before a run.
     pub fn nominal(nominal: &NominalDrive) -> Self {
         let (first, weights) = nominal.weights();
         let unknown = Self::of(nominal, &Weights { first, weights, covariance: nominal.uncertain() });
@@ -121,7 +121,8 @@ impl Drive {
         Self { gain: [nominal.gain, unknown.gain[1]], lag: [nominal.lag(), unknown.lag[1]], frequency }
     }
 
-    /// What weights and their covariance say of it.
+    /// Drive with these weights: gain from their sum, lag and natural frequency from their moments, standard deviations
+    /// from their covariance. The delay is that of `nominal`.
     pub fn of(nominal: &NominalDrive, found: &Weights) -> Self {
         let Weights { first, weights, covariance } = found;
         let sum: f64 = weights.iter().sum();

@@ -37,7 +37,7 @@ impl ErrorSums {
         }
     }
 
-    /// What they are of.
+    /// Root mean squares and peaks over all samples so far; zeros without a sample.
     pub fn errors(&self) -> Errors {
         let count = self.count.max(1) as f64;
         let Errors { rms, cost, .. } = self.sums;

@@ -33,7 +33,7 @@ pub struct Feedforward {
     /// sample of the first weight of each axis, after the present one
     first: [isize; AXES],
     weights: [[f64; TAPS]; AXES],
-    /// What the weights say of the drives.
+    /// Drives to which the weights belong: nominal, or identified from a run of the bare servo.
     pub drives: [Drive; AXES],
     rates: Rates,
     /// rates that the nominal loop makes of those of the reference
@@ -125,7 +125,7 @@ impl Feedforward {
         }
     }
 
-    /// What the sample `k` of the walk needs, pulses.
+    /// Compensation of sample `k` of the walk without that of friction, pulses, not rounded.
     fn compensation(&self, k: usize) -> Joints {
         std::array::from_fn(|i| {
             let rate = |tap: usize| self.rates.at(k as isize + self.first[i] + tap as isize)[i];

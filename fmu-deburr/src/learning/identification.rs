@@ -167,7 +167,7 @@ impl<'a, R: BareRun> Identification<'a, R> {
         })
     }
 
-    /// What the weights leave of the error.
+    /// Residual of sample `k`, counts: the control error minus the weighted motions of the position around it.
     pub fn left(&self, k: isize) -> f64 {
         self.error(k) - self.answers(k).iter().zip(&self.weights).map(|(answer, weight)| answer * weight).sum::<f64>()
     }

@@ -11,7 +11,7 @@ use crate::path::kinematics::{AXES, Joints};
 /// Ratio to the error without patterns at which the learning of a speed ends.
 const DIVERGED: f64 = 3.0;
 
-/// What follows a repetition.
+/// Continuation of the learning at the end of a repetition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     /// Another repetition at the same speed.

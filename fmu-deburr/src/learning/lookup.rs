@@ -9,12 +9,12 @@ const SPEED_TOLERANCE: f64 = 5e-4;
 /// Above the fastest pattern it is enlarged up to this factor.
 const SCALE_MAX: f64 = 1.1;
 
-/// What the lookup takes from a pattern.
+/// Position on the path and speed for which a compensation is looked up, with the settings of the lookup.
 #[derive(Clone, Copy, Debug)]
 pub struct PatternLookup {
-    /// Distance at which the speeds are compared, and the speed there.
+    /// Distance along the path (m) and speed of the run (m/s), which is compared with the speeds of the patterns there.
     pub point: Point,
-    /// How many samples earlier the compensation is taken.
+    /// Samples before that position at which the compensation is read from a pattern.
     pub back: f64,
     /// Length of the path, m.
     pub length: f64,

@@ -64,7 +64,8 @@ impl Renewal {
         }
     }
 
-    /// What the control law makes of the values of one axis as a whole.
+    /// Applies the learning law to `values` of one axis. `LeadFilter` filters the renewed pattern, `NormOptimal`
+    /// replaces the errors by the change of the pattern, `Plain` changes nothing.
     fn transform(&mut self, p: &Parameters, count: usize, axis: usize, cyclic: bool) {
         let values = &mut self.values[..count];
         let [a, b, c] = &mut self.room;

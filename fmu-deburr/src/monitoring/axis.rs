@@ -37,7 +37,7 @@ const GROWN: f64 = 1.0;
 const LAST: f64 = 2.5;
 const COMES_TO_REST: f64 = 4.0;
 
-/// What one axis is watched with.
+/// Model of the loop of one axis, and the checks of the axis against it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AxisMonitor {
     nominal: Nominal,
@@ -53,7 +53,7 @@ pub struct AxisMonitor {
     calm: u32,
 }
 
-/// What one axis does, rad or m.
+/// Measurement, command and control error of one axis in a sample, rad or m.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Encoder measurement.
@@ -75,12 +75,12 @@ pub enum Expectation {
     Compensated,
 }
 
-/// What is wrong with an axis.
+/// Result of monitoring an axis, or all axes, in a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// Nothing.
+    /// All values are within their limits.
     Good,
-    /// A pattern that is being learned grows.
+    /// The control error with a pattern that is being learned exceeds its limit: the repetition ends.
     Grown,
     /// A fault.
     Wrong(Finding),

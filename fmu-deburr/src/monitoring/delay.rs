@@ -19,16 +19,17 @@ use crate::path::kinematics::{AXES, Joints};
 
 /// Delays that are compared: 0 to 6 samples, as far back as commands are kept.
 const DELAYS: usize = 7;
-/// Part of what is left with `io_delay` below which another delay is the right one.
+/// Ratio to the residual of `io_delay` below which the residual of another delay shows that it is the right one.
 const CLEAR: f64 = 0.8;
-/// Largest ratio of the changes of one axis that its delay may leave; an axis at rest has those of the response to noise.
+/// Largest residual of the delay of a single axis, over the sum of its squared changes; an axis at rest moves only by
+/// the response of its servo to noise.
 const MOVED: f64 = 0.25;
-/// Largest factor: no drive does more of what it is reported. The servo's answer to a measurement that flickers is a
-/// ratio Kp T of it, so that such a measurement would be 1/(Kp T) times what was commanded.
+/// Largest factor of measured over commanded motion: no drive has a higher one. The servo responds to a measurement
+/// that flickers by the ratio Kp T, so that such a measurement would be 1/(Kp T) times the commanded motion.
 const FACTOR_MAX: f64 = 2.5;
-/// What is left of the last sample's smoothed change in the next.
+/// Weight of the previous value in the exponential smoothing of the changes, per sample.
 const SMOOTHED: f64 = 0.85;
-/// Samples by which it has to be another one.
+/// Smallest difference of the vertex from `io_delay` that is another delay, samples.
 const ANOTHER: f64 = 0.75;
 
 /// Sums over one run, of one axis or of all of them.
@@ -94,7 +95,8 @@ impl DelayMonitor {
         self.axis[axis].take(smoothed);
     }
 
-    /// What is wrong so far: another delay than `io_delay`, of all axes or of one.
+    /// `WrongDelay` if another delay than `io_delay` explains the motion of the run or lap so far: its samples, and the
+    /// number of the axis or 0 for all. None otherwise, and for an `io_delay` above 6.
     pub fn found(&self, p: &Parameters) -> Finding {
         let configured = p.io_delay as usize;
         if configured >= DELAYS {
@@ -144,7 +146,7 @@ impl Sums {
         }
     }
 
-    /// What the delay leaves unexplained.
+    /// Residual J_d: the part of the squared measured changes that the delay does not explain with its best factor.
     fn left(&self, delay: usize) -> f64 {
         let (product, square) = (self.product[delay], self.square[delay]);
         let factor = (product / square.max(f64::MIN_POSITIVE)).clamp(0.0, FACTOR_MAX);
@@ -171,7 +173,8 @@ impl Sums {
 mod tests {
     use super::*;
 
-    /// What is found of axes that answer to the command of `delay` samples ago with a gain and a noise of counts.
+    /// Finding for one axis that follows the command of `delay` samples before with a gain, while its measurement
+    /// oscillates by `noise` counts; the other axes are at rest.
     fn found(io_delay: i32, delay: usize, gain: f64, noise: f64) -> Finding {
         let mut p = Parameters::START;
         p.io_delay = io_delay;
@@ -231,7 +234,7 @@ mod tests {
         }
     }
 
-    /// What is found of axes that answer after a number of samples that is none; also that of whole ones.
+    /// Finding for one axis that follows its command after `delay` samples, which need not be whole.
     fn found_between(io_delay: i32, delay: f64) -> Finding {
         let mut p = Parameters::START;
         p.io_delay = io_delay;

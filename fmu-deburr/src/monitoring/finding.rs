@@ -1,16 +1,16 @@
-//! What was found wrong, with its numbers.
+//! Result of a monitor: a fault with its numbers, or none.
 
 use serde::{Deserialize, Serialize};
 
 use crate::interface::Fault;
 pub use crate::monitoring::numbers::Numbers;
 
-/// A fault and its numbers.
+/// A fault with the numbers of its message; [`Self::NONE`] without a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// What is wrong.
+    /// Detected fault, or `Fault::None`.
     pub fault: Fault,
-    /// By how much.
+    /// Axis, value, limit and ratio for the message.
     pub numbers: Numbers,
 }
 

@@ -172,13 +172,15 @@ impl Flicker {
         (self.before, self.still, self.reversed, self.last) = (None, 0, false, 0.0);
     }
 
-    /// What has shaken the axis may have ended: noise shows itself again.
+    /// Measures the noise again, because all axes come to rest and their motion may have shaken the axis. The squares
+    /// so far are kept as `earlier`, and the constant interval continues.
     pub fn settle(&mut self) {
         let Self { bit, farthest, model, still, squares, observed, .. } = *self;
         *self = Self { bit, farthest, model, still, earlier: (squares, observed), ..Self::default() };
     }
 
-    /// What is wrong with the measurement of the axis `axis` (from 0) at the end of a run.
+    /// `PositionFrozen` if the position of the axis `axis` (from 0) has been constant for too long at the end of a run:
+    /// a valid position is so with a probability of 1e-6. Otherwise none.
     pub fn after_run(&self, p: &Parameters, axis: usize) -> Finding {
         self.frozen(p, axis, DECADES_ONCE)
     }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::{Fault, Parameters};
 use crate::monitoring::finding::{Finding, Numbers};
 
-/// What is seen of the tool along one path.
+/// Monitor of the tool speed in the cut along one run or lap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolMonitor {
     slow: Consecutive,
@@ -19,7 +19,7 @@ pub struct ToolMonitor {
     count: u32,
     /// slowest and fastest that held for a block, rad/s
     held: Option<(f64, f64)>,
-    /// way since the tool was loaded, m; none before the first time, because a part may be begun again
+    /// distance since the tool was last loaded, m; none before the first load, because the start may be cut already
     idle: Option<f64>,
 }
 
@@ -34,7 +34,7 @@ impl ToolMonitor {
         self.idle.is_some()
     }
 
-    /// Takes the tool speed (rad/s) of a sample in which the tool cuts, and the way since the last one (m).
+    /// Takes the tool speed (rad/s) of a sample in which the tool cuts, and the distance since the last one (m).
     pub fn update(&mut self, p: &Parameters, speed: f64, distance: f64) -> Finding {
         let (minimum, bridged) = (p.load.scale * p.limits.spindle_speed_min, p.limits.lost_samples.unsigned_abs());
         self.hold(p, speed, distance);
@@ -67,7 +67,8 @@ impl ToolMonitor {
         }
     }
 
-    /// What is wrong with a path that has come to its end: nothing was cut.
+    /// `NoCut` at the end of a run or lap in which the tool speed changed by less than `limits.spindle_change`;
+    /// otherwise none.
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let change = self.held.map_or(0.0, |(slowest, fastest)| (fastest - slowest).max(0.0));
         let minimum = p.limits.spindle_change;

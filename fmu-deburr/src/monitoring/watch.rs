@@ -104,7 +104,7 @@ impl Watch {
         self.flicker.iter_mut().for_each(Flicker::pause);
     }
 
-    /// What is done now is none of the rests that are looked at.
+    /// Interrupts the evaluation of the flicker in rests; the constant intervals start again after it.
     pub fn pause_rests(&mut self) {
         self.resting.iter_mut().for_each(Flicker::pause);
     }
@@ -136,8 +136,8 @@ impl Watch {
         self.rest.update(&residual, &std::array::from_fn(|i| self.axes[i].allowance()));
     }
 
-    /// What is wrong with a run that has come to rest: an axis that does not stand where its loop brings it, or a
-    /// measurement that is dead.
+    /// First fault in the rest after a run: `FollowingError` for an axis whose mean distance from the model exceeds
+    /// `rest_error` plus the allowance for a slow drive, then `PositionFrozen`; otherwise none.
     pub fn after_run(&self, p: &Parameters) -> Finding {
         let (mean, allowed) = self.rest.means();
         let limit = |i: usize| p.limits.axis[i].rest_error + allowed[i];

@@ -12,14 +12,14 @@ const NAMES: [(&str, &str); AXES] =
 /// Most positions that are looked at.
 const SAMPLES_MAX: f64 = 2e5;
 
-/// What is in the way of an axis.
+/// Reason why the robot cannot take a position of the path: a singularity, the travel or the speed of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hindrance {
     /// The wrist is on the axis of the column.
     Column,
-    /// The axis (from 0) is at a position beyond its travel.
+    /// The axis (from 0) would be at this position (rad or m), beyond its travel.
     Travel(usize, f64),
-    /// It rotates too fast.
+    /// The axis (from 0) would move at this speed (rad/s or m/s), above its limit.
     Speed(usize, f64),
 }
 

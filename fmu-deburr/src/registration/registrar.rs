@@ -1,4 +1,4 @@
-//! The touches one after the other: to it, until it is detected, back, once more slowly, and back.
+//! Sequence of the touches, each a fast approach until contact, a retract, a slow approach and a retract.
 
 use control_blocks::{Consecutive, Quintic, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -12,33 +12,33 @@ use crate::path::touch::Touch;
 use crate::registration::fit::{Touched, fit};
 use crate::registration::plan::{back_time, deviation};
 
-/// What the tip does at a touch.
+/// Phase of a touch: motion of the tip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     /// Moves to the start of the approach.
     Travel,
-    /// Goes towards the part.
+    /// Moves towards the part until contact.
     Seek,
-    /// Has detected it, and stops.
+    /// Decelerates after the contact.
     Brake,
-    /// Returns.
+    /// Retracts to the start of the slow approach, or after that one to the start of the touch.
     Back,
 }
 
-/// One registration after the other.
+/// Registration of the part; [`Self::begin`] starts another one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Registrar {
-    /// What was found.
+    /// Outputs: displacement with standard deviations, residual, finished touches. `valid` once the path follows it.
     pub found: Registration,
-    /// What is wrong with it.
+    /// Fault that ends the registration, or none.
     pub wrong: Finding,
-    /// It has come to its end, and this is where the part lies.
+    /// Displacement of the part; none until the fit of all touches is accepted.
     pub displacement: Option<Displacement>,
     touched: Vec<Touched>,
     /// number of the touch, from 0
     touch: usize,
     phase: Phase,
-    /// the second time, slowly
+    /// second, slow approach of the touch
     slow: bool,
     /// distance of the reference from the start of the approach, m
     now: Trajectory,

@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 /// Communication step, s.
 pub const STEP: f64 = 0.01;
 
-/// What of a robot a test may choose.
+/// Properties of the simulated robot that a test can set; all drives are alike.
 #[derive(Clone, Copy, Debug)]
 pub struct Build {
     /// Velocity over commanded velocity.
@@ -22,12 +22,12 @@ pub struct Build {
     pub delay: usize,
     /// Noise of the encoders, standard deviation in pulses.
     pub noise: f64,
-    /// Way at the tip by which Coulomb friction holds a drive back, F/(m wn^2), m.
+    /// Distance at the tip by which Coulomb friction holds a drive back, F/(m wn^2), m.
     pub friction: f64,
 }
 
 impl Build {
-    /// As the paper says.
+    /// The robot of the paper.
     pub const NOMINAL: Self = Self { gain: 1.0, dynamics: 1.0, damping: 1.0, delay: 1, noise: 0.0, friction: 0.0 };
 }
 

@@ -13,13 +13,13 @@ use crate::monitoring::rest::SETTLING;
 /// Consecutive calibration cycles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CalibrationRun {
-    /// What was learned.
+    /// Results of the last calibration cycle; `valid` is false until the cycle succeeds.
     pub calibrated: Calibrated,
-    /// Touches are made to learn from them.
+    /// A calibration cycle is active.
     pub active: bool,
-    /// All touches are made, and what they say cannot be used.
+    /// The touches give no acceptable bias, or `calibration.force_max` allows only speeds that are too slow.
     pub rejected: bool,
-    /// The fastest speed that `calibration.force_max` allows (m/s), where that is too slow to calibrate.
+    /// Fastest speed that `calibration.force_max` allows, m/s; none unless it is too slow to calibrate.
     pub tolerated: Option<f64>,
     aborted: bool,
     /// samples for which the stage stays at rest before the next touch

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibration::bias::SPEEDS;
 
-/// What a calibration says of it.
+/// Scatter and uncertainty of the bias at each calibrated speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Speeds that were calibrated, the slowest first, m/s.

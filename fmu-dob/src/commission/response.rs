@@ -120,8 +120,8 @@ mod tests {
         [ratio, damping.atan2(push) + half * (2.0 * x[1] + 1.0) + loop_ratio.atan()]
     }
 
-    /// What is found of a stage with these unknowns, from its answer to the excitation with `noise` (m) on the
-    /// position.
+    /// Estimate of the unknowns of a stage that has the values `x`, from its response to the excitation; white noise of
+    /// the standard deviation `noise` (m) is added to the position.
     fn found(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<4>, NoEstimate> {
         let plan = Plan::new(p);
         let answers = plan.excitation.sines.frequencies().map(|omega| (omega, answer(p, x, omega)));

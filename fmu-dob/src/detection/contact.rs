@@ -7,7 +7,7 @@ use crate::interface::ContactSource;
 /// A detected contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DetectedContact {
-    /// What detected it.
+    /// Detector or force guard that detected the contact.
     pub source: ContactSource,
     /// Encoder position at the detection, m, towards the workpiece.
     pub position: f64,

@@ -1,4 +1,4 @@
-//! What a sample makes of the states of the Kalman filter: F, of which most elements are 0.
+//! Transition matrix F of the Kalman filter; most of its elements are 0.
 //!
 //! A force moves the stage, and each harmonic (c_h, s_h), of which c_h is a force, turns by its angle. Sums go from the
 //! first state to the last, as those of a full matrix would.

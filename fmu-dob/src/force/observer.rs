@@ -121,8 +121,8 @@ impl DisturbanceObserver {
         (self.force_constant * acted - self.force()) / self.mass
     }
 
-    /// What an acceleration of 1 m/s2 that is not foreseen adds to the motion of a sample, m: T_s^2 / 2, and T_s / g_v
-    /// by the velocity that the filter does not yet show.
+    /// Additional motion in a sample per unforeseen acceleration, m/(m/s2): T_s^2 / 2, plus T_s / g_v for the velocity
+    /// that the filter does not yet show.
     pub fn leverage(&self) -> f64 {
         self.leverage
     }

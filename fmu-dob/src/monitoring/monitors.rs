@@ -23,7 +23,7 @@ pub struct Monitors {
     pub frozen_at_rest: bool,
     /// Force after the retract.
     pub relief: RestForce,
-    /// What is left of a motion.
+    /// Oscillation of the stage although its reference does not accelerate.
     pub oscillation: OscillationMonitor,
     /// Consecutive samples too far from the reference.
     pub diverged: Consecutive,

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::Parameters;
 
-/// What is left of a motion has died out after this many times 1 / `servo.bandwidth`.
+/// The transient of a motion has decayed after this many times 1 / `servo.bandwidth`.
 pub const SETTLING: f64 = 20.0;
-/// Equal samples that noise of three tenths of a step makes with 1e-13.
+/// Number of equal samples that noise of three tenths of a step produces with a probability of 1e-13.
 pub const ROW: u32 = 300;
 /// Minimum change, as a fraction of a step.
 const CHANGE: f64 = 0.5;
@@ -30,12 +30,12 @@ impl Rest {
         *self = Self::default();
     }
 
-    /// What is left of the motion before has died out.
+    /// Whether the transient of the previous motion has decayed.
     pub fn settled(&self, p: &Parameters) -> bool {
         self.lasts(ticks(SETTLING / p.servo.bandwidth, p.sample_period))
     }
 
-    /// Whether it has lasted for more than that many samples.
+    /// Whether the stage has been at rest for more than `samples` samples.
     pub fn lasts(&self, samples: u32) -> bool {
         self.samples > samples
     }

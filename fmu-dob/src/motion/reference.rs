@@ -1,4 +1,4 @@
-//! What the reference does in each state: approach, brake, retreat, hold.
+//! Motion of the reference in each state: approach, brake, retract, hold.
 
 use control_blocks::{Trajectory, stopping_distance};
 use serde::{Deserialize, Serialize};

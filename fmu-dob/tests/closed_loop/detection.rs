@@ -5,7 +5,7 @@ use fmu_dob::interface::{ContactSource, DetectorKind, Fault, Parameters, State, 
 use crate::run::Loop;
 use crate::slide::STEP;
 
-/// What one approach gave.
+/// Depth, accuracy and contact time of one approach to a workpiece.
 struct Outcome {
     /// Largest travel past the first possible touch, um.
     depth: f64,

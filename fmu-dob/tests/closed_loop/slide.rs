@@ -104,7 +104,7 @@ impl Slide {
         }
     }
 
-    /// What the encoder says, m.
+    /// Samples the encoder: position with noise, rounded to a step of the encoder, m.
     pub fn encoder(&mut self) -> f64 {
         let noisy = self.position + self.noise * ENCODER_NOISE * self.normal();
         (noisy / ENCODER_STEP).round() * ENCODER_STEP

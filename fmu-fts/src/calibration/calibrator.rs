@@ -146,7 +146,7 @@ impl Calibrator {
         self.lens_fitted
     }
 
-    /// What the last lens asks the path to be corrected by; none before.
+    /// Correction for the next path, from the last lens with an accepted fit; none before the first.
     pub fn correction(&self) -> Option<Correction> {
         self.correction
     }

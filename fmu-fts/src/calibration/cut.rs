@@ -1,8 +1,8 @@
-//! What the arm and the slide did while the tool cut a part for the calibration.
+//! Means and largest motions of arm and slide, and mean torque, while the tool cuts a part for the calibration.
 
 use serde::{Deserialize, Serialize};
 
-/// Means over one cut; by default, before the first, of nothing.
+/// Means and largest motions over one cut; by default without a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cut {
     samples: u32,
@@ -50,12 +50,12 @@ impl Cut {
         })
     }
 
-    /// Largest difference of the arm angle from its beginning, rad.
+    /// Largest difference of the arm angle from that of the first sample, rad.
     pub fn deflection(&self) -> f64 {
         self.deflection
     }
 
-    /// Largest difference of the slide position from its beginning, m.
+    /// Largest difference of the slide position from that of the first sample, m.
     pub fn travel(&self) -> f64 {
         self.travel
     }

@@ -79,7 +79,7 @@ struct Oscillation {
     noise: f64,
 }
 
-/// What a response is compared with.
+/// The nominal machine, relative to which a response is fitted: plan of the tones and shape of the flexure.
 struct Nominals<'a> {
     plan: &'a Plan,
     shape: Shape,
@@ -198,8 +198,8 @@ mod tests {
         (&p).into()
     }
 
-    /// What the tones of a plan measure on a machine with dry friction, which turns round `drag_delay` (s) before the
-    /// speed, and with `noise` times the errors that a point may have.
+    /// Closed-loop response of the machine `actual` to the tones of a plan. Its dry friction reverses `drag_delay` (s)
+    /// before the speed; `noise` scales the random error of each point in its standard deviation.
     fn response(plan: &Plan, actual: &Nominal, drag_delay: f64, [noise, seed]: [f64; 2]) -> FrequencyResponse {
         let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed as u64);
         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };

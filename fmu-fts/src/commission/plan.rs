@@ -52,7 +52,7 @@ const HIGHEST: f64 = 0.2;
 const SETTLE: f64 = 0.15;
 /// Default torque over `servo.torque_max`.
 const TORQUE_RATIO: f64 = 0.2;
-/// What a machine between those that are tried may do beyond them.
+/// Divisor of the amplitudes, because a machine between those of `machines` may move more than all of these.
 const BETWEEN: f64 = 1.1;
 /// Part of `limits.following_error` that a tone may have.
 const ERROR_RATIO: f64 = 0.7;

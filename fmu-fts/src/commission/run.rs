@@ -22,14 +22,14 @@ const BANDWIDTH_MIN: f64 = 0.3;
 /// the flexure.
 const REST_MAX: f64 = 1.2;
 
-/// One commission after the other.
+/// Commissioning run; [`Self::begin`] starts another one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CommissioningRun {
     /// The tones of the present or last run.
     pub experiment: Identification,
-    /// What was measured.
+    /// Identified arm with standard deviations; [`Measured::START`] until it is identified.
     pub measured: Measured,
-    /// The result cannot be used.
+    /// The result is rejected, or the arm does not move.
     pub rejected: bool,
     /// The run is complete and its result is good.
     pub finished: bool,

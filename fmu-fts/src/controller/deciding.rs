@@ -1,4 +1,4 @@
-//! What is asked for, what has happened, and the state that follows.
+//! Decides the next state from the requested mode, the events and the fault of a sample.
 
 use crate::controller::Controller;
 use crate::faults::{self, Situation};
@@ -72,7 +72,7 @@ impl Controller {
         }
     }
 
-    /// What faults are found from.
+    /// Findings of the monitors and of the state of the controller, from which the fault of this sample is selected.
     fn situation(&self, p: &Parameters, mode: Mode, reading: &Reading) -> Situation<'_> {
         let path = self.tracker.path();
         let requested =

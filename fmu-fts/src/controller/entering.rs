@@ -1,4 +1,4 @@
-//! What happens once, when a state begins: the loop closes, the path is joined or left.
+//! Actions on entry to a state: the loop closes, the arm moves onto the path or off it, measurements start or stop.
 
 use control_blocks::Trajectory;
 
@@ -12,7 +12,7 @@ use crate::reading::Reading;
 use crate::servo::lead_lag::Recursion;
 
 impl Controller {
-    /// What happens once, when `state` begins.
+    /// Enters `state` and performs its entry actions: closes the loop, starts or stops motions and measurements.
     pub(super) fn enter(&mut self, p: &Parameters, state: State, events: &Events, reading: &Reading) {
         let closed = self.closed();
         let fault = events.fault.filter(|_| state == State::Fault).unwrap_or(Fault::None);

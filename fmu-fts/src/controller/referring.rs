@@ -28,7 +28,8 @@ impl Controller {
         }
     }
 
-    /// What the arm should do.
+    /// Advances the reference by one sample and returns the target of the arm. While the loop is open, the target is
+    /// the measured angle.
     pub(super) fn refer(&mut self, p: &Parameters, reading: &Reading, layers: Layers, phasors: &Phasors) -> Target {
         let target = if self.closed() {
             let held = self.held(p, reading);

@@ -13,10 +13,10 @@ const ERROR_RATIO: f64 = 0.7;
 /// Smallest averaging time, in whole periods, s: two periods of the lowest default frequency.
 const AVERAGE_TIME: f64 = 0.2;
 
-/// What is expected at a frequency.
+/// Expected response of loop and arm at a frequency, from which the amplitude of a tone follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
-    /// T.
+    /// Closed loop T, from reference to encoder.
     pub response: Complex<f64>,
     /// Amplitude of the torque over that of the arm, N.m/rad.
     pub stiffness: f64,

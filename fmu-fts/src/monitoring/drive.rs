@@ -108,7 +108,8 @@ impl DriveWatch {
         self.now.ratio(undisturbed(p, NOW)).or(self.latest(p))
     }
 
-    /// What it does now; of a small torque over the last 2 ms, where what was before hardly blurs what a fault has become.
+    /// Ratio of [`Self::now`], or, while the torque is too small for it, the filtered ratio with a memory of 2 ms. None
+    /// while the torque of that time does not exceed the disturbances.
     pub fn latest(&self, p: &Parameters) -> Option<f64> {
         let minimum = disturbance(p) / p.servo.inertia;
         self.now(p).or(self.latest.ratio(SHORT / p.sample_period * minimum * minimum))

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the monitors know of a sample, for the log.
+/// Values of the monitors in a sample, from which the message of a fault is written.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Numbers {
     /// Ratio of the samples of 0.1 s with the torque at its limit.

@@ -31,7 +31,7 @@ struct Pulse {
     acts: bool,
 }
 
-/// What is known of the arm when its loop opens.
+/// Velocity of the arm and response of its drive in the sample in which the loop opens.
 #[derive(Clone, Copy, Debug)]
 pub struct LastMotion {
     /// Velocity, rad/s.

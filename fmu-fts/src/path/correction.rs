@@ -1,6 +1,6 @@
 //! Correction of the form: added to the coefficients a_n(x) and b_n(x) of eq. 2, as derived from a probed lens.
 //!
-//! What is constant on a machine is smooth over the lens: a wrong arm length, center offset or angle, the wind-up of
+//! Constant errors of a machine are smooth over the lens: a wrong arm length, center offset or angle, the wind-up of
 //! the arm and a late spindle reading make errors of the few harmonics of the lens itself, which change with the radius
 //! as its slope and its depth do. So each coefficient is a polynomial of the third degree in the slide position, over
 //! what was probed.
@@ -40,7 +40,8 @@ impl Correction {
         self
     }
 
-    /// What the derivative of the given order to the spindle angle never is above, m.
+    /// Upper bound of the magnitude of the derivative of the depth by the spindle angle, of the given order (0: the
+    /// depth), m/rad^order.
     pub fn bound(&self, order: i32) -> f64 {
         let row = |(n, row): (usize, &[Complex<f64>; POLYNOMIALS])| {
             // no Legendre polynomial is above 1

@@ -1,4 +1,5 @@
-//! What a probe reads on the part that a path cuts: the nose of the tool and the ball of the probe roll on the same section.
+//! Depth that a probe measures on the part that a path cuts: the nose of the tool and the ball of the probe touch the
+//! same section.
 //!
 //! The section at one angle of the part is the envelope of the nose, so that the center of the ball moves on the curve
 //! that is R_t - R_p from that of the center of the nose: with Z' the slope dz/drho of the latter and q = sqrt(1 +
@@ -22,8 +23,8 @@ pub struct Contact {
     pub depth: f64,
     /// Slope of that depth to the distance from the spindle axis.
     pub slope: f64,
-    /// What the depth of the part takes of a depth that is added to the path: 1 - Z' tan(phi), as the arm moves
-    /// sideways, too.
+    /// Change of the probed depth per depth that is added to the path: 1 - Z' tan(phi), because the arm also moves
+    /// sideways.
     pub gain: f64,
 }
 

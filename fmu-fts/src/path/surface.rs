@@ -53,12 +53,12 @@ impl Directions {
     }
 }
 
-/// What the search for a point of contact ends with.
+/// Result of Newton's method for a point of contact, when it is over.
 #[derive(Clone, Copy)]
 enum Found {
     /// Depth of the nose center, m.
     Depth(f64),
-    /// The surface is narrower than the tool at this distance from the spindle axis, m.
+    /// The surface is concave with a smaller radius than the nose, at this distance from the spindle axis, m.
     TooBlunt(f64),
 }
 

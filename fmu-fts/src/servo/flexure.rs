@@ -90,7 +90,7 @@ impl Flexure {
 /// Factor k, delay d in samples, omega_t over the nominal one, z, m.
 type Value = SVector<f64, 5>;
 
-/// What the response of the hub to the torque is compared with.
+/// Response G = N / D of the hub to the torque, with frequencies relative to that of the nominal flexure.
 pub struct Shape {
     nominal: Flexure,
     /// fraction of the inertia beyond the flexure, nominal

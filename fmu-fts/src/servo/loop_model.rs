@@ -120,7 +120,7 @@ impl LoopModel {
         self.at(omega).arm
     }
 
-    /// What of the loop does not depend on the compensator, at `omega` (rad/s).
+    /// Arm with current loop and delay at `omega` (rad/s): the loop without its compensator.
     pub fn at(&self, omega: f64) -> ArmPoint {
         let (sine, cosine) = (omega * self.period).sin_cos();
         let z = Complex::new(cosine, sine);

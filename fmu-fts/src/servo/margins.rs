@@ -1,4 +1,4 @@
-//! What a closed-loop response T says of the loop: bandwidth, phase margin, sensitivity peak.
+//! Bandwidth, phase margin and sensitivity peak from a closed-loop response T.
 //!
 //! With the error e = r - b inside the controller, T = L / (1 + L): the open loop L = T / (1 - T) and the
 //! sensitivity S = 1 - T follow from T alone, with all delays in them.

@@ -1,4 +1,4 @@
-//! What the position loop is designed for: arm, drive, delay and sample period.
+//! Nominal machine for which the position loop is designed: sample period, delays, arm, drive and desired bandwidth.
 
 use serde::{Deserialize, Serialize};
 

@@ -8,12 +8,12 @@ use serde::de::DeserializeOwned;
 /// Largest file that is read, bytes.
 const BYTES_MAX: u64 = 16 << 20;
 
-/// The file of a text parameter and what it holds.
+/// The file of a text parameter, and the name of its content.
 #[derive(Clone, Copy, Debug)]
 pub struct Table<'a> {
     /// The file.
     pub file: FileParameter<'a>,
-    /// What it holds, in a few words.
+    /// Name of the required content, for the error message: "a tool path".
     pub content: &'static str,
 }
 
@@ -62,7 +62,8 @@ pub(crate) mod tests {
     use super::*;
     use std::fmt::Debug;
 
-    /// What `read` makes of a folder of resources with a file of this text, or its message.
+    /// Calls `read` with a folder of resources in which the file `name` has this text. An error is returned as its
+    /// message.
     pub fn with_resource<T>(
         name: &str,
         text: &str,

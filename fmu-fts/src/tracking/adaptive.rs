@@ -1,4 +1,4 @@
-//! Adaptive feedforward: learned is what the arm answers, not what the error amounts to.
+//! Adaptive feedforward: it learns the response of the arm instead of the amplitude of the error.
 //!
 //! For the motion B the position loop, T = L / (1 + L), needs the set-point B / T = B + B / L; B / L is what makes the
 //! torque of the path. An arm with an off-nominal torque or inertia needs (1 + eps) B / L, with one eps for every
@@ -51,7 +51,7 @@ pub struct PathHarmonic {
     pub hub_over_tool: Complex<f64>,
 }
 
-/// What was learned of the response at each harmonic, n = 1 first.
+/// Learned relative error eps_n of the nominal torque at each harmonic of the path, n = 1 first.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AdaptiveFeedforward {
     /// eps
@@ -61,7 +61,7 @@ pub struct AdaptiveFeedforward {
     factors: Vec<Complex<f64>>,
     /// |P|^2 of those that learn, rad2
     strengths: Vec<f64>,
-    /// q, and what is left of it after a sample
+    /// q, and its decay factor per sample
     quicker: f64,
     keep: f64,
 }
@@ -116,7 +116,7 @@ impl AdaptiveFeedforward {
         }
     }
 
-    /// What is added to the set-point, rad, from the harmonics of the path and e^(j n theta), n = 1 first.
+    /// Correction to add to the set-point, rad; from the harmonics of the path (rad) and e^(j n theta), n = 1 first.
     pub fn output(&self, path: &[Complex<f64>], phasors: &[Complex<f64>]) -> f64 {
         let all = self.learned.iter().zip(&self.factors).zip(path).zip(phasors);
         all.map(|(((learned, factor), path), phasor)| learned.output(factor * path * phasor)).sum()

@@ -9,9 +9,9 @@
 //!
 //! In the angle domain it needs no speed: xi_n += 2 T_s / (tau |T|) e exp(-j (n theta + arg T)), u = Re xi_n e^(j n theta).
 //!
-//! What a feedforward with a wrong response leaves grows and shrinks with the harmonic B_n of the path. Where it does
-//! not learn the response itself (`expert.feedforward.adaptive`) xi_n is carried along, xi_n B_n(x) / B_n(x'), as the
-//! slide goes from x' to x. Learned alone it would be late by tau for ever.
+//! The error that a feedforward with a wrong response leaves is proportional to the harmonic B_n of the path. Where the
+//! response is not learned (`expert.feedforward.adaptive` is false), xi_n is therefore scaled to xi_n B_n(x) / B_n(x')
+//! when the slide moves from x' to x. Without this scaling, xi_n would always be late by tau.
 
 use control_blocks::{Canceller, adaptation_gain};
 use nalgebra::Complex;
@@ -21,7 +21,7 @@ use crate::interface::{Afc, Parameters};
 
 /// T is never taken for less: the gain stays finite.
 const RESPONSE_MIN: f64 = 0.05;
-/// What is left at each tuning of a harmonic that is not in use.
+/// Factor by which the state of a harmonic that is not in use decays, at each tuning of it.
 pub const FADE: f64 = 0.9;
 /// Smallest harmonic of the path along which a state is scaled, rad: 0.1 um at the tool.
 const PATH_MIN: f64 = 1e-6;
@@ -74,7 +74,7 @@ impl Resonators {
         }
     }
 
-    /// What is added to the set-point, rad.
+    /// Correction to add to the set-point, rad, from e^(j n theta), n = 1 first.
     pub fn output(&self, phasors: &[Complex<f64>]) -> f64 {
         self.states.iter().zip(phasors).map(|(state, phasor)| state.output(*phasor)).sum()
     }

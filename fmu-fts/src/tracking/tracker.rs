@@ -32,10 +32,10 @@ pub struct Layers {
     pub learning: bool,
 }
 
-/// What the arm should do in a sample.
+/// Reference of the arm in a sample, and the set-point that makes it follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Motion of the hub.
+    /// Reference motion of the hub.
     pub motion: Trajectory,
     /// Depth of the tool, m.
     pub depth: f64,
@@ -141,7 +141,8 @@ impl Tracker {
         self.transition.leave(p, duration);
     }
 
-    /// What the arm, now at `arm_angle` (rad), should do in this sample; `held` is the motion that it leaves.
+    /// Advances the transition by one sample, learns from the error at `arm_angle` (rad), and returns the target. The
+    /// transition is between the path and `held`, the motion off the path.
     pub fn follow(
         &mut self,
         p: &Parameters,

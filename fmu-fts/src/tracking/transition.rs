@@ -1,8 +1,8 @@
 //! Motion onto the moving path and off it: the fraction of the path in the motion is a quintic of the time, the rest is
 //! held.
 //!
-//! What is between a path and a held angle goes beyond neither: no overshoot, whatever the speed of the path. And the path
-//! keeps its feedforward while it fades, so that the arm follows.
+//! The motion stays between the path and the held angle: it overshoots neither, whatever the speed of the path. The
+//! path keeps its feedforward while it fades, so that the arm follows.
 
 use control_blocks::{Quintic, Trajectory};
 use serde::{Deserialize, Serialize};

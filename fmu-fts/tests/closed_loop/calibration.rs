@@ -9,10 +9,13 @@ use fmu_fts::path::path_table::PathTable;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// What is true of the machine.
+/// Ground truth of the machine: arm length, m.
 const LENGTH: f64 = 0.080_02;
+/// Cross-slide offset, m.
 const OFFSET: f64 = 0.150_3;
+/// Arm zero, rad.
 const ZERO: f64 = 0.052;
+/// Slide position while the tool cuts, m.
 const SLIDE: f64 = 0.075;
 
 /// The calibration with its inputs and what the machine does.
@@ -22,7 +25,7 @@ struct Bench {
     path: PathTable,
     input: Input,
     now: Moment,
-    /// Arm zero that is true.
+    /// Ground truth of the arm zero, rad.
     zero: f64,
 }
 

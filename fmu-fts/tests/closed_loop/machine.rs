@@ -23,7 +23,7 @@ const ARM_LENGTH: f64 = 0.08;
 const ARM_ZERO: f64 = 0.0523;
 const TORQUE_MAX: f64 = 7.0;
 
-/// What of a machine a test may choose.
+/// Properties of the simulated machine that a test can set.
 #[derive(Clone, Debug)]
 pub struct Build {
     /// Torque per commanded torque.

@@ -1,4 +1,4 @@
-//! What each layer of the control leaves, at several speeds, surfaces and delays. Errors in um.
+//! Tracking error (um) that remains with each layer of the control, at several speeds, surfaces and delays.
 
 use fmu_fts::interface::{Afc, Fault, Limits, Parameters, State, SurfaceKind, Tip};
 use fmu_fts::lists::harmonics::Harmonics;

@@ -26,29 +26,29 @@ enum Phase {
     Over,
 }
 
-/// What has just been reached.
+/// Milestone that the experiment reaches in a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Milestone {
-    /// Nothing new.
+    /// No milestone in this sample.
     None,
     /// The tool has touched the mold.
     Touched,
-    /// All is measured; the tool leaves.
+    /// All is measured; the force is unloaded next.
     Measured,
-    /// It is out again.
+    /// The tool is retracted.
     Over,
 }
 
-/// What a sample has read and sent.
+/// Measurements of a sample, and the velocity that was sent in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a> {
-    /// What the force sensor shows beyond its zero, N.
+    /// Unfiltered force without the zero of the sensor, along the axes of the sensor, N.
     pub shown: &'a Vector3<f64>,
-    /// Place of the axes, m.
+    /// Measured position of the axes, m.
     pub position: &'a Vector3<f64>,
     /// Velocity that was sent in pulses, m/s.
     pub sent: &'a Vector3<f64>,
-    /// What is measured.
+    /// Path, force and errors of the sample.
     pub now: &'a Measurement,
     /// Counters and means of the contact.
     pub contact: &'a ContactMonitor,

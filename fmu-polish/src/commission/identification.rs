@@ -19,19 +19,19 @@ const LEFT_OUT: [f64; 4] = [0.016, 0.012, 0.024, 0.008];
 /// Minimum number of samples for a standard deviation.
 const SAMPLES_MIN: f64 = 4.0;
 
-/// One commission after the other.
+/// Consecutive commissioning runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Identification {
     /// The present or last experiment.
     pub experiment: Experiment,
-    /// What was measured.
+    /// Results of the last commissioning run with their standard deviations; start values until all is measured.
     pub measured: Measured,
     /// The result cannot be used.
     pub rejected: bool,
-    /// All was measured, and is good so far; the tool leaves.
+    /// All is measured and accepted so far; the tool retracts.
     pub complete: bool,
     values: ActiveValues<Values>,
-    /// what was in force in the last sample
+    /// values in use in the last sample
     before: Values,
 }
 

@@ -136,7 +136,8 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// What is found of axes with these unknowns, from their answer to the excitation with `noise` (m) on the positions.
+    /// Estimate of the unknowns of axes that have the values `x`, from their response to the excitation; white noise of
+    /// the standard deviation `noise` (m) is added to the positions.
     fn answer(p: &Parameters, x: Unknowns, noise: f64, seed: u64) -> Result<Estimate<UNKNOWNS>, NoEstimate> {
         let plan = Plan::new(p);
         let tones =

@@ -1,4 +1,4 @@
-//! What is measured in a sample, and what counters and means make of it: contact, settled force, lost contact.
+//! Measurement of a sample, and the conditions from its counters and means: contact, settled force, lost contact.
 
 use control_blocks::{Consecutive, ticks};
 use nalgebra::Vector3;
@@ -24,7 +24,7 @@ const HOLD_TIME: f64 = 0.1;
 /// A force is gone below this, over the contact force.
 const UNLOADED_RATIO: f64 = 0.5;
 
-/// What is measured in one sample, before anything is decided.
+/// Measurement of one sample: path, force and errors. It precedes all decisions of the sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
     /// The path at the present position.
@@ -35,7 +35,7 @@ pub struct Measurement {
     pub force_error: f64,
     /// E_p = x_d - x, m.
     pub offset: Vector3<f64>,
-    /// Its parts, m.
+    /// Components of `offset` along tangent, lateral direction and normal, m.
     pub error: ErrorOutput,
     /// Distance of the surface from the path along the normal, m.
     pub surface: f64,

@@ -44,7 +44,7 @@ pub fn damping(p: &Parameters, stiffness: f64) -> f64 {
 pub struct ForceLaw {
     /// v_normal of eq. 4, m/s, positive out of the material.
     pub velocity: f64,
-    /// What the integral adds, m/s.
+    /// Velocity from the integral of the force error, added to `velocity`, m/s.
     pub integral: f64,
 }
 

@@ -29,16 +29,16 @@ pub struct NormalMotion {
     /// Cancellation of the ripple.
     pub ripple: RippleCancellation,
     turning: Turning,
-    /// What is learned from turn to turn.
+    /// Repetitive control: learns disturbances that recur with each revolution of the path.
     pub repetitive: RepetitiveControl,
     /// Estimate of the misalignment.
     pub misalignment: MisalignmentEstimate,
 }
 
-/// What the stability of the loop hangs on and can change: K_f, B_d, T_i and the stiffness.
+/// Values that decide the stability of the loop and may change during a cycle: K_f, B_d, T_i and the stiffness.
 type Tuned = (f64, f64, f64, f64);
 
-/// What is measured along the normal in one sample.
+/// Measurements of one sample for the motion along the normal.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalMeasurement {
     /// Target minus measured force, N.

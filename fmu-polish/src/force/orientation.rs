@@ -28,7 +28,7 @@ impl Orientation {
         Vector3::new(f.x * self.cos - f.y * self.sin, f.y * self.cos + f.x * self.sin, f.z)
     }
 
-    /// What the sensor shows of a vector in the work frame.
+    /// The vector of the sensor for a vector in the work frame.
     pub fn shown(&self, f: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(f.x * self.cos + f.y * self.sin, f.y * self.cos - f.x * self.sin, f.z).component_mul(&self.signs)
     }

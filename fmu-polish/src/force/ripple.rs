@@ -163,7 +163,8 @@ mod tests {
     const KV: f64 = 10e-3;
     const STRAIGHT: Rotation = Rotation { angle: 0.3, step: 0.0 };
 
-    /// What a harmonic leaves of a ripple of the amplitude `size` N through the true response, at the angle `angle`.
+    /// Force error (N) at the angle `angle` (rad) that remains of a ripple with the amplitude `size` (N), if the output
+    /// of `harmonic` acts through the actual response `response`.
     fn part(harmonic: &Harmonic, response: Complex<f64>, size: f64, angle: f64) -> f64 {
         let carrier = Complex::cis(angle);
         harmonic.output(response * carrier) + size * carrier.re

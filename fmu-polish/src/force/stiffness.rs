@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 const FORCE_MIN: f64 = 0.8;
 /// Part of the target up to which samples are taken.
 const TARGET_RATIO: f64 = 0.9;
-/// What a stiffness can be, over the nominal one.
+/// Minimum and maximum of the estimated stiffness, over the nominal one.
 const RATIO: (f64, f64) = (0.25, 4.0);
 /// Fewest samples.
 const SAMPLES_MIN: f64 = 10.0;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::interface::{Fault, Parameters};
 
-/// What a response means: below the first a wrong sign, below the second a weak drive.
+/// Limits of measured over commanded motion: below the first a wrong sign, below the second a weak drive.
 const RATIOS: (f64, f64) = (-0.2, 0.5);
 /// Fraction of the largest following error from which on motions are compared.
 const BEGIN: f64 = 0.25;
@@ -88,7 +88,7 @@ impl Axis {
         self.before = reading;
     }
 
-    /// The cause, where something is wrong.
+    /// Fault of the axis; none if it follows.
     fn fault(&self, p: &Parameters) -> Option<Fault> {
         let beyond = self.error.abs() > p.limits.following_error;
         let threshold = BAND * p.encoder_resolution + p.limits.frozen;
@@ -147,7 +147,7 @@ impl AxisMonitor {
         }
     }
 
-    /// What is wrong with the first axis of which something is.
+    /// Fault of the first axis that has one; none if all axes follow.
     pub fn fault(&self, p: &Parameters) -> Option<Fault> {
         self.axes.iter().find_map(|axis| axis.fault(p))
     }

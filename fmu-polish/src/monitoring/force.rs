@@ -36,7 +36,7 @@ const ERROR_RATIO: f64 = 0.2;
 /// The most that one sample counts, over the largest force error.
 const ERROR_CLIP: f64 = 2.0;
 
-/// What is known of the force; by default nothing.
+/// Monitor of the force signal and of the force loop; by default nothing is measured.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ForceMonitor {
     /// each raw axis, to the bit
@@ -74,7 +74,7 @@ pub struct ForceSample<'a> {
     pub state: State,
     /// Raw force, N.
     pub raw: &'a Vector3<f64>,
-    /// What it says.
+    /// Path, force and errors of the sample.
     pub now: &'a Measurement,
     /// The normal as the sensor shows it.
     pub normal: &'a Vector3<f64>,
@@ -150,7 +150,7 @@ impl ForceMonitor {
         faults.into_iter().find_map(|(fault, holds)| holds.then_some(fault))
     }
 
-    /// What is wrong with the loop.
+    /// Fault of the force loop: an oscillation or a force error; none while the rms force error is within its limit.
     pub fn loop_fault(&self, p: &Parameters) -> Option<Fault> {
         let cause = if self.oscillations.many() { Fault::Oscillation } else { Fault::ForceError };
         let [error, limit] = self.error(p);
@@ -210,7 +210,7 @@ mod tests {
 
     const P: Parameters = Parameters::START;
 
-    /// Shows `monitor` the force `force` (N) along the normal in `state`: what is wrong with the measurement.
+    /// Updates `monitor` with the force `force` (N) along the normal in `state`; returns the fault of the measurement.
     fn show(monitor: &mut ForceMonitor, p: &Parameters, state: State, force: f64) -> Option<Fault> {
         let (zero, normal) = (Vector3::zeros(), Vector3::z());
         let frame = Frame { centre: zero, contact: zero, normal, tangent: Vector3::x(), ratio: 1.0, feed_max: 1.0 };
@@ -224,7 +224,7 @@ mod tests {
         monitor.reading_fault(p, &sample)
     }
 
-    /// What is wrong with the measurements `forces` (N) along the normal.
+    /// First fault of the measurements `forces` (N) along the normal during an approach.
     fn fault_of(p: &Parameters, forces: impl Iterator<Item = f64>) -> Option<Fault> {
         let mut monitor = ForceMonitor::default();
         forces.fold(None, |fault, force| fault.or(show(&mut monitor, p, State::Approach, force)))
@@ -264,8 +264,8 @@ mod tests {
         }
     }
 
-    /// What is wrong on a path that is steep by 0.13, where the axes go round for 0.1 s with `radius` m, without z, and
-    /// sink by `sunk` m.
+    /// First fault of `evaluation` while the axes move for 0.1 s on a circle of the radius `radius` m in the xy plane,
+    /// and sink by `sunk` m along z.
     fn round(evaluation: Evaluation, radius: f64, sunk: f64) -> Option<Fault> {
         let offset = |k: u32| {
             let angle = std::f64::consts::TAU * f64::from(k) / 20.0;

@@ -33,7 +33,7 @@ const WINDOWS: u32 = 5;
 /// Minimum detectable friction, in steps of the sensor.
 const SENSED: f64 = 2.0;
 
-/// The measurement and what it adds to K_v; by default nothing is known.
+/// Measured sliding, and the increase of K_v that follows from it; by default nothing is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sliding {
     motion: SensedMotion,
@@ -49,13 +49,13 @@ pub struct Sliding {
     pub speed: Option<f64>,
     /// Friction while it slides, N.
     pub friction: f64,
-    /// What is added to K_v, m/s.
+    /// Increase of K_v over its configured value, m/s.
     pub added: f64,
     /// Samples that are added to the half period.
     pub lengthened: i32,
     /// the half period is to be lengthened where a period ends
     short: bool,
-    /// largest K_v (m/s) at which a ball on a circle slid too little in this job
+    /// largest K_v (m/s) at which a ball on a circle slid too little in this cycle
     stuck: f64,
     /// consecutive windows at the largest K_v since the last verdict, and the sum of their speeds, m/s
     windows: u32,
@@ -157,7 +157,8 @@ impl Sliding {
         (stick_slip::velocity(&p.stick_slip, feed) + self.raised(p)).min(accelerated(p))
     }
 
-    /// What is added (m/s) to the K_v of this sample, whose parameters may have been tuned since the last window.
+    /// Increase (m/s) of K_v in this sample, limited by the present parameters: they may have been tuned since the last
+    /// window. 0 if the desired sliding speed is 0.
     fn raised(&self, p: &Parameters) -> f64 {
         if desired_speed(p) > 0.0 { self.added.min((highest(p) - p.stick_slip.velocity).max(0.0)) } else { 0.0 }
     }

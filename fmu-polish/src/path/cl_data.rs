@@ -22,9 +22,9 @@ pub struct Point {
 pub struct ClError {
     /// Line of the file, from 1.
     pub line: usize,
-    /// What is wrong there, with value and limit.
+    /// Error in that line, with value and limit.
     pub reason: String,
-    /// What to do.
+    /// Instruction that corrects the error.
     pub hint: &'static str,
 }
 

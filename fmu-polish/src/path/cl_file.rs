@@ -58,7 +58,7 @@ pub fn points(bytes: &[u8], p: &Parameters) -> Result<Vec<Point>, ClError> {
     reader.finish(p)
 }
 
-/// What the statements before have set.
+/// Units, feed (m/s) and points from the statements that were read so far.
 #[derive(Debug, Default)]
 struct Interpreter {
     units: Option<Units>,

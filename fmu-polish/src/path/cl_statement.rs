@@ -28,10 +28,10 @@ impl Units {
     }
 }
 
-/// What a line says.
+/// Statement of a line of CL data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Statement {
-    /// Nothing about the path.
+    /// A statement without effect on the path.
     Remark,
     /// `UNITS/MM` or `UNITS/INCH`.
     Units(Units),
@@ -45,13 +45,13 @@ pub enum Statement {
     Fini,
 }
 
-/// What is wrong with a line, and what to do.
+/// Error in a line, and the instruction that corrects it.
 pub type Wrong = (String, &'static str);
 
 /// The statement in `line`, none in an empty line or a comment.
 ///
 /// # Errors
-/// What is wrong, and what to do.
+/// If the statement is unknown, or if a number or unit in it is wrong.
 pub fn parse(line: &str) -> Result<Option<Statement>, Wrong> {
     let text = line.split("$$").next().unwrap_or_default().trim();
     if text.is_empty() {

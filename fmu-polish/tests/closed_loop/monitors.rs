@@ -14,16 +14,16 @@ use crate::run::Loop;
 
 const P: Parameters = Parameters::START;
 
-/// What is wrong with the inputs of a sample.
+/// Falsifies the inputs of a sample.
 type Spoil = fn(&mut Input);
 
-/// What a failure did.
+/// Reaction of the controller to falsified inputs.
 #[derive(Debug)]
 struct Failure {
     fault: Fault,
-    /// from its start, s
+    /// time from the first falsified sample to the fault, s; NaN without a fault
     after: f64,
-    /// largest true force from its start to 0.5 s after it was named, N
+    /// largest true normal force from the first falsified sample to 0.5 s after the fault, N
     maximum: f64,
     drive_enable: bool,
 }

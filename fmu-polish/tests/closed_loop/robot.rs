@@ -24,7 +24,7 @@ const WEIGHT: Vector3<f64> = Vector3::new(0.0, 0.0, -0.098);
 const ROLLING_DISTANCE: f64 = 20e-6;
 const TOOL_RADIUS: f64 = 0.5e-3;
 
-/// What can differ from robot to robot.
+/// Properties in which robots differ.
 #[derive(Clone, Copy, Debug)]
 pub struct Build {
     /// Stiffness of tip and contact along the normal, N/m.
@@ -41,7 +41,7 @@ pub struct Build {
     pub shift: Vector3<f64>,
     /// Height of the ball above the start of the path, m.
     pub height: f64,
-    /// What becomes of the pulses of each axis.
+    /// Ratio of executed to commanded pulses of each axis: 0 for a dead drive, -1 for a reversed one.
     pub pulses: Vector3<f64>,
     /// Samples by which pulses act later than one.
     pub late: usize,
@@ -49,7 +49,7 @@ pub struct Build {
     pub feedforward: f64,
     /// Angle about z by which the force sensor is turned, rad.
     pub rotation: f64,
-    /// What becomes of each axis of the sensor.
+    /// Signs of the axes of the sensor: 1, or -1 for a reversed axis.
     pub signs: Vector3<f64>,
 }
 
@@ -144,12 +144,12 @@ impl Robot {
         }
     }
 
-    /// What the encoders say, m.
+    /// Encoder positions, rounded to 1 um, m.
     pub fn position(&self) -> Vector3<f64> {
         self.actual().map(|x| (x * 1e6).round() * 1e-6)
     }
 
-    /// What the force sensor says, N.
+    /// Samples the force sensor: filtered force in the axes of the sensor, with noise, rounded to a step, N.
     pub fn force(&mut self) -> Vector3<f64> {
         let f = self.filtered;
         let (sin, cos) = self.build.rotation.sin_cos();

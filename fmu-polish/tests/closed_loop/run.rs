@@ -30,7 +30,7 @@ pub struct Loop {
     steps: u32,
 }
 
-/// What a cycle was like.
+/// Quality of a complete cycle: settling, force, sliding and path error.
 #[derive(Clone, Copy, Debug)]
 pub struct Cycle {
     /// From the first touch to the start of the feed, s.

@@ -1,1 +1,1 @@
-"""What the acceptance tests draw and run: rings, robots, molds, scenarios with changes."""
+"""Random samples of the acceptance tests and the runs with them: rings, robots, molds, scenario overrides."""

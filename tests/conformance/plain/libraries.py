@@ -153,7 +153,7 @@ def driver(
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a controller was given in a closed loop, and what it computed.
+    """Inputs of a controller in a closed loop, and its outputs.
 
     Parameters
     ----------

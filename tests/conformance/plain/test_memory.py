@@ -1,4 +1,4 @@
-"""What a C library asks of the memory: nothing in a sample, and nothing is used that was freed."""
+"""Memory of a C library: no allocation in a sample, and no use after free."""
 
 from __future__ import annotations
 

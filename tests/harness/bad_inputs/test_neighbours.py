@@ -1,4 +1,4 @@
-"""What an FMU does to the process that it is in changes no other run."""
+"""Changes that an FMU makes to its process do not affect other runs."""
 
 from __future__ import annotations
 

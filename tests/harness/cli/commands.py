@@ -15,7 +15,7 @@ from cosim.cli import main
 
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = "import sys; from cosim.cli import main; sys.argv[0] = 'cosim'; main()"
-"""What the installed script `cosim` does."""
+"""Python code that does the same as the installed script `cosim`."""
 ISOLATED = ("run", "show", "check", "new", "video", "view")
 """Commands that open an FMU or a plant in a separate process, unless `--in-process` is given."""
 

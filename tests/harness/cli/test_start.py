@@ -1,4 +1,4 @@
-"""What is imported before there is something to do: the start of the command line stays short."""
+"""The command line imports large modules only when it needs them, so that it starts fast."""
 
 from __future__ import annotations
 
@@ -58,3 +58,19 @@ def test_every_public_name_is_found_when_it_is_asked_for(name: str) -> None:
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="`cosim` has no attribute `runn`"):
         cosim.runn  # noqa: B018
+
+
+def test_the_import_of_mujoco_starts_no_python_process_and_keeps_the_environment() -> None:
+    program = (
+        "import os, sys; started = []\n"
+        "sys.addaudithook(lambda event, of: event == 'subprocess.Popen' and started.append(str(of[0])))\n"
+        "before = dict(os.environ)\n"
+        "from cosim import physics; physics.ready(); import mujoco\n"
+        "assert dict(os.environ) == before\n"
+        "assert mujoco.Renderer\n"
+        "print([name for name in started if 'python' in name])"
+    )
+    variables = {name: value for name, value in os.environ.items() if not name.startswith("PYGLFW")}
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, capture_output=True, text=True, env=variables, check=True, cwd=ROOT)
+    assert done.stdout == "[]\n"

@@ -1,4 +1,4 @@
-"""What is given from Python: scenarios by name or file, seeds, overrides."""
+"""Arguments of the Python functions: scenarios by name or file, seeds, overrides, limits."""
 
 from __future__ import annotations
 

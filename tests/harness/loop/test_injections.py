@@ -17,7 +17,7 @@ from ..conftest import SCENARIO, entry
 
 Write = Callable[..., Path]
 RAMP = SCENARIO.replace("plant.x", "plant.ramp")
-"""What arrives at `controller.in` is the time."""
+"""Scenario in which `controller.in` is the time, s."""
 
 
 def arrives(write: Write, *entries: dict[str, Any], column: str = "controller.in", seed: int = 1) -> Any:

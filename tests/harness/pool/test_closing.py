@@ -1,4 +1,4 @@
-"""What a run has opened is closed when it ends by itself: the FMU is terminated, the plant closed."""
+"""A run that ends normally terminates its FMU and closes its plant; an aborted one does not wait."""
 
 from __future__ import annotations
 

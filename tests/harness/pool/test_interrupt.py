@@ -25,7 +25,7 @@ Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 
 TOLD = "nothing drives `plant.extra`"
-"""What a run warns of when FMU and plant stand."""
+"""Part of a warning that a run logs when its FMU and plant are open, before the first step."""
 UNDRIVEN = SCENARIO.replace(', "plant.extra"]', "]")
 BUSY = {
     "in the loop": [command.STEPS],

@@ -1,4 +1,4 @@
-"""What a process shares: its working directory, its processors, its last resort."""
+"""State of the whole process: working directory, number of usable processors, unexpected errors."""
 
 from __future__ import annotations
 

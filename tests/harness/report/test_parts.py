@@ -1,4 +1,4 @@
-"""What a page is made of: thinned and packed columns, drawings."""
+"""Parts of the HTML report: thinned and packed columns, drawings, videos."""
 
 from __future__ import annotations
 

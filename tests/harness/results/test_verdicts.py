@@ -1,4 +1,4 @@
-"""What was demanded and whether it holds: nothing demanded is not passed, limits have units."""
+"""Verdicts of criteria: a run without criteria is not passed, and values are converted to the unit."""
 
 from __future__ import annotations
 

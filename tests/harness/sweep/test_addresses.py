@@ -1,4 +1,4 @@
-"""What `--cluster` takes: addresses, scheduler files and security files; a sweep over TLS."""
+"""Values of `--cluster`: addresses, scheduler files and security files; a sweep over TLS."""
 
 from __future__ import annotations
 

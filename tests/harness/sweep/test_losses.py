@@ -1,4 +1,4 @@
-"""What a Dask cluster loses during a sweep costs no run: a worker, its scheduler, or both for good."""
+"""A sweep repeats runs of lost Dask workers, waits for a lost scheduler, and resumes without a cluster."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What probe, slide and spindle give."""
+"""Measurements of probe, slide and spindle agree with the geometry and the configured errors of the plant."""
 
 import math
 

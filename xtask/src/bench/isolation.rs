@@ -1,4 +1,4 @@
-//! What it costs that `cosim run` works in a supervised process of its own.
+//! Cost of the isolation of `cosim run`, which works in a supervised process of its own.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;

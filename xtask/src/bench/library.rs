@@ -11,7 +11,7 @@ use libloading::Library;
 pub type Component = *mut c_void;
 /// A saved state of an instance.
 pub type State = *mut c_void;
-/// What a call returns, 0 for fmi2OK.
+/// Status that a call returns, 0 for fmi2OK.
 pub type Status = i32;
 /// A call that only names the instance.
 pub type Transition = unsafe extern "C" fn(Component) -> Status;
@@ -22,7 +22,7 @@ type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_
 type Instantiate =
     unsafe extern "C" fn(*const c_char, i32, *const c_char, *const c_char, *const Callbacks, i32, i32) -> Component;
 
-/// What the FMU may call.
+/// Functions that the FMU may call: `fmi2CallbackFunctions`.
 #[repr(C)]
 pub struct Callbacks {
     logger: Option<Logger>,

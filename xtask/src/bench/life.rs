@@ -1,4 +1,4 @@
-//! What it costs to make an instance ready, to end it, and to save and restore its state.
+//! Times of an instance: exit of the initialization, whole life cycle, saving and restoring its state.
 
 use std::time::Instant;
 

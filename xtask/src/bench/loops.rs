@@ -9,7 +9,7 @@ use super::statistics::Samples;
 use crate::process;
 use crate::workspace::Workspace;
 
-/// What the runs took; times are us of CPU per communication step, and the kinds take turns.
+/// CPU times of the kinds of run, which alternate, us per communication step; and the real-time factor of other runs.
 #[derive(Deserialize)]
 pub struct NativeLoopCosts {
     /// The closed loop with its trace.
@@ -24,7 +24,7 @@ pub struct NativeLoopCosts {
     pub real_time_factor: Samples,
 }
 
-/// What the runs took; times are us per communication step, the parts are of other runs than the real-time factor.
+/// Wall times of a step and its parts, us per communication step; the real-time factor is that of other runs.
 #[derive(Deserialize)]
 pub struct ReferenceLoopCosts {
     /// Simulated time over wall time; the smallest run is the slowest one.
@@ -57,7 +57,7 @@ pub fn reference(workspace: &Workspace, scenario: &str, effort: &Effort) -> Resu
     costs(workspace, "reference", scenario, effort)
 }
 
-/// What the script of the `name` loop prints about a scenario.
+/// Runs the script of the `name` loop for a scenario and parses its output.
 fn costs<T: DeserializeOwned>(workspace: &Workspace, name: &str, scenario: &str, effort: &Effort) -> Result<T> {
     let mut command = workspace.venv_command("python");
     let script = format!("xtask/bench/{name}_loop.py");

@@ -30,25 +30,26 @@ use library::Fmu;
 use report::Row;
 use statistics::Summary;
 
-/// What a call of a pass-through may cost against that of a C FMU with the same checks.
+// The goals are shown next to the measured values; a missed goal is not an error.
+/// Maximum time of the calls of a Rust pass-through, over that of a C FMU with the same checks.
 const CALL_GOAL: f64 = 1.5;
-/// What one sample may cost, ns.
+/// Maximum time of one sample, ns.
 const SAMPLE_GOAL: f64 = 1000.0;
 /// Maximum time of the exit of the initialization mode, us.
 const EXIT_GOAL: f64 = 10_000.0;
-/// What `cosim --help` and `cosim list` may cost against a Python that does nothing.
+/// Maximum processor time of `cosim --help` and `cosim list`, over that of a Python that does nothing.
 const HELP_GOAL: f64 = 10.0;
 const LIST_GOAL: f64 = 20.0;
 /// The same in processor time, s.
 const START_UP_GOALS: (f64, f64) = (0.2, 0.4);
-/// What a closed loop may cost against its plant alone, and against MuJoCo's bare steps.
+/// Maximum time of a step of the native engine, over that of its plant alone, and over that of MuJoCo's bare steps.
 const NATIVE_GOAL: f64 = 1.08;
 const BARE_GOAL: f64 = 1.25;
-/// Minimum rate of a sweep on two workers, relative to two cores that do only the runs: 0.9.
+/// Maximum ratio of twice the rate of one core that does only the runs to the rate of a sweep on two workers.
 const SWEEP_GOAL: f64 = 1.0 / 0.9;
-/// What a process of its own may add to a run, s.
+/// Maximum wall time that the isolation in a separate process adds to a run, s.
 const ISOLATION_GOAL: f64 = 0.05;
-/// What the plan of 100,000 runs may take, s and MB.
+/// Maximum time (s) and memory (MB) for planning a study of 100,000 runs.
 const PLANNING_GOALS: (f64, f64) = (10.0, 200.0);
 
 /// Measures everything, or only what belongs to some scenarios, and prints the table.
@@ -113,7 +114,7 @@ fn loop_rows(workspace: &Workspace, scenario: &str, checked: &Fmu, effort: &Effo
     Ok(rows)
 }
 
-/// What the FMU of a scenario costs by itself.
+/// Costs of the FMU of a scenario without its plant: sample, initialization, life cycle, saved states.
 fn controller_rows(workspace: &Workspace, scenario: &str, checked: &Fmu, effort: &Effort) -> Result<Vec<Row>> {
     let recording = recording::record(workspace, scenario, effort)?;
     let tick =

@@ -1,4 +1,4 @@
-//! What it takes to plan a large study.
+//! Time and memory for planning a large study, before its first run.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
@@ -7,7 +7,7 @@ use super::effort::Effort;
 use crate::process;
 use crate::workspace::Workspace;
 
-/// What the plan took.
+/// Time and memory for planning the study.
 #[derive(Deserialize)]
 pub struct PlanningCosts {
     /// Wall time, s.

@@ -1,4 +1,4 @@
-//! What an FMU read in a run of its closed loop, for a replay without the loop.
+//! Recorded inputs of an FMU in a run of its closed loop, and their replay without the loop.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

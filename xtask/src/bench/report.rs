@@ -13,7 +13,7 @@ pub struct Row {
     unit: &'static str,
     #[serde(flatten)]
     measured: Summary,
-    /// What it should be at most.
+    /// Desired maximum of the measured value, in `unit`; shown in the table, not enforced. None without a goal.
     goal: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ impl Row {
         Self::new(quantity, "1", measured)
     }
 
-    /// With what it should be at most.
+    /// The row with a goal: the desired maximum of its value.
     pub fn goal(self, goal: f64) -> Self {
         Self { goal: Some(goal), ..self }
     }

@@ -1,4 +1,4 @@
-//! What the command line costs before it does anything.
+//! Processor time of the start of the command line.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;

@@ -1,4 +1,4 @@
-//! How much of two cores a sweep uses, and whether its memory grows with the number of runs.
+//! Efficiency of a sweep on two cores, and growth of its memory with the number of runs.
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
@@ -7,7 +7,7 @@ use super::effort::Effort;
 use crate::process;
 use crate::workspace::Workspace;
 
-/// What a sweep on two workers took.
+/// Rates, processor time and memory of a sweep on two workers.
 #[derive(Deserialize)]
 pub struct SweepCosts {
     /// Runs per second over twice those of one core that does only the runs.

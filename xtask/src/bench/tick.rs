@@ -1,7 +1,7 @@
-//! What one sample of a controller costs in its busiest state, and what its slowest sample costs.
+//! Cost of one sample of a controller in its busiest state, and of its slowest sample.
 //!
-//! What the FMU read in a run of its closed loop is replayed from saved states, so that every repeat does the same
-//! arithmetic, and only the FMU is timed.
+//! The recorded inputs of the FMU are replayed from its saved states, so that every repeat does the same arithmetic.
+//! Only the FMU is timed.
 
 use std::ops::Range;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! What a controller is compared with: an FMU that copies its input to its output.
+//! Reference for the cost of a controller: an FMU in C that copies its input to its output.
 
 use std::path::Path;
 use std::process::Command;

@@ -1,4 +1,5 @@
-//! What builds and runs FMUs of other platforms, all of it below `target/platforms/`: nothing is installed on the machine.
+//! Tools that build and run FMUs of other platforms. They are unpacked below `target/platforms/`: nothing is installed
+//! on the machine.
 
 pub mod debian;
 pub mod emulators;

@@ -95,7 +95,8 @@ impl Answer {
         self.response.ratio((EXCITED * pulse).powi(2))
     }
 
-    /// What a drive of this answer is a fault by, if anything.
+    /// `Oscillation`, `DriveSign` or `WeakDrive` if the response shows it; `pulse` is that of the encoder (rad or m).
+    /// None for a good response, one that an offset explains, or a motion too small to evaluate.
     pub fn cause(&self, pulse: f64) -> Option<Fault> {
         if self.oscillations >= OSCILLATIONS.0 {
             return Some(Fault::Oscillation);

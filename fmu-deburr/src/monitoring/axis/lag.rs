@@ -11,12 +11,12 @@ use crate::interface::Parameters;
 /// Rate of its decay in Kp, in motion and in the rest after it.
 const FADING: [f64; 2] = [0.06, 0.5];
 
-/// What is left of V/Kp.
+/// Lag of the bare servo, the reference speed V over Kp times the nominal gain, held at its peak with decay.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Lag {
-    /// Held at its peak, rad or m.
+    /// Held value with slow decay, the allowance in motion, rad or m.
     pub peak: f64,
-    /// The same that fades faster, in the rest after a run, rad or m.
+    /// Held value with fast decay, the allowance in the rest after a run, rad or m.
     pub tail: f64,
     reference: f64,
 }

@@ -23,9 +23,10 @@ const HIDDEN: f64 = 3.0;
 /// Ratio of what is commanded that an offset must leave, at most, to explain it.
 const EXPLAINED: f64 = 0.5;
 
-/// Counts by which a way of the measurement is rounded, at its begin and at its end.
+/// Counts by which rounding changes a measured travel, at its start and at its end.
 const ROUNDED: f64 = 2.0;
-/// What is commanded that no offset explains, in Kp `error_max`: half of it leaves the axis where no axis may be.
+/// Velocity command from which no offset explains it, in Kp `error_max`: an offset of half of it displaces the axis at
+/// rest by `error_max`.
 const LARGEST: f64 = 2.0;
 
 /// A measurement against what was commanded.

@@ -1,4 +1,4 @@
-//! What can break while a commissioning run measures, and what it does not accept.
+//! Faults of drives and measurements during a commissioning run, and results that it rejects.
 
 use fmu_deburr::interface::{Fault, Parameters, State};
 

@@ -1,4 +1,5 @@
-//! What the plan leaves: phase at the largest crossing, and the flexure at its resonance.
+//! Tests of the bounds of a plan: phase of the delays at the largest crossing, bending of the flexure at its
+//! resonance, motion of the tool over that of the hub.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! What a commissioning run rejects, and what fails while it measures.
+//! Results that a commissioning run rejects, and failures while it measures.
 
 use super::*;
 
