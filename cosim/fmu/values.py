@@ -91,7 +91,11 @@ def settable(variables: dict[str, Variable], name: str, owner: FmuChoice) -> Var
     """Variable that accepts a start value."""
     variable = lookup(variables, name, owner)
     if not variable.settable:
-        what = "is constant" if variable.variability == "constant" else f"of causality `{variable.causality}` is calculated"
+        what = (
+            "is constant"
+            if variable.variability == "constant"
+            else f"of causality `{variable.causality}` is calculated"
+        )
         raise FmuError(
             f"`{owner.name}.{name}` {what} and cannot be set", "Set parameters or start values of inputs."
         )

@@ -64,7 +64,9 @@ def choose(engine: Engine, scenario: Scenario, plant: Plant) -> Engine:
     if engine == "reference":
         return engine
     if scenario.fmu:
-        log.info("`%s` runs in the reference engine: the native engine requires a `[controller]`", scenario.name)
+        log.info(
+            "`%s` runs in the reference engine: the native engine requires a `[controller]`", scenario.name
+        )
         return "reference"
     if reason := obstacle(plant):
         log.info("the plant `%s` runs in the reference engine: %s", scenario.plant.name, reason)

@@ -26,7 +26,9 @@ TAIL = 4 * LONGEST_OUTPUT
 """Bytes that are kept of the output of a worker process."""
 LAST_OUTPUT = 0.5
 """Maximum time for the last output of an ended process, s: its child processes may keep the pipe open."""
-COMMAND = "import gc, sys; gc.disable(); sys.path[:] = {!r}; from cosim.pool.worker import main; main({!r}, {})"
+COMMAND = (
+    "import gc, sys; gc.disable(); sys.path[:] = {!r}; from cosim.pool.worker import main; main({!r}, {})"
+)
 """Program of a worker process; imports leave no garbage worth collecting."""
 GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 """Flag of Windows that is as a session of POSIX: Ctrl-C is for the parent to handle."""

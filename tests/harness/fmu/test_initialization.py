@@ -17,8 +17,8 @@ from cosim.loop.engines import ENGINES, Engine
 from ..bad_inputs import fmus
 from ..conftest import entry
 from ..loop.several import LOOP, column, fmu, run, signal, wire
-from ..native.loops import CART
-from ..native.loops import SCENARIO as WIRED
+from ..native.conftest import CART
+from ..native.conftest import SCENARIO as WIRED
 
 Write = Callable[..., Path]
 ALONE = 'title = "Alone"\nloop = {step = 0.001, duration = 0.02}\n[controller]\nfmu = "probe"\n'
@@ -58,7 +58,11 @@ def test_signals_have_their_values_in_the_initialization_mode_as_in_fmpy(write: 
     result = run(write(text=text + signal("a.in", [0.0], [5.0])))
     given = np.array([(0.0, 5.0), (1.0, 5.0)], dtype=[("time", float), ("in", float)])
     theirs = fmpy.simulate_fmu(
-        str(folder / "probe.fmu"), stop_time=0.02, output_interval=0.001, input=given, start_values={"gain": 2.0}
+        str(folder / "probe.fmu"),
+        stop_time=0.02,
+        output_interval=0.001,
+        input=given,
+        start_values={"gain": 2.0},
     )
     # the delay begins with the output of the initialized FMU
     assert column(result, "b.in")[0] == theirs["out"][0] == 10.0
@@ -74,7 +78,13 @@ def test_an_injection_from_the_start_is_there_in_the_initialization_mode(write: 
 
 
 def test_an_input_from_an_fmu_that_is_initialized_later_keeps_its_start_value(write: Write) -> None:
-    text = LOOP + fmu("a") + fmu("b", bias=[5.0, 0.0]) + wire("a.out", "b.in") + wire("b.out", "a.in", "delay = 1\n")
+    text = (
+        LOOP
+        + fmu("a")
+        + fmu("b", bias=[5.0, 0.0])
+        + wire("a.out", "b.in")
+        + wire("b.out", "a.in", "delay = 1\n")
+    )
     result = run(write(text=text), "a.in=2")
     # `a` is initialized with 2, then `b` with 2
     assert column(result, "a.in")[:3].tolist() == [7.0, 12.0, 17.0]
@@ -91,7 +101,9 @@ def test_the_experiment_has_stop_time_and_tolerance(
     assert begins in [record.getMessage() for record in caplog.records]
 
 
-def test_the_stop_time_includes_the_last_step_of_a_slower_fmu(write: Write, defect: Callable[..., str]) -> None:
+def test_the_stop_time_includes_the_last_step_of_a_slower_fmu(
+    write: Write, defect: Callable[..., str]
+) -> None:
     defect("setup")
     text = LOOP + fmu("a") + fmu("b", "step = 0.007\n") + wire("a.out", "b.in")
     text = text.replace('fmu = "probe"', 'fmu = "setup.fmu"')

@@ -10,9 +10,9 @@ import pytest
 from rich.console import Console
 
 import cosim
+from cosim.cli import complete
 from cosim.errors import CosimError, FmuError
 from cosim.loop import lint
-from cosim.cli import complete
 from cosim.scenario import overrides
 from cosim.scenario.model import scenario_schema
 from cosim.show import display
