@@ -14,7 +14,7 @@ from cosim import paths
 from cosim.compare.comparison import Comparison, number_of, same_units, scalars, worst
 from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
-from cosim.sweep.store import FILE, Row
+from cosim.study.store import FILE, Row
 
 log = logging.getLogger("cosim")
 

@@ -15,7 +15,7 @@ from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
 from cosim.optimize.problem import Problem
 from cosim.scenario.model import Criterion, Scenario
-from cosim.sweep.store import DONE, Row, verdicts
+from cosim.study.store import DONE, Row, verdicts
 from cosim.trace.files import read
 from cosim.trace.stored import StoredTrace
 

@@ -11,7 +11,7 @@ from cosim.scenario.kinds import check_kind
 from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
-from cosim.sweep.varied import Varied, check_keys, check_values, failing
+from cosim.study.parameters import Varied, check_keys, check_values, failing
 
 MAX_TRIALS = 100_000
 """Maximum number of trials; the search uses all earlier ones for each new trial."""

@@ -11,7 +11,7 @@ from cosim.loop.wires.wiring import child
 from cosim.optimize.objective import Score
 from cosim.optimize.problem import Problem
 from cosim.optimize.variants import Values
-from cosim.sweep.varied import Vary
+from cosim.study.parameters import Vary
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from cosim.optimize.proposer import Trial
 from cosim.optimize.search import best
 from cosim.optimize.variants import Variants
 from cosim.show.listing import plain_table
-from cosim.sweep.plan import text as value_text
-from cosim.sweep.varied import Vary
+from cosim.study.parameters import Vary
+from cosim.study.run import text as value_text
 from cosim.writing import whole
 
 AT_END = 0.01

@@ -13,7 +13,7 @@ from cosim.optimize.proposer import Trial
 from cosim.optimize.runner import SearchOptions
 from cosim.optimize.variants import Variants
 from cosim.show.console import progress_bar
-from cosim.sweep.store import opened
+from cosim.study.store import opened
 
 
 @dataclass(frozen=True, repr=False)

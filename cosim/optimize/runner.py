@@ -16,8 +16,8 @@ from cosim.pool import local
 from cosim.pool.inbox import Inbox
 from cosim.pool.job import Outcome
 from cosim.pool.limits import processors
-from cosim.sweep.plan import Run
-from cosim.sweep.store import TROUBLES, Row, Store, row_of
+from cosim.study.run import Run
+from cosim.study.store import TROUBLES, Row, Store, row_of
 
 
 @dataclass(frozen=True)

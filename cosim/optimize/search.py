@@ -16,7 +16,7 @@ from cosim.optimize.problem import Problem
 from cosim.optimize.proposer import Proposer, Trial
 from cosim.optimize.runner import Runner, SearchOptions
 from cosim.optimize.variants import Variants
-from cosim.sweep.store import Store
+from cosim.study.store import Store
 from cosim.warned import once
 
 

@@ -14,9 +14,9 @@ from cosim.pool.job import Job
 from cosim.scenario import overrides
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
-from cosim.sweep.designs import value_at
-from cosim.sweep.plan import Run, check, things
-from cosim.sweep.run_hash import digest, finished, leaf, plant_of, section, total
+from cosim.study.parameters import value_at
+from cosim.study.run import Run, check, things
+from cosim.study.run_hash import digest, finished, leaf, plant_of, section, total
 
 Values = dict[str, Any]
 """Keys with their values."""

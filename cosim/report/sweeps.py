@@ -16,12 +16,12 @@ from cosim.report import charts, curves, drawing
 from cosim.report.curves import Line
 from cosim.scenario.model import Chart
 from cosim.show import marks
+from cosim.study.store import DONE, Store
 from cosim.sweep import influence, study, summary_tables
 from cosim.sweep.check import check_charts
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
-from cosim.sweep.store import DONE, Store
 from cosim.sweep.summary import QUANTILES, Summary, columns, quantiles, quantities, results
 
 Table = dict[str, Any]

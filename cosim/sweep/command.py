@@ -21,12 +21,12 @@ from cosim.pool.limits import processors
 from cosim.show.bar import bar
 from cosim.show.figure import wanted
 from cosim.show.lines import ProgressLines
+from cosim.study.store import DONE, Row, Store, opened, study_of
 from cosim.sweep import influence, study, summary_tables
 from cosim.sweep.check import check_charts
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan, part_of
 from cosim.sweep.runner import Observer, Pool, merge, merge_traces, pending, save_traces, sweep, worst
-from cosim.sweep.store import DONE, Row, Store, opened, study_of
 from cosim.sweep.summary import Summary, summarize
 from cosim.warned import once
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -15,11 +13,10 @@ from numpy.typing import NDArray
 from cosim import extras
 from cosim.errors import CosimError
 from cosim.loop.wires.wiring import child
-from cosim.sweep.varied import Vary
+from cosim.study.parameters import Vary, value_at
 
 Case = dict[str, Any]
 """One point of a design: keys and values."""
-MAX_OF_UNIT = math.nextafter(1.0, 0.0)
 
 
 def grid(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
@@ -111,35 +108,3 @@ def points(varied: Sequence[Vary], unit: NDArray[np.float64]) -> list[Case]:
 def combined(varied: Sequence[Vary], values: Any) -> Case:
     """Keys with their values."""
     return {vary.key: value for vary, value in zip(varied, values, strict=True)}
-
-
-def value_at(vary: Vary, share: float) -> Any:
-    """Quantile `share` of the distribution of a key; 0 and 1 are the ends of its range."""
-    if vary.values:
-        return vary.values[int(min(share, MAX_OF_UNIT) * len(vary.values))]
-    low, high = vary.range
-    if vary.distribution == "normal":
-        value = normal_at(vary, share)
-    elif vary.distribution == "log-uniform":
-        value = math.exp(math.log(low) + share * (math.log(high) - math.log(low)))
-    elif vary.integer:
-        # every integer of the range is equally likely
-        return int(low) + int(min(share, MAX_OF_UNIT) * (int(high) - int(low) + 1))
-    else:
-        value = low + share * (high - low)
-    value = min(max(value, low), high)
-    return round(value) if vary.integer else value
-
-
-def normal_at(vary: Vary, share: float) -> float:
-    """Value of a truncated normal distribution."""
-    mean, deviation = vary.mean or 0.0, vary.deviation or 0.0
-    low, high = vary.range
-    if low > mean:
-        # probabilities close to 1 have lost their digits, those of the mirrored range have not
-        mirrored = replace(vary, minimum=2.0 * mean - high, maximum=2.0 * mean - low)
-        return 2.0 * mean - normal_at(mirrored, 1.0 - share)
-    # `NormalDist.cdf` has no digits either, far below the mean
-    below, up_to = (0.5 * math.erfc((mean - end) / (math.sqrt(2.0) * deviation)) for end in (low, high))
-    tiny = 1e-300
-    return NormalDist(mean, deviation).inv_cdf(min(max(below + share * (up_to - below), tiny), MAX_OF_UNIT))

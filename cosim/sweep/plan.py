@@ -3,57 +3,33 @@
 from __future__ import annotations
 
 import functools
-import json
 import re
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, overload
 
 import numpy as np
 
 from cosim import paths
-from cosim.errors import CosimError, ScenarioError, closest, concerning
-from cosim.fmu import stale
+from cosim.errors import CosimError, ScenarioError, closest
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.values import expand
-from cosim.loop import fmus, plant, time_series
+from cosim.loop import plant
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
-from cosim.loop.session import located
 from cosim.pool.job import Job
 from cosim.scenario import overrides
 from cosim.scenario.load import build
 from cosim.scenario.model import Criterion, FmuChoice, Scenario
-from cosim.scenario.toml import toml_value
+from cosim.study.run import Run, check, text, things
+from cosim.study.run_hash import digest, finished, leaf, plant_of, section, total
 from cosim.sweep.designs import DESIGNS, Case
-from cosim.sweep.run_hash import digest, finished, leaf, plant_of, project, section, total
 from cosim.sweep.study import Study
 
 PART = re.compile(r"(\d{1,6})/(\d{1,6})")
 MAX_SETTINGS = 1000
 """Maximum number of cached settings during planning."""
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """One run of a study.
-
-    Parameters
-    ----------
-    number, case
-        Number of the run, and of its case in the design; both start at 0.
-    changes
-        Keys that the design varies, with their values.
-    hash
-        SHA-256, in hexadecimal, of everything that affects its results.
-    """
-
-    number: int
-    case: int
-    seed: int
-    changes: Case = field(compare=False)
-    hash: str
 
 
 @dataclass(frozen=True)
@@ -219,13 +195,6 @@ def part_of(text: str) -> tuple[int, int]:
     return int(found[1]) - 1, int(found[2])
 
 
-def things(scenario: Scenario, files: dict[str, FmuFile], plant_hash: str) -> dict[str, str]:
-    """Hashes of everything that affects the results of a run, except the values of its scenario."""
-    signals = {f"signal.{to}": digest(path) for to, path in time_series.files(scenario).items()}
-    digests = {f"fmu.{name}": digest(file.path) for name, file in files.items()}
-    return {**project(), **signals, **digests, "plant": plant_hash}
-
-
 class Runs(Sequence[Run]):
     """The runs of a plan, created on demand; only their seeds and hashes are stored."""
 
@@ -281,37 +250,3 @@ def exchange(setting: Setting, key: str, value: Any) -> int:
         expand(setting.files[part].variables, {name: value}, owner)
     place = f"{setting.places[part]}.parameters.{name}"
     return leaf(place, value) - setting.leaves.get(place, 0)
-
-
-def text(value: Any) -> str:
-    """Value as `--set` reads it."""
-    if isinstance(value, str):
-        return value if toml_value(value, "") == value else json.dumps(value)
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(json.dumps(item) if isinstance(item, str) else text(item) for item in value)}]"
-    return str(value) if isinstance(value, float) else json.dumps(value)
-
-
-def check(scenario: Scenario) -> tuple[dict[str, FmuFile], Any, str]:
-    """Check names, types and ranges of all parameters without running.
-
-    Returns
-    -------
-    (dict of str to FmuFile, type, str)
-        The FMUs by their names, the plant's class and its hash.
-
-    Raises
-    ------
-    CosimError
-        An error of the run.
-    """
-    with located(scenario):
-        files = fmus.open_files(scenario)
-        stale.warn_of(scenario)
-        for choice in scenario.fmus:
-            with concerning(f"{choice.name}.parameters"):
-                expand(files[choice.name].variables, choice.parameters, choice)
-        with concerning("plant.name"):
-            kind, found = plant_of(scenario.plant.name, scenario.folder)
-        plant.check_parameters(kind, scenario.plant.parameters)
-    return files, kind, found

@@ -9,10 +9,10 @@ from typing import Any
 from cosim.formatting import html
 from cosim.formatting.frame import dataframe
 from cosim.formatting.quantity import text
+from cosim.study.store import Row, Store
 from cosim.sweep import summary_tables
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
-from cosim.sweep.store import Row, Store
 from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities, rows
 
 

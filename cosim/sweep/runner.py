@@ -15,8 +15,9 @@ from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.pool.job import Finished, Numbered, Outcome
 from cosim.show import plot
-from cosim.sweep.plan import Plan, Run
-from cosim.sweep.store import DONE, TROUBLES, Row, Store, existing, row_of
+from cosim.study.run import Run
+from cosim.study.store import DONE, TROUBLES, Row, Store, existing, row_of
+from cosim.sweep.plan import Plan
 from cosim.sweep.summary import Summary
 from cosim.writing import whole
 

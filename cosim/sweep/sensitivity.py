@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.formatting.strict import plain
+from cosim.study.store import DONE
 from cosim.sweep.designs import generator
 from cosim.sweep.export import Table
 from cosim.sweep.plan import Plan
-from cosim.sweep.store import DONE
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file, toml_value
-from cosim.sweep.varied import Varied, check_keys, check_values, failing
+from cosim.study.parameters import Varied, check_keys, check_values, failing
 
 MAX_RUNS = 1_000_000
 """Maximum number of runs."""

@@ -19,10 +19,10 @@ from cosim.formatting.verdicts import STATUSES
 from cosim.metrics.expression import Items
 from cosim.scenario.model import Scenario
 from cosim.show.display import shorten
+from cosim.study.store import DONE, Row, Store
 from cosim.sweep.designs import Case
 from cosim.sweep.plan import Plan
 from cosim.sweep.sensitivity import NORMAL_95, Influence, influences
-from cosim.sweep.store import DONE, Row, Store
 from cosim.trace.columns import Columns
 from cosim.units import restored
 

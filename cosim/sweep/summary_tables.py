@@ -18,9 +18,9 @@ from cosim.show import figure as figures
 from cosim.show.display import STYLES, shorten
 from cosim.show.listing import plain_table
 from cosim.show.plot import and_more
+from cosim.study.store import DONE
 from cosim.sweep import influence
 from cosim.sweep.plan import Plan
-from cosim.sweep.store import DONE
 from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities
 
 MAX_TROUBLES = 8

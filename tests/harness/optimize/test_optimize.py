@@ -19,7 +19,7 @@ from cosim.optimize import problem, search
 from cosim.optimize.proposer import Proposer
 from cosim.optimize.runner import Runner, SearchOptions
 from cosim.optimize.variants import Variants
-from cosim.sweep.store import Store
+from cosim.study.store import Store
 
 from ..conftest import END, entry
 from ..sweep import studies

@@ -20,7 +20,7 @@ from cosim.errors import CosimError
 from cosim.pool.batches import MAX_RUNS, Batches
 from cosim.pool.cluster import SchedulerLostError, reported_by
 from cosim.pool.job import Job
-from cosim.sweep.store import Store
+from cosim.study.store import Store
 
 from ..conftest import SCENARIO
 from . import clusters, studies

@@ -11,7 +11,8 @@ import pytest
 
 import cosim
 from cosim.errors import CosimError
-from cosim.sweep import run_hash, study
+from cosim.study import run_hash
+from cosim.sweep import study
 from cosim.sweep.plan import Plan
 
 from ..conftest import SCENARIO

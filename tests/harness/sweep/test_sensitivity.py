@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 import scipy.stats
 
+from cosim.study.parameters import Vary
 from cosim.sweep.designs import DESIGNS, saltelli
 from cosim.sweep.sensitivity import influences, rank, sobol
-from cosim.sweep.varied import Vary
 
 from ..conftest import END
 from . import studies

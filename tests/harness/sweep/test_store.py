@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from cosim.errors import CosimError
-from cosim.sweep.store import Store
+from cosim.study.store import Store
 
 from . import studies
 
@@ -123,7 +123,7 @@ import resource, sys
 from pathlib import Path
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
-from cosim.sweep.store import Store, row_of
+from cosim.study.store import Store, row_of
 from cosim.errors import CosimError
 plan = Plan(study.load(Path("list.toml")))
 with Store(Path("list.sweep")) as store:

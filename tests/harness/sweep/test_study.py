@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from cosim.cli import main
+from cosim.study.parameters import Vary
 from cosim.sweep import study
 from cosim.sweep.designs import DESIGNS, levels
-from cosim.sweep.varied import Vary
 
 from . import studies
 

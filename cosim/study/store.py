@@ -24,7 +24,7 @@ from cosim.metrics.criteria import Measured, Verdict, evaluate
 from cosim.pool.job import Outcome
 from cosim.scenario.model import Criterion
 from cosim.scenario.tables import parse
-from cosim.sweep.plan import Run
+from cosim.study.run import Run
 from cosim.units import beyond_si, restored
 from cosim.writing import naming, write
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any, Literal, NoReturn
 
 from cosim import paths
@@ -18,6 +19,7 @@ MEMORY = {
     "maximum": MAX_MEMORY / 1e6,
     "demand": f"be positive and at most {MAX_MEMORY / 1e6:g}",
 }
+MAX_OF_UNIT = math.nextafter(1.0, 0.0)
 MAX_EXACT = 2.0**53
 """Maximum integer up to which 64-bit floats are exact."""
 
@@ -162,3 +164,35 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
         fail(f"{key}.points", "belongs to a range in a `grid`, and only there")
     if vary.points is not None and (vary.points < 2 or normal):
         fail(f"{key}.points", f"is `{vary.points}`; a grid needs at least 2 points of a bounded range")
+
+
+def value_at(vary: Vary, share: float) -> Any:
+    """Quantile `share` of the distribution of a key; 0 and 1 are the ends of its range."""
+    if vary.values:
+        return vary.values[int(min(share, MAX_OF_UNIT) * len(vary.values))]
+    low, high = vary.range
+    if vary.distribution == "normal":
+        value = normal_at(vary, share)
+    elif vary.distribution == "log-uniform":
+        value = math.exp(math.log(low) + share * (math.log(high) - math.log(low)))
+    elif vary.integer:
+        # every integer of the range is equally likely
+        return int(low) + int(min(share, MAX_OF_UNIT) * (int(high) - int(low) + 1))
+    else:
+        value = low + share * (high - low)
+    value = min(max(value, low), high)
+    return round(value) if vary.integer else value
+
+
+def normal_at(vary: Vary, share: float) -> float:
+    """Value of a truncated normal distribution."""
+    mean, deviation = vary.mean or 0.0, vary.deviation or 0.0
+    low, high = vary.range
+    if low > mean:
+        # probabilities close to 1 have lost their digits, those of the mirrored range have not
+        mirrored = replace(vary, minimum=2.0 * mean - high, maximum=2.0 * mean - low)
+        return 2.0 * mean - normal_at(mirrored, 1.0 - share)
+    # `NormalDist.cdf` has no digits either, far below the mean
+    below, up_to = (0.5 * math.erfc((mean - end) / (math.sqrt(2.0) * deviation)) for end in (low, high))
+    tiny = 1e-300
+    return NormalDist(mean, deviation).inv_cdf(min(max(below + share * (up_to - below), tiny), MAX_OF_UNIT))
