@@ -19,10 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-ROUNDING = 1e-9
-"""Tolerance of equal times, as a fraction of a step."""
+from cosim.trace.columns import Array, interpolated, rounding
 
 
 @dataclass(frozen=True)
@@ -110,20 +107,6 @@ def tube(
     for end in ends:
         low, high, nan = np.fmin(low, end), np.fmax(high, end), nan | np.isnan(end)
     return Tube(low, high, nan, atol, rtol)
-
-
-def rounding(times: Array) -> float:
-    """Difference below which two times are equal, s."""
-    return ROUNDING * float(np.median(np.diff(times))) if len(times) > 1 else 0.0
-
-
-def interpolated(times: Array, values: Array, at: Array) -> Array:
-    """Linear interpolation; exact at the time of a sample within rounding."""
-    after = np.clip(np.searchsorted(times, at), 0, len(times) - 1)
-    before = np.maximum(after - 1, 0)
-    nearest = np.where(at - times[before] < times[after] - at, times[before], times[after])
-    at = np.where(np.abs(at - nearest) <= rounding(times), nearest, at)
-    return np.interp(at, times, values)
 
 
 def extreme(function: Callable[..., Array], values: Array, first: Any, last: Any) -> Array:

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cosim import paths
-from cosim.compare.tube import interpolated
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Verdict
 from cosim.optimize.problem import Problem
 from cosim.scenario.model import Criterion, Scenario
 from cosim.study.store import DONE, Row, verdicts
+from cosim.trace.columns import interpolated
 from cosim.trace.files import read
 from cosim.trace.stored import StoredTrace
 

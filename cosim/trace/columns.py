@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 """Columns by name in their order, each of shape (rows,); the time is `time`."""
+ROUNDING = 1e-9
+"""Tolerance of equal times, as a fraction of a step."""
 
 
 class Held(Mapping[str, Array]):
@@ -69,6 +71,20 @@ def stepped(values: Array) -> bool:
     """
     known = values[np.isfinite(values)]
     return bool(np.all(known == np.round(known)))
+
+
+def rounding(times: Array) -> float:
+    """Difference below which two times are equal, s."""
+    return ROUNDING * float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+
+
+def interpolated(times: Array, values: Array, at: Array) -> Array:
+    """Linear interpolation; exact at the time of a sample within rounding."""
+    after = np.clip(np.searchsorted(times, at), 0, len(times) - 1)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(at - times[before] < times[after] - at, times[before], times[after])
+    at = np.where(np.abs(at - nearest) <= rounding(times), nearest, at)
+    return np.interp(at, times, values)
 
 
 def structured(table: Array, names: Sequence[str]) -> NDArray[Any]:
