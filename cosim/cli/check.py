@@ -9,12 +9,12 @@ import typer
 from typer import Argument
 
 from cosim import paths
+from cosim.check.checked import Checked
 from cosim.cli import complete
 from cosim.cli.options import COULD_NOT_RUN, InProcess, Json, Quiet, Timeout, Verbose, checked_limits
 from cosim.cli.tasks import Check, place
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.scenario.checked import Checked
 from cosim.show.console import configure_logging, report
 from cosim.writing import write
 

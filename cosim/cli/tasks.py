@@ -12,12 +12,12 @@ from cosim import interrupts
 from cosim.show.sheet import Sheet, rendered
 
 if TYPE_CHECKING:
+    from cosim.check.checked import Checked
     from cosim.loop.engines import Engine
     from cosim.loop.result import Result
     from cosim.pool.job import Bench
     from cosim.pool.limits import Limits
     from cosim.scenario.assignment import Assignment
-    from cosim.scenario.checked import Checked
     from cosim.scenario.model import Scenario
 
 
@@ -162,7 +162,7 @@ class Check:
 
     def run(self, bench: Bench) -> Checked:
         """Check the file without a run."""
-        from cosim.optimize.check import check
+        from cosim.check.files import check
 
         return check(self.file, bench.place)
 

@@ -18,11 +18,11 @@ from cosim.scenario.model import Chart
 from cosim.show import marks
 from cosim.study.store import DONE, Store
 from cosim.sweep import influence, study, summary_tables
-from cosim.sweep.check import check_charts
+from cosim.sweep.charts import check_charts, columns, results
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
-from cosim.sweep.summary import QUANTILES, Summary, columns, quantiles, quantities, results
+from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities
 
 Table = dict[str, Any]
 """Names of the columns, and rows of texts."""

@@ -14,8 +14,9 @@ from typing import Any
 import fmpy
 
 from cosim import extras, paths
+from cosim.check import lint
 from cosim.errors import CosimError, concerning
-from cosim.loop import fmus, lint, time_series
+from cosim.loop import fmus, time_series
 from cosim.loop.place import Place
 from cosim.loop.plant import MJCF
 from cosim.loop.session import Session, located

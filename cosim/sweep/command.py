@@ -23,7 +23,7 @@ from cosim.show.figure import wanted
 from cosim.show.lines import ProgressLines
 from cosim.study.store import DONE, Row, Store, opened, study_of
 from cosim.sweep import influence, study, summary_tables
-from cosim.sweep.check import check_charts
+from cosim.sweep.charts import check_charts
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan, part_of
 from cosim.sweep.runner import Observer, Pool, merge, merge_traces, pending, save_traces, sweep, worst

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,18 +16,11 @@ from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.formatting.strict import plain
 from cosim.formatting.verdicts import STATUSES
-from cosim.metrics.expression import Items
-from cosim.scenario.model import Scenario
-from cosim.show.display import shorten
 from cosim.study.store import DONE, Row, Store
-from cosim.sweep.designs import Case
 from cosim.sweep.plan import Plan
 from cosim.sweep.sensitivity import NORMAL_95, Influence, influences
-from cosim.trace.columns import Columns
 from cosim.units import restored
 
-TIME = "time"
-"""First column of the table for expressions; in a sweep the simulated time of each run, s."""
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
 RANDOM = ("latin-hypercube", "sobol", "monte-carlo")
 """Designs whose cases are a random sample of the ranges."""
@@ -199,37 +192,3 @@ def confidence(rate: float, count: int) -> tuple[float, float]:
     middle = (rate + square / 2.0) / (1.0 + square)
     half = math.sqrt(square * (rate * (1.0 - rate) + square / 4.0)) / (1.0 + square)
     return max(0.0, middle - half), min(1.0, middle + half)
-
-
-def columns(scenario: Scenario, cases: Iterable[Case]) -> dict[str, Items | None]:
-    """Columns for the charts of a study, with the items of text columns."""
-    taken: dict[str, list[Any]] = {}
-    for case in cases:
-        for key, value in case.items():
-            taken.setdefault(key, []).append(value)
-    keys = {key: items(values) for key, values in taken.items()}
-    return {TIME: None, **keys, **{f"metric.{metric.name}": None for metric in scenario.metric}}
-
-
-def items(values: list[Any]) -> Items | None:
-    """Numbers of texts in their order; None if all are numbers."""
-    if all(isinstance(value, int | float) for value in values):
-        return None
-    return {name: number for number, name in enumerate(dict.fromkeys(map(shorten, values)))}
-
-
-def results(found: Summary, known: Mapping[str, Items | None]) -> Columns:
-    """Columns of the runs with a result, each of shape (runs,); NaN for missing values."""
-    done = np.isin(found.columns["status"], DONE)
-    named = {name: found.columns["simulated_s" if name == TIME else name] for name in known}
-    return {
-        name: np.array([number(value, known[name]) for value in values], dtype=np.float64)[done]
-        for name, values in named.items()
-    }
-
-
-def number(value: Any, known: Items | None) -> float:
-    """Value of a column as a number; for a text the number of its item."""
-    if value is None:
-        return math.nan
-    return float(value) if known is None else float(known[shorten(value)])

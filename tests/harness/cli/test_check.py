@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from cosim.loop import lint
+from cosim.check import lint
+from cosim.check.files import check, file_of
 from cosim.loop.session import Session
-from cosim.optimize.check import check
 from cosim.scenario.load import load
-from cosim.sweep.check import file_of
 
 from ..conftest import END, SCENARIO, entry
 from .commands import called, cosim

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cosim.sweep.check import check
+from cosim.check.files import check
 
 from .commands import PROGRAM, ROOT, cosim
 

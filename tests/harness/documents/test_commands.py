@@ -17,9 +17,9 @@ import typer
 
 import cosim
 from cosim.acceptance.selection import select
+from cosim.check import lint
 from cosim.cli.app import app
 from cosim.formatting.verdicts import row
-from cosim.loop import lint
 from handbook.pages import ROOT
 
 from ..cli.commands import called

@@ -10,13 +10,13 @@ import pytest
 from rich.console import Console
 
 import cosim
+from cosim.check import lint
+from cosim.check.files import check
 from cosim.cli import complete
 from cosim.errors import CosimError, FmuError
-from cosim.loop import lint
 from cosim.scenario import overrides
 from cosim.scenario.model import scenario_schema
 from cosim.show import display
-from cosim.sweep.check import check
 from cosim.sweep.command import Options, execute
 
 from ..conftest import DATA, pack

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import cosim
+from cosim.check import lint
 from cosim.errors import ExpressionError
-from cosim.loop import lint
 from cosim.metrics.criteria import compile_metrics, converted, drawn, unit_of
 from cosim.metrics.expression import Expression, Items
 from cosim.new.match import End, match

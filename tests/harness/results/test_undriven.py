@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 import cosim
-from cosim.loop import lint, undriven
+from cosim.check import lint
+from cosim.loop import undriven
 
 from ..conftest import END, SCENARIO, entry
 

@@ -13,9 +13,9 @@ from cosim.errors import CosimError
 from cosim.report import charts
 from cosim.scenario.model import Chart
 from cosim.sweep import study
-from cosim.sweep.check import check_charts
+from cosim.sweep.charts import check_charts, columns, results
 from cosim.sweep.plan import Plan
-from cosim.sweep.summary import Summary, columns, results
+from cosim.sweep.summary import Summary
 
 CASES = [
     {"controller.detector": "Glr", "plant.mass": 9.0, "plant.workpiece": False},

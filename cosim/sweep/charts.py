@@ -1,0 +1,79 @@
+"""Charts over the runs of a study: their columns, and the check before the first run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from cosim import paths
+from cosim.errors import CosimError, ScenarioError
+from cosim.metrics import drawable
+from cosim.metrics.expression import Items
+from cosim.scenario.model import Scenario
+from cosim.show.display import shorten
+from cosim.study.store import DONE
+from cosim.sweep.designs import Case
+from cosim.sweep.plan import Plan
+from cosim.sweep.summary import Summary
+from cosim.trace.columns import Columns
+
+TIME = "time"
+"""First column of the table for expressions; in a sweep the simulated time of each run, s."""
+OF_A_TRACE = ("array", "bode", "field", "spectrum")
+"""Kinds of charts that need the rows of one run."""
+
+
+def check_charts(plan: Plan) -> None:
+    """Check that the charts of a study can be made from its results.
+
+    Raises
+    ------
+    CosimError
+        As for `drawable.check`; or a chart needs the rows of one run.
+    """
+    origin, charts = f"`{paths.shown(plan.study.file)}`", plan.study.charts
+    for index, chart in enumerate(charts):
+        if chart.kind in OF_A_TRACE:
+            problem = f"{origin}: `charts[{index}]` of the kind `{chart.kind}` needs the rows of one run"
+            raise ScenarioError(problem, "Move it to `[[plot.charts]]` of the scenario.")
+    try:
+        drawable.check_charts(charts, "charts", columns(plan.scenario, plan.cases))
+    except CosimError as error:
+        raise ScenarioError(f"{origin}: {error.message}", error.hint) from None
+
+
+def columns(scenario: Scenario, cases: Iterable[Case]) -> dict[str, Items | None]:
+    """Columns for the charts of a study, with the items of text columns."""
+    taken: dict[str, list[Any]] = {}
+    for case in cases:
+        for key, value in case.items():
+            taken.setdefault(key, []).append(value)
+    keys = {key: items(values) for key, values in taken.items()}
+    return {TIME: None, **keys, **{f"metric.{metric.name}": None for metric in scenario.metric}}
+
+
+def items(values: list[Any]) -> Items | None:
+    """Numbers of texts in their order; None if all are numbers."""
+    if all(isinstance(value, int | float) for value in values):
+        return None
+    return {name: number for number, name in enumerate(dict.fromkeys(map(shorten, values)))}
+
+
+def results(found: Summary, known: Mapping[str, Items | None]) -> Columns:
+    """Columns of the runs with a result, each of shape (runs,); NaN for missing values."""
+    done = np.isin(found.columns["status"], DONE)
+    named = {name: found.columns["simulated_s" if name == TIME else name] for name in known}
+    return {
+        name: np.array([number(value, known[name]) for value in values], dtype=np.float64)[done]
+        for name, values in named.items()
+    }
+
+
+def number(value: Any, known: Items | None) -> float:
+    """Value of a column as a number; for a text the number of its item."""
+    if value is None:
+        return math.nan
+    return float(value) if known is None else float(known[shorten(value)])
