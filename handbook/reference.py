@@ -8,10 +8,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import cosim
-from cosim.optimize.problem import problem_schema
-from cosim.scenario.model import scenario_schema
 from cosim.scenario.tables import toml_text
-from cosim.sweep.study import study_schema
+from cosim.schema.files import SCHEMAS
 
 Schema = dict[str, Any]
 
@@ -44,8 +42,9 @@ def keys(schema: Schema, prefix: str = "") -> Iterator[tuple[str, Schema, bool]]
             yield from keys(inner, f"{prefix}{name}.")
 
 
-def file(title: str, schema: Schema, kind: str) -> str:
+def file(title: str, kind: str) -> str:
     """Page of one kind of file: its tables, and their keys."""
+    schema = SCHEMAS[kind]()
     about = f"{schema['description']} For editors, `cosim schema {kind}` prints it as a JSON schema."
     parts = [f"# {title}", f"{about} Keys outside of tables are at the top of the file.", table(schema)]
     for name, inner, many in keys(schema):
@@ -90,9 +89,9 @@ def default(part: Schema, required: bool) -> str:
 
 PAGES: dict[str, Callable[[], str]] = {
     "reference/commands.md": commands,
-    "reference/scenario.md": lambda: file("Scenario files", scenario_schema(), "scenario"),
-    "reference/study.md": lambda: file("Study files", study_schema(), "study"),
-    "reference/optimization.md": lambda: file("Optimization files", problem_schema(), "optimization"),
+    "reference/scenario.md": lambda: file("Scenario files", "scenario"),
+    "reference/study.md": lambda: file("Study files", "study"),
+    "reference/optimization.md": lambda: file("Optimization files", "optimization"),
     "reference/python.md": python,
 }
 """Functions that make the pages."""

@@ -53,16 +53,9 @@ def schema(
     if for_:
         write(strict.text(filled(file, for_)), "-")
         return
-    from cosim.optimize.problem import problem_schema
-    from cosim.scenario.model import scenario_schema
-    from cosim.sweep.study import study_schema
+    from cosim.schema.files import SCHEMAS
 
-    schemas = {
-        File.SCENARIO: scenario_schema,
-        File.STUDY: study_schema,
-        File.OPTIMIZATION: problem_schema,
-    }
-    write(strict.text(schemas[file]()), "-")
+    write(strict.text(SCHEMAS[file]()), "-")
 
 
 def filled(file: File, loop: str) -> dict[str, Any]:

@@ -136,11 +136,11 @@ class Schema:
 
     def run(self, bench: Bench) -> dict[str, Any]:
         """Describe their settings; the FMUs are only read."""
-        from cosim.fmu.described import filled_schema, settable_variables
         from cosim.loop import fmus, plant
         from cosim.loop.place import Stage
         from cosim.loop.session import located
         from cosim.scenario.load import load
+        from cosim.schema.filled import filled_schema, settable_variables
 
         scenario = load(self.loop)
         bench.place.begin("", scenario.plant.name, 0, 0.0)

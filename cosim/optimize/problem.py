@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from cosim.scenario.kinds import check_kind
-from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
 from cosim.study.parameters import Varied, check_keys, check_values, failing
@@ -83,11 +82,6 @@ def load(file: Path) -> Problem:
     problem = replace(problem, set=flatten(problem.set), file=file)
     check(problem, fail)
     return problem
-
-
-def problem_schema() -> dict[str, Any]:
-    """JSON schema of an optimization file."""
-    return schema_of(Problem, "Optimization of cosim")
 
 
 def check(problem: Problem, fail: Fail) -> None:

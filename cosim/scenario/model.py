@@ -8,9 +8,8 @@ from typing import Any, Literal
 
 from cosim import paths
 from cosim.scenario import overrides
-from cosim.scenario.injection import INJECTED, Injection
+from cosim.scenario.injection import Injection
 from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, NOT_NEGATIVE_COUNT, POSITIVE, limited
-from cosim.scenario.schema import schema_of
 
 
 @dataclass(frozen=True)
@@ -373,31 +372,3 @@ class Scenario:
         if any(key.startswith(f"{choice.name}.") for choice in self.fmu):
             key = f"fmu.{key}"
         return overrides.find_origin(self.origins, key) or f"`{paths.shown(self.file)}`"
-
-
-def scenario_schema() -> dict[str, Any]:
-    """JSON schema of a scenario file; a file that extends another gives only the differences."""
-    layered = {
-        "extends": {"type": "string", "description": "Name or file of the scenario that this one extends."},
-        "drop": {
-            "type": "array",
-            "items": {"type": "string"},
-            "description": "Items that are not inherited, such as `criterion` or `criterion.<id>`.",
-        },
-    }
-    found = schema_of(Scenario, "Scenario of cosim", **layered)
-    parts = found["properties"]
-    parts["inject"]["items"]["allOf"] = [one_of("from_time", "when"), one_of(*INJECTED)]
-    alone = {
-        "required": found.pop("required"),
-        **one_of("controller", "fmu"),
-        "properties": {
-            name: {"required": parts[name].pop("required")} for name in ("loop", "controller", "plant")
-        },
-    }
-    return {**found, "if": {"not": {"required": ["extends"]}}, "then": alone}
-
-
-def one_of(*keys: str) -> dict[str, Any]:
-    """JSON schema of a table that holds exactly one of some keys."""
-    return {"oneOf": [{"required": [key]} for key in keys]}

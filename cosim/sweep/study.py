@@ -14,7 +14,6 @@ from cosim.errors import ScenarioError
 from cosim.scenario.kinds import check_kind
 from cosim.scenario.model import Chart
 from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
-from cosim.scenario.schema import schema_of
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file, toml_value
 from cosim.study.parameters import Varied, check_keys, check_values, failing
@@ -113,11 +112,6 @@ def load(file: Path) -> Study:
         study = replace(study, case=tuple(flatten(case) for case in study.case))
     check(study, fail)
     return study
-
-
-def study_schema() -> dict[str, Any]:
-    """JSON schema of a study file."""
-    return schema_of(Study, "Study of cosim")
 
 
 def read_cases(file: Path, fail: Fail) -> Sequence[dict[str, Any]]:

@@ -21,7 +21,7 @@ PACKAGES = ("cosim", "handbook", "plants", "tests", "xtask")
 
 LAYERS = (
     *("scenario", "fmu", "metrics", "formatting", "trace", "loop", "pool", "study", "show", "replay"),
-    *("sweep", "acceptance", "report", "compare", "optimize", "check", "new", "ssp", "cli"),
+    *("sweep", "acceptance", "report", "compare", "optimize", "check", "schema", "new", "ssp", "cli"),
 )
 """Packages of cosim in the order of ARCHITECTURE.md; each imports only those before it."""
 

@@ -15,7 +15,7 @@ from cosim.check.files import check
 from cosim.cli import complete
 from cosim.errors import CosimError, FmuError
 from cosim.scenario import overrides
-from cosim.scenario.model import scenario_schema
+from cosim.schema.files import scenario_schema
 from cosim.show import display
 from cosim.sweep.command import Options, execute
 

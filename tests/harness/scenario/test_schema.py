@@ -14,11 +14,9 @@ from typing import Any
 import pytest
 
 from cosim.cli.tasks import Schema
-from cosim.optimize.problem import problem_schema
 from cosim.pool.worker import JobRunner
 from cosim.scenario.kinds import kind_of
-from cosim.scenario.model import scenario_schema
-from cosim.sweep.study import study_schema
+from cosim.schema.files import SCHEMAS, scenario_schema
 
 from ..loop.several import LOOP, fmu
 
@@ -50,8 +48,9 @@ def test_no_two_metrics_of_a_scenario_are_described_alike(file: Path) -> None:
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.name)
 def test_every_study_of_the_project_fits(file: Path) -> None:
     table = tomllib.loads(file.read_text())
-    schema = problem_schema() if kind_of(table) == "optimization" else study_schema()
-    assert problems(schema, table) == []
+    kind = kind_of(table)
+    assert kind is not None
+    assert problems(SCHEMAS[kind](), table) == []
 
 
 @pytest.mark.parametrize(
@@ -179,8 +178,8 @@ OPTIMIZATION = {
     ],
 )
 def test_an_optimization_has_a_schema(key: str, value: Any, place: list[str]) -> None:
-    assert problems(problem_schema(), OPTIMIZATION) == []
-    assert problems(problem_schema(), {**OPTIMIZATION, key: value}) == place
+    assert problems(SCHEMAS["optimization"](), OPTIMIZATION) == []
+    assert problems(SCHEMAS["optimization"](), {**OPTIMIZATION, key: value}) == place
 
 
 def test_only_a_scenario_that_extends_another_may_leave_things_out() -> None:
@@ -195,9 +194,6 @@ def test_keys_carry_their_texts_units_and_defaults() -> None:
     assert (loop["seed"]["default"], loop["seed"]["minimum"]) == (1, 0)
     wire = scenario_schema()["properties"]["wire"]["items"]
     assert {"from", "to"} == set(wire["required"])
-
-
-SCHEMAS = {"scenario": scenario_schema, "study": study_schema, "optimization": problem_schema}
 
 
 @pytest.mark.parametrize("kind", [[], *([name] for name in SCHEMAS)])

@@ -9,8 +9,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from cosim.fmu.archive import Variable
-from cosim.scenario import schema
-from cosim.scenario.model import ALONE, Scenario, scenario_schema
+from cosim.scenario.model import ALONE, Scenario
+from cosim.schema import tables as schema
+from cosim.schema.files import scenario_schema
 
 TYPES = {"Real": "number", "Integer": "integer"}
 
