@@ -1,4 +1,4 @@
-"""Structure of the sources: small folders, no circular imports, unique names of types."""
+"""Structure of the sources: layers, no circular imports, unique names of types."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ import pytest
 from . import python, rust
 
 ROOT = Path(__file__).resolve().parents[2]
-MAX_FILES = 17
-"""Maximum number of source files in one folder: that of rapier, a large and readable crate."""
 PACKAGES = ("cosim", "handbook", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
 
@@ -45,12 +43,6 @@ def shown(file: Path) -> str:
     return file.relative_to(ROOT).as_posix()
 
 
-def crate_of(folder: Path) -> str:
-    """Innermost crate that a folder belongs to, empty for none."""
-    inside = [crate for crate in CRATES if folder.is_relative_to(ROOT / crate)]
-    return max(inside, key=len, default="")
-
-
 def circle(graph: Mapping[Path, set[Path]]) -> str:
     """One import cycle, as text; empty if there is none."""
     try:
@@ -58,30 +50,6 @@ def circle(graph: Mapping[Path, set[Path]]) -> str:
     except CycleError as error:
         return " imports ".join(f"`{shown(file)}`" for file in reversed(error.args[1]))
     return ""
-
-
-def crowded(crate: str) -> str:
-    """Folders of a crate, or of no crate, with too many source files, as text."""
-    files: dict[Path, list[str]] = defaultdict(list)
-    for file in SOURCES:
-        if file.suffix != ".pyi" and crate_of(file.parent) == crate:
-            files[file.parent].append(file.name)
-    return "\n".join(
-        f"`{shown(folder)}` has {len(names)} source files, limit {MAX_FILES}: {', '.join(names)}"
-        for folder, names in files.items()
-        if len(names) > MAX_FILES
-    )
-
-
-@pytest.mark.parametrize("crate", CRATES)
-def test_a_folder_of_a_crate_is_small(crate: str) -> None:
-    found = crowded(crate)
-    assert not found, found
-
-
-def test_a_folder_of_python_is_small() -> None:
-    found = crowded("")
-    assert not found, found
 
 
 @pytest.mark.parametrize("page", ["ARCHITECTURE.md"])
