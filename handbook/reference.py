@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import cosim
+from cosim.errors import toml_text
 from cosim.optimize.problem import problem_schema
 from cosim.scenario.model import scenario_schema
-from cosim.scenario.tables import toml_text
 from cosim.sweep.study import study_schema
 
 Schema = dict[str, Any]

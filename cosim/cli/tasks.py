@@ -88,7 +88,7 @@ class Single:
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, self.engine, self.verbose)
-        stale.warn_of(scenario)
+        stale.warn_of(scenario.fmus, scenario.folder)
         if self.plot is not None:
             from cosim.show import figure
 
@@ -124,7 +124,7 @@ class Show:
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, "reference")
-        stale.warn_of(scenario)
+        stale.warn_of(scenario.fmus, scenario.folder)
         return rendered(display.scenario(scenario, session.fmus, session.plant, self.parts), self.sheet)
 
 
@@ -136,10 +136,10 @@ class Schema:
 
     def run(self, bench: Bench) -> dict[str, Any]:
         """Describe their settings; the FMUs are only read."""
-        from cosim.fmu.described import filled_schema, settable_variables
         from cosim.loop import fmus, plant
         from cosim.loop.place import Stage
         from cosim.loop.session import located
+        from cosim.scenario.described import filled_schema, settable_variables
         from cosim.scenario.load import load
 
         scenario = load(self.loop)

@@ -16,6 +16,7 @@ from cosim import paths
 from cosim.errors import CosimError, ScenarioError, closest, concerning
 from cosim.fmu import stale
 from cosim.fmu.archive import FmuFile
+from cosim.fmu.named import NamedFmu
 from cosim.fmu.values import expand
 from cosim.loop import fmus, plant, time_series
 from cosim.loop.engines import Engine
@@ -24,7 +25,7 @@ from cosim.loop.session import located
 from cosim.pool.job import Job
 from cosim.scenario import overrides
 from cosim.scenario.load import build
-from cosim.scenario.model import Criterion, FmuChoice, Scenario
+from cosim.scenario.model import Criterion, Scenario
 from cosim.scenario.toml import toml_value
 from cosim.sweep.designs import DESIGNS, Case
 from cosim.sweep.run_hash import digest, finished, leaf, plant_of, project, section, total
@@ -277,7 +278,7 @@ def exchange(setting: Setting, key: str, value: Any) -> int:
     if part == "plant":
         plant.check_parameter(setting.plant, name, value)
     else:
-        owner = FmuChoice(part, "", alone=setting.places[part] == "controller")
+        owner = NamedFmu(part, "", alone=setting.places[part] == "controller")
         expand(setting.files[part].variables, {name: value}, owner)
     place = f"{setting.places[part]}.parameters.{name}"
     return leaf(place, value) - setting.leaves.get(place, 0)
@@ -307,7 +308,7 @@ def check(scenario: Scenario) -> tuple[dict[str, FmuFile], Any, str]:
     """
     with located(scenario):
         files = fmus.open_files(scenario)
-        stale.warn_of(scenario)
+        stale.warn_of(scenario.fmus, scenario.folder)
         for choice in scenario.fmus:
             with concerning(f"{choice.name}.parameters"):
                 expand(files[choice.name].variables, choice.parameters, choice)

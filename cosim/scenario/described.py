@@ -9,8 +9,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from cosim.fmu.archive import Variable
+from cosim.fmu.named import ALONE
 from cosim.scenario import schema
-from cosim.scenario.model import ALONE, Scenario, scenario_schema
+from cosim.scenario.model import Scenario, scenario_schema
 
 TYPES = {"Real": "number", "Integer": "integer"}
 
