@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import datetime
 import difflib
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 from cosim.renamed import replacement
 
@@ -82,6 +84,23 @@ def readable(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in "\n\t\xa0" else "\ufffd" for c in text)
+
+
+def show(value: Any) -> str:
+    """Value as in a TOML file, in backticks."""
+    text = toml_text(value)
+    return f"`{text if len(text) <= 60 else text[:57] + '...'}`"
+
+
+def toml_text(value: Any) -> str:
+    """Value as in a TOML file, texts and tables as in Python."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, datetime.date | datetime.time):
+        return value.isoformat()
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml_text, value))}]"
+    return repr(value)
 
 
 def similar(name: str, choices: Iterable[str]) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import cosim
-from cosim.scenario.tables import toml_text
+from cosim.errors import toml_text
 from cosim.schema.files import SCHEMAS
 
 Schema = dict[str, Any]

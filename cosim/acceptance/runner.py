@@ -146,7 +146,7 @@ def job(given: str, files: tuple[Path, ...], options: RunOptions) -> RecordedJob
     json, plot = files or (None, None)
     try:
         scenario = load(given)
-        stale.warn_of(scenario)
+        stale.warn_of(scenario.fmus, scenario.folder)
     except CosimError as error:
         return error
     plot = plot if options.plots else None

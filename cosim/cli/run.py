@@ -150,7 +150,7 @@ def run_seeds(
     from cosim.sweep import seeds
 
     scenario = load(loop, changes)
-    stale.warn_of(scenario)
+    stale.warn_of(scenario.fmus, scenario.folder)
     chosen = seeds.parse(text)
     with progress_bar(f"{scenario.name}, {len(chosen)} seeds", quiet) as progress:
         outcomes = seeds.run(scenario, chosen, engine, limits, progress, workers)

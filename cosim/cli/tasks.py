@@ -88,7 +88,7 @@ class Single:
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, self.engine, self.verbose)
-        stale.warn_of(scenario)
+        stale.warn_of(scenario.fmus, scenario.folder)
         if self.plot is not None:
             from cosim.show import figure
 
@@ -124,7 +124,7 @@ class Show:
 
         scenario = load(self.loop, self.changes)
         session = bench.session(scenario, "reference")
-        stale.warn_of(scenario)
+        stale.warn_of(scenario.fmus, scenario.folder)
         return rendered(display.scenario(scenario, session.fmus, session.plant, self.parts), self.sheet)
 
 

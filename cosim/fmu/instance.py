@@ -20,8 +20,8 @@ from cosim.errors import FmuError, concerning
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.library import check_headers, check_library
 from cosim.fmu.messages import Messages
+from cosim.fmu.named import ALONE, NamedFmu
 from cosim.fmu.values import beyond, expand
-from cosim.scenario.model import ALONE, FmuChoice
 from cosim.warned import warn_once
 
 BASE = {
@@ -99,7 +99,7 @@ class Instance(Closing):
         inputs: list[Variable],
         outputs: list[Variable],
         log_events: bool = False,
-        owner: FmuChoice = ALONE,
+        owner: NamedFmu = ALONE,
     ) -> None:
         self.file = file
         self.owner = owner

@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from cosim import paths
-from cosim.scenario.model import Scenario
+from cosim.fmu.named import NamedFmu
 from cosim.warned import warn_once
 
 PARTS = ("Cargo.toml", "build.rs", "src", "resources")
 """Sources of a library in the folder of its crate."""
 
 
-def warn_of(scenario: Scenario) -> None:
-    """Warn as `warn` does of every FMU of a scenario."""
-    for choice in scenario.fmus:
-        warn(choice.fmu, paths.find_fmu(choice.fmu, scenario.folder))
+def warn_of(fmus: Iterable[NamedFmu], folder: Path) -> None:
+    """Warn as `warn` does of every FMU; its file may be relative to a folder."""
+    for choice in fmus:
+        warn(choice.fmu, paths.find_fmu(choice.fmu, folder))
 
 
 def warn(name: str, file: Path) -> None:

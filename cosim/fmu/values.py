@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from cosim.errors import FmuError, closest, concerning, similar
+from cosim.errors import FmuError, closest, concerning, show, similar
 from cosim.fmu.archive import Variable
-from cosim.scenario.model import ALONE, FmuChoice
-from cosim.scenario.tables import show
+from cosim.fmu.named import ALONE, NamedFmu
 
 Value = float | int | bool | str
 
 
-def encode(variable: Variable, value: Any, owner: FmuChoice = ALONE) -> Value:
+def encode(variable: Variable, value: Any, owner: NamedFmu = ALONE) -> Value:
     """Value of the FMI type of a variable; `owner` is its FMU, for messages.
 
     Enumerations take the item's name or number, Booleans `true`, `false`, 0 or 1; numbers are never rounded.
@@ -42,7 +41,7 @@ def encode(variable: Variable, value: Any, owner: FmuChoice = ALONE) -> Value:
     raise FmuError(f"`{owner.name}.{variable.name}` is {show(value)}, it must be {kinds[variable.kind]}")
 
 
-def item_number(variable: Variable, value: Any, owner: FmuChoice) -> int:
+def item_number(variable: Variable, value: Any, owner: NamedFmu) -> int:
     """Find the number of an enumeration item given by name or number."""
     items = dict(variable.items)
     if isinstance(value, str) and value in items:
@@ -57,7 +56,7 @@ def item_number(variable: Variable, value: Any, owner: FmuChoice) -> int:
 
 
 def expand(
-    variables: dict[str, Variable], parameters: dict[str, Any], owner: FmuChoice = ALONE
+    variables: dict[str, Variable], parameters: dict[str, Any], owner: NamedFmu = ALONE
 ) -> list[tuple[Variable, Value]]:
     """Variables and values of a table of parameters; `bias = [1, 2]` sets `bias[1]` and `bias[2]`.
 
@@ -87,7 +86,7 @@ def expand(
     return pairs
 
 
-def settable(variables: dict[str, Variable], name: str, owner: FmuChoice) -> Variable:
+def settable(variables: dict[str, Variable], name: str, owner: NamedFmu) -> Variable:
     """Variable that accepts a start value."""
     variable = lookup(variables, name, owner)
     if not variable.settable:
@@ -102,16 +101,16 @@ def settable(variables: dict[str, Variable], name: str, owner: FmuChoice) -> Var
     return variable
 
 
-def beyond(variable: Variable, *values: Any) -> str:
-    """Text of the limit of a variable that one of the values exceeds; empty if there is none."""
-    numbers = [value for value in values if is_number(value)]
-    for name, limit, sign in (("minimum", variable.minimum, 1), ("maximum", variable.maximum, -1)):
-        if limit and any(sign * value < sign * float(limit) for value in numbers):
-            return f"beyond its {name} `{limit}`"
+def beyond(variable: Variable, value: Any) -> str:
+    """Text of the limit of a variable that a value exceeds; empty if there is none."""
+    if is_number(value) and variable.minimum and value < float(variable.minimum):
+        return f"below its minimum `{variable.minimum}`"
+    if is_number(value) and variable.maximum and value > float(variable.maximum):
+        return f"above its maximum `{variable.maximum}`"
     return ""
 
 
-def lookup(variables: dict[str, Variable], name: str, owner: FmuChoice = ALONE) -> Variable:
+def lookup(variables: dict[str, Variable], name: str, owner: NamedFmu = ALONE) -> Variable:
     """Variable by name, or an error with the closest name."""
     if name not in variables:
         raise FmuError(f"{owner.who} has no variable `{name}`", closest(name, variables))

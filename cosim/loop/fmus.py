@@ -10,11 +10,12 @@ from cosim.errors import FmuError, concerning
 from cosim.fmu import bundled
 from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.fmu.instance import Instance
+from cosim.fmu.named import NamedFmu
 from cosim.loop import recorder, repeats
 from cosim.loop.place import Place, Stage
 from cosim.loop.repeats import NewProcessError
 from cosim.loop.wires.connect import driven
-from cosim.scenario.model import FmuChoice, Scenario
+from cosim.scenario.model import Scenario
 
 loaded: dict[Path, FmuFile] = {}
 """FMUs that this process has loaded, by their extracted folders."""
@@ -125,7 +126,7 @@ def open_instances(
     return tuple(opened)
 
 
-def called(choice: FmuChoice) -> tuple[str, str, bool]:
+def called(choice: NamedFmu) -> tuple[str, str, bool]:
     """Return the texts of an FMU in messages: name, file as in the scenario, whether it is the only one."""
     return choice.name, choice.fmu, choice.alone
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim import paths, physics
-from cosim.errors import CosimError, PlantError, closest, concerning
+from cosim.errors import CosimError, PlantError, closest, concerning, show
 from cosim.loop import own_code
-from cosim.scenario.tables import parse, parse_value, readers, show
+from cosim.scenario.tables import parse, parse_value, readers
 
 MJCF = (".xml", ".urdf")
 """File name extensions of the models that MuJoCo reads."""

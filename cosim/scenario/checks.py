@@ -6,11 +6,11 @@ import keyword
 import re
 from collections.abc import Iterable
 
-from cosim.errors import closest
+from cosim.errors import closest, show
 from cosim.scenario.injection import INJECTED, Injection
 from cosim.scenario.model import Criterion, FmuChoice, Loop, Scenario, Signal, Wire
 from cosim.scenario.overrides import Overrides
-from cosim.scenario.tables import IDENTITY, Fail, show
+from cosim.scenario.tables import IDENTITY, Fail
 
 MAX_STEPS = 1e12
 """Maximum number of steps; later times are never reached."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from cosim import paths
+from cosim.fmu.named import ALONE, NamedFmu
 from cosim.scenario import overrides
 from cosim.scenario.injection import Injection
 from cosim.scenario.ranges import COUNT, FINITE, NOT_NAN, NOT_NEGATIVE, NOT_NEGATIVE_COUNT, POSITIVE, limited
@@ -75,7 +76,7 @@ class Controller:
 
 
 @dataclass(frozen=True)
-class FmuChoice:
+class FmuChoice(NamedFmu):
     """One of several FMUs, and start values of its variables by FMI name.
 
     Parameters
@@ -88,25 +89,8 @@ class FmuChoice:
         Its communication step in s, an integer multiple of `loop.step`; default: `loop.step`.
     """
 
-    name: str
-    fmu: str
     parameters: dict[str, Any] = field(default_factory=dict)
     step: float | None = limited(POSITIVE, None, unit="s")
-    alone: bool = field(default=False, metadata={"key": ""})
-
-    @property
-    def who(self) -> str:
-        """Name of the FMU in messages."""
-        return "the FMU" if self.alone else f"the FMU `{self.name}`"
-
-    @property
-    def shown(self) -> str:
-        """Name that distinguishes it from the other FMUs of the run."""
-        return self.fmu if self.alone else self.name
-
-
-ALONE = FmuChoice("controller", "", alone=True)
-"""Name of the FMU of a table `[controller]`."""
 
 
 @dataclass(frozen=True)
@@ -360,7 +344,7 @@ class Scenario:
     def fmus(self) -> tuple[FmuChoice, ...]:
         """FMUs in the order of their steps; `[controller]` is one of that name."""
         only = self.controller
-        return self.fmu or (replace(ALONE, fmu=only.fmu, parameters=only.parameters),)
+        return self.fmu or (FmuChoice(ALONE.name, only.fmu, True, only.parameters),)
 
     @property
     def folder(self) -> Path:

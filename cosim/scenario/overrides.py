@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from cosim import paths
-from cosim.errors import ScenarioError, closest
+from cosim.errors import ScenarioError, closest, show
 from cosim.scenario.assignment import Assignment
 from cosim.scenario.kinds import check_kind
-from cosim.scenario.tables import IDENTITY, dotted, item_key, join, show
+from cosim.scenario.tables import IDENTITY, dotted, item_key, join
 from cosim.scenario.toml import check_sizes, parse_file, toml_value
 
 SET = "--set"

@@ -14,7 +14,7 @@ import typing
 from collections.abc import Callable
 from typing import Any, Literal, NoReturn, TypeVar
 
-from cosim.errors import closest, similar
+from cosim.errors import closest, show, similar
 
 T = TypeVar("T")
 Fail = Callable[..., NoReturn]
@@ -245,20 +245,3 @@ def item_key(key: str, index: int, item: Any) -> str:
 def join(key: str, name: str) -> str:
     """Dotted key of `name` inside the table `key`."""
     return f"{key}.{name}" if key else name
-
-
-def show(value: Any) -> str:
-    """Value as in a TOML file, in backticks."""
-    text = toml_text(value)
-    return f"`{text if len(text) <= 60 else text[:57] + '...'}`"
-
-
-def toml_text(value: Any) -> str:
-    """Value as in a TOML file, texts and tables as in Python."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, datetime.date | datetime.time):
-        return value.isoformat()
-    if isinstance(value, list):
-        return f"[{', '.join(map(toml_text, value))}]"
-    return repr(value)

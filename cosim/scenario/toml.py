@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim import paths
-from cosim.errors import ScenarioError
-from cosim.scenario.tables import join, show
+from cosim.errors import ScenarioError, show
+from cosim.scenario.tables import join
 
 MAX_NESTED = 32
 """Maximum nesting of tables and arrays; our files have at most five levels."""

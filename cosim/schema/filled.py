@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from cosim.fmu.archive import Variable
-from cosim.scenario.model import ALONE, Scenario
+from cosim.fmu.named import ALONE
+from cosim.scenario.model import Scenario
 from cosim.schema import tables as schema
 from cosim.schema.files import scenario_schema
 

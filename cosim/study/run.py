@@ -69,7 +69,7 @@ def check(scenario: Scenario) -> tuple[dict[str, FmuFile], Any, str]:
     """
     with located(scenario):
         files = fmus.open_files(scenario)
-        stale.warn_of(scenario)
+        stale.warn_of(scenario.fmus, scenario.folder)
         for choice in scenario.fmus:
             with concerning(f"{choice.name}.parameters"):
                 expand(files[choice.name].variables, choice.parameters, choice)

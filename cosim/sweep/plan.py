@@ -14,6 +14,7 @@ import numpy as np
 from cosim import paths
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.fmu.archive import FmuFile
+from cosim.fmu.named import NamedFmu
 from cosim.fmu.values import expand
 from cosim.loop import plant
 from cosim.loop.engines import Engine
@@ -21,7 +22,7 @@ from cosim.loop.reference import Progress
 from cosim.pool.job import Job
 from cosim.scenario import overrides
 from cosim.scenario.load import build
-from cosim.scenario.model import Criterion, FmuChoice, Scenario
+from cosim.scenario.model import Criterion, Scenario
 from cosim.study.run import Run, check, text, things
 from cosim.study.run_hash import digest, finished, leaf, plant_of, section, total
 from cosim.sweep.designs import DESIGNS, Case
@@ -246,7 +247,7 @@ def exchange(setting: Setting, key: str, value: Any) -> int:
     if part == "plant":
         plant.check_parameter(setting.plant, name, value)
     else:
-        owner = FmuChoice(part, "", alone=setting.places[part] == "controller")
+        owner = NamedFmu(part, "", alone=setting.places[part] == "controller")
         expand(setting.files[part].variables, {name: value}, owner)
     place = f"{setting.places[part]}.parameters.{name}"
     return leaf(place, value) - setting.leaves.get(place, 0)

@@ -18,7 +18,7 @@ PACKAGES = ("cosim", "handbook", "plants", "tests", "xtask")
 """Folders with Python modules that import each other."""
 
 LAYERS = (
-    *("scenario", "fmu", "metrics", "formatting", "trace", "loop", "pool", "study", "show", "replay"),
+    *("fmu", "scenario", "metrics", "formatting", "trace", "loop", "pool", "study", "show", "replay"),
     *("sweep", "acceptance", "report", "compare", "optimize", "check", "schema", "new", "ssp", "cli"),
 )
 """Packages of cosim in the order of ARCHITECTURE.md; each imports only those before it."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import CosimError, ScenarioError, closest, concerning, similar
+from cosim.errors import CosimError, ScenarioError, closest, concerning, show, similar
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.instance import BASE, Instance
 from cosim.fmu.values import encode, lookup
@@ -20,7 +20,6 @@ from cosim.loop.wires.links import Connection, Drive, Fault, Link, Links, Slot
 from cosim.loop.wires.wiring import Delay, Ideal, first_step, noise, shaper
 from cosim.scenario.injection import INJECTED, Injection
 from cosim.scenario.model import FmuChoice, Scenario, Signal, Wire
-from cosim.scenario.tables import show
 
 PLANT = "plant"
 ARITHMETIC = ("offset", "scale", "ramp", "noise")
