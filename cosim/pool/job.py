@@ -35,7 +35,7 @@ class WorkerError(CosimError):
     Attributes
     ----------
     status
-        `crashed`, `timeout`, `memory` or `lost`.
+        `crashed`, `timeout` or `memory`.
     """
 
     def __init__(self, status: str, message: str, hint: str = "") -> None:
