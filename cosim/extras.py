@@ -14,13 +14,7 @@ REQUIREMENT = re.compile(r"""(([\w.-]+)(\[.*\])?[^;]*?)\s*;\s*extra\s*==\s*['"](
 
 
 def needed(module: str, problem: str, hint: str) -> Any:
-    """Import a module of another package.
-
-    Raises
-    ------
-    CosimError
-        The package is not installed: the problem and the hint.
-    """
+    """Import a module of another package; raises CosimError with problem and hint if it is not installed."""
     try:
         return importlib.import_module(module)
     except ImportError:

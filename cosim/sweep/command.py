@@ -16,7 +16,7 @@ from cosim import paths
 from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.loop.reference import Progress
-from cosim.pool import local
+from cosim.pool import executor
 from cosim.pool.limits import processors
 from cosim.show.bar import bar
 from cosim.show.figure import wanted
@@ -134,7 +134,7 @@ def pool_of(plan: Plan, options: Options) -> Pool:
     """Pool of the runs."""
     limits = plan.study.limits.of_workers()
     workers = options.workers or processors()
-    return functools.partial(local.outcomes, workers=min(workers, len(plan.numbers)), limits=limits)
+    return functools.partial(executor.outcomes, workers=min(workers, len(plan.numbers)), limits=limits)
 
 
 @contextlib.contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
 from collections.abc import Callable
@@ -53,6 +54,7 @@ def _new_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ignore the runs of other tests in this process."""
     monkeypatch.setattr(repeats, "first_runs", {})
     monkeypatch.setattr(repeats, "verdicts", {})
+    monkeypatch.delitem(sys.modules, "law", raising=False)
 
 
 def keeping(lag: Path, library: bytes, defect: str) -> list[dict[str, object]]:
@@ -145,7 +147,7 @@ def script(folder: Path, body: str, name: str = "Law", file: str = "law.py") -> 
     return folder / "alone.toml"
 
 
-def test_scripts_of_one_name_are_kept_apart(folder: Path) -> None:
+def test_scripts_of_one_name_are_kept_apart(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
     loops = [
         script(folder / "one", "self.y = 2.0 * self.u"),
         script(folder / "two", "self.y = 10.0 * self.u"),
@@ -156,6 +158,21 @@ def test_scripts_of_one_name_are_kept_apart(folder: Path) -> None:
         outcomes = cosim.run_each(loops, workers)
         assert [one.metrics["y"].value for one in outcomes if isinstance(one, cosim.Result)] == expected
     assert [cosim.run(loop).metrics["y"].value for loop in loops] == expected
+    assert [message.partition(": ")[2] for message in caplog.messages] == [
+        "the Python module `law` differs; the run gets a new process"
+    ]
+
+
+def test_a_script_with_the_name_of_an_imported_module_has_a_new_process(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    loop = script(folder / "one", "self.y = 2.0 * self.u")
+    (folder / "law.py").write_text("")
+    monkeypatch.syspath_prepend(folder)
+    importlib.import_module("law")
+    assert cosim.run(loop).metrics["y"].value == 2.0
+    (warning,) = caplog.messages
+    assert warning.endswith("in place of its own module; the run gets a new process")
 
 
 def test_the_state_of_a_class_in_a_script_does_not_pass_to_the_next_run(folder: Path) -> None:
