@@ -177,7 +177,10 @@ class Worker(Closing):
                 return self.too_much(used, memory)
 
     def message(self, handle: WorkerHandle, frame: Frame) -> tuple[str, Any]:
-        """Message of a process; passes on its log lines."""
+        """Kind and content of a message of a process; passes on its log lines.
+
+        `ready` has its number; `done` has the outcome, whether it is fit for another task, and verdicts.
+        """
         try:
             kind, content = frame.open()
         except Exception:  # pickle has many
@@ -258,9 +261,10 @@ class Worker(Closing):
             with contextlib.suppress(subprocess.TimeoutExpired):
                 handle.process.wait(max(0.0, end - time.monotonic()))
         finally:
+            code = handle.process.poll()
             self.kill()
-        who, code = self.place.who(), handle.process.returncode
-        if not self.closed and (who or late or (code and not handle.forced)):
+        who = self.place.who()
+        if not self.closed and (who or late or code):
             how = f"it did not end within {GRACE:g} s and was killed" if late else ending(code)
             where = self.position(who or "a worker process", "hung" if late else "crashed")
             warn_once(f"{where}: {how}")

@@ -31,9 +31,6 @@ from cosim.process import POSIX
 from cosim.scenario.model import Scenario
 from cosim.warned import once
 
-READY, LOG, DONE = "ready", "log", "done"
-"""Kinds of messages of a worker process: ready; a log line; the outcome of a task, whether the process is fit
-for another, and the verdicts on its FMUs and plants."""
 IDLE = 600.0
 """Idle time after which a worker process ends, s; the next task starts another one."""
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
@@ -94,7 +91,7 @@ class Forward(logging.Handler):
         """Send one line."""
         if self.left > 0 and self.channel.own:
             self.left -= 1
-            self.channel.send((LOG, (record.name, record.levelno, self.format(record))))
+            self.channel.send(("log", (record.name, record.levelno, self.format(record))))
 
 
 def main(page: str, parent: int) -> None:
@@ -111,12 +108,12 @@ def main(page: str, parent: int) -> None:
     fmus.strict = True
     exceeded = confined(tasks)
     with JobRunner(place) as runner, once():
-        channel.send((READY, os.getpid()))
+        channel.send(("ready", os.getpid()))
         before = process.belongings()
         while (request := awaited(tasks)) is not None:
             outcome = exceeded or done(runner, request, forward)
             outcome, fit = inspected(outcome, before, place)
-            channel.send((DONE, (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
+            channel.send(("done", (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
     # a last search for reference cycles in all imported modules would take longer than the rest of the end
     gc.freeze()
 

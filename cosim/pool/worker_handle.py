@@ -83,8 +83,6 @@ class WorkerHandle:
     """Processes that it started, as far as known."""
     killed: bool = False
     """Whether it and all its child processes were killed."""
-    forced: bool = False
-    """Whether it was alive when it was killed."""
     received: queue.SimpleQueue[Frame | BaseException] = field(default_factory=queue.SimpleQueue)
 
     def __post_init__(self) -> None:
@@ -114,7 +112,7 @@ class WorkerHandle:
         """Kill it and its child processes."""
         # only once: its number may belong to another process later
         if not self.killed:
-            self.killed, self.forced = True, self.process.poll() is None
+            self.killed = True
             self.note_children()
             if POSIX:
                 with contextlib.suppress(ProcessLookupError, PermissionError):

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cosim.formatting.versions import version
+from cosim.extras import version
 from cosim.loop import own_code, plant
 from cosim.pool import single_task
 from cosim.scenario.overrides import is_tables
