@@ -1,26 +1,33 @@
-"""Packages that only some commands need."""
+"""Installed packages: their versions, and those that only some commands need."""
 
 from __future__ import annotations
 
+import functools
 import importlib
 import re
 from typing import Any
 
 from cosim.errors import CosimError
-from cosim.formatting.versions import PROJECT, version
 
+PROJECT = "machining-fmus"
+"""The distribution that cosim is a part of."""
 REQUIREMENT = re.compile(r"""(([\w.-]+)(\[.*\])?[^;]*?)\s*;\s*extra\s*==\s*['"](\w+)['"]""")
 """A package of an extra: the requirement, name and extras of the package, and name of the extra."""
 
 
-def needed(module: str, problem: str, hint: str) -> Any:
-    """Import a module of another package.
+@functools.cache
+def version(distribution: str) -> str:
+    """Version of a distribution; empty if it was not installed as one."""
+    from importlib import metadata
 
-    Raises
-    ------
-    CosimError
-        The package is not installed: the problem and the hint.
-    """
+    try:
+        return metadata.version(distribution)
+    except metadata.PackageNotFoundError:
+        return ""
+
+
+def needed(module: str, problem: str, hint: str) -> Any:
+    """Import a module of another package; raises CosimError with problem and hint if it is not installed."""
     try:
         return importlib.import_module(module)
     except ImportError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -37,19 +38,9 @@ def fmu_folders() -> list[Path]:
 
 
 def find_scenario(name: str, near: Path | None = None) -> Path:
-    """File of a scenario given by path (`*.toml`) or by name (`dob`, `dob/paper`).
+    """File of a scenario given by name (`dob`, `dob/paper`) or by path (`*.toml`).
 
-    Parameters
-    ----------
-    name
-        Name, or path relative to `near` or to the working directory.
-    near
-        Folder of the file that refers to it.
-
-    Raises
-    ------
-    ScenarioError
-        No such file.
+    A path is relative to `near`, the folder of the file that names it, or to the working directory.
     """
     bases = [near] if near else []
     if name.endswith(".toml"):
@@ -74,9 +65,8 @@ def list_scenarios() -> Iterator[tuple[str, Path]]:
     """Name and file of every scenario in the folders, sorted; the first of two equal names is used."""
     seen: set[str] = set()
     for folder in scenario_folders():
-        names = {
-            file.relative_to(folder).with_suffix("").as_posix(): file for file in folder.glob("**/*.toml")
-        }
+        files = folder.glob("**/*.toml")
+        names = {file.relative_to(folder).with_suffix("").as_posix(): file for file in files}
         for name, file in sorted(names.items()):
             if name not in seen:
                 seen.add(name)
@@ -84,13 +74,7 @@ def list_scenarios() -> Iterator[tuple[str, Path]]:
 
 
 def find_study(name: str) -> Path:
-    """File of a study given by path, or of one of the project's own (`studies/dob-contact.toml`).
-
-    Raises
-    ------
-    ScenarioError
-        No such file.
-    """
+    """File of a study given by path, or of one of the project's own (`studies/dob-contact.toml`)."""
     places = [working_folder(), OWN_STUDIES.parent]
     if file := existing(name, places):
         return file
@@ -112,13 +96,7 @@ def scenario_name(file: Path) -> str:
 
 
 def find_fmu(name: str, near: Path) -> Path:
-    """File of an FMU given by path or by name (`fmu-dob` is `fmu-dob.fmu` in one of the FMU folders).
-
-    Raises
-    ------
-    FmuError
-        No such file; the hint shows how to build it and the searched folders.
-    """
+    """File of an FMU given by path or by name (`fmu-dob` is `fmu-dob.fmu` in one of the FMU folders)."""
     places = [near, working_folder()]
     if name.endswith(".fmu") or "/" in name or os.sep in name:
         if file := existing(name, places):
@@ -131,21 +109,12 @@ def find_fmu(name: str, near: Path) -> Path:
     if existing(name, places):
         raise FmuError(f"`{brief(name)}` is not an FMU", "Use a file that ends in `.fmu`.")
     searched = ", ".join(f"`{shown(folder)}`" for folder in unique(folders))
-    build = f"Build it with `cargo xtask fmu {brief(name.removeprefix('fmu-'))}`"
-    raise FmuError(
-        f"the FMU `{brief(name)}.fmu` does not exist",
-        f"{build}, or set {FMU_PATH_ENV}. Searched: {searched}.",
-    )
+    build = f"Build it with `cargo xtask fmu {brief(name.removeprefix('fmu-'))}`, or set {FMU_PATH_ENV}."
+    raise FmuError(f"the FMU `{brief(name)}.fmu` does not exist", f"{build} Searched: {searched}.")
 
 
 def find_mjcf(name: str, near: Path) -> Path:
-    """MJCF file given by its path, relative to `near` or to the working directory.
-
-    Raises
-    ------
-    PlantError
-        No such file.
-    """
+    """MJCF file given by its path, relative to `near` or to the working directory."""
     places = [near, working_folder()]
     if file := existing(name, places):
         return file.resolve()
@@ -179,13 +148,7 @@ def cache_folder() -> Path:
 
 
 def working_folder() -> Path:
-    """Working directory.
-
-    Raises
-    ------
-    CosimError
-        The folder was removed.
-    """
+    """Working directory; raises CosimError if it was removed."""
     try:
         return Path.cwd()
     except OSError as error:
@@ -195,18 +158,16 @@ def working_folder() -> Path:
 
 def is_file(path: Path) -> bool:
     """Whether a file exists; False for invalid names."""
-    try:
+    with contextlib.suppress(OSError, ValueError):
         return path.is_file()
-    except (OSError, ValueError):
-        return False
+    return False
 
 
 def is_there(path: Path) -> bool:
-    """Whether a path exists, also as folder or device."""
-    try:
+    """Whether a path exists, also as folder or device; False for invalid names."""
+    with contextlib.suppress(OSError, ValueError):
         return path.exists()
-    except (OSError, ValueError):
-        return False
+    return False
 
 
 def resolved(path: Path) -> Path:
@@ -216,10 +177,7 @@ def resolved(path: Path) -> Path:
 
 def expanded(name: str) -> Path:
     """Path with `~` replaced by the home folder, if there is one."""
-    try:
-        return Path(name).expanduser()
-    except RuntimeError:
-        return Path(name)
+    return Path(os.path.expanduser(name))  # noqa: PTH111 - without an error if there is none
 
 
 def brief(name: str) -> str:

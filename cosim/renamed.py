@@ -41,14 +41,10 @@ def learn(folder: Path) -> None:
 
 
 def replacement(name: str, choices: Collection[str] = ()) -> str:
-    """Hint about a name that was replaced; empty for any other.
+    """Hint about a name of a variable or item that was replaced; empty for any other.
 
-    Parameters
-    ----------
-    name
-        Variable or item; a variable may have an owner (`controller.teach.place`) and an index.
-    choices
-        Known names, which select among the replacements of several FMUs.
+    A variable may have an owner (`controller.teach.place`) and an index. Known names in `choices` select
+    among the replacements of several FMUs.
     """
     parts = re.fullmatch(r"(.*?)(\[\d+\])?", name, re.DOTALL)
     whole, index = parts.groups("") if parts else (name, "")

@@ -123,13 +123,7 @@ def beyond_si(names: Iterable[str]) -> dict[str, Any]:
 
 
 def restored(names: Mapping[str, str], stored: Mapping[str, Any]) -> dict[str, str]:
-    """Units by any key, with the definitions of `beyond_si`.
-
-    Raises
-    ------
-    ValueError
-        The definitions are no such table.
-    """
+    """Units by any key, with the definitions of `beyond_si`; raises ValueError if they are damaged."""
     try:
         known = {name: Definition(tuple(powers), *rest) for name, (powers, *rest) in stored.items()}
     except (TypeError, AttributeError):
@@ -140,10 +134,7 @@ def restored(names: Mapping[str, str], stored: Mapping[str, Any]) -> dict[str, s
 def defined(unit: str, known: Mapping[str, Definition] | None = None) -> Definition | None:
     """Definition of a unit by its name; None if it is not known, or beyond all numbers.
 
-    Parameters
-    ----------
-    known
-        Definitions that precede those of SI.
+    `known` definitions precede those of SI.
     """
     symbols = {**SYMBOLS, **known} if known else SYMBOLS
     name = unit if unit in symbols else unicodedata.normalize("NFKC", unit)

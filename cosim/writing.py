@@ -21,13 +21,7 @@ PART = re.compile(r"\.(.+)\.[0-9a-f]{8}\.partial(\.\w+)?")
 
 
 def write(text: str, file: str | Path) -> None:
-    """Write a text to a file, or to stdout for `-`.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
+    """Write a text to a file, or to stdout for `-`."""
     if file == "-":
         print(text, end="", flush=True)
         return
@@ -36,21 +30,9 @@ def write(text: str, file: str | Path) -> None:
 
 
 def check_text(option: str, file: str | Path, kind: str, beginning: re.Pattern[bytes]) -> None:
-    """Check before a long run that a text can be written, and replaces only a text of its kind.
+    """Check before a long run that a text can be written and replaces only a text that begins as its kind.
 
-    Parameters
-    ----------
-    option
-        Option that names the file, for messages.
-    file
-        The file; `-` is stdout.
-    kind, beginning
-        Kind of the text, and the start of such texts.
-
-    Raises
-    ------
-    CosimError
-        There is no such folder, or a file of another kind.
+    `option` names the file in messages; `-` is stdout.
     """
     path = Path(file)
     if file == "-":
@@ -66,42 +48,26 @@ def beginning_of(file: Path) -> bytes:
     """First bytes of a file; empty for a missing file or a device."""
     if not file.is_file():
         return b""
-    try:
-        with file.open("rb") as stream:
-            return stream.read(LOOKED_AT)
-    except OSError as error:
-        raise refused(file, error) from None
+    with naming(file), file.open("rb") as stream:
+        return stream.read(LOOKED_AT)
 
 
 def check_folder(file: Path) -> None:
-    """Check before a long run that the folder of a file exists.
-
-    Raises
-    ------
-    CosimError
-        The folder does not exist.
-    """
+    """Check before a long run that the folder of a file exists."""
     if not file.absolute().parent.is_dir():
         raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
 
 
 def check_apart(files: Mapping[str, Path | None]) -> None:
-    """Check that the files of different options are different.
-
-    Raises
-    ------
-    CosimError
-        Two options name the same file.
-    """
+    """Check that the files of different options are different."""
     seen: dict[str, str] = {}
     for option, file in files.items():
         if file is None:
             continue
         other = seen.setdefault(os.path.realpath(file), option)
         if other != option and not is_device(file):
-            raise CosimError(
-                f"`{other}` and `{option}` name the same file `{file}`", "Give each option its own file."
-            )
+            problem = f"`{other}` and `{option}` name the same file `{file}`"
+            raise CosimError(problem, "Give each option its own file.")
 
 
 def is_device(file: Path) -> bool:
@@ -115,12 +81,8 @@ def whole(file: Path) -> Iterator[Path]:
 
     Its name is unique and keeps the ending. A process that starts another one to write the file passes it the
     temporary path, which is then written directly: whatever becomes of the other process, no partial file
-    remains. A link stays a link: its target is written. A device is written directly.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written. After any exception no partial file remains.
+    remains. A link stays a link: its target is written. A device is written directly. After any exception no
+    partial file remains.
     """
     target = Path(os.path.realpath(file))
     part = target.with_name(f".{target.stem}.{os.urandom(4).hex()}.partial{target.suffix}")
@@ -143,10 +105,7 @@ def whole(file: Path) -> Iterator[Path]:
 @contextlib.contextmanager
 def whole_if(file: Path | None) -> Iterator[Path | None]:
     """As `whole`; nothing for None."""
-    if file is None:
-        yield None
-        return
-    with whole(file) as part:
+    with contextlib.nullcontext() if file is None else whole(file) as part:
         yield part
 
 

@@ -7,18 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cosim.loop.result import Result
-from cosim.pool.job import Bench, Job
+from cosim.pool.job import Job, WorkerContext
 
 
 @dataclass(frozen=True)
 class RecordedJob(Job):
-    """A `Job` that writes files.
-
-    Parameters
-    ----------
-    json, plot
-        Files of the result and the plot; None writes nothing.
-    """
+    """A `Job` that writes its result and plot into files; None writes nothing."""
 
     json: Path | None = None
     plot: Path | None = None
@@ -28,15 +22,15 @@ class RecordedJob(Job):
         """Whether the run is plotted."""
         return self.plot is not None
 
-    def run(self, bench: Bench) -> Result:
+    def run(self, context: WorkerContext) -> Result:
         """Run the scenario once and write its files; return the result without its trace."""
         if self.draws:
-            self.session(bench).check_drawn()
-        result = super().run(bench)
-        self.leave(result, bench)
+            self.session(context).check_drawn()
+        result = super().run(context)
+        self.leave(result, context)
         return dataclasses.replace(result, trace=None)
 
-    def leave(self, result: Result, bench: Bench) -> None:
+    def leave(self, result: Result, context: WorkerContext) -> None:
         """Write the files of a run."""
         if self.plot is not None:
             from cosim.show import plot

@@ -35,28 +35,27 @@ def document(outcomes: Outcomes) -> str:
 def suite(name: str, outcome: Outcome) -> Element:
     """Test suite of a scenario; a scenario without criteria has one test case."""
     found = Element("testsuite", name=name)
+
+    def case(identifier: str, kind: str = "", message: str = "") -> Element:
+        """Add a test case, with an element of a kind if it did not pass."""
+        added = SubElement(found, "testcase", classname=name, name=identifier)
+        return SubElement(added, kind, message=message) if kind else added
+
     if not isinstance(outcome, Result):
-        SubElement(case(found, name, "run"), "error", message=outcome.message).text = str(outcome)
+        case("run", "error", outcome.message).text = str(outcome)
     elif not outcome.criteria:
-        SubElement(case(found, name, "run"), "skipped", message=NOTHING_DEMANDED)
+        case("run", "skipped", NOTHING_DEMANDED)
     else:
         found.set("time", f"{outcome.wall_s:.3f}")
         for verdict in outcome.criteria:
-            add_verdict(case(found, name, verdict.criterion.id), verdict)
+            case(verdict.criterion.id, "" if verdict.passed else "failure", problem(verdict))
     found.set("tests", str(len(found)))
     for count, kind in COUNTS.items():
         found.set(count, str(len(found.findall(f"testcase/{kind}"))))
     return found
 
 
-def case(parent: Element, scenario: str, name: str) -> Element:
-    """Test case of a suite."""
-    return SubElement(parent, "testcase", classname=scenario, name=name)
-
-
-def add_verdict(found: Element, verdict: Verdict) -> None:
-    """Record a failed criterion."""
-    if not verdict.passed:
-        limit = f", limit {limits(verdict)}" if limits(verdict) else ""
-        problem = f"{verdict.criterion.claim}: {measured(verdict)}{limit}"
-        SubElement(found, "failure", message=problem)
+def problem(verdict: Verdict) -> str:
+    """Claim, measured value and limit of a failed criterion."""
+    limit = f", limit {limits(verdict)}" if limits(verdict) else ""
+    return f"{verdict.criterion.claim}: {measured(verdict)}{limit}"

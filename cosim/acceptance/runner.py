@@ -18,7 +18,7 @@ from cosim.errors import CosimError
 from cosim.fmu import stale
 from cosim.loop.engines import Engine
 from cosim.loop.result import Result
-from cosim.pool import local
+from cosim.pool import executor
 from cosim.pool.job import Job, Outcome
 from cosim.pool.limits import Limits, processors
 from cosim.scenario.load import load
@@ -51,45 +51,23 @@ class StoppedError(KeyboardInterrupt):
 
 @dataclass(frozen=True)
 class RunOptions:
-    """How scenarios are run.
-
-    Parameters
-    ----------
-    folder
-        Folder of `NAME.json` and `NAME.svg`; None writes nothing.
-    plots
-        Whether to draw the plots.
-    workers
-        Number of worker processes; None is one for each available processor.
-    limits
-        Limits of each run.
-    quiet
-        Whether to hide the progress.
-    """
+    """How scenarios are run."""
 
     folder: Path | None = None
+    """Folder of `NAME.json` and `NAME.svg`; None writes nothing."""
     plots: bool = True
     workers: int | None = None
+    """Number of worker processes; None is one for each available processor."""
     engine: Engine = "native"
     limits: Limits | None = None
     quiet: bool = False
 
 
 def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = None) -> Outcomes:
-    """Run scenarios given by name or file, each once with its own seed.
+    """Run scenarios given by name or file, each once with its own seed; `change` replaces their tasks.
 
-    Parameters
-    ----------
-    change
-        Replaces the task of each scenario.
-
-    Raises
-    ------
-    CosimError
-        Two files have one name, the folder cannot be written, it holds a file of another kind,
-        or no worker can be started.
-    StoppedError
-        Ctrl-C.
+    Raises CosimError if two files have one name, the folder cannot be written or holds a file of another
+    kind, or no worker can be started; StoppedError after Ctrl-C.
     """
     names: dict[str, str] = {}
     for given in scenarios:
@@ -134,25 +112,23 @@ def outcomes(jobs: Mapping[str, Job], options: RunOptions) -> Iterator[tuple[str
     """Outcomes by name, in order of completion."""
     names = list(jobs)
     workers = min(options.workers or processors(), len(jobs))
-    with contextlib.closing(
-        local.outcomes(enumerate(jobs.values()), workers, options.limits or Limits())
-    ) as done:
-        for number, outcome in done:
+    pool = executor.outcomes(enumerate(jobs.values()), workers, options.limits or Limits())
+    with contextlib.closing(pool):
+        for number, outcome in pool:
             yield names[number], outcome
 
 
 def job(given: str, files: tuple[Path, ...], options: RunOptions) -> RecordedJob | CosimError:
     """Job of a scenario, or the error in it."""
-    json, plot = files or (None, None)
     try:
         scenario = load(given)
         stale.warn_of(scenario.fmus, scenario.folder)
     except CosimError as error:
         return error
+    json, plot = files or (None, None)
     plot = plot if options.plots else None
-    return RecordedJob(
-        scenario, scenario.loop.seed, options.engine, keep_trace=plot is not None, json=json, plot=plot
-    )
+    keep_trace = plot is not None
+    return RecordedJob(scenario, scenario.loop.seed, options.engine, keep_trace, json=json, plot=plot)
 
 
 def places(folder: Path | None, name: str) -> tuple[Path, ...]:

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Sequence
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 
 from cosim.acceptance.runner import Outcomes
 from cosim.formatting.verdicts import NOTHING_DEMANDED, cells, columns
 from cosim.loop.result import Result
-from cosim.metrics.criteria import Verdict
 from cosim.show.bar import plain_console
 from cosim.show.display import pass_text
 from cosim.show.listing import plain_table
@@ -29,8 +26,10 @@ COULD_NOT_RUN = "could not run"
 
 
 def table(outcomes: Outcomes) -> RenderableType:
-    """Table of all criteria, and the number that passed."""
-    names = columns(verdicts_of(outcomes))
+    """Table of all criteria, and the number that passed; the first row of a scenario has its name."""
+    results = [outcome for outcome in outcomes.values() if isinstance(outcome, Result)]
+    verdicts = [verdict for result in results for verdict in result.criteria]
+    names = columns(verdicts)
     shown = plain_table("scenario", *names)
     for column in shown.columns:
         column.no_wrap = column.header not in FOLDED
@@ -40,29 +39,13 @@ def table(outcomes: Outcomes) -> RenderableType:
         elif not outcome.criteria:
             shown.add_row(name, NOTHING_DEMANDED)
         else:
-            add(shown, names, name, outcome)
-    return Group(shown, closing_line(outcomes))
-
-
-def add(shown: Table, names: Sequence[str], name: str, result: Result) -> None:
-    """Add the criteria of a scenario; the first row has its name."""
-    for index, verdict in enumerate(result.criteria):
-        *parts, _ = cells(verdict, names, DIGITS)
-        shown.add_row("" if index else name, *parts, pass_text(verdict))
-
-
-def verdicts_of(outcomes: Outcomes) -> list[Verdict]:
-    """Verdicts of all scenarios that gave a result."""
-    results = [outcome for outcome in outcomes.values() if isinstance(outcome, Result)]
-    return [verdict for result in results for verdict in result.criteria]
-
-
-def closing_line(outcomes: Outcomes) -> str:
-    """Return the number of passed criteria, and of scenarios that could not run."""
-    verdicts = verdicts_of(outcomes)
+            for index, verdict in enumerate(outcome.criteria):
+                *parts, _ = cells(verdict, names, DIGITS)
+                shown.add_row("" if index else name, *parts, pass_text(verdict))
     line = f"{sum(verdict.passed for verdict in verdicts)} of {len(verdicts)} criteria passed"
-    lost = sum(not isinstance(outcome, Result) for outcome in outcomes.values())
-    return line + (f", {lost} of {len(outcomes)} scenarios {COULD_NOT_RUN}" if lost else "")
+    if lost := len(outcomes) - len(results):
+        line += f", {lost} of {len(outcomes)} scenarios {COULD_NOT_RUN}"
+    return Group(shown, line)
 
 
 def text(shown: RenderableType) -> str:

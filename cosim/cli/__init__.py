@@ -26,9 +26,9 @@ def main() -> NoReturn:
     with contextlib.ExitStack() as stack:
         stack.enter_context(interrupts.handled_by(interrupts.quit_at_once, signal.SIG_DFL))
         if isolated(sys.argv[1:]):
-            from cosim.pool import once
+            from cosim.pool import single_task
 
-            stack.enter_context(once.started_ahead())
+            stack.enter_context(single_task.started_ahead())
         from cosim.cli.app import app, status_of
 
         replace_unsupported_characters()

@@ -11,7 +11,7 @@ from typer import Argument, Option
 from cosim import interrupts
 from cosim.cli import complete
 from cosim.errors import CosimError
-from cosim.formatting.versions import PROJECT, version
+from cosim.extras import PROJECT, version
 from cosim.loop import engines
 from cosim.pool.limits import Limits
 from cosim.writing import JSON, check_text

@@ -16,10 +16,6 @@ from cosim.show.console import configure_logging, output, report
 from cosim.writing import write
 
 MERGE = "merge"
-CLUSTER = (
-    "Dask scheduler: address, scheduler file (`.json`), or file with address, ca, certificate and key for "
-    "TLS (`.toml`)."
-)
 
 
 def sweep(
@@ -35,7 +31,6 @@ def sweep(
         str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of results; default `STUDY.sweep`.")
     ] = None,
     workers: Workers = None,
-    cluster: Annotated[str | None, Option(metavar="ADDRESS|FILE", help=CLUSTER)] = None,
     engine: Engine = "native",
     part: Annotated[
         str, Option(metavar="I/N", help="Run only part I of N, into a folder of its own, see `merge`.")
@@ -49,8 +44,8 @@ def sweep(
     """Run the cases of a study in parallel.
 
     Completed runs are not repeated: the command continues an interrupted sweep.
-    On machines without a common scheduler, run each part, then merge the folders
-    into that of an undivided sweep:
+    On several machines, run each part, then merge the folders into that of an
+    undivided sweep:
 
     \b
         cosim sweep STUDY.toml --part 1/20
@@ -67,9 +62,7 @@ def sweep(
         file = command.of_parts(merged)
     elif folders:
         raise CosimError(f"`{folders[0]}` is a second study", "Give one study.")
-    options = command.Options(
-        file, out, workers, cluster, engine, again, plots, quiet, part=part, merged=merged
-    )
+    options = command.Options(file, out, workers, engine, again, plots, quiet, part=part, merged=merged)
     found, tables = command.execute(options)
     if json is not None:
         write(found.to_json(), json)

@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from cosim.check.checked import Checked
     from cosim.loop.engines import Engine
     from cosim.loop.result import Result
-    from cosim.pool.job import Bench
+    from cosim.pool.job import WorkerContext
     from cosim.pool.limits import Limits
     from cosim.scenario.assignment import Assignment
     from cosim.scenario.model import Scenario
 
 
 def place(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
-    """Runner of tasks, see `once.place`; imports its dependencies now."""
+    """Runner of tasks, see `single_task.executor`; imports its dependencies now."""
     with interrupts.handled_by(interrupts.quit_at_once):
-        from cosim.pool import once
-    return once.place(limits)
+        from cosim.pool import single_task
+    return single_task.executor(limits)
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Single:
     sheet: Sheet
     stream: Path | None = None
 
-    def run(self, bench: Bench) -> Report:
+    def run(self, context: WorkerContext) -> Report:
         """Run once."""
         from cosim.fmu import stale
         from cosim.loop import time_series
@@ -87,7 +87,7 @@ class Single:
         from cosim.trace import files
 
         scenario = load(self.loop, self.changes)
-        session = bench.session(scenario, self.engine, self.verbose)
+        session = context.session(scenario, self.engine, self.verbose)
         stale.warn_of(scenario.fmus, scenario.folder)
         if self.plot is not None:
             from cosim.show import figure
@@ -97,7 +97,7 @@ class Single:
         if self.trace is not None:
             time_series.check_apart(scenario, "--trace", self.trace)
             files.check_rows(self.trace, scenario.loop.rows)
-        result = session.run(progress=bench.progress, stream=self.stream)
+        result = session.run(progress=context.progress, stream=self.stream)
         return Report(
             passed=result.passed,
             table=rendered(display.result(result), self.sheet),
@@ -116,14 +116,14 @@ class Show:
     parts: tuple[str, ...]
     sheet: Sheet
 
-    def run(self, bench: Bench) -> str:
+    def run(self, context: WorkerContext) -> str:
         """Open the scenario and describe it."""
         from cosim.fmu import stale
         from cosim.scenario.load import load
         from cosim.show import display
 
         scenario = load(self.loop, self.changes)
-        session = bench.session(scenario, "reference")
+        session = context.session(scenario, "reference")
         stale.warn_of(scenario.fmus, scenario.folder)
         return rendered(display.scenario(scenario, session.fmus, session.plant, self.parts), self.sheet)
 
@@ -134,7 +134,7 @@ class Schema:
 
     loop: str
 
-    def run(self, bench: Bench) -> dict[str, Any]:
+    def run(self, context: WorkerContext) -> dict[str, Any]:
         """Describe their settings; the FMUs are only read."""
         from cosim.loop import fmus, plant
         from cosim.loop.place import Stage
@@ -143,13 +143,13 @@ class Schema:
         from cosim.schema.filled import filled_schema, settable_variables
 
         scenario = load(self.loop)
-        bench.place.begin("", scenario.plant.name, 0, 0.0)
+        context.place.begin("", scenario.plant.name, 0, 0.0)
         with located(scenario):
             files = fmus.open_files(scenario)
-            bench.place.at(Stage.BUILD_PLANT)
+            context.place.at(Stage.BUILD_PLANT)
             kind = plant.plant_class(scenario.plant.name, scenario.folder)
             plant.check_class(kind)
-            bench.place.at(Stage.NONE)
+            context.place.at(Stage.NONE)
         found = {name: settable_variables(file.variables.values()) for name, file in files.items()}
         return filled_schema(scenario, found, kind.Parameters)
 
@@ -160,11 +160,11 @@ class Check:
 
     file: str
 
-    def run(self, bench: Bench) -> Checked:
+    def run(self, context: WorkerContext) -> Checked:
         """Check the file without a run."""
         from cosim.check.files import check
 
-        return check(self.file, bench.place)
+        return check(self.file, context.place)
 
 
 @dataclass(frozen=True)
@@ -184,11 +184,11 @@ class New:
     plant: str
     folder: Path
 
-    def run(self, bench: Bench) -> DraftText:
+    def run(self, context: WorkerContext) -> DraftText:
         """Open both and match them."""
         from cosim.new.draft import draft
         from cosim.new.write import text
 
-        found = draft(self.fmu, self.plant, self.folder, bench.place)
+        found = draft(self.fmu, self.plant, self.folder, context.place)
         wired = len(found.readings) + len(found.commands)
         return DraftText(text(found), wired, len(found.inputs) + len(found.commanded) - wired)

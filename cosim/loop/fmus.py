@@ -63,9 +63,9 @@ def check_process(files: Iterable[FmuFile]) -> None:
     Raises
     ------
     FmuError
-        A module of this process has the name of a module of an FMU.
+        A module of a worker process has the name of a module of an FMU.
     NewProcessError
-        The process has loaded other files that they cannot follow.
+        The process has loaded other files that they cannot follow, or is no worker and has such a module.
     """
     wanted = {file.folder: file for file in files}
     for file in wanted.values():
@@ -81,6 +81,9 @@ def check_process(files: Iterable[FmuFile]) -> None:
             raise NewProcessError(f"{both}: {why}", repeats.SEPARATE)
         if module := bundled.foreign_module(file.folder):
             problem = f"{shown} would use `{paths.shown(Path(module))}` in place of its own module"
+            # a worker process holds only the modules of this run
+            if not strict:
+                raise NewProcessError(problem, repeats.SEPARATE)
             raise FmuError(problem, "Rename one of the modules.")
     loaded.update(wanted)
 

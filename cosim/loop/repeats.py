@@ -51,7 +51,7 @@ class NewProcessError(FmuError):
 
     @property
     def warning(self) -> str:
-        """Warning of the caller that runs it in a new process; empty without kept state."""
+        """Warning of a caller with many runs, for whom only kept state costs time; empty without it."""
         return f"{self.message}; every run gets a new process" if self.state else ""
 
 

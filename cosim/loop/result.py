@@ -10,12 +10,12 @@ from typing import Any
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError
+from cosim.extras import PROJECT, version
 from cosim.fmu.archive import DisplayUnit
 from cosim.formatting import html, strict
 from cosim.formatting.frame import dataframe
 from cosim.formatting.strict import plain
 from cosim.formatting.verdicts import STATUSES, counted
-from cosim.formatting.versions import PROJECT, version
 from cosim.metrics.criteria import Measured, Verdict
 from cosim.trace import files
 from cosim.trace.columns import Columns, Held

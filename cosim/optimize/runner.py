@@ -12,8 +12,7 @@ from cosim.loop.engines import Engine
 from cosim.loop.result import Result
 from cosim.optimize.objective import MISFIT, misfit
 from cosim.optimize.variants import Variants
-from cosim.pool import local
-from cosim.pool.inbox import Inbox
+from cosim.pool import executor
 from cosim.pool.job import Outcome
 from cosim.pool.limits import processors
 from cosim.study.run import Run
@@ -36,15 +35,15 @@ class Runner(Closing):
         self.variants, self.options = variants, options
         most = variants.problem.search.batch * len(variants.seeds)
         count = min(options.workers or processors(), most)
-        self.inbox = Inbox()
-        self.outcomes = local.outcomes(self.inbox, count, variants.problem.limits.of_workers())
+        self.jobs = executor.JobQueue()
+        self.outcomes = executor.outcomes(self.jobs, count, variants.problem.limits.of_workers())
 
     def do(self, runs: Sequence[Run], store: Store) -> None:
         """Execute the runs without a row, each once; a row is written at the end of each run."""
         redone = ("", *TROUBLES) if self.options.again else ("",)
         pending = list({run.hash: run for run in runs if store.status(run.hash) in redone}.values())
         for number, run in enumerate(pending):
-            self.inbox.put((number, self.variants.job(run, self.options.engine)))
+            self.jobs.put((number, self.variants.job(run, self.options.engine)))
         for number, outcome in itertools.islice(self.outcomes, len(pending)):
             store.append(self.row(pending[number], outcome))
 

@@ -1,1 +1,1 @@
-"""Execution of runs: in supervised worker processes of this machine or a Dask cluster, or in this process."""
+"""Execution of runs: in supervised worker processes or in this process."""

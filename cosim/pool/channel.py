@@ -29,8 +29,8 @@ def numbered(number: int) -> bytes:
 
 
 @dataclass(frozen=True)
-class Parcel:
-    """A received message, decoded where its imports are allowed."""
+class Frame:
+    """A received message, decoded by `open` where its imports are allowed."""
 
     body: bytearray
     arrays: list[bytearray]
@@ -41,13 +41,7 @@ class Parcel:
 
 
 class MessageChannel(Closing):
-    """One end of a connection; several threads can send, one receives.
-
-    Parameters
-    ----------
-    source, sink
-        Buffered ends of two pipes.
-    """
+    """One end of a connection through two pipes; several threads can send, one receives."""
 
     def __init__(self, source: BinaryIO, sink: BinaryIO) -> None:
         self.source, self.sink = source, sink
@@ -60,49 +54,37 @@ class MessageChannel(Closing):
         return os.getpid() == self.maker
 
     def send(self, message: Any) -> None:
-        """Send one message; arrays are sent directly from their memory.
+        """Send one message, arrays directly from their memory; raises OSError if the other side is gone.
 
         A fork of the process by an FMU ends here, so that only one process answers.
-
-        Raises
-        ------
-        OSError
-            The other side is gone.
         """
         if not self.own:
             os._exit(0)
         arrays: list[pickle.PickleBuffer] = []
-        parts: list[bytes | memoryview] = [
-            pickle.dumps(message, 5, buffer_callback=arrays.append),
-            *(array.raw() for array in arrays),
-        ]
+        body = pickle.dumps(message, 5, buffer_callback=arrays.append)
+        parts = [memoryview(body), *(array.raw() for array in arrays)]
         with self.lock:
             self.sink.write(numbered(len(parts)))
             for part in parts:
-                self.sink.write(numbered(memoryview(part).nbytes))
+                self.sink.write(numbered(part.nbytes))
                 self.sink.write(part)
             self.sink.write(MARK)
             self.sink.flush()
 
-    def receive(self) -> Parcel:
+    def receive(self) -> Frame:
         """Wait for one message.
 
-        Raises
-        ------
-        EOFError, OSError
-            The other side is gone.
-        NoMessageError
-            The received bytes are not a message.
+        Raises EOFError or OSError if the other side is gone, and NoMessageError for other bytes.
         """
         body, *arrays = [self._take(self._number()) for _ in range(self._number())]
         if self._take(len(MARK)) != MARK:
             raise NoMessageError
-        return Parcel(body, arrays)
+        return Frame(body, arrays)
 
     def _number(self) -> int:
-        came = self._take(NUMBER.size)
-        number = int(NUMBER.unpack(came)[1])
-        if came != numbered(number):
+        received = self._take(NUMBER.size)
+        number = int(NUMBER.unpack(received)[1])
+        if received != numbered(number):
             raise NoMessageError
         return number
 

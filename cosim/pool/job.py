@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from cosim.errors import CosimError, FmuError
 from cosim.loop.repeats import Verdicts
-from cosim.pool.lines import EVENTS
+from cosim.pool.log_relay import EVENTS
 
 if TYPE_CHECKING:
     from cosim.loop.engines import Engine
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from cosim.loop.session import Session
     from cosim.scenario.model import Scenario
 
-# texts: who only waits for a worker imports nothing of what it runs
+# texts: a process that only waits for a worker imports nothing of what it runs
 Outcome: TypeAlias = "Result | CosimError"
 """Outcome of a run: its result or its error."""
 Numbered: TypeAlias = "tuple[int, Job]"
@@ -30,13 +30,7 @@ log = logging.getLogger("cosim")
 
 
 class WorkerError(CosimError):
-    """A run that ended its worker process.
-
-    Attributes
-    ----------
-    status
-        `crashed`, `timeout`, `memory` or `lost`.
-    """
+    """A run that ended its worker process, with the status `crashed`, `timeout` or `memory`."""
 
     def __init__(self, status: str, message: str, hint: str = "") -> None:
         super().__init__(message, hint)
@@ -46,7 +40,7 @@ class WorkerError(CosimError):
         return WorkerError, (self.status, self.message, self.hint)
 
 
-class Bench(Protocol):
+class WorkerContext(Protocol):
     """Environment of a task."""
 
     place: Place
@@ -59,18 +53,26 @@ class Bench(Protocol):
 class Task(Protocol):
     """A task that can be sent to a worker."""
 
-    def run(self, bench: Bench) -> Any:
+    def run(self, context: WorkerContext, /) -> Any:
         """Execute the task; the return value is sent back."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """Message to a worker: a task, the log level, the maximum number of log lines, and known verdicts."""
+
+    task: Task
+    level: int
+    lines: float
+    verdicts: Verdicts
 
 
 @dataclass(frozen=True)
 class Job:
     """One run of a scenario with a seed and an engine; its result can keep the trace.
 
-    `stream` is a Parquet file for the trace. FMUs log events if the log level includes them.
-
-    `fmus` are the required SHA-256 of the FMUs, compared with the names of their extracted folders; empty
-    accepts any.
+    `stream` is a Parquet file for the trace. `fmus` are the required SHA-256 of the FMUs, compared with the
+    names of their extracted folders; empty accepts any.
     """
 
     scenario: Scenario
@@ -80,32 +82,22 @@ class Job:
     fmus: tuple[str, ...] = ()
     stream: Path | None = None
 
-    def run(self, bench: Bench) -> Result:
+    def run(self, context: WorkerContext) -> Result:
         """Run the scenario once."""
-        session = self.session(bench)
+        session = self.session(context)
         for fmu, wanted in zip(session.fmus, self.fmus, strict=False):
             folder = fmu.file.folder
             if folder.name != wanted[: len(folder.name)]:
                 problem = f"the FMU `{fmu.file.path}` is not the FMU with which the sweep started"
                 raise FmuError(problem, "Start a new sweep after a rebuild of the FMU.")
-        result = session.run(self.seed, bench.progress, self.stream)
+        result = session.run(self.seed, context.progress, self.stream)
         return result if self.keep_trace else dataclasses.replace(result, trace=None)
 
-    def session(self, bench: Bench) -> Session:
-        """Session of the scenario, which logs events if the log level includes them."""
-        return bench.session(self.scenario, self.engine, log.isEnabledFor(EVENTS))
+    def session(self, context: WorkerContext) -> Session:
+        """Session of the scenario, whose FMUs log events if the log level includes them."""
+        return context.session(self.scenario, self.engine, log.isEnabledFor(EVENTS))
 
 
 def name(number: int, job: Job) -> str:
     """Name of a run in the log."""
     return f"run {number}, seed {job.seed}"
-
-
-@dataclass(frozen=True)
-class Order:
-    """Message to a worker: a task, the log level, the maximum number of log lines, and known verdicts."""
-
-    task: Task
-    level: int
-    lines: float
-    verdicts: Verdicts

@@ -70,13 +70,7 @@ def system_confines() -> bool:
 
 
 def confine(memory: float) -> None:
-    """Limit the memory of this process in bytes: further allocations fail.
-
-    Raises
-    ------
-    MemoryError
-        It uses more already.
-    """
+    """Limit the memory of this process in bytes; raises MemoryError with its use if that is more already."""
     import resource
 
     now = memory_of()
@@ -85,9 +79,8 @@ def confine(memory: float) -> None:
     # what is reserved but not touched, such as stacks of threads, is no memory that it has
     most = int(now.data + memory - now.rss)
     _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    resource.setrlimit(
-        resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard)
-    )
+    soft = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
 
 
 def processors() -> int:
@@ -104,12 +97,10 @@ def quota(root: Path = CGROUPS, membership: Path = MEMBERSHIP) -> float:
         for line in membership.read_text().splitlines():
             group = Path(line.split(":", 2)[-1])
             groups |= {group, *group.parents}
-    return min(granted(root / group.relative_to("/")) for group in groups if group.is_absolute())
-
-
-def granted(group: Path) -> float:
-    """Processors of the quota of one group."""
-    with contextlib.suppress(OSError, ValueError):
-        most, period = (group / "cpu.max").read_text().split()
-        return math.inf if most == "max" else int(most) / int(period)
-    return math.inf
+    quotas = [math.inf]
+    for group in groups:
+        # the quota of a group without a limit is `max`, which is no number
+        with contextlib.suppress(OSError, ValueError):
+            most, period = (root / group.relative_to("/") / "cpu.max").read_text().split()
+            quotas.append(int(most) / int(period))
+    return min(quotas)

@@ -14,7 +14,7 @@ from cosim.loop.reference import Progress
 from cosim.loop.repeats import NewProcessError
 from cosim.loop.result import Result
 from cosim.loop.session import Session
-from cosim.pool import local
+from cosim.pool import executor
 from cosim.pool.job import Job, Outcome
 from cosim.pool.limits import Limits, processors
 from cosim.pool.supervisor import Worker
@@ -70,8 +70,7 @@ def run(
             with Session(scenario, engine=engine) as session:
                 return session.run(seed, progress, stream)
         except NewProcessError as error:
-            if error.warning:
-                log.warning("%s", error.warning)
+            log.warning("%s", error.warning or f"{error.message}; the run gets a new process")
     file = None if stream is None else endings.streamed(Path(stream))
     seed = scenario.loop.seed if seed is None else seed
     with whole_if(file) as part:
@@ -162,7 +161,7 @@ def ordered(jobs: Sequence[Job], workers: int | None, limits: Limits | None = No
     count = min(workers or processors(), len(jobs))
     numbered = enumerate(jobs)
     inside = count <= 1 and limits is None
-    pool = local.inside(numbered) if inside else local.outcomes(numbered, count, limits or Limits())
+    pool = executor.inside(numbered) if inside else executor.outcomes(numbered, count, limits or Limits())
     early: dict[int, Outcome] = {}
     wanted = 0
     with contextlib.closing(pool) as done:

@@ -8,18 +8,17 @@ import math
 import subprocess
 import threading
 import time
-from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cosim.closing import Closing
 from cosim.loop import repeats
 from cosim.loop.place import Place
 from cosim.loop.repeats import NewProcessError
-from cosim.pool.channel import NoMessageError, Parcel
-from cosim.pool.child import Child, ending, no_start, spawn
-from cosim.pool.job import Order, Task, WorkerError
+from cosim.pool.channel import Frame, NoMessageError
+from cosim.pool.job import Request, Task, WorkerError
 from cosim.pool.limits import Limits, system_confines
-from cosim.pool.lines import OnLine, most, report
+from cosim.pool.log_relay import OnLine, max_lines, report
+from cosim.pool.worker_handle import WorkerHandle, ending, no_start, spawn
 from cosim.warned import warn_once
 
 START_TIMEOUT = 120.0
@@ -28,19 +27,19 @@ MEMORY_INTERVAL = 0.02
 """Period of memory checks of a worker process without a limit of the operating system, s."""
 GRACE = 2.0
 """Maximum time for a worker process to close FMU and plant and to end, s."""
-LOOK_INTERVAL = 1.0
+ALIVE_INTERVAL = 1.0
 """Period of checks that the process is alive, s: its child processes may keep its connection open."""
-WATCH_INTERVAL = 0.1
+PROGRESS_INTERVAL = 0.1
 """Period of progress messages, s."""
 LAST_MESSAGE = 0.2
 """Maximum time for a message of an ended process to be read, s."""
 KILLED = (-9, -15)
 """Return codes of a process that SIGKILL or SIGTERM ended, as others send them."""
-AGAIN = "Increase `{}`, or check the scenario for a hang."
+
+if TYPE_CHECKING:
+    from cosim.loop.reference import Progress
 
 log = logging.getLogger("cosim")
-Watch = Callable[[int, int], None]
-"""Called periodically with the completed and the total number of steps."""
 
 
 class ClosedError(Exception):
@@ -50,19 +49,14 @@ class ClosedError(Exception):
 class Worker(Closing):
     """One worker process: started with a task, killed if it exceeds a limit, replaced after its end.
 
-    Parameters
-    ----------
-    limits
-        Limits of each task.
-    relay
-        Whether its output goes to stderr and all its log lines to the log; otherwise only the last line is
-        kept for error texts, and the log is limited.
+    With `relay` its output goes to stderr and all its log lines to the log; otherwise only the last line is
+    kept for error texts, and the log is limited.
     """
 
     def __init__(self, limits: Limits, relay: bool = False) -> None:
         self.limits = limits
         self.relay = relay
-        self.child: Child | None = None
+        self.handle: WorkerHandle | None = None
         self.on_line: OnLine = report
         self.lock = threading.Lock()
         self.closed = False
@@ -80,210 +74,211 @@ class Worker(Closing):
         """
         self.start(self.confined)
 
-    def call(self, task: Task, watch: Watch | None = None, on_line: OnLine = report) -> Any:
+    def call(self, task: Task, progress: Progress | None = None, on_line: OnLine = report) -> Any:
         """Execute one task and wait for its outcome, which is a `CosimError` if it failed.
 
-        `on_line` receives its log lines.
+        `on_line` receives its log lines. Raises CosimError if no worker process can be started.
 
         A process can die because of an earlier run, a memory limit or an external signal. The task is then
         repeated once in a new process, whose memory is only checked periodically. A run whose result would
         depend on earlier ones has a new process.
-
-        Raises
-        ------
-        CosimError
-            No worker process can be started.
         """
         self.on_line = on_line
-        outcome = self.attempt(task, watch, self.confined)
+        outcome = self.attempt(task, progress, self.confined)
         if self.doubtful(outcome):
             log.info("%s; the run is repeated in a new process", outcome.message)
-            outcome = self.attempt(task, watch, None)
+            outcome = self.attempt(task, progress, None)
         if isinstance(outcome, NewProcessError):
             if outcome.warning:
                 self.on_line((log.name, logging.WARNING, outcome.warning))
             self.finish()
-            outcome = self.attempt(task, watch, self.confined)
-        child = self.child
-        if self.limits.process_per_run or (child and (child.spoilt or child.memory != self.confined)):
+            outcome = self.attempt(task, progress, self.confined)
+        handle = self.handle
+        if self.limits.process_per_run or (handle and (handle.spoilt or handle.memory != self.confined)):
             self.finish()
         return outcome
 
     def doubtful(self, outcome: Any) -> bool:
         """Whether a crash may have another cause than the current run."""
-        if not isinstance(outcome, WorkerError) or outcome.status != "crashed" or self.child is None:
+        if not isinstance(outcome, WorkerError) or outcome.status != "crashed" or self.handle is None:
             return False
-        killed = self.child.process.returncode in KILLED
-        return killed or self.child.tasks > 1 or self.child.memory is not None
+        killed = self.handle.process.returncode in KILLED
+        return killed or self.handle.tasks > 1 or self.handle.memory is not None
 
-    def attempt(self, task: Task, watch: Watch | None, memory: float | None) -> Any:
+    def attempt(self, task: Task, progress: Progress | None, memory: float | None) -> Any:
         """Execute one task in a process with a memory limit."""
-        child = self.start(memory)
-        if child.output:
-            child.output.kept = b""
+        handle = self.start(memory)
+        if handle.output:
+            handle.output.kept = b""
         self.place.clear()
-        first = not child.tasks
-        child.tasks += 1
-        child.busy, child.said = True, ""
-        lines = math.inf if self.relay else most()
+        first = not handle.tasks
+        handle.tasks += 1
+        handle.busy, handle.last_log = True, ""
+        lines = math.inf if self.relay else max_lines()
         try:
             # a process that dies while it starts is reported by `outcome`
             with contextlib.suppress(OSError):
                 if first:
-                    child.channel.send(memory)
-                child.channel.send(Order(task, log.getEffectiveLevel(), lines, dict(repeats.verdicts)))
-            return self.outcome(child, watch)
+                    handle.channel.send(memory)
+                handle.channel.send(Request(task, log.getEffectiveLevel(), lines, dict(repeats.verdicts)))
+            return self.outcome(handle, progress)
         except (EOFError, OSError):
-            return self.crashed(child)
+            return self.crashed(handle)
         except NoMessageError:
-            return self.garbled(child)
+            return self.garbled(handle)
 
-    def start(self, memory: float | None) -> Child:
+    def start(self, memory: float | None) -> WorkerHandle:
         """Live process with this memory limit; a new one is started if necessary."""
         with self.lock:
             if self.closed:
                 raise ClosedError
-            child = self.child
-            fits = child is not None and (child.memory == memory or not child.tasks)
-            if child is None or not fits or child.process.poll() is not None:
+            handle = self.handle
+            fits = handle is not None and (handle.memory == memory or not handle.tasks)
+            if handle is None or not fits or handle.process.poll() is not None:
                 self.kill()
                 self.release()
-                child = self.child = spawn(self.relay)
-                self.place = child.place
-            child.memory = memory
-            return child
+                handle = self.handle = spawn(self.relay)
+                self.place = handle.place
+            handle.memory = memory
+            return handle
 
-    def outcome(self, child: Child, watch: Watch | None) -> Any:
+    def outcome(self, handle: WorkerHandle, progress: Progress | None) -> Any:
         """Outcome of the sent task, or the exceeded limit."""
-        memory = self.limits.memory if child.memory is None else None
-        end, repeated = self.deadline(child), 0
+        memory = self.limits.memory if handle.memory is None else None
+        end, repeated = self.deadline(handle), 0
         while True:
             left = None if end is None else max(0.0, end - time.monotonic())
-            waits = (left, WATCH_INTERVAL if watch else None, MEMORY_INTERVAL if memory else None)
-            parcel = child.receive(min((LOOK_INTERVAL, *(wait for wait in waits if wait is not None))))
-            ended = parcel is None and child.process.poll() is not None
+            waits = (left, PROGRESS_INTERVAL if progress else None, MEMORY_INTERVAL if memory else None)
+            frame = handle.receive(min((ALIVE_INTERVAL, *(wait for wait in waits if wait is not None))))
+            ended = frame is None and handle.process.poll() is not None
             if ended:
-                parcel = child.receive(LAST_MESSAGE)
-            if parcel is not None:
-                kind, content = self.message(child, parcel)
+                frame = handle.receive(LAST_MESSAGE)
+            if frame is not None:
+                kind, content = self.message(handle, frame)
                 if kind == "ready":
-                    child.ready = content
-                    end = self.deadline(child)
+                    handle.pid = content
+                    end = self.deadline(handle)
                 elif kind == "done":
-                    child.busy = False
+                    handle.busy = False
                     outcome, fit, verdicts = content
-                    child.spoilt = not fit
+                    handle.spoilt = not fit
                     repeats.verdicts.update(verdicts)
                     return outcome
             elif left == 0.0:
                 if self.place.page.repeated == repeated:
-                    return self.too_long(child)
+                    return self.too_long(handle)
                 # an earlier run was repeated before this one, and each has its own time
-                repeated, end = self.place.page.repeated, self.deadline(child)
+                repeated, end = self.place.page.repeated, self.deadline(handle)
             elif ended:
-                return self.crashed(child)
-            if watch and self.place.page.steps:
-                watch(self.place.page.step, self.place.page.steps)
-            if memory and (used := child.resident()) > memory:
-                return self.too_much(used)
+                return self.crashed(handle)
+            if progress and self.place.page.steps:
+                progress(self.place.page.step, self.place.page.steps)
+            if memory and (used := handle.resident()) > memory:
+                return self.too_much(used, memory)
 
-    def message(self, child: Child, parcel: Parcel) -> tuple[str, Any]:
-        """Message of a process; passes on its log lines."""
+    def message(self, handle: WorkerHandle, frame: Frame) -> tuple[str, Any]:
+        """Kind and content of a message of a process; passes on its log lines.
+
+        `ready` has its number; `done` has the outcome, whether it is fit for another task, and verdicts.
+        """
         try:
-            kind, content = parcel.open()
+            kind, content = frame.open()
         except Exception:  # pickle has many
             raise NoMessageError from None
         if kind == "log":
-            child.said = content[2]
+            handle.last_log = content[2]
             self.on_line(content)
         return kind, content
 
-    def deadline(self, child: Child) -> float | None:
+    def deadline(self, handle: WorkerHandle) -> float | None:
         """Deadline of the answer."""
-        longest = self.limits.timeout if child.ready else START_TIMEOUT
+        longest = self.limits.timeout if handle.pid else START_TIMEOUT
         return None if longest is None else time.monotonic() + longest
 
-    def too_long(self, child: Child) -> WorkerError:
+    def position(self, who: str, did: str = "") -> str:
+        """Return what an FMU or plant did, and when; empty if there is none."""
+        return " ".join(filter(None, (who, did, self.place.when()))) if who else ""
+
+    def too_long(self, handle: WorkerHandle) -> WorkerError:
         """End a process after a timeout; return the error."""
         self.kill()
-        if not child.ready:
+        if not handle.pid:
             raise no_start(f"it is not ready within {START_TIMEOUT:g} s")
-        key, timeout = self.limits.keys[0], self.limits.timeout
-        who = self.place.who()
-        where = f"{who} did not return {self.place.when()}".rstrip() if who else ""
-        text = f"no result within `{key}` = `{timeout:g}` s"
-        return WorkerError("timeout", f"{text}: {where}" if where else text, AGAIN.format(key))
+        key = self.limits.keys[0]
+        text = f"no result within `{key}` = `{self.limits.timeout:g}` s"
+        where = self.position(self.place.who(), "did not return")
+        hint = f"Increase `{key}`, or check the scenario for a hang."
+        return WorkerError("timeout", f"{text}: {where}" if where else text, hint)
 
-    def too_much(self, used: float) -> WorkerError:
+    def too_much(self, used: float, memory: float) -> WorkerError:
         """End a process that used too much memory; return the error."""
         self.kill()
-        assert self.limits.memory is not None
-        key, memory = self.limits.keys[1], self.limits.memory / 1e6
-        text = f"`{used / 1e6:.0f}` MB of memory are more than `{key}` = `{memory:g}` MB"
-        who = self.place.who()
-        return WorkerError("memory", f"{text}, used by {who} {self.place.when()}".rstrip() if who else text)
+        limit = f"`{self.limits.keys[1]}` = `{memory / 1e6:g}` MB"
+        text = f"`{used / 1e6:.0f}` MB of memory are more than {limit}"
+        where = self.position(self.place.who())
+        return WorkerError("memory", f"{text}, used by {where}" if where else text)
 
-    def garbled(self, child: Child) -> WorkerError:
+    def garbled(self, handle: WorkerHandle) -> WorkerError:
         """End a process with a corrupted connection; return the error."""
         self.kill()
         how = "the connection to the worker process is corrupted"
-        if not child.ready:
+        if not handle.pid:
             raise no_start(how)
         who = self.place.ran() or "a task"
         return WorkerError("crashed", f"{who} wrote to a foreign file descriptor: {how}")
 
-    def crashed(self, child: Child) -> WorkerError:
+    def crashed(self, handle: WorkerHandle) -> WorkerError:
         """Error with the end of the process, its position and its last output."""
         with contextlib.suppress(subprocess.TimeoutExpired):
-            child.process.wait(1.0)
-        how = ending(child.process.poll())
+            handle.process.wait(1.0)
+        how = ending(handle.process.poll())
         self.kill()
-        said = child.last_output()
-        how += f"; its last output: {said}" if said else ""
-        if not child.ready:
+        if output := handle.last_output():
+            how += f"; its last output: {output}"
+        if not handle.pid:
             raise no_start(how)
         who = self.place.who() or self.place.ran() or "the worker process"
-        return WorkerError("crashed", f"{who} crashed {self.place.when()}".rstrip() + f": {how}")
+        return WorkerError("crashed", f"{self.position(who, 'crashed')}: {how}")
 
     def finish(self) -> None:
-        """Let an idle process close FMU and plant and end; kill it after a timeout."""
-        child = self.child
-        if child is None or child.busy or not child.tasks or child.process.poll() is not None:
+        """Let an idle process close FMU and plant and end; kill it after a timeout.
+
+        Logs an abnormal end, because the results of the process are complete.
+        """
+        handle = self.handle
+        if handle is None or handle.busy or not handle.tasks or handle.process.poll() is not None:
             self.kill()
             return
         end = time.monotonic() + GRACE
         late = True
         try:
-            child.note_offspring()
-            child.channel.send(None)
-            while (parcel := child.receive(max(0.0, end - time.monotonic()))) is not None:
-                self.message(child, parcel)
+            handle.note_children()
+            handle.channel.send(None)
+            while (frame := handle.receive(max(0.0, end - time.monotonic()))) is not None:
+                self.message(handle, frame)
         except (EOFError, OSError, NoMessageError):
             late = False
             with contextlib.suppress(subprocess.TimeoutExpired):
-                child.process.wait(max(0.0, end - time.monotonic()))
+                handle.process.wait(max(0.0, end - time.monotonic()))
         finally:
+            code = handle.process.poll()
             self.kill()
-        self.look_back(child, late)
-
-    def look_back(self, child: Child, late: bool) -> None:
-        """Log an abnormal end of a process whose results are complete."""
-        who, when, code = self.place.who(), self.place.when(), child.process.returncode
-        if self.closed or not (who or late or (code and not child.forced)):
-            return
-        how = f"it did not end within {GRACE:g} s and was killed" if late else ending(code)
-        warn_once(f"{who or 'a worker process'} {'hung' if late else 'crashed'} {when}".rstrip() + f": {how}")
+        who = self.place.who()
+        if not self.closed and (who or late or code):
+            how = f"it did not end within {GRACE:g} s and was killed" if late else ending(code)
+            where = self.position(who or "a worker process", "hung" if late else "crashed")
+            warn_once(f"{where}: {how}")
 
     def kill(self) -> None:
         """Kill the process and its child processes."""
-        if self.child is not None:
-            self.child.kill()
+        if self.handle is not None:
+            self.handle.kill()
 
     def release(self) -> None:
         """Release the resources of an ended process."""
-        child, self.child = self.child, None
-        if child is not None:
-            child.release()
+        handle, self.handle = self.handle, None
+        if handle is not None:
+            handle.release()
 
     def stop(self) -> None:
         """End the process; a `call` in another thread returns, and no other starts."""

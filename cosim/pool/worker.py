@@ -24,16 +24,13 @@ from cosim.loop.engines import Engine
 from cosim.loop.place import Place, Stage
 from cosim.loop.reference import Progress
 from cosim.loop.session import Session
-from cosim.pool.channel import MessageChannel, Parcel
-from cosim.pool.job import Order, Task, WorkerError
+from cosim.pool.channel import Frame, MessageChannel
+from cosim.pool.job import Request, Task, WorkerError
 from cosim.pool.limits import confine
 from cosim.process import POSIX
 from cosim.scenario.model import Scenario
 from cosim.warned import once
 
-READY, LOG, DONE = "ready", "log", "done"
-"""Kinds of messages of a worker process: ready; a log line; the outcome of a task, whether the process is fit
-for another, and the verdicts on its FMUs and plants."""
 IDLE = 600.0
 """Idle time after which a worker process ends, s; the next task starts another one."""
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
@@ -42,13 +39,7 @@ log = logging.getLogger("cosim")
 
 
 class JobRunner(Closing):
-    """Executes tasks in sequence; FMU and plant stay open for jobs that share them.
-
-    Parameters
-    ----------
-    place
-        Record of its position.
-    """
+    """Executes tasks in sequence as their context; FMU and plant stay open for jobs that share them."""
 
     def __init__(self, place: Place | None = None) -> None:
         self.place = place or Place()
@@ -56,13 +47,9 @@ class JobRunner(Closing):
         self.opened: Session | None = None
         self.wanted: tuple[Scenario, Engine, bool] | None = None
 
-    def call(self, task: Task, watch: Progress | None = None) -> Any:
-        """Execute one task as `Worker.call`; `watch` receives the completed and the total steps."""
-        self.progress = watch
-        return self.run(task)
-
-    def run(self, task: Task) -> Any:
+    def run(self, task: Task, progress: Progress | None = None) -> Any:
         """Execute one task; an error is an outcome, and the next task then has a new FMU and plant."""
+        self.progress = progress
         try:
             return task.run(self)
         except CosimError as error:
@@ -104,30 +91,30 @@ class Forward(logging.Handler):
         """Send one line."""
         if self.left > 0 and self.channel.own:
             self.left -= 1
-            self.channel.send((LOG, (record.name, record.levelno, self.format(record))))
+            self.channel.send(("log", (record.name, record.levelno, self.format(record))))
 
 
 def main(page: str, parent: int) -> None:
-    """Serve stdin and stdout until the order to end, or until the other side closes them."""
+    """Serve stdin and stdout until the end is requested, or until the other side closes them."""
     gc.enable()
     die_with(parent)
     channel, place = channel_of_streams(), Place(Path(page))
     # Windows keeps it until both sides are done
     with contextlib.suppress(OSError):
         Path(page).unlink()
-    tasks: queue.SimpleQueue[Parcel] = queue.SimpleQueue()
+    tasks: queue.SimpleQueue[Frame] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(channel, tasks), daemon=True).start()
     forward = Forward(channel)
     fmus.strict = True
-    refusal = refused(tasks)
+    exceeded = confined(tasks)
     with JobRunner(place) as runner, once():
-        channel.send((READY, os.getpid()))
+        channel.send(("ready", os.getpid()))
         before = process.belongings()
-        while (order := awaited(tasks)) is not None:
-            outcome = refusal or done(runner, order, forward)
-            outcome, fit = looked_over(outcome, before, runner.place)
-            channel.send((DONE, (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
-    # the interpreter would look through all that was imported for circles, which takes longer than the rest
+        while (request := awaited(tasks)) is not None:
+            outcome = exceeded or done(runner, request, forward)
+            outcome, fit = inspected(outcome, before, place)
+            channel.send(("done", (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
+    # a last search for reference cycles in all imported modules would take longer than the rest of the end
     gc.freeze()
 
 
@@ -145,7 +132,7 @@ def channel_of_streams() -> MessageChannel:
     return MessageChannel(os.fdopen(source, "rb"), os.fdopen(sink, "wb"))
 
 
-def refused(tasks: queue.SimpleQueue[Parcel]) -> WorkerError | None:
+def confined(tasks: queue.SimpleQueue[Frame]) -> WorkerError | None:
     """Set the memory limit of this process, sent first; an error if it is exceeded already."""
     memory: float | None = tasks.get().open()
     if memory is None:
@@ -158,48 +145,49 @@ def refused(tasks: queue.SimpleQueue[Parcel]) -> WorkerError | None:
     return None
 
 
-def awaited(tasks: queue.SimpleQueue[Parcel]) -> Order | CosimError | None:
-    """Wait for an order; None is the order to end."""
+def awaited(tasks: queue.SimpleQueue[Frame]) -> Request | CosimError | None:
+    """Wait for a request; None is the request to end."""
     try:
-        order: Order | None = tasks.get(timeout=IDLE).open()
+        request: Request | None = tasks.get(timeout=IDLE).open()
     except queue.Empty:
         return None
     except Exception as error:
         text = f"a worker process cannot read its task: {type(error).__name__}: {error}"
         return CosimError(text, "Make its module importable in every process.")
-    return order
+    return request
 
 
-def done(runner: JobRunner, order: Order | CosimError, forward: Forward) -> Any:
+def done(runner: JobRunner, request: Request | CosimError, forward: Forward) -> Any:
     """Outcome of one task; forwards its log."""
-    if isinstance(order, CosimError):
-        return order
-    forward.left = order.lines
-    repeats.verdicts.update(order.verdicts)
+    if isinstance(request, CosimError):
+        return request
+    forward.left = request.lines
+    repeats.verdicts.update(request.verdicts)
     log.handlers[:], log.propagate = [forward], False
-    log.setLevel(order.level)
-    outcome = runner.run(order.task)
+    log.setLevel(request.level)
+    outcome = runner.run(request.task)
     if isinstance(outcome, CosimError) and log.isEnabledFor(logging.DEBUG):
         # a traceback does not travel, its text does
         outcome.add_note("".join(traceback.format_exception(outcome)))
     return outcome
 
 
-def looked_over(outcome: Any, before: dict[str, object], place: Place) -> tuple[Any, bool]:
+def inspected(outcome: Any, before: dict[str, object], place: Place) -> tuple[Any, bool]:
     """Outcome, and whether the process state is unchanged; logs a change."""
     changed = process.changed(before)
     if not changed:
         return outcome, True
     problem = f"{place.ran() or 'a task'} changed {changed} of its process"
-    unforeseen_one = isinstance(outcome, UnforeseenError)
-    if unforeseen_one or (isinstance(outcome, CosimError) and process.LIMITS in changed):
-        outcome.message = f"{problem}: {outcome.__cause__ if unforeseen_one else outcome.message}"
-        return outcome, False
-    log.warning("%s: the next run has a new process", problem)
+    if isinstance(outcome, UnforeseenError):
+        outcome.message = f"{problem}: {outcome.__cause__}"
+    elif isinstance(outcome, CosimError) and process.LIMITS in changed:
+        outcome.message = f"{problem}: {outcome.message}"
+    else:
+        log.warning("%s: the next run has a new process", problem)
     return outcome, False
 
 
-def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Parcel]) -> None:
+def listen(channel: MessageChannel, tasks: queue.SimpleQueue[Frame]) -> None:
     """Receive tasks; when the other side is gone the process ends immediately, even within a run."""
     try:
         while True:

@@ -9,7 +9,7 @@ from pathlib import Path
 from cosim.acceptance.job import RecordedJob
 from cosim.formatting import strict
 from cosim.loop.result import Result
-from cosim.pool.job import Bench, Job
+from cosim.pool.job import Job, WorkerContext
 from cosim.writing import write
 
 VIDEO_SIZE = (800, 600)
@@ -34,12 +34,12 @@ class ToldJob(RecordedJob):
         """Whether the run is plotted."""
         return True
 
-    def leave(self, result: Result, bench: Bench) -> None:
+    def leave(self, result: Result, context: WorkerContext) -> None:
         """Write the chapter of the run, and its files."""
         from cosim.report import chapter
 
-        write(strict.line(chapter.chapter(self.scenario, result, self.session(bench))), self.chapter)
-        super().leave(result, bench)
+        write(strict.line(chapter.chapter(self.scenario, result, self.session(context))), self.chapter)
+        super().leave(result, context)
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,13 @@ class VideoJob(Job):
 
     video: Path = Path()
 
-    def run(self, bench: Bench) -> Result:
+    def run(self, context: WorkerContext) -> Result:
         """Run the scenario again and make its video, after a check of the required packages."""
         from cosim.replay import motion, renderer, video_file
 
         loop = dataclasses.replace(self.scenario.loop, record_qpos=True)
         scenario = dataclasses.replace(self.scenario, loop=loop)
-        session = bench.session(scenario, self.engine)
+        session = context.session(scenario, self.engine)
         video_file.check_packages(self.video.suffix)
         renderer.graphics((16, 16)).free()
         result = session.run(self.seed)

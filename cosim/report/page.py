@@ -13,8 +13,8 @@ from typing import Any
 
 from cosim import extras, paths
 from cosim.errors import CosimError
+from cosim.extras import PROJECT, version
 from cosim.formatting import strict
-from cosim.formatting.versions import PROJECT, version
 from cosim.report import sections
 from cosim.report.provenance import SOURCES
 from cosim.report.sections import Chapter

@@ -13,9 +13,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cosim.formatting.versions import version
+from cosim.extras import version
 from cosim.loop import own_code, plant
-from cosim.pool import trial
+from cosim.pool import single_task
 from cosim.scenario.overrides import is_tables
 
 NO_EFFECT = ("title", "description", "plot", "criterion")
@@ -81,7 +81,7 @@ def plant_of(name: str, folder: Path) -> tuple[Any, str]:
     """Class of a plant and the SHA-256 of its sources; computed again for every plan."""
     module, colon, _ = name.partition(":")
     if colon and not own_code.is_imported(module, folder):
-        trial.import_plant(name, folder)
+        single_task.check_import(name, folder)
     kind = plant.plant_class(name, folder)
     plant.check_class(kind)
     parts = [digest(file) for file in sources(kind, folder)]

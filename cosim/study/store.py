@@ -36,7 +36,7 @@ Row = dict[str, Any]
 """One line: run, case, seed, status, reason, settings, metrics, criteria, times, hash."""
 DONE = tuple(STATUSES.values())
 """Statuses of runs that gave a result."""
-TROUBLES = ("error", "crashed", "timeout", "memory", "lost")
+TROUBLES = ("error", "crashed", "timeout", "memory")
 """Statuses of runs without result."""
 Number = float | Literal["NaN", "Infinity", "-Infinity"]
 
@@ -50,7 +50,7 @@ class RowSchema:
     seed: int
     set: dict[str, Any]
     hash: str
-    status: Literal["passed", "failed", "done", "error", "crashed", "timeout", "memory", "lost"]
+    status: Literal["passed", "failed", "done", "error", "crashed", "timeout", "memory"]
     reason: str
     hint: str = ""
     metrics: dict[str, Number] = field(default_factory=dict)

@@ -16,7 +16,7 @@ from cosim import paths
 from cosim.errors import CosimError
 from cosim.loop import engines
 from cosim.loop.reference import Progress
-from cosim.pool import cluster, local
+from cosim.pool import executor
 from cosim.pool.limits import processors
 from cosim.show.bar import bar
 from cosim.show.figure import wanted
@@ -41,7 +41,6 @@ class Options:
     file: Path
     out: str | Path | None = None
     workers: int | None = None
-    cluster: str | None = None
     engine: str = "native"
     again: bool = False
     plots: bool = True
@@ -49,11 +48,6 @@ class Options:
     traces: bool = True
     part: str = ""
     merged: tuple[Path, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Reject an empty address: the runs would be executed here."""
-        if self.cluster == "":
-            raise CosimError("`--cluster` is empty", "Omit it to run on this machine.")
 
     @property
     def default(self) -> str:
@@ -139,10 +133,8 @@ def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None
 def pool_of(plan: Plan, options: Options) -> Pool:
     """Pool of the runs."""
     limits = plan.study.limits.of_workers()
-    if options.cluster is not None:
-        return functools.partial(cluster.outcomes, address=options.cluster, limits=limits)
     workers = options.workers or processors()
-    return functools.partial(local.outcomes, workers=min(workers, len(plan.numbers)), limits=limits)
+    return functools.partial(executor.outcomes, workers=min(workers, len(plan.numbers)), limits=limits)
 
 
 @contextlib.contextmanager

@@ -79,7 +79,6 @@ def sweep(
     out: str | Path | None = None,
     *,
     workers: int | None = None,
-    cluster: str | None = None,
     engine: str = "native",
     again: bool = False,
     plots: bool = False,
@@ -96,8 +95,6 @@ def sweep(
         Folder of the results, by default `<study>.sweep` in the working directory.
     workers
         Number of worker processes on this machine; None is one per core.
-    cluster
-        Address of a Dask scheduler; None runs on this machine.
     engine
         `native` or `reference`.
     again
@@ -114,9 +111,7 @@ def sweep(
     CosimError
         The study is wrong, the folder cannot be written, or no worker can be started.
     """
-    return run_study(
-        Options(Path(study), out, workers, cluster, engine, again, plots, quiet, part=part), collect
-    )
+    return run_study(Options(Path(study), out, workers, engine, again, plots, quiet, part=part), collect)
 
 
 def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:

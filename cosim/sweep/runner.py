@@ -45,7 +45,7 @@ def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool =
     observe
         Called with every new row.
     again
-        Whether runs without a result (`error`, `crashed`, `timeout`, `memory`, `lost`) are repeated.
+        Whether runs without a result (`error`, `crashed`, `timeout`, `memory`) are repeated.
     """
     for number in plan.different():
         store.refresh(run := plan.runs[number], plan.criteria(run))

@@ -11,9 +11,9 @@ import pytest
 
 import cosim
 from cosim.errors import CosimError, FmuError, PlantError
+from cosim.pool.executor import outcomes
 from cosim.pool.job import Finished, Numbered
 from cosim.pool.limits import Limits
-from cosim.pool.local import outcomes
 
 from .conftest import SCENARIO
 
@@ -259,7 +259,7 @@ def test_the_first_error_of_many_seeds_ends_them(write: Write, monkeypatch: pyte
 
         return outcomes(taken(), workers, limits)
 
-    monkeypatch.setattr("cosim.pool.local.outcomes", counted)
+    monkeypatch.setattr("cosim.pool.executor.outcomes", counted)
     scenario = cosim.load(write(), set=["plant.fail_at=5"])
     with pytest.raises(PlantError):
         cosim.run_many(scenario, range(20_000), workers=2)

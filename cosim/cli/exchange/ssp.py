@@ -14,7 +14,7 @@ from cosim.errors import CosimError
 from cosim.show.console import configure_logging
 
 if TYPE_CHECKING:
-    from cosim.pool.job import Bench
+    from cosim.pool.job import WorkerContext
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,11 @@ class Export:
     seed: int | None
     file: Path
 
-    def run(self, bench: Bench) -> float:
+    def run(self, context: WorkerContext) -> float:
         """Write the package; return the communication step in s."""
         from cosim.ssp.package import write
 
-        return write(self.loop, self.changes, self.seed, self.file, bench.place).loop.step
+        return write(self.loop, self.changes, self.seed, self.file, context.place).loop.step
 
 
 def ssp(

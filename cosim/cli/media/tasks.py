@@ -15,7 +15,7 @@ from cosim.trace.endings import READ, listed
 
 if TYPE_CHECKING:
     from cosim.loop.session import Session
-    from cosim.pool.job import Bench
+    from cosim.pool.job import WorkerContext
     from cosim.replay.motion import Recorded
     from cosim.replay.video_file import Shot
     from cosim.scenario.model import Scenario
@@ -44,7 +44,7 @@ Enlarge = Annotated[
 ]
 
 
-def recorded(source: str, loop: str, changes: tuple[str, ...], bench: Bench) -> Recorded:
+def recorded(source: str, loop: str, changes: tuple[str, ...], context: WorkerContext) -> Recorded:
     """Read a run from its trace, or run the scenario."""
     from cosim.replay.motion import RECORD, of_result, of_trace
     from cosim.scenario.load import load
@@ -54,8 +54,8 @@ def recorded(source: str, loop: str, changes: tuple[str, ...], bench: Bench) -> 
         if loop:
             raise CosimError(f"`{source}` is not a trace", f"Use a trace that ends in {listed(READ)}.")
         scenario: Scenario = load(source, (*changes, RECORD))
-        session: Session = bench.session(scenario, "native")
-        return of_result(scenario, session.run(progress=bench.progress))
+        session: Session = context.session(scenario, "native")
+        return of_result(scenario, session.run(progress=context.progress))
     trace = files.read(source)
     name = loop or str(trace.about.get("scenario", ""))
     if not name:
@@ -86,11 +86,11 @@ class View:
     changes: tuple[str, ...]
     shot: Shot
 
-    def run(self, bench: Bench) -> None:
+    def run(self, context: WorkerContext) -> None:
         """Find the run and show it until the window is closed."""
         from cosim.replay import viewer
 
-        viewer.show(recorded(self.source, self.loop, self.changes, bench), self.shot)
+        viewer.show(recorded(self.source, self.loop, self.changes, context), self.shot)
 
 
 @dataclass(frozen=True)
@@ -99,12 +99,12 @@ class Video(View):
 
     file: Path
 
-    def run(self, bench: Bench) -> None:
+    def run(self, context: WorkerContext) -> None:
         """Find the run and make its video."""
         from cosim.replay import video_file
 
-        found = recorded(self.source, self.loop, self.changes, bench)
-        video_file.save(found, self.shot, self.file, bench.progress)
+        found = recorded(self.source, self.loop, self.changes, context)
+        video_file.save(found, self.shot, self.file, context.progress)
 
 
 def size(text: str) -> tuple[int, int]:

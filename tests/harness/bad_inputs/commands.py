@@ -133,9 +133,6 @@ LINES: dict[str, Case] = {
     ),
     "sweep into an empty name": Case(given("sweep", "study.toml", "--out", ""), ("`--out` is empty",)),
     "optimize into an empty name": Case(given("optimize", "search.toml", "--out", ""), ("`--out` is empty",)),
-    "sweep on an empty cluster": Case(
-        given("sweep", "study.toml", "--cluster", ""), ("`--cluster` is empty",)
-    ),
     "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("is not a regular file",)),
     "new of a folder": Case(given("new", "./"), ("the FMU file `./` is not a regular file",)),
     "no workers": Case(given("sweep", "study.toml", "--workers", "0"), ("--workers",)),

@@ -12,7 +12,7 @@ import pytest
 
 from .. import test_cli
 from . import fmus, models, studies
-from .calling import Case, Refuse, check_refusal
+from .calling import check_refusal
 
 PLANTS = {
     "NoParameters": ("del Parameters", ("`own:Bad`", "`reset`")),
@@ -75,14 +75,6 @@ def test_a_model_that_takes_for_ever_is_named(lag: Path) -> None:
     (lag / "model.toml").write_text(models.WIRED)
     done = test_cli.cosim("run", "model.toml", "--timeout", "5")
     check_refusal((), done.returncode, done.stdout, done.stderr)
-
-
-@pytest.mark.parametrize("content", [None, "", "{}", '{"address": 5}', "not json"])
-def test_a_bad_scheduler_file_is_named(content: str | None, lag: Path, refuse: Refuse) -> None:
-    (lag / "study.toml").write_text(studies.DRAWN + studies.RANGE)
-    if content is not None:
-        (lag / "dask.json").write_text(content)
-    refuse(Case(("sweep", "study.toml", "--cluster", "dask.json"), ("dask.json",)))
 
 
 @pytest.mark.usefixtures("lag")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
 from collections.abc import Callable
@@ -23,6 +24,7 @@ Write = Callable[..., Path]
 KEEPING = ["reset_nothing", "static"]
 """Defects of FMUs: a reset without an effect, and a static variable that outlives its library."""
 GAINS = (0.1, 0.2, 0.3, 0.4)
+NEW_PROCESS = "; the run gets a new process"
 LAW = """
 from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
@@ -53,6 +55,7 @@ def _new_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ignore the runs of other tests in this process."""
     monkeypatch.setattr(repeats, "first_runs", {})
     monkeypatch.setattr(repeats, "verdicts", {})
+    monkeypatch.delitem(sys.modules, "law", raising=False)
 
 
 def keeping(lag: Path, library: bytes, defect: str) -> list[dict[str, object]]:
@@ -127,10 +130,10 @@ def test_an_fmu_that_repeats_its_results_costs_one_run_for_each_worker(lag: Path
 def test_a_run_and_the_repetition_before_it_have_each_their_time(lag: Path) -> None:
     (lag / "slow.py").write_text(
         "import time, probe_plants\nclass Slow(probe_plants.Lag):\n    def reset(self, seed, duration):\n"
-        "        time.sleep(0.8)\n        super().reset(seed, duration)\n"
+        "        time.sleep(2.0)\n        super().reset(seed, duration)\n"
     )
     cases = [f'controller.gain = {gain}\nplant.name = "slow:Slow"' for gain in GAINS[:2]]
-    (lag / "study.toml").write_text(studies.case_list(cases, "timeout = 1.4"))
+    (lag / "study.toml").write_text(studies.case_list(cases, "timeout = 3.5"))
     studies.sweep("study.toml", "--workers", "1")
     assert [row["status"] for row in studies.rows(lag / "study.sweep")] == ["passed"] * 2
 
@@ -145,7 +148,7 @@ def script(folder: Path, body: str, name: str = "Law", file: str = "law.py") -> 
     return folder / "alone.toml"
 
 
-def test_scripts_of_one_name_are_kept_apart(folder: Path) -> None:
+def test_scripts_of_one_name_are_kept_apart(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
     loops = [
         script(folder / "one", "self.y = 2.0 * self.u"),
         script(folder / "two", "self.y = 10.0 * self.u"),
@@ -156,6 +159,21 @@ def test_scripts_of_one_name_are_kept_apart(folder: Path) -> None:
         outcomes = cosim.run_each(loops, workers)
         assert [one.metrics["y"].value for one in outcomes if isinstance(one, cosim.Result)] == expected
     assert [cosim.run(loop).metrics["y"].value for loop in loops] == expected
+    warnings = [message for message in caplog.messages if NEW_PROCESS in message]
+    assert len(warnings) == 2
+    assert all(warning.endswith(f"the Python module `law` differs{NEW_PROCESS}") for warning in warnings)
+
+
+def test_a_script_with_the_name_of_an_imported_module_has_a_new_process(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    loop = script(folder / "one", "self.y = 2.0 * self.u")
+    (folder / "law.py").write_text("")
+    monkeypatch.syspath_prepend(folder)
+    importlib.import_module("law")
+    assert cosim.run(loop).metrics["y"].value == 2.0
+    (warning,) = (message for message in caplog.messages if NEW_PROCESS in message)
+    assert warning.endswith(f"in place of its own module{NEW_PROCESS}")
 
 
 def test_the_state_of_a_class_in_a_script_does_not_pass_to_the_next_run(folder: Path) -> None:

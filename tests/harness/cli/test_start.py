@@ -13,7 +13,7 @@ import cosim
 
 ROOT = Path(__file__).resolve().parents[3]
 HEAVY = {
-    "numpy", "fmpy", "lxml", "mujoco", "matplotlib", "scipy", "pandas", "pyarrow", "dask", "plants", "attr",
+    "numpy", "fmpy", "lxml", "mujoco", "matplotlib", "scipy", "pandas", "pyarrow", "plants", "attr",
     "av", "PIL", "OpenGL", "glfw", "jinja2", "plotly",
 }  # fmt: skip
 COMMANDS = {

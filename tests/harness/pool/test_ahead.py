@@ -12,7 +12,7 @@ import pytest
 
 import cosim
 from cosim.errors import CosimError
-from cosim.pool import once, supervisor
+from cosim.pool import single_task, supervisor
 from cosim.pool.job import Job, WorkerError
 from cosim.pool.limits import Limits
 
@@ -24,9 +24,9 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the system conf
 
 def ahead() -> int:
     """Process that was started ahead."""
-    (worker,) = once.ahead
-    assert worker.child is not None
-    return worker.child.process.pid
+    (worker,) = single_task.ahead
+    assert worker.handle is not None
+    return worker.handle.process.pid
 
 
 def job(*changes: str) -> Job:
@@ -38,17 +38,17 @@ def test_the_first_place_takes_it_and_holds_it_to_its_limits(write: Write, folde
     write()
     shutil.copy(DATA / "counting.py", folder / "counting.py")
     counting = job('plant.name="counting:Counting"')
-    with once.started_ahead():
+    with single_task.started_ahead():
         started = ahead()
         # where these stay, what takes too much ends after all
-        once.ahead[0].limits = Limits(timeout=20.0)
-        with once.place(Limits(memory=500e6)) as do:
+        single_task.ahead[0].limits = Limits(timeout=20.0)
+        with single_task.executor(Limits(memory=500e6)) as do:
             assert isinstance(do(counting), cosim.Result)
             eaten = do(job("controller.eat_at=3"))
         assert isinstance(eaten, WorkerError)
         assert eaten.status == "memory"
         assert "`500` MB" in eaten.message
-        with once.place(Limits()) as do:
+        with single_task.executor(Limits()) as do:
             assert isinstance(do(counting), cosim.Result)
     first, second = (folder / "processes").read_text().split()
     assert int(first) == started != int(second)
@@ -59,16 +59,16 @@ def test_what_hinders_it_is_reported_by_its_location(monkeypatch: pytest.MonkeyP
         raise CosimError("no process")
 
     monkeypatch.setattr(supervisor, "spawn", refused)
-    with once.started_ahead():
-        assert not once.ahead
-        with pytest.raises(CosimError, match="no process"), once.place(Limits()):
+    with single_task.started_ahead():
+        assert not single_task.ahead
+        with pytest.raises(CosimError, match="no process"), single_task.executor(Limits()):
             pass
 
 
 def test_it_ends_where_no_place_takes_it() -> None:
-    with once.started_ahead():
+    with single_task.started_ahead():
         started = ahead()
-        with once.place(None):
+        with single_task.executor(None):
             assert psutil.pid_exists(started)
     assert not psutil.pid_exists(started)
-    assert not once.ahead
+    assert not single_task.ahead

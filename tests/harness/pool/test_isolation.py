@@ -105,7 +105,7 @@ def test_a_death_is_one_line_and_exit_code_2(changes: list[str], line: str, fold
 
 
 @pytest.mark.usefixtures("lag")
-@pytest.mark.parametrize("place", ["cosim.loop.session.Session.run", "cosim.pool.once.place"])
+@pytest.mark.parametrize("place", ["cosim.loop.session.Session.run", "cosim.pool.single_task.executor"])
 def test_a_panic_of_anything_is_exit_code_2_in_this_process_too(
     place: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import cosim
-from cosim.pool.lines import MOST, Lines
+from cosim.pool.log_relay import MAX_LINES, LogRelay
 
 Write = Callable[..., Path]
 
@@ -36,10 +36,10 @@ def test_events_and_warnings_of_many_runs_are_reported(
 
 
 def test_an_fmu_that_warns_in_every_step_does_not_flood(caplog: pytest.LogCaptureFixture) -> None:
-    lines = Lines()
-    for number in range(10 * MOST):
-        lines.report("run 0, seed 1", ("cosim.fmu", logging.WARNING, f"odd at {number} s"))
-    assert len(caplog.messages) == MOST + 1
+    relay = LogRelay()
+    for number in range(10 * MAX_LINES):
+        relay.report("run 0, seed 1", ("cosim.fmu", logging.WARNING, f"odd at {number} s"))
+    assert len(caplog.messages) == MAX_LINES + 1
     assert caplog.messages[0] == "run 0, seed 1: odd at 0 s"
     assert caplog.messages[-1] == "further log lines are hidden; show all with `-v`"
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from cosim.pool.child import ending
+from cosim.pool.worker_handle import ending
 
 from ..conftest import DATA
 from ..sweep import studies

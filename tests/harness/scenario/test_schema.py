@@ -98,7 +98,7 @@ def test_an_injection_has_one_beginning_and_one_kind(fault: dict[str, Any], fits
 def filled(loop: str) -> dict[str, Any]:
     """Make the schema with the FMUs and the plant of a scenario."""
     with JobRunner() as runner:
-        found: dict[str, Any] = runner.call(Schema(loop))
+        found: dict[str, Any] = runner.run(Schema(loop))
     return found
 
 

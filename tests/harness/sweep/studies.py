@@ -54,7 +54,7 @@ def environment(**more: str) -> dict[str, str]:
 
 def sweep(study: str, *options: str, **more: str) -> subprocess.CompletedProcess[str]:
     """Run `cosim sweep` in the working directory; with one worker by default, because the runs are short."""
-    where = () if {"--workers", "--cluster"} & set(options) else ("--workers", "1")
+    where = () if "--workers" in options else ("--workers", "1")
     command = [sys.executable, "-m", "cosim", "sweep", study, "--no-plots", *where, *options]
     env = environment(**more)
     done = subprocess.run(command, capture_output=True, text=True, env=env, check=False, timeout=120)

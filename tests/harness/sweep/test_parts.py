@@ -82,7 +82,7 @@ def test_a_result_replaces_a_run_without_one(study: Path) -> None:
     file = study / "a" / "results.jsonl"
     rows = [json.loads(line) for line in file.read_text().splitlines()]
     lost = {key: rows[0][key] for key in ("run", "case", "seed", "set", "hash")}
-    file.write_text(json.dumps({**lost, "status": "lost", "reason": "test"}) + "\n")
+    file.write_text(json.dumps({**lost, "status": "crashed", "reason": "test"}) + "\n")
     studies.sweep("merge", "a", "b", "-o", "both")
     assert studies.numbers(study / "both") == studies.numbers(study / "b")
 

@@ -83,12 +83,12 @@ def test_a_last_line_without_end_is_never_removed(
     damaged = tail != "a row"
     with Store(tmp_path) as store:
         assert [store.status(name) for name in "ab"] == ["error", "" if damaged else "error"]
-        store.append(json.loads(ROW) | {"hash": "c", "status": "lost"})
+        store.append(json.loads(ROW) | {"hash": "c", "status": "crashed"})
     text = file.read_text()
     assert text.startswith(f"{kept}\n")
     assert ("results.jsonl`, line 2 is not a row (" in caplog.text) == damaged
     with Store(tmp_path) as store:
-        assert [store.status(name) for name in "ac"] == ["error", "lost"]
+        assert [store.status(name) for name in "ac"] == ["error", "crashed"]
     assert file.read_text() == text
 
 

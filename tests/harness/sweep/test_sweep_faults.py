@@ -1,28 +1,30 @@
-"""Whatever goes wrong in a run of a sweep costs that run's row and no other, on this machine and on Dask."""
+"""Whatever goes wrong in a run of a sweep costs that run's row and no other."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 import cosim
 
 from ..conftest import DATA, SCENARIO
-from . import clusters, studies
+from . import studies
 
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits of Linux")
-# one cluster serves them, also where the tests are spread over several processes
-ON_DASK = pytest.mark.xdist_group("dask")
+WORKERS = ("--workers", "2")
 
 FAULTS = {
     "controller.gain = 0.1": ("passed", ""),
@@ -38,28 +40,27 @@ FAULTS = {
     "controller.gain = 0.4": ("passed", ""),
 }
 """Cases of the lag, and what becomes of them."""
+RUNS = 100_000
+MANY = f"""
+scenario = "lag.toml"
+vary = [{{key = "plant.pole", minimum = 0.1, maximum = 0.9}}]
+
+[design]
+kind = "monte-carlo"
+samples = {RUNS}
+
+[traces]
+failed = 0
+"""
+MAX_PER_RUN = 1000.0
+"""Memory of the command for each run, bytes: the position of its row, and its cells in the table."""
 LIMITS = "timeout = 4.0\nmemory = 500.0"
 
 
-@pytest.fixture(scope="module")
-def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Start a Dask scheduler and two Dask workers on loopback; returns the scheduler's address."""
-    with clusters.running(tmp_path_factory.mktemp("dask")) as cluster:
-        yield cluster.address
-
-
-@pytest.fixture(params=["here", pytest.param("dask", marks=ON_DASK)])
-def where(request: pytest.FixtureRequest) -> list[str]:
-    """Give the options that say where a sweep runs."""
-    if request.param == "here":
-        return ["--workers", "2"]
-    return ["--cluster", request.getfixturevalue("cluster")]
-
-
-def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path, where: list[str]) -> None:
+def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     (folder / "faults.toml").write_text(studies.case_list(list(FAULTS), LIMITS))
-    done = studies.sweep("faults.toml", "--quiet", *where)
+    done = studies.sweep("faults.toml", "--quiet", *WORKERS)
     rows = studies.rows(folder / "faults.sweep")
     found = {text: (row["status"], row["reason"]) for text, row in zip(FAULTS, rows, strict=True)}
     for text, (status, reason) in FAULTS.items():
@@ -73,15 +74,15 @@ def test_each_fault_costs_its_own_row_with_a_reason(write: Write, folder: Path, 
     check_numbers(rows)
 
 
-def test_what_runs_log_gives_an_error_with_the_run(write: Write, folder: Path, where: list[str]) -> None:
+def test_what_runs_log_gives_an_error_with_the_run(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     (folder / "odd.toml").write_text(studies.case_list(["controller.gain = 0.3", "controller.warn_at = 3"]))
-    done = studies.sweep("odd.toml", *where)
+    done = studies.sweep("odd.toml", *WORKERS)
     reported = r"warning: run 1, seed [0-9]+: .*something is odd at 0\.003 s"
     assert re.search(reported, done.stderr), done.stderr
 
 
-def test_an_error_of_mujoco_costs_its_own_row(write: Write, folder: Path, where: list[str]) -> None:
+def test_an_error_of_mujoco_costs_its_own_row(write: Write, folder: Path) -> None:
     (folder / "breakable.py").write_text((DATA / "breakable.py").read_text())
     text = SCENARIO.replace("probe_plants:Lag", "breakable:Breakable").replace("plant.x", "plant.position")
     write(
@@ -89,15 +90,15 @@ def test_an_error_of_mujoco_costs_its_own_row(write: Write, folder: Path, where:
     )
     cases = ["plant.broken = 0.0", "plant.broken = 1.0", "plant.stiffness = 1e6"]
     (folder / "broken.toml").write_text(studies.case_list(cases))
-    studies.sweep("broken.toml", *where)
+    studies.sweep("broken.toml", *WORKERS)
     passed, failed, also_passed = studies.rows(folder / "broken.sweep")
     assert (passed["status"], also_passed["status"]) == ("done", "done")
     assert failed["status"] == "error"
     assert "unknown joint type 99" in failed["reason"]
 
 
-def test_kill_9_of_a_worker_loses_no_run(write: Write, folder: Path, where: list[str]) -> None:
-    process, worker, _ = stalled(write, folder, where)
+def test_kill_9_of_a_worker_loses_no_run(write: Write, folder: Path) -> None:
+    process, worker = stalled(write, folder)
     os.kill(worker, signal.SIGKILL)
     assert process.wait(60) == 0
     rows = studies.rows(folder / "kill.sweep")
@@ -105,13 +106,11 @@ def test_kill_9_of_a_worker_loses_no_run(write: Write, folder: Path, where: list
     check_numbers(rows)
 
 
-def test_what_a_run_does_to_its_process_falls_on_no_other(
-    write: Write, folder: Path, where: list[str]
-) -> None:
+def test_what_a_run_does_to_its_process_falls_on_no_other(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     cases = ["controller.spoil_at = 3", *[f"controller.gain = 0.{k}" for k in range(1, 5)]]
     (folder / "spoilt.toml").write_text(studies.case_list(cases))
-    assert studies.sweep("spoilt.toml", *where).returncode == 0
+    assert studies.sweep("spoilt.toml", *WORKERS).returncode == 0
     rows = studies.rows(folder / "spoilt.sweep")
     assert [row["status"] for row in rows] == ["passed"] * 5
     check_numbers(rows)
@@ -130,11 +129,11 @@ def test_each_run_may_have_a_process_of_its_own(write: Write, folder: Path) -> N
         (folder / "processes").unlink()
 
 
-def test_a_signal_without_a_name_costs_its_own_row(write: Write, folder: Path, where: list[str]) -> None:
+def test_a_signal_without_a_name_costs_its_own_row(write: Write, folder: Path) -> None:
     write(studies.MEASURED)
     cases = ["controller.raise_at = 3\ncontroller.raised = 40", "controller.gain = 0.1"]
     (folder / "signal.toml").write_text(studies.case_list(cases))
-    studies.sweep("signal.toml", *where)
+    studies.sweep("signal.toml", *WORKERS)
     crashed, passed = studies.rows(folder / "signal.sweep")
     assert (crashed["status"], passed["status"]) == ("crashed", "passed")
     assert "the FMU `probe` crashed at t = 0.003 s (step 3): killed by signal 40" in crashed["reason"]
@@ -149,45 +148,36 @@ def test_too_little_memory_for_any_run_is_reported(write: Write, folder: Path) -
     assert "exceed its limit of `1` MB" in row["reason"]
 
 
-@ON_DASK
-def test_a_run_that_lost_two_dask_workers_is_given_up(write: Write, folder: Path, cluster: str) -> None:
-    where = ["--cluster", cluster]
-    process, _, dask_worker = stalled(write, folder, where)
-    # once more it stalls
-    (folder / "stalled").unlink()
-    os.kill(dask_worker, signal.SIGKILL)
-    studies.wait_for(lambda: (folder / "stalled").exists() and (folder / "stalled").stat().st_size > 0)
-    os.kill(int((folder / "stalled").read_text().split()[1]), signal.SIGKILL)
-    check_what_it_cost(process, folder, where, "lost", "was lost during the run, as was the worker before")
+@pytest.mark.full
+def test_the_memory_of_a_long_sweep_is_bounded(write: Write, folder: Path) -> None:
+    write(studies.MEASURED, text=SCENARIO.replace("duration = 0.05", "duration = 0.005"))
+    (folder / "many.toml").write_text(MANY)
+    command = [sys.executable, "-m", "cosim", "sweep", "many.toml", "--no-plots", *WORKERS]
+    process = subprocess.Popen(command, env=studies.environment(), stdout=subprocess.DEVNULL)
+    results, memory = folder / "many.sweep" / "results.jsonl", {}
+    while process.poll() is None:
+        with contextlib.suppress(FileNotFoundError, psutil.NoSuchProcess):
+            memory[results.read_bytes().count(b"\n")] = psutil.Process(process.pid).memory_info().rss
+        time.sleep(1.0)
+    assert sorted(row["run"] for row in studies.rows(folder / "many.sweep")) == list(range(RUNS))
+    # the tables at the end need the memory of all rows
+    going = [used for rows, used in memory.items() if RUNS // 10 < rows < RUNS]
+    assert max(going) - going[0] < 30e6 + MAX_PER_RUN * RUNS
 
 
-def stalled(write: Write, folder: Path, where: list[str]) -> tuple[subprocess.Popen[bytes], int, int]:
-    """Start a sweep whose second run stalls; give it, the run's process and the parent of that."""
+def stalled(write: Write, folder: Path) -> tuple[subprocess.Popen[bytes], int]:
+    """Start a sweep whose second run stalls; return it and the process of the run."""
     write(studies.MEASURED)
     cases = ["plant.pole = 0.1", "plant.stall_at = 3", *[f"plant.pole = 0.{k}" for k in range(2, 5)]]
     (folder / "kill.toml").write_text(studies.case_list(cases))
-    command = [sys.executable, "-m", "cosim", "sweep", "kill.toml", "--no-plots", *where]
+    command = [sys.executable, "-m", "cosim", "sweep", "kill.toml", "--no-plots", *WORKERS]
     environment = {**os.environ, "PYTHONPATH": str(studies.ROOT)}
     process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
     results = folder / "kill.sweep" / "results.jsonl"
     studies.wait_for(lambda: results.exists() and results.read_bytes().count(b"\n") == 4)
     studies.wait_for((folder / "stalled").exists)
-    worker, parent = (folder / "stalled").read_text().split()
-    return process, int(worker), int(parent)
-
-
-def check_what_it_cost(
-    process: subprocess.Popen[bytes], folder: Path, where: list[str], status: str, reason: str
-) -> None:
-    """See that a sweep ends with all rows but the one of its second run, and that this can be done again."""
-    assert process.wait(60) == 1
-    rows = studies.rows(folder / "kill.sweep")
-    assert [row["status"] for row in rows] == ["passed", status, "passed", "passed", "passed"]
-    assert reason in rows[1]["reason"]
-    assert studies.sweep("kill.toml", *where, "--again").returncode == 0
-    after = studies.rows(folder / "kill.sweep")
-    assert [row for row in after if row["run"] != 1] == [row for row in rows if row["run"] != 1]
-    check_numbers(after)
+    worker, _ = (folder / "stalled").read_text().split()
+    return process, int(worker)
 
 
 def check_numbers(rows: list[dict[str, Any]]) -> None:

@@ -16,7 +16,7 @@ from typing import IO, Any
 
 from cosim.errors import CosimError
 from cosim.loop.place import PAGE, Place
-from cosim.pool.channel import MessageChannel, NoMessageError, Parcel
+from cosim.pool.channel import Frame, MessageChannel, NoMessageError
 from cosim.pool.limits import memory_of, process_of
 from cosim.process import POSIX
 
@@ -31,7 +31,7 @@ COMMAND = (
 )
 """Program of a worker process; imports leave no garbage worth collecting."""
 GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
-"""Flag of Windows that is as a session of POSIX: Ctrl-C is for the parent to handle."""
+"""Flag of Windows, equivalent to a session of POSIX: only the parent handles Ctrl-C."""
 EXCEPTIONS = {0xC0000005: "access violation", 0xC0000094: "division by zero", 0xC00000FD: "stack overflow"}
 """Exit codes of Windows."""
 
@@ -58,48 +58,32 @@ class Output:
 
 
 @dataclass
-class Child:
-    """A worker process that was started.
-
-    Parameters
-    ----------
-    output
-        The end of its output; None if it goes to stderr of this process.
-    place, page
-        Its position, and the file in which it records it.
-    memory
-        Memory limit of the operating system in bytes, or None; sent with its first task.
-    ready
-        Its number by its own account; 0 until its imports are done.
-    tasks
-        Number of tasks sent to it.
-    busy
-        Whether its last task is unfinished.
-    spoilt
-        Whether a run changed it so that later results may differ.
-    said
-        The last line that it logged.
-    offspring
-        Processes that it started, as far as known.
-    killed
-        Whether it and all its child processes were killed; `forced` is whether it was alive then.
-    """
+class WorkerHandle:
+    """A worker process that was started."""
 
     process: subprocess.Popen[bytes]
     channel: MessageChannel
     output: Output | None
+    """The end of its output; None if it goes to stderr of this process."""
     place: Place
     page: Path
+    """File in which it records its `place`."""
     memory: float | None = None
-    ready: int = 0
+    """Memory limit of the operating system in bytes, or None; sent with its first task."""
+    pid: int = 0
+    """Process that executes Python, by its own account; 0 until its imports are done."""
     tasks: int = 0
+    """Number of tasks sent to it."""
     busy: bool = False
+    """Whether its last task is unfinished."""
     spoilt: bool = False
-    said: str = ""
-    offspring: list[Any] = field(default_factory=list)
+    """Whether a run changed it so that later results may differ."""
+    last_log: str = ""
+    children: list[Any] = field(default_factory=list)
+    """Processes that it started, as far as known."""
     killed: bool = False
-    forced: bool = False
-    inbox: queue.SimpleQueue[Parcel | BaseException] = field(default_factory=queue.SimpleQueue)
+    """Whether it and all its child processes were killed."""
+    received: queue.SimpleQueue[Frame | BaseException] = field(default_factory=queue.SimpleQueue)
 
     def __post_init__(self) -> None:
         """Receive in a thread: Windows cannot wait for a pipe with a timeout."""
@@ -109,46 +93,40 @@ class Child:
     def _listen(self) -> None:
         try:
             while True:
-                self.inbox.put(self.channel.receive())
+                self.received.put(self.channel.receive())
         except (EOFError, OSError, ValueError, NoMessageError) as error:
-            self.inbox.put(error)
+            self.received.put(error)
 
-    def receive(self, timeout: float) -> Parcel | None:
-        """Next message; None if there is none within a time in s.
-
-        Raises
-        ------
-        EOFError, OSError, NoMessageError
-            As `MessageChannel.receive`.
-        """
+    def receive(self, timeout: float) -> Frame | None:
+        """Next message, None after a timeout in s; raises the errors of `MessageChannel.receive`."""
         try:
-            found = self.inbox.get(timeout=timeout)
+            found = self.received.get(timeout=timeout)
         except queue.Empty:
             return None
         if isinstance(found, BaseException):
-            self.inbox.put(found)
+            self.received.put(found)
             raise found
         return found
 
     def kill(self) -> None:
         """Kill it and its child processes."""
-        # once: what it started may outlive it, but the number is not its own for ever
+        # only once: its number may belong to another process later
         if not self.killed:
-            self.killed, self.forced = True, self.process.poll() is None
-            self.note_offspring()
+            self.killed = True
+            self.note_children()
             if POSIX:
                 with contextlib.suppress(ProcessLookupError, PermissionError):
                     os.killpg(self.process.pid, signal.SIGKILL)
             self.process.kill()
-            for process in self.offspring:
+            for process in self.children:
                 with contextlib.suppress(Exception):  # psutil raises its own exception if it is gone
                     process.kill()
             self.process.wait()
 
-    def note_offspring(self) -> None:
+    def note_children(self) -> None:
         """Record child processes outside of its process group while it is alive."""
         with contextlib.suppress(Exception):  # psutil raises its own exception if it is gone
-            self.offspring += process_of(self.process.pid).children(recursive=True)
+            self.children += process_of(self.process.pid).children(recursive=True)
 
     def release(self) -> None:
         """Release its resources after its end."""
@@ -165,24 +143,21 @@ class Child:
         """Last line that it printed or logged; empty if its output goes to stderr."""
         if self.output is None:
             return ""
-        return (self.output.last_line() or self.said)[:LONGEST_OUTPUT]
+        return (self.output.last_line() or self.last_log)[:LONGEST_OUTPUT]
 
     def resident(self) -> int:
         """Resident memory, bytes; 0 after its end."""
         try:
             # in a virtual environment of Windows the started process only starts another one
-            return int(memory_of(self.ready or self.process.pid).rss)
+            return int(memory_of(self.pid or self.process.pid).rss)
         except Exception:  # psutil raises its own exception if it is gone
             return 0
 
 
-def spawn(relay: bool) -> Child:
-    """Start a worker process; `relay` states whether its output goes to stderr of this process.
+def spawn(relay: bool) -> WorkerHandle:
+    """Start a worker process; with `relay` its output goes to stderr of this process.
 
-    Raises
-    ------
-    CosimError
-        The system starts no more processes.
+    Raises CosimError if the system starts no more processes.
     """
     page = None
     try:
@@ -212,7 +187,7 @@ def spawn(relay: bool) -> Child:
     assert process.stdin is not None
     assert process.stdout is not None
     channel = MessageChannel(process.stdout, process.stdin)  # type: ignore[arg-type]
-    return Child(process, channel, Output(process.stderr) if process.stderr else None, place, page)
+    return WorkerHandle(process, channel, Output(process.stderr) if process.stderr else None, place, page)
 
 
 def ending(code: int | None) -> str:

@@ -1,4 +1,4 @@
-"""Tasks on the processors of this machine: several worker processes, or this process."""
+"""Runs of jobs: on several worker processes of this machine, or in this process."""
 
 from __future__ import annotations
 
@@ -8,45 +8,59 @@ import itertools
 import logging
 import queue
 import threading
-from collections.abc import Callable, Generator, Iterable, Iterator
-from typing import Any
+from collections.abc import Generator, Iterable, Iterator
 
 from cosim.loop.repeats import NewProcessError
-from cosim.pool.inbox import Inbox
 from cosim.pool.job import Finished, Numbered, name
 from cosim.pool.limits import Limits
-from cosim.pool.lines import Lines
+from cosim.pool.log_relay import LogRelay
 from cosim.pool.supervisor import ClosedError, Worker
 
 log = logging.getLogger("cosim")
 
 
+class JobQueue:
+    """Jobs for running workers, which wait for more of them until it is closed."""
+
+    def __init__(self) -> None:
+        self.jobs: queue.SimpleQueue[Numbered | None] = queue.SimpleQueue()
+        self.put = self.jobs.put
+
+    def __iter__(self) -> Iterator[Numbered]:
+        return iter(self.jobs.get, None)
+
+    def close(self) -> None:
+        """End the iteration and wake the waiting thread."""
+        self.put(None)
+
+
 def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generator[Finished]:
-    """Run jobs on worker processes of this machine; yield outcomes in order of completion.
+    """Run numbered jobs on worker processes; yield outcomes in order of completion.
 
-    Closing the generator ends the worker processes.
-
-    Parameters
-    ----------
-    jobs
-        Jobs with their numbers; consumed when workers become free. An `Inbox` is closed at
-        the end.
-    workers
-        Number of processes.
-    limits
-        Limits of each run.
-
-    Raises
-    ------
-    CosimError
-        No worker process can be started.
+    Jobs are consumed when workers become free. Closing the generator ends the worker processes and closes a
+    `JobQueue`. Raises CosimError if no worker process can be started.
     """
     done: queue.SimpleQueue[Finished | BaseException | None] = queue.SimpleQueue()
+    remaining, lock, relay = iter(jobs), threading.Lock(), LogRelay()
+
+    def serve(worker: Worker) -> None:
+        """Send jobs to one worker until the end; None marks the end, an exception a failure."""
+        try:
+            while True:
+                with lock:
+                    job = next(remaining, None)
+                if job is None:
+                    break
+                done.put((job[0], worker.call(job[1], on_line=functools.partial(relay.report, name(*job)))))
+            worker.finish()
+            done.put(None)
+        except ClosedError:
+            done.put(None)
+        except BaseException as error:
+            done.put(error)
+
     pool = [Worker(limits) for _ in range(workers)]
-    take, lines = shared(jobs), Lines()
-    threads = [
-        threading.Thread(target=serve, args=(worker, take, done, lines), daemon=True) for worker in pool
-    ]
+    threads = [threading.Thread(target=serve, args=(worker,), daemon=True) for worker in pool]
     try:
         for thread in threads:
             thread.start()
@@ -60,7 +74,7 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
             else:
                 yield item
     finally:
-        if isinstance(jobs, Inbox):
+        if isinstance(jobs, JobQueue):
             jobs.close()
         for worker in pool:
             worker.stop()
@@ -88,28 +102,3 @@ def inside(jobs: Iterable[Numbered]) -> Generator[Finished]:
                 yield from outcomes(itertools.chain([(number, job)], rest), 1, Limits())
                 return
             yield number, outcome
-
-
-def shared(jobs: Iterable[Numbered]) -> Callable[[], Numbered | None]:
-    """Next entry for any thread; None at the end."""
-    iterator: Iterator[Numbered] = iter(jobs)
-    lock = threading.Lock()
-
-    def take() -> Numbered | None:
-        with lock:
-            return next(iterator, None)
-
-    return take
-
-
-def serve(worker: Worker, take: Callable[[], Numbered | None], done: Any, lines: Lines) -> None:
-    """Send jobs to one worker until the end; None marks the end, an exception a failure."""
-    try:
-        while (job := take()) is not None:
-            done.put((job[0], worker.call(job[1], on_line=functools.partial(lines.report, name(*job)))))
-        worker.finish()
-        done.put(None)
-    except ClosedError:
-        done.put(None)
-    except BaseException as error:
-        done.put(error)

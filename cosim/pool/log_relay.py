@@ -7,7 +7,7 @@ import math
 import threading
 from collections.abc import Callable
 
-MOST = 20
+MAX_LINES = 20
 """Maximum log lines of one run, and of all runs together, without `-v`."""
 EVENTS = logging.INFO
 """Log level of FMU events; a log at this level is not limited."""
@@ -19,9 +19,9 @@ OnLine = Callable[[Line], None]
 log = logging.getLogger("cosim")
 
 
-def most() -> float:
+def max_lines() -> float:
     """Maximum log lines of one of many runs."""
-    return math.inf if log.isEnabledFor(EVENTS) else MOST
+    return math.inf if log.isEnabledFor(EVENTS) else MAX_LINES
 
 
 def report(line: Line, run: str = "") -> None:
@@ -30,11 +30,8 @@ def report(line: Line, run: str = "") -> None:
     logging.getLogger(name).log(level, "%s", f"{run}: {text}" if run else text)
 
 
-class Lines:
-    """Log lines of parallel runs: each text once, up to a limit.
-
-    With `-v` all lines are logged.
-    """
+class LogRelay:
+    """Log of parallel runs: each text once, up to a limit; with `-v` all lines are logged."""
 
     def __init__(self) -> None:
         self.seen: set[str] = set()
@@ -46,12 +43,11 @@ class Lines:
             report(line, run)
             return
         with self.lock:
-            if line[2] in self.seen or len(self.seen) > MOST:
+            if line[2] in self.seen or len(self.seen) > MAX_LINES:
                 return
             self.seen.add(line[2])
-            if len(self.seen) > MOST:
-                line, run = (
-                    (log.name, logging.WARNING, "further log lines are hidden; show all with `-v`"),
-                    "",
-                )
-        report(line, run)
+            last = len(self.seen) > MAX_LINES
+        if last:
+            log.warning("further log lines are hidden; show all with `-v`")
+        else:
+            report(line, run)
