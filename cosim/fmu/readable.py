@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 
 from cosim.errors import FmuError
-from cosim.fmu.instance import BASE, Instance
+from cosim.fmu.instance import Instance
 
 log = logging.getLogger("cosim")
 _read: set[tuple[str, str]] = set()
@@ -22,7 +22,7 @@ def report(fmu: Instance) -> None:
         return
     _read.add(known)
     for variable in fmu.file.variables.values():
-        if BASE[variable.kind] == "String":
+        if not variable.base or variable.element:
             continue
         try:
             fmu.read(variable)

@@ -92,7 +92,7 @@ class Session(Closing):
     def _instantiate(self, files: Mapping[str, FmuFile], previous: Session | None) -> None:
         """Instantiate the FMUs, and check that they and the plant fit the scenario."""
         scenario = self.scenario
-        self.engine = native.choose(self.wanted, scenario, self.plant)
+        self.engine = native.choose(self.wanted, scenario, self.plant, files.values())
         check_timestep(scenario, self.plant.timestep)
         before: tuple[Instance, ...] = () if previous is None else previous.fmus
         self.fmus: tuple[Instance, ...] = fmus.open_instances(
