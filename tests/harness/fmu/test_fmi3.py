@@ -259,11 +259,26 @@ def test_elements_have_units_display_units_and_start_values(vector: Callable[...
 
 
 def test_commands_work_with_it(loop: Path, folder: Path) -> None:
+    study = 'scenario = "vector.toml"\n[design]\nkind = "grid"\n'
+    (folder / "study.toml").write_text(study + entry("vary", key="controller.m[1,2]", values=[1.0, 2.0]))
     for command in (
         ("show", "vector.toml"),
         ("check", "vector.toml"),
+        ("list",),
         ("run", "vector.toml", "--seeds", "1..3"),
         ("new", "vector.fmu", "--out", "drafted.toml"),
+        ("sweep", "study.toml", "--no-plots"),
     ):
         done = test_cli.cosim(*command)
         assert done.returncode == 0, done.stderr
+
+
+def test_an_ssp_system_requires_fmi_2(loop: Path, write: Write) -> None:
+    text = (
+        SCENARIO
+        + '[plant]\nname = "probe_plants:Lag"\n'
+        + entry("wire", **{"from": "plant.x"}, to="controller.x[1]")
+    )
+    write(text=text, name="vector.toml")
+    done = test_cli.cosim("ssp", "vector.toml", "-o", "vector.ssp")
+    assert (done.returncode, "`vector.fmu` is an FMI 3.0 FMU" in done.stderr) == (2, True), done.stderr
