@@ -126,14 +126,7 @@ class FmuFile:
 
 
 def open_fmu(path: Path) -> FmuFile:
-    """Check an FMU file, read its description and extract it.
-
-    Raises
-    ------
-    FmuError
-        Not a zip file, no or broken model description, another FMI version, not co-simulation, no binary for
-        this platform.
-    """
+    """Check an FMU file, read its description and extract it; each file is opened once in a process."""
     try:
         stat = path.stat()
     except OSError as error:
@@ -149,18 +142,17 @@ def open_fmu(path: Path) -> FmuFile:
 
 @functools.lru_cache(16)
 def opened(path: Path, changed: int, size: int, cache: Path) -> FmuFile:
-    """Open an FMU; each file is opened once in a process."""
+    """Open an FMU that was `changed` at this time."""
     shown = paths.shown(path)
     try:
         sizes = members.sizes(path)
-        content = read(path, shown, members.DESCRIPTION)
-        root = parsed(shown, content)
+        root = root_of(path, shown)
         version = check_interface(shown, root)
         check_platform(shown, version, sizes)
         description, warning = described(shown, path, root)
         drop_inverse(description, root)
         check_identifier(shown, description.coSimulation.modelIdentifier)
-        folder = extracted(path, sizes, lambda target: unpack(path, shown, target))
+        folder = extracted(path, sizes, functools.partial(unpack, path))
         renamed.learn(folder)
     except OSError as error:
         raise unreadable(path, error) from None
@@ -177,30 +169,28 @@ def unreadable(path: Path, error: OSError) -> FmuError:
 
 
 @contextlib.contextmanager
-def damaged(shown: str, name: str) -> Iterator[None]:
-    """Report the part of an FMU that cannot be unpacked."""
+def unpacking(path: Path, what: str) -> Iterator[zipfile.ZipFile]:
+    """Open an FMU, and report the part of it that cannot be unpacked."""
     try:
-        yield
+        with zipfile.ZipFile(path) as archive:
+            yield archive
     except (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, NotImplementedError) as error:
-        raise FmuError(f"`{shown}` is damaged: {name} cannot be unpacked: {error}", members.AGAIN) from None
+        problem = f"`{paths.shown(path)}` is damaged: {what} cannot be unpacked: {error}"
+        raise FmuError(problem, members.AGAIN) from None
 
 
-def read(path: Path, shown: str, name: str) -> bytes:
-    """Content of one file of an FMU."""
-    with damaged(shown, f"`{name}`"), zipfile.ZipFile(path) as archive:
-        return archive.read(name)
-
-
-def unpack(path: Path, shown: str, target: Path) -> None:
+def unpack(path: Path, target: Path) -> None:
     """Unpack an FMU into a folder."""
-    with damaged(shown, "a file in it"), zipfile.ZipFile(path) as archive:
+    with unpacking(path, "a file in it") as archive:
         archive.extractall(target)
 
 
-def parsed(shown: str, content: bytes) -> Any:
-    """Root of a model description."""
+def root_of(path: Path, shown: str) -> Any:
+    """Root of the model description of an FMU."""
     from lxml import etree
 
+    with unpacking(path, f"`{members.DESCRIPTION}`") as archive:
+        content = archive.read(members.DESCRIPTION)
     try:
         return etree.fromstring(content)
     except etree.XMLSyntaxError as error:
@@ -305,8 +295,10 @@ def missing(root: Any) -> list[str]:
 
 
 def lines(found: Iterable[object]) -> str:
-    """Problems in a line each."""
-    return "".join(f"\n  {problem}" for problem in listed(dict.fromkeys(found)))
+    """Problems in a line each; the first `MAX_PROBLEMS` of them."""
+    texts = [f"\n  {problem}" for problem in dict.fromkeys(found)]
+    more = len(texts) - MAX_PROBLEMS
+    return "".join(texts[:MAX_PROBLEMS]) + (f"\n  and {more} more" if more > 0 else "")
 
 
 def invalid(shown: str, *found: object) -> FmuError:
@@ -441,10 +433,3 @@ def problems(error: Exception) -> list[str]:
         # what Python itself says is no sentence without the name of the error
         found = [f"{type(error).__name__}: {error}"]
     return [str(problem) for problem in found]
-
-
-def listed(found: Iterable[object]) -> list[str]:
-    """Problems as texts; the first `MAX_PROBLEMS` of them."""
-    texts = [str(problem) for problem in found]
-    more = len(texts) - MAX_PROBLEMS
-    return texts[:MAX_PROBLEMS] + ([f"and {more} more"] if more > 0 else [])

@@ -52,7 +52,9 @@ class Binding:
     answers
         Identification of the headers with which a library was compiled.
     ending
-        How `step` reports the end of a run.
+        How a step reports the end of a run.
+    library
+        Class of FMPy.
     """
 
     prefix = ""
@@ -60,7 +62,16 @@ class Binding:
     types: ClassVar[Mapping[str, Any]] = {}
     answers: ClassVar[Mapping[str, bytes]] = {}
     ending = ""
-    slave: Any
+    library: Any = None
+
+    def __init__(self, file: FmuFile, name: str) -> None:
+        self.model = file.name
+        self.slave = self.library(
+            guid=file.guid,
+            modelIdentifier=file.identifier,
+            unzipDirectory=str(file.folder),
+            instanceName=name,
+        )
 
     @classmethod
     def type_of(cls, variable: Variable) -> str:
@@ -88,21 +99,9 @@ class Binding:
         """Set the start value of a variable, or those of all elements of its array."""
         getattr(self.slave, f"set{self.type_of(variable)}")([variable.reference], values)
 
-    def instantiate(self, messages: Messages, log_events: bool) -> None:
-        """Make the instance."""
-        raise NotImplementedError
-
-    def set_up(self, tolerance: float | None, stop_time: float) -> None:
-        """Set the experiment, before the start values."""
-        raise NotImplementedError
-
     def enter(self) -> int:
         """Enter the Initialization Mode."""
         return self.call("EnterInitializationMode")
-
-    def step(self, time: float, step: float) -> tuple[int, bool]:
-        """Do one step; return its status, and whether it ended the run."""
-        raise NotImplementedError
 
 
 class Fmi2(Binding):
@@ -117,20 +116,18 @@ class Fmi2(Binding):
     }
     answers: ClassVar[Mapping[str, bytes]] = {"fmi2GetVersion": b"2.0", "fmi2GetTypesPlatform": b"default"}
     ending = "fmi2Discard with fmi2Terminated"
-
-    def __init__(self, file: FmuFile, name: str) -> None:
-        self.slave = FMU2Slave(**arguments(file, name))
+    library = FMU2Slave
 
     def instantiate(self, messages: Messages, log_events: bool) -> None:
         """Make the instance."""
         self.slave.instantiate(callbacks=messages.callbacks, loggingOn=log_events)
 
     def set_up(self, tolerance: float | None, stop_time: float) -> None:
-        """Set the experiment."""
+        """Set the experiment, before the start values."""
         self.slave.setupExperiment(tolerance=tolerance, startTime=0.0, stopTime=stop_time)
 
     def step(self, time: float, step: float) -> tuple[int, bool]:
-        """Do one step."""
+        """Do one step; return its status, and whether it ended the run."""
         try:
             return self.slave.fmi2DoStep(self.slave.component, time, step, 1), False
         except FMICallException as error:
@@ -159,10 +156,10 @@ class Fmi3(Binding):
     }
     answers: ClassVar[Mapping[str, bytes]] = {"fmi3GetVersion": b"3.0"}
     ending = "`terminateSimulation`"
+    library = fmi3.FMU3Slave
 
     def __init__(self, file: FmuFile, name: str) -> None:
-        self.slave = fmi3.FMU3Slave(**arguments(file, name))
-        self.model = file.name
+        super().__init__(file, name)
         self.experiment: tuple[Any, ...] = ()
         self.event, self.terminate, self.early = (ctypes.c_bool() for _ in range(3))
         self.reached = ctypes.c_double()
@@ -186,7 +183,7 @@ class Fmi3(Binding):
         return self.call("EnterInitializationMode", *self.experiment)
 
     def step(self, time: float, step: float) -> tuple[int, bool]:
-        """Do one step.
+        """Do one step; return its status, and whether it ended the run.
 
         Raises
         ------
@@ -208,13 +205,3 @@ class Fmi3(Binding):
 
 VERSIONS: dict[int, type[Fmi2 | Fmi3]] = {2: Fmi2, 3: Fmi3}
 """Binding of each major version of FMI."""
-
-
-def arguments(file: FmuFile, name: str) -> dict[str, str]:
-    """Arguments of FMPy's classes for an instance of that name."""
-    return {
-        "guid": file.guid,
-        "modelIdentifier": file.identifier,
-        "unzipDirectory": str(file.folder),
-        "instanceName": name,
-    }

@@ -37,21 +37,8 @@ def extracted(path: Path, sizes: dict[str, int], unpack: Callable[[Path], None])
     """Folder with the content of an FMU; extracted unless it exists and is complete.
 
     The folder is named by the SHA-256 of the file, so a rebuilt FMU has a new folder.
-    Missing or truncated files are extracted again.
-
-    Parameters
-    ----------
-    path
-        The FMU.
-    sizes
-        Its files and their sizes in bytes.
-    unpack
-        Extracts it into a folder.
-
-    Raises
-    ------
-    FmuError
-        The cache cannot be written.
+    Missing or truncated files are extracted again. `sizes` are its files and their sizes in bytes; `unpack`
+    extracts it into a folder.
     """
     with path.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()[:32]

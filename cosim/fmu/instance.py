@@ -14,7 +14,7 @@ from fmpy.fmi1 import FMICallException
 from cosim.closing import Closing
 from cosim.errors import FmuError, concerning
 from cosim.fmu.archive import FmuFile, Variable
-from cosim.fmu.binding import VERSIONS, Bank, Binding
+from cosim.fmu.binding import VERSIONS, Bank, Fmi2, Fmi3
 from cosim.fmu.library import check_headers, check_library
 from cosim.fmu.messages import Messages
 from cosim.fmu.named import ALONE, NamedFmu
@@ -24,7 +24,12 @@ from cosim.warned import warn_once
 WARNING = 1
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 
+Move = tuple[str, Callable[[], int]]
+"""Name and function of a call that moves the values of a bank."""
+
 log = logging.getLogger("cosim")
+_read: set[tuple[str, str]] = set()
+"""GUID and folder of the FMUs of which every number was read in this process."""
 _loading = threading.Lock()
 """Locked while FMPy changes the working directory, which the threads of a process share."""
 
@@ -32,18 +37,8 @@ _loading = threading.Lock()
 class Instance(Closing):
     """An instantiated FMU.
 
-    Life: `initialise` (which resets a used instance), then `compute` in every step, then `close`.
-
-    Parameters
-    ----------
-    file
-        The opened FMU.
-    inputs, outputs
-        Variables that `compute` moves in every step; local variables may be among the outputs.
-    log_events
-        Whether the FMU logs events in addition to warnings and errors.
-    owner
-        Its entry in the scenario, for messages.
+    Life: `initialise` (which resets a used instance), then `compute` in every step, then `close`. `compute`
+    moves the inputs and outputs; among these may be tunable parameters and local variables.
 
     Attributes
     ----------
@@ -91,35 +86,27 @@ class Instance(Closing):
                 self.fmi.instantiate(self.messages, True)
         self.dead = False
         check_headers(self.fmi.slave, self.fmi.answers, self.file.path.name)
-        self._setters = [self._mover("Set", bank) for bank in self.inputs]
-        self._getters = [self._mover("Get", bank) for bank in self.outputs]
+        self._setters = self._moves("Set", self.inputs)
+        self._getters = self._moves("Get", self.outputs)
 
-    def _mover(self, verb: str, bank: Bank) -> Callable[[float], None]:
-        """One FMI get or set call; it is called with the time, s."""
-        name, function = verb + bank.base, self.fmi.mover(verb, bank)
+    def _moves(self, verb: str, banks: list[Bank]) -> list[Move]:
+        return [(verb + bank.base, self.fmi.mover(verb, bank)) for bank in banks]
 
-        def move(time: float) -> None:
-            if function() == WARNING:
-                self._warn(name, time)
+    def _move(self, moves: list[Move], time: float = 0.0) -> None:
+        for name, function in moves:
+            self._note(name, function(), time)
 
-        return move
-
-    def _warn(self, function: str, time: float) -> None:
-        self.warned = self.warned or (self.fmi.prefix + function, time)
+    def _note(self, function: str, status: int, time: float = 0.0) -> None:
+        """Note the first warning of a run, and its time (s)."""
+        if status == WARNING:
+            self.warned = self.warned or (self.fmi.prefix + function, time)
 
     def initialise(self, parameters: dict[str, Any], stop_time: float, arrive: Callable[[], None]) -> None:
         """Set the start values, and the inputs in the initialization mode; a used instance is reset first.
 
         An instance that rejects the reset is replaced, with a warning: runs are independent of each other.
-
-        Parameters
-        ----------
-        parameters
-            Start values by variables.
-        stop_time
-            Largest time that a step of the run may reach, s.
-        arrive
-            Writes the inputs of t = 0 to the arrays of `inputs`; called in the initialization mode.
+        `stop_time` (s) is the largest time that a step of the run may reach. `arrive` writes the inputs of
+        t = 0 to the arrays of `inputs`; it is called in the initialization mode.
 
         Raises
         ------
@@ -152,20 +139,18 @@ class Instance(Closing):
             f"{self.owner.who} rejected its parameters" if parameters else f"initialize {self.owner.who}"
         )
         with self.errors(refused):
-            if self.fmi.enter() == WARNING:
-                self._warn("EnterInitializationMode", 0.0)
+            self._note("EnterInitializationMode", self.fmi.enter())
         if self.partial:
             # the elements of an array that nothing drives keep their start values
             self.read_inputs()
         arrive()
         with self.errors(f"set the inputs of {self.owner.who} at t = 0 s"):
-            self._move(self._setters, 0.0)
+            self._move(self._setters)
         with self.errors(refused):
-            if self.fmi.call("ExitInitializationMode") == WARNING:
-                self._warn("ExitInitializationMode", 0.0)
+            self._note("ExitInitializationMode", self.fmi.call("ExitInitializationMode"))
         self.running = True
         with self.errors(f"read the outputs of {self.owner.who}"):
-            self._move(self._getters, 0.0)
+            self._move(self._getters)
 
     def _starts(self, parameters: dict[str, Any]) -> list[tuple[str, Variable, list[Value]]]:
         """Start values to set: name, variable and values; an array is set as a whole."""
@@ -199,34 +184,26 @@ class Instance(Closing):
         """Read the present value of one variable as a number."""
         with self.errors(f"read `{self.name}.{variable.name}`"):
             (bank,) = self.fmi.banks(self.file.whole([variable]))
-            self._mover("Get", bank)(0.0)
+            self._move(self._moves("Get", [bank]))
             return float(bank.values[variable.element])
 
     def read_inputs(self) -> None:
         """Read the start values of all input banks."""
         with self.errors(f"read the inputs of {self.owner.who}"):
-            self._move([self._mover("Get", bank) for bank in self.inputs], 0.0)
+            self._move(self._moves("Get", self.inputs))
 
     def compute(self, time: float, step: float) -> bool:
         """Write the inputs, do the step from `time` to `time + step` (s) and read the outputs.
 
-        Returns
-        -------
-        bool
-            Whether the FMU ended the run in this step.
+        Returns whether the FMU ended the run in this step.
         """
         self._move(self._setters, time)
         status, ended = self.fmi.step(time, step)
-        if status == WARNING:
-            self._warn("DoStep", time)
+        self._note("DoStep", status, time)
         if ended:
             self.ended = time
         self._move(self._getters, time)
         return ended
-
-    def _move(self, moves: list[Callable[[float], None]], time: float) -> None:
-        for move in moves:
-            move(time)
 
     def report(self) -> None:
         """Log the first warning status of a run, and that the FMU ended it."""
@@ -258,6 +235,25 @@ class Instance(Closing):
         known = error.status in range(len(STATUS))
         status = self.fmi.prefix + STATUS[error.status] if known else str(error.status)
         return FmuError(f"{refusal(action)}: {words} ({error.function} returned {status})")
+
+    def read_all(self) -> None:
+        """Read every number after a run, once in a process for each file; log the first rejected variable.
+
+        A rejected call ends an instance, so the variables after the first are not read.
+        """
+        known = (self.file.guid, str(self.file.folder))
+        if known in _read:
+            return
+        _read.add(known)
+        for variable in self.file.variables.values():
+            if not variable.base or variable.element:
+                continue
+            try:
+                self.read(variable)
+            except FmuError as error:
+                unknown = f"`{variable.name}` (value reference {variable.reference})"
+                log.warning("%s does not know its variable %s: %s", self.owner.who, unknown, error.message)
+                return
 
     def close(self) -> None:
         """Terminate and free the instance; errors are logged and do not affect the result."""
@@ -295,14 +291,17 @@ def start(variable: Variable) -> Value:
     return float(variable.start or 0.0)
 
 
-def load_library(file: FmuFile, name: str) -> Binding:
+def load_library(file: FmuFile, name: str) -> Fmi2 | Fmi3:
     """Load the FMU's library for an instance of that name."""
     check_library(file)
     try:
-        with _loading, working_directory_kept():
+        folder = os.getcwd()  # noqa: PTH109
+    except FileNotFoundError:
+        raise FmuError("the working directory no longer exists", "Change to another directory.") from None
+    try:
+        # FMPy does not restore the working directory if a library cannot be loaded
+        with _loading, contextlib.chdir(folder):
             return VERSIONS[file.version](file, name)
-    except FmuError:
-        raise
     except AttributeError as error:
         raise FmuError(
             f"the library of `{file.name}` lacks an FMI function: {error}",
@@ -313,16 +312,3 @@ def load_library(file: FmuFile, name: str) -> Binding:
             f"cannot load the library of `{file.name}`: {error}",
             "Check the platform of the library and its dependencies.",
         ) from None
-
-
-@contextlib.contextmanager
-def working_directory_kept() -> Iterator[None]:
-    """Restore the working directory, which FMPy does not if a library cannot be loaded."""
-    try:
-        folder = os.getcwd()  # noqa: PTH109
-    except FileNotFoundError:
-        raise FmuError("the working directory no longer exists", "Change to another directory.") from None
-    try:
-        yield
-    finally:
-        os.chdir(folder)

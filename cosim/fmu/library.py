@@ -23,13 +23,7 @@ LITTLE_64 = (2, 1)
 
 
 def check_library(file: FmuFile) -> None:
-    """Check that the library of an extracted FMU is complete; loading a truncated one is a bus error.
-
-    Raises
-    ------
-    FmuError
-        No library of this name, no library at all, or a truncated library.
-    """
+    """Check that the library of an extracted FMU is complete; loading a truncated one is a bus error."""
     place, shown = binaries(file.version), file.path.name
     library = file.folder / place / f"{file.identifier}{fmpy.sharedLibraryExtension}"
     if not library.is_file():

@@ -16,14 +16,9 @@ Value = float | int | bool | str
 
 
 def encode(variable: Variable, value: Any, owner: NamedFmu = ALONE) -> Value:
-    """Value of the FMI type of a variable; `owner` is its FMU, for messages.
+    """Value of the FMI type of a variable of an FMU, or an error with the type.
 
     Enumerations take the item's name or number, Booleans `true`, `false`, 0 or 1; integers are never rounded.
-
-    Raises
-    ------
-    FmuError
-        The value does not fit the type; names the variable, the value and the type.
     """
     match variable.kind:
         case "Enumeration":
@@ -83,14 +78,9 @@ def item_number(variable: Variable, value: Any, owner: NamedFmu) -> int:
 def expand(
     variables: dict[str, Variable], parameters: dict[str, Any], owner: NamedFmu = ALONE
 ) -> list[tuple[Variable, Value]]:
-    """Variables and values of a table of parameters.
+    """Variables and values of a table of parameters, or an error if one cannot be set.
 
     `bias = [1, 2]` sets `bias[1]` and `bias[2]`; a list of lists sets a matrix, by `bias[1,1]`.
-
-    Raises
-    ------
-    FmuError
-        Unknown variable, wrong type, wrong array length, or a variable that cannot be set.
     """
     flat: list[tuple[str, Any]] = []
     for name, value in parameters.items():

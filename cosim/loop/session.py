@@ -13,7 +13,6 @@ from typing import Any
 from cosim import interrupts
 from cosim.closing import Closing
 from cosim.errors import CosimError, FmuError, PlantError, concerning
-from cosim.fmu import readable
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.instance import Instance
 from cosim.loop import condition, fmus, native, plant, recorder, reference, repeats, undriven
@@ -313,7 +312,7 @@ class Session(Closing):
         for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True):
             if self.complete and fmu.running:
                 self.place.at(Stage.READ, choice.shown)
-                readable.report(fmu)
+                fmu.read_all()
         fmus.close(self.fmus, self.place)
         self.close_plant()
 

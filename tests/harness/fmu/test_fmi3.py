@@ -274,11 +274,7 @@ def test_commands_work_with_it(loop: Path, folder: Path) -> None:
 
 
 def test_an_ssp_system_requires_fmi_2(loop: Path, write: Write) -> None:
-    text = (
-        SCENARIO
-        + '[plant]\nname = "probe_plants:Lag"\n'
-        + entry("wire", **{"from": "plant.x"}, to="controller.x[1]")
-    )
-    write(text=text, name="vector.toml")
+    wire = entry("wire", **{"from": "plant.x"}, to="controller.x[1]")
+    write(text=SCENARIO + '[plant]\nname = "probe_plants:Lag"\n' + wire, name="vector.toml")
     done = test_cli.cosim("ssp", "vector.toml", "-o", "vector.ssp")
     assert (done.returncode, "`vector.fmu` is an FMI 3.0 FMU" in done.stderr) == (2, True), done.stderr
