@@ -51,22 +51,11 @@ class DisplayUnit:
 
 @dataclass(frozen=True)
 class Variable:
-    """One scalar variable of an FMU, or one element of an array.
+    """One scalar variable of an FMU, or one element of an array of FMI 3.0.
 
-    Parameters
-    ----------
-    kind
-        FMI type, such as Real, Float64 or Enumeration.
-    start, minimum, maximum, unit
-        As in the model description; empty if not given.
-    items
-        Names and numbers of an enumeration, empty otherwise.
-    display
-        Its display unit, if the description gives one.
-    settable
-        Whether it accepts a start value.
-    array, element
-        Name of the array of FMI 3.0 that it belongs to, empty if none, and its index in row-major order.
+    `kind` is the FMI type, such as Real, Float64 or Enumeration; `items` are the names and numbers of an
+    enumeration. Texts are those of the model description, empty if not given. `settable` states whether it
+    accepts a start value. `element` is its index in `array` in row-major order.
     """
 
     name: str

@@ -39,30 +39,20 @@ class Bank:
 
 
 class Binding:
-    """Calls of one FMI version for one instance.
-
-    Attributes
-    ----------
-    prefix
-        Start of the names of functions and status values.
-    enumeration
-        Type that transfers enumerations.
-    types
-        Types of the numbers that are transferred, in the order of the calls.
-    answers
-        Identification of the headers with which a library was compiled.
-    ending
-        How a step reports the end of a run.
-    library
-        Class of FMPy.
-    """
+    """Calls of one FMI version for one instance."""
 
     prefix = ""
+    """Start of the names of functions and status values."""
     enumeration = ""
+    """Type that transfers enumerations."""
     types: ClassVar[Mapping[str, Any]] = {}
+    """Types of the numbers that are transferred, in the order of the calls."""
     answers: ClassVar[Mapping[str, bytes]] = {}
+    """Identification of the headers with which a library was compiled."""
     ending = ""
+    """How a step reports the end of a run."""
     library: Any = None
+    """Class of FMPy."""
 
     def __init__(self, file: FmuFile, name: str) -> None:
         self.model = file.name

@@ -44,13 +44,16 @@ def extracted(path: Path, sizes: dict[str, int], unpack: Callable[[Path], None])
         digest = hashlib.file_digest(file, "sha256").hexdigest()[:32]
     cache = usable(paths.cache_folder())
     folder = cache / digest
-    with writing(cache):
+    try:
         if not is_whole(folder, sizes):
             with locked(cache):
                 if not is_whole(folder, sizes):
                     remove_unused(cache)
                     make(folder, sizes, unpack)
         os.utime(folder)
+    except OSError as error:
+        problem = f"cannot extract the FMU into `{cache}`: {error.strerror or error}"
+        raise FmuError(problem, f"Set {paths.CACHE_ENV} to another folder.") from None
     return folder
 
 
@@ -103,16 +106,6 @@ def discard(folder: Path) -> None:
         shutil.rmtree(aside, ignore_errors=True)
     else:
         aside.unlink()
-
-
-@contextlib.contextmanager
-def writing(cache: Path) -> Iterator[None]:
-    """Add the folder to errors of a full or missing disk."""
-    try:
-        yield
-    except OSError as error:
-        problem = f"cannot extract the FMU into `{cache}`: {error.strerror or error}"
-        raise FmuError(problem, f"Set {paths.CACHE_ENV} to another folder.") from None
 
 
 @contextlib.contextmanager
