@@ -1,4 +1,4 @@
-"""Co-simulation of FMI 2.0 FMUs with plants: scenarios, the reference engine, results and criteria.
+"""Co-simulation of FMUs with plants: scenarios, the reference engine, results and criteria.
 
 >>> import cosim
 >>> result = cosim.run(cosim.load("dob", set=["plant.gap=2e-4"]), seed=7)  # doctest: +SKIP

@@ -85,7 +85,7 @@ class Environment(gymnasium.Env[Values, Values]):
     def _check(self, observations: Sequence[str]) -> None:
         """Check the names of actions and observations."""
         session = self.session
-        inputs = [f"{fmu.name}.{v.name}" for fmu in session.fmus for v in fmu.driven if v.kind == "Real"]
+        inputs = [f"{fmu.name}.{v.name}" for fmu in session.fmus for v in fmu.driven if v.base == "Real"]
         inputs += [f"{PLANT}.{channel.name}" for channel in session.plant.commands]
         for name in (name for name in self.actions if name not in inputs):
             problem = f"`{name}` is not a Real input of an FMU or a command of the plant"

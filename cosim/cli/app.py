@@ -66,7 +66,7 @@ app = typer.Typer(
     # plain help: rich takes longer to import than everything else
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
-    help="Run FMI 2.0 FMUs in closed loop with plants and check the results against criteria.",
+    help="Run FMUs in closed loop with plants and check the results against criteria.",
     epilog="Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not run.",
 )
 app.callback()(options)

@@ -1,1 +1,1 @@
-"""FMI 2.0 co-simulation FMUs: their files, variables, values and instances."""
+"""Co-simulation FMUs of FMI 2.0 and 3.0: their files, variables, values and instances."""

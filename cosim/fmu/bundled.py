@@ -10,14 +10,13 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-import fmpy
-
+from cosim.fmu.archive import binaries
 from cosim.fmu.members import DESCRIPTION
 
 SCRIPT = "slavemodule.txt"
 """Resource that names the Python module of an FMU of PythonFMU and UniFMU."""
-TOOLKIT = "pythonfmu"
-"""Package of PythonFMU, of which each of its FMUs brings a copy; any version serves the scripts of others."""
+TOOLKITS = ("pythonfmu", "pythonfmu3")
+"""Packages of PythonFMU; each of its FMUs brings a copy, any version serves the scripts of others."""
 INTERPRETER = re.compile(rb"libpython\d|python3\d*\.dll|libjvm\.|\bjvm\.dll|libjulia", re.IGNORECASE)
 """Name of an interpreter in a library that is linked to it or loads it."""
 TOOL = re.compile(rb"""needsExecutionTool\s*=\s*["'](true|1)["']""")
@@ -25,7 +24,8 @@ TOOL = re.compile(rb"""needsExecutionTool\s*=\s*["'](true|1)["']""")
 
 def libraries(folder: Path) -> list[Path]:
     """Library files of an extracted FMU for this platform."""
-    return [path for path in sorted((folder / "binaries" / fmpy.platform).glob("*")) if path.is_file()]
+    places = (folder / binaries(version) for version in (2, 3))
+    return [path for place in places for path in sorted(place.glob("*")) if path.is_file()]
 
 
 def mentions(library: Path, pattern: re.Pattern[bytes]) -> bool:
@@ -53,7 +53,7 @@ def modules(folder: Path) -> dict[str, str]:
     if not (resources / SCRIPT).is_file():
         return {}
     own = (path for path in resources.iterdir() if path.is_dir() or path.suffix == ".py")
-    return {path.stem: sources(path) for path in own if path.name != TOOLKIT}
+    return {path.stem: sources(path) for path in own if path.name not in TOOLKITS}
 
 
 def sources(module: Path) -> str:

@@ -37,33 +37,23 @@ def extracted(path: Path, sizes: dict[str, int], unpack: Callable[[Path], None])
     """Folder with the content of an FMU; extracted unless it exists and is complete.
 
     The folder is named by the SHA-256 of the file, so a rebuilt FMU has a new folder.
-    Missing or truncated files are extracted again.
-
-    Parameters
-    ----------
-    path
-        The FMU.
-    sizes
-        Its files and their sizes in bytes.
-    unpack
-        Extracts it into a folder.
-
-    Raises
-    ------
-    FmuError
-        The cache cannot be written.
+    Missing or truncated files are extracted again. `sizes` are its files and their sizes in bytes; `unpack`
+    extracts it into a folder.
     """
     with path.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()[:32]
     cache = usable(paths.cache_folder())
     folder = cache / digest
-    with writing(cache):
+    try:
         if not is_whole(folder, sizes):
             with locked(cache):
                 if not is_whole(folder, sizes):
                     remove_unused(cache)
                     make(folder, sizes, unpack)
         os.utime(folder)
+    except OSError as error:
+        problem = f"cannot extract the FMU into `{cache}`: {error.strerror or error}"
+        raise FmuError(problem, f"Set {paths.CACHE_ENV} to another folder.") from None
     return folder
 
 
@@ -116,16 +106,6 @@ def discard(folder: Path) -> None:
         shutil.rmtree(aside, ignore_errors=True)
     else:
         aside.unlink()
-
-
-@contextlib.contextmanager
-def writing(cache: Path) -> Iterator[None]:
-    """Add the folder to errors of a full or missing disk."""
-    try:
-        yield
-    except OSError as error:
-        problem = f"cannot extract the FMU into `{cache}`: {error.strerror or error}"
-        raise FmuError(problem, f"Set {paths.CACHE_ENV} to another folder.") from None
 
 
 @contextlib.contextmanager

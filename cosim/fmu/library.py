@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import fmpy
 
 from cosim.errors import FmuError
+from cosim.fmu.archive import FmuFile, binaries
 from cosim.fmu.messages import readable
 from cosim.warned import warn_once
 
-ANSWERS = {"fmi2GetVersion": b"2.0", "fmi2GetTypesPlatform": b"default"}
-"""Identification of the FMI 2.0 headers with which a library was compiled."""
 HEADER = struct.Struct("<4sBB10xHHIQQQIHHHHHH")
 """Header of a 64-bit ELF file."""
 SEGMENT = struct.Struct("<IIQQQQQQ")
@@ -22,18 +22,12 @@ LITTLE_64 = (2, 1)
 """Class and byte order of the examined files."""
 
 
-def check_library(folder: Path, identifier: str, shown: str) -> None:
-    """Check that the library of an extracted FMU is complete; loading a truncated one is a bus error.
-
-    Raises
-    ------
-    FmuError
-        No library of this name, no library at all, or a truncated library.
-    """
-    place = f"binaries/{fmpy.platform}"
-    library = folder / place / f"{identifier}{fmpy.sharedLibraryExtension}"
+def check_library(file: FmuFile) -> None:
+    """Check that the library of an extracted FMU is complete; loading a truncated one is a bus error."""
+    place, shown = binaries(file.version), file.path.name
+    library = file.folder / place / f"{file.identifier}{fmpy.sharedLibraryExtension}"
     if not library.is_file():
-        there = ", ".join(f"`{path.name}`" for path in sorted((folder / place).glob("*")))
+        there = ", ".join(f"`{path.name}`" for path in sorted((file.folder / place).glob("*")))
         raise FmuError(
             f"`{shown}` has no library `{place}/{library.name}`, which its `modelIdentifier` requires",
             f"`{place}` holds {there or 'nothing'}.",
@@ -42,9 +36,9 @@ def check_library(folder: Path, identifier: str, shown: str) -> None:
         raise FmuError(f"`{shown}`: the library `{place}/{library.name}` in it {problem}", "Build it again.")
 
 
-def check_headers(slave: Any, shown: str) -> None:
-    """Warn of a library that was not compiled with the headers of FMI 2.0."""
-    for function, wanted in ANSWERS.items():
+def check_headers(slave: Any, answers: Mapping[str, bytes], shown: str) -> None:
+    """Warn of a library that was not compiled with the headers whose functions give these answers."""
+    for function, wanted in answers.items():
         reported: bytes | None = getattr(slave, function)()
         if reported != wanted:
             answer = "nothing" if reported is None else f"`{readable(reported)}`"

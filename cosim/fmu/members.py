@@ -21,13 +21,7 @@ AGAIN = "Build or copy it again."
 
 
 def sizes(path: Path) -> dict[str, int]:
-    """Files of an FMU and their unpacked sizes in bytes.
-
-    Raises
-    ------
-    FmuError
-        Not a zip file, or a file that FMI does not allow, leaves its folder or would fill the disk.
-    """
+    """Files of an FMU and their unpacked sizes in bytes; each is checked."""
     shown = paths.shown(path)
     with zipped(path, shown) as archive:
         infos = archive.infolist()
@@ -41,8 +35,11 @@ def sizes(path: Path) -> dict[str, int]:
         names = ", ".join(f"`{paths.brief(name)}`" for name in sorted(files)[:5])
         holds = f"It holds {names}." if files else "it is empty"
         raise FmuError(f"`{shown}` is not an FMU: it holds no `{DESCRIPTION}`", f"{holds}; {AGAIN}")
-    check_size(shown, sum(info.file_size for info in infos), path.stat().st_size)
-    check_folders(shown, files)
+    check_size(shown, sum(files.values()), path.stat().st_size)
+    for name in files:
+        for above in PurePosixPath(name).parents:
+            if str(above) in files:
+                raise FmuError(f"`{shown}`: `{above}` in it is both a file and a folder", AGAIN)
     return files
 
 
@@ -90,11 +87,3 @@ def check_size(shown: str, unpacked: int, packed: int) -> None:
             f"{unpacked / packed:.0f} times as much; the limit is {MAX_RATIO:g} times",
             "Pack it without compression if the size is intended.",
         )
-
-
-def check_folders(shown: str, files: dict[str, int]) -> None:
-    """Check that no name is both a file and a folder."""
-    for name in files:
-        for above in PurePosixPath(name).parents:
-            if str(above) in files:
-                raise FmuError(f"`{shown}`: `{above}` in it is both a file and a folder", AGAIN)

@@ -43,13 +43,12 @@ class Messages:
         """Stop receiving messages."""
         _listeners.pop(self.handle, None)
 
-    def add(self, status: int, category: str, text: str) -> None:
+    def receive(self, status: int, category: bytes | None, text: bytes | None) -> None:
         """Receive one message."""
-        self.kept = [*self.kept[1 - KEPT :], (status, text)]
-        level = LEVELS.get(status, logging.ERROR)
-        log.log(
-            level if level < logging.ERROR else logging.DEBUG, "%s [%s] %s", self.instance, category, text
-        )
+        message, level = readable(text), LEVELS.get(status, logging.ERROR)
+        self.kept = [*self.kept[1 - KEPT :], (status, message)]
+        level = level if level < logging.ERROR else logging.DEBUG
+        log.log(level, "%s [%s] %s", self.instance, readable(category), message)
 
     def take(self) -> str:
         """Return and discard the messages since the last call, of the worst status only."""
@@ -60,13 +59,12 @@ class Messages:
 
 
 def _receive(environment: int | None, instance: bytes, status: int, category: bytes, text: bytes) -> None:
-    """Pass a message to the instance of the environment pointer."""
-    message = readable(text)
+    """Pass a message of FMI 2.0 to the instance of the environment pointer."""
     listener = _listeners.get(environment or 0)
     if listener is not None:
-        listener.add(status, readable(category), message)
+        listener.receive(status, category, text)
     else:
-        log.log(LEVELS.get(status, logging.ERROR), "%s", message)
+        log.log(LEVELS.get(status, logging.ERROR), "%s", readable(text))
 
 
 def readable(text: bytes | None) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,9 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
-from cosim.fmu.instance import Bank, Instance
+from cosim.fmu.archive import FmuFile
+from cosim.fmu.binding import Bank
+from cosim.fmu.instance import Instance
 from cosim.loop import condition, reference
 from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
@@ -59,14 +62,17 @@ class NativeFmu:
         return [*(call.name for call in self.set), DO_STEP, *(call.name for call in self.get)][number]
 
 
-def choose(engine: Engine, scenario: Scenario, plant: Plant) -> Engine:
-    """Engine for a scenario and its plant: the requested one, or the reference engine."""
+def choose(engine: Engine, scenario: Scenario, plant: Plant, files: Iterable[FmuFile]) -> Engine:
+    """Engine for a scenario, its plant and FMUs: the requested one, or the reference engine."""
     if engine == "reference":
         return engine
     if scenario.fmu:
         log.info(
             "`%s` runs in the reference engine: the native engine requires a `[controller]`", scenario.name
         )
+        return "reference"
+    if any(file.version != 2 for file in files):
+        log.info("`%s` runs in the reference engine: the native engine requires FMI 2.0", scenario.name)
         return "reference"
     if reason := obstacle(plant):
         log.info("the plant `%s` runs in the reference engine: %s", scenario.plant.name, reason)
@@ -91,14 +97,14 @@ def controller(fmu: Instance) -> NativeFmu:
     """Return the function addresses of an FMU, from FMPy's handle of its library."""
 
     def function(name: str) -> int:
-        return ctypes.cast(getattr(fmu.slave.dll, name), ctypes.c_void_p).value or 0
+        return ctypes.cast(getattr(fmu.fmi.slave.dll, name), ctypes.c_void_p).value or 0
 
     def call(verb: str, bank: Bank) -> Call:
         name = f"fmi2{verb}{bank.base}"
         return Call(name, function(name), np.array(bank.references[:], np.uint32), bank.values)
 
     return NativeFmu(
-        component=fmu.slave.component,
+        component=fmu.fmi.slave.component,
         set=[call("Set", bank) for bank in fmu.inputs],
         step=function(DO_STEP),
         status=function("fmi2GetBooleanStatus"),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.fmu.archive import DisplayUnit, FmuFile, Variable
-from cosim.fmu.instance import BASE, Instance
+from cosim.fmu.instance import Instance
 from cosim.loop.condition import Program
 from cosim.loop.plant import Plant, one_each
 from cosim.trace.columns import Columns
@@ -177,7 +177,7 @@ class Recorder:
 def undriven_inputs(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]:
     """Numeric inputs of the FMUs that nothing drives."""
     moved = {(fmu.name, v.name) for fmu in fmus for bank in fmu.inputs for v in bank.variables}
-    inputs = [(fmu, v) for fmu in fmus for v in fmu.file.named("input") if v.kind != "String"]
+    inputs = [(fmu, v) for fmu in fmus for v in fmu.file.named("input") if v.base]
     return [(fmu, v) for fmu, v in inputs if (fmu.name, v.name) not in moved]
 
 
@@ -239,7 +239,7 @@ def recorded(file: FmuFile, record_locals: bool | None) -> list[Variable]:
     record_locals
         Whether local variables are; None for those of an FMU with at most `LOCALS_MAX`.
     """
-    numeric = [variable for variable in file.variables.values() if BASE[variable.kind] != "String"]
+    numeric = [variable for variable in file.variables.values() if variable.base]
     moving = sum(is_moving_local(variable) for variable in numeric)
     if record_locals is None:
         record_locals = moving <= LOCALS_MAX

@@ -13,7 +13,6 @@ from typing import Any
 from cosim import interrupts
 from cosim.closing import Closing
 from cosim.errors import CosimError, FmuError, PlantError, concerning
-from cosim.fmu import readable
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.instance import Instance
 from cosim.loop import condition, fmus, native, plant, recorder, reference, repeats, undriven
@@ -92,7 +91,7 @@ class Session(Closing):
     def _instantiate(self, files: Mapping[str, FmuFile], previous: Session | None) -> None:
         """Instantiate the FMUs, and check that they and the plant fit the scenario."""
         scenario = self.scenario
-        self.engine = native.choose(self.wanted, scenario, self.plant)
+        self.engine = native.choose(self.wanted, scenario, self.plant, files.values())
         check_timestep(scenario, self.plant.timestep)
         before: tuple[Instance, ...] = () if previous is None else previous.fmus
         self.fmus: tuple[Instance, ...] = fmus.open_instances(
@@ -313,7 +312,7 @@ class Session(Closing):
         for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True):
             if self.complete and fmu.running:
                 self.place.at(Stage.READ, choice.shown)
-                readable.report(fmu)
+                fmu.read_all()
         fmus.close(self.fmus, self.place)
         self.close_plant()
 

@@ -22,7 +22,7 @@ class Described:
 
 def variables(file: FmuFile, causality: str) -> list[Described]:
     """List numeric inputs or outputs of an FMU."""
-    return [variable(found) for found in file.named(causality) if found.kind != "String"]
+    return [variable(found) for found in file.named(causality) if found.base]
 
 
 def variable(found: Variable) -> Described:
@@ -35,7 +35,7 @@ def variable(found: Variable) -> Described:
 
 def start(found: Variable) -> str:
     """Start value as TOML."""
-    if found.kind == "Real":
+    if found.base == "Real":
         return repr(float(found.start or 0.0))
     if found.kind == "Boolean":
         return "true" if found.start in ("true", "1") else "false"

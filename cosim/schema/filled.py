@@ -48,7 +48,9 @@ def settable_variables(variables: Iterable[Variable]) -> dict[str, dict[str, Any
     found: dict[str, dict[str, Any]] = {}
     for variable in (variable for variable in variables if variable.settable):
         found[variable.name] = entry = described(variable)
-        if array := re.fullmatch(r"(.+)\[\d+\]", variable.name):
+        if "," in variable.name.rpartition("[")[2]:
+            found.setdefault(variable.array, {"type": "array", "items": {"type": "array", "items": entry}})
+        elif array := re.fullmatch(r"(.+)\[\d+\]", variable.name):
             whole = found.setdefault(array[1], {"type": "array", "items": entry, "minItems": 0})
             whole["minItems"] = whole["maxItems"] = whole["minItems"] + 1
     return found
@@ -67,10 +69,10 @@ def described(variable: Variable) -> dict[str, Any]:
     if variable.kind == "String":
         return {"type": "string", **labels, **default(variable.start or None)}
     numbers = {"minimum": variable.minimum, "maximum": variable.maximum, "default": variable.start}
-    found: dict[str, Any] = {"type": TYPES[variable.kind], **labels}
+    found: dict[str, Any] = {"type": TYPES[variable.base], **labels}
     for name, text in numbers.items():
         with contextlib.suppress(ValueError):
-            found[name] = int(text) if variable.kind == "Integer" else finite(text)
+            found[name] = int(text) if variable.base == "Integer" else finite(text)
     return found
 
 

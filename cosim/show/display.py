@@ -112,7 +112,7 @@ def value_text(given: Any, default: str) -> Text:
 
 def start_text(variable: Variable) -> str:
     """Start value, enumerations by name."""
-    if variable.kind == "Real" and variable.start:
+    if variable.base == "Real" and variable.start:
         return f"{float(variable.start):g}"
     names = {str(number): name for name, number in variable.items}
     return names.get(variable.start, variable.start)

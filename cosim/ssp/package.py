@@ -67,6 +67,10 @@ def write(
         lint.check(session)
     with located(scenario):
         files = fmus.open_files(scenario)
+        for name, one in files.items():
+            if one.version != 2:
+                with concerning(f"{name}.fmu"):
+                    raise CosimError(f"`{one.path.name}` is an FMI 3.0 FMU", "Use FMI 2.0 in an SSP system.")
         ports = ports_of(scenario, files)
         settings = {
             "loop": known(scenario),

@@ -85,7 +85,7 @@ def test_no_exception_is_raised_in_a_closed_loop(name: str, libm: ctypes.CDLL) -
     initialisation: dict[int, int] = {}
     steps: dict[int, int] = {}
     with cosim.Session(cosim.load(name, set=list(cut(name)))) as session:
-        slave = session.fmu.slave
+        slave = session.fmu.fmi.slave
         slave.fmi2DoStep = watched(libm, slave.fmi2DoStep, steps)
         slave.exitInitializationMode = watched(libm, slave.exitInitializationMode, initialisation)
         session.run()

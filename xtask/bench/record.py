@@ -12,7 +12,7 @@ from part import part
 
 import cosim
 from cosim.fmu.archive import FmuFile, Variable
-from cosim.fmu.instance import BASE
+from cosim.fmu.binding import Fmi2
 from cosim.fmu.values import Value, expand
 
 
@@ -53,7 +53,7 @@ def start(variable: Variable, value: Value) -> tuple[dict[str, Any], str | float
 
 def spoken(variable: Variable) -> dict[str, Any]:
     """Value reference and FMI's way to move the values."""
-    return {"reference": variable.reference, "base": BASE[variable.kind]}
+    return {"reference": variable.reference, "base": Fmi2.type_of(variable)}
 
 
 def rows(trace: Any, variables: list[Variable]) -> list[list[float]]:

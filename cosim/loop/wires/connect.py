@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError, ScenarioError, closest, concerning, show, similar
 from cosim.fmu.archive import FmuFile, Variable
-from cosim.fmu.instance import BASE, Instance
+from cosim.fmu.instance import Instance
 from cosim.fmu.values import encode, lookup
 from cosim.loop.plant import Channel, Plant
 from cosim.loop.time_series import find, read, sample
@@ -43,7 +43,7 @@ def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variabl
         with concerning(f"{section}.{item}.to"):
             variable = lookup(file.variables, name, choice)
             tunable = variable.causality == "parameter" and variable.variability == "tunable"
-            if (variable.causality != "input" and not tunable) or variable.kind == "String":
+            if (variable.causality != "input" and not tunable) or not variable.base:
                 raise ScenarioError(
                     f"`{item}` is not an input or tunable parameter of the FMU",
                     closest(name, [v.name for v in file.named("input")]),
@@ -247,7 +247,7 @@ class Connector:
         """Slot of a variable in the banks of its FMU."""
         for bank in banks:
             if variable in bank.variables:
-                return Slot(bank.values, bank.variables.index(variable), BASE[variable.kind])
+                return Slot(bank.values, bank.variables.index(variable), variable.base)
         return None
 
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:

@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError
+from cosim.fmu.values import fits, integer_text
 from cosim.loop.wires.fault import FaultEffect
 from cosim.loop.wires.wiring import Delay, Shape
+
+INT32 = np.dtype(np.int32)
 
 
 def truth(value: float) -> int:
@@ -20,11 +24,11 @@ def truth(value: float) -> int:
     return int(value != 0.0)
 
 
-def whole(value: float) -> int:
+def whole(value: float, dtype: np.dtype[Any] = INT32) -> int:
     """Integer of a number, rounded half to even."""
-    number = round(value) if math.isfinite(value) else 2**31
-    if not abs(number) < 2**31:
-        raise CosimError(f"an integer input got `{value}`, it has 32 bits")
+    if not math.isfinite(value) or not fits(number := round(value), dtype):
+        text = integer_text(dtype).removeprefix("an integer of ")
+        raise CosimError(f"an integer input got `{value}`, it has {text}")
     return number
 
 
@@ -42,7 +46,10 @@ class Slot:
     convert: Callable[[float], Any] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "convert", CONVERT[self.kind])
+        convert = CONVERT[self.kind]
+        if self.kind == "Integer":
+            convert = partial(whole, dtype=self.array.dtype)
+        object.__setattr__(self, "convert", convert)
 
 
 @dataclass(frozen=True)

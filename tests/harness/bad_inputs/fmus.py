@@ -198,7 +198,11 @@ FILES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "other root": (described("<fmiBuildDescription fmiVersion='2.0'/>"), ("`fmiBuildDescription`",)),
     "no version": (edited((' fmiVersion="2.0"', "")), ("without `fmiVersion`",)),
     "FMI 1": (edited(('fmiVersion="2.0"', 'fmiVersion="1.0"')), ("FMI 1.0 FMU", "only FMI 2.0")),
-    "FMI 3": (edited(('fmiVersion="2.0"', 'fmiVersion="3.0"')), ("FMI 3.0 FMU", "Export it as FMI 2.0.")),
+    "FMI 4": (
+        edited(('fmiVersion="2.0"', 'fmiVersion="4.0"')),
+        ("FMI 4.0 FMU", "Export it as FMI 2.0 or 3.0."),
+    ),
+    "FMI 3 in name only": (edited(('fmiVersion="2.0"', 'fmiVersion="3.0"')), ("no binary", "x86_64")),
     "model exchange": (
         edited(("<CoSimulation", "<ModelExchange"), ('canHandleVariableCommunicationStepSize="true"', "")),
         ("offers only ModelExchange",),

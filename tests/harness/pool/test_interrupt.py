@@ -168,7 +168,7 @@ def test_ctrl_c_within_a_callback_of_the_fmu_is_not_lost(
 
     with cosim.Session(scenario, log_events=True) as session:
         monkeypatch.setattr(session.fmu.messages, "add", press)
-        slave = session.fmu.slave
+        slave = session.fmu.fmi.slave
         compute = session.fmu.compute
 
         def chatty(time: float, length: float) -> bool:
