@@ -10,7 +10,7 @@ from typing import Literal
 from cosim.scenario.kinds import check_kind
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
-from cosim.study.parameters import Varied, check_keys, check_values, failing
+from cosim.study.parameters import VariedScenario, check_keys, check_values, failing
 
 MAX_TRIALS = 100_000
 """Maximum number of trials; the search uses all earlier ones for each new trial."""
@@ -59,7 +59,7 @@ class Search:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Problem(Varied):
+class Problem(VariedScenario):
     """An optimization; load it with `load`. `seed` is that of the search."""
 
     objective: Objective

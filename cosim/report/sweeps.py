@@ -17,7 +17,7 @@ from cosim.report.curves import Line
 from cosim.scenario.model import Chart
 from cosim.show import marks
 from cosim.study.store import DONE, Store
-from cosim.sweep import influence, study, summary_tables
+from cosim.sweep import sensitivity_tables, study, summary_tables
 from cosim.sweep.charts import check_charts, columns, results
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
@@ -71,7 +71,7 @@ def short(found: Summary) -> str:
     """Return the number of passed runs, or of completed runs without criteria."""
     if found.passed is None:
         return f"{found.rows} runs"
-    return f"{found.statuses['passed']} of {found.wanted} runs passed"
+    return f"{found.statuses['passed']} of {found.runs} runs passed"
 
 
 def tables(plan: Plan, found: Summary) -> Iterator[Table]:
@@ -82,7 +82,7 @@ def tables(plan: Plan, found: Summary) -> Iterator[Table]:
         (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
         for name, values in quantities(found).items()
     ]
-    moved = [[cell.plain for cell in row] for row in influence.rows(found.influences)]
+    moved = [[cell.plain for cell in row] for row in sensitivity_tables.rows(found.sensitivities)]
     lost = [
         (status, str(count), str(first), reason)
         for (status, reason), (count, first) in found.troubles.items()
@@ -90,7 +90,13 @@ def tables(plan: Plan, found: Summary) -> Iterator[Table]:
     every = (
         (("criterion", "passed in", "claim"), held),
         (("metric", *QUANTILES), spread),
-        (("sensitivity of", *influence.ranked_keys(found.influences)[: influence.MAX_KEYS]), moved),
+        (
+            (
+                "sensitivity of",
+                *sensitivity_tables.ranked_keys(found.sensitivities)[: sensitivity_tables.MAX_KEYS],
+            ),
+            moved,
+        ),
         (("without result", "runs", "first run", "reason"), lost),
     )
     yield from ({"names": names, "rows": rows} for names, rows in every if rows)

@@ -78,7 +78,7 @@ class RunLimits:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Varied:
+class VariedScenario:
     """A scenario, by name or as a file relative to this one, that runs with varied keys.
 
     Parameters
@@ -117,7 +117,7 @@ def failing(file: Path) -> Fail:
     return fail
 
 
-def check_keys(varied: Varied, fail: Fail) -> None:
+def check_keys(varied: VariedScenario, fail: Fail) -> None:
     """Check that each key is given once."""
     seen = set(varied.set)
     for index, vary in enumerate(varied.vary):

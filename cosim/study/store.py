@@ -74,7 +74,7 @@ class Store(Closing):
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.shown = paths.shown(folder / FILE)
-        self.places: dict[str, tuple[int, str]] = {}
+        self.positions: dict[str, tuple[int, str]] = {}
         if paths.is_there(folder / FILE) and not paths.is_file(folder / FILE):
             raise CosimError(f"cannot write results: `{self.shown}` is not a file", "Choose another `--out`.")
         try:
@@ -111,18 +111,18 @@ class Store(Closing):
 
     def scan(self) -> None:
         """Index the existing rows; nothing is removed, and an incomplete last line is terminated."""
-        place, line = 0, b"\n"
+        position, line = 0, b"\n"
         for number, line in enumerate(self.reader, 1):
-            self.note(line, number, place)
-            place += len(line)
+            self.note(line, number, position)
+            position += len(line)
         if not line.endswith(b"\n"):
             self.write(b"\n")
 
-    def note(self, line: bytes, number: int, place: int) -> None:
+    def note(self, line: bytes, number: int, position: int) -> None:
         """Store the position of a row; other lines are skipped."""
         try:
             row = read(line)
-            self.places[row["hash"]] = (place, row["status"])
+            self.positions[row["hash"]] = (position, row["status"])
         except (ValueError, RecursionError) as error:
             text = "`%s`, line %d is not a row (%s): it is kept, and a run without another row is repeated"
             log.warning(text, self.shown, number, error)
@@ -130,30 +130,30 @@ class Store(Closing):
     def append(self, row: Row) -> None:
         """Write one row; it is in the file when this returns."""
         line = strict.line(row).encode() + b"\n"
-        self.places[row["hash"]] = (self.write(line), row["status"])
+        self.positions[row["hash"]] = (self.write(line), row["status"])
 
     def write(self, line: bytes) -> int:
         """Append to the file, all or nothing; return the position."""
         with naming(self.shown, "Run the same command again to continue; existing rows are kept."):
-            place = self.file.seek(0, os.SEEK_END)
+            position = self.file.seek(0, os.SEEK_END)
             try:
                 if self.file.write(line) != len(line):
                     raise OSError(errno.ENOSPC, "no space left for a complete row")
             except OSError:
                 with contextlib.suppress(OSError):
-                    self.file.truncate(place)
+                    self.file.truncate(position)
                 raise
-        return place
+        return position
 
     def status(self, name: str) -> str:
         """Status of the run with a hash; empty without a row."""
-        return self.places.get(name, (0, ""))[1]
+        return self.positions.get(name, (0, ""))[1]
 
     def stored(self, name: str) -> Row | None:
         """Row with a hash as it was written."""
-        if name not in self.places:
+        if name not in self.positions:
             return None
-        self.reader.seek(self.places[name][0])
+        self.reader.seek(self.positions[name][0])
         row: Row = json.loads(self.reader.readline())
         return row
 

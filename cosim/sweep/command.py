@@ -22,7 +22,7 @@ from cosim.show.bar import bar
 from cosim.show.figure import wanted
 from cosim.show.lines import ProgressLines
 from cosim.study.store import DONE, Row, Store, opened, study_of
-from cosim.sweep import influence, study, summary_tables
+from cosim.sweep import sensitivity_tables, study, summary_tables
 from cosim.sweep.charts import check_charts
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan, part_of
@@ -130,9 +130,9 @@ def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None
     save_parquet(found.columns, folder / "summary.parquet")
     if plots and found.results:
         summary_tables.save_plots(plan, found, folder / "summary.svg")
-    if plots and found.influences:
-        influence.save_plots(
-            found.influences, plan.study.title or plan.study.name, folder / "sensitivity.svg"
+    if plots and found.sensitivities:
+        sensitivity_tables.save_plots(
+            found.sensitivities, plan.study.title or plan.study.name, folder / "sensitivity.svg"
         )
 
 

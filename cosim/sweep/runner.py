@@ -113,7 +113,7 @@ def merge(plan: Plan, store: Store, folders: Iterable[Path]) -> None:
             rows = [row for part in parts if (row := part.row(run, plan.criteria(run)))]
             if rows and store.status(run.hash) not in DONE:
                 store.append(min(rows, key=lambda row: row["status"] in TROUBLES))
-    if not store.places:
+    if not store.positions:
         problem = f"the folders hold no run of {plan.origin} as it is now"
         raise CosimError(problem, "Merge with the study, FMUs, plants and versions that made them.")
 

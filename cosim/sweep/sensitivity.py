@@ -39,7 +39,7 @@ NORMAL_95 = 1.959964
 
 
 @dataclass(frozen=True)
-class Influence:
+class Sensitivity:
     """Effect of one key on one metric.
 
     Parameters
@@ -83,8 +83,8 @@ class Estimate:
     high: float
 
 
-def influences(plan: Plan, table: Table) -> list[Influence]:
-    """Influence of every varied number on every metric that varies, the strongest key of a metric first.
+def sensitivities(plan: Plan, table: Table) -> list[Sensitivity]:
+    """Sensitivity of every varied number on every metric that varies, the strongest key of a metric first.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
 
     Returns
     -------
-    list of Influence
+    list of Sensitivity
         Empty with too few results.
     """
     # the repeats of a case share its values: counted one by one, noise would look like an effect
@@ -114,10 +114,10 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
         indices = sobol_of(plan, dict(zip(lines, values, strict=True)))
         found += sorted(
             (
-                Influence(metric, key, rank(column, values), *indices.get(key, ()))
+                Sensitivity(metric, key, rank(column, values), *indices.get(key, ()))
                 for key, column in keys.items()
             ),
-            key=lambda influence: -influence.strength,
+            key=lambda entry: -entry.strength,
         )
     return found
 

@@ -16,7 +16,7 @@ from cosim.scenario.model import Chart
 from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file, toml_value
-from cosim.study.parameters import Varied, check_keys, check_values, failing
+from cosim.study.parameters import VariedScenario, check_keys, check_values, failing
 
 MAX_RUNS = 1_000_000
 """Maximum number of runs."""
@@ -72,7 +72,7 @@ class Traces:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Study(Varied):
+class Study(VariedScenario):
     """A study; load it with `load`.
 
     Parameters

@@ -18,7 +18,7 @@ from cosim.formatting.strict import plain
 from cosim.formatting.verdicts import STATUSES
 from cosim.study.store import DONE, Row, Store
 from cosim.sweep.plan import Plan
-from cosim.sweep.sensitivity import NORMAL_95, Influence, influences
+from cosim.sweep.sensitivity import NORMAL_95, Sensitivity, sensitivities
 from cosim.units import restored
 
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
@@ -32,12 +32,12 @@ class Summary:
 
     Parameters
     ----------
-    wanted
+    runs
         Runs of the study.
     samples
         Independent random samples with a row; 0 if the runs are none, as those of a grid.
     columns
-        Table of all rows; see `places`.
+        Table of all rows; see `locations`.
     statuses
         Number of runs by status.
     values
@@ -48,11 +48,11 @@ class Summary:
         Number of results that passed each criterion.
     troubles
         Status and reason of runs without result: count and first run.
-    influences
+    sensitivities
         Effects of the varied keys on the metrics.
     """
 
-    wanted: int
+    runs: int
     samples: int = 0
     columns: dict[str, list[Any]] = field(default_factory=dict)
     statuses: Counter[str] = field(default_factory=Counter)
@@ -60,7 +60,7 @@ class Summary:
     units: dict[str, str] = field(default_factory=dict)
     held: Counter[str] = field(default_factory=Counter)
     troubles: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
-    influences: list[Influence] = field(default_factory=list)
+    sensitivities: list[Sensitivity] = field(default_factory=list)
 
     @property
     def rows(self) -> int:
@@ -87,14 +87,14 @@ class Summary:
     @property
     def passed(self) -> bool | None:
         """Whether every run of the study passed; None if all were completed without criteria."""
-        if self.wanted and self.statuses["done"] == self.wanted:
+        if self.runs and self.statuses["done"] == self.runs:
             return None
-        return self.statuses["passed"] == self.wanted
+        return self.statuses["passed"] == self.runs
 
     def to_dict(self) -> dict[str, Any]:
         """Return the summary as plain data for JSON."""
         return {
-            "runs": self.wanted,
+            "runs": self.runs,
             "rows": self.rows,
             "statuses": dict(self.statuses),
             "success": {"rate": self.rate}
@@ -107,7 +107,7 @@ class Summary:
                 for name, values in self.values.items()
             },
             "criteria": {name: {"held": count, "of": self.results} for name, count in self.held.items()},
-            "sensitivity": [influence.to_dict() for influence in self.influences],
+            "sensitivity": [entry.to_dict() for entry in self.sensitivities],
             "status": STATUSES[self.passed] if self.results else CosimError.status,
             "passed": self.passed,
         }
@@ -120,7 +120,7 @@ class Summary:
 def summarize(plan: Plan, store: Store) -> Summary:
     """Read all rows of a study once."""
     found = Summary(len(plan.numbers))
-    where = places(plan)
+    where = locations(plan)
     found.columns = {name: [] for name in where}
     for row in rows(plan, store):
         for name, (part, key) in where.items():
@@ -138,7 +138,7 @@ def summarize(plan: Plan, store: Store) -> Summary:
         found.values[name] = np.array(values, dtype=np.float64)
     if plan.study.design.kind in RANDOM:
         found.samples = len(set(found.columns["case"]))
-    found.influences = influences(plan, found.columns)
+    found.sensitivities = sensitivities(plan, found.columns)
     return found
 
 
@@ -148,7 +148,7 @@ def rows(plan: Plan, store: Store) -> Iterator[Row]:
     return (row for run in runs if (row := store.row(run, plan.criteria(run))) is not None)
 
 
-def places(plan: Plan) -> dict[str, tuple[str, str]]:
+def locations(plan: Plan) -> dict[str, tuple[str, str]]:
     """Columns of the table: name, and location of its value within a row (part, key)."""
     keys = dict.fromkeys(key for case in plan.cases for key in case)
     return {

@@ -19,7 +19,7 @@ from cosim.show.display import STYLES, shorten
 from cosim.show.listing import plain_table
 from cosim.show.plot import and_more
 from cosim.study.store import DONE
-from cosim.sweep import influence
+from cosim.sweep import sensitivity_tables
 from cosim.sweep.plan import Plan
 from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities
 
@@ -38,8 +38,8 @@ def tables(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
         parts += [criteria_table(scenario, found), ""]
     if quantities(found):
         parts += [metric_table(found), ""]
-    if found.influences:
-        parts += [influence.table(found.influences), ""]
+    if found.sensitivities:
+        parts += [sensitivity_tables.table(found.sensitivities), ""]
     if worst:
         parts += [worst_runs(plan, found, worst), ""]
     if found.troubles:
@@ -51,7 +51,7 @@ def verdict(found: Summary) -> Text:
     """One line with the number of passed runs."""
     counts = ", ".join(f"{count} {status}" for status, count in found.statuses.most_common())
     line = Text(
-        f"{found.rows} of {found.wanted} runs: {counts or 'no results'}",
+        f"{found.rows} of {found.runs} runs: {counts or 'no results'}",
         style=STYLES[found.passed],
     )
     if found.statuses["done"]:
