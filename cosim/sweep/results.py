@@ -121,5 +121,5 @@ def sweep(
 
 def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:
     """Read the results of a sweep into memory."""
-    name = plan.study.title or plan.study.name
+    name = plan.title
     return SweepResult(name, store.folder, found, list(rows(plan, store)))
