@@ -50,7 +50,7 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
         return {
             "name": file.stem,
             "scenario": plan.scenario.name,
-            "title": plan.title,
+            "title": plan.study.full_title,
             "story": [part for part in plan.study.description.split("\n\n") if part.strip()],
             "command": f"cosim sweep {shlex.quote(paths.shown(file))}",
             "verdict": summary_tables.verdict(found).plain,

@@ -107,6 +107,11 @@ class VariedScenario:
         """Stem of the file."""
         return self.file.stem
 
+    @property
+    def full_title(self) -> str:
+        """Title, otherwise the name."""
+        return self.title or self.name
+
 
 def failing(file: Path) -> Fail:
     """Return the function that raises the error of a key in a file."""

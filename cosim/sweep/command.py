@@ -131,7 +131,7 @@ def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None
     if plots and found.results:
         summary_tables.save_plots(plan, found, folder / "summary.svg")
     if plots and found.sensitivities:
-        sensitivity_tables.save_plots(found.sensitivities, plan.title, folder / "sensitivity.svg")
+        sensitivity_tables.save_plots(found.sensitivities, plan.study.full_title, folder / "sensitivity.svg")
 
 
 def pool_of(plan: Plan, options: Options) -> Pool:

@@ -62,7 +62,6 @@ class Plan(Variation):
         first, count = part_of(part)
         super().__init__(study)
         self.study, self.engine = study, engine
-        self.title = study.title or study.name
         self.scenario = replace(build(self.base), name=self.name, file=self.file)
         self.named = (*(choice.name for choice in self.scenario.fmus), "plant")
         self.settings: dict[str, Setting] = {}

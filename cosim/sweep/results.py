@@ -121,5 +121,5 @@ def sweep(
 
 def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:
     """Read the results of a sweep into memory."""
-    name = plan.title
+    name = plan.study.full_title
     return SweepResult(name, store.folder, found, list(rows(plan, store)))

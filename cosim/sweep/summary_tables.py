@@ -33,7 +33,7 @@ FEWEST_FOR_TENDENCY = 2
 def tables(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
     """Tables of verdict, criteria, metrics, worst runs and runs without result."""
     scenario = plan.scenario
-    parts: list[RenderableType] = [Text(plan.title, style="bold"), ""]
+    parts: list[RenderableType] = [Text(plan.study.full_title, style="bold"), ""]
     if scenario.criterion and found.results:
         parts += [criteria_table(scenario, found), ""]
     if quantities(found):
@@ -125,7 +125,7 @@ def save_plots(plan: Plan, found: Summary, file: Path) -> None:
             axes.set_axis_off()
         draw_rates(grid[0][0], scenario, found)
         draw_metrics(grid[1:], plan, found, names, keys)
-        lines = plan.title, verdict(found).plain, ", ".join(filter(None, more))
+        lines = plan.study.full_title, verdict(found).plain, ", ".join(filter(None, more))
         figure.suptitle("\n".join(filter(None, lines)), fontsize=10)
         figures.save(figure, file)
 

@@ -17,7 +17,7 @@ import cosim
 from cosim.cli import app
 from cosim.optimize import problem, search
 from cosim.optimize.proposer import Proposer
-from cosim.optimize.runner import Runner, SearchOptions
+from cosim.optimize.search import Runner, SearchOptions
 from cosim.optimize.variants import Variants
 from cosim.study.store import Store
 
