@@ -10,7 +10,7 @@ from typing import Literal
 from cosim.scenario.kinds import check_kind
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
-from cosim.study.parameters import VariedScenario, check_keys, check_values, failing
+from cosim.study.parameters import VariedScenario, check_ranges, failing
 
 MAX_TRIALS = 100_000
 """Maximum number of trials; the search uses all earlier ones for each new trial."""
@@ -67,13 +67,7 @@ class Problem(VariedScenario):
 
 
 def load(file: Path) -> Problem:
-    """Load and check an optimization.
-
-    Raises
-    ------
-    ScenarioError
-        Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
-    """
+    """Load and check an optimization; errors name file and key."""
     fail, table = failing(file), parse_file(file)
     check_kind(table, file, "optimization")
     if "design" in table:
@@ -117,20 +111,16 @@ def check_varied(problem: Problem, fail: Fail) -> None:
     """Check the ranges."""
     if not problem.vary:
         fail("vary", "is empty", "Add tables `[[vary]]`.")
-    check_keys(problem, fail)
     for index, vary in enumerate(problem.vary):
         key = f"vary[{index}]"
         if vary.key == "loop.seed":
-            fail(
-                f"{key}.key",
-                "is `loop.seed`, which cannot be optimized",
-                "Use `search.seeds` for several seeds.",
-            )
+            hint = "Use `search.seeds` for several seeds."
+            fail(f"{key}.key", "is `loop.seed`, which cannot be optimized", hint)
         if vary.distribution == "normal" or vary.mean is not None or vary.deviation is not None:
             fail(f"{key}.distribution", "cannot be `normal` here", "Give `minimum` and `maximum`.")
-        check_values(vary, key, "search", fail)
         for value in vary.values:
             if not isinstance(value, bool | int | float | str):
                 fail(f"{key}.values", f"holds `{value}`, which is not a number, text or Boolean")
             if isinstance(value, float) and not math.isfinite(value):
                 fail(f"{key}.values", f"holds `{value}`, which is not finite")
+    check_ranges(problem, "search", fail)

@@ -22,7 +22,7 @@ from cosim.sweep.charts import check_charts, columns, results
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
-from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities
+from cosim.sweep.summary import QUANTILES, Summary, spread
 
 Table = dict[str, Any]
 """Names of the columns, and rows of texts."""
@@ -46,7 +46,7 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
     def describe(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
         known = columns(plan.scenario, plan.cases)
         drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
-        runs, spread = worst(plan, found), [*distributions(plan, found)]
+        runs, shares = worst(plan, found), [*distributions(plan, found)]
         return {
             "name": file.stem,
             "scenario": plan.scenario.name,
@@ -59,8 +59,8 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
             "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
             "repeat": [plan.command(plan.runs[run]) for run in runs],
             "charts": drawn,
-            "distributions": spread,
-            "drawings": [drawing.charts(drawn), drawing.charts(spread)],
+            "distributions": shares,
+            "drawings": [drawing.charts(drawn), drawing.charts(shares)],
             "undrawn": undrawn,
         }
 
@@ -78,10 +78,6 @@ def tables(plan: Plan, found: Summary) -> Iterator[Table]:
     """Tables of criteria, distributions, sensitivity and runs without result; empty ones are omitted."""
     claims = {entry.id: entry.claim for entry in plan.scenario.criterion}
     held = [(name, f"{count} of {found.results}", claims.get(name, "")) for name, count in found.held.items()]
-    spread = [
-        (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
-        for name, values in quantities(found).items()
-    ]
     moved = [[cell.plain for cell in row] for row in sensitivity_tables.rows(found.sensitivities)]
     lost = [
         (status, str(count), str(first), reason)
@@ -89,7 +85,7 @@ def tables(plan: Plan, found: Summary) -> Iterator[Table]:
     ]
     every = (
         (("criterion", "passed in", "claim"), held),
-        (("metric", *QUANTILES), spread),
+        (("metric", *QUANTILES), spread(found)),
         (
             (
                 "sensitivity of",

@@ -38,6 +38,7 @@ DONE = tuple(STATUSES.values())
 """Statuses of runs that gave a result."""
 TROUBLES = ("error", "crashed", "timeout", "memory", "lost")
 """Statuses of runs without result."""
+NO_ROW = "`%s`, line %d is not a row (%s): it is kept, and a run without another row is repeated"
 Number = float | Literal["NaN", "Infinity", "-Infinity"]
 
 
@@ -63,13 +64,7 @@ class RowSchema:
 
 
 class Store(Closing):
-    """The file `results.jsonl` of a folder, open for more rows; only their positions are in memory.
-
-    Raises
-    ------
-    CosimError
-        The folder cannot be written, or another sweep writes to it.
-    """
+    """The locked file `results.jsonl` of a folder; only the positions of its rows are in memory."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -113,19 +108,14 @@ class Store(Closing):
         """Index the existing rows; nothing is removed, and an incomplete last line is terminated."""
         position, line = 0, b"\n"
         for number, line in enumerate(self.reader, 1):
-            self.note(line, number, position)
+            try:
+                row = read(line)
+                self.positions[row["hash"]] = (position, row["status"])
+            except (ValueError, RecursionError) as error:
+                log.warning(NO_ROW, self.shown, number, error)
             position += len(line)
         if not line.endswith(b"\n"):
             self.write(b"\n")
-
-    def note(self, line: bytes, number: int, position: int) -> None:
-        """Store the position of a row; other lines are skipped."""
-        try:
-            row = read(line)
-            self.positions[row["hash"]] = (position, row["status"])
-        except (ValueError, RecursionError) as error:
-            text = "`%s`, line %d is not a row (%s): it is kept, and a run without another row is repeated"
-            log.warning(text, self.shown, number, error)
 
     def append(self, row: Row) -> None:
         """Write one row; it is in the file when this returns."""
@@ -176,14 +166,8 @@ class Store(Closing):
 
 
 def opened(study: Path, out: str | Path | None, otherwise: str) -> Store:
-    """Store of a study in the requested folder, or in the default one, which is that of one study.
-
-    Raises
-    ------
-    CosimError
-        As for `Store`; the name of the folder is empty, which would mean the working directory; the default
-        folder holds the results of another study.
-    """
+    """Store of a study in the requested folder, or in the default one, which is that of one study."""
+    # an empty name would be the working directory
     if out == "":
         raise CosimError("`--out` is empty", "Use `--out .` for the working directory.")
     folder = Path(otherwise if out is None else out)
@@ -197,13 +181,7 @@ def opened(study: Path, out: str | Path | None, otherwise: str) -> Store:
 
 
 def existing(folder: Path) -> Store:
-    """Store of a folder that exists.
-
-    Raises
-    ------
-    CosimError
-        As for `Store`, or it holds no sweep.
-    """
+    """Store of a folder that holds a sweep."""
     if not paths.is_file(folder / FILE):
         problem = f"`{paths.shown(folder)}` is not the folder of a sweep: it has no `{FILE}`"
         raise CosimError(problem, "Name the folders of `cosim sweep --part`.")
@@ -227,13 +205,7 @@ def relative(file: Path, folder: Path) -> str:
 
 
 def read(line: bytes) -> Row:
-    """Row of a line.
-
-    Raises
-    ------
-    ValueError
-        It is not a row, or it contradicts itself.
-    """
+    """Row of a line; a `ValueError` if it is none, or contradicts itself."""
     row: Any = json.loads(line)
 
     def fail(key: str, problem: str, hint: str) -> NoReturn:
@@ -265,35 +237,25 @@ def described(run: Run) -> Row:
 def row_of(run: Run, outcome: Outcome, criteria: Sequence[Criterion] = ()) -> Row:
     """Row of a run and its outcome, evaluated by some criteria."""
     row = described(run)
-    if isinstance(outcome, Result):
-        result = {
-            **row,
-            "status": "done",
-            "reason": "",
-            "metrics": {metric.name: plain(metric.value) for metric in outcome.metrics.values()},
-            "units": {metric.name: metric.unit for metric in outcome.metrics.values()},
-            "criteria": {},
-            "engine": outcome.engine,
-            "simulated_s": outcome.simulated_s,
-            "wall_s": outcome.wall_s,
-        }
-        return evaluated(result | beyond_si(metric.unit for metric in outcome.metrics.values()), criteria)
-    return {
+    if not isinstance(outcome, Result):
+        return {**row, "status": outcome.status, "reason": outcome.message, "hint": outcome.hint}
+    metrics = outcome.metrics.values()
+    result = {
         **row,
-        "status": outcome.status,
-        "reason": outcome.message,
-        "hint": outcome.hint,
+        "status": "done",
+        "reason": "",
+        "metrics": {metric.name: plain(metric.value) for metric in metrics},
+        "units": {metric.name: metric.unit for metric in metrics},
+        "criteria": {},
+        "engine": outcome.engine,
+        "simulated_s": outcome.simulated_s,
+        "wall_s": outcome.wall_s,
     }
+    return evaluated(result | beyond_si(metric.unit for metric in metrics), criteria)
 
 
 def evaluated(row: Row, criteria: Sequence[Criterion]) -> Row:
-    """Row with status, reason and verdicts by some criteria; unchanged without a result.
-
-    Raises
-    ------
-    ExpressionError
-        A metric does not convert to the unit of a criterion.
-    """
+    """Row with status, reason and verdicts by some criteria; unchanged without a result."""
     if row["status"] in TROUBLES:
         return row
     held = {verdict.criterion.id: verdict.passed for verdict in verdicts(row, criteria)}

@@ -27,13 +27,7 @@ OF_A_TRACE = ("array", "bode", "field", "spectrum")
 
 
 def check_charts(plan: Plan) -> None:
-    """Check that the charts of a study can be made from its results.
-
-    Raises
-    ------
-    CosimError
-        As for `drawable.check`; or a chart needs the rows of one run.
-    """
+    """Check that the charts of a study can be made from its results, without the rows of one run."""
     origin, charts = f"`{paths.shown(plan.study.file)}`", plan.study.charts
     for index, chart in enumerate(charts):
         if chart.kind in OF_A_TRACE:

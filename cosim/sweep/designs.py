@@ -71,13 +71,7 @@ def generator(seed: int) -> np.random.Generator:
 
 
 def sobol_sampler(dimensions: int, seed: int) -> Any:
-    """Return a scrambled Sobol sequence.
-
-    Raises
-    ------
-    CosimError
-        It does not support that number of dimensions, or scipy is not installed.
-    """
+    """Return a scrambled Sobol sequence; scipy limits its dimensions."""
     try:
         return quasi_monte_carlo().Sobol(dimensions, scramble=True, rng=generator(seed))
     except ValueError as error:

@@ -48,13 +48,7 @@ class Setting:
 
 
 class Plan(Variation):
-    """All runs of a study, and the numbers of those in one of several parts.
-
-    Raises
-    ------
-    CosimError
-        A key, a value, the scenario or the FMU of any run is wrong; names study and case.
-    """
+    """All runs of a study, each checked, and the numbers of those in one of several parts."""
 
     def __init__(
         self, study: Study, engine: Engine = "native", progress: Progress | None = None, part: str = ""

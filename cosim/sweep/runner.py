@@ -35,17 +35,7 @@ def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool =
     """Execute the runs without a row; evaluate the others again if the criteria changed.
 
     After any interruption, such as Ctrl-C, the written rows remain and the next call continues from them.
-
-    Parameters
-    ----------
-    plan, store
-        Runs, and store of their rows.
-    pool
-        Pool of the runs.
-    observe
-        Called with every new row.
-    again
-        Whether runs without a result (`error`, `crashed`, `timeout`, `memory`, `lost`) are repeated.
+    `again` also repeats runs without a result.
     """
     for number in plan.different():
         store.refresh(run := plan.runs[number], plan.criteria(run))
@@ -99,13 +89,7 @@ def save_traces(plan: Plan, store: Store, found: Summary, pool: Pool, plots: boo
 
 
 def merge(plan: Plan, store: Store, folders: Iterable[Path]) -> None:
-    """Copy the rows of several folders, in the order of the runs; a result replaces a run without one.
-
-    Raises
-    ------
-    CosimError
-        A folder holds no sweep, another sweep writes to it, or none holds a run of the study.
-    """
+    """Copy the rows of several folders, in the order of the runs; a result replaces a run without one."""
     with contextlib.ExitStack() as stack:
         parts = [stack.enter_context(existing(folder)) for folder in folders]
         for number in plan.different():

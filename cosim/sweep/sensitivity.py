@@ -40,23 +40,15 @@ NORMAL_95 = 1.959964
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Effect of one key on one metric.
-
-    Parameters
-    ----------
-    metric, key
-        Names of metric and key.
-    rank
-        Rank correlation (Spearman), -1 .. 1: how monotonic the metric is in the key.
-    first, total
-        Sobol indices; None if the design has none.
-    """
+    """Effect of one key on one metric."""
 
     metric: str
     key: str
     rank: Estimate
+    """Rank correlation (Spearman), -1 .. 1: how monotonic the metric is in the key."""
     first: Estimate | None = None
     total: Estimate | None = None
+    """Sobol indices; None if the design has none."""
 
     @property
     def strength(self) -> float:
@@ -84,19 +76,9 @@ class Estimate:
 
 
 def sensitivities(plan: Plan, table: Table) -> list[Sensitivity]:
-    """Sensitivity of every varied number on every metric that varies, the strongest key of a metric first.
+    """Effect of every varied number on every metric that varies, the strongest key of a metric first.
 
-    Parameters
-    ----------
-    plan
-        The runs.
-    table
-        Columns of the existing rows, see `Summary`.
-
-    Returns
-    -------
-    list of Sensitivity
-        Empty with too few results.
+    Empty with too few results.
     """
     # the repeats of a case share its values: counted one by one, noise would look like an effect
     lines: dict[int, list[int]] = defaultdict(list)
@@ -180,14 +162,8 @@ def sobol(table: Array, seed: int) -> list[tuple[Estimate, Estimate]]:
     """First-order and total indices of each key, with bootstrap intervals.
 
     `scipy.stats.sobol_indices` gives the same indices, but takes no number of samples other than powers of
-    two, which one lost run breaks, and no seed for its intervals.
-
-    Parameters
-    ----------
-    table
-        Values at the points of a design `saltelli`, shape (samples, keys + 2): f(A), f(B), f(AB_1), ...
-    seed
-        Seed of the bootstrap.
+    two, which one lost run breaks, and no seed for its intervals. The table has the values at the points of a
+    design `saltelli`, shape (samples, keys + 2): f(A), f(B), f(AB_1), ...
     """
     rows = generator(seed).integers(len(table), size=(RESAMPLES, len(table)))
     ends = np.nanquantile([indices(table[row]) for row in rows], INTERVAL, axis=0)

@@ -66,13 +66,7 @@ def ranked_keys(found: list[Sensitivity]) -> list[str]:
 
 
 def save_plots(found: list[Sensitivity], title: str, file: Path) -> None:
-    """Draw the heat map of all metrics and keys, and a tornado for each metric.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
+    """Draw the heat map of all metrics and keys, and a tornado for each metric."""
     metrics, keys = names(found), ranked_keys(found)
     drawn = metrics[:MAX_TORNADOS]
     columns = min(3, len(drawn))

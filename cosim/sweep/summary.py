@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.formatting import strict
+from cosim.formatting.quantity import text
 from cosim.formatting.strict import plain
 from cosim.formatting.verdicts import STATUSES
 from cosim.study.store import DONE, Row, Store
+from cosim.sweep.export import Table
 from cosim.sweep.plan import Plan
 from cosim.sweep.sensitivity import NORMAL_95, Sensitivity, sensitivities
 from cosim.units import restored
@@ -28,39 +30,33 @@ RANDOM = ("latin-hypercube", "sobol", "monte-carlo")
 
 @dataclass
 class Summary:
-    """Counts and numbers of a sweep.
-
-    Parameters
-    ----------
-    runs
-        Runs of the study.
-    samples
-        Independent random samples with a row; 0 if the runs are none, as those of a grid.
-    columns
-        Table of all rows; see `locations`.
-    statuses
-        Number of runs by status.
-    values
-        Values of each metric, of the runs with a result.
-    units
-        Units of the metrics.
-    held
-        Number of results that passed each criterion.
-    troubles
-        Status and reason of runs without result: count and first run.
-    sensitivities
-        Effects of the varied keys on the metrics.
-    """
+    """Counts and numbers of a sweep."""
 
     runs: int
+    """Runs of the study."""
     samples: int = 0
-    columns: dict[str, list[Any]] = field(default_factory=dict)
+    """Independent random samples with a row; 0 if the runs are none, as those of a grid."""
+    columns: Table = field(default_factory=dict)
+    """Table of all rows; see `locations`."""
     statuses: Counter[str] = field(default_factory=Counter)
+    """Number of runs by status."""
     values: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    """Values of each metric, of the runs with a result."""
     units: dict[str, str] = field(default_factory=dict)
+    """Units of the metrics."""
     held: Counter[str] = field(default_factory=Counter)
+    """Number of results that passed each criterion."""
     troubles: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
+    """Status and reason of runs without result: count and first run."""
     sensitivities: list[Sensitivity] = field(default_factory=list)
+    """Effects of the varied keys on the metrics."""
+
+    def count(self, status: str, reason: str, run: int) -> None:
+        """Count a run by its status, and by the reason if it has no result."""
+        self.statuses[status] += 1
+        if status not in DONE:
+            count, first = self.troubles.get((status, reason), (0, run))
+            self.troubles[status, reason] = count + 1, first
 
     @property
     def rows(self) -> int:
@@ -78,11 +74,16 @@ class Summary:
         return self.statuses["passed"] / max(1, self.rows)
 
     def interval(self, rate: float) -> tuple[float, float] | tuple[()]:
-        """Confidence interval (95 %) of a rate; empty if the runs are no random sample.
+        """Confidence interval (95 %) of a rate (Wilson); empty if the runs are no random sample.
 
         The repeats of a case are not independent: an interval of the cases is the wider one.
         """
-        return confidence(rate, self.samples) if self.samples else ()
+        if not self.samples:
+            return ()
+        square = NORMAL_95**2 / self.samples
+        middle = (rate + square / 2.0) / (1.0 + square)
+        half = math.sqrt(square * (rate * (1.0 - rate) + square / 4.0)) / (1.0 + square)
+        return max(0.0, middle - half), min(1.0, middle + half)
 
     @property
     def passed(self) -> bool | None:
@@ -126,13 +127,9 @@ def summarize(plan: Plan, store: Store) -> Summary:
         for name, (part, key) in where.items():
             found.columns[name].append(cell(row, part, key))
         found.units |= restored(row.get("units", {}), row.get("definitions", {}))
-        found.statuses[row["status"]] += 1
+        found.count(row["status"], row["reason"], row["run"])
         for name, held in row.get("criteria", {}).items():
             found.held[name] += held
-        if row["status"] not in DONE:
-            trouble = (row["status"], row["reason"])
-            count, first = found.troubles.get(trouble, (0, row["run"]))
-            found.troubles[trouble] = (count + 1, first)
     for name in found.units:
         values = [value for value in found.columns.get(f"metric.{name}", ()) if value is not None]
         found.values[name] = np.array(values, dtype=np.float64)
@@ -186,9 +183,9 @@ def quantities(found: Summary) -> dict[str, NDArray[np.float64]]:
     }
 
 
-def confidence(rate: float, count: int) -> tuple[float, float]:
-    """Confidence interval (95 %) of a rate in some independent samples (Wilson)."""
-    square = NORMAL_95**2 / count
-    middle = (rate + square / 2.0) / (1.0 + square)
-    half = math.sqrt(square * (rate * (1.0 - rate) + square / 4.0)) / (1.0 + square)
-    return max(0.0, middle - half), min(1.0, middle + half)
+def spread(found: Summary) -> list[tuple[str, ...]]:
+    """Names of the metrics that are not Boolean, each with the texts of its quantiles."""
+    return [
+        (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
+        for name, values in quantities(found).items()
+    ]
