@@ -19,7 +19,7 @@ from cosim.loop import engines
 from cosim.optimize import problem
 from cosim.optimize.objective import MISFIT
 from cosim.optimize.proposer import Trial
-from cosim.optimize.search import SearchOptions, best_of, search
+from cosim.optimize.search import best_of, search
 from cosim.optimize.variants import Variants
 from cosim.show.console import progress_bar
 from cosim.show.listing import plain_table
@@ -58,7 +58,7 @@ class OptimizeResult:
     @property
     def command(self) -> str:
         """Command line that repeats the first run of the best trial; empty if there is none."""
-        return self.variants.command_of(self.best.values, self.variants.seeds[0]) if self.best else ""
+        return self.variants.command(self.best.values, self.variants.seeds[0]) if self.best else ""
 
     def __repr__(self) -> str:
         """One line: study, best value, and the number of trials that passed the criteria."""
@@ -199,11 +199,11 @@ def optimize(
     CosimError
         The file is wrong, Optuna is not installed, the folder cannot be written, or no trial gave a number.
     """
-    options = SearchOptions(workers, engines.checked(engine), again)
+    selected = engines.checked(engine)
     variants = Variants(problem.load(paths.find_study(str(study))))
     name, file = variants.problem.name, variants.problem.file
     with opened(file, out, f"{name}.optimize") as store, progress_bar(name, quiet) as progress:
-        trials = search(variants, store, options, progress)
+        trials = search(variants, store, progress, workers, selected, again)
     found = OptimizeResult(variants, store.folder, trials)
     found.save_csv(store.folder / "trials.csv")
     return found

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from cosim.closing import Closing
 from cosim.errors import CosimError
@@ -30,31 +29,21 @@ from cosim.study.store import TROUBLES, Row, Store, row_of
 from cosim.warned import once
 
 
-@dataclass(frozen=True)
-class SearchOptions:
-    """Options of a search: worker processes, engine, and repetition of runs without a result."""
-
-    workers: int | None = None
-    engine: Engine = "native"
-    again: bool = False
-
-
 class Runner(Closing):
     """Executes the runs of a search on worker processes that are kept between batches."""
 
-    def __init__(self, variants: Variants, options: SearchOptions) -> None:
-        self.variants, self.options = variants, options
-        most = variants.problem.search.batch * len(variants.seeds)
-        count = min(options.workers or processors(), most)
+    def __init__(self, variants: Variants, workers: int | None, engine: Engine, again: bool) -> None:
+        self.variants, self.engine = variants, engine
+        self.redone = ("", *TROUBLES) if again else ("",)
+        count = min(workers or processors(), variants.problem.search.batch * len(variants.seeds))
         self.inbox = Inbox()
         self.outcomes = local.outcomes(self.inbox, count, variants.problem.limits.of_workers())
 
     def do(self, runs: Sequence[Run], store: Store) -> None:
         """Execute the runs without a row, each once; a row is written at the end of each run."""
-        redone = ("", *TROUBLES) if self.options.again else ("",)
-        pending = list({run.hash: run for run in runs if store.status(run.hash) in redone}.values())
+        pending = list({run.hash: run for run in runs if store.status(run.hash) in self.redone}.values())
         for number, run in enumerate(pending):
-            self.inbox.put((number, self.variants.job(run, self.options.engine)))
+            self.inbox.put((number, self.variants.job(run, self.engine)))
         for number, outcome in itertools.islice(self.outcomes, len(pending)):
             store.append(self.row(pending[number], outcome))
 
@@ -74,21 +63,22 @@ class Runner(Closing):
 
 @once()
 def search(
-    variants: Variants, store: Store, options: SearchOptions, progress: Progress | None = None
+    variants: Variants,
+    store: Store,
+    progress: Progress | None = None,
+    workers: int | None = None,
+    engine: Engine = "native",
+    again: bool = False,
 ) -> list[Trial]:
     """Continue a search; return all trials. After any interruption, the next call continues from the rows.
 
-    `progress` is called with the completed and the total number of trials.
-
-    Raises
-    ------
-    CosimError
-        Optuna is not installed, or no trial of the first batch gave a number.
+    `progress` is called with the completed and the total number of trials. `again` repeats runs without a
+    result.
     """
     length = variants.problem.search
     proposer = Proposer(variants.problem)
     trials: list[Trial] = []
-    with Runner(variants, options) as runner:
+    with Runner(variants, workers, engine, again) as runner:
         while len(trials) < length.trials:
             numbers = range(len(trials), min(len(trials) + length.batch, length.trials))
             runs = [variants.runs(number, proposer.propose(number)) for number in numbers]

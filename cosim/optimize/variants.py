@@ -21,13 +21,7 @@ Values = dict[str, Any]
 
 
 class Variants(Variation):
-    """The scenario of a problem with any values of its keys.
-
-    Raises
-    ------
-    CosimError
-        A key or an end of a range is wrong, the scenario has no such metric, or the measured trace is wrong.
-    """
+    """The scenario of a problem with any values of its keys, checked at both ends of its ranges."""
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)

@@ -57,7 +57,7 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
             "short": short(found),
             "passed": found.passed,
             "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
-            "repeat": [plan.command(plan.runs[run]) for run in runs],
+            "repeat": plan.commands(runs),
             "charts": drawn,
             "distributions": shares,
             "drawings": [drawing.charts(drawn), drawing.charts(shares)],

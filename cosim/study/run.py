@@ -37,13 +37,7 @@ class Run:
 
 
 class Variation:
-    """The scenario of a study or an optimization, to be merged with values of its keys.
-
-    Raises
-    ------
-    CosimError
-        The scenario, or a key of `[set]`, is wrong.
-    """
+    """The scenario of a study or an optimization, to be merged with values of its keys."""
 
     def __init__(self, varied: VariedScenario) -> None:
         self.varied = varied
@@ -74,7 +68,7 @@ class Variation:
             problem = f"{self.origin}: `{key}` = `{name}` is not a metric of the scenario"
             raise ScenarioError(problem, closest(name, names))
 
-    def command_of(self, values: Mapping[str, Any], seed: int) -> str:
+    def command(self, values: Mapping[str, Any], seed: int) -> str:
         """Command line that repeats a run from the current working directory."""
         scenario = paths.shown(self.file) if self.is_file else self.varied.scenario
         changes = {**self.varied.set, **values}

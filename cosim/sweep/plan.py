@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, overload
 
@@ -65,6 +65,10 @@ class Plan(Variation):
             self.cases = DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed)
         self.runs = Runs(self, progress)
         self.numbers = range(first, len(self.runs), count)
+
+    def commands(self, numbers: Iterable[int]) -> list[str]:
+        """Command lines that repeat some runs."""
+        return [self.command(run.changes, run.seed) for run in map(self.runs.__getitem__, numbers)]
 
     def different(self) -> list[int]:
         """List the numbers of the runs of this part, each hash once."""
@@ -130,9 +134,8 @@ class Plan(Variation):
         given = self.cases[index].get("loop.seed", self.study.set.get("loop.seed"))
         if given is not None:
             return int(given) + repeat
-        sequence = np.random.SeedSequence(
-            self.study.seed, spawn_key=(repeat if design.seeds == "repeat" else number,)
-        )
+        key = repeat if design.seeds == "repeat" else number
+        sequence = np.random.SeedSequence(self.study.seed, spawn_key=(key,))
         # 53 bits are exact in JSON and in a spreadsheet
         return int(sequence.generate_state(1, np.uint64)[0] >> np.uint64(11))
 
@@ -141,10 +144,6 @@ class Plan(Variation):
         scenario = self.build(self.case(run.changes, run.case))
         files = [paths.find_fmu(choice.fmu, scenario.folder) for choice in scenario.fmus]
         return Job(scenario, run.seed, self.engine, keep_trace, tuple(map(digest, files)))
-
-    def command(self, run: Run) -> str:
-        """Command line that repeats a run from the current working directory."""
-        return self.command_of(run.changes, run.seed)
 
 
 def part_of(text: str) -> tuple[int, int]:

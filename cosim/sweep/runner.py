@@ -125,9 +125,8 @@ def make(folder: Path) -> None:
     except FileExistsError:
         raise CosimError(f"cannot write traces: `{paths.shown(folder)}` is not a folder") from None
     except OSError as error:
-        raise CosimError(
-            f"cannot write traces to `{paths.shown(folder)}`: {error.strerror or error}"
-        ) from None
+        problem = f"cannot write traces to `{paths.shown(folder)}`: {error.strerror or error}"
+        raise CosimError(problem) from None
 
 
 def chosen(plan: Plan, found: Summary) -> list[int]:

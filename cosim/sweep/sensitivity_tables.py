@@ -44,12 +44,8 @@ def cell(entry: Sensitivity) -> Text:
     text = f"{entry.rank.value:+.2f} ({entry.rank.low:+.2f} .. {entry.rank.high:+.2f})"
     if entry.first is not None and entry.total is not None:
         text += f" S {entry.first.value:.2f} T {entry.total.value:.2f}"
-    return Text(text, style="bold" if is_clear(entry.rank) else "")
-
-
-def is_clear(estimate: Estimate) -> bool:
-    """Whether zero is outside the interval."""
-    return estimate.low > 0.0 or estimate.high < 0.0
+    clear = entry.rank.low > 0.0 or entry.rank.high < 0.0
+    return Text(text, style="bold" if clear else "")
 
 
 def names(found: list[Sensitivity]) -> list[str]:
@@ -122,10 +118,7 @@ def draw_bars(axes: Any, shift: float, estimates: list[Estimate | None], colour:
     """Horizontal bars with their intervals."""
     known = [estimate or Estimate(math.nan, math.nan, math.nan) for estimate in estimates]
     values = np.array([estimate.value for estimate in known])
-    errors = [
-        [max(0.0, e.value - e.low) for e in known],
-        [max(0.0, e.high - e.value) for e in known],
-    ]
-    places = np.arange(len(known)) + shift
+    errors = np.fmax(0.0, [[e.value - e.low for e in known], [e.high - e.value for e in known]])
+    rows = np.arange(len(known)) + shift
     height = 0.36 if shift else 0.7
-    axes.barh(places, values, height, xerr=errors, color=colour, alpha=0.7, capsize=2.0, label=label)
+    axes.barh(rows, values, height, xerr=errors, color=colour, alpha=0.7, capsize=2.0, label=label)

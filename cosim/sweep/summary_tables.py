@@ -91,7 +91,7 @@ def worst_runs(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
     table = plain_table("worst run", name)
     for run in worst:
         table.add_row(str(run), text(values[run], found.units.get(name, "")))
-    commands = Text("\n".join(plan.command(plan.runs[run]) for run in worst), no_wrap=True, overflow="ignore")
+    commands = Text("\n".join(plan.commands(worst)), no_wrap=True, overflow="ignore")
     return Group(table, "", Text("repeat them with", style="bold"), commands)
 
 
