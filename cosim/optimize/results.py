@@ -120,7 +120,7 @@ class OptimizeResult:
         return "\n".join([heading, html.table(("key", "best value"), rows)])
 
     def to_json(self) -> str:
-        """Return the best trial and the counts as strict JSON."""
+        """Return the best trial and the numbers of trials in strict JSON."""
         objective, best = self.variants.problem.objective, self.best
         found: dict[str, Any] = {
             "status": STATUSES[best is not None],

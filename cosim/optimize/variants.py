@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from cosim import paths
 from cosim.loop.engines import Engine
 from cosim.optimize.objective import measured
 from cosim.optimize.problem import Problem
@@ -13,7 +12,7 @@ from cosim.pool.job import Job
 from cosim.scenario.load import build
 from cosim.scenario.model import Scenario
 from cosim.study.parameters import value_at
-from cosim.study.run import Run, Variation, check, dependencies
+from cosim.study.run import Run, Variation, check, dependencies, job_of
 from cosim.study.run_hash import digest, finished, leaf, total
 
 Values = dict[str, Any]
@@ -44,9 +43,7 @@ class Variants(Variation):
 
     def job(self, run: Run, engine: Engine) -> Job:
         """Job of one run, which keeps its trace if it is compared; its row is evaluated later."""
-        scenario = replace(self.at(run.changes), criterion=())
-        fmus = tuple(digest(paths.find_fmu(choice.fmu, scenario.folder)) for choice in scenario.fmus)
-        return Job(scenario, run.seed, engine, self.target is not None, fmus)
+        return job_of(replace(self.at(run.changes), criterion=()), run, engine, self.target is not None)
 
     def runs(self, number: int, values: Values) -> list[Run]:
         """Make the runs of a trial, one for each seed."""

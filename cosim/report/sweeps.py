@@ -44,7 +44,7 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
     options = Options(file, None, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
     def describe(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
-        known = columns(plan.scenario, plan.cases)
+        known = columns(plan.scenario, plan.varying)
         drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
         runs, shares = worst(plan, found), [*distributions(plan, found)]
         return {

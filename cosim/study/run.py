@@ -14,7 +14,9 @@ from cosim.fmu import stale
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.values import expand
 from cosim.loop import fmus, plant, time_series
+from cosim.loop.engines import Engine
 from cosim.loop.session import located
+from cosim.pool.job import Job
 from cosim.scenario import overrides
 from cosim.scenario.model import Scenario
 from cosim.scenario.toml import toml_value
@@ -74,6 +76,12 @@ class Variation:
         changes = {**self.varied.set, **values}
         options = [f"--set {shlex.quote(f'{key}={text(value)}')}" for key, value in changes.items()]
         return " ".join(["cosim run", shlex.quote(scenario), *options, f"--seed {seed}"])
+
+
+def job_of(scenario: Scenario, run: Run, engine: Engine, keep_trace: bool) -> Job:
+    """Job of a run, with the hashes of its FMUs."""
+    fmus = (paths.find_fmu(choice.fmu, scenario.folder) for choice in scenario.fmus)
+    return Job(scenario, run.seed, engine, keep_trace, tuple(map(digest, fmus)))
 
 
 def dependencies(scenario: Scenario, files: Mapping[str, FmuFile], plant_hash: str) -> dict[str, str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -63,6 +63,15 @@ DESIGNS: dict[str, Callable[[Sequence[Vary], int, int], list[Case]]] = {
     "monte-carlo": monte_carlo,
     "saltelli": saltelli,
 }
+
+
+def values_by_key(cases: Iterable[Case]) -> dict[str, list[Any]]:
+    """Values of each key in the cases that set it."""
+    found: dict[str, list[Any]] = {}
+    for case in cases:
+        for key, value in case.items():
+            found.setdefault(key, []).append(value)
+    return found
 
 
 def generator(seed: int) -> np.random.Generator:

@@ -10,7 +10,6 @@ from typing import Any, overload
 
 import numpy as np
 
-from cosim import paths
 from cosim.errors import CosimError
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.values import expand
@@ -21,9 +20,9 @@ from cosim.pool.job import Job
 from cosim.scenario import overrides
 from cosim.scenario.load import build
 from cosim.scenario.model import Criterion, FmuChoice, Scenario
-from cosim.study.run import Run, Variation, check, dependencies
-from cosim.study.run_hash import digest, finished, leaf, section, total
-from cosim.sweep.designs import DESIGNS, Case
+from cosim.study.run import Run, Variation, check, dependencies, job_of
+from cosim.study.run_hash import finished, leaf, section, total
+from cosim.sweep.designs import DESIGNS, Case, values_by_key
 from cosim.sweep.study import Study
 
 PART = re.compile(r"(\d{1,6})/(\d{1,6})")
@@ -63,6 +62,7 @@ class Plan(Variation):
         self.cases: Sequence[Case] = study.case
         if study.design.kind != "list":
             self.cases = DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed)
+        self.varying = values_by_key(self.cases)
         self.runs = Runs(self, progress)
         self.numbers = range(first, len(self.runs), count)
 
@@ -141,9 +141,7 @@ class Plan(Variation):
 
     def job(self, run: Run, keep_trace: bool = False) -> Job:
         """Job of one run."""
-        scenario = self.build(self.case(run.changes, run.case))
-        files = [paths.find_fmu(choice.fmu, scenario.folder) for choice in scenario.fmus]
-        return Job(scenario, run.seed, self.engine, keep_trace, tuple(map(digest, files)))
+        return job_of(self.build(self.case(run.changes, run.case)), run, self.engine, keep_trace)
 
 
 def part_of(text: str) -> tuple[int, int]:

@@ -87,8 +87,7 @@ def sensitivities(plan: Plan, table: Table) -> list[Sensitivity]:
             lines[case].append(line)
     if len(lines) < FEWEST_CASES:
         return []
-    varied = dict.fromkeys(key for case in plan.cases for key in case)
-    keys = {key: column for key in varied if varies(column := means(table[key], lines))}
+    keys = {key: column for key in plan.varying if varies(column := means(table[key], lines))}
     names = [metric.name for metric in plan.scenario.metric]
     metrics = {name: column for name in names if varies(column := means(table[f"metric.{name}"], lines))}
     found = []

@@ -147,10 +147,9 @@ def rows(plan: Plan, store: Store) -> Iterator[Row]:
 
 def locations(plan: Plan) -> dict[str, tuple[str, str]]:
     """Columns of the table: name, and location of its value within a row (part, key)."""
-    keys = dict.fromkeys(key for case in plan.cases for key in case)
     return {
         **{name: ("", name) for name in ("run", "case", "seed", "status", "reason")},
-        **{key: ("set", key) for key in keys},
+        **{key: ("set", key) for key in plan.varying},
         **{f"metric.{metric.name}": ("metrics", metric.name) for metric in plan.scenario.metric},
         **{f"criterion.{entry.id}": ("criteria", entry.id) for entry in plan.scenario.criterion},
         **{name: ("", name) for name in ("engine", "simulated_s", "wall_s", "hash")},

@@ -142,12 +142,8 @@ def is_quantity(values: Any) -> bool:
 
 def plotted_keys(plan: Plan) -> dict[str, list[str]]:
     """Keys with several values; with the texts of the values, if they are not numbers."""
-    values: dict[str, list[Any]] = {}
-    for case in plan.cases:
-        for key, value in case.items():
-            values.setdefault(key, []).append(value)
     found = {}
-    for key, taken in values.items():
+    for key, taken in plan.varying.items():
         numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in taken)
         different = dict.fromkeys(filter(math.isfinite, taken) if numeric else map(shorten, taken))
         if len(different) >= FEWEST_FOR_TENDENCY:
