@@ -96,13 +96,13 @@ def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float
         if all(units) and units[0] != units[1]:
             origin = f"`{name}` in `{paths.shown(target.file)}`"
             raise CosimError(f"{origin} is in `{units[0]}`, that of a run in `{units[1]}`")
-        measured = target.data[name]
-        known = np.isfinite(measured)
+        values = target.data[name]
+        known = np.isfinite(values)
         if np.any(target.times[known] > end):
             return math.inf
         simulated = interpolated(times, simulation[name], target.times[known])
-        scale = float(np.std(measured[known])) or 1.0
-        squares.append(np.square((simulated - measured[known]) / scale))
+        scale = float(np.std(values[known])) or 1.0
+        squares.append(np.square((simulated - values[known]) / scale))
     return float(np.mean(np.concatenate(squares)))
 
 

@@ -45,9 +45,8 @@ class Variation:
         self.varied = varied
         self.origin = f"`{paths.shown(varied.file)}`"
         self.is_file = varied.scenario.endswith(".toml")
-        self.file = paths.find_scenario(
-            varied.scenario, varied.file.parent if self.is_file else None
-        ).resolve()
+        folder = varied.file.parent if self.is_file else None
+        self.file = paths.find_scenario(varied.scenario, folder).resolve()
         self.name = paths.scenario_name(self.file)
         self.base = overrides.read(self.file)
         for key, value in varied.set.items():

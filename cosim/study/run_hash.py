@@ -129,16 +129,11 @@ def imported(module: Path, folder: Path) -> set[Path]:
 def project() -> dict[str, str]:
     """Versions and contents of everything that computes the results, except FMU and plant."""
     plants, cosim = PROJECT
-    files = [
-        *plants.rglob("*"),
-        *cosim.glob("*"),
-        *(f for folder in FOLDERS for f in (cosim / folder).rglob("*")),
-    ]
+    files = [*plants.rglob("*"), *cosim.glob("*")]
+    files += [file for folder in FOLDERS for file in (cosim / folder).rglob("*")]
     files = sorted((file for file in files if file.suffix in CODE), key=lambda file: file.parts[::-1])
-    return {
-        **{name: version(name) for name in PACKAGES},
-        "project": joined([digest(file) for file in [*files, native()]]),
-    }
+    versions = {name: version(name) for name in PACKAGES}
+    return {**versions, "project": joined([digest(file) for file in [*files, native()]])}
 
 
 def native() -> Path:

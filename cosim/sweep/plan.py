@@ -68,7 +68,8 @@ class Plan(Variation):
 
     def commands(self, numbers: Iterable[int]) -> list[str]:
         """Command lines that repeat some runs."""
-        return [self.command(run.changes, run.seed) for run in map(self.runs.__getitem__, numbers)]
+        runs = (self.runs[number] for number in numbers)
+        return [self.command(run.changes, run.seed) for run in runs]
 
     def different(self) -> list[int]:
         """List the numbers of the runs of this part, each hash once."""
