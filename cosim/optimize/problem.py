@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from cosim.scenario.kinds import check_kind
+from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
 from cosim.study.parameters import VariedScenario, check_ranges, failing
@@ -53,9 +54,9 @@ class Search:
         Seeds of the runs of each trial, which are averaged; default: the seed of the scenario.
     """
 
-    trials: int = 100
-    batch: int = 8
-    seeds: tuple[int, ...] | None = None
+    trials: int = limited({"minimum": 1, "maximum": MAX_TRIALS}, 100)
+    batch: int = limited(COUNT, 8)
+    seeds: tuple[int, ...] | None = limited(NOT_NEGATIVE_COUNT, None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,23 +89,11 @@ def check(problem: Problem, fail: Fail) -> None:
         fail("objective.columns", "belongs to `objective.trace`")
     if objective.trace and objective.direction != "minimize":
         fail("objective.direction", "is `maximize`, which is not possible for a measured trace")
-    if not 1 <= search.trials <= MAX_TRIALS:
-        fail("search.trials", f"is `{search.trials}`, it must be in 1 .. {MAX_TRIALS}")
-    if search.batch < 1:
-        fail("search.batch", f"is `{search.batch}`, it must be at least 1")
-    if search.seeds is not None:
-        check_seeds(search.seeds, fail)
-    check_varied(problem, fail)
-
-
-def check_seeds(seeds: tuple[int, ...], fail: Fail) -> None:
-    """Check that there is a seed, and that no seed is repeated."""
-    if not seeds:
+    if search.seeds == ():
         fail("search.seeds", "is empty", "Omit it to use the seed of the scenario.")
-    if any(seed < 0 for seed in seeds):
-        fail("search.seeds", "must not be negative")
-    if len(set(seeds)) != len(seeds):
+    if len(set(search.seeds or ())) != len(search.seeds or ()):
         fail("search.seeds", "holds a seed twice", "Give each seed once.")
+    check_varied(problem, fail)
 
 
 def check_varied(problem: Problem, fail: Fail) -> None:
