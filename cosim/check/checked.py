@@ -10,21 +10,7 @@ from cosim.errors import CosimError
 
 @dataclass
 class Checked:
-    """Findings in one file.
-
-    Parameters
-    ----------
-    name
-        Name as given.
-    kind
-        Kind of the file.
-    error
-        Error that prevents a run, or None.
-    warnings
-        Warnings about probable mistakes.
-    runs
-        Number of runs.
-    """
+    """Findings in one file, by its name as given: the error that prevents a run, and probable mistakes."""
 
     name: str
     kind: Literal["scenario", "study", "optimization"] = "scenario"

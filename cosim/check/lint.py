@@ -9,13 +9,7 @@ from cosim.units import conversion
 
 
 def check(session: Session) -> list[str]:
-    """Connect everything as in a run, without a step; return the warnings.
-
-    Raises
-    ------
-    CosimError
-        An error that a run would raise before its first step.
-    """
+    """Connect everything as in a run, without a step; return the warnings."""
     scenario = session.scenario
     with located(scenario):
         reference.initialise(scenario, session.fmus, session.plant, scenario.loop.seed, session.place)

@@ -64,13 +64,13 @@ def optimize(
     Exit code: 0 found, 1 no trial passed all criteria, 2 could not run.
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
-    from cosim.optimize import report, results
+    from cosim.optimize import results
 
     found = results.optimize(study, out, workers=workers, engine=engine, again=again, quiet=quiet)
     if json is not None:
-        write(report.to_json(found.variants, found.trials), json)
+        write(found.to_json(), json)
     if json != "-":
-        output().print(report.tables(found.variants, found.trials))
+        output().print(found.tables())
         # for copying: never wrapped
         if found.best is not None:
             print(f"repeat it with: {found.command}")

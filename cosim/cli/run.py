@@ -160,8 +160,8 @@ def run_seeds(
         write(strict.text(runs), json)
     if json != "-":
         output().print(seeds.tables(scenario, found))
-    if found.results < found.wanted:
+    if found.results < found.runs:
         (_, reason), *_ = found.troubles
-        report(f"{found.wanted - found.results} of {found.wanted} runs gave no result; the first: {reason}")
+        report(f"{found.runs - found.results} of {found.runs} runs gave no result; the first: {reason}")
         raise typer.Exit(COULD_NOT_RUN)
     raise typer.Exit(FAILED if found.passed is False else 0)

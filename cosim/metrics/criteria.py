@@ -73,13 +73,7 @@ def relations(criterion: Criterion) -> list[tuple[str, float]]:
 
 
 def drawn(criterion: Criterion, unit: str) -> list[float]:
-    """Limits of a criterion in the unit of its metric, in the order of `relations`; none for a Boolean.
-
-    Raises
-    ------
-    ExpressionError
-        As for `converted`.
-    """
+    """Limits of a criterion in the unit of its metric, in the order of `relations`; none for a Boolean."""
     if isinstance(criterion.equals, bool):
         return []
     return [converted(criterion, unit).back(limit) for _, limit in relations(criterion)]
@@ -88,13 +82,7 @@ def drawn(criterion: Criterion, unit: str) -> list[float]:
 def compile_metrics(
     metrics: tuple[Metric, ...], columns: Mapping[str, Items | None], units: Mapping[str, str] | None = None
 ) -> list[Expression]:
-    """Compile the expressions of metrics, so that errors are found before the run.
-
-    Raises
-    ------
-    ExpressionError
-        An expression is wrong, or metrics depend on each other in a circle.
-    """
+    """Compile the expressions of metrics, so that errors are found before the run."""
     named = {f"metric.{metric.name}": metric for metric in metrics}
     made_of = {
         name: [other for other in named if other != name and mentions(metric.value, other)]
@@ -125,11 +113,6 @@ def check_unit(metric: Metric, made: Expression) -> None:
     """Check that the unit of a metric does not contradict the unit of its expression.
 
     After a multiplication or division by a number the unit is unknown, because it may be a conversion.
-
-    Raises
-    ------
-    ExpressionError
-        The unit converts to another of the same kind.
     """
     found = conversion(made.unit or ONE, metric.unit)
     if not made.unit or made.converts or found is None or not found.changes:
@@ -152,13 +135,7 @@ def mentions(text: str, name: str) -> bool:
 
 
 def measure(metric: Metric, expression: Expression, columns: Trace) -> Measured:
-    """Value of one metric.
-
-    Raises
-    ------
-    ExpressionError
-        The expression gives a column, not one number.
-    """
+    """Value of one metric; an error if its expression gives a column."""
     value: Any = np.asarray(reference(f"metric.{metric.name}", expression, columns), dtype=np.float64)
     if value.ndim:
         raise ExpressionError(
@@ -171,17 +148,9 @@ def measure(metric: Metric, expression: Expression, columns: Trace) -> Measured:
 def check_units(
     criteria: tuple[Criterion, ...], metrics: tuple[Metric, ...], expressions: list[Expression]
 ) -> None:
-    """Check before the run that every metric converts to the unit of its criteria.
-
-    Raises
-    ------
-    ExpressionError
-        The units do not fit.
-    """
-    units = {
-        metric.name: unit_of(metric, expression)
-        for metric, expression in zip(metrics, expressions, strict=True)
-    }
+    """Check before the run that every metric converts to the unit of its criteria."""
+    pairs = zip(metrics, expressions, strict=True)
+    units = {metric.name: unit_of(metric, expression) for metric, expression in pairs}
     for criterion in criteria:
         with concerning(f"criterion.{criterion.id}.unit"):
             converted(criterion, units[criterion.metric])
@@ -198,24 +167,19 @@ def converted(criterion: Criterion, unit: str) -> Conversion:
 
     A metric with unknown unit is used in the unit of the criterion, except for percent: such a number may be
     a fraction as well.
-
-    Raises
-    ------
-    ExpressionError
-        The units do not fit, or the metric needs one.
     """
-    wanted = criterion.unit or unit
-    found = conversion(unit or ONE, wanted)
-    problem = f"`criterion.{criterion.id}.unit` is `{wanted}`, `metric.{criterion.metric}`"
+    requested = criterion.unit or unit
+    found = conversion(unit or ONE, requested)
+    problem = f"`criterion.{criterion.id}.unit` is `{requested}`, `metric.{criterion.metric}`"
     if not unit:
         if found is None or not found.changes:
             return UNCHANGED
-        hint = f'Set `unit = "{ONE}"` in the metric if it is a fraction, otherwise `unit = "{wanted}"`.'
+        hint = f'Set `unit = "{ONE}"` in the metric if it is a fraction, otherwise `unit = "{requested}"`.'
         raise ExpressionError(f"{problem} has no unit; it is ambiguous", hint)
     if found is None:
         raise ExpressionError(
             f"{problem} is in `{unit}`, which does not convert to it",
-            f"Give the limits in `{unit}` without `unit`, or compute the metric in `{wanted}`.",
+            f"Give the limits in `{unit}` without `unit`, or compute the metric in `{requested}`.",
         )
     return found
 

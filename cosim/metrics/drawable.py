@@ -36,14 +36,7 @@ SOME = sorted({key for keys in TAKEN.values() for key in keys})
 
 
 def check(scenario: Scenario, columns: Mapping[str, Items | None]) -> None:
-    """Check that panels, limits, zoom and charts of a scenario can be made from the columns of its trace.
-
-    Raises
-    ------
-    CosimError
-        Unknown column, wrong expression, a panel without columns, or a chart with missing or
-        unexpected keys.
-    """
+    """Check that panels, limits, zoom and charts of a scenario can be made from the columns of its trace."""
     with concerning("plot.panels"):
         for number, panel in enumerate(scenario.plot.panels):
             where = f"`plot.panels[{number}].columns`"
@@ -67,26 +60,14 @@ def check_columns(named: Iterable[str], where: str, columns: Mapping[str, Items 
 
 
 def check_charts(charts: Sequence[Chart], key: str, columns: Mapping[str, Items | None]) -> None:
-    """Check that charts of a key can be made from columns.
-
-    Raises
-    ------
-    CosimError
-        As for `check`.
-    """
+    """Check that charts of a key can be made from columns."""
     for number, chart in enumerate(charts):
         check_keys(chart, f"{key}[{number}]")
         check_names(chart, f"{key}[{number}]", columns)
 
 
 def zoom(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression | None:
-    """Compile the time of the zoom; None if the scenario has none.
-
-    Raises
-    ------
-    CosimError
-        Unknown column or wrong expression.
-    """
+    """Compile the time of the zoom; None if the scenario has none."""
     if not scenario.plot.zoom:
         return None
     with concerning("plot.zoom"):
@@ -111,9 +92,8 @@ def check_keys(chart: Chart, where: str) -> None:
     if chart.kind == "map" and len(chart.y) != 1:
         raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and needs 1", "Make one map for each.")
     if chart.kind == "bode" and len(chart.y) != 2:
-        raise ScenarioError(
-            f"`{where}` {kind} has {len(chart.y)} `y` and needs 2", "Give gain, and phase in rad."
-        )
+        problem = f"`{where}` {kind} has {len(chart.y)} `y` and needs 2"
+        raise ScenarioError(problem, "Give gain, and phase in rad.")
     if chart.kind == "field" and not all(chart.function.partition(":")):
         raise ScenarioError(f"`{where}.function` is `{chart.function}`", "Name the function `module:name`.")
     if chart.kind == "roc" and len(chart.parts) != 2:
@@ -139,9 +119,5 @@ def check_names(chart: Chart, where: str, columns: Mapping[str, Items | None]) -
 
 def numbered(name: str, columns: Iterable[str]) -> list[str]:
     """Columns `name[1]`, `name[2]`, ... in their order."""
-    found = [
-        (int(match[1]), one)
-        for one in columns
-        if (match := re.fullmatch(rf"{re.escape(name)}\[(\d+)\]", one))
-    ]
-    return [one for _, one in sorted(found)]
+    matches = filter(None, (re.fullmatch(rf"{re.escape(name)}\[(\d+)\]", one) for one in columns))
+    return [match[0] for match in sorted(matches, key=lambda match: int(match[1]))]

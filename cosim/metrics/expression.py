@@ -39,56 +39,28 @@ class Columns(Protocol):
 
 @dataclass(frozen=True)
 class Node:
-    """A compiled part of an expression.
-
-    Parameters
-    ----------
-    evaluate
-        Function of the columns.
-    items
-        Items of the enumeration that its values belong to.
-    unit
-        Its unit; None if unknown.
-    logical
-        Whether it is true or false.
-    constant
-        Whether it depends on no column.
-    column, factor, absolute
-        Column of which it is `factor` times some values, or `absolute` values; empty if there is none.
-    """
+    """A compiled part of an expression, with its unit; None if that is unknown."""
 
     evaluate: Callable[[Columns], Any]
     items: Items | None = None
+    """Items of the enumeration that its values belong to."""
     unit: str | None = None
     logical: bool = False
+    """Whether it is true or false."""
     constant: bool = False
+    """Whether it depends on no column."""
     column: str = ""
     factor: float = 1.0
     absolute: bool = False
+    """It is `factor` times some values, or `absolute` values, of this column."""
 
 
 class Expression:
     """A compiled expression.
 
-    Parameters
-    ----------
-    text
-        The expression.
-    columns
-        Names of the columns in order (the first is the time), with the items of those that are enumerations.
-    where
-        Location of the expression, for messages: "`metric.depth.value`".
-    rowwise
-        Whether it is applied to single rows (`stop_when`).
-    units
-        Units of the columns that have one.
-    known
-        Other compiled expressions by name; None if they are not allowed.
-
-    Raises
-    ------
-    ExpressionError
-        Not an expression of this language, or an unknown name.
+    The first of the columns is the time; they have items if they are enumerations. `where` is the location of
+    the expression for messages: "`metric.depth.value`". With `rowwise` it is applied to single rows
+    (`stop_when`). `known` are other compiled expressions by name; None if they are not allowed.
     """
 
     def __init__(
@@ -127,13 +99,7 @@ class Expression:
         return self.root.unit
 
     def __call__(self, columns: Columns) -> Any:
-        """Value for columns (or one row) in the order given at compilation.
-
-        Raises
-        ------
-        ExpressionError
-            Columns or conditions of different lengths.
-        """
+        """Value for columns (or one row) in the order given at compilation."""
         with np.errstate(all="ignore"):
             try:
                 return self.root.evaluate(columns)
@@ -198,15 +164,12 @@ class Expression:
             return known[name]
         measured = any(column.startswith("metric.") for column in self.names)
         if name.startswith("metric.") and self.known is None and not measured:
-            raise self.error(
-                f"names `{name}`, but metrics are available only in other metrics, after the run"
-            )
+            problem = "metrics are available only in other metrics, after the run"
+            raise self.error(f"names `{name}`, but {problem}")
         missing = "other metric" if name.startswith("metric.") else "column of the trace"
         missing = "column of the results" if measured else missing
-        raise self.error(
-            f"names `{name or ast.unparse(tree)}`, which is not a known {missing}",
-            closest(name, [*self.names, *known]),
-        )
+        problem = f"names `{name or ast.unparse(tree)}`, which is not a known {missing}"
+        raise self.error(problem, closest(name, [*self.names, *known]))
 
     def found(self, name: str) -> Node:
         """Compile an existing column."""
@@ -239,9 +202,8 @@ class Expression:
         if function == "column":
             return self.column(tree)
         if self.rowwise and function not in functions.ROWWISE:
-            raise self.error(
-                f"calls `{function}`, which needs the whole trace, but it is applied to one row at a time"
-            )
+            problem = "which needs the whole trace, but it is applied to one row at a time"
+            raise self.error(f"calls `{function}`, {problem}")
         arguments = [self.build(argument) for argument in tree.args]
         if function in ("min", "max") and len(arguments) == 2:
             function += "imum"
@@ -262,9 +224,8 @@ class Expression:
             case [ast.Constant(value=str() as name)] if name in self.names:
                 return self.found(name)
             case [ast.Constant(value=str() as name)]:
-                raise self.error(
-                    f"names the column `{name}`, which is not in the trace", closest(name, self.names)
-                )
+                problem = f"names the column `{name}`, which is not in the trace"
+                raise self.error(problem, closest(name, self.names))
             case _:
                 raise self.error("calls `column` without exactly one name in quotes")
 
@@ -308,25 +269,20 @@ class Expression:
         for left, compared, right in zip(sides, tree.ops, sides[1:], strict=False):
             if type(compared) not in functions.COMPARE:
                 raise self.error(f"holds `{ast.unparse(tree)}`, which is not supported")
-            parts.append(
-                self.apply(functions.COMPARE[type(compared)], self.side(left, right), self.side(right, left))
-            )
+            function = functions.COMPARE[type(compared)]
+            parts.append(self.apply(function, self.side(left, right), self.side(right, left)))
         return self.fold(functions.AND, parts)
 
     def side(self, tree: ast.expr, other: ast.expr) -> Node:
         """One side of a comparison."""
         match tree:
             case ast.Constant(value=str() as item):
-                items = self.build(other).items
+                items, problem = self.build(other).items, f"compares `{ast.unparse(other)}` with"
                 if items is None:
-                    raise self.error(
-                        f"compares `{ast.unparse(other)}` with a text, but it is not an enumeration"
-                    )
+                    raise self.error(f"{problem} a text, but it is not an enumeration")
                 if item not in items:
-                    raise self.error(
-                        f"compares `{ast.unparse(other)}` with `{item}`, which is not one of its items",
-                        closest(item, items),
-                    )
+                    problem = f"{problem} `{item}`, which is not one of its items"
+                    raise self.error(problem, closest(item, items))
                 return self.constant(items[item])
         return self.build(tree)
 

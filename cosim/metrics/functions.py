@@ -46,31 +46,17 @@ COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Gt: truth(np.greater),
     ast.GtE: truth(np.greater_equal),
 }
+UFUNCS = (
+    *("abs", "sqrt", "exp", "log", "log10", "floor", "ceil", "sign", "hypot", "minimum", "maximum"),
+    *("sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "degrees", "radians"),
+)
+"""Functions with the names of numpy's."""
 ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
-    "abs": (1, np.abs),
-    "sqrt": (1, np.sqrt),
-    "exp": (1, np.exp),
-    "log": (1, np.log),
-    "log10": (1, np.log10),
-    "sin": (1, np.sin),
-    "cos": (1, np.cos),
-    "tan": (1, np.tan),
-    "arcsin": (1, np.arcsin),
-    "arccos": (1, np.arccos),
-    "arctan": (1, np.arctan),
-    "arctan2": (2, np.arctan2),
-    "degrees": (1, np.degrees),
-    "radians": (1, np.radians),
-    "floor": (1, np.floor),
-    "ceil": (1, np.ceil),
+    **{name: (getattr(np, name).nin, getattr(np, name)) for name in UFUNCS},
     "round": (1, np.rint),
     "clip": (3, np.clip),
-    "sign": (1, np.sign),
     "isfinite": (1, truth(np.isfinite)),
     "where": (3, lambda condition, yes, no: np.where(np.not_equal(condition, 0), yes, no)),
-    "minimum": (2, np.minimum),
-    "maximum": (2, np.maximum),
-    "hypot": (2, np.hypot),
 }
 """Functions of single rows, with their number of arguments."""
 WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
@@ -131,11 +117,9 @@ def time_at(time: Any, condition: Any, index: int, never: float) -> Any:
 def value_at(time: Any, values: Any, moment: Any) -> Any:
     """Value in the last row at or before a time, within rounding; NaN before the first row."""
     row = np.searchsorted(time, moment + 1e-9, side="right") - 1
-    return (
-        np.broadcast_to(values, np.shape(time))[row]
-        if row >= 0 and np.isfinite(moment)
-        else np.float64(math.nan)
-    )
+    if row < 0 or not np.isfinite(moment):
+        return np.float64(math.nan)
+    return np.broadcast_to(values, np.shape(time))[row]
 
 
 def longest(time: Any, condition: Any) -> Any:

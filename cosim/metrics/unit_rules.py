@@ -23,17 +23,10 @@ ALONE = {"percentile": (0,), "hold": (0,), "at": (0,), "where": (1, 2), "Mod": (
 
 
 def unit_of(what: str, units: Sequence[str | None]) -> str | None:
-    """Return the unit of a result; None if unknown.
+    """Return the unit of the result of a function or an operator (name of its `ast` class), None if unknown.
 
     Plain numbers can be added to every quantity: in `depth - 1e-6` the number is in the unit of the depth. A
     calculated temperature has no unit, because `t - 273.15`, a difference and a value convert differently.
-
-    Parameters
-    ----------
-    what
-        Operator, by the name of its `ast` class, or function.
-    units
-        Units of its arguments.
     """
     if what in SAME:
         terms = [units[index] for index in ALONE.get(what, range(len(units)))]

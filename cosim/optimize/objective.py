@@ -27,21 +27,14 @@ VIOLATED = 1e-12
 
 @dataclass(frozen=True)
 class Score:
-    """Score of a trial.
-
-    Parameters
-    ----------
-    value
-        Mean of the objective over its runs; None if a run gave no number.
-    violations
-        Worst violation of each criterion over the runs; above 0 if it failed.
-    reason
-        Reason for a missing value.
-    """
+    """Score of a trial."""
 
     value: float | None
+    """Mean of the objective over its runs; None if a run gave no number."""
     violations: tuple[float, ...] = ()
+    """Worst violation of each criterion over the runs; above 0 if it failed."""
     reason: str = ""
+    """Reason for a missing value."""
 
     @property
     def feasible(self) -> bool:
@@ -50,13 +43,7 @@ class Score:
 
 
 def measured(problem: Problem, scenario: Scenario) -> StoredTrace | None:
-    """Target trace; None if there is none.
-
-    Raises
-    ------
-    CosimError
-        It cannot be read, lacks a requested column, or is longer than the scenario.
-    """
+    """Target trace with the requested columns and no longer than the scenario; None if there is none."""
     if not problem.objective.trace:
         return None
     origin = f"`{paths.shown(problem.file)}`"
@@ -77,13 +64,7 @@ def measured(problem: Problem, scenario: Scenario) -> StoredTrace | None:
 
 
 def check_measured(name: str, found: StoredTrace) -> None:
-    """Check that a column has a finite standard deviation.
-
-    Raises
-    ------
-    CosimError
-        It has no finite number, or an infinite spread.
-    """
+    """Check that a column has a finite number, and a finite standard deviation."""
     known = found.data[name][np.isfinite(found.data[name])]
     if not known.size:
         raise CosimError(f"`{name}` in `{paths.shown(found.file)}` holds no finite number")
@@ -99,12 +80,8 @@ def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float
     """Mean square of the deviations from a measured trace, each in standard deviations of its column.
 
     The simulated trace is interpolated at the times of the measured one; NaN there is ignored.
-    The distance is infinite if the run ended before the last of these times.
-
-    Raises
-    ------
-    CosimError
-        The run has no trace or no such column, or it has another unit.
+    The distance is infinite if the run ended before the last of these times. The columns must have the units
+    of the run.
     """
     simulation = result.columns
     times = simulation["time"]
@@ -117,17 +94,15 @@ def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float
             raise CosimError(text, closest(name, simulation))
         units = target.units.get(name, ""), result.units.get(name, "")
         if all(units) and units[0] != units[1]:
-            text = (
-                f"`{name}` in `{paths.shown(target.file)}` is in `{units[0]}`, that of a run in `{units[1]}`"
-            )
-            raise CosimError(text)
-        wanted = target.data[name]
-        known = np.isfinite(wanted)
+            origin = f"`{name}` in `{paths.shown(target.file)}`"
+            raise CosimError(f"{origin} is in `{units[0]}`, that of a run in `{units[1]}`")
+        values = target.data[name]
+        known = np.isfinite(values)
         if np.any(target.times[known] > end):
             return math.inf
         simulated = interpolated(times, simulation[name], target.times[known])
-        scale = float(np.std(wanted[known])) or 1.0
-        squares.append(np.square((simulated - wanted[known]) / scale))
+        scale = float(np.std(values[known])) or 1.0
+        squares.append(np.square((simulated - values[known]) / scale))
     return float(np.mean(np.concatenate(squares)))
 
 

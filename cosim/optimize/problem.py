@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Literal
 
 from cosim.scenario.kinds import check_kind
+from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file
-from cosim.study.parameters import Varied, check_keys, check_values, failing
+from cosim.study.parameters import VariedScenario, check_ranges, failing
 
 MAX_TRIALS = 100_000
 """Maximum number of trials; the search uses all earlier ones for each new trial."""
@@ -53,13 +54,13 @@ class Search:
         Seeds of the runs of each trial, which are averaged; default: the seed of the scenario.
     """
 
-    trials: int = 100
-    batch: int = 8
-    seeds: tuple[int, ...] | None = None
+    trials: int = limited({"minimum": 1, "maximum": MAX_TRIALS}, 100)
+    batch: int = limited(COUNT, 8)
+    seeds: tuple[int, ...] | None = limited(NOT_NEGATIVE_COUNT, None)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Problem(Varied):
+class Problem(VariedScenario):
     """An optimization; load it with `load`. `seed` is that of the search."""
 
     objective: Objective
@@ -67,13 +68,7 @@ class Problem(Varied):
 
 
 def load(file: Path) -> Problem:
-    """Load and check an optimization.
-
-    Raises
-    ------
-    ScenarioError
-        Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
-    """
+    """Load and check an optimization; errors name file and key."""
     fail, table = failing(file), parse_file(file)
     check_kind(table, file, "optimization")
     if "design" in table:
@@ -94,43 +89,27 @@ def check(problem: Problem, fail: Fail) -> None:
         fail("objective.columns", "belongs to `objective.trace`")
     if objective.trace and objective.direction != "minimize":
         fail("objective.direction", "is `maximize`, which is not possible for a measured trace")
-    if not 1 <= search.trials <= MAX_TRIALS:
-        fail("search.trials", f"is `{search.trials}`, it must be in 1 .. {MAX_TRIALS}")
-    if search.batch < 1:
-        fail("search.batch", f"is `{search.batch}`, it must be at least 1")
-    if search.seeds is not None:
-        check_seeds(search.seeds, fail)
-    check_varied(problem, fail)
-
-
-def check_seeds(seeds: tuple[int, ...], fail: Fail) -> None:
-    """Check that there is a seed, and that no seed is repeated."""
-    if not seeds:
+    if search.seeds == ():
         fail("search.seeds", "is empty", "Omit it to use the seed of the scenario.")
-    if any(seed < 0 for seed in seeds):
-        fail("search.seeds", "must not be negative")
-    if len(set(seeds)) != len(seeds):
+    if len(set(search.seeds or ())) != len(search.seeds or ()):
         fail("search.seeds", "holds a seed twice", "Give each seed once.")
+    check_varied(problem, fail)
 
 
 def check_varied(problem: Problem, fail: Fail) -> None:
     """Check the ranges."""
     if not problem.vary:
         fail("vary", "is empty", "Add tables `[[vary]]`.")
-    check_keys(problem, fail)
     for index, vary in enumerate(problem.vary):
         key = f"vary[{index}]"
         if vary.key == "loop.seed":
-            fail(
-                f"{key}.key",
-                "is `loop.seed`, which cannot be optimized",
-                "Use `search.seeds` for several seeds.",
-            )
+            hint = "Use `search.seeds` for several seeds."
+            fail(f"{key}.key", "is `loop.seed`, which cannot be optimized", hint)
         if vary.distribution == "normal" or vary.mean is not None or vary.deviation is not None:
             fail(f"{key}.distribution", "cannot be `normal` here", "Give `minimum` and `maximum`.")
-        check_values(vary, key, "search", fail)
         for value in vary.values:
             if not isinstance(value, bool | int | float | str):
                 fail(f"{key}.values", f"holds `{value}`, which is not a number, text or Boolean")
             if isinstance(value, float) and not math.isfinite(value):
                 fail(f"{key}.values", f"holds `{value}`, which is not finite")
+    check_ranges(problem, "search", fail)

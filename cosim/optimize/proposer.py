@@ -24,17 +24,13 @@ class Trial:
 
 
 class Proposer:
-    """Points of a search by Optuna's tree-structured Parzen estimator, with constraints.
-
-    Raises
-    ------
-    CosimError
-        Optuna is not installed.
-    """
+    """Points of a search by Optuna's tree-structured Parzen estimator, with constraints."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        self.optuna = imported()
+        missing = "Optuna is not installed; it proposes the trials"
+        self.optuna = extras.needed("optuna", missing, extras.hint("optimize"))
+        self.optuna.logging.set_verbosity(self.optuna.logging.ERROR)
         with quiet():
             self.study = self.optuna.create_study(direction=problem.objective.direction)
         self.open: dict[int, Any] = {}
@@ -70,14 +66,6 @@ def suggested(trial: Any, vary: Vary) -> Any:
     if vary.integer:
         return trial.suggest_int(vary.key, int(low), int(high), log=logarithmic)
     return trial.suggest_float(vary.key, low, high, log=logarithmic)
-
-
-def imported() -> Any:
-    """Import Optuna."""
-    problem = "Optuna is not installed; it proposes the trials"
-    optuna = extras.needed("optuna", problem, extras.hint("optimize"))
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
-    return optuna
 
 
 def quiet() -> Any:

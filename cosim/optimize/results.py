@@ -1,19 +1,35 @@
-"""Optimization from Python, and its result."""
+"""Optimization from Python, and its result: table, JSON, and the command that repeats the best trial."""
 
 from __future__ import annotations
 
+import csv
+import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.text import Text
 
 from cosim import paths
-from cosim.formatting import html
+from cosim.formatting import html, strict
+from cosim.formatting.quantity import number, text
+from cosim.formatting.verdicts import STATUSES
 from cosim.loop import engines
-from cosim.optimize import problem, report, search
+from cosim.optimize import problem
+from cosim.optimize.objective import MISFIT
 from cosim.optimize.proposer import Trial
-from cosim.optimize.runner import SearchOptions
+from cosim.optimize.search import best_of, search
 from cosim.optimize.variants import Variants
 from cosim.show.console import progress_bar
+from cosim.show.listing import plain_table
+from cosim.study.parameters import Vary
+from cosim.study.run import text as value_text
 from cosim.study.store import opened
+from cosim.writing import whole
+
+AT_END = 0.01
+"""Fraction of a range within which a value is regarded as its end."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,12 +53,12 @@ class OptimizeResult:
     @property
     def best(self) -> Trial | None:
         """Best trial that passed all criteria; None if there is none."""
-        return search.best(self.variants.problem, self.trials)
+        return best_of(self.variants.problem, self.trials)
 
     @property
     def command(self) -> str:
         """Command line that repeats the first run of the best trial; empty if there is none."""
-        return report.command(self.variants, self.best) if self.best else ""
+        return self.variants.command(self.best.values, self.variants.seeds[0]) if self.best else ""
 
     def __repr__(self) -> str:
         """One line: study, best value, and the number of trials that passed the criteria."""
@@ -51,14 +67,105 @@ class OptimizeResult:
     @property
     def verdict(self) -> str:
         """Best value, and the number of trials that passed the criteria."""
-        return report.verdict(self.variants, self.trials).plain
+        objective, best = self.variants.problem.objective, self.best
+        counts = f"{len(self.trials)} trials"
+        if not objective.trace:
+            counts += f", {self.feasible} of them passed all criteria"
+        if lost := sum(trial.score.value is None for trial in self.trials):
+            counts += f", {lost} without a result"
+        if best is None or best.score.value is None:
+            return f"no trial passed all criteria: {self.closest}; {counts}"
+        if objective.trace:
+            off = 100.0 * math.sqrt(best.score.value)
+            value = f"{MISFIT} {number(best.score.value)}: {number(off, 3)} % of a standard deviation"
+        else:
+            metrics = self.variants.scenario.metric
+            unit = next((metric.unit for metric in metrics if metric.name == objective.metric), "")
+            extreme = objective.direction.removesuffix("ize")
+            value = f"{extreme}um of {objective.metric}: {text(best.score.value, unit)}"
+        return f"{value}, in trial {best.number}; {counts}"
+
+    @property
+    def feasible(self) -> int:
+        """Number of trials that passed all criteria."""
+        return sum(trial.score.feasible for trial in self.trials)
+
+    @property
+    def closest(self) -> str:
+        """Trial with the smallest violation, and its failed criteria."""
+        known = (trial for trial in self.trials if trial.score.value is not None)
+        trial = min(known, key=lambda trial: sum(trial.score.violations))
+        pairs = zip(self.variants.scenario.criterion, trial.score.violations, strict=True)
+        failed = ", ".join(f"`{entry.id}`" for entry, violation in pairs if violation > 0.0)
+        return f"closest is trial {trial.number}, which fails {failed}"
+
+    def tables(self) -> RenderableType:
+        """Values of the best trial and the verdict, for the terminal."""
+        parts: list[RenderableType] = [Text(self.variants.problem.full_title, style="bold"), ""]
+        if self.best is not None:
+            table = plain_table("key", "best value", "range", "")
+            for vary in self.variants.problem.vary:
+                value = self.best.values[vary.key]
+                edge = "at the end of its range" if at_end(vary, value) else ""
+                shown = number(value, 6) if isinstance(value, float) else value_text(value)
+                table.add_row(Text(vary.key), Text(shown), Text(range_text(vary)), edge)
+            parts += [table, ""]
+        style = "bold red" if self.best is None else "bold green"
+        return Group(*parts, Text(self.verdict, style=style))
 
     def _repr_html_(self) -> str:
         """Table of the best values for a notebook."""
-        wanted, best = self.variants.problem, self.best
-        rows = [(key, str(value)) for key, value in (best.values.items() if best else ())]
-        table = html.table(("key", "best value"), rows)
-        return "\n".join([html.heading(wanted.title or wanted.name, self.verdict), table])
+        rows = [(key, str(value)) for key, value in (self.best.values.items() if self.best else ())]
+        heading = html.heading(self.variants.problem.full_title, self.verdict)
+        return "\n".join([heading, html.table(("key", "best value"), rows)])
+
+    def to_json(self) -> str:
+        """Return the best trial and the numbers of trials in strict JSON."""
+        objective, best = self.variants.problem.objective, self.best
+        found: dict[str, Any] = {
+            "status": STATUSES[best is not None],
+            "objective": objective.metric or MISFIT,
+            "direction": objective.direction,
+            "trials": len(self.trials),
+            "feasible": self.feasible,
+            "best": best
+            and {
+                "trial": best.number,
+                "value": best.score.value or 0.0,
+                "set": best.values,
+                "command": self.command,
+            },
+        }
+        return strict.text(found)
+
+    def save_csv(self, file: Path) -> None:
+        """Write all trials: number, values, objective, and whether all criteria passed."""
+        keys = [vary.key for vary in self.variants.problem.vary]
+        objective = self.variants.problem.objective.metric or MISFIT
+        with whole(file) as part, part.open("w", newline="", encoding="utf-8") as lines:
+            writer = csv.writer(lines)
+            writer.writerow(["trial", *keys, objective, "feasible", "reason"])
+            for trial in self.trials:
+                values = [value_text(trial.values[key]) for key in keys]
+                feasible = str(trial.score.feasible).lower()
+                writer.writerow([trial.number, *values, trial.score.value, feasible, trial.score.reason])
+
+
+def range_text(vary: Vary) -> str:
+    """Range of a key, or its values."""
+    if vary.values:
+        return " ".join(value_text(value) for value in vary.values)
+    return " .. ".join(f"{end:g}" for end in vary.range)
+
+
+def at_end(vary: Vary, value: Any) -> bool:
+    """Whether the best value is at an end of its range, so that a better one may be outside."""
+    if vary.values:
+        return False
+    low, high = vary.range
+    if vary.distribution == "log-uniform":
+        low, high, value = math.log(low), math.log(high), math.log(value)
+    return bool(min(value - low, high - value) <= AT_END * (high - low))
 
 
 def optimize(
@@ -92,10 +199,11 @@ def optimize(
     CosimError
         The file is wrong, Optuna is not installed, the folder cannot be written, or no trial gave a number.
     """
-    options = SearchOptions(workers, engines.checked(engine), again)
+    selected = engines.checked(engine)
     variants = Variants(problem.load(paths.find_study(str(study))))
     name, file = variants.problem.name, variants.problem.file
     with opened(file, out, f"{name}.optimize") as store, progress_bar(name, quiet) as progress:
-        trials = search.search(variants, store, options, progress)
-    report.save_csv(variants, trials, store.folder / "trials.csv")
-    return OptimizeResult(variants, store.folder, trials)
+        trials = search(variants, store, progress, workers, selected, again)
+    found = OptimizeResult(variants, store.folder, trials)
+    found.save_csv(store.folder / "trials.csv")
+    return found

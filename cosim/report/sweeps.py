@@ -17,12 +17,12 @@ from cosim.report.curves import Line
 from cosim.scenario.model import Chart
 from cosim.show import marks
 from cosim.study.store import DONE, Store
-from cosim.sweep import influence, study, summary_tables
+from cosim.sweep import sensitivity_tables, study, summary_tables
 from cosim.sweep.charts import check_charts, columns, results
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
-from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities
+from cosim.sweep.summary import QUANTILES, Summary, spread
 
 Table = dict[str, Any]
 """Names of the columns, and rows of texts."""
@@ -44,23 +44,23 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
     options = Options(file, None, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
     def describe(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
-        known = columns(plan.scenario, plan.cases)
+        known = columns(plan.scenario, plan.varying)
         drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
-        runs, spread = worst(plan, found), [*distributions(plan, found)]
+        runs, shares = worst(plan, found), [*distributions(plan, found)]
         return {
             "name": file.stem,
             "scenario": plan.scenario.name,
-            "title": plan.study.title or plan.study.name,
+            "title": plan.study.full_title,
             "story": [part for part in plan.study.description.split("\n\n") if part.strip()],
             "command": f"cosim sweep {shlex.quote(paths.shown(file))}",
             "verdict": summary_tables.verdict(found).plain,
             "short": short(found),
             "passed": found.passed,
             "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
-            "repeat": [plan.command(plan.runs[run]) for run in runs],
+            "repeat": plan.commands(runs),
             "charts": drawn,
-            "distributions": spread,
-            "drawings": [drawing.charts(drawn), drawing.charts(spread)],
+            "distributions": shares,
+            "drawings": [drawing.charts(drawn), drawing.charts(shares)],
             "undrawn": undrawn,
         }
 
@@ -71,26 +71,28 @@ def short(found: Summary) -> str:
     """Return the number of passed runs, or of completed runs without criteria."""
     if found.passed is None:
         return f"{found.rows} runs"
-    return f"{found.statuses['passed']} of {found.wanted} runs passed"
+    return f"{found.statuses['passed']} of {found.runs} runs passed"
 
 
 def tables(plan: Plan, found: Summary) -> Iterator[Table]:
     """Tables of criteria, distributions, sensitivity and runs without result; empty ones are omitted."""
     claims = {entry.id: entry.claim for entry in plan.scenario.criterion}
     held = [(name, f"{count} of {found.results}", claims.get(name, "")) for name, count in found.held.items()]
-    spread = [
-        (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
-        for name, values in quantities(found).items()
-    ]
-    moved = [[cell.plain for cell in row] for row in influence.rows(found.influences)]
+    moved = [[cell.plain for cell in row] for row in sensitivity_tables.rows(found.sensitivities)]
     lost = [
         (status, str(count), str(first), reason)
         for (status, reason), (count, first) in found.troubles.items()
     ]
     every = (
         (("criterion", "passed in", "claim"), held),
-        (("metric", *QUANTILES), spread),
-        (("sensitivity of", *influence.ranked_keys(found.influences)[: influence.MAX_KEYS]), moved),
+        (("metric", *QUANTILES), spread(found)),
+        (
+            (
+                "sensitivity of",
+                *sensitivity_tables.ranked_keys(found.sensitivities)[: sensitivity_tables.MAX_KEYS],
+            ),
+            moved,
+        ),
         (("without result", "runs", "first run", "reason"), lost),
     )
     yield from ({"names": names, "rows": rows} for names, rows in every if rows)

@@ -20,15 +20,7 @@ TYPES = {"Real": "number", "Integer": "integer"}
 def filled_schema(
     scenario: Scenario, variables: Mapping[str, Mapping[str, dict[str, Any]]], plant: Any
 ) -> dict[str, Any]:
-    """JSON schema of a scenario file with the FMUs and the plant of one scenario.
-
-    Parameters
-    ----------
-    variables
-        Settable variables of each FMU, by the names of the FMUs.
-    plant
-        Dataclass of the plant's parameters.
-    """
+    """JSON schema of a scenario file with the variables of its FMUs and the parameters of its plant."""
     found = scenario_schema()
     parts = found["properties"]
     tables = {name: {"parameters": schema.parameters(entries)} for name, entries in variables.items()}

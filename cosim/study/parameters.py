@@ -78,7 +78,7 @@ class RunLimits:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Varied:
+class VariedScenario:
     """A scenario, by name or as a file relative to this one, that runs with varied keys.
 
     Parameters
@@ -107,6 +107,11 @@ class Varied:
         """Stem of the file."""
         return self.file.stem
 
+    @property
+    def full_title(self) -> str:
+        """Title, otherwise the name."""
+        return self.title or self.name
+
 
 def failing(file: Path) -> Fail:
     """Return the function that raises the error of a key in a file."""
@@ -117,22 +122,21 @@ def failing(file: Path) -> Fail:
     return fail
 
 
-def check_keys(varied: Varied, fail: Fail) -> None:
-    """Check that each key is given once."""
+def check_ranges(varied: VariedScenario, kind: str, fail: Fail) -> None:
+    """Check that each key is given once, and its range; `kind` is the design."""
     seen = set(varied.set)
     for index, vary in enumerate(varied.vary):
         if vary.key in seen:
             fail(f"vary[{index}].key", f"= `{vary.key}` is given twice", "Set each key once.")
         seen.add(vary.key)
+    for index, vary in enumerate(varied.vary):
+        check_values(vary, f"vary[{index}]", kind, fail)
 
 
 def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
     """Check that values, range and distribution of one key agree."""
-    given = [
-        name
-        for name in ("minimum", "maximum", "points", "mean", "deviation")
-        if getattr(vary, name) is not None
-    ]
+    numbers = ("minimum", "maximum", "points", "mean", "deviation")
+    given = [name for name in numbers if getattr(vary, name) is not None]
     if vary.values:
         if given or vary.distribution != "uniform" or vary.integer:
             also = (given or ["distribution" if vary.distribution != "uniform" else "integer"])[0]
@@ -143,23 +147,20 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
         fail(f"{key}.maximum", f"is `{high}`, it must be above `minimum` = `{low}`")
     normal = vary.distribution == "normal"
     if normal != (vary.mean is not None and vary.deviation is not None):
-        fail(
-            f"{key}.distribution",
-            f"is `{vary.distribution}`; `mean` and `deviation` belong to `normal`, both of them",
-        )
+        problem = f"is `{vary.distribution}`; `mean` and `deviation` belong to `normal`, both of them"
+        fail(f"{key}.distribution", problem)
     if not normal and not (math.isfinite(low) and math.isfinite(high)):
         fail(f"{key}", f"needs `minimum` and `maximum` of `{vary.key}`, both finite")
     if math.isfinite(low) and math.isfinite(high) and not math.isfinite(high - low):
         fail(f"{key}", f"is `{low}` .. `{high}`, whose width is too large")
     if vary.distribution == "log-uniform" and low <= 0.0:
         fail(f"{key}.minimum", f"is `{low}`; a logarithmic range must start above 0")
-    if vary.integer and any(math.isfinite(end) and not end.is_integer() for end in (low, high)):
+    ends = [end for end in (low, high) if math.isfinite(end)] if vary.integer else []
+    if not all(end.is_integer() for end in ends):
         fail(f"{key}.integer", f"is true, but `{low}` .. `{high}` does not end at integers")
-    if vary.integer and any(math.isfinite(end) and abs(end) > MAX_EXACT for end in (low, high)):
-        fail(
-            f"{key}.integer",
-            f"is true, but beyond {MAX_EXACT:.0f} not every number of `{low}` .. `{high}` is one",
-        )
+    if any(abs(end) > MAX_EXACT for end in ends):
+        problem = f"is true, but beyond {MAX_EXACT:.0f} not every number of `{low}` .. `{high}` is one"
+        fail(f"{key}.integer", problem)
     if (kind == "grid") != (vary.points is not None):
         fail(f"{key}.points", "belongs to a range in a `grid`, and only there")
     if vary.points is not None and (vary.points < 2 or normal):

@@ -22,7 +22,7 @@ NO_EFFECT = ("title", "description", "plot", "criterion")
 """Parts of a scenario without effect on metrics; criteria are evaluated again whenever a row is read."""
 PACKAGES = ("mujoco-core", "fmpy", "numpy")
 """Their versions are part of every hash."""
-ROOMS = ("fmu", "loop", "metrics", "scenario")
+FOLDERS = ("fmu", "loop", "metrics", "scenario")
 """Folders of cosim that affect the results of a run."""
 CODE = (".py", ".xml", ".so", ".pyd")
 """Files of a package that affect a run."""
@@ -129,12 +129,11 @@ def imported(module: Path, folder: Path) -> set[Path]:
 def project() -> dict[str, str]:
     """Versions and contents of everything that computes the results, except FMU and plant."""
     plants, cosim = PROJECT
-    files = [*plants.rglob("*"), *cosim.glob("*"), *(f for room in ROOMS for f in (cosim / room).rglob("*"))]
+    files = [*plants.rglob("*"), *cosim.glob("*")]
+    files += [file for folder in FOLDERS for file in (cosim / folder).rglob("*")]
     files = sorted((file for file in files if file.suffix in CODE), key=lambda file: file.parts[::-1])
-    return {
-        **{name: version(name) for name in PACKAGES},
-        "project": joined([digest(file) for file in [*files, native()]]),
-    }
+    versions = {name: version(name) for name in PACKAGES}
+    return {**versions, "project": joined([digest(file) for file in [*files, native()]])}
 
 
 def native() -> Path:

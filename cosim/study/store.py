@@ -38,6 +38,7 @@ DONE = tuple(STATUSES.values())
 """Statuses of runs that gave a result."""
 TROUBLES = ("error", "crashed", "timeout", "memory")
 """Statuses of runs without result."""
+NO_ROW = "`%s`, line %d is not a row (%s): it is kept, and a run without another row is repeated"
 Number = float | Literal["NaN", "Infinity", "-Infinity"]
 
 
@@ -63,18 +64,12 @@ class RowSchema:
 
 
 class Store(Closing):
-    """The file `results.jsonl` of a folder, open for more rows; only their positions are in memory.
-
-    Raises
-    ------
-    CosimError
-        The folder cannot be written, or another sweep writes to it.
-    """
+    """The locked file `results.jsonl` of a folder; only the positions of its rows are in memory."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.shown = paths.shown(folder / FILE)
-        self.places: dict[str, tuple[int, str]] = {}
+        self.positions: dict[str, tuple[int, str]] = {}
         if paths.is_there(folder / FILE) and not paths.is_file(folder / FILE):
             raise CosimError(f"cannot write results: `{self.shown}` is not a file", "Choose another `--out`.")
         try:
@@ -111,49 +106,44 @@ class Store(Closing):
 
     def scan(self) -> None:
         """Index the existing rows; nothing is removed, and an incomplete last line is terminated."""
-        place, line = 0, b"\n"
+        position, line = 0, b"\n"
         for number, line in enumerate(self.reader, 1):
-            self.note(line, number, place)
-            place += len(line)
+            try:
+                row = read(line)
+                self.positions[row["hash"]] = (position, row["status"])
+            except (ValueError, RecursionError) as error:
+                log.warning(NO_ROW, self.shown, number, error)
+            position += len(line)
         if not line.endswith(b"\n"):
             self.write(b"\n")
-
-    def note(self, line: bytes, number: int, place: int) -> None:
-        """Store the position of a row; other lines are skipped."""
-        try:
-            row = read(line)
-            self.places[row["hash"]] = (place, row["status"])
-        except (ValueError, RecursionError) as error:
-            text = "`%s`, line %d is not a row (%s): it is kept, and a run without another row is repeated"
-            log.warning(text, self.shown, number, error)
 
     def append(self, row: Row) -> None:
         """Write one row; it is in the file when this returns."""
         line = strict.line(row).encode() + b"\n"
-        self.places[row["hash"]] = (self.write(line), row["status"])
+        self.positions[row["hash"]] = (self.write(line), row["status"])
 
     def write(self, line: bytes) -> int:
         """Append to the file, all or nothing; return the position."""
         with naming(self.shown, "Run the same command again to continue; existing rows are kept."):
-            place = self.file.seek(0, os.SEEK_END)
+            position = self.file.seek(0, os.SEEK_END)
             try:
                 if self.file.write(line) != len(line):
                     raise OSError(errno.ENOSPC, "no space left for a complete row")
             except OSError:
                 with contextlib.suppress(OSError):
-                    self.file.truncate(place)
+                    self.file.truncate(position)
                 raise
-        return place
+        return position
 
     def status(self, name: str) -> str:
         """Status of the run with a hash; empty without a row."""
-        return self.places.get(name, (0, ""))[1]
+        return self.positions.get(name, (0, ""))[1]
 
     def stored(self, name: str) -> Row | None:
         """Row with a hash as it was written."""
-        if name not in self.places:
+        if name not in self.positions:
             return None
-        self.reader.seek(self.places[name][0])
+        self.reader.seek(self.positions[name][0])
         row: Row = json.loads(self.reader.readline())
         return row
 
@@ -176,14 +166,8 @@ class Store(Closing):
 
 
 def opened(study: Path, out: str | Path | None, otherwise: str) -> Store:
-    """Store of a study in the requested folder, or in the default one, which is that of one study.
-
-    Raises
-    ------
-    CosimError
-        As for `Store`; the name of the folder is empty, which would mean the working directory; the default
-        folder holds the results of another study.
-    """
+    """Store of a study in the requested folder, or in the default one, which is that of one study."""
+    # an empty name would be the working directory
     if out == "":
         raise CosimError("`--out` is empty", "Use `--out .` for the working directory.")
     folder = Path(otherwise if out is None else out)
@@ -197,13 +181,7 @@ def opened(study: Path, out: str | Path | None, otherwise: str) -> Store:
 
 
 def existing(folder: Path) -> Store:
-    """Store of a folder that exists.
-
-    Raises
-    ------
-    CosimError
-        As for `Store`, or it holds no sweep.
-    """
+    """Store of a folder that holds a sweep."""
     if not paths.is_file(folder / FILE):
         problem = f"`{paths.shown(folder)}` is not the folder of a sweep: it has no `{FILE}`"
         raise CosimError(problem, "Name the folders of `cosim sweep --part`.")
@@ -227,13 +205,7 @@ def relative(file: Path, folder: Path) -> str:
 
 
 def read(line: bytes) -> Row:
-    """Row of a line.
-
-    Raises
-    ------
-    ValueError
-        It is not a row, or it contradicts itself.
-    """
+    """Row of a line; a `ValueError` if it is none, or contradicts itself."""
     row: Any = json.loads(line)
 
     def fail(key: str, problem: str, hint: str) -> NoReturn:
@@ -265,35 +237,25 @@ def described(run: Run) -> Row:
 def row_of(run: Run, outcome: Outcome, criteria: Sequence[Criterion] = ()) -> Row:
     """Row of a run and its outcome, evaluated by some criteria."""
     row = described(run)
-    if isinstance(outcome, Result):
-        result = {
-            **row,
-            "status": "done",
-            "reason": "",
-            "metrics": {metric.name: plain(metric.value) for metric in outcome.metrics.values()},
-            "units": {metric.name: metric.unit for metric in outcome.metrics.values()},
-            "criteria": {},
-            "engine": outcome.engine,
-            "simulated_s": outcome.simulated_s,
-            "wall_s": outcome.wall_s,
-        }
-        return evaluated(result | beyond_si(metric.unit for metric in outcome.metrics.values()), criteria)
-    return {
+    if not isinstance(outcome, Result):
+        return {**row, "status": outcome.status, "reason": outcome.message, "hint": outcome.hint}
+    metrics = outcome.metrics.values()
+    result = {
         **row,
-        "status": outcome.status,
-        "reason": outcome.message,
-        "hint": outcome.hint,
+        "status": "done",
+        "reason": "",
+        "metrics": {metric.name: plain(metric.value) for metric in metrics},
+        "units": {metric.name: metric.unit for metric in metrics},
+        "criteria": {},
+        "engine": outcome.engine,
+        "simulated_s": outcome.simulated_s,
+        "wall_s": outcome.wall_s,
     }
+    return evaluated(result | beyond_si(metric.unit for metric in metrics), criteria)
 
 
 def evaluated(row: Row, criteria: Sequence[Criterion]) -> Row:
-    """Row with status, reason and verdicts by some criteria; unchanged without a result.
-
-    Raises
-    ------
-    ExpressionError
-        A metric does not convert to the unit of a criterion.
-    """
+    """Row with status, reason and verdicts by some criteria; unchanged without a result."""
     if row["status"] in TROUBLES:
         return row
     held = {verdict.criterion.id: verdict.passed for verdict in verdicts(row, criteria)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,6 @@ from cosim.metrics.expression import Items
 from cosim.scenario.model import Scenario
 from cosim.show.display import shorten
 from cosim.study.store import DONE
-from cosim.sweep.designs import Case
 from cosim.sweep.plan import Plan
 from cosim.sweep.summary import Summary
 from cosim.trace.columns import Columns
@@ -27,31 +26,21 @@ OF_A_TRACE = ("array", "bode", "field", "spectrum")
 
 
 def check_charts(plan: Plan) -> None:
-    """Check that the charts of a study can be made from its results.
-
-    Raises
-    ------
-    CosimError
-        As for `drawable.check`; or a chart needs the rows of one run.
-    """
+    """Check that the charts of a study can be made from its results, without the rows of one run."""
     origin, charts = f"`{paths.shown(plan.study.file)}`", plan.study.charts
     for index, chart in enumerate(charts):
         if chart.kind in OF_A_TRACE:
             problem = f"{origin}: `charts[{index}]` of the kind `{chart.kind}` needs the rows of one run"
             raise ScenarioError(problem, "Move it to `[[plot.charts]]` of the scenario.")
     try:
-        drawable.check_charts(charts, "charts", columns(plan.scenario, plan.cases))
+        drawable.check_charts(charts, "charts", columns(plan.scenario, plan.varying))
     except CosimError as error:
         raise ScenarioError(f"{origin}: {error.message}", error.hint) from None
 
 
-def columns(scenario: Scenario, cases: Iterable[Case]) -> dict[str, Items | None]:
+def columns(scenario: Scenario, varying: Mapping[str, list[Any]]) -> dict[str, Items | None]:
     """Columns for the charts of a study, with the items of text columns."""
-    taken: dict[str, list[Any]] = {}
-    for case in cases:
-        for key, value in case.items():
-            taken.setdefault(key, []).append(value)
-    keys = {key: items(values) for key, values in taken.items()}
+    keys = {key: items(values) for key, values in varying.items()}
     return {TIME: None, **keys, **{f"metric.{metric.name}": None for metric in scenario.metric}}
 
 

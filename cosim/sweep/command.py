@@ -15,14 +15,14 @@ from rich.console import RenderableType
 from cosim import paths
 from cosim.errors import CosimError
 from cosim.loop import engines
-from cosim.loop.reference import Progress
 from cosim.pool import executor
 from cosim.pool.limits import processors
 from cosim.show.bar import bar
+from cosim.show.console import progress_bar
 from cosim.show.figure import wanted
 from cosim.show.lines import ProgressLines
 from cosim.study.store import DONE, Row, Store, opened, study_of
-from cosim.sweep import influence, study, summary_tables
+from cosim.sweep import sensitivity_tables, study, summary_tables
 from cosim.sweep.charts import check_charts
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan, part_of
@@ -60,23 +60,15 @@ def execute(options: Options) -> tuple[Summary, RenderableType]:
     """Continue a study as `run_study`; return the summary and its tables."""
 
     def tables(plan: Plan, store: Store, found: Summary) -> tuple[Summary, RenderableType]:
-        return found, summary_tables.tables(plan, found, worst(plan, found))
+        return found, summary_tables.of_study(plan, found, worst(plan, found))
 
     return run_study(options, tables)
 
 
 @once()
 def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
-    """Continue a study and write its summary; return the result of `take`.
-
-    Raises
-    ------
-    CosimError
-        The study is wrong, the folder cannot be written, no worker can be started, or plots fail.
-    KeyboardInterrupt
-        After the summary of the completed runs was written.
-    """
-    with planning(options) as observe:
+    """Continue a study and write its summary, also after Ctrl-C; return the result of `take`."""
+    with progress_bar(f"{options.file.stem}, planning", options.quiet) as observe:
         loaded = study.load(paths.find_study(str(options.file)))
         plan = Plan(loaded, engines.checked(options.engine), observe, options.part)
     check_charts(plan)
@@ -98,13 +90,7 @@ def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
 
 
 def of_parts(folders: Sequence[Path]) -> Path:
-    """Study of the folders of its parts.
-
-    Raises
-    ------
-    CosimError
-        There is no folder, one does not name its study, or two have different studies.
-    """
+    """Study of the folders of its parts, which must be the same."""
     found: dict[Path, str] = {}
     for folder in folders:
         file = study_of(folder)
@@ -124,10 +110,8 @@ def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None
     save_parquet(found.columns, folder / "summary.parquet")
     if plots and found.results:
         summary_tables.save_plots(plan, found, folder / "summary.svg")
-    if plots and found.influences:
-        influence.save_plots(
-            found.influences, plan.study.title or plan.study.name, folder / "sensitivity.svg"
-        )
+    if plots and found.sensitivities:
+        sensitivity_tables.save_plots(found.sensitivities, plan.study.full_title, folder / "sensitivity.svg")
 
 
 def pool_of(plan: Plan, options: Options) -> Pool:
@@ -135,18 +119,6 @@ def pool_of(plan: Plan, options: Options) -> Pool:
     limits = plan.study.limits.of_workers()
     workers = options.workers or processors()
     return functools.partial(executor.outcomes, workers=min(workers, len(plan.numbers)), limits=limits)
-
-
-@contextlib.contextmanager
-def planning(options: Options) -> Iterator[Progress | None]:
-    """Progress of the checks before the first run."""
-    title = f"{options.file.stem}, planning"
-    with bar(options.quiet, "{task.percentage:>3.0f} %") as shown:
-        if shown is None:
-            yield None if options.quiet else ProgressLines(title)
-            return
-        task = shown.add_task(title)
-        yield lambda done, total: shown.update(task, completed=done, total=total)
 
 
 @contextlib.contextmanager
@@ -172,14 +144,12 @@ def progress(plan: Plan, store: Store, options: Options) -> Iterator[Observer]:
             counts["done"] += 1
             counts["failed"] += row["status"] == "failed"
             counts["lost"] += row["status"] not in DONE
+            done, failed, lost = counts.values()
             if shown is None:
-                note = f"{counts['failed']} failed, {counts['lost']} without result"
-                lines(counts["done"], total, f"{counts['done']} of {total} runs, {note}")
+                lines(done, total, f"{done} of {total} runs, {failed} failed, {lost} without result")
                 return
             speed = shown.tasks[0].speed
             rate = f"{speed:.3g} runs/s" if speed else ""
-            shown.update(
-                task, completed=counts["done"], rate=rate, failed=counts["failed"], lost=counts["lost"]
-            )
+            shown.update(task, completed=done, rate=rate, failed=failed, lost=lost)
 
         yield observe

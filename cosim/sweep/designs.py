@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -65,19 +65,22 @@ DESIGNS: dict[str, Callable[[Sequence[Vary], int, int], list[Case]]] = {
 }
 
 
+def values_by_key(cases: Iterable[Case]) -> dict[str, list[Any]]:
+    """Values of each key in the cases that set it."""
+    found: dict[str, list[Any]] = {}
+    for case in cases:
+        for key, value in case.items():
+            found.setdefault(key, []).append(value)
+    return found
+
+
 def generator(seed: int) -> np.random.Generator:
     """Random numbers of the design, apart from those of the runs."""
     return np.random.default_rng(child(seed, "design"))
 
 
 def sobol_sampler(dimensions: int, seed: int) -> Any:
-    """Return a scrambled Sobol sequence.
-
-    Raises
-    ------
-    CosimError
-        It does not support that number of dimensions, or scipy is not installed.
-    """
+    """Return a scrambled Sobol sequence; scipy limits its dimensions."""
     try:
         return quasi_monte_carlo().Sobol(dimensions, scramble=True, rng=generator(seed))
     except ValueError as error:

@@ -18,13 +18,7 @@ BLOCK = 1 << 20
 
 
 def save_csv(table: Table, file: Path) -> None:
-    """Write `summary.csv`: one line for each run that has a row.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
+    """Write `summary.csv`: one line for each run that has a row."""
     with whole(file) as partial, partial.open("w", newline="", encoding="utf-8") as lines:
         writer = csv.writer(lines)
         writer.writerow(table)
@@ -37,13 +31,7 @@ def shown(value: Any) -> Any:
 
 
 def save_parquet(table: Table, file: Path) -> bool:
-    """Write `summary.parquet`, the same table with types; False if pyarrow is not installed.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
+    """Write `summary.parquet`, the same table with types; False if pyarrow is not installed."""
     try:
         pyarrow: Any = importlib.import_module("pyarrow")
         parquet: Any = importlib.import_module("pyarrow.parquet")

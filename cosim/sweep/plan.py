@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import functools
 import re
-import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, overload
 
 import numpy as np
 
-from cosim import paths
-from cosim.errors import CosimError, ScenarioError, closest
+from cosim.errors import CosimError
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.named import NamedFmu
 from cosim.fmu.values import expand
@@ -23,9 +21,9 @@ from cosim.pool.job import Job
 from cosim.scenario import overrides
 from cosim.scenario.load import build
 from cosim.scenario.model import Criterion, Scenario
-from cosim.study.run import Run, check, text, things
-from cosim.study.run_hash import digest, finished, leaf, plant_of, section, total
-from cosim.sweep.designs import DESIGNS, Case
+from cosim.study.run import Run, Variation, check, dependencies, job_of
+from cosim.study.run_hash import finished, leaf, section, total
+from cosim.sweep.designs import DESIGNS, Case, values_by_key
 from cosim.sweep.study import Study
 
 PART = re.compile(r"(\d{1,6})/(\d{1,6})")
@@ -35,60 +33,44 @@ MAX_SETTINGS = 1000
 
 @dataclass(frozen=True)
 class Setting:
-    """Common data of runs that differ only in parameters.
-
-    Parameters
-    ----------
-    files, plant
-        The FMUs by their names, and the class of the plant.
-    places
-        Locations of the tables of FMUs and plant in the scenario, by their names.
-    leaves
-        Hashes of the parameters in the scenario, by their locations.
-    total
-        Sum of the hashes of everything.
-    """
+    """Common data of runs that differ only in parameters."""
 
     files: dict[str, FmuFile]
+    """FMUs by their names."""
     plant: Any
-    places: dict[str, str]
+    """Class of the plant."""
+    tables: dict[str, str]
+    """Locations of the tables of FMUs and plant in the scenario, by their names."""
     leaves: dict[str, int]
+    """Hashes of the parameters in the scenario, by their locations."""
     total: int
+    """Sum of the hashes of everything."""
 
 
-class Plan:
-    """All runs of a study, and the numbers of those in one of several parts.
-
-    Raises
-    ------
-    CosimError
-        A key, a value, the scenario or the FMU of any run is wrong; names study and case.
-    """
+class Plan(Variation):
+    """All runs of a study, each checked, and the numbers of those in one of several parts."""
 
     def __init__(
         self, study: Study, engine: Engine = "native", progress: Progress | None = None, part: str = ""
     ) -> None:
         first, count = part_of(part)
-        self.study = study
-        self.engine = engine
-        plant_of.cache_clear()
-        self.origin = f"`{paths.shown(study.file)}`"
-        near = study.file.parent if study.scenario.endswith(".toml") else None
-        self.file = paths.find_scenario(study.scenario, near).resolve()
-        self.name = paths.scenario_name(self.file)
-        self.base = overrides.read(self.file)
-        for key, value in study.set.items():
-            overrides.assign(self.base, key, value, f"{self.origin}, `set.{key}`")
+        super().__init__(study)
+        self.study, self.engine = study, engine
         self.scenario = replace(build(self.base), name=self.name, file=self.file)
-        self.totals = {name: total(section(name, part)) for name, part in self.base.table.items()}
         self.named = (*(choice.name for choice in self.scenario.fmus), "plant")
         self.settings: dict[str, Setting] = {}
         self.changed_criteria: dict[str, tuple[Criterion, ...]] = {}
         self.cases: Sequence[Case] = study.case
         if study.design.kind != "list":
             self.cases = DESIGNS[study.design.kind](study.vary, study.design.samples or 0, study.seed)
+        self.varying = values_by_key(self.cases)
         self.runs = Runs(self, progress)
         self.numbers = range(first, len(self.runs), count)
+
+    def commands(self, numbers: Iterable[int]) -> list[str]:
+        """Command lines that repeat some runs."""
+        runs = (self.runs[number] for number in numbers)
+        return [self.command(run.changes, run.seed) for run in runs]
 
     def different(self) -> list[int]:
         """List the numbers of the runs of this part, each hash once."""
@@ -109,18 +91,15 @@ class Plan:
             return setting.total + sum(exchange(setting, key, value) for key, value in parameters.items())
         except CosimError:
             # the same with all origins, so that the error names the origin of the value
-            check(self.build(self.merged(case, index)))
+            check(self.build(self.case(case, index)))
             raise
 
     def setting(self, changes: Case, index: int) -> Setting:
         """Check a case without its varied parameters."""
-        merged = self.merged(changes, index)
+        merged = self.case(changes, index)
         scenario = self.build(merged)
         files, kind, made = check(scenario)
-        names = [metric.name for metric in scenario.metric]
-        if (metric := self.study.traces.metric) and metric not in names:
-            problem = f"{self.origin}: `traces.metric` = `{metric}` is not a metric of the scenario"
-            raise ScenarioError(problem, closest(metric, names))
+        self.check_metric("traces.metric", self.study.traces.metric, scenario)
         base = self.base.table
         parts = (
             self.totals[name] if part is base.get(name) else total(section(name, part))
@@ -129,16 +108,13 @@ class Plan:
         held = {name: merged.table.get(name, {}) for name in ("controller", "fmu", "plant")}
         known = {key: value for name, part in held.items() for key, value in section(name, part).items()}
         leaves = {key: leaf(key, value) for key, value in known.items()}
-        places = {"controller": "controller", "plant": "plant"}
-        places |= {choice.name: f"fmu[{index}]" for index, choice in enumerate(scenario.fmu)}
-        return Setting(files, kind, places, leaves, sum(parts) + total(things(scenario, files, made)))
+        tables = {"controller": "controller", "plant": "plant"}
+        tables |= {choice.name: f"fmu[{index}]" for index, choice in enumerate(scenario.fmu)}
+        return Setting(files, kind, tables, leaves, sum(parts) + total(dependencies(scenario, files, made)))
 
-    def merged(self, case: Case, index: int) -> overrides.Overrides:
+    def case(self, values: Case, index: int) -> overrides.Overrides:
         """Return the merged tables of one case."""
-        merged = self.base.copy()
-        for key, value in case.items():
-            overrides.assign(merged, key, value, f"{self.origin}, case {index}")
-        return merged
+        return self.merged(values, f"case {index}")
 
     def build(self, merged: overrides.Overrides) -> Scenario:
         """Scenario of one case."""
@@ -149,7 +125,7 @@ class Plan:
         changes = {key: value for key, value in run.changes.items() if key.startswith("criterion.")}
         name = repr(changes)
         if name not in self.changed_criteria:
-            found = self.build(self.merged(changes, run.case)) if changes else self.scenario
+            found = self.build(self.case(changes, run.case)) if changes else self.scenario
             self.changed_criteria[name] = found.criterion
         return self.changed_criteria[name]
 
@@ -160,36 +136,18 @@ class Plan:
         given = self.cases[index].get("loop.seed", self.study.set.get("loop.seed"))
         if given is not None:
             return int(given) + repeat
-        sequence = np.random.SeedSequence(
-            self.study.seed, spawn_key=(repeat if design.seeds == "repeat" else number,)
-        )
+        key = repeat if design.seeds == "repeat" else number
+        sequence = np.random.SeedSequence(self.study.seed, spawn_key=(key,))
         # 53 bits are exact in JSON and in a spreadsheet
         return int(sequence.generate_state(1, np.uint64)[0] >> np.uint64(11))
 
     def job(self, run: Run, keep_trace: bool = False) -> Job:
         """Job of one run."""
-        scenario = self.build(self.merged(run.changes, run.case))
-        files = [paths.find_fmu(choice.fmu, scenario.folder) for choice in scenario.fmus]
-        return Job(scenario, run.seed, self.engine, keep_trace, tuple(map(digest, files)))
-
-    def command(self, run: Run) -> str:
-        """Command line that repeats a run from the current working directory."""
-        named = not self.study.scenario.endswith(".toml")
-        scenario = self.study.scenario if named else paths.shown(self.file)
-        changes = {**self.study.set, **run.changes}
-        options = [shlex.quote(f"{key}={text(value)}") for key, value in changes.items()]
-        words = ["cosim run", shlex.quote(scenario), *(f"--set {option}" for option in options)]
-        return " ".join([*words, f"--seed {run.seed}"])
+        return job_of(self.build(self.case(run.changes, run.case)), run, self.engine, keep_trace)
 
 
 def part_of(text: str) -> tuple[int, int]:
-    """First number of a part such as `2/8`, and the distance between its numbers; all without a text.
-
-    Raises
-    ------
-    CosimError
-        It is not such a part.
-    """
+    """First number of a part such as `2/8`, and the distance between its numbers; all without a text."""
     found = PART.fullmatch(text or "1/1")
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
         raise CosimError(f"`--part` is `{text}`", "Give part and number of parts, from `1/8` to `8/8`.")
@@ -247,7 +205,7 @@ def exchange(setting: Setting, key: str, value: Any) -> int:
     if part == "plant":
         plant.check_parameter(setting.plant, name, value)
     else:
-        owner = NamedFmu(part, "", alone=setting.places[part] == "controller")
+        owner = NamedFmu(part, "", alone=setting.tables[part] == "controller")
         expand(setting.files[part].variables, {name: value}, owner)
-    place = f"{setting.places[part]}.parameters.{name}"
-    return leaf(place, value) - setting.leaves.get(place, 0)
+    location = f"{setting.tables[part]}.parameters.{name}"
+    return leaf(location, value) - setting.leaves.get(location, 0)

@@ -8,12 +8,11 @@ from typing import Any
 
 from cosim.formatting import html
 from cosim.formatting.frame import dataframe
-from cosim.formatting.quantity import text
 from cosim.study.store import Row, Store
 from cosim.sweep import summary_tables
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
-from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities, rows
+from cosim.sweep.summary import QUANTILES, Summary, rows, spread
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,11 +53,8 @@ class SweepResult:
         """Tables for a notebook: criteria and the distribution of the metrics."""
         found = self.summary
         held = [(name, f"{count} of {found.results}") for name, count in found.held.items()]
-        spread = [
-            (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
-            for name, values in quantities(found).items()
-        ]
-        tables = [html.table(("criterion", "passed in"), held), html.table(("metric", *QUANTILES), spread)]
+        metrics = html.table(("metric", *QUANTILES), spread(found))
+        tables = [html.table(("criterion", "passed in"), held), metrics]
         return "\n".join([html.heading(self.study, summary_tables.verdict(found).plain), *tables])
 
     def to_dataframe(self) -> Any:
@@ -69,9 +65,8 @@ class SweepResult:
         CosimError
             pandas is not installed.
         """
-        return dataframe(
-            self.summary.columns, {f"metric.{name}": unit for name, unit in self.summary.units.items()}
-        )
+        units = {f"metric.{name}": unit for name, unit in self.summary.units.items()}
+        return dataframe(self.summary.columns, units)
 
 
 def sweep(
@@ -111,10 +106,10 @@ def sweep(
     CosimError
         The study is wrong, the folder cannot be written, or no worker can be started.
     """
-    return run_study(Options(Path(study), out, workers, engine, again, plots, quiet, part=part), collect)
+    options = Options(Path(study), out, workers, engine, again, plots, quiet, part=part)
+    return run_study(options, collect)
 
 
 def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:
     """Read the results of a sweep into memory."""
-    name = plan.study.title or plan.study.name
-    return SweepResult(name, store.folder, found, list(rows(plan, store)))
+    return SweepResult(plan.study.full_title, store.folder, found, list(rows(plan, store)))

@@ -35,17 +35,7 @@ def sweep(plan: Plan, store: Store, pool: Pool, observe: Observer, again: bool =
     """Execute the runs without a row; evaluate the others again if the criteria changed.
 
     After any interruption, such as Ctrl-C, the written rows remain and the next call continues from them.
-
-    Parameters
-    ----------
-    plan, store
-        Runs, and store of their rows.
-    pool
-        Pool of the runs.
-    observe
-        Called with every new row.
-    again
-        Whether runs without a result (`error`, `crashed`, `timeout`, `memory`) are repeated.
+    `again` also repeats runs without a result.
     """
     for number in plan.different():
         store.refresh(run := plan.runs[number], plan.criteria(run))
@@ -99,13 +89,7 @@ def save_traces(plan: Plan, store: Store, found: Summary, pool: Pool, plots: boo
 
 
 def merge(plan: Plan, store: Store, folders: Iterable[Path]) -> None:
-    """Copy the rows of several folders, in the order of the runs; a result replaces a run without one.
-
-    Raises
-    ------
-    CosimError
-        A folder holds no sweep, another sweep writes to it, or none holds a run of the study.
-    """
+    """Copy the rows of several folders, in the order of the runs; a result replaces a run without one."""
     with contextlib.ExitStack() as stack:
         parts = [stack.enter_context(existing(folder)) for folder in folders]
         for number in plan.different():
@@ -113,7 +97,7 @@ def merge(plan: Plan, store: Store, folders: Iterable[Path]) -> None:
             rows = [row for part in parts if (row := part.row(run, plan.criteria(run)))]
             if rows and store.status(run.hash) not in DONE:
                 store.append(min(rows, key=lambda row: row["status"] in TROUBLES))
-    if not store.places:
+    if not store.positions:
         problem = f"the folders hold no run of {plan.origin} as it is now"
         raise CosimError(problem, "Merge with the study, FMUs, plants and versions that made them.")
 
@@ -141,9 +125,8 @@ def make(folder: Path) -> None:
     except FileExistsError:
         raise CosimError(f"cannot write traces: `{paths.shown(folder)}` is not a folder") from None
     except OSError as error:
-        raise CosimError(
-            f"cannot write traces to `{paths.shown(folder)}`: {error.strerror or error}"
-        ) from None
+        problem = f"cannot write traces to `{paths.shown(folder)}`: {error.strerror or error}"
+        raise CosimError(problem) from None
 
 
 def chosen(plan: Plan, found: Summary) -> list[int]:

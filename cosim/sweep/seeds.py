@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from rich.console import Group, RenderableType
-from rich.text import Text
+from rich.console import RenderableType
 
 from cosim.errors import CosimError
 from cosim.formatting.verdicts import STATUSES
@@ -22,7 +21,7 @@ from cosim.pool.limits import Limits
 from cosim.pool.runs import ordered
 from cosim.scenario.model import Scenario
 from cosim.sweep import summary_tables
-from cosim.sweep.summary import Summary, quantities
+from cosim.sweep.summary import Summary
 
 MAX_SEEDS = 100_000
 """Maximum number of seeds; use a study for more."""
@@ -30,13 +29,7 @@ PART = re.compile(r"(\d{1,18})(?:\.\.(\d{1,18}))?")
 
 
 def parse(text: str) -> list[int]:
-    """Seeds of a text such as `1..20`, `3,5,8` or `1..10,100`; ranges include both ends.
-
-    Raises
-    ------
-    CosimError
-        The text is not such a list, repeats a seed, or has too many.
-    """
+    """Seeds of a text such as `1..20`, `3,5,8` or `1..10,100`; ranges include both ends."""
     seeds: list[int] = []
     for part in text.split(","):
         found = PART.fullmatch(part.strip())
@@ -45,9 +38,8 @@ def parse(text: str) -> list[int]:
             raise CosimError(problem, "Give seeds as `1..20`, `3,5,8` or `1..10,100`.")
         first, last = int(found[1]), int(found[2] or found[1])
         if last < first:
-            raise CosimError(
-                f"`--seeds {text}`: `{part.strip()}` ends before it starts", f"`{last}..{first}`"
-            )
+            problem = f"`--seeds {text}`: `{part.strip()}` ends before it starts"
+            raise CosimError(problem, f"`{last}..{first}`")
         if len(seeds) + last - first >= MAX_SEEDS:
             problem = f"`--seeds {text}` names more than {MAX_SEEDS} seeds"
             raise CosimError(problem, "Use a study of `cosim sweep`, which stores completed runs.")
@@ -66,23 +58,13 @@ def run(
     progress: Progress | None = None,
     workers: int | None = None,
 ) -> list[Outcome]:
-    """Run a scenario with many seeds on all cores; an error in one does not stop the others.
+    """Run a scenario with many seeds; without limits in this process, one after the other.
 
-    Parameters
-    ----------
-    scenario, seeds, engine
-        As for `cosim.run_many`.
-    limits
-        Limits of each run; None runs them in this process, one after the other.
-    progress
-        Called with the completed and the total number of runs.
-    workers
-        Number of processes; None is one per available processor.
+    An error in one does not stop the others. `progress` is called with the completed and the total number.
     """
     found: list[Outcome] = []
-    with contextlib.closing(
-        ordered([Job(scenario, seed, engine) for seed in seeds], 1 if limits is None else workers, limits)
-    ) as done:
+    jobs = [Job(scenario, seed, engine) for seed in seeds]
+    with contextlib.closing(ordered(jobs, 1 if limits is None else workers, limits)) as done:
         for outcome in done:
             found.append(outcome)
             if progress is not None:
@@ -96,12 +78,9 @@ def summarize(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Summary:
     values: dict[str, list[float]] = {}
     for seed, outcome in zip(seeds, outcomes, strict=True):
         if not isinstance(outcome, Result):
-            trouble = outcome.status, outcome.message
-            found.statuses[outcome.status] += 1
-            count, first = found.troubles.get(trouble, (0, seed))
-            found.troubles[trouble] = count + 1, first
+            found.count(outcome.status, outcome.message, seed)
             continue
-        found.statuses[STATUSES[outcome.passed]] += 1
+        found.count(STATUSES[outcome.passed], "", seed)
         for metric in outcome.metrics.values():
             values.setdefault(metric.name, []).append(metric.value)
             found.units[metric.name] = metric.unit
@@ -114,14 +93,7 @@ def summarize(seeds: Sequence[int], outcomes: Sequence[Outcome]) -> Summary:
 
 def tables(scenario: Scenario, found: Summary) -> RenderableType:
     """Tables of criteria, metrics and runs without result, and the verdict."""
-    parts: list[RenderableType] = [Text(f"{scenario.name}: {scenario.title}", style="bold"), ""]
-    if scenario.criterion and found.results:
-        parts += [summary_tables.criteria_table(scenario, found), ""]
-    if quantities(found):
-        parts += [summary_tables.metric_table(found), ""]
-    if found.troubles:
-        parts += [summary_tables.no_result_table(found, "first seed"), ""]
-    return Group(*parts, summary_tables.verdict(found))
+    return summary_tables.tables(f"{scenario.name}: {scenario.title}", scenario, found, (), "first seed")
 
 
 def plain(seed: int, outcome: Outcome) -> dict[str, Any]:

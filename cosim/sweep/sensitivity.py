@@ -39,24 +39,16 @@ NORMAL_95 = 1.959964
 
 
 @dataclass(frozen=True)
-class Influence:
-    """Effect of one key on one metric.
-
-    Parameters
-    ----------
-    metric, key
-        Names of metric and key.
-    rank
-        Rank correlation (Spearman), -1 .. 1: how monotonic the metric is in the key.
-    first, total
-        Sobol indices; None if the design has none.
-    """
+class Sensitivity:
+    """Effect of one key on one metric."""
 
     metric: str
     key: str
     rank: Estimate
+    """Rank correlation (Spearman), -1 .. 1: how monotonic the metric is in the key."""
     first: Estimate | None = None
     total: Estimate | None = None
+    """Sobol indices; None if the design has none."""
 
     @property
     def strength(self) -> float:
@@ -83,20 +75,10 @@ class Estimate:
     high: float
 
 
-def influences(plan: Plan, table: Table) -> list[Influence]:
-    """Influence of every varied number on every metric that varies, the strongest key of a metric first.
+def sensitivities(plan: Plan, table: Table) -> list[Sensitivity]:
+    """Effect of every varied number on every metric that varies, the strongest key of a metric first.
 
-    Parameters
-    ----------
-    plan
-        The runs.
-    table
-        Columns of the existing rows, see `Summary`.
-
-    Returns
-    -------
-    list of Influence
-        Empty with too few results.
+    Empty with too few results.
     """
     # the repeats of a case share its values: counted one by one, noise would look like an effect
     lines: dict[int, list[int]] = defaultdict(list)
@@ -105,8 +87,7 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
             lines[case].append(line)
     if len(lines) < FEWEST_CASES:
         return []
-    varied = dict.fromkeys(key for case in plan.cases for key in case)
-    keys = {key: column for key in varied if varies(column := means(table[key], lines))}
+    keys = {key: column for key in plan.varying if varies(column := means(table[key], lines))}
     names = [metric.name for metric in plan.scenario.metric]
     metrics = {name: column for name in names if varies(column := means(table[f"metric.{name}"], lines))}
     found = []
@@ -114,10 +95,10 @@ def influences(plan: Plan, table: Table) -> list[Influence]:
         indices = sobol_of(plan, dict(zip(lines, values, strict=True)))
         found += sorted(
             (
-                Influence(metric, key, rank(column, values), *indices.get(key, ()))
+                Sensitivity(metric, key, rank(column, values), *indices.get(key, ()))
                 for key, column in keys.items()
             ),
-            key=lambda influence: -influence.strength,
+            key=lambda entry: -entry.strength,
         )
     return found
 
@@ -180,14 +161,8 @@ def sobol(table: Array, seed: int) -> list[tuple[Estimate, Estimate]]:
     """First-order and total indices of each key, with bootstrap intervals.
 
     `scipy.stats.sobol_indices` gives the same indices, but takes no number of samples other than powers of
-    two, which one lost run breaks, and no seed for its intervals.
-
-    Parameters
-    ----------
-    table
-        Values at the points of a design `saltelli`, shape (samples, keys + 2): f(A), f(B), f(AB_1), ...
-    seed
-        Seed of the bootstrap.
+    two, which one lost run breaks, and no seed for its intervals. The table has the values at the points of a
+    design `saltelli`, shape (samples, keys + 2): f(A), f(B), f(AB_1), ...
     """
     rows = generator(seed).integers(len(table), size=(RESAMPLES, len(table)))
     ends = np.nanquantile([indices(table[row]) for row in rows], INTERVAL, axis=0)

@@ -16,7 +16,7 @@ from cosim.scenario.model import Chart
 from cosim.scenario.ranges import COUNT, NOT_NEGATIVE_COUNT, limited
 from cosim.scenario.tables import Fail, parse
 from cosim.scenario.toml import flatten, parse_file, toml_value
-from cosim.study.parameters import Varied, check_keys, check_values, failing
+from cosim.study.parameters import VariedScenario, check_ranges, failing
 
 MAX_RUNS = 1_000_000
 """Maximum number of runs."""
@@ -72,7 +72,7 @@ class Traces:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Study(Varied):
+class Study(VariedScenario):
     """A study; load it with `load`.
 
     Parameters
@@ -95,13 +95,7 @@ class Study(Varied):
 
 
 def load(file: Path) -> Study:
-    """Load and check a study.
-
-    Raises
-    ------
-    ScenarioError
-        Missing or broken file, unknown key, wrong type, contradictory values; names file and key.
-    """
+    """Load and check a study; errors name file and key."""
     fail, table = failing(file), parse_file(file)
     check_kind(table, file, "study")
     study = parse(Study, table, "", fail)
@@ -117,10 +111,8 @@ def load(file: Path) -> Study:
 def read_cases(file: Path, fail: Fail) -> Sequence[dict[str, Any]]:
     """Cases of a CSV file; values are TOML or texts, an empty cell is not set."""
     if not paths.is_file(file):
-        fail(
-            "design.file",
-            f"is `{file}`, which {'is not a file' if paths.is_there(file) else 'does not exist'}",
-        )
+        problem = "is not a file" if paths.is_there(file) else "does not exist"
+        fail("design.file", f"is `{file}`, which {problem}")
     try:
         with file.open(newline="", encoding="utf-8-sig") as lines:
             header, *rows = list(csv.reader(lines)) or [[]]
@@ -151,11 +143,8 @@ def check(study: Study, fail: Fail) -> None:
     check_cases(study, fail) if design.kind == "list" else check_varied(study, fail)
     runs = count(study) * design.repeats
     if runs > MAX_RUNS:
-        fail(
-            "design",
-            f"makes {runs} runs, more than {MAX_RUNS}",
-            "Use several studies, which can share a folder.",
-        )
+        hint = "Use several studies, which can share a folder."
+        fail("design", f"makes {runs} runs, more than {MAX_RUNS}", hint)
 
 
 def count(study: Study) -> int:
@@ -193,10 +182,8 @@ def check_varied(study: Study, fail: Fail) -> None:
         fail("design.samples", "cannot be used with a `grid`", "Use `points` or `values` of each `[[vary]]`.")
     if design.kind != "grid" and (design.samples is None or design.samples < 1):
         fail("design.samples", f"is `{design.samples}`, `{design.kind}` needs at least 1")
-    check_keys(study, fail)
     for index, vary in enumerate(study.vary):
-        key = f"vary[{index}]"
-        if vary.values or any(getattr(vary, name) is not None for name in ("minimum", "maximum", "mean")):
-            check_values(vary, key, design.kind, fail)
-        else:
-            fail(f"{key}.values", f"is empty: `{vary.key}` has neither `values` nor a range")
+        ends = vary.minimum, vary.maximum, vary.mean
+        if not vary.values and ends == (None, None, None):
+            fail(f"vary[{index}].values", f"is empty: `{vary.key}` has neither `values` nor a range")
+    check_ranges(study, design.kind, fail)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,9 @@ from cosim.show.display import STYLES, shorten
 from cosim.show.listing import plain_table
 from cosim.show.plot import and_more
 from cosim.study.store import DONE
-from cosim.sweep import influence
+from cosim.sweep import sensitivity_tables
 from cosim.sweep.plan import Plan
-from cosim.sweep.summary import QUANTILES, Summary, quantiles, quantities
+from cosim.sweep.summary import QUANTILES, Summary, quantities, spread
 
 MAX_TROUBLES = 8
 MAX_METRICS = 6
@@ -30,30 +31,33 @@ FEWEST_FOR_TENDENCY = 2
 """Minimum number of different values of a plotted key."""
 
 
-def tables(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
-    """Tables of verdict, criteria, metrics, worst runs and runs without result."""
-    scenario = plan.scenario
-    parts: list[RenderableType] = [Text(plan.study.title or plan.study.name, style="bold"), ""]
+def of_study(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
+    """Tables of a study, with its worst runs."""
+    more = [worst_runs(plan, found, worst)] if worst else []
+    return tables(plan.study.full_title, plan.scenario, found, more)
+
+
+def tables(
+    title: str, scenario: Scenario, found: Summary, more: Iterable[RenderableType] = (), first: str = "first"
+) -> RenderableType:
+    """Tables of criteria, metrics, sensitivities and runs without result, and the verdict."""
+    parts: list[RenderableType] = [Text(title, style="bold")]
     if scenario.criterion and found.results:
-        parts += [criteria_table(scenario, found), ""]
+        parts.append(criteria_table(scenario, found))
     if quantities(found):
-        parts += [metric_table(found), ""]
-    if found.influences:
-        parts += [influence.table(found.influences), ""]
-    if worst:
-        parts += [worst_runs(plan, found, worst), ""]
+        parts.append(metric_table(found))
+    if found.sensitivities:
+        parts.append(sensitivity_tables.table(found.sensitivities))
+    parts += more
     if found.troubles:
-        parts += [no_result_table(found), ""]
-    return Group(*parts, verdict(found))
+        parts.append(no_result_table(found, first))
+    return Group(*(line for part in parts for line in (part, "")), verdict(found))
 
 
 def verdict(found: Summary) -> Text:
     """One line with the number of passed runs."""
     counts = ", ".join(f"{count} {status}" for status, count in found.statuses.most_common())
-    line = Text(
-        f"{found.rows} of {found.wanted} runs: {counts or 'no results'}",
-        style=STYLES[found.passed],
-    )
+    line = Text(f"{found.rows} of {found.runs} runs: {counts or 'no results'}", style=STYLES[found.passed])
     if found.statuses["done"]:
         line.append(f"; {NOTHING_DEMANDED}", style="not bold default")
     elif found.rows:
@@ -74,9 +78,8 @@ def criteria_table(scenario: Scenario, found: Summary) -> RenderableType:
 def metric_table(found: Summary) -> RenderableType:
     """Distribution of each metric that is not Boolean."""
     table = plain_table("metric", *QUANTILES, "not finite")
-    for name, values in quantities(found).items():
-        missing = int(np.sum(~np.isfinite(values)))
-        shown = [text(value, found.units[name]) for value in quantiles(values).values()]
+    for name, *shown in spread(found):
+        missing = int(np.sum(~np.isfinite(found.values[name])))
         table.add_row(Text(name), *shown, str(missing) if missing else "")
     return table
 
@@ -88,12 +91,12 @@ def worst_runs(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
     table = plain_table("worst run", name)
     for run in worst:
         table.add_row(str(run), text(values[run], found.units.get(name, "")))
-    commands = Text("\n".join(plan.command(plan.runs[run]) for run in worst), no_wrap=True, overflow="ignore")
+    commands = Text("\n".join(plan.commands(worst)), no_wrap=True, overflow="ignore")
     return Group(table, "", Text("repeat them with", style="bold"), commands)
 
 
-def no_result_table(found: Summary, first: str = "first") -> RenderableType:
-    """Table of the runs without a result, by reason."""
+def no_result_table(found: Summary, first: str) -> RenderableType:
+    """Table of the runs without a result, by reason; `first` heads the first run of each."""
     table = plain_table("without result", "runs", first, "reason")
     ranked = sorted(found.troubles.items(), key=lambda item: -item[1][0])
     for (status, reason), (count, where) in ranked[:MAX_TROUBLES]:
@@ -107,11 +110,6 @@ def save_plots(plan: Plan, found: Summary, file: Path) -> None:
     """Plot success rates, distributions with their limits, and the metrics over the varied keys.
 
     The title states the number of omitted metrics and keys.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
     """
     scenario = plan.scenario
     metrics, varied = plotted_metrics(scenario, found), plotted_keys(plan)
@@ -125,7 +123,7 @@ def save_plots(plan: Plan, found: Summary, file: Path) -> None:
             axes.set_axis_off()
         draw_rates(grid[0][0], scenario, found)
         draw_metrics(grid[1:], plan, found, names, keys)
-        lines = plan.study.title or plan.study.name, verdict(found).plain, ", ".join(filter(None, more))
+        lines = plan.study.full_title, verdict(found).plain, ", ".join(filter(None, more))
         figure.suptitle("\n".join(filter(None, lines)), fontsize=10)
         figures.save(figure, file)
 
@@ -144,12 +142,8 @@ def is_quantity(values: Any) -> bool:
 
 def plotted_keys(plan: Plan) -> dict[str, list[str]]:
     """Keys with several values; with the texts of the values, if they are not numbers."""
-    values: dict[str, list[Any]] = {}
-    for case in plan.cases:
-        for key, value in case.items():
-            values.setdefault(key, []).append(value)
     found = {}
-    for key, taken in values.items():
+    for key, taken in plan.varying.items():
         numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in taken)
         different = dict.fromkeys(filter(math.isfinite, taken) if numeric else map(shorten, taken))
         if len(different) >= FEWEST_FOR_TENDENCY:
@@ -188,20 +182,20 @@ def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: 
         held = (entry for entry in scenario.criterion if entry.metric == name)
         for limit in (limit for entry in held for limit in criteria.drawn(entry, unit)):
             axes[0].axvline(limit, color="tab:red", linestyle="--", label=f"limit {number(limit)}")
-        for place, (key, texts) in zip(axes[1:], keys.items(), strict=True):
-            at = np.array([place_of(value, texts) for value in columns[key]])[done]
+        for scatter, (key, texts) in zip(axes[1:], keys.items(), strict=True):
+            at = np.array([position_on(value, texts) for value in columns[key]])[done]
             # as pixels: a million vectors would be a file of gigabytes
-            place.plot(at[~failed], values[~failed], ".", markersize=3.0, color="tab:blue", rasterized=True)
-            place.plot(at[failed], values[failed], "x", markersize=4.0, color="tab:red", rasterized=True)
-            place.set_xlabel(key)
-            place.set_ylabel(name)
+            scatter.plot(at[~failed], values[~failed], ".", markersize=3.0, color="tab:blue", rasterized=True)
+            scatter.plot(at[failed], values[failed], "x", markersize=4.0, color="tab:red", rasterized=True)
+            scatter.set_xlabel(key)
+            scatter.set_ylabel(name)
             if texts:
-                place.set_xticks(range(len(texts)), texts)
+                scatter.set_xticks(range(len(texts)), texts)
             if key in logarithmic:
-                place.set_xscale("log")
+                scatter.set_xscale("log")
 
 
-def place_of(value: Any, texts: list[str]) -> float:
+def position_on(value: Any, texts: list[str]) -> float:
     """Value of a key on its axis: the number, or the index of the text; NaN for missing values."""
     if value is None:
         return math.nan

@@ -15,7 +15,7 @@ import pytest
 import cosim
 from cosim.errors import CosimError, FmuError
 from cosim.fmu.archive import open_fmu
-from cosim.scenario.described import settable_variables
+from cosim.schema.filled import settable_variables
 
 from .. import test_cli
 from ..conftest import DATA, compiled, entry, pack

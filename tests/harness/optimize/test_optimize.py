@@ -17,7 +17,7 @@ import cosim
 from cosim.cli import app
 from cosim.optimize import problem, search
 from cosim.optimize.proposer import Proposer
-from cosim.optimize.runner import Runner, SearchOptions
+from cosim.optimize.search import Runner
 from cosim.optimize.variants import Variants
 from cosim.study.store import Store
 
@@ -373,7 +373,7 @@ def test_proposals_follow_from_the_trials_before_alone(command: Run) -> None:
     study('metric = "end"', trials=16, more="batch = 4")
     variants = Variants(problem.load(Path("o.toml")))
     with Store(Path("one")) as store:
-        trials = search.search(variants, store, SearchOptions(workers=1))
+        trials = search.search(variants, store, workers=1)
     proposer = Proposer(variants.problem)
     for begin in range(0, 16, 4):
         batch = [proposer.propose(number) for number in range(begin, begin + 4)]

@@ -14,6 +14,7 @@ from cosim.report import charts
 from cosim.scenario.model import Chart
 from cosim.sweep import study
 from cosim.sweep.charts import check_charts, columns, results
+from cosim.sweep.designs import values_by_key
 from cosim.sweep.plan import Plan
 from cosim.sweep.summary import Summary
 
@@ -37,7 +38,7 @@ def summarized(*depths: float | None) -> Summary:
 
 
 def test_texts_have_items_and_runs_without_a_result_no_row() -> None:
-    known = columns(cosim.load("dob"), CASES)
+    known = columns(cosim.load("dob"), values_by_key(CASES))
     assert known["controller.detector"] == {"Glr": 0, "Slope": 1}
     assert known["plant.mass"] is None
     table = results(summarized(1e-7, None, 3e-7), known)
@@ -50,7 +51,7 @@ def test_texts_have_items_and_runs_without_a_result_no_row() -> None:
 
 
 def test_a_fraction_of_the_runs_of_a_text_is_drawn() -> None:
-    known = columns(cosim.load("dob"), CASES)
+    known = columns(cosim.load("dob"), values_by_key(CASES))
     parts = ('controller.detector == "Glr"',)
     wanted = Chart("share", ("metric.depth",), parts=parts, names=("likelihood",), scale=1.0, x_scale=1e9)
     table = results(summarized(3e-7, 2e-7, 1e-7), known)

@@ -17,7 +17,7 @@ import scipy.stats
 
 from cosim.study.parameters import Vary
 from cosim.sweep.designs import DESIGNS, saltelli
-from cosim.sweep.sensitivity import influences, rank, sobol
+from cosim.sweep.sensitivity import rank, sensitivities, sobol
 
 from ..conftest import END
 from . import studies
@@ -141,7 +141,7 @@ def is_significant(kind: str, cases: int, repeats: int, seed: int) -> bool:
     plan: Any = SimpleNamespace(
         cases=design, study=study, scenario=SimpleNamespace(metric=[SimpleNamespace(name="y")])
     )
-    found = {influence.key: influence.rank for influence in influences(plan, columns)}
+    found = {entry.key: entry.rank for entry in sensitivities(plan, columns)}
     return found["plant.k1"].low > 0.0 or found["plant.k1"].high < 0.0
 
 

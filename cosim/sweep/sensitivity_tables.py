@@ -12,14 +12,14 @@ from rich.text import Text
 
 from cosim.show import figure as figures
 from cosim.show.listing import plain_table
-from cosim.sweep.sensitivity import Estimate, Influence
+from cosim.sweep.sensitivity import Estimate, Sensitivity
 
 MAX_KEYS = 6
 """Maximum number of keys in a table; the plots and the JSON have all."""
 MAX_TORNADOS = 9
 
 
-def table(found: list[Influence]) -> RenderableType:
+def table(found: list[Sensitivity]) -> RenderableType:
     """Rank correlation of each metric with the strongest keys; bold if its interval excludes zero."""
     keys = ranked_keys(found)
     shown = plain_table("sensitivity of", *keys[:MAX_KEYS])
@@ -30,34 +30,30 @@ def table(found: list[Influence]) -> RenderableType:
     return shown
 
 
-def rows(found: list[Influence]) -> list[list[Text]]:
+def rows(found: list[Sensitivity]) -> list[list[Text]]:
     """Each metric with its cells for the strongest keys."""
     keys = ranked_keys(found)[:MAX_KEYS]
     by_both = {(entry.metric, entry.key): entry for entry in found}
     return [[Text(metric), *(cell(by_both[metric, key]) for key in keys)] for metric in names(found)]
 
 
-def cell(entry: Influence) -> Text:
+def cell(entry: Sensitivity) -> Text:
     """Rank correlation with its interval, and Sobol indices if available."""
     if math.isnan(entry.rank.value):
         return Text("")
     text = f"{entry.rank.value:+.2f} ({entry.rank.low:+.2f} .. {entry.rank.high:+.2f})"
     if entry.first is not None and entry.total is not None:
         text += f" S {entry.first.value:.2f} T {entry.total.value:.2f}"
-    return Text(text, style="bold" if is_clear(entry.rank) else "")
+    clear = entry.rank.low > 0.0 or entry.rank.high < 0.0
+    return Text(text, style="bold" if clear else "")
 
 
-def is_clear(estimate: Estimate) -> bool:
-    """Whether zero is outside the interval."""
-    return estimate.low > 0.0 or estimate.high < 0.0
-
-
-def names(found: list[Influence]) -> list[str]:
+def names(found: list[Sensitivity]) -> list[str]:
     """Metrics in their order."""
     return list(dict.fromkeys(entry.metric for entry in found))
 
 
-def ranked_keys(found: list[Influence]) -> list[str]:
+def ranked_keys(found: list[Sensitivity]) -> list[str]:
     """Keys by their strongest effect, the strongest first."""
     strength: dict[str, float] = {}
     for entry in found:
@@ -65,14 +61,8 @@ def ranked_keys(found: list[Influence]) -> list[str]:
     return sorted(strength, key=lambda key: -strength[key])
 
 
-def save_plots(found: list[Influence], title: str, file: Path) -> None:
-    """Draw the heat map of all metrics and keys, and a tornado for each metric.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
+def save_plots(found: list[Sensitivity], title: str, file: Path) -> None:
+    """Draw the heat map of all metrics and keys, and a tornado for each metric."""
     metrics, keys = names(found), ranked_keys(found)
     drawn = metrics[:MAX_TORNADOS]
     columns = min(3, len(drawn))
@@ -90,7 +80,7 @@ def save_plots(found: list[Influence], title: str, file: Path) -> None:
 
 
 def draw_heat_map(
-    figure: Any, axes: Any, found: list[Influence], metrics: list[str], keys: list[str]
+    figure: Any, axes: Any, found: list[Sensitivity], metrics: list[str], keys: list[str]
 ) -> None:
     """Rank correlation of every metric with every key as a color and a number."""
     by_both = {(entry.metric, entry.key): entry.rank.value for entry in found}
@@ -105,7 +95,7 @@ def draw_heat_map(
     figure.colorbar(image, ax=axes, label="rank correlation")
 
 
-def draw_tornado(axes: Any, entries: list[Influence]) -> None:
+def draw_tornado(axes: Any, entries: list[Sensitivity]) -> None:
     """Bars of one metric, the strongest key on top: Sobol indices, otherwise rank correlations."""
     keys = [entry.key for entry in entries]
     if entries[0].total is not None:
@@ -128,10 +118,7 @@ def draw_bars(axes: Any, shift: float, estimates: list[Estimate | None], colour:
     """Horizontal bars with their intervals."""
     known = [estimate or Estimate(math.nan, math.nan, math.nan) for estimate in estimates]
     values = np.array([estimate.value for estimate in known])
-    errors = [
-        [max(0.0, e.value - e.low) for e in known],
-        [max(0.0, e.high - e.value) for e in known],
-    ]
-    places = np.arange(len(known)) + shift
+    errors = np.fmax(0.0, [[e.value - e.low for e in known], [e.high - e.value for e in known]])
+    rows = np.arange(len(known)) + shift
     height = 0.36 if shift else 0.7
-    axes.barh(places, values, height, xerr=errors, color=colour, alpha=0.7, capsize=2.0, label=label)
+    axes.barh(rows, values, height, xerr=errors, color=colour, alpha=0.7, capsize=2.0, label=label)
