@@ -28,7 +28,7 @@ from . import words
 
 PROGRAMS = Path(sys.executable).parent
 ELSEWHERE = {
-    r"sweep my\.toml": "tests/harness/sweep runs parts of a study",
+    r"sweep my\.toml|sweep merge": "tests/harness/sweep runs and merges parts of a study",
     r"first-sweep\.toml": "tests/harness/test_guides.py loads the study",
     r"sweep studies/": "hours: the acceptance tests run some cases of each study",
     r"report -o|--study studies/": "minutes: `cargo xtask demo` runs every scenario and a study of each loop",

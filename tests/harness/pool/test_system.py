@@ -20,7 +20,7 @@ Write = Callable[..., Path]
 ENDS = {
     "a crash": (["controller.crash_at=3"], (), "the FMU `probe` crashed at t = 0.003 s (step 3): killed by"),
     "an exit": (["controller.exit_at=3"], (), "it ended the process with exit code 0"),
-    "a hang": (["controller.hang_at=3"], ("--timeout", "1"), "no result within `--timeout` = `1` s: the FMU"),
+    "a hang": (["controller.hang_at=3"], ("--timeout", "3"), "no result within `--timeout` = `3` s: the FMU"),
     "memory": (["controller.eat_at=3"], ("--memory", "300"), "MB of memory are more than `--memory` = `300`"),
 }
 
