@@ -106,11 +106,11 @@ def run_tests(
         if page is None:
             found = runner.run(chosen, options)
         else:
-            from cosim.report import book
+            from cosim.report import command
 
-            book.check("--report", page)
-            contents = book.Contents(book.TITLE, chosen, tuple(study or ()), tuple(document or ()))
-            found = book.write(contents, options, page).scenarios
+            command.check("--report", page)
+            contents = command.Contents(command.TITLE, chosen, tuple(study or ()), tuple(document or ()))
+            found = command.write_report(contents, options, page).scenarios
     except runner.StoppedError as error:
         found, stopped = error.outcomes, error
     shown = table.table(found)

@@ -7,7 +7,6 @@ import math
 import os
 import sys
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any
 
 import mujoco
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim import extras
+from cosim.closing import Closing
 from cosim.errors import CosimError, closest
 from cosim.physics import CHOICE
 from cosim.trace.columns import Array
@@ -45,7 +45,7 @@ FRAME = 2
 """Pixels around it."""
 
 
-class Renderer:
+class Renderer(Closing):
     """Renderer of a model; a context manager, because graphics resources must be released.
 
     Parameters
@@ -60,16 +60,12 @@ class Renderer:
     poses
         Coordinates at which that view must show everything, shape (poses, coordinates).
 
-    Raises
-    ------
-    CosimError
-        No rendering backend works, or the model has no such camera.
     """
 
     def __init__(self, model: Any, data: Any, size: tuple[int, int], camera: str, poses: Array) -> None:
         self.model, self.data = model, data
-        light(model)
-        colour(model)
+        add_light(model)
+        add_colors(model)
         model.vis.global_.offwidth, model.vis.global_.offheight = size
         first, self.inset = cameras(model, camera)
         self.camera = first or free_camera(model, data, size, poses)
@@ -78,7 +74,7 @@ class Renderer:
         self.background = background(size[1], size[0])
         self.drawn, self.overview = 0, self.background
         self.options = mujoco.MjvOption()
-        # places in the machine, and no part of it
+        # sites are positions in the machine, not parts of it
         self.options.sitegroup[:] = 0
         self.context = graphics(size)
         try:
@@ -89,30 +85,26 @@ class Renderer:
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self.drawer)
         self.drawer.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
 
-    def __enter__(self) -> Renderer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
+        """Release the graphics resources."""
         self.drawer.free()
         self.context.free()
 
     def picture(self, qpos: Array, draw: Callable[[], None] = lambda: None) -> Picture:
         """Draw the model with these coordinates, after `draw` moved the parts that are only drawn."""
-        place(self.model, self.data, qpos, draw)
-        found = self._seen(self.camera, self.rectangle, self.background)
+        set_pose(self.model, self.data, qpos, draw)
+        picture = self._render(self.camera, self.rectangle, self.background)
         if self.inset is not None:
             width, height = (round(INSET * side) for side in (self.rectangle.width, self.rectangle.height))
             if self.drawn % SELDOM == 0:
                 rectangle = mujoco.MjrRect(0, 0, width, height)
-                self.overview = self._seen(self.inset, rectangle, background(height, width))
-            found[: height + FRAME, -width - FRAME :] = 255
-            found[:height, -width:] = self.overview
+                self.overview = self._render(self.inset, rectangle, background(height, width))
+            picture[: height + FRAME, -width - FRAME :] = 255
+            picture[:height, -width:] = self.overview
         self.drawn += 1
-        return found
+        return picture
 
-    def _seen(self, camera: Any, rectangle: Any, behind: Picture) -> Picture:
+    def _render(self, camera: Any, rectangle: Any, behind: Picture) -> Picture:
         everything = mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(self.model, self.data, self.options, None, camera, everything, self.scene)
         mujoco.mjr_render(rectangle, self.scene, self.drawer)
@@ -125,7 +117,7 @@ class Renderer:
         return colours
 
 
-def place(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda: None) -> None:
+def set_pose(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda: None) -> None:
     """Set the coordinates of a model for drawing; `draw` moves the parts that are only drawn."""
     data.qpos[:] = qpos
     draw()
@@ -136,13 +128,7 @@ def place(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda:
 
 
 def graphics(size: tuple[int, int]) -> Any:
-    """Context of the graphics of this system, ready to draw.
-
-    Raises
-    ------
-    CosimError
-        A package or a library of the system is missing.
-    """
+    """Context of the graphics of this system, ready to draw; its packages and libraries may be missing."""
     name = os.environ.get(CHOICE, "").strip().lower() or BACKENDS.get(sys.platform, "egl")
     if name not in ("egl", "osmesa", "glfw", "cgl"):
         raise CosimError(f"no picture can be drawn here: `{CHOICE}` is `{name}`", HINT)
@@ -158,7 +144,7 @@ def graphics(size: tuple[int, int]) -> Any:
     return context
 
 
-def light(model: Any) -> None:
+def add_light(model: Any) -> None:
     """Add light to a model without light."""
     if model.nlight == 0:
         model.vis.headlight.ambient[:] = 0.35
@@ -166,7 +152,7 @@ def light(model: Any) -> None:
         model.vis.headlight.specular[:] = 0.25
 
 
-def colour(model: Any) -> None:
+def add_colors(model: Any) -> None:
     """Set a color by body for every geom without color and material."""
     bodies = {body: turn for turn, body in enumerate(dict.fromkeys(model.geom_bodyid.tolist()))}
     for geom in range(model.ngeom):
@@ -206,7 +192,7 @@ def free_camera(model: Any, data: Any, size: tuple[int, int], poses: Array) -> A
     # a plane has no size of its own
     seen = (model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE) & (model.geom_rgba[:, 3] > 0.0)
     for qpos in poses:
-        place(model, data, qpos)
+        set_pose(model, data, qpos)
         if seen.any():
             low = np.minimum(low, (data.geom_xpos - model.geom_rbound[:, None])[seen].min(axis=0))
             high = np.maximum(high, (data.geom_xpos + model.geom_rbound[:, None])[seen].max(axis=0))

@@ -14,14 +14,7 @@ TENTH, EVERY = 10.0, 60.0
 class ProgressLines:
     """Writes a line after another 10 % or a minute; nothing for short tasks.
 
-    Parameters
-    ----------
-    title
-        Start of every line.
-    write
-        Receives the lines.
-    clock
-        Returns the time, s.
+    `title` is the start of every line, `clock` returns the time, s.
     """
 
     def __init__(

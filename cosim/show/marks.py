@@ -90,10 +90,10 @@ def near(panel: Panel, marked: Marked, shown: DisplayUnit, lines: Sequence[Array
         for name in panel.columns
         for limit, label in marked.limits.get(name, ())
     }
-    return seen([*found], lines)
+    return visible([*found], lines)
 
 
-def seen(found: Sequence[tuple[float, str]], lines: Sequence[Array]) -> list[tuple[float, str]]:
+def visible(found: Sequence[tuple[float, str]], lines: Sequence[Array]) -> list[tuple[float, str]]:
     """Limits that would not make lines flat."""
     finite = np.concatenate([line[np.isfinite(line)] for line in lines])
     if not finite.size:

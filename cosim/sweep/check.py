@@ -19,7 +19,7 @@ from cosim.sweep import study
 from cosim.sweep.plan import Plan
 from cosim.sweep.summary import columns
 
-OF_A_TRACE = ("array", "bode", "field", "spectrum")
+OF_A_TRACE = ("bode", "field", "spectrum")
 """Kinds of charts that need the rows of one run."""
 
 

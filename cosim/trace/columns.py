@@ -33,14 +33,9 @@ class Held(Mapping[str, Array]):
 
 
 class InOrder:
-    """Columns by number for expressions, the time first; accessed columns stay in memory.
+    """Columns by number for expressions, the time first, and values of computed metrics by name.
 
-    Parameters
-    ----------
-    columns
-        The trace.
-    values
-        Values of computed metrics.
+    Accessed columns stay in memory.
     """
 
     def __init__(self, columns: Columns, values: dict[str, Any] | None = None) -> None:

@@ -1,4 +1,4 @@
-"""The section of one sweep in a report, as plain data."""
+"""The section of one study in a report, as plain data."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from cosim import paths
 from cosim.formatting.quantity import prefixed, text
 from cosim.metrics import criteria
 from cosim.report import charts, curves, drawing
+from cosim.report.charts import ChartData
 from cosim.report.curves import Line
+from cosim.report.page import Section, paragraphs
 from cosim.scenario.model import Chart
 from cosim.show import marks
 from cosim.sweep import influence, study, summary_tables
@@ -29,21 +31,15 @@ Table = dict[str, Any]
 
 
 def check(file: Path) -> None:
-    """Check before long runs that a study can be run and plotted.
-
-    Raises
-    ------
-    CosimError
-        The study, a case or a chart is wrong.
-    """
+    """Check before long runs that a study can be run and plotted."""
     check_charts(Plan(study.load(paths.find_study(str(file)))))
 
 
-def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
+def run(file: Path, workers: int | None, engine: str, quiet: bool) -> Section:
     """Continue a study as `cosim sweep`, without plots and traces."""
     options = Options(file, None, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
-    def describe(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
+    def describe(plan: Plan, store: Store, found: Summary) -> Section:
         known = columns(plan.scenario, plan.cases)
         drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
         runs, spread = worst(plan, found), [*distributions(plan, found)]
@@ -51,15 +47,15 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
             "name": file.stem,
             "scenario": plan.scenario.name,
             "title": plan.study.title or plan.study.name,
-            "story": [part for part in plan.study.description.split("\n\n") if part.strip()],
+            "description": paragraphs(plan.study.description),
             "command": f"cosim sweep {shlex.quote(paths.shown(file))}",
             "verdict": summary_tables.verdict(found).plain,
             "short": short(found),
             "passed": found.passed,
             "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
             "repeat": [plan.command(plan.runs[run]) for run in runs],
-            "charts": drawn,
-            "distributions": spread,
+            "charts": [chart.packed() for chart in drawn],
+            "distributions": [chart.packed() for chart in spread],
             "drawings": [drawing.charts(drawn), drawing.charts(spread)],
             "undrawn": undrawn,
         }
@@ -105,7 +101,7 @@ def worst_runs(plan: Plan, found: Summary, runs: list[int]) -> Iterator[Table]:
         yield {"names": ("worst run", name), "rows": rows}
 
 
-def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
+def distributions(plan: Plan, found: Summary) -> Iterator[ChartData]:
     """Distribution of the metrics with criteria, separately for passed and failed runs."""
     done = np.isin(found.columns["status"], DONE)
     failed = (np.array(found.columns["status"]) == "failed")[done]
@@ -116,15 +112,15 @@ def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
         unit, scale = prefixed(found.units[name], float(np.max(np.abs(values[known]))))
         parts = {"all criteria passed": ~failed, "a criterion failed": failed}
         lines = [
-            Line(f"{words} ({np.count_nonzero(part)})", scale * x, share)
-            for words, part in parts.items()
+            Line(f"{label} ({np.count_nonzero(part)})", scale * x, share)
+            for label, part in parts.items()
             for x, share in curves.cumulative(values[part])
         ]
         limits = [
-            (scale * place, marks.limit_text(entry, relation, limit, entry.unit or found.units[name]))
+            (scale * position, marks.limit_text(entry, relation, limit, entry.unit or found.units[name]))
             for entry in plan.scenario.criterion
             if entry.metric == name
-            for place, (relation, limit) in zip(
+            for position, (relation, limit) in zip(
                 criteria.drawn(entry, found.units[name]), criteria.relations(entry), strict=False
             )
         ]
@@ -136,4 +132,4 @@ def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
             x_unit="" if unit == "1" else unit,
             label="cumulative fraction of the runs",
         )
-        yield charts.view(chart, lines, marks.seen(limits, [line.x for line in lines]))
+        yield ChartData(chart, lines, marks=marks.visible(limits, [line.x for line in lines]))
