@@ -58,20 +58,11 @@ def of_trace(scenario: Scenario, trace: StoredTrace) -> Recorded:
 
 @dataclass(frozen=True)
 class Motion:
-    """A model with its data, and its coordinates at the times of the rows.
+    """A model of MuJoCo with its data, and its coordinates `qpos`, shape (rows, coordinates).
 
-    Parameters
-    ----------
-    model, data
-        Model and data of MuJoCo; they may be changed, because they are drawn and never stepped.
-    names, units
-        Columns of the coordinates, and their units.
-    times
-        Times of the rows, s.
-    qpos
-        Coordinates, shape (rows, coordinates).
-    draw
-        Moves parts that are only drawn to a row, after its coordinates are set.
+    `names` and `units` are those of the coordinates, `times` those of the rows, s. Model and data may be
+    changed, because they are drawn and never stepped. `draw` moves parts that are only drawn to a row, after
+    its coordinates are set.
     """
 
     model: Any

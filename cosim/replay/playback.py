@@ -20,20 +20,10 @@ LONGEST = 3600.0
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """Settings of a video or of the viewer.
+    """Settings of a video or of the viewer: size in pixels, playback time and part of the run in s.
 
-    Parameters
-    ----------
-    size
-        Width and height, pixels.
-    seconds
-        Playback time, s.
-    begin, end
-        Part of the run, s; None is its start or end.
-    camera
-        Name of a camera of the model, empty as for `Renderer`.
-    enlarge
-        Texts `COORDINATE=FACTOR`; default: automatic.
+    `begin` and `end` are None for the whole run, an empty `camera` is that of `Renderer`. `enlarge` are texts
+    `COORDINATE=FACTOR`; without them the enlargement is automatic.
     """
 
     size: tuple[int, int] = (640, 480)

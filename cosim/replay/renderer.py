@@ -46,20 +46,11 @@ FRAME = 2
 
 
 class Renderer(Closing):
-    """Renderer of a model; a context manager, because graphics resources must be released.
+    """Renderer of a model in a size in pixels; a context manager, because it holds graphics resources.
 
-    Parameters
-    ----------
-    model, data
-        Model and data of MuJoCo; missing light and colors are added.
-    size
-        Width and height, pixels.
-    camera
-        Name of a camera of the model; empty is its `closeup` with its `overview` in a corner, one of
-        them if it has only one, otherwise a view of everything.
-    poses
-        Coordinates at which that view must show everything, shape (poses, coordinates).
-
+    Missing light and colors are added to the model. An empty `camera` is its `closeup` with its `overview` in
+    a corner, one of them if it has only one, otherwise a view of everything in all `poses`, shape (poses,
+    coordinates).
     """
 
     def __init__(self, model: Any, data: Any, size: tuple[int, int], camera: str, poses: Array) -> None:

@@ -17,10 +17,9 @@ from cosim.report import bode, curves, fields, series
 from cosim.report.curves import Cells, Evaluate, Line
 from cosim.scenario.model import Chart, Scenario
 from cosim.show import marks
+from cosim.show.marks import Named
 from cosim.trace.columns import Array, Columns, InOrder
 
-Named = Sequence[tuple[float, str]]
-"""Positions or values with their texts."""
 Limits = Mapping[str, Named]
 """Limits on values, by plotted column."""
 FEW = 60

@@ -33,20 +33,10 @@ BEGINNING = re.compile(rb'\s*<!doctype html>.*<meta name="generator" content="co
 
 @dataclass(frozen=True)
 class Contents:
-    """Content of a report.
+    """Content of a report: scenarios by name or file, files of studies and Markdown documents.
 
-    Parameters
-    ----------
-    title
-        Its title.
-    scenarios
-        Names and files of scenarios to run.
-    studies
-        Files of studies; only missing runs are executed.
-    documents
-        Markdown files.
-    videos
-        Whether to make a video of the first successful scenario of each controller.
+    All scenarios run, of a study only the missing runs. `videos` adds a video of the first successful
+    scenario of each controller.
     """
 
     title: str

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from cosim.formatting.quantity import round_down
 from cosim.scenario.model import Chart
-from cosim.trace.columns import Array
-from cosim.trace.thinned import BUCKETS, extremes
+from cosim.trace.columns import BUCKETS, Array, extremes
 
 MAX_POINTS = 2 * BUCKETS
 SEEN = 0.1

@@ -17,8 +17,8 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show import plot
 from cosim.show.display import injection_text, shorten
-from cosim.show.plot import View
-from cosim.trace.thinned import thinned
+from cosim.show.plot import PanelData, View
+from cosim.trace.columns import thinned
 
 if TYPE_CHECKING:
     from cosim.loop.session import Session
@@ -64,30 +64,20 @@ def describe(scenario: Scenario, result: Result, session: Session) -> Section:
 
 def packed(view: View) -> dict[str, Any]:
     """Plain data of a view for the script of the page."""
-    return {
-        "title": view.title,
-        "from": view.begin,
-        "to": view.end,
-        "events": view.events,
-        "panels": [
-            {
-                "title": panel.title,
-                "unit": panel.unit,
-                "log": panel.log,
-                "items": panel.items,
-                "limits": panel.limits,
-                "lines": [
-                    {
-                        "name": curve.name,
-                        "stepped": curve.stepped,
-                        **series.packed(thinned(curve.values), panel.log),
-                    }
-                    for curve in panel.curves
-                ],
-            }
-            for panel in view.panels
-        ],
-    }
+    return {**vars(view), "panels": [packed_panel(panel) for panel in view.panels]}
+
+
+def packed_panel(panel: PanelData) -> dict[str, Any]:
+    """Plain data of a panel."""
+    curves = [
+        {
+            "name": curve.name,
+            "stepped": curve.stepped,
+            **series.packed(thinned(curve.values), panel.log),
+        }
+        for curve in panel.curves
+    ]
+    return {**vars(panel), "curves": curves}
 
 
 def command(scenario: Scenario, seed: int) -> str:

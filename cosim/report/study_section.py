@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.table import Table
 
 from cosim import paths
-from cosim.formatting.quantity import prefixed, text
+from cosim.formatting.quantity import prefixed
 from cosim.metrics import criteria
 from cosim.report import charts, curves, drawing
 from cosim.report.charts import ChartData
@@ -24,10 +25,7 @@ from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
 from cosim.sweep.store import DONE, Store
-from cosim.sweep.summary import QUANTILES, Summary, columns, quantiles, quantities, results
-
-Table = dict[str, Any]
-"""Names of the columns, and rows of texts."""
+from cosim.sweep.summary import Summary, columns, quantities, results
 
 
 def check(file: Path) -> None:
@@ -52,7 +50,7 @@ def run(file: Path, workers: int | None, engine: str, quiet: bool) -> Section:
             "verdict": summary_tables.verdict(found).plain,
             "short": short(found),
             "passed": found.passed,
-            "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
+            "tables": [plain(table) for table in tables(plan, found, runs)],
             "repeat": [plan.command(plan.runs[run]) for run in runs],
             "charts": [chart.packed() for chart in drawn],
             "distributions": [chart.packed() for chart in spread],
@@ -70,35 +68,24 @@ def short(found: Summary) -> str:
     return f"{found.statuses['passed']} of {found.wanted} runs passed"
 
 
-def tables(plan: Plan, found: Summary) -> Iterator[Table]:
-    """Tables of criteria, distributions, sensitivity and runs without result; empty ones are omitted."""
-    claims = {entry.id: entry.claim for entry in plan.scenario.criterion}
-    held = [(name, f"{count} of {found.results}", claims.get(name, "")) for name, count in found.held.items()]
-    spread = [
-        (name, *(text(value, found.units[name]) for value in quantiles(values).values()))
-        for name, values in quantities(found).items()
-    ]
-    moved = [[cell.plain for cell in row] for row in influence.rows(found.influences)]
-    lost = [
-        (status, str(count), str(first), reason)
-        for (status, reason), (count, first) in found.troubles.items()
-    ]
-    every = (
-        (("criterion", "passed in", "claim"), held),
-        (("metric", *QUANTILES), spread),
-        (("sensitivity of", *influence.ranked_keys(found.influences)[: influence.MAX_KEYS]), moved),
-        (("without result", "runs", "first run", "reason"), lost),
-    )
-    yield from ({"names": names, "rows": rows} for names, rows in every if rows)
+def tables(plan: Plan, found: Summary, worst: list[int]) -> Iterator[Table]:
+    """Nonempty tables of criteria, metrics, sensitivity, runs without result and worst runs."""
+    if plan.scenario.criterion and found.results:
+        yield summary_tables.criteria_table(plan.scenario, found)
+    if quantities(found):
+        yield summary_tables.metric_table(found)
+    if found.influences:
+        yield influence.table(found.influences)
+    if found.troubles:
+        yield summary_tables.no_result_table(found, "first run")
+    if worst:
+        yield summary_tables.worst_table(plan, found, worst)
 
 
-def worst_runs(plan: Plan, found: Summary, runs: list[int]) -> Iterator[Table]:
-    """Worst runs by the metric that the study names."""
-    name = plan.study.traces.metric
-    if runs:
-        values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
-        rows = [(str(run), text(values[run], found.units.get(name, ""))) for run in runs]
-        yield {"names": ("worst run", name), "rows": rows}
+def plain(table: Table) -> dict[str, Any]:
+    """Names of the columns, and rows of texts."""
+    columns = [map(str, column.cells) for column in table.columns]
+    return {"names": [str(column.header) for column in table.columns], "rows": [*zip(*columns, strict=True)]}
 
 
 def distributions(plan: Plan, found: Summary) -> Iterator[ChartData]:

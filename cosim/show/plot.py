@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,17 +19,14 @@ from cosim.metrics import drawable
 from cosim.scenario.model import Panel, Scenario
 from cosim.show import figure as figures
 from cosim.show import marks
-from cosim.show.marks import Marked
-from cosim.trace.columns import Array, Columns, InOrder, stepped
-from cosim.trace.thinned import extremes
+from cosim.show.marks import Named
+from cosim.trace.columns import Array, Columns, InOrder, extremes, stepped
 
 MAX_PANELS = 6
 MAX_COLUMNS = 8
 MAX_EVENTS = 6
 LIMIT: Any = {"color": "0.35", "linestyle": "--", "linewidth": 0.8}
 EVENT: Any = {"color": "0.35", "linestyle": ":", "linewidth": 0.8}
-Named: TypeAlias = Sequence[tuple[float, str]]
-"""Limits or times of events with their texts."""
 BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "fontsize": 8}
 """Legend to the right of the axes."""
 NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
@@ -84,7 +81,7 @@ def views(scenario: Scenario, result: Result) -> list[View]:
     """Make the views of a run: the whole run and, if its condition was met, the zoomed part."""
     trace = result.columns
     panels = scenario.plot.panels or default_panels(trace, result)
-    marked = marks.marked(scenario, result)
+    events, limits = marks.events(scenario, result), marks.limits(scenario, result)
     windows = [("the whole run", np.ones(len(trace["time"]), dtype=bool))]
     for rows in zoomed(scenario, result, trace):
         if np.count_nonzero(rows) > 1:
@@ -92,13 +89,13 @@ def views(scenario: Scenario, result: Result) -> list[View]:
     found = []
     for title, rows in windows:
         times = trace["time"][rows]
-        made = [panel_data(panel, trace, rows, marked, result) for panel in panels]
-        found.append(View(title, float(times[0]), float(times[-1]), events_between(times, marked), made))
+        made = [panel_data(panel, trace, rows, limits, result) for panel in panels]
+        found.append(View(title, float(times[0]), float(times[-1]), events_between(times, events), made))
     return found
 
 
 def panel_data(
-    panel: Panel, trace: Columns, rows: NDArray[np.bool_], marked: Marked, result: Result
+    panel: Panel, trace: Columns, rows: NDArray[np.bool_], limits: Mapping[str, Named], result: Result
 ) -> PanelData:
     """Curves of a panel in some rows, and the limits near them."""
     columns = {name: trace[name][rows] for name in panel.columns}
@@ -110,8 +107,8 @@ def panel_data(
     ]
     # without a positive value there is nothing to show on a logarithmic axis
     log = panel.log and any(bool(np.any(curve.values > 0.0)) for curve in curves)
-    limits = marks.near(panel, marked, unit, [curve.values for curve in curves])
-    shown = [each for each in limits if not log or each[0] > 0.0]
+    near = marks.near(panel, limits, unit, [curve.values for curve in curves])
+    shown = [each for each in near if not log or each[0] > 0.0]
     name = "" if unit.name == "1" else unit.name
     return PanelData(panel.title, name, curves, log, items_of(panel, result), shown)
 
@@ -189,9 +186,9 @@ def name_events(axes: Any, events: Named) -> None:
         axes.text(moment, 1.0, f" {label}", **NAME, transform=axes.get_xaxis_transform())
 
 
-def events_between(times: Array, marked: Marked) -> list[tuple[float, str]]:
+def events_between(times: Array, events: Named) -> Named:
     """Events between the first and last time with their texts; the last text counts the omitted ones."""
-    found = [event for event in marked.events if times[0] <= event[0] <= times[-1]]
+    found = [event for event in events if times[0] <= event[0] <= times[-1]]
     if (more := len(found) - MAX_EVENTS) > 0:
         t, last = found[MAX_EVENTS - 1]
         found[MAX_EVENTS - 1 :] = [(t, f"{last}, and {more} more")]

@@ -19,8 +19,8 @@ from cosim.loop.reference import Progress
 from cosim.pool import cluster, local
 from cosim.pool.limits import processors
 from cosim.show.bar import bar
+from cosim.show.console import ProgressLines
 from cosim.show.figure import wanted
-from cosim.show.lines import ProgressLines
 from cosim.sweep import influence, study, summary_tables
 from cosim.sweep.check import check_charts
 from cosim.sweep.export import save_csv, save_parquet

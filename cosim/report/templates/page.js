@@ -41,12 +41,12 @@ function color(name) {
 }
 
 function traces(view, panel) {
-  return panel.lines.map((line, i) => {
+  return panel.curves.map((line, i) => {
     // a logarithmic axis has the logarithms
     const y = numbers(line).map((value) => (panel.log && value !== null ? 10 ** value : value));
-    const step = (view.to - view.from) / Math.max(1, y.length - 1);
+    const step = (view.end - view.begin) / Math.max(1, y.length - 1);
     return {
-      x: y.map((_, k) => view.from + k * step), y, name: line.name, mode: "lines",
+      x: y.map((_, k) => view.begin + k * step), y, name: line.name, mode: "lines",
       line: { width: 1.5, color: color("--c" + (i % 8)), dash: DASHES[i % 8], shape: line.stepped ? "hv" : "linear" },
       hovertemplate: "%{y:.5g}",
     };
@@ -77,7 +77,7 @@ function layout(view, panel) {
   const words = { showarrow: false, font: { size: 10, color: red } };
   return {
     ...frame(),
-    xaxis: axis({ range: [view.from, view.to], title: { text: "time (s)", standoff: 4 }, hoverformat: ".5g" }),
+    xaxis: axis({ range: [view.begin, view.end], title: { text: "time (s)", standoff: 4 }, hoverformat: ".5g" }),
     yaxis: axis({ ...wide, type: panel.log ? "log" : "linear" }),
     shapes: [...events, ...limits],
     annotations: [
@@ -171,7 +171,7 @@ async function draw(box) {
     element.on("plotly_relayout", (change) => {
       const keys = ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"].filter((key) => key in change);
       if (!keys.length) return;
-      const range = change["xaxis.autorange"] ? [view.from, view.to] : [change["xaxis.range[0]"], change["xaxis.range[1]"]];
+      const range = change["xaxis.autorange"] ? [view.begin, view.end] : [change["xaxis.range[0]"], change["xaxis.range[1]"]];
       for (const [other] of plots) {
         const now = other.layout.xaxis.range;
         if (now[0] !== range[0] || now[1] !== range[1]) Plotly.relayout(other, { "xaxis.range": range });

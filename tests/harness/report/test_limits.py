@@ -147,13 +147,13 @@ def test_a_chart_of_a_column_shows_its_limit(
 def test_faults_beyond_the_last_mark_are_counted() -> None:
     reported = np.where(np.arange(ROWS) // 100 % 2 == 1, 3.0, 1.0)
     of, found = result(traced(plant_x=TIME, controller_fault=reported), "max(plant.x)", maximum=4.0)
-    marked = marks.marked(of, found)
-    events = plot.events_between(TIME, marked)
+    every = marks.events(of, found)
+    events = plot.events_between(TIME, every)
     told_as = ["Stuck", "Stuck", "Stuck", "fault injected: plant.u", "Stuck", "Stuck, and 15 more"]
     assert [text for _, text in events] == told_as
     assert events[-1][0] == pytest.approx(0.9)
     # those of a window are its own
-    assert [t for t, _ in plot.events_between(TIME[TIME > 3.4], marked)] == pytest.approx([3.5, 3.7, 3.9])
+    assert [t for t, _ in plot.events_between(TIME[TIME > 3.4], every)] == pytest.approx([3.5, 3.7, 3.9])
 
 
 def test_a_fault_in_the_first_row_is_marked() -> None:

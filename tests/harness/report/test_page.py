@@ -168,7 +168,7 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
     data = json.loads(gzip.decompress(base64.b64decode(page.get_element_by_id("data").text)))
     ((view,), (chart,)) = data[0]["views"], data[0]["charts"]
     (panel,) = view["panels"]
-    (line,) = panel["lines"]
+    (line,) = panel["curves"]
     assert result.trace is not None
     wanted = 1e3 * result.trace["plant.x"]
     assert unpacked(line) == pytest.approx(wanted, abs=np.ptp(wanted) / 1e5)

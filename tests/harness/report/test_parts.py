@@ -25,7 +25,7 @@ from cosim.report import drawing
 from cosim.report.job import VideoJob
 from cosim.report.series import STEPS, packed
 from cosim.show.plot import Curve, PanelData, View
-from cosim.trace.thinned import BUCKETS, thinned
+from cosim.trace.columns import BUCKETS, thinned
 
 from ..cli.commands import cosim as command
 from ..conftest import DATA, SCENARIO
