@@ -27,9 +27,9 @@ HINT = (
     "Install a rendering library: on Debian or Ubuntu `apt-get install libegl1 libgl1-mesa-dri`; "
     f"`{CHOICE}` selects `egl` or, with a screen, `glfw`"
 )
-DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
+DEFAULT_COLOR = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's default color of a geom."""
-COLOURS = ((0.36, 0.51, 0.68), (0.79, 0.60, 0.33), (0.47, 0.62, 0.48), (0.67, 0.45, 0.48), (0.55, 0.52, 0.66))
+COLORS = ((0.36, 0.51, 0.68), (0.79, 0.60, 0.33), (0.47, 0.62, 0.48), (0.67, 0.45, 0.48), (0.55, 0.52, 0.66))
 """Colors of the bodies of a machine without colors in the MJCF."""
 ABOVE, BELOW = np.array([226.0, 232.0, 238.0]), np.array([158.0, 170.0, 182.0])
 """Background from top to bottom."""
@@ -100,12 +100,12 @@ class Renderer(Closing):
         mujoco.mjv_updateScene(self.model, self.data, self.options, None, camera, everything, self.scene)
         mujoco.mjr_render(rectangle, self.scene, self.drawer)
         shape = (rectangle.height, rectangle.width)
-        colours, depth = np.empty((*shape, 3), np.uint8), np.empty(shape, np.float32)
-        mujoco.mjr_readPixels(colours, depth, rectangle, self.drawer)
+        colors, depth = np.empty((*shape, 3), np.uint8), np.empty(shape, np.float32)
+        mujoco.mjr_readPixels(colors, depth, rectangle, self.drawer)
         # graphics count lines from below, and nothing is as far as it gets
-        colours, nothing = colours[::-1], depth[::-1] == 0.0
-        np.copyto(colours, behind, where=nothing[..., None])
-        return colours
+        colors, nothing = colors[::-1], depth[::-1] == 0.0
+        np.copyto(colors, behind, where=nothing[..., None])
+        return colors
 
 
 def set_pose(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda: None) -> None:
@@ -145,10 +145,10 @@ def add_light(model: Any) -> None:
 
 def add_colors(model: Any) -> None:
     """Set a color by body for every geom without color and material."""
-    bodies = {body: turn for turn, body in enumerate(dict.fromkeys(model.geom_bodyid.tolist()))}
+    bodies = {body: number for number, body in enumerate(dict.fromkeys(model.geom_bodyid.tolist()))}
     for geom in range(model.ngeom):
-        if model.geom_matid[geom] < 0 and np.allclose(model.geom_rgba[geom], DEFAULT_COLOUR):
-            model.geom_rgba[geom, :3] = COLOURS[bodies[int(model.geom_bodyid[geom])] % len(COLOURS)]
+        if model.geom_matid[geom] < 0 and np.allclose(model.geom_rgba[geom], DEFAULT_COLOR):
+            model.geom_rgba[geom, :3] = COLORS[bodies[int(model.geom_bodyid[geom])] % len(COLORS)]
 
 
 def background(height: int, width: int) -> Picture:

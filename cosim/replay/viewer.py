@@ -16,8 +16,8 @@ from cosim.replay.playback import RATE, ReplayOptions, time_scale
 from cosim.replay.renderer import add_colors, add_light, set_pose
 
 
-def show(recorded: Recorded, options: ReplayOptions, again: bool = True) -> None:
-    """Show a run in a window until it is closed; `again` repeats it. The mouse moves the camera."""
+def show(recorded: Recorded, options: ReplayOptions) -> None:
+    """Show a run repeatedly in a window until it is closed. The mouse moves the camera."""
     moved = motion(recorded)
     scale = time_scale(moved.times, options.seconds, options.begin, options.end)
     larger = enlargement(moved, options.enlarge)
@@ -28,8 +28,6 @@ def show(recorded: Recorded, options: ReplayOptions, again: bool = True) -> None
         begun = time.monotonic()
         while viewer.is_running():
             picture = round(RATE * (time.monotonic() - begun))
-            if picture >= len(scale.rows) and not again:
-                return
             with viewer.lock():
                 row = int(scale.rows[picture % len(scale.rows)])
                 draw = partial(moved.draw, row, larger.value)

@@ -140,18 +140,18 @@ def of_chart(
 ) -> list[ChartData]:
     """Make the charts of one entry: two for `bode`, one for each map of a `field`, none without content."""
     if chart.kind == "bode":
-        return loop_of(chart, columns)
+        return open_loop(chart, columns)
     if chart.kind == "map":
-        cells = summed(chart, columns, items)
+        cells = map_cells(chart, columns, items)
         return [] if cells is None else [ChartData(chart, cells=cells)]
     if chart.kind == "field":
-        maps = fields.maps(chart, picked(chart, columns, items), folder)
+        maps = fields.maps(chart, selected(chart, columns, items), folder)
         return [ChartData(replace(chart, title=f"{chart.title}: {name}"), cells=one) for name, one in maps]
     drawn = lines(chart, columns, items)
-    return [limited(chart, drawn, limits)] if drawn else []
+    return [with_limits(chart, drawn, limits)] if drawn else []
 
 
-def limited(chart: Chart, drawn: Sequence[Line], limits: Limits) -> ChartData:
+def with_limits(chart: Chart, drawn: Sequence[Line], limits: Limits) -> ChartData:
     """Chart with the limits on its columns, as positions of `x` or as values, unless they flatten it."""
     found = dict.fromkeys(
         (chart.scale * limit, label)
@@ -165,7 +165,7 @@ def limited(chart: Chart, drawn: Sequence[Line], limits: Limits) -> ChartData:
     return ChartData(chart, drawn, levels=marks.visible([*found], [line.y for line in drawn]))
 
 
-def loop_of(chart: Chart, trace: Columns) -> list[ChartData]:
+def open_loop(chart: Chart, trace: Columns) -> list[ChartData]:
     """Gain and phase of an open loop, each a chart, with the margins; none without two points."""
     frequency, gain, phase = (
         np.array([trace[one][-1] for one in numbered(name, trace)]) for name in (chart.x, *chart.y)
@@ -215,7 +215,7 @@ def evaluator(chart: Chart, columns: Columns, items: Mapping[str, Items | None])
     return value
 
 
-def picked(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Array]:
+def selected(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Array]:
     """Values of each `y` in the rows that meet all parts."""
     value = evaluator(chart, trace, items)
     parts = [value(text) != 0.0 for text in chart.parts]
@@ -223,7 +223,7 @@ def picked(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> l
     return [value(text)[rows] for text in chart.y]
 
 
-def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:
+def map_cells(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:
     """Sum of the weights in each cell, relative to the largest sum; None if it is not positive."""
     texts = (chart.x, chart.y[0], chart.weight, *chart.parts)
     x, y, weight, *parts = map(evaluator(chart, trace, items), texts)

@@ -132,8 +132,8 @@ def by_frequency(name: str, times: Array, y: Array) -> Line:
 def peaks(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate) -> list[Line]:
     """Largest absolute value for each value of the split."""
     split = value(chart.split)
-    turns = np.unique(split[mask & np.isfinite(split)])
-    return [Line(name, turns, np.array([np.max(np.abs(y[mask & (split == turn)])) for turn in turns]))]
+    parts = np.unique(split[mask & np.isfinite(split)])
+    return [Line(name, parts, np.array([np.max(np.abs(y[mask & (split == part)])) for part in parts]))]
 
 
 def share(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate) -> list[Line]:

@@ -105,7 +105,7 @@ def draw_chart(axes: Any, data: ChartData) -> None:
 
 def image(figure: Any) -> str:
     """Address of a figure as SVG for an `img` in the page."""
-    figures.show_as_written(figure)
+    figures.escape_dollars(figure)
     content = io.BytesIO()
     figure.savefig(content, format="svg", metadata=figures.SVG)
     return "data:image/svg+xml," + quote(compact(content.getvalue().decode()), safe=PLAIN)

@@ -22,7 +22,7 @@ def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str,
     function, it raises, or its result is not a set of maps.
     """
     where = f"`plot.charts` `{chart.title}`: the function `{chart.function}`"
-    function = imported(chart.function, where, folder)
+    function = import_function(chart.function, where, folder)
     try:
         made = {
             str(name): tuple(np.asarray(part, dtype=float) for part in one)
@@ -60,7 +60,7 @@ def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str,
     ]
 
 
-def imported(name: str, where: str, folder: Path) -> Any:
+def import_function(name: str, where: str, folder: Path) -> Any:
     """Import the function of that name."""
     module_name, _, function = name.partition(":")
     try:

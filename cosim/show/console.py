@@ -32,8 +32,9 @@ class ReadableFormatter(logging.Formatter):
     """One line per message, without terminal codes in foreign texts."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Text of a message."""
-        return readable(super().format(record))
+        """Text of a message, with its level in small letters."""
+        lower = logging.makeLogRecord({**vars(record), "levelname": record.levelname.lower()})
+        return readable(super().format(lower))
 
 
 @contextlib.contextmanager
@@ -146,13 +147,6 @@ def configure_logging(verbose: bool, quiet: bool) -> None:
     level = logging.DEBUG if verbose else (logging.ERROR if quiet else logging.WARNING)
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(ReadableFormatter("%(levelname)s: %(message)s"))
-    for number, name in (
-        (logging.DEBUG, "debug"),
-        (logging.INFO, "info"),
-        (logging.WARNING, "warning"),
-        (logging.ERROR, "error"),
-    ):
-        logging.addLevelName(number, name)
     log.handlers[:] = [handler]
     log.setLevel(level)
     log.propagate = False

@@ -31,7 +31,7 @@ def can_plot() -> bool:
     return importlib.util.find_spec("matplotlib") is not None
 
 
-def wanted(plots: bool) -> bool:
+def plots_requested(plots: bool) -> bool:
     """Whether plots are requested and matplotlib is installed; checks that it starts."""
     if plots and can_plot():
         library()
@@ -74,12 +74,12 @@ def styled(size: tuple[float, float], changes: Any = None) -> Iterator[Any]:
 
 def save(figure: Any, file: Path) -> None:
     """Write a figure."""
-    show_as_written(figure)
+    escape_dollars(figure)
     with whole(file) as part:
         figure.savefig(part, dpi=110, metadata=SVG if file.suffix == ".svg" else None)
 
 
-def show_as_written(figure: Any) -> None:
+def escape_dollars(figure: Any) -> None:
     """Escape `$` in names, units and titles, except in labels of matplotlib on logarithmic axes."""
     from matplotlib.text import Text
 

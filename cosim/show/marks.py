@@ -59,12 +59,12 @@ def limits(scenario: Scenario, result: Result) -> Mapping[str, Named]:
         if root.column:
             changes[root.column] = Conversion(root.factor)
         drawn = criteria.drawn(criterion, measured.unit)
-        for place, (relation, limit) in zip(drawn, verdict.limits, strict=False):
+        for position, (relation, limit) in zip(drawn, verdict.limits, strict=False):
             words = limit_text(criterion, relation, limit, verdict.unit)
             for name, change in changes.items():
-                found.setdefault(name, []).append((change.back(place), words))
+                found.setdefault(name, []).append((change.back(position), words))
                 if root.absolute:
-                    found[name].append((change.back(-place), ""))
+                    found[name].append((change.back(-position), ""))
     return found
 
 
@@ -73,7 +73,9 @@ def limit_text(criterion: Criterion, relation: str, limit: float, unit: str) -> 
     return f"{criterion.id} {relation} {text(limit, unit, 3)}"
 
 
-def near(panel: Panel, limits: Mapping[str, Named], unit: DisplayUnit, lines: Sequence[Array]) -> Named:
+def panel_limits(
+    panel: Panel, limits: Mapping[str, Named], unit: DisplayUnit, lines: Sequence[Array]
+) -> Named:
     """Limits on the columns of a panel in its unit, except those that would make its lines flat."""
     found = {
         (unit.factor * limit + unit.offset, label): None

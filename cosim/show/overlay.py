@@ -29,7 +29,7 @@ def save(traces: Sequence[StoredTrace], patterns: Sequence[str], file: Path) -> 
 
     One trace has a panel for each unit, several traces have one for each column.
     """
-    panels = chosen(traces, patterns)
+    panels = selected_panels(traces, patterns)
     with figures.styled((9.0, 1.2 + 1.7 * len(panels))) as figure:
         grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axes, panel in zip(grid, panels, strict=True):
@@ -39,7 +39,7 @@ def save(traces: Sequence[StoredTrace], patterns: Sequence[str], file: Path) -> 
         figures.save(figure, file)
 
 
-def chosen(traces: Sequence[StoredTrace], patterns: Sequence[str]) -> Sequence[Panel]:
+def selected_panels(traces: Sequence[StoredTrace], patterns: Sequence[str]) -> Sequence[Panel]:
     """Panels of the columns that match a pattern."""
     known = list(dict.fromkeys(name for trace in traces for name in trace.columns))
     # brackets are part of names

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,10 @@ from cosim.show import figure as figures
 from cosim.show import marks
 from cosim.show.marks import Named
 from cosim.trace.columns import Array, Columns, InOrder, extremes, stepped
+from cosim.trace.stored import StoredTrace
 
+Labels = Result | StoredTrace
+"""Sources of units of columns, and of items of those that are enumerations."""
 MAX_PANELS = 6
 MAX_COLUMNS = 8
 MAX_EVENTS = 6
@@ -30,18 +33,6 @@ EVENT: Any = {"color": "0.35", "linestyle": ":", "linewidth": 0.8}
 BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "fontsize": 8}
 """Legend to the right of the axes."""
 NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
-
-
-class Labels(Protocol):
-    """Units of columns, and the items of those that are enumerations."""
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Unit by column."""
-
-    @property
-    def items(self) -> dict[str, dict[str, int]]:
-        """Items by column."""
 
 
 @dataclass(frozen=True)
@@ -107,8 +98,8 @@ def panel_data(
     ]
     # without a positive value there is nothing to show on a logarithmic axis
     log = panel.log and any(bool(np.any(curve.values > 0.0)) for curve in curves)
-    near = marks.near(panel, limits, unit, [curve.values for curve in curves])
-    shown = [each for each in near if not log or each[0] > 0.0]
+    limits_near = marks.panel_limits(panel, limits, unit, [curve.values for curve in curves])
+    shown = [each for each in limits_near if not log or each[0] > 0.0]
     name = "" if unit.name == "1" else unit.name
     return PanelData(panel.title, name, curves, log, items_of(panel, result), shown)
 

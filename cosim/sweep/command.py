@@ -20,7 +20,7 @@ from cosim.pool import cluster, local
 from cosim.pool.limits import processors
 from cosim.show.bar import bar
 from cosim.show.console import ProgressLines
-from cosim.show.figure import wanted
+from cosim.show.figure import plots_requested
 from cosim.sweep import influence, study, summary_tables
 from cosim.sweep.check import check_charts
 from cosim.sweep.export import save_csv, save_parquet
@@ -86,7 +86,7 @@ def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
         loaded = study.load(paths.find_study(str(options.file)))
         plan = Plan(loaded, engines.checked(options.engine), observe, options.part)
     check_charts(plan)
-    options = replace(options, plots=wanted(options.plots))
+    options = replace(options, plots=plots_requested(options.plots))
     with opened(loaded.file, options.out, options.default) as store:
         try:
             if options.merged:

@@ -78,7 +78,7 @@ CHART = Chart("bode", ("a.m", "a.p"), x="a.f", title="Loop", closed=True, x_unit
 
 def test_a_chart_of_the_kind_bode_is_two_charts_with_marks() -> None:
     loop = open_loop(OMEGA)
-    gain, phase = charts.loop_of(CHART, row(loop / (1.0 + loop)))
+    gain, phase = charts.open_loop(CHART, row(loop / (1.0 + loop)))
     assert [one.chart.title for one in (gain, phase)] == ["Loop: gain", "Loop: phase"]
     assert [one.levels for one in (gain, phase)] == [[(1.0, "")], [(-180.0, "")]]
     assert (gain.chart.log, phase.chart.log, gain.chart.x_log, gain.x_label) == (True, False, True, "Hz")
@@ -93,7 +93,7 @@ def test_a_chart_of_the_kind_bode_is_two_charts_with_marks() -> None:
 
 
 def test_without_a_response_there_is_no_chart() -> None:
-    assert charts.loop_of(CHART, row(np.zeros(60))) == []
+    assert charts.open_loop(CHART, row(np.zeros(60))) == []
 
 
 @pytest.mark.parametrize(
