@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import bode, curves, fields, series
+from cosim.report import bode, curves, fields
 from cosim.report.curves import Cells, Evaluate, Line
 from cosim.scenario.model import Chart, Scenario
 from cosim.show import marks
@@ -26,6 +28,8 @@ FEW = 60
 """Maximum number of points with markers."""
 CELLS = 60
 """Number of cells along the longer side of a map."""
+STEPS = 65534
+"""Number of steps from the minimum to the maximum of packed values; the next number is NaN."""
 STILL = 1e-6
 """Relative change below which a value is constant."""
 KINDS = {
@@ -91,15 +95,32 @@ class ChartData:
             "lines": [
                 {
                     "name": line.name,
-                    "x": series.packed(line.x, chart.x_log),
-                    "y": series.packed(line.y, chart.log),
+                    "x": packed_values(line.x, chart.x_log),
+                    "y": packed_values(line.y, chart.log),
                 }
                 for line in self.lines
             ],
             "cells": None
             if cells is None
-            else {"x": cells.x.tolist(), "y": cells.y.tolist(), **series.packed(cells.parts.ravel())},
+            else {"x": cells.x.tolist(), "y": cells.y.tolist(), **packed_values(cells.parts.ravel())},
         }
+
+
+def packed_values(values: Array, log: bool = False) -> dict[str, Any]:
+    """Values as text: 16 bits each between the minimum and the maximum; logarithms on a logarithmic axis.
+
+    The error is at most 1 / 131068 of their span, which is less than a pixel of any screen.
+    """
+    if log:
+        values = np.log10(np.where(values > 0.0, values, np.nan))
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    span = high - low or 1.0
+    numbers: NDArray[np.uint16] = np.full(len(values), STEPS + 1, np.uint16)
+    known = np.isfinite(values)
+    numbers[known] = np.round((values[known] - low) / span * STEPS)
+    text = base64.b64encode(numbers.astype("<u2").tobytes()).decode()
+    return {"low": low, "span": span, "data": text}
 
 
 def labelled(label: str, unit: str) -> str:

@@ -11,7 +11,7 @@ from cosim.errors import ExpressionError
 from cosim.formatting.quantity import text
 from cosim.formatting.verdicts import counted, row
 from cosim.loop.result import Result
-from cosim.report import charts, drawing, provenance, series
+from cosim.report import charts, drawing, provenance
 from cosim.report.page import Section, paragraphs
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
@@ -73,7 +73,7 @@ def packed_panel(panel: PanelData) -> dict[str, Any]:
         {
             "name": curve.name,
             "stepped": curve.stepped,
-            **series.packed(thinned(curve.values), panel.log),
+            **charts.packed_values(thinned(curve.values), panel.log),
         }
         for curve in panel.curves
     ]

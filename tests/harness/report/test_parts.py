@@ -22,8 +22,8 @@ from cosim.errors import CosimError
 from cosim.pool.job import Outcome
 from cosim.report import command as report
 from cosim.report import drawing
+from cosim.report.charts import STEPS, packed_values
 from cosim.report.job import VideoJob
-from cosim.report.series import STEPS, packed
 from cosim.show.plot import Curve, PanelData, View
 from cosim.trace.columns import BUCKETS, thinned
 
@@ -54,7 +54,7 @@ def test_a_short_column_stays_as_it_is() -> None:
 def test_what_is_no_number_stays_none() -> None:
     values = np.full(10_000, NAN)
     values[5000:] = 3.0
-    found = unpacked(packed(thinned(values)))
+    found = unpacked(packed_values(thinned(values)))
     half = len(found) // 2
     assert np.all(np.isnan(found[:half]))
     assert np.all(found[half:] == 3.0)
@@ -64,7 +64,7 @@ def test_what_is_no_number_stays_none() -> None:
 def test_packed_values_are_closer_than_a_pixel(scale: float) -> None:
     values = scale * np.random.default_rng(7).normal(size=500)
     values[3] = NAN
-    found = unpacked(packed(values))
+    found = unpacked(packed_values(values))
     assert np.isnan(found[3])
     assert np.nanmax(np.abs(found - values)) <= 0.5 / STEPS * np.ptp(values[np.isfinite(values)]) * (1 + 1e-6)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Measured, Verdict
 from cosim.report import charts
-from cosim.report.series import STEPS
+from cosim.report.charts import STEPS
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Chart, Controller, Criterion, Loop, Metric, Plot, Scenario
 from cosim.trace.columns import Array, Held
