@@ -19,7 +19,7 @@ import numpy as np
 from cosim.report.charts import ChartData
 from cosim.show import figure as figures
 from cosim.show import plot
-from cosim.show.plot import View
+from cosim.show.plot import PlotView
 
 STYLE: Any = {
     "svg.fonttype": "none",
@@ -41,7 +41,7 @@ COLUMNS = 2
 CIRCLE = np.linspace(0.0, 2.0 * np.pi, 181)
 
 
-def views(found: Sequence[View]) -> str:
+def views(found: Sequence[PlotView]) -> str:
     """Draw the views of a run side by side, each with its panels; empty without a panel."""
     if not found or not found[0].panels:
         return ""

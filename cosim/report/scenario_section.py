@@ -17,7 +17,7 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show import plot
 from cosim.show.display import injection_text, shorten
-from cosim.show.plot import PanelData, View
+from cosim.show.plot import PanelData, PlotView
 from cosim.trace.columns import thinned
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def describe(scenario: Scenario, result: Result, session: Session) -> Section:
     }
 
 
-def packed(view: View) -> dict[str, Any]:
+def packed(view: PlotView) -> dict[str, Any]:
     """Plain data of a view for the script of the page."""
     return {**vars(view), "panels": [packed_panel(panel) for panel in view.panels]}
 

@@ -58,7 +58,7 @@ class PanelData:
 
 
 @dataclass(frozen=True)
-class View:
+class PlotView:
     """Panels of a run in a part of the time, s, with its events."""
 
     title: str
@@ -68,7 +68,7 @@ class View:
     panels: Sequence[PanelData]
 
 
-def views(scenario: Scenario, result: Result) -> list[View]:
+def views(scenario: Scenario, result: Result) -> list[PlotView]:
     """Make the views of a run: the whole run and, if its condition was met, the zoomed part."""
     trace = result.columns
     panels = scenario.plot.panels or default_panels(trace, result)
@@ -81,7 +81,7 @@ def views(scenario: Scenario, result: Result) -> list[View]:
     for title, rows in windows:
         times = trace["time"][rows]
         made = [panel_data(panel, trace, rows, limits, result) for panel in panels]
-        found.append(View(title, float(times[0]), float(times[-1]), events_between(times, events), made))
+        found.append(PlotView(title, float(times[0]), float(times[-1]), events_between(times, events), made))
     return found
 
 

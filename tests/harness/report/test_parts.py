@@ -24,7 +24,7 @@ from cosim.report import command as report
 from cosim.report import drawing
 from cosim.report.charts import STEPS, packed_values
 from cosim.report.job import VideoJob
-from cosim.show.plot import Curve, PanelData, View
+from cosim.show.plot import Curve, PanelData, PlotView
 from cosim.trace.columns import BUCKETS, thinned
 
 from ..cli.commands import cosim as command
@@ -73,7 +73,7 @@ def shown(line: np.ndarray, log: bool = False, items: dict[str, int] | None = No
     """Drawing of a panel with one line."""
     curve = Curve("y", np.linspace(0.0, 2.0, len(line)), line, stepped=False)
     panel = PanelData("t", "m", [curve], log, items or {})
-    return drawing.views([View("run", 0.0, 2.0, [(1.0, "hit")], [panel])])
+    return drawing.views([PlotView("run", 0.0, 2.0, [(1.0, "hit")], [panel])])
 
 
 def test_a_drawing_shows_values_from_low_to_high_within_its_frame() -> None:
