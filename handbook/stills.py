@@ -8,7 +8,6 @@ from pathlib import Path
 from PIL import Image
 
 import cosim
-from cosim.replay import enlarge
 from cosim.replay.motion import RECORD, motion, of_result
 from cosim.replay.renderer import Renderer
 
@@ -25,7 +24,7 @@ def store(folder: Path) -> None:
         scenario = cosim.load(loop, [RECORD])
         moved = motion(of_result(scenario, cosim.run(scenario, engine="native")))
         row = len(moved.qpos) // 2
-        draw = partial(moved.draw, row, enlarge.one(moved, {}))
+        draw = partial(moved.draw, row, lambda name, value: value)
         width, height = SIZE
         with Renderer(moved.model, moved.data, (FINER * width, FINER * height), "", moved.qpos) as drawer:
             picture = Image.fromarray(drawer.picture(moved.qpos[row], draw))

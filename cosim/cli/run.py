@@ -30,8 +30,7 @@ from cosim.cli.tasks import Report, Single, place
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.scenario.assignment import Assignment
-from cosim.show import sheet
-from cosim.show.console import configure_logging, output, progress_bar, report
+from cosim.show.console import configure_logging, output, progress_bar, report, stdout
 from cosim.trace import endings
 from cosim.writing import check_apart, check_folder, whole_if, write
 
@@ -87,7 +86,7 @@ def run(
         raise CosimError("`--workers` applies to several runs only", "Add `--seeds`, or omit it.")
     stream = trace if trace is not None and endings.streams(trace) else None
     with whole_if(stream) as part:
-        task = Single(loop, changes, engine, verbose, trace, plot, sheet.stdout(), part)
+        task = Single(loop, changes, engine, verbose, trace, plot, stdout(), part)
         with place(limits) as do, progress_bar(loop, quiet) as progress:
             done: Report | CosimError = do(task, progress)
         if isinstance(done, CosimError):

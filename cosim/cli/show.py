@@ -10,8 +10,7 @@ from cosim.cli import complete
 from cosim.cli.options import InProcess, Loop, Quiet, Set, Timeout, Verbose, checked_limits
 from cosim.cli.tasks import Show, place
 from cosim.errors import CosimError
-from cosim.show import sheet
-from cosim.show.console import configure_logging
+from cosim.show.console import configure_logging, stdout
 
 
 def show(
@@ -40,7 +39,7 @@ def show(
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
     with place(checked_limits(timeout, None, in_process)) as do:
-        text: str | CosimError = do(Show(loop, tuple(set_ or ()), tuple(parts or ()), sheet.stdout()))
+        text: str | CosimError = do(Show(loop, tuple(set_ or ()), tuple(parts or ()), stdout()))
     if isinstance(text, CosimError):
         raise text
     print(text, end="", flush=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cosim import interrupts
-from cosim.show.sheet import Sheet, rendered
+from cosim.show.console import Sheet, rendered
 
 if TYPE_CHECKING:
     from cosim.check.checked import Checked

@@ -87,7 +87,7 @@ def run_tests(
     from cosim.acceptance import junit as xml
     from cosim.acceptance import runner, table
     from cosim.acceptance.selection import select
-    from cosim.show.figure import wanted
+    from cosim.show.figure import plots_requested
 
     if junit is not None:
         check_text("--junit", junit, "JUnit XML", xml.BEGINNING)
@@ -99,18 +99,18 @@ def run_tests(
     if out is not None and out.is_dir():
         check_text("--out", out / TABLE, "an acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
-    options = runner.RunOptions(out, wanted(plots), workers, engine, limits, quiet)
+    options = runner.RunOptions(out, plots_requested(plots), workers, engine, limits, quiet)
     chosen = select(scenarios or ())
     stopped: KeyboardInterrupt | None = None
     try:
         if page is None:
             found = runner.run(chosen, options)
         else:
-            from cosim.report import book
+            from cosim.report import command
 
-            book.check("--report", page)
-            contents = book.Contents(book.TITLE, chosen, tuple(study or ()), tuple(document or ()))
-            found = book.write(contents, options, page).scenarios
+            command.check("--report", page)
+            contents = command.Contents(command.TITLE, chosen, tuple(study or ()), tuple(document or ()))
+            found = command.write_report(contents, options, page).scenarios
     except runner.StoppedError as error:
         found, stopped = error.outcomes, error
     shown = table.table(found)

@@ -119,7 +119,7 @@ class Result:
         if self.trace is not None:
             return Held(self.trace)
         if self.file is not None:
-            return files.opened(self.file).data
+            return files.open_trace(self.file).data
         raise CosimError("this result holds no trace", "Use `run`, or `run_many` with `keep_trace=True`.")
 
     def to_dict(self) -> dict[str, Any]:

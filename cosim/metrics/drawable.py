@@ -13,7 +13,6 @@ NEEDED = {
     "path": ("x", "y"),
     "polar": ("x", "y"),
     "peaks": ("split", "y"),
-    "array": ("x", "y"),
     "map": ("x", "y"),
     "bode": ("x", "y"),
     "field": ("function", "y"),
@@ -26,7 +25,6 @@ TAKEN = {
     "peaks": ("parts", "names", "split", "log", "x_log"),
     "share": ("parts", "names", "log", "x_log"),
     "roc": ("parts", "names", "log", "x_log"),
-    "array": ("x", "names", "log", "x_log"),
     "map": ("x", "parts", "weight"),
     "bode": ("x", "closed"),
     "field": ("parts", "function"),
@@ -107,7 +105,7 @@ def check_keys(chart: Chart, where: str) -> None:
 
 def check_names(chart: Chart, where: str, columns: Mapping[str, Items | None]) -> None:
     """Check the columns of a chart."""
-    if chart.kind in ("array", "bode"):
+    if chart.kind == "bode":
         for name in (chart.x, *chart.y):
             if not numbered(name, columns):
                 problem = f"`{where}` names `{name}[1]`, which is not a column"

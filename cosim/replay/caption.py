@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
 from cosim.formatting.quantity import PREFIXED, number, text
-from cosim.replay.motion import Recorded
+from cosim.replay.motion import COORDINATE, Recorded
 
 MAX_STATES, MAX_NUMBERS = 2, 4
 STEP = 1e-3
@@ -48,13 +48,8 @@ def numbers(recorded: Recorded) -> list[Line]:
         name = panel.columns[0] if panel.columns else ""
         if name in recorded.columns and name not in recorded.items:
             found.append(quantity(recorded, name, panel.unit, panel.scale))
-    return found or [quantity(recorded, name) for name in moving_truths(recorded)]
-
-
-def moving_truths(recorded: Recorded) -> list[str]:
-    """Return changing ground-truth signals of the plant, without coordinates."""
-    known = [n for n in recorded.columns if n.startswith("plant.") and not n.startswith("plant.qpos")]
-    return [name for name in known if np.ptp(recorded.columns[name]) > 0.0]
+    truths = [n for n in recorded.columns if n.startswith("plant.") and not n.startswith(COORDINATE)]
+    return found or [quantity(recorded, name) for name in truths if np.ptp(recorded.columns[name]) > 0.0]
 
 
 def quantity(recorded: Recorded, name: str, unit: str = "", scale: float = 1.0) -> Line:
@@ -74,8 +69,3 @@ def quantity(recorded: Recorded, name: str, unit: str = "", scale: float = 1.0) 
         return f"{label}: {text(value, own, 3)}"
 
     return text_of
-
-
-def written(shown: Sequence[Line], row: int) -> list[str]:
-    """Texts of a row."""
-    return [line(row) for line in shown]

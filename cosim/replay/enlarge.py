@@ -11,8 +11,7 @@ import numpy as np
 
 from cosim.errors import CosimError, closest
 from cosim.formatting.quantity import number, round_down
-from cosim.replay.motion import COORDINATE, Enlarged, Motion
-from cosim.trace.columns import Array
+from cosim.replay.motion import COORDINATE, Motion
 
 ENLARGE = "enlarge"
 """Name of the MJCF text that lists them."""
@@ -22,36 +21,73 @@ SEEN = 0.05
 """Amplitude of an enlarged motion, relative to the machine size, or in rad."""
 
 
-def given(words: Sequence[str], motion: Motion) -> dict[str, float]:
-    """Factors by column from texts such as `ring_*=20`.
+class Enlargement:
+    """Motions drawn larger by factors, by column, around a center.
 
-    Raises
-    ------
-    CosimError
-        A missing factor, or no coordinate of that name.
+    The center is the model pose or, if the motion is far from it, the mean. `qpos` are the drawn coordinates.
     """
+
+    def __init__(self, motion: Motion, factors: Mapping[str, float]) -> None:
+        self.factors = factors
+        self.centers: dict[str, float] = {}
+        self.qpos = motion.qpos.copy()
+        for i, name in enumerate(motion.names):
+            if name in factors:
+                curve = motion.qpos[:, i]
+                span, home = float(np.ptp(curve)), float(motion.model.qpos0[i])
+                near = curve.min() - span <= home <= curve.max() + span
+                center = self.centers[name] = home if near else float(curve.mean())
+                self.qpos[:, i] = center + factors[name] * (curve - center)
+
+    def value(self, joint: str, value: float) -> float:
+        """Drawn value of a coordinate."""
+        column = COORDINATE + joint
+        if column not in self.factors:
+            return value
+        return self.centers[column] + self.factors[column] * (value - self.centers[column])
+
+    @property
+    def texts(self) -> list[str]:
+        """Texts about enlarged coordinates, one for each factor."""
+        by_factor: dict[float, list[str]] = {}
+        for name, factor in self.factors.items():
+            by_factor.setdefault(factor, []).append(name.removeprefix(COORDINATE))
+        return [
+            f"drawn {number(factor)} x larger: {', '.join(names)}"
+            for factor, names in by_factor.items()
+            if factor != 1.0
+        ]
+
+
+def enlargement(motion: Motion, options: Sequence[str]) -> Enlargement:
+    """Enlargement by texts such as `ring_*=20`; without them of motions too small to be seen."""
+    return Enlargement(motion, parse_factors(options, motion) if options else automatic_factors(motion))
+
+
+def parse_factors(options: Sequence[str], motion: Motion) -> dict[str, float]:
+    """Factors by column from texts; an error for a missing factor or an unknown coordinate."""
     factors: dict[str, float] = {}
     known = [name.removeprefix(COORDINATE) for name in motion.names]
-    for word in words:
-        pattern, _, text = word.partition("=")
+    for option in options:
+        pattern, _, text = option.partition("=")
         try:
             factor = float(text)
         except ValueError:
             factor = math.nan
         if not (math.isfinite(factor) and factor > 0.0):
             raise CosimError(
-                f"`--enlarge {word}` has no factor", "Give, for example, `--enlarge 'ring_*=20'`."
+                f"`--enlarge {option}` has no factor", "Give, for example, `--enlarge 'ring_*=20'`."
             )
-        found = fnmatch.filter(known, pattern)
-        if not found:
+        matching = fnmatch.filter(known, pattern)
+        if not matching:
             raise CosimError(
-                f"`--enlarge {word}`: no coordinate is named `{pattern}`", closest(pattern, known)
+                f"`--enlarge {option}`: no coordinate is named `{pattern}`", closest(pattern, known)
             )
-        factors.update(dict.fromkeys((COORDINATE + name for name in found), factor))
+        factors.update(dict.fromkeys((COORDINATE + name for name in matching), factor))
     return factors
 
 
-def chosen(motion: Motion) -> dict[str, float]:
+def automatic_factors(motion: Motion) -> dict[str, float]:
     """Factors for motions too small to be seen: one for all lengths and one for all angles.
 
     A text `enlarge` in the MJCF can name the coordinates, with patterns, `-` for none.
@@ -75,53 +111,8 @@ def chosen(motion: Motion) -> dict[str, float]:
 def patterns(motion: Motion) -> list[str]:
     """Patterns of the coordinates to enlarge from the MJCF; default: all."""
     model = motion.model
-    place = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT.value, ENLARGE)
-    if place < 0:
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT.value, ENLARGE)
+    if index < 0:
         return ["*"]
-    begin, size = int(model.text_adr[place]), int(model.text_size[place])
+    begin, size = int(model.text_adr[index]), int(model.text_size[index])
     return bytes(model.text_data[begin : begin + size]).decode().rstrip("\0").split()
-
-
-def enlarged(motion: Motion, factors: Mapping[str, float]) -> Array:
-    """Coordinates with larger motions."""
-    about = centres(motion, factors)
-    qpos = motion.qpos.copy()
-    for i, name in enumerate(motion.names):
-        if name in factors:
-            qpos[:, i] = about[name] + factors[name] * (motion.qpos[:, i] - about[name])
-    return qpos
-
-
-def one(motion: Motion, factors: Mapping[str, float]) -> Enlarged:
-    """Value of a coordinate after `enlarged`."""
-    about = centres(motion, factors)
-
-    def drawn(name: str, value: float) -> float:
-        column = COORDINATE + name
-        return about[column] + factors[column] * (value - about[column]) if column in factors else value
-
-    return drawn
-
-
-def centres(motion: Motion, factors: Mapping[str, float]) -> dict[str, float]:
-    """Center of an enlarged motion: the model pose or, far from it, the mean."""
-    found = {}
-    for i, name in enumerate(motion.names):
-        if name in factors:
-            curve = motion.qpos[:, i]
-            span, home = float(np.ptp(curve)), float(motion.model.qpos0[i])
-            near = curve.min() - span <= home <= curve.max() + span
-            found[name] = home if near else float(curve.mean())
-    return found
-
-
-def words(factors: Mapping[str, float]) -> list[str]:
-    """Texts about enlarged coordinates, one for each factor."""
-    by_factor: dict[float, list[str]] = {}
-    for name, factor in factors.items():
-        by_factor.setdefault(factor, []).append(name.removeprefix(COORDINATE))
-    return [
-        f"drawn {number(factor)} x larger: {', '.join(names)}"
-        for factor, names in by_factor.items()
-        if factor != 1.0
-    ]

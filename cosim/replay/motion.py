@@ -32,18 +32,9 @@ def unmoved(row: int, enlarged: Enlarged) -> None:
 
 @dataclass(frozen=True)
 class Recorded:
-    """A recorded run for replay.
+    """A recorded run for replay: its scenario with the plant, and the trace with MuJoCo's coordinates.
 
-    Parameters
-    ----------
-    scenario
-        Scenario of the run, whose plant is shown.
-    seed
-        Seed of the run, for random initial values without coordinates.
-    columns
-        Columns of the trace, MuJoCo's coordinates among them.
-    units, items
-        Units of the columns, and the items of those that are enumerations.
+    The seed gives random initial values without coordinates. `items` are those of enumerations.
     """
 
     scenario: Scenario
@@ -67,20 +58,11 @@ def of_trace(scenario: Scenario, trace: StoredTrace) -> Recorded:
 
 @dataclass(frozen=True)
 class Motion:
-    """A model with its data, and its coordinates at the times of the rows.
+    """A model of MuJoCo with its data, and its coordinates `qpos`, shape (rows, coordinates).
 
-    Parameters
-    ----------
-    model, data
-        Model and data of MuJoCo; they may be changed, because they are drawn and never stepped.
-    names, units
-        Columns of the coordinates, and their units.
-    times
-        Times of the rows, s.
-    qpos
-        Coordinates, shape (rows, coordinates).
-    draw
-        Moves parts that are only drawn to a row, after its coordinates are set.
+    `names` and `units` are those of the coordinates, `times` those of the rows, s. Model and data may be
+    changed, because they are drawn and never stepped. `draw` moves parts that are only drawn to a row, after
+    its coordinates are set.
     """
 
     model: Any
@@ -93,19 +75,16 @@ class Motion:
 
 
 def motion(recorded: Recorded) -> Motion:
-    """Build the plant of a run and take its coordinates from the trace.
-
-    Raises
-    ------
-    CosimError
-        The run has no plant of MuJoCo, or its trace does not hold the coordinates of this one.
-    """
+    """Build the plant of a run, which must be one of MuJoCo, and take its coordinates from the trace."""
     scenario = recorded.scenario
     plant: Any = plants.build(scenario.plant.name, scenario.plant.parameters, scenario.folder)
     plants.record_qpos(plant, scenario.plant.name)
     coordinates = plant.coordinates
     names = tuple(f"plant.{one.name}" for one in coordinates)
-    shown = truths(recorded.columns)
+    own = "plant."
+    shown = {
+        name.removeprefix(own): recorded.columns[name] for name in recorded.columns if name.startswith(own)
+    }
     check(recorded.columns, names, scenario)
     if hasattr(plant, "drawn"):
         # drawing may need any ground-truth signal of the plant
@@ -122,12 +101,6 @@ def motion(recorded: Recorded) -> Motion:
         np.column_stack([recorded.columns[name] for name in names]),
         partial(plant.draw, shown) if hasattr(plant, "draw") else unmoved,
     )
-
-
-def truths(columns: Columns) -> dict[str, Array]:
-    """Columns of the plant by its own names."""
-    own = "plant."
-    return {name.removeprefix(own): columns[name] for name in columns if name.startswith(own)}
 
 
 def check(columns: Columns, names: tuple[str, ...], scenario: Scenario) -> None:

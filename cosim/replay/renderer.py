@@ -7,7 +7,6 @@ import math
 import os
 import sys
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any
 
 import mujoco
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim import extras
+from cosim.closing import Closing
 from cosim.errors import CosimError, closest
 from cosim.physics import CHOICE
 from cosim.trace.columns import Array
@@ -27,9 +27,9 @@ HINT = (
     "Install a rendering library: on Debian or Ubuntu `apt-get install libegl1 libgl1-mesa-dri`; "
     f"`{CHOICE}` selects `egl` or, with a screen, `glfw`"
 )
-DEFAULT_COLOUR = (0.5, 0.5, 0.5, 1.0)
+DEFAULT_COLOR = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's default color of a geom."""
-COLOURS = ((0.36, 0.51, 0.68), (0.79, 0.60, 0.33), (0.47, 0.62, 0.48), (0.67, 0.45, 0.48), (0.55, 0.52, 0.66))
+COLORS = ((0.36, 0.51, 0.68), (0.79, 0.60, 0.33), (0.47, 0.62, 0.48), (0.67, 0.45, 0.48), (0.55, 0.52, 0.66))
 """Colors of the bodies of a machine without colors in the MJCF."""
 ABOVE, BELOW = np.array([226.0, 232.0, 238.0]), np.array([158.0, 170.0, 182.0])
 """Background from top to bottom."""
@@ -45,31 +45,18 @@ FRAME = 2
 """Pixels around it."""
 
 
-class Renderer:
-    """Renderer of a model; a context manager, because graphics resources must be released.
+class Renderer(Closing):
+    """Renderer of a model in a size in pixels; a context manager, because it holds graphics resources.
 
-    Parameters
-    ----------
-    model, data
-        Model and data of MuJoCo; missing light and colors are added.
-    size
-        Width and height, pixels.
-    camera
-        Name of a camera of the model; empty is its `closeup` with its `overview` in a corner, one of
-        them if it has only one, otherwise a view of everything.
-    poses
-        Coordinates at which that view must show everything, shape (poses, coordinates).
-
-    Raises
-    ------
-    CosimError
-        No rendering backend works, or the model has no such camera.
+    Missing light and colors are added to the model. An empty `camera` is its `closeup` with its `overview` in
+    a corner, one of them if it has only one, otherwise a view of everything in all `poses`, shape (poses,
+    coordinates).
     """
 
     def __init__(self, model: Any, data: Any, size: tuple[int, int], camera: str, poses: Array) -> None:
         self.model, self.data = model, data
-        light(model)
-        colour(model)
+        add_light(model)
+        add_colors(model)
         model.vis.global_.offwidth, model.vis.global_.offheight = size
         first, self.inset = cameras(model, camera)
         self.camera = first or free_camera(model, data, size, poses)
@@ -78,7 +65,7 @@ class Renderer:
         self.background = background(size[1], size[0])
         self.drawn, self.overview = 0, self.background
         self.options = mujoco.MjvOption()
-        # places in the machine, and no part of it
+        # sites are positions in the machine, not parts of it
         self.options.sitegroup[:] = 0
         self.context = graphics(size)
         try:
@@ -89,43 +76,39 @@ class Renderer:
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self.drawer)
         self.drawer.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR.value
 
-    def __enter__(self) -> Renderer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
+        """Release the graphics resources."""
         self.drawer.free()
         self.context.free()
 
     def picture(self, qpos: Array, draw: Callable[[], None] = lambda: None) -> Picture:
         """Draw the model with these coordinates, after `draw` moved the parts that are only drawn."""
-        place(self.model, self.data, qpos, draw)
-        found = self._seen(self.camera, self.rectangle, self.background)
+        set_pose(self.model, self.data, qpos, draw)
+        picture = self._render(self.camera, self.rectangle, self.background)
         if self.inset is not None:
             width, height = (round(INSET * side) for side in (self.rectangle.width, self.rectangle.height))
             if self.drawn % SELDOM == 0:
                 rectangle = mujoco.MjrRect(0, 0, width, height)
-                self.overview = self._seen(self.inset, rectangle, background(height, width))
-            found[: height + FRAME, -width - FRAME :] = 255
-            found[:height, -width:] = self.overview
+                self.overview = self._render(self.inset, rectangle, background(height, width))
+            picture[: height + FRAME, -width - FRAME :] = 255
+            picture[:height, -width:] = self.overview
         self.drawn += 1
-        return found
+        return picture
 
-    def _seen(self, camera: Any, rectangle: Any, behind: Picture) -> Picture:
+    def _render(self, camera: Any, rectangle: Any, behind: Picture) -> Picture:
         everything = mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(self.model, self.data, self.options, None, camera, everything, self.scene)
         mujoco.mjr_render(rectangle, self.scene, self.drawer)
         shape = (rectangle.height, rectangle.width)
-        colours, depth = np.empty((*shape, 3), np.uint8), np.empty(shape, np.float32)
-        mujoco.mjr_readPixels(colours, depth, rectangle, self.drawer)
+        colors, depth = np.empty((*shape, 3), np.uint8), np.empty(shape, np.float32)
+        mujoco.mjr_readPixels(colors, depth, rectangle, self.drawer)
         # graphics count lines from below, and nothing is as far as it gets
-        colours, nothing = colours[::-1], depth[::-1] == 0.0
-        np.copyto(colours, behind, where=nothing[..., None])
-        return colours
+        colors, nothing = colors[::-1], depth[::-1] == 0.0
+        np.copyto(colors, behind, where=nothing[..., None])
+        return colors
 
 
-def place(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda: None) -> None:
+def set_pose(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda: None) -> None:
     """Set the coordinates of a model for drawing; `draw` moves the parts that are only drawn."""
     data.qpos[:] = qpos
     draw()
@@ -136,13 +119,7 @@ def place(model: Any, data: Any, qpos: Array, draw: Callable[[], None] = lambda:
 
 
 def graphics(size: tuple[int, int]) -> Any:
-    """Context of the graphics of this system, ready to draw.
-
-    Raises
-    ------
-    CosimError
-        A package or a library of the system is missing.
-    """
+    """Context of the graphics of this system, ready to draw; its packages and libraries may be missing."""
     name = os.environ.get(CHOICE, "").strip().lower() or BACKENDS.get(sys.platform, "egl")
     if name not in ("egl", "osmesa", "glfw", "cgl"):
         raise CosimError(f"no picture can be drawn here: `{CHOICE}` is `{name}`", HINT)
@@ -158,7 +135,7 @@ def graphics(size: tuple[int, int]) -> Any:
     return context
 
 
-def light(model: Any) -> None:
+def add_light(model: Any) -> None:
     """Add light to a model without light."""
     if model.nlight == 0:
         model.vis.headlight.ambient[:] = 0.35
@@ -166,12 +143,12 @@ def light(model: Any) -> None:
         model.vis.headlight.specular[:] = 0.25
 
 
-def colour(model: Any) -> None:
+def add_colors(model: Any) -> None:
     """Set a color by body for every geom without color and material."""
-    bodies = {body: turn for turn, body in enumerate(dict.fromkeys(model.geom_bodyid.tolist()))}
+    bodies = {body: number for number, body in enumerate(dict.fromkeys(model.geom_bodyid.tolist()))}
     for geom in range(model.ngeom):
-        if model.geom_matid[geom] < 0 and np.allclose(model.geom_rgba[geom], DEFAULT_COLOUR):
-            model.geom_rgba[geom, :3] = COLOURS[bodies[int(model.geom_bodyid[geom])] % len(COLOURS)]
+        if model.geom_matid[geom] < 0 and np.allclose(model.geom_rgba[geom], DEFAULT_COLOR):
+            model.geom_rgba[geom, :3] = COLORS[bodies[int(model.geom_bodyid[geom])] % len(COLORS)]
 
 
 def background(height: int, width: int) -> Picture:
@@ -206,7 +183,7 @@ def free_camera(model: Any, data: Any, size: tuple[int, int], poses: Array) -> A
     # a plane has no size of its own
     seen = (model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE) & (model.geom_rgba[:, 3] > 0.0)
     for qpos in poses:
-        place(model, data, qpos)
+        set_pose(model, data, qpos)
         if seen.any():
             low = np.minimum(low, (data.geom_xpos - model.geom_rbound[:, None])[seen].min(axis=0))
             high = np.maximum(high, (data.geom_xpos + model.geom_rbound[:, None])[seen].max(axis=0))

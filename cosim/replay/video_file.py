@@ -5,22 +5,20 @@ from __future__ import annotations
 import io
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from cosim import extras
 from cosim.errors import CosimError
-from cosim.replay import caption, enlarge, pace
-from cosim.replay.motion import Motion, Recorded, motion
-from cosim.replay.pace import RATE, Pace
+from cosim.replay import caption
+from cosim.replay.enlarge import enlargement
+from cosim.replay.motion import Recorded, motion
+from cosim.replay.playback import RATE, ReplayOptions, check_seconds, time_scale
+from cosim.replay.renderer import Picture, Renderer
 from cosim.writing import check_folder, whole
-
-if TYPE_CHECKING:
-    from cosim.replay.renderer import Picture
 
 LARGEST = 4096
 """Maximum pixels of a side for MuJoCo's buffers and the formats."""
@@ -28,85 +26,62 @@ POSES = 32
 """Number of poses that the view must show completely."""
 
 
-@dataclass(frozen=True)
-class Shot:
-    """Settings of a video.
-
-    Parameters
-    ----------
-    size
-        Width and height, pixels.
-    seconds
-        Duration of the video, s.
-    begin, end
-        Part of the run, s; None is its start or end.
-    camera
-        Name of a camera of the model, empty as for `Renderer`.
-    enlarge
-        Texts `COORDINATE=FACTOR`; default: automatic.
-    """
-
-    size: tuple[int, int] = (640, 480)
-    seconds: float = 8.0
-    begin: float | None = None
-    end: float | None = None
-    camera: str = ""
-    enlarge: tuple[str, ...] = ()
-
-
-def check(file: Path, shot: Shot) -> None:
-    """Check before a long run that its video can be written.
-
-    Raises
-    ------
-    CosimError
-        Unknown ending, no such folder, an invalid size or duration, or a package is not installed.
-    """
+def check(file: Path, options: ReplayOptions) -> None:
+    """Check before a long run that its video can be written: ending, folder, size, duration, packages."""
     if file.suffix not in WRITERS:
         endings = ", ".join(f"`{ending}`" for ending in WRITERS)
         raise CosimError(f"cannot write a video to `{file}`", f"Use a name that ends in {endings}.")
     check_folder(file)
-    width, height = shot.size
+    width, height = options.size
     if not (16 <= width <= LARGEST and 16 <= height <= LARGEST) or width % 2 or height % 2:
         problem = f"`--size` is `{width}x{height}`"
         raise CosimError(problem, f"Use even numbers from 16 to {LARGEST}.")
-    pace.check(shot.seconds)
+    check_seconds(options.seconds)
     check_packages(file.suffix)
 
 
 def check_packages(ending: str) -> None:
-    """Check that the packages for an ending are installed; otherwise raise a `CosimError`."""
+    """Check that the packages for an ending are installed."""
     if ending == ".mp4":
         library()
     extras.needed("PIL", "videos need Pillow, which is not installed", extras.hint("replay"))
 
 
 def library() -> Any:
-    """Return PyAV; raise a `CosimError` if it is not installed."""
+    """Return PyAV, which must be installed."""
     return extras.needed("av", "an MP4 file needs PyAV, which is not installed", extras.hint("replay"))
 
 
 def save(
-    recorded: Recorded, shot: Shot, file: Path, progress: Callable[[int, int], None] | None = None
+    recorded: Recorded,
+    options: ReplayOptions,
+    file: Path,
+    progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Write the video of a run.
-
-    Raises
-    ------
-    CosimError
-        As for `check`; its coordinates are not in the trace; no rendering backend works.
-    """
-    check(file, shot)
+    """Write the video of a run, whose trace must hold the coordinates."""
+    check(file, options)
     moved = motion(recorded)
-    paced = pace.pace(moved.times, shot.seconds, shot.begin, shot.end)
-    pictures = reported(filmed(recorded, moved, paced, shot), len(paced.rows), progress)
+    scale = time_scale(moved.times, options.seconds, options.begin, options.end)
+    count = len(scale.rows)
+
+    def pictures() -> Iterator[Picture]:
+        larger = enlargement(moved, options.enlarge)
+        lines = caption.lines(recorded)
+        poses = larger.qpos[scale.rows[:: max(1, count // POSES)]]
+        with Renderer(moved.model, moved.data, options.size, options.camera, poses) as renderer:
+            for done, row in enumerate(map(int, scale.rows), 1):
+                if progress is not None:
+                    progress(done, count)
+                picture = renderer.picture(larger.qpos[row], partial(moved.draw, row, larger.value))
+                yield with_captions(picture, [line(row) for line in lines], [scale.text, *larger.texts])
+
     with whole(file) as part:
-        WRITERS[file.suffix](pictures, len(paced.rows), shot.size, part)
+        WRITERS[file.suffix](pictures(), count, options.size, part)
 
 
-def still(film: Path) -> bytes:
+def middle_picture(video: Path) -> bytes:
     """Middle picture of an MP4 video, as JPEG."""
-    with library().open(str(film)) as container:
+    with library().open(str(video)) as container:
         middle = container.streams.video[0].frames // 2
         picture = next(itertools.islice(container.decode(video=0), middle, None))
     content = io.BytesIO()
@@ -114,22 +89,7 @@ def still(film: Path) -> bytes:
     return content.getvalue()
 
 
-def filmed(recorded: Recorded, moved: Motion, paced: Pace, shot: Shot) -> Iterator[Picture]:
-    """Pictures of a run with captions."""
-    from cosim.replay.renderer import Renderer
-
-    factors = enlarge.given(shot.enlarge, moved) if shot.enlarge else enlarge.chosen(moved)
-    qpos, drawn = enlarge.enlarged(moved, factors), enlarge.one(moved, factors)
-    always = [paced.words, *enlarge.words(factors)]
-    lines = caption.lines(recorded)
-    poses = qpos[paced.rows[:: max(1, len(paced.rows) // POSES)]]
-    with Renderer(moved.model, moved.data, shot.size, shot.camera, poses) as renderer:
-        for row in paced.rows:
-            draw = partial(moved.draw, int(row), drawn)
-            yield lettered(renderer.picture(qpos[row], draw), caption.written(lines, int(row)), always)
-
-
-def lettered(picture: Picture, left: Sequence[str], below: Sequence[str]) -> Picture:
+def with_captions(picture: Picture, current: Sequence[str], constant: Sequence[str]) -> Picture:
     """Write captions into a picture: changing texts, and below them those of the whole video.
 
     Both are at the top, where the controls of a player do not hide them.
@@ -141,24 +101,14 @@ def lettered(picture: Picture, left: Sequence[str], below: Sequence[str]) -> Pic
     size = max(10, picture.shape[0] // 30)
     font = ImageFont.load_default(size)
     y = 0
-    for texts in filter(None, (left, below)):
+    for texts in filter(None, (current, constant)):
         box = draw.multiline_textbbox((0, 0), "\n".join(texts), font=font, spacing=size // 4)
         width, height = box[2] + size, box[3] + size
         draw.rectangle((0, y, width, y + height), fill=(16, 22, 28, 170))
-        place = (size // 2, y + size // 2 - size // 8)
-        draw.multiline_text(place, "\n".join(texts), font=font, spacing=size // 4, fill="white")
+        corner = (size // 2, y + size // 2 - size // 8)
+        draw.multiline_text(corner, "\n".join(texts), font=font, spacing=size // 4, fill="white")
         y += height + size // 4
     return np.asarray(image)
-
-
-def reported(
-    pictures: Iterator[Picture], count: int, progress: Callable[[int, int], None] | None
-) -> Iterator[Picture]:
-    """Pictures, with a progress call for each."""
-    for done, picture in enumerate(pictures, 1):
-        if progress is not None:
-            progress(done, count)
-        yield picture
 
 
 def write_mp4(pictures: Iterator[Picture], count: int, size: tuple[int, int], file: Path) -> None:

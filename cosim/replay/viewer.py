@@ -10,51 +10,35 @@ from typing import Any
 
 from cosim import extras
 from cosim.errors import CosimError
-from cosim.replay import enlarge
+from cosim.replay.enlarge import enlargement
 from cosim.replay.motion import Recorded, motion
-from cosim.replay.pace import RATE, pace
-from cosim.replay.renderer import colour, light, place
-from cosim.replay.video_file import Shot
+from cosim.replay.playback import RATE, ReplayOptions, time_scale
+from cosim.replay.renderer import add_colors, add_light, set_pose
 
 
-def show(recorded: Recorded, shot: Shot, again: bool = True) -> None:
-    """Show a run in a window until it is closed.
-
-    Parameters
-    ----------
-    shot
-        Part, pace and enlargement of the run; the camera is moved with the mouse.
-    again
-        Whether it repeats.
-
-    Raises
-    ------
-    CosimError
-        Its coordinates are not in the trace, or there is no screen.
-    """
+def show(recorded: Recorded, options: ReplayOptions) -> None:
+    """Show a run repeatedly in a window until it is closed. The mouse moves the camera."""
     moved = motion(recorded)
-    paced = pace(moved.times, shot.seconds, shot.begin, shot.end)
-    factors = enlarge.given(shot.enlarge, moved) if shot.enlarge else enlarge.chosen(moved)
-    qpos, drawn = enlarge.enlarged(moved, factors), enlarge.one(moved, factors)
-    light(moved.model)
-    colour(moved.model)
-    viewer = opened(moved.model, moved.data)
+    scale = time_scale(moved.times, options.seconds, options.begin, options.end)
+    larger = enlargement(moved, options.enlarge)
+    add_light(moved.model)
+    add_colors(moved.model)
+    viewer = open_window(moved.model, moved.data)
     try:
         begun = time.monotonic()
         while viewer.is_running():
             picture = round(RATE * (time.monotonic() - begun))
-            if picture >= len(paced.rows) and not again:
-                return
             with viewer.lock():
-                row = int(paced.rows[picture % len(paced.rows)])
-                place(moved.model, moved.data, qpos[row], partial(moved.draw, row, drawn))
+                row = int(scale.rows[picture % len(scale.rows)])
+                draw = partial(moved.draw, row, larger.value)
+                set_pose(moved.model, moved.data, larger.qpos[row], draw)
             viewer.sync()
             time.sleep(1.0 / RATE)
     finally:
         viewer.close()
 
 
-def opened(model: Any, data: Any) -> Any:
+def open_window(model: Any, data: Any) -> Any:
     """Window of MuJoCo's viewer that steps nothing by itself."""
     extras.needed("glfw", "the viewer needs the package `glfw`", extras.hint("replay"))
     hint = "Use a screen, or make a video with `cosim video`."

@@ -10,12 +10,12 @@ import numpy as np
 from cosim.trace.columns import Array
 
 DENSE = 200
-"""Places between two points at which crossings are looked for."""
+"""Number of interpolated points per measured one, for crossings."""
 
 
 @dataclass(frozen=True)
 class Margin:
-    """What is left at a crossing: the factor of the gain, or the angle in rad; and its frequency."""
+    """Margin at a crossing: the factor of the gain, or the angle in rad; and its frequency."""
 
     frequency: float
     value: float
@@ -23,17 +23,7 @@ class Margin:
 
 @dataclass(frozen=True)
 class Response:
-    """Gain and phase in rad of an open loop over frequencies, in their original unit.
-
-    Parameters
-    ----------
-    frequency
-        Ascending, above 0.
-    gain
-        Above 0.
-    phase
-        Without jumps.
-    """
+    """Gain (above 0) and phase (rad, without jumps) of an open loop over ascending frequencies above 0."""
 
     frequency: Array
     gain: Array
@@ -42,9 +32,9 @@ class Response:
     def dense(self) -> tuple[Array, Array, Array]:
         """Interpolated points: straight lines over the logarithm of the frequency."""
         given = np.log(self.frequency)
-        places = np.linspace(given[0], given[-1], DENSE * len(given), dtype=np.float64)
-        gain = np.exp(np.interp(places, given, np.log(self.gain)))
-        return np.exp(places), gain, np.interp(places, given, self.phase)
+        dense = np.linspace(given[0], given[-1], DENSE * len(given), dtype=np.float64)
+        gain = np.exp(np.interp(dense, given, np.log(self.gain)))
+        return np.exp(dense), gain, np.interp(dense, given, self.phase)
 
     def phase_margin(self) -> Margin | None:
         """Minimum angle from the gain 1 to -180 degrees; None without a crossover."""
@@ -58,7 +48,7 @@ class Response:
     def gain_margin(self) -> Margin | None:
         """Minimum factor above 1 from the gain at -180 degrees to 1; None without one."""
         frequency, gain, phase = self.dense()
-        # the distance from -180 degrees jumps where it is half a turn
+        # the distance from -180 degrees jumps at half a revolution
         away = np.remainder(phase, 2.0 * np.pi) - np.pi
         found = [
             Margin(float(frequency[i]), float(1.0 / gain[i]))
@@ -76,11 +66,8 @@ def crossings(values: Array) -> list[int]:
 def response(frequency: Array, gain: Array, phase: Array, closed: bool) -> Response | None:
     """Open loop of measured points; None without two of them.
 
-    Parameters
-    ----------
-    closed
-        Whether gain and phase are those of the closed loop T: with the error desired minus measured,
-        T = L / (1 + L), so the open loop is L = T / (1 - T), with every delay in it.
+    `closed`: gain and phase are those of the closed loop T. With the error desired minus measured,
+    T = L / (1 + L), so the open loop is L = T / (1 - T), with every delay in it.
     """
     measured = gain * np.exp(1j * phase)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -98,7 +85,7 @@ def response(frequency: Array, gain: Array, phase: Array, closed: bool) -> Respo
 
 def margin_text(margin: Margin, x_scale: float, x_unit: str, is_phase: bool) -> str:
     """Text of a margin with its frequency, in the unit of the axis."""
-    place = f"at {x_scale * margin.frequency:.4g} {x_unit}".strip()
+    frequency = f"at {x_scale * margin.frequency:.4g} {x_unit}".strip()
     if is_phase:
-        return f"phase margin {math.degrees(margin.value):.1f} degrees {place}"
-    return f"gain margin {margin.value:.2f} ({20.0 * math.log10(margin.value):.1f} dB) {place}"
+        return f"phase margin {math.degrees(margin.value):.1f} degrees {frequency}"
+    return f"gain margin {margin.value:.2f} ({20.0 * math.log10(margin.value):.1f} dB) {frequency}"

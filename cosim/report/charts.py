@@ -1,31 +1,35 @@
-"""Charts of a run that are not time series: paths, spectra, peaks, distributions, arrays, maps and others."""
+"""Charts of a run that are not time series: paths, spectra, peaks, distributions, maps and others."""
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import bode, curves, fields, series
-from cosim.report.curves import Cells, Line
-from cosim.report.series import scaled
+from cosim.report import bode, curves, fields
+from cosim.report.curves import Cells, Evaluate, Line
 from cosim.scenario.model import Chart, Scenario
 from cosim.show import marks
+from cosim.show.marks import Named
 from cosim.trace.columns import Array, Columns, InOrder
 
-Limits = Mapping[str, Sequence[tuple[float, str]]]
-"""Limits on values with their texts, by plotted column."""
+Limits = Mapping[str, Named]
+"""Limits on values, by plotted column."""
 FEW = 60
 """Maximum number of points with markers."""
 CELLS = 60
 """Number of cells along the longer side of a map."""
+STEPS = 65534
+"""Number of steps from the minimum to the maximum of packed values; the next number is NaN."""
 STILL = 1e-6
 """Relative change below which a value is constant."""
 KINDS = {
@@ -40,110 +44,136 @@ LIMITED = ("path", "polar", "peaks", "share")
 """Kinds that show values of `y` unchanged, and so their limits."""
 
 
-def views(scenario: Scenario, result: Result) -> tuple[list[dict[str, Any]], list[str]]:
-    """Make the nonempty charts of a run as plain data; return also the reasons for missing charts."""
+@dataclass(frozen=True)
+class ChartData:
+    """A chart with its lines or cells, marked positions of `x` and marked values."""
+
+    chart: Chart
+    lines: Sequence[Line] = ()
+    cells: Cells | None = None
+    marks: Named = ()
+    levels: Named = ()
+
+    @property
+    def x_label(self) -> str:
+        """Text of the `x` axis; fixed for a spectrum."""
+        chart = self.chart
+        if chart.x_label or chart.kind != "spectrum":
+            return labelled(chart.x_label, chart.x_unit)
+        return "waves per revolution" if chart.x else labelled("frequency", chart.x_unit or "Hz")
+
+    @property
+    def label(self) -> str:
+        """Text of the other axis."""
+        return labelled(self.chart.label, self.chart.unit)
+
+    @property
+    def points(self) -> bool:
+        """Whether the lines have so few points that each has a marker."""
+        return bool(self.lines) and all(len(line.x) <= FEW for line in self.lines)
+
+    @property
+    def integer(self) -> bool:
+        """Whether all `x` are integers."""
+        return bool(self.lines) and all(np.all(line.x == np.round(line.x)) for line in self.lines)
+
+    def packed(self) -> dict[str, Any]:
+        """Return plain data for the script of the page."""
+        chart, cells = self.chart, self.cells
+        return {
+            "title": chart.title,
+            "polar": chart.kind == "polar",
+            "x_label": self.x_label,
+            "label": self.label,
+            "log": chart.log,
+            "x_log": chart.x_log,
+            "equal": chart.equal,
+            "points": self.points,
+            "integer": self.integer,
+            "marks": self.marks,
+            "levels": self.levels,
+            "lines": [
+                {
+                    "name": line.name,
+                    "x": packed_values(line.x, chart.x_log),
+                    "y": packed_values(line.y, chart.log),
+                }
+                for line in self.lines
+            ],
+            "cells": None
+            if cells is None
+            else {"x": cells.x.tolist(), "y": cells.y.tolist(), **packed_values(cells.parts.ravel())},
+        }
+
+
+def packed_values(values: Array, log: bool = False) -> dict[str, Any]:
+    """Values as text: 16 bits each between the minimum and the maximum; logarithms on a logarithmic axis.
+
+    The error is at most 1 / 131068 of their span, which is less than a pixel of any screen.
+    """
+    if log:
+        values = np.log10(np.where(values > 0.0, values, np.nan))
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    span = high - low or 1.0
+    numbers: NDArray[np.uint16] = np.full(len(values), STEPS + 1, np.uint16)
+    known = np.isfinite(values)
+    numbers[known] = np.round((values[known] - low) / span * STEPS)
+    text = base64.b64encode(numbers.astype("<u2").tobytes()).decode()
+    return {"low": low, "span": span, "data": text}
+
+
+def labelled(label: str, unit: str) -> str:
+    """Text of an axis."""
+    return f"{label} ({unit})" if unit and label else label or unit
+
+
+def of_run(scenario: Scenario, result: Result) -> tuple[list[ChartData], list[str]]:
+    """Make the nonempty charts of a run; return also the reasons for missing charts."""
     items = {name: result.items.get(name) for name in result.columns}
     limits = marks.limits(scenario, result)
     return of_columns(scenario.plot.charts, result.columns, items, scenario.file.parent, limits)
 
 
 def of_columns(
-    wanted: Sequence[Chart],
+    charts: Sequence[Chart],
     columns: Columns,
     items: Mapping[str, Items | None],
     folder: Path,
     limits: Limits,
-) -> tuple[list[dict[str, Any]], list[str]]:
-    """Make the nonempty charts of a table as plain data; return also the reasons for missing charts.
+) -> tuple[list[ChartData], list[str]]:
+    """Make the nonempty charts of a table; return also the reasons for missing charts.
 
     `folder` is that of the file with the charts, `limits` are the limits on columns.
     """
-    found, undrawn = [], []
-    for chart in wanted:
+    found: list[ChartData] = []
+    undrawn = []
+    for chart in charts:
         try:
-            if chart.kind == "map":
-                cells = summed(chart, columns, items)
-                found += [mapped(chart, cells)] if cells is not None else []
-            elif chart.kind == "field":
-                made = fields.maps(chart, picked(chart, columns, items), folder)
-                found += [
-                    mapped(replace(chart, title=f"{chart.title}: {name}"), cells) for name, cells in made
-                ]
-            elif chart.kind == "bode":
-                found += loop_of(chart, columns)
-            elif drawn := lines(chart, columns, items):
-                found.append(view(chart, drawn, *limited(chart, drawn, limits)))
+            found += of_chart(chart, columns, items, folder, limits)
         except CosimError as error:
             undrawn.append(str(error))
     return found, undrawn
 
 
-def evaluated(text: str, chart: Chart, table: InOrder, items: Mapping[str, Items | None]) -> Array:
-    """Value of an expression of a chart in each row, shape (rows,).
-
-    Raises
-    ------
-    ExpressionError
-        It cannot be computed, or gives neither one number nor one for each row.
-    """
-    expression = Expression(text, items, f"`plot.charts` `{chart.title}`")
-    found, rows = np.asarray(expression(table), dtype=float), len(table[0])
-    if found.ndim and len(found) != rows:
-        raise expression.error(
-            f"gives {len(found)} values for {rows} rows", "Select rows with `parts`, not with `[...]`."
-        )
-    return np.broadcast_to(found, (rows,))
-
-
-def axes(chart: Chart) -> dict[str, Any]:
-    """Titles of a chart and its axes, and their kinds."""
-    return {
-        "title": chart.title,
-        "polar": chart.kind == "polar",
-        "x_label": labelled(*across(chart)),
-        "label": labelled(chart.label, chart.unit),
-        "log": chart.log,
-        "x_log": chart.x_log,
-        "equal": chart.equal,
-        "points": False,
-        "whole": False,
-        "marks": [],
-        "levels": [],
-        "lines": [],
-        "cells": None,
-    }
+def of_chart(
+    chart: Chart, columns: Columns, items: Mapping[str, Items | None], folder: Path, limits: Limits
+) -> list[ChartData]:
+    """Make the charts of one entry: two for `bode`, one for each map of a `field`, none without content."""
+    if chart.kind == "bode":
+        return open_loop(chart, columns)
+    if chart.kind == "map":
+        cells = map_cells(chart, columns, items)
+        return [] if cells is None else [ChartData(chart, cells=cells)]
+    if chart.kind == "field":
+        maps = fields.maps(chart, selected(chart, columns, items), folder)
+        return [ChartData(replace(chart, title=f"{chart.title}: {name}"), cells=one) for name, one in maps]
+    drawn = lines(chart, columns, items)
+    return [with_limits(chart, drawn, limits)] if drawn else []
 
 
-def view(
-    chart: Chart,
-    drawn: list[Line],
-    places: Sequence[tuple[float, str]] = (),
-    levels: Sequence[tuple[float, str]] = (),
-) -> dict[str, Any]:
-    """One chart: its lines as numbers, with marked positions of `x` and marked values."""
-    points = all(len(line.x) <= FEW for line in drawn)
-    whole = all(np.all(line.x == np.round(line.x)) for line in drawn)
-    return {
-        **axes(chart),
-        "points": points,
-        "whole": whole,
-        "marks": list(places),
-        "levels": list(levels),
-        "lines": [
-            {
-                "name": line.name,
-                "x": series.packed(scaled(line.x, chart.x_log)),
-                "y": series.packed(scaled(line.y, chart.log)),
-            }
-            for line in drawn
-        ],
-    }
-
-
-def limited(
-    chart: Chart, drawn: Sequence[Line], limits: Limits
-) -> tuple[list[tuple[float, str]], list[tuple[float, str]]]:
-    """Limits on the plotted columns, as positions of `x` and as values, unless they flatten the chart."""
+def with_limits(chart: Chart, drawn: Sequence[Line], limits: Limits) -> ChartData:
+    """Chart with the limits on its columns, as positions of `x` or as values, unless they flatten it."""
     found = dict.fromkeys(
         (chart.scale * limit, label)
         for name in chart.y
@@ -152,11 +182,11 @@ def limited(
     )
     if chart.kind == "share":
         own = {(chart.x_scale / chart.scale * limit, label): None for limit, label in found}
-        return marks.seen([*own], [line.x for line in drawn]), []
-    return [], marks.seen([*found], [line.y for line in drawn])
+        return ChartData(chart, drawn, marks=marks.visible([*own], [line.x for line in drawn]))
+    return ChartData(chart, drawn, levels=marks.visible([*found], [line.y for line in drawn]))
 
 
-def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
+def open_loop(chart: Chart, trace: Columns) -> list[ChartData]:
     """Gain and phase of an open loop, each a chart, with the margins; none without two points."""
     frequency, gain, phase = (
         np.array([trace[one][-1] for one in numbered(name, trace)]) for name in (chart.x, *chart.y)
@@ -171,42 +201,53 @@ def loop_of(chart: Chart, trace: Columns) -> list[dict[str, Any]]:
         for margin, is_phase in margins
         if margin is not None
     ]
-    places = chart.x_scale * found.frequency
+    x = chart.x_scale * found.frequency
     drawn = (
         ("gain", "", True, found.gain, 1.0),
         ("phase", "deg", False, np.degrees(found.phase), -180.0),
     )
     return [
-        view(
+        ChartData(
             replace(chart, title=f"{chart.title}: {name}", label=name, unit=unit, x_log=True, log=log),
-            [Line(name, places, values)],
-            marked,
-            [(level, "")],
+            [Line(name, x, values)],
+            marks=marked,
+            levels=[(level, "")],
         )
         for name, unit, log, values, level in drawn
     ]
 
 
-def mapped(chart: Chart, cells: Cells) -> dict[str, Any]:
-    """One map, as numbers."""
-    held = {"x": cells.x.tolist(), "y": cells.y.tolist(), **series.packed(cells.parts.ravel())}
-    return {**axes(chart), "cells": held}
+def evaluator(chart: Chart, columns: Columns, items: Mapping[str, Items | None]) -> Evaluate:
+    """Return a function for the value of an expression of a chart in each row, shape (rows,).
+
+    It raises an `ExpressionError` for neither one number nor one for each row.
+    """
+    table = InOrder(columns)
+
+    def value(text: str) -> Array:
+        expression = Expression(text, items, f"`plot.charts` `{chart.title}`")
+        found, rows = np.asarray(expression(table), dtype=float), len(table[0])
+        if found.ndim and len(found) != rows:
+            raise expression.error(
+                f"gives {len(found)} values for {rows} rows", "Select rows with `parts`, not with `[...]`."
+            )
+        return np.broadcast_to(found, (rows,))
+
+    return value
 
 
-def picked(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Array]:
+def selected(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Array]:
     """Values of each `y` in the rows that meet all parts."""
-    table = InOrder(trace)
-    parts = [evaluated(text, chart, table, items) != 0.0 for text in chart.parts]
+    value = evaluator(chart, trace, items)
+    parts = [value(text) != 0.0 for text in chart.parts]
     rows = np.logical_and.reduce([np.ones(len(trace["time"]), dtype=bool), *parts])
-    return [evaluated(text, chart, table, items)[rows] for text in chart.y]
+    return [value(text)[rows] for text in chart.y]
 
 
-def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:
+def map_cells(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:
     """Sum of the weights in each cell, relative to the largest sum; None if it is not positive."""
-    table = InOrder(trace)
-    x, y, weight, *parts = (
-        evaluated(text, chart, table, items) for text in (chart.x, chart.y[0], chart.weight, *chart.parts)
-    )
+    texts = (chart.x, chart.y[0], chart.weight, *chart.parts)
+    x, y, weight, *parts = map(evaluator(chart, trace, items), texts)
     rows = np.logical_and.reduce(
         [np.isfinite(x), np.isfinite(y), np.isfinite(weight), *(part != 0.0 for part in parts)]
     )
@@ -222,56 +263,33 @@ def summed(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> C
     return Cells(chart.x_scale * across, chart.scale * up, found.T / found.max())
 
 
-def across(chart: Chart) -> tuple[str, str]:
-    """Label and unit of the `x` axis; fixed for a spectrum."""
-    if chart.x_label or chart.kind != "spectrum":
-        return chart.x_label, chart.x_unit
-    return ("waves per revolution", "") if chart.x else ("frequency", chart.x_unit or "Hz")
-
-
-def labelled(label: str, unit: str) -> str:
-    """Text of an axis."""
-    return f"{label} ({unit})" if unit and label else label or unit
-
-
 def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Line]:
     """Lines of a chart, without empty and constant ones."""
-    table = InOrder(trace)
-    rows = len(trace["time"])
-
-    def value(text: str) -> Array:
-        return evaluated(text, chart, table, items)
-
-    if chart.kind == "array":
-        found = [curves.array(name, chart, trace) for name in chart.y]
-    elif chart.kind == "roc":
-        quiet, sought = (value(part) != 0.0 for part in chart.parts)
+    value = evaluator(chart, trace, items)
+    masks = [value(part) != 0.0 for part in chart.parts] or [np.ones(len(trace["time"]), dtype=bool)]
+    if chart.kind == "roc":
         named = zip(chart.y, chart.names or chart.y, strict=True)
-        found = [line for y, name in named for line in curves.roc(name, value(y), quiet, sought)]
+        found = [line for y, name in named for line in curves.roc(name, value(y), *masks)]
     else:
-        masks = [value(part) != 0.0 for part in chart.parts] or [np.ones(rows, dtype=bool)]
         pairs = [(name, mask) for name in chart.y for mask in masks]
         names = chart.names or [
-            name if not chart.parts else f"{name}, {part}"
-            for name in chart.y
-            for part in chart.parts or ("",)
+            f"{name}, {part}" if part else name for name in chart.y for part in chart.parts or ("",)
         ]
         found = [
             line
             for (text, mask), name in zip(pairs, names, strict=True)
-            for line in KINDS[chart.kind](chart, name, value(text), mask, value, trace)
+            for line in KINDS[chart.kind](chart, name, value(text), mask, value)
         ]
     return [
         Line(line.name, chart.x_scale * line.x, chart.scale * line.y)
         for line in found
-        if not stands(line.x, line.y)
+        if not constant(line.x, line.y)
     ]
 
 
-def stands(x: Array, y: Array) -> bool:
-    """Whether there is no point, or only one within rounding."""
+def constant(x: Array, y: Array) -> bool:
+    """Whether there is no point, or several ones that are the same within rounding."""
     known = np.isfinite(x) & np.isfinite(y)
-    moved = (
-        [np.ptp(each[known]) > STILL * np.abs(each[known]).max() for each in (x, y)] if known.any() else []
-    )
-    return not any(moved) and np.count_nonzero(known) != 1
+    if np.count_nonzero(known) < 2:
+        return not known.any()
+    return all(np.ptp(each[known]) <= STILL * np.abs(each[known]).max() for each in (x, y))

@@ -1,4 +1,4 @@
-"""Curves of charts: paths, spectra, peaks, distributions, thresholds and arrays."""
+"""Curves of charts: paths, spectra, peaks, distributions and thresholds."""
 
 from __future__ import annotations
 
@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.formatting.quantity import round_down
-from cosim.metrics.drawable import numbered
 from cosim.scenario.model import Chart
-from cosim.trace.columns import Array, Columns
-from cosim.trace.thinned import BUCKETS, extremes
+from cosim.trace.columns import BUCKETS, Array, extremes
 
 MAX_POINTS = 2 * BUCKETS
 SEEN = 0.1
@@ -37,15 +35,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Cells:
-    """Values in the cells of a plane.
-
-    Parameters
-    ----------
-    x, y
-        Edges of the columns and rows.
-    parts
-        Values relative to the largest, shape (y, x).
-    """
+    """Values in the cells of a plane, relative to the largest, shape (y, x); `x`, `y` are the edges."""
 
     x: Array
     y: Array
@@ -53,34 +43,32 @@ class Cells:
 
 
 Evaluate = Callable[[str], Array]
+"""Value of an expression in each row."""
 
 
-def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate) -> list[Line]:
     """One value over another in the order of the rows; one line for each value of the split."""
     x = value(chart.x)
     if chart.error:
-        return beside(name, x[mask], y[mask], value(chart.error)[mask])
+        return enlarged_error(name, x[mask], y[mask], value(chart.error)[mask])
     if not chart.split:
-        return [Line(name, *few(x[mask], y[mask]))]
+        return [Line(name, *decimated(x[mask], y[mask]))]
     split = value(chart.split)
-    turns = np.unique(split[mask & np.isfinite(split)])
-    last = turns[min(len(turns), MAX_LINES) - 1] if len(turns) else np.nan
+    parts = np.unique(split[mask & np.isfinite(split)])
+    last = parts[min(len(parts), MAX_LINES) - 1] if len(parts) else np.nan
     several = len(chart.y) > 1 or len(chart.parts) > 1
     found = []
-    for turn in turns[:MAX_LINES]:
-        rest = turn == last and len(turns) > MAX_LINES
-        rows = mask & (split >= turn if rest else split == turn)
-        label = f"{chart.split_name} {turn:g}{' and on' if rest else ''}".strip()
+    for part in parts[:MAX_LINES]:
+        rest = part == last and len(parts) > MAX_LINES
+        rows = mask & (split >= part if rest else split == part)
+        label = f"{chart.split_name} {part:g}{' and on' if rest else ''}".strip()
         label = f"{name}, {label}" if several else label
-        found.append(Line(label, *few(x[rows], y[rows])))
+        found.append(Line(label, *decimated(x[rows], y[rows])))
     return found
 
 
-def beside(name: str, x: Array, y: Array, error: Array) -> list[Line]:
-    """Nominal path and its enlarged normal error.
-
-    Empty without motion.
-    """
+def enlarged_error(name: str, x: Array, y: Array, error: Array) -> list[Line]:
+    """Nominal path and its enlarged normal error; empty without motion."""
     along = np.gradient(x) + 1j * np.gradient(y) if len(x) > 1 else np.zeros(len(x))
     moved = np.abs(along) > 0.0
     if not moved.any():
@@ -91,12 +79,12 @@ def beside(name: str, x: Array, y: Array, error: Array) -> list[Line]:
     factor = round_down(SEEN * size / most) if most > 0.0 else 1.0
     drawn = wanted + factor * error * left
     return [
-        Line("nominal", *few(wanted.real, wanted.imag)),
-        Line(f"{name}, its error {factor:g} x larger", *few(drawn.real, drawn.imag)),
+        Line("nominal", *decimated(wanted.real, wanted.imag)),
+        Line(f"{name}, its error {factor:g} x larger", *decimated(drawn.real, drawn.imag)),
     ]
 
 
-def few(x: Array, y: Array) -> tuple[Array, Array]:
+def decimated(x: Array, y: Array) -> tuple[Array, Array]:
     """Decimated points: the rows with minimum and maximum `x` and `y` in equal intervals."""
     if len(y) <= MAX_POINTS:
         return x, y
@@ -104,30 +92,30 @@ def few(x: Array, y: Array) -> tuple[Array, Array]:
     return x[rows], y[rows]
 
 
-def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+def spectrum(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate) -> list[Line]:
     """Amplitudes by frequency in Hz, or by waves per revolution over an angle, without the mean.
 
     An angle is cut to whole revolutions. Both use the longest interval without a gap.
     """
     if not chart.x:
-        rows = unbroken(mask & np.isfinite(y))
-        times = trace["time"][rows]
+        rows = longest_interval(mask & np.isfinite(y))
+        times = value("time")[rows]
         return [by_frequency(name, times, y[rows])] if len(times) > 3 else []
     angle = value(chart.x)
-    rows = unbroken(mask)
+    rows = longest_interval(mask)
     rows = rows[np.isfinite(angle[rows]) & np.isfinite(y[rows])]
     angle, y = np.abs(angle[rows] - angle[rows][:1]), y[rows]
     turns = int(angle[-1] / (2.0 * np.pi)) if len(angle) else 0
     if turns < 1 or np.any(np.diff(angle) < 0.0):
         return []
     # the last turns: what came before may not have settled
-    places = angle[-1] - 2.0 * np.pi * np.arange(turns * PER_TURN)[::-1] / PER_TURN
-    waves = np.abs(np.fft.rfft(np.interp(places, angle, y))) * 2.0 / len(places)
+    even = angle[-1] - 2.0 * np.pi * np.arange(turns * PER_TURN)[::-1] / PER_TURN
+    waves = np.abs(np.fft.rfft(np.interp(even, angle, y))) * 2.0 / len(even)
     orders = np.arange(1, ORDERS + 1)
     return [Line(name, orders.astype(float), waves[orders * turns])]
 
 
-def unbroken(mask: Any) -> NDArray[np.int64]:
+def longest_interval(mask: Any) -> NDArray[np.int64]:
     """Rows of the longest interval of a mask without a gap."""
     rows = np.flatnonzero(mask)
     return max(np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1), key=len)
@@ -138,17 +126,17 @@ def by_frequency(name: str, times: Array, y: Array) -> Line:
     window = np.hanning(len(y))
     waves = np.abs(np.fft.rfft((y - y.mean()) * window)) * 2.0 / window.sum()
     frequencies = np.fft.rfftfreq(len(y), float(times[1] - times[0])).astype(np.float64)
-    return Line(name, *few(frequencies[1:], waves[1:]))
+    return Line(name, *decimated(frequencies[1:], waves[1:]))
 
 
-def peaks(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+def peaks(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate) -> list[Line]:
     """Largest absolute value for each value of the split."""
     split = value(chart.split)
-    turns = np.unique(split[mask & np.isfinite(split)])
-    return [Line(name, turns, np.array([np.max(np.abs(y[mask & (split == turn)])) for turn in turns]))]
+    parts = np.unique(split[mask & np.isfinite(split)])
+    return [Line(name, parts, np.array([np.max(np.abs(y[mask & (split == part)])) for part in parts]))]
 
 
-def share(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate, trace: Columns) -> list[Line]:
+def share(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate) -> list[Line]:
     """Fraction of the rows with at most a value."""
     return [Line(name, *points) for points in cumulative(y[mask])]
 
@@ -172,12 +160,3 @@ def roc(name: str, y: Array, quiet: Any, sought: Any) -> list[Line]:
     thresholds = thresholds[np.unique(np.linspace(0, len(thresholds) - 1, MAX_POINTS).astype(int))]
     above = [1.0 - np.searchsorted(each, thresholds, side="right") / len(each) for each in (air, contact)]
     return [Line(name, above[0], above[1])]
-
-
-def array(name: str, chart: Chart, trace: Columns) -> Line:
-    """Last row of an array over that of another; elements with x = 0 were never set and are omitted."""
-    x, y = (np.array([trace[one][-1] for one in numbered(each, trace)]) for each in (chart.x, name))
-    count = min(len(x), len(y))
-    set_ = x[:count] != 0.0
-    label = dict(zip(chart.y, chart.names, strict=False)).get(name, name)
-    return Line(label, x[:count][set_], y[:count][set_])

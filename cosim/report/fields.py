@@ -18,22 +18,11 @@ from cosim.trace.columns import Array
 def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str, Cells]]:
     """Make the maps of a chart by name, relative to the largest value; none if it is not above 0.
 
-    Parameters
-    ----------
-    chart
-        Names the function and the scales of the axes.
-    values
-        Arguments of the function.
-    folder
-        Folder of the scenario.
-
-    Raises
-    ------
-    ScenarioError
-        There is no such function, it raises, or its result is not a set of maps.
+    `values` are the arguments of the function, `folder` is that of the scenario. An error if there is no such
+    function, it raises, or its result is not a set of maps.
     """
     where = f"`plot.charts` `{chart.title}`: the function `{chart.function}`"
-    function = found(chart.function, where, folder)
+    function = import_function(chart.function, where, folder)
     try:
         made = {
             str(name): tuple(np.asarray(part, dtype=float) for part in one)
@@ -71,7 +60,7 @@ def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str,
     ]
 
 
-def found(name: str, where: str, folder: Path) -> Any:
+def import_function(name: str, where: str, folder: Path) -> Any:
     """Import the function of that name."""
     module_name, _, function = name.partition(":")
     try:

@@ -1,4 +1,4 @@
-"""Runs that write parts of the report: a chapter or a video."""
+"""Runs that write parts of the report: the section of a scenario or a video."""
 
 from __future__ import annotations
 
@@ -18,16 +18,10 @@ VIDEO_SECONDS = 5.0
 
 
 @dataclass(frozen=True)
-class ToldJob(RecordedJob):
-    """A `Job` that writes a chapter of the report.
+class SectionJob(RecordedJob):
+    """A `Job` that writes a section of the report to a file, until the report is written."""
 
-    Parameters
-    ----------
-    chapter
-        File of the chapter until the report is written.
-    """
-
-    chapter: Path = Path()
+    section: Path = Path()
 
     @property
     def draws(self) -> bool:
@@ -35,10 +29,11 @@ class ToldJob(RecordedJob):
         return True
 
     def leave(self, result: Result, context: WorkerContext) -> None:
-        """Write the chapter of the run, and its files."""
-        from cosim.report import chapter
+        """Write the section of the run, and its files."""
+        from cosim.report import scenario_section
 
-        write(strict.line(chapter.chapter(self.scenario, result, self.session(context))), self.chapter)
+        section = scenario_section.describe(self.scenario, result, self.session(context))
+        write(strict.line(section), self.section)
         super().leave(result, context)
 
 
@@ -46,10 +41,7 @@ class ToldJob(RecordedJob):
 class VideoJob(Job):
     """A run for a video, in addition to the evaluated one: its trace holds coordinates, and it may fail.
 
-    Parameters
-    ----------
-    video
-        File of the video; its picture is next to it, as `.jpg`.
+    The picture of the video is next to it, as `.jpg`.
     """
 
     video: Path = Path()
@@ -57,6 +49,7 @@ class VideoJob(Job):
     def run(self, context: WorkerContext) -> Result:
         """Run the scenario again and make its video, after a check of the required packages."""
         from cosim.replay import motion, renderer, video_file
+        from cosim.replay.playback import ReplayOptions
 
         loop = dataclasses.replace(self.scenario.loop, record_qpos=True)
         scenario = dataclasses.replace(self.scenario, loop=loop)
@@ -64,7 +57,7 @@ class VideoJob(Job):
         video_file.check_packages(self.video.suffix)
         renderer.graphics((16, 16)).free()
         result = session.run(self.seed)
-        shot = video_file.Shot(VIDEO_SIZE, VIDEO_SECONDS)
-        video_file.save(motion.of_result(scenario, result), shot, self.video)
-        self.video.with_suffix(".jpg").write_bytes(video_file.still(self.video))
+        options = ReplayOptions(VIDEO_SIZE, VIDEO_SECONDS)
+        video_file.save(motion.of_result(scenario, result), options, self.video)
+        self.video.with_suffix(".jpg").write_bytes(video_file.middle_picture(self.video))
         return dataclasses.replace(result, trace=None)

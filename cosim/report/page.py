@@ -8,6 +8,7 @@ import gzip
 import html
 import itertools
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,23 +16,68 @@ from cosim import extras, paths
 from cosim.errors import CosimError
 from cosim.extras import PROJECT, version
 from cosim.formatting import strict
-from cosim.report import sections
 from cosim.report.provenance import SOURCES
-from cosim.report.sections import Chapter
 
 FOLDER = Path(__file__).parent / "templates"
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
 """Programs that compute the results, with their distributions."""
+Section = dict[str, Any]
+"""Data of one scenario or study, see `scenario_section.describe` and `study_section.run`."""
+
+
+@dataclass
+class ClosedLoop:
+    """Sections of one controller: scenarios, the nominal one first, studies and documents."""
+
+    name: str
+    scenarios: list[Section] = field(default_factory=list)
+    studies: list[Section] = field(default_factory=list)
+    documents: list[dict[str, str]] = field(default_factory=list)
+
+    @property
+    def claims(self) -> list[dict[str, Any]]:
+        """Claims of all its scenarios."""
+        return [claim for scenario in self.scenarios for claim in scenario["claims"]]
+
+    @property
+    def passed(self) -> int:
+        """Number of passed claims."""
+        return sum(claim["passed"] for claim in self.claims)
+
+    @property
+    def headline(self) -> dict[str, Any] | None:
+        """Key number: of its first claim with a number, preferably one of a paper."""
+        numbers = [claim for first in self.scenarios[:1] for claim in first["claims"] if claim["number"]]
+        return next((claim for claim in numbers if claim["paper"]), next(iter(numbers), None))
+
+
+def closed_loops(
+    scenarios: Sequence[Section], studies: Sequence[Section], documents: Sequence[dict[str, str]]
+) -> list[ClosedLoop]:
+    """Group the parts of a report by closed loop; scenarios and studies are numbered in their order."""
+    loops: dict[str, ClosedLoop] = {}
+
+    def of(name: str) -> ClosedLoop:
+        return loops.setdefault(name, ClosedLoop(name))
+
+    for number, scenario in enumerate(scenarios):
+        of(scenario["loop"]).scenarios.append({**scenario, "number": number})
+    for index, study in enumerate(studies):
+        numbered = {**study, "number": len(scenarios) + index, "index": index + 1}
+        of(study["scenario"].partition("/")[0]).studies.append(numbered)
+    for document in documents:
+        if document["loop"] in loops:
+            loops[document["loop"]].documents.append(document)
+    return list(loops.values())
+
+
+def paragraphs(description: str) -> list[str]:
+    """Nonempty paragraphs of a description."""
+    return [part for part in description.split("\n\n") if part.strip()]
 
 
 def check() -> None:
-    """Check before long runs that a report can be made.
-
-    Raises
-    ------
-    CosimError
-        A package is missing.
-    """
+    """Check before long runs that the packages for a report are installed."""
     for package in ("jinja2", "markdown_it", "matplotlib", "plotly"):
         problem = f"the report needs the package `{package}`, which is not installed"
         extras.needed(package, problem, extras.hint("report"))
@@ -39,26 +85,12 @@ def check() -> None:
 
 def text(
     title: str,
-    chapters: Sequence[Chapter],
+    scenarios: Sequence[Section],
     errors: Sequence[dict[str, str]] = (),
-    sweeps: Sequence[dict[str, Any]] = (),
+    studies: Sequence[Section] = (),
     documents: Sequence[dict[str, str]] = (),
 ) -> str:
-    """Text of the report.
-
-    Parameters
-    ----------
-    title
-        Its title.
-    chapters
-        Data of each scenario, see `chapter.chapter`.
-    errors
-        Name, message and hint of the failed ones.
-    sweeps
-        Data of each sweep, see `sweeps.section`.
-    documents
-        Name, HTML and loop of each document, see `document`.
-    """
+    """Text of the report; `errors` are name, message and hint of the scenarios that could not run."""
     check()
     import jinja2
 
@@ -69,30 +101,30 @@ def text(
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters["words"] = words
-    claims = [claim for chapter in chapters for claim in chapter["claims"]]
-    parts = sections.made(chapters, sweeps, documents)
+    environment.filters["markdown"] = inline_markdown
+    claims = [claim for scenario in scenarios for claim in scenario["claims"]]
+    loops = closed_loops(scenarios, studies, documents)
     return environment.get_template("page.html").render(
         title=title,
-        loops=parts,
+        loops=loops,
         claims=len(claims),
-        held=sum(claim["passed"] for claim in claims),
+        passed=sum(claim["passed"] for claim in claims),
         errors=errors,
-        sweeps=[sweep for part in parts for sweep in part.sweeps],
-        documents=[one for one in documents if all(one not in part.documents for part in parts)],
+        studies=[study for part in loops for study in part.studies],
+        documents=[one for one in documents if all(one not in part.documents for part in loops)],
         versions={name: version(of) for name, of in DISTRIBUTIONS.items() if version(of)},
         style=(FOLDER / "page.css").read_text(encoding="utf-8"),
         script=(FOLDER / "page.js").read_text(encoding="utf-8"),
         library=library(),
         sources=SOURCES,
-        data=compressed(strict.line([plain(one) for one in (*chapters, *sweeps)])),
+        data=compressed(strict.line([plotted(one) for one in (*scenarios, *studies)])),
     )
 
 
-def plain(chapter: Chapter) -> dict[str, Any]:
-    """Charts and views of a chapter or sweep, as the script of the page draws them."""
-    charts = (*chapter["charts"], *chapter.get("distributions", ()))
-    return {"charts": charts, "views": chapter.get("views", ())}
+def plotted(section: Section) -> dict[str, Any]:
+    """Charts and views of a section, as the script of the page draws them."""
+    charts = (*section["charts"], *section.get("distributions", ()))
+    return {"charts": charts, "views": section.get("views", ())}
 
 
 @functools.cache
@@ -112,11 +144,6 @@ def document(file: Path) -> dict[str, str]:
     """Document in Markdown as a part of the page; HTML in it is shown as text.
 
     Each table cell has the name of its column, for narrow screens.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be read.
     """
     check()
     from markdown_it import MarkdownIt
@@ -131,14 +158,14 @@ def document(file: Path) -> dict[str, str]:
     heading = next((line.lstrip("# ") for line in content.splitlines() if line.startswith("# ")), file.stem)
     renderer = MarkdownIt("commonmark", {"html": False}).enable("table")
     tokens = renderer.parse(content)
-    label(tokens)
+    label_cells(tokens)
     body = renderer.renderer.render(tokens, renderer.options, {})
     # the page has the heading already
     shown = body.replace(f"<h1>{html.escape(heading)}</h1>", "", 1)
     return {"name": heading, "loop": file.stem, "html": shown}
 
 
-def label(tokens: Sequence[Any]) -> None:
+def label_cells(tokens: Sequence[Any]) -> None:
     """Add the name of its column to each cell of a table."""
     heads: list[str] = []
     for token, following in itertools.pairwise(tokens):
@@ -154,15 +181,15 @@ def label(tokens: Sequence[Any]) -> None:
             column += 1
 
 
-def words(content: str) -> Any:
+def inline_markdown(content: str) -> Any:
     """Line of Markdown as HTML: code and emphasis; links and HTML are shown as text."""
     from markupsafe import Markup
 
-    return Markup(renderer_of_lines().renderInline(content))
+    return Markup(inline_renderer().renderInline(content))
 
 
 @functools.cache
-def renderer_of_lines() -> Any:
+def inline_renderer() -> Any:
     """Make the renderer of lines once, because its construction is slow."""
     from markdown_it import MarkdownIt
 

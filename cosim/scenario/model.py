@@ -222,14 +222,13 @@ class Chart:
         `spectrum`: amplitudes of each `y` over the frequency or, with an angle in rad as `x`, over the waves
         per revolution, of the longest interval without a gap. `peaks`: largest absolute `y` for each value of
         `split`. `share`: cumulative fraction of the rows over `y`. `roc`: for each threshold the fraction of
-        rows of the second part above it, over that of the first part. `array`: last row of the columns
-        `y[1]`, `y[2]`, ... over those of `x`. `map`: sum of `weight` in each cell of the plane of `x` and
-        one `y`, relative to the largest sum. `bode`: open loop of a measured frequency response with
-        crossover and margins, from the last row of the columns `y[1]`, `y[2]`, ... of two `y` (gain, and
-        phase in rad) over those of `x`. `field`: maps of a user function of all `y`, relative
-        to the largest value.
+        rows of the second part above it, over that of the first part. `map`: sum of `weight` in each cell
+        of the plane of `x` and one `y`, relative to the largest sum. `bode`: open loop of a measured
+        frequency response with crossover and margins, from the last row of the columns `y[1]`, `y[2]`, ...
+        of two `y` (gain, and phase in rad) over those of `x`. `field`: maps of a user function of all `y`,
+        relative to the largest value.
     x, y
-        Expressions over the columns; for `array` and `bode` the names of the columns without their numbers.
+        Expressions over the columns; for `bode` the names of the columns without their numbers.
     parts
         Conditions: the rows of each make a separate line; a `map` and a `field` use the rows that meet all
         conditions. Default: all rows.
@@ -263,7 +262,7 @@ class Chart:
         Logarithmic axes.
     """
 
-    kind: Literal["path", "polar", "spectrum", "peaks", "share", "roc", "array", "map", "bode", "field"]
+    kind: Literal["path", "polar", "spectrum", "peaks", "share", "roc", "map", "bode", "field"]
     y: tuple[str, ...]
     title: str = ""
     x: str = ""

@@ -39,13 +39,7 @@ CAUSALITIES = {
 def scenario(
     found: Scenario, fmus: Sequence[Instance], plant: Plant, wanted: Sequence[str] = ()
 ) -> RenderableType:
-    """Return the description of one closed loop, or only the tables with a word of `wanted` in their titles.
-
-    Raises
-    ------
-    CosimError
-        No table has such a word.
-    """
+    """Return the description of one closed loop, or only tables with a word of `wanted` in the title."""
     tables = {
         f"{fmu.name} {title}": variable_table(variables, choice.parameters)
         for choice, fmu in zip(found.fmus, fmus, strict=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from cosim import extras
 from cosim.errors import CosimError
-from cosim.writing import whole
+from cosim.writing import check_folder, whole
 
 ENDINGS = (".svg", ".png", ".pdf")
 STYLE: Any = {
@@ -31,14 +31,8 @@ def can_plot() -> bool:
     return importlib.util.find_spec("matplotlib") is not None
 
 
-def wanted(plots: bool) -> bool:
-    """Whether plots are requested and matplotlib is installed.
-
-    Raises
-    ------
-    CosimError
-        It does not start.
-    """
+def plots_requested(plots: bool) -> bool:
+    """Whether plots are requested and matplotlib is installed; checks that it starts."""
     if plots and can_plot():
         library()
         return True
@@ -46,31 +40,18 @@ def wanted(plots: bool) -> bool:
 
 
 def check(file: Path) -> None:
-    """Check that a figure can be made.
-
-    Raises
-    ------
-    CosimError
-        Unknown ending, no such folder, or matplotlib is not installed or does not start.
-    """
+    """Check that a figure can be made: its ending and folder, and matplotlib."""
     if file.suffix not in ENDINGS:
         endings = ", ".join(f"`{ending}`" for ending in ENDINGS)
         raise CosimError(f"cannot plot to `{file}`", f"Use a name that ends in {endings}.")
-    if not file.absolute().parent.is_dir():
-        raise CosimError(f"cannot write `{file}`: the folder `{file.absolute().parent}` does not exist")
+    check_folder(file)
     if not can_plot():
         raise CosimError("matplotlib is not installed; it makes the plots", extras.hint("report"))
     library()
 
 
 def library() -> Any:
-    """Return matplotlib.
-
-    Raises
-    ------
-    CosimError
-        It does not start.
-    """
+    """Return matplotlib, which does not start with a wrong setting."""
     try:
         import matplotlib
     except ValueError as error:  # of a backend that is none
@@ -92,13 +73,13 @@ def styled(size: tuple[float, float], changes: Any = None) -> Iterator[Any]:
 
 
 def save(figure: Any, file: Path) -> None:
-    """Write a figure; raise a `CosimError` if it cannot be written."""
-    show_as_written(figure)
+    """Write a figure."""
+    escape_dollars(figure)
     with whole(file) as part:
         figure.savefig(part, dpi=110, metadata=SVG if file.suffix == ".svg" else None)
 
 
-def show_as_written(figure: Any) -> None:
+def escape_dollars(figure: Any) -> None:
     """Escape `$` in names, units and titles, except in labels of matplotlib on logarithmic axes."""
     from matplotlib.text import Text
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -19,20 +18,11 @@ FAR = 2.0
 """Distance of a limit from the lines, in line spans, above which it is not plotted."""
 
 
-@dataclass(frozen=True)
-class Marked:
-    """Events with their times (s), and limits on columns by their names."""
-
-    events: list[tuple[float, str]]
-    limits: dict[str, list[tuple[float, str]]]
+Named = Sequence[tuple[float, str]]
+"""Limits or times of events (s) with their texts."""
 
 
-def marked(scenario: Scenario, result: Result) -> Marked:
-    """Collect the marks in the plots of a run."""
-    return Marked(events(scenario, result), limits(scenario, result))
-
-
-def events(scenario: Scenario, result: Result) -> list[tuple[float, str]]:
+def events(scenario: Scenario, result: Result) -> Named:
     """Return times and texts of events: injected faults with their targets, and faults reported by an FMU."""
     began = zip(scenario.inject, result.injected, strict=False)
     found = [(t, f"fault injected: {entry.to}") for entry, t in began if t is not None]
@@ -47,7 +37,7 @@ def events(scenario: Scenario, result: Result) -> list[tuple[float, str]]:
     return sorted(found)
 
 
-def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, str]]]:
+def limits(scenario: Scenario, result: Result) -> Mapping[str, Named]:
     """Limits on a column in its own unit with their texts, by the name of the column.
 
     A criterion limits a column if it names the column, or if its metric is a single value of the column or of
@@ -69,12 +59,12 @@ def limits(scenario: Scenario, result: Result) -> dict[str, list[tuple[float, st
         if root.column:
             changes[root.column] = Conversion(root.factor)
         drawn = criteria.drawn(criterion, measured.unit)
-        for place, (relation, limit) in zip(drawn, verdict.limits, strict=False):
+        for position, (relation, limit) in zip(drawn, verdict.limits, strict=False):
             words = limit_text(criterion, relation, limit, verdict.unit)
             for name, change in changes.items():
-                found.setdefault(name, []).append((change.back(place), words))
+                found.setdefault(name, []).append((change.back(position), words))
                 if root.absolute:
-                    found[name].append((change.back(-place), ""))
+                    found[name].append((change.back(-position), ""))
     return found
 
 
@@ -83,17 +73,19 @@ def limit_text(criterion: Criterion, relation: str, limit: float, unit: str) -> 
     return f"{criterion.id} {relation} {text(limit, unit, 3)}"
 
 
-def near(panel: Panel, marked: Marked, shown: DisplayUnit, lines: Sequence[Array]) -> list[tuple[float, str]]:
+def panel_limits(
+    panel: Panel, limits: Mapping[str, Named], unit: DisplayUnit, lines: Sequence[Array]
+) -> Named:
     """Limits on the columns of a panel in its unit, except those that would make its lines flat."""
     found = {
-        (shown.factor * limit + shown.offset, label): None
+        (unit.factor * limit + unit.offset, label): None
         for name in panel.columns
-        for limit, label in marked.limits.get(name, ())
+        for limit, label in limits.get(name, ())
     }
-    return seen([*found], lines)
+    return visible([*found], lines)
 
 
-def seen(found: Sequence[tuple[float, str]], lines: Sequence[Array]) -> list[tuple[float, str]]:
+def visible(found: Named, lines: Sequence[Array]) -> Named:
     """Limits that would not make lines flat."""
     finite = np.concatenate([line[np.isfinite(line)] for line in lines])
     if not finite.size:

@@ -14,9 +14,9 @@ from cosim.formatting.quantity import prefixed
 from cosim.scenario.model import Panel
 from cosim.show import figure as figures
 from cosim.show import plot
+from cosim.show.plot import Curve, PanelData
 from cosim.trace.columns import Array, stepped
 from cosim.trace.stored import StoredTrace
-from cosim.trace.thinned import extremes
 from cosim.units import UNCHANGED, conversion
 
 MAX_PANELS = 24
@@ -25,21 +25,11 @@ BUCKETS = 2000
 
 
 def save(traces: Sequence[StoredTrace], patterns: Sequence[str], file: Path) -> None:
-    """Plot columns of traces into a file; by default all changing columns.
+    """Plot columns of traces that match patterns into a file; by default all changing columns.
 
     One trace has a panel for each unit, several traces have one for each column.
-
-    Parameters
-    ----------
-    patterns
-        Patterns of the names of columns, such as `plant.*`.
-
-    Raises
-    ------
-    CosimError
-        A pattern matches no column, too many columns match, units differ, or the file cannot be written.
     """
-    panels = chosen(traces, patterns)
+    panels = selected_panels(traces, patterns)
     with figures.styled((9.0, 1.2 + 1.7 * len(panels))) as figure:
         grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axes, panel in zip(grid, panels, strict=True):
@@ -49,7 +39,7 @@ def save(traces: Sequence[StoredTrace], patterns: Sequence[str], file: Path) -> 
         figures.save(figure, file)
 
 
-def chosen(traces: Sequence[StoredTrace], patterns: Sequence[str]) -> Sequence[Panel]:
+def selected_panels(traces: Sequence[StoredTrace], patterns: Sequence[str]) -> Sequence[Panel]:
     """Panels of the columns that match a pattern."""
     known = list(dict.fromkeys(name for trace in traces for name in trace.columns))
     # brackets are part of names
@@ -80,34 +70,22 @@ def chosen(traces: Sequence[StoredTrace], patterns: Sequence[str]) -> Sequence[P
 def draw(axes: Any, traces: Sequence[StoredTrace], panel: Panel) -> None:
     """Draw the columns of a panel, in one unit for all traces."""
     unit = next((one.units[n] for one in traces for n in panel.columns if one.units.get(n)), "")
-    lines = [
-        (trace, name, converted(trace, name, unit))
-        for trace in traces
-        for name in panel.columns
-        if name in trace.data
+    columns = [(trace, name) for trace in traces for name in panel.columns if name in trace.data]
+    values = [converted(trace, name, unit) for trace, name in columns]
+    shown, scale = prefixed(unit, plot.largest(values))
+    curves = [
+        Curve(name if len(traces) == 1 else paths.shown(trace.file), trace.times, scale * one, stepped(one))
+        for (trace, name), one in zip(columns, values, strict=True)
     ]
-    shown, scale = prefixed(unit, plot.largest(values for *_, values in lines))
     items = next((found for one in traces if (found := plot.items_of(panel, one))), {})
-    for trace, name, values in lines:
-        label = name if len(traces) == 1 else paths.shown(trace.file)
-        rows = extremes(values, BUCKETS)
-        style = "steps-post" if stepped(values) else "default"
-        axes.plot(trace.times[rows], scale * values[rows], label=label, linewidth=1.1, drawstyle=style)
+    plot.draw(axes, PanelData("", "", curves, items=items), buckets=BUCKETS)
     axes.set_title(panel.title, fontsize=9, loc="left")
     axes.set_ylabel("" if shown == "1" else shown)
-    axes.margins(x=0.0)
-    plot.mark(axes, [], [], False, items)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+    axes.legend(**plot.BESIDE)
 
 
 def converted(trace: StoredTrace, name: str, unit: str) -> Array:
-    """Values of a column in a unit; those without a unit are in it.
-
-    Raises
-    ------
-    CosimError
-        The units do not convert.
-    """
+    """Values of a column in a unit; those without a unit are in it."""
     own = trace.units.get(name, "")
     change: Any = conversion(own, unit) if own and own != unit else UNCHANGED
     if change is None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,65 +19,114 @@ from cosim.metrics import drawable
 from cosim.scenario.model import Panel, Scenario
 from cosim.show import figure as figures
 from cosim.show import marks
-from cosim.show.marks import Marked
-from cosim.trace.columns import Array, Columns, InOrder, stepped
+from cosim.show.marks import Named
+from cosim.trace.columns import Array, Columns, InOrder, extremes, stepped
+from cosim.trace.stored import StoredTrace
 
+Labels = Result | StoredTrace
+"""Sources of units of columns, and of items of those that are enumerations."""
 MAX_PANELS = 6
 MAX_COLUMNS = 8
 MAX_EVENTS = 6
 LIMIT: Any = {"color": "0.35", "linestyle": "--", "linewidth": 0.8}
 EVENT: Any = {"color": "0.35", "linestyle": ":", "linewidth": 0.8}
-Named: TypeAlias = Sequence[tuple[float, str]]
-"""Limits or times of events with their texts."""
+BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "fontsize": 8}
+"""Legend to the right of the axes."""
 NAME: Any = {"fontsize": 7, "rotation": 90, "verticalalignment": "top"}
 
 
-class Labels(Protocol):
-    """Units of columns, and the items of those that are enumerations."""
+@dataclass(frozen=True)
+class Curve:
+    """A line of a panel in the unit of its axis; piecewise constant if `stepped`."""
 
-    @property
-    def units(self) -> dict[str, str]:
-        """Unit by column."""
+    name: str
+    times: Array
+    values: Array
+    stepped: bool
 
-    @property
-    def items(self) -> dict[str, dict[str, int]]:
-        """Items by column."""
+
+@dataclass(frozen=True)
+class PanelData:
+    """Content of a panel: curves in one unit, the items of an enumeration and the limits on the columns."""
+
+    title: str
+    unit: str
+    curves: Sequence[Curve]
+    log: bool = False
+    items: Mapping[str, int] = field(default_factory=dict)
+    limits: Named = ()
+
+
+@dataclass(frozen=True)
+class PlotView:
+    """Panels of a run in a part of the time, s, with its events."""
+
+    title: str
+    begin: float
+    end: float
+    events: Named
+    panels: Sequence[PanelData]
+
+
+def views(scenario: Scenario, result: Result) -> list[PlotView]:
+    """Make the views of a run: the whole run and, if its condition was met, the zoomed part."""
+    trace = result.columns
+    panels = scenario.plot.panels or default_panels(trace, result)
+    events, limits = marks.events(scenario, result), marks.limits(scenario, result)
+    windows = [("the whole run", np.ones(len(trace["time"]), dtype=bool))]
+    for rows in zoomed(scenario, result, trace):
+        if np.count_nonzero(rows) > 1:
+            windows.append((f"around {scenario.plot.zoom}", rows))
+    found = []
+    for title, rows in windows:
+        times = trace["time"][rows]
+        made = [panel_data(panel, trace, rows, limits, result) for panel in panels]
+        found.append(PlotView(title, float(times[0]), float(times[-1]), events_between(times, events), made))
+    return found
+
+
+def panel_data(
+    panel: Panel, trace: Columns, rows: NDArray[np.bool_], limits: Mapping[str, Named], result: Result
+) -> PanelData:
+    """Curves of a panel in some rows, and the limits near them."""
+    columns = {name: trace[name][rows] for name in panel.columns}
+    unit = unit_of(panel, result, largest(columns.values()))
+    times = trace["time"][rows]
+    curves = [
+        Curve(name, times, unit.factor * values + unit.offset, stepped(values))
+        for name, values in columns.items()
+    ]
+    # without a positive value there is nothing to show on a logarithmic axis
+    log = panel.log and any(bool(np.any(curve.values > 0.0)) for curve in curves)
+    limits_near = marks.panel_limits(panel, limits, unit, [curve.values for curve in curves])
+    shown = [each for each in limits_near if not log or each[0] > 0.0]
+    name = "" if unit.name == "1" else unit.name
+    return PanelData(panel.title, name, curves, log, items_of(panel, result), shown)
 
 
 def save(scenario: Scenario, result: Result, path: Path) -> None:
-    """Plot the panels of a scenario into a file; by default all changing columns.
-
-    Raises
-    ------
-    CosimError
-        The result holds no trace, a plotted column is missing, or the file cannot be written.
-    """
-    trace = result.columns
-    drawable.check(scenario, {name: result.items.get(name) for name in trace})
-    panels = scenario.plot.panels or default_panels(trace, result)
-    windows = [np.ones(len(trace["time"]), dtype=bool), *zoomed(scenario, result, trace)]
-    marked = marks.marked(scenario, result)
-    rows = max(1, len(panels))
-    with figures.styled((6.5 * len(windows) + 2.5, 1.2 + 1.7 * rows)) as figure:
-        grid = figure.subplots(rows, len(windows), sharex="col", squeeze=False)
-        for row, panel in zip(grid, panels, strict=False):
-            for axes, window in zip(row, windows, strict=True):
-                shown = {name: trace[name][window] for name in ("time", *panel.columns)}
-                draw(axes, shown, panel, result, marked)
-            row[0].set_title(panel.title, fontsize=9, loc="left")
+    """Plot the panels of a scenario into a file; by default all changing columns."""
+    drawable.check(scenario, {name: result.items.get(name) for name in result.columns})
+    shown = views(scenario, result)
+    rows = max(1, len(shown[0].panels))
+    with figures.styled((6.5 * len(shown) + 2.5, 1.2 + 1.7 * rows)) as figure:
+        grid = figure.subplots(rows, len(shown), sharex="col", squeeze=False)
+        for row, panels in zip(grid, zip(*(view.panels for view in shown), strict=True), strict=False):
+            for axes, panel, view in zip(row, panels, shown, strict=True):
+                draw(axes, panel, view.events)
+                axes.set_ylabel(panel.unit)
+            row[0].set_title(panels[0].title, fontsize=9, loc="left")
             # a limit may be far from the lines of one window and near those of another
             named = {
                 label: line
                 for axes in row
                 for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
             }
-            row[-1].legend(
-                named.values(), named.keys(), loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8
-            )
+            row[-1].legend(named.values(), named.keys(), **BESIDE)
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
-        for axes, window in zip(grid[0], windows, strict=True):
-            name_events(axes, inside(trace["time"][window], marked))
+        for axes, view in zip(grid[0], shown, strict=True):
+            name_events(axes, view.events)
         figure.suptitle(heading(result), fontsize=10)
         figures.save(figure, path)
 
@@ -89,36 +139,35 @@ def heading(result: Result) -> str:
     return f"{result.title}\n{result.scenario}, seed {result.seed}{verdict}"
 
 
-def draw(axes: Any, trace: Columns, panel: Panel, result: Result, marked: Marked) -> None:
-    """Plot one panel; piecewise constant values (modes, flags) as steps, enumerations with names."""
-    lines = []
-    shown = unit_of(panel, result, largest(trace[column] for column in panel.columns))
-    positive = False
-    for column in panel.columns:
-        values = shown.factor * trace[column] + shown.offset
-        positive |= bool(np.any(values > 0.0))
-        style = "steps-post" if stepped(trace[column]) else "default"
-        lines.append(values)
-        axes.plot(trace["time"], values, label=column, linewidth=1.1, drawstyle=style)
-    axes.set_ylabel("" if shown.name == "1" else shown.name)
+def draw(
+    axes: Any, panel: PanelData, events: Named = (), buckets: int = 0, styles: Sequence[Any] = ("-",)
+) -> None:
+    """Draw a panel: curves, limits, events and the names of present items.
+
+    `buckets` is the number of time intervals whose minimum and maximum are drawn (0: all rows), `styles` are
+    those of the curves in their order.
+    """
+    for curve, style in zip(panel.curves, itertools.cycle(styles), strict=False):
+        rows = extremes(curve.values, buckets) if buckets else slice(None)
+        steps: Any = "steps-post" if curve.stepped else "default"
+        axes.plot(
+            curve.times[rows],
+            curve.values[rows],
+            label=curve.name,
+            linewidth=1.1,
+            linestyle=style,
+            drawstyle=steps,
+        )
     axes.margins(x=0.0)
-    # without a positive value there is nothing to show on a logarithmic axis
-    if panel.log and positive:
+    if panel.log:
         axes.set_yscale("log", nonpositive="mask")
-    limits, events = marks.near(panel, marked, shown, lines), inside(trace["time"], marked)
-    mark(axes, limits, events, panel.log, items_of(panel, result))
-
-
-def mark(axes: Any, limits: Named, events: Named, log: bool, items: Mapping[str, int] | None = None) -> None:
-    """Draw limits, events and the names of present items; a logarithmic axis has only positive limits."""
-    present = {float(number) for line in axes.get_lines() for number in np.unique(line.get_ydata())}
-    for limit, label in limits:
-        if not log or limit > 0.0:
-            axes.axhline(limit, label=label or None, **LIMIT)
+    for limit, label in panel.limits:
+        axes.axhline(limit, label=label or None, **LIMIT)
     for moment, _ in events:
         axes.axvline(moment, **EVENT)
-    if items:
-        named = {name: number for name, number in items.items() if number in present}
+    if panel.items:
+        present = {number for curve in panel.curves for number in np.unique(curve.values)}
+        named = {name: number for name, number in panel.items.items() if number in present}
         axes.set_yticks(list(named.values()), list(named))
 
 
@@ -128,9 +177,9 @@ def name_events(axes: Any, events: Named) -> None:
         axes.text(moment, 1.0, f" {label}", **NAME, transform=axes.get_xaxis_transform())
 
 
-def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:
+def events_between(times: Array, events: Named) -> Named:
     """Events between the first and last time with their texts; the last text counts the omitted ones."""
-    found = [event for event in marked.events if times[0] <= event[0] <= times[-1]]
+    found = [event for event in events if times[0] <= event[0] <= times[-1]]
     if (more := len(found) - MAX_EVENTS) > 0:
         t, last = found[MAX_EVENTS - 1]
         found[MAX_EVENTS - 1 :] = [(t, f"{last}, and {more} more")]
@@ -138,10 +187,9 @@ def inside(times: Array, marked: Marked) -> list[tuple[float, str]]:
 
 
 def unit_of(panel: Panel, result: Result, most: float) -> DisplayUnit:
-    """Return the unit and scale of a panel.
+    """Return the unit and scale of a panel: its own, otherwise the first display unit of its columns.
 
-    Its own unit, otherwise the first display unit of its columns, otherwise a prefix according to `most`, the
-    largest absolute value.
+    Without both it is a prefix according to `most`, the largest absolute value.
     """
     if panel.unit or panel.scale != 1.0:
         return DisplayUnit(panel.unit, panel.scale)

@@ -21,7 +21,7 @@ from cosim.trace.columns import Columns
 
 TIME = "time"
 """First column of the table for expressions; in a sweep the simulated time of each run, s."""
-OF_A_TRACE = ("array", "bode", "field", "spectrum")
+OF_A_TRACE = ("bode", "field", "spectrum")
 """Kinds of charts that need the rows of one run."""
 
 

@@ -18,9 +18,8 @@ from cosim.loop import engines
 from cosim.pool import executor
 from cosim.pool.limits import processors
 from cosim.show.bar import bar
-from cosim.show.console import progress_bar
-from cosim.show.figure import wanted
-from cosim.show.lines import ProgressLines
+from cosim.show.console import ProgressLines, progress_bar
+from cosim.show.figure import plots_requested
 from cosim.study.store import DONE, Row, Store, opened, study_of
 from cosim.sweep import sensitivity_tables, study, summary_tables
 from cosim.sweep.charts import check_charts
@@ -72,7 +71,7 @@ def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
         loaded = study.load(paths.find_study(str(options.file)))
         plan = Plan(loaded, engines.checked(options.engine), observe, options.part)
     check_charts(plan)
-    options = replace(options, plots=wanted(options.plots))
+    options = replace(options, plots=plots_requested(options.plots))
     with opened(loaded.file, options.out, options.default) as store:
         try:
             if options.merged:

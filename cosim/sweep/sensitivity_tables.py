@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import RenderableType
+from rich.table import Table
 from rich.text import Text
 
 from cosim.show import figure as figures
@@ -19,7 +19,7 @@ MAX_KEYS = 6
 MAX_TORNADOS = 9
 
 
-def table(found: list[Sensitivity]) -> RenderableType:
+def table(found: list[Sensitivity]) -> Table:
     """Rank correlation of each metric with the strongest keys; bold if its interval excludes zero."""
     keys = ranked_keys(found)
     shown = plain_table("sensitivity of", *keys[:MAX_KEYS])

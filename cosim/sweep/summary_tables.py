@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from rich.console import Group, RenderableType
+from rich.table import Table
 from rich.text import Text
 
 from cosim.formatting.quantity import number, text
@@ -67,7 +68,7 @@ def verdict(found: Summary) -> Text:
     return line
 
 
-def criteria_table(scenario: Scenario, found: Summary) -> RenderableType:
+def criteria_table(scenario: Scenario, found: Summary) -> Table:
     """Return the number of passed runs of each criterion."""
     table = plain_table("criterion", "passed in", "claim")
     for entry in scenario.criterion:
@@ -75,7 +76,7 @@ def criteria_table(scenario: Scenario, found: Summary) -> RenderableType:
     return table
 
 
-def metric_table(found: Summary) -> RenderableType:
+def metric_table(found: Summary) -> Table:
     """Distribution of each metric that is not Boolean."""
     table = plain_table("metric", *QUANTILES, "not finite")
     for name, *shown in spread(found):
@@ -86,16 +87,22 @@ def metric_table(found: Summary) -> RenderableType:
 
 def worst_runs(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
     """Worst runs, and commands to repeat them, never wrapped."""
+    commands = Text("\n".join(plan.commands(worst)), no_wrap=True, overflow="ignore")
+    table = worst_table(plan, found, worst)
+    return Group(table, "", Text("repeat them with", style="bold"), commands)
+
+
+def worst_table(plan: Plan, found: Summary, worst: list[int]) -> Table:
+    """Worst runs by the metric that the study names."""
     name = plan.study.traces.metric
     values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
     table = plain_table("worst run", name)
     for run in worst:
         table.add_row(str(run), text(values[run], found.units.get(name, "")))
-    commands = Text("\n".join(plan.commands(worst)), no_wrap=True, overflow="ignore")
-    return Group(table, "", Text("repeat them with", style="bold"), commands)
+    return table
 
 
-def no_result_table(found: Summary, first: str) -> RenderableType:
+def no_result_table(found: Summary, first: str) -> Table:
     """Table of the runs without a result, by reason; `first` heads the first run of each."""
     table = plain_table("without result", "runs", first, "reason")
     ranked = sorted(found.troubles.items(), key=lambda item: -item[1][0])

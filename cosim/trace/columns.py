@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -13,6 +14,8 @@ Columns = Mapping[str, Array]
 """Columns by name in their order, each of shape (rows,); the time is `time`."""
 ROUNDING = 1e-9
 """Tolerance of equal times, as a fraction of a step."""
+BUCKETS = 400
+"""Number of time intervals; the minimum and maximum of each is shown."""
 
 
 class Held(Mapping[str, Array]):
@@ -35,14 +38,9 @@ class Held(Mapping[str, Array]):
 
 
 class InOrder:
-    """Columns by number for expressions, the time first; accessed columns stay in memory.
+    """Columns by number for expressions, the time first, and values of computed metrics by name.
 
-    Parameters
-    ----------
-    columns
-        The trace.
-    values
-        Values of computed metrics.
+    Accessed columns stay in memory.
     """
 
     def __init__(self, columns: Columns, values: dict[str, Any] | None = None) -> None:
@@ -99,3 +97,28 @@ def whole(columns: Columns) -> NDArray[Any]:
         return columns.table
     read = [columns[name] for name in columns]
     return structured(np.column_stack(read), list(columns))
+
+
+def thinned(values: Array, buckets: int = BUCKETS) -> Array:
+    """Minimum and maximum of each interval of a column, in their order, so that no peak is lost.
+
+    A short column is unchanged.
+    """
+    return values[extremes(values, buckets)]
+
+
+def extremes(values: Array, buckets: int) -> NDArray[np.int64]:
+    """Rows of the minimum and maximum of each interval of a column; the first row if all are NaN.
+
+    All rows of a short column.
+    """
+    if len(values) <= 2 * buckets:
+        return np.arange(len(values))
+    edges = np.linspace(0, len(values), buckets + 1).astype(int)
+    found = np.empty((buckets, 2), dtype=np.int64)
+    for i, (begin, end) in enumerate(itertools.pairwise(edges)):
+        part = values[begin:end]
+        known = np.flatnonzero(np.isfinite(part))
+        ends = (known[np.argmin(part[known])], known[np.argmax(part[known])]) if known.size else (0, 0)
+        found[i] = begin + min(ends), begin + max(ends)
+    return found.ravel()

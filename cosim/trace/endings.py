@@ -30,13 +30,7 @@ def streams(file: Path) -> bool:
 
 
 def streamed(file: Path) -> Path:
-    """Return the checked file for a trace that is written during the run.
-
-    Raises
-    ------
-    CosimError
-        As for `check`, or it is not a Parquet file.
-    """
+    """Return the file for a trace that is written during the run, checked as by `check`."""
     if not streams(file):
         raise CosimError(
             f"a trace cannot be streamed to `{file}`", f"Use a name that ends in {listed(PARQUET)}."
@@ -46,13 +40,7 @@ def streamed(file: Path) -> Path:
 
 
 def check(file: Path) -> None:
-    """Check before a long run that its trace can be written to a file of this name.
-
-    Raises
-    ------
-    CosimError
-        Unknown ending, a package that is not installed, or no such folder.
-    """
+    """Check before a long run the ending and the folder of its trace, and the packages of the format."""
     if file.suffix not in WRITTEN:
         raise CosimError(f"cannot save a trace as `{file}`", f"Use a name that ends in {listed(WRITTEN)}.")
     check_installed(file)
@@ -60,13 +48,7 @@ def check(file: Path) -> None:
 
 
 def check_installed(file: Path) -> None:
-    """Check that the packages of a format are installed.
-
-    Raises
-    ------
-    CosimError
-        Names the package and its installation.
-    """
+    """Check that the package of a format is installed; the error shows how to install it."""
     package, extra = NEEDS.get(file.suffix, ("", ""))
     if package and importlib.util.find_spec(package) is None:
         raise CosimError(f"`{file}` needs {package}, which is not installed", extras.hint(extra))

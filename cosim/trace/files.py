@@ -40,26 +40,14 @@ def module(file: Path) -> Any:
 
 
 def save(columns: Columns, file: Path, about: dict[str, Any]) -> None:
-    """Save a trace in the format of its ending; the file is always complete.
-
-    Raises
-    ------
-    CosimError
-        Unknown ending, a package that is not installed, or a file that cannot be written.
-    """
+    """Save a trace in the format of its ending; the file is always complete."""
     endings.check(file)
     with whole(file) as partial, partial.open("wb") as stream:
         module(file).write(columns, about, stream)
 
 
 def check_rows(file: Path, rows: int) -> None:
-    """Check before a long run that a trace with a number of rows fits into a file.
-
-    Raises
-    ------
-    CosimError
-        It does not fit.
-    """
+    """Check before a long run that a trace with a number of rows fits into a file."""
     if file.suffix == endings.MAT:
         module(file).check_rows(rows)
 
@@ -81,19 +69,13 @@ def read(file: str | Path) -> StoredTrace:
     if file.suffix not in endings.READ:
         problem = f"`{paths.shown(file)}` is not a trace"
         raise CosimError(problem, f"Use a file that ends in {endings.listed(endings.READ)}.")
-    found = opened(file)
+    found = open_trace(file)
     check(found)
     return found
 
 
-def opened(file: Path) -> StoredTrace:
-    """Open a trace of this program without a check of its times, which may be many.
-
-    Raises
-    ------
-    CosimError
-        Missing or broken file.
-    """
+def open_trace(file: Path) -> StoredTrace:
+    """Open a trace of this program without a check of its times, which may be many."""
     shown = paths.shown(file)
     if paths.is_there(file) and not paths.is_file(file):
         raise CosimError(f"cannot read `{shown}`: it is not a regular file")

@@ -30,13 +30,7 @@ KEYWORDS = (
 
 
 def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
-    """Write a file.
-
-    Raises
-    ------
-    CosimError
-        The trace is too long for this format.
-    """
+    """Write a file."""
     check_rows(len(columns["time"]))
     names = variables(columns)
     table = np.empty((len(names), 4), dtype=object)
@@ -49,13 +43,7 @@ def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
 
 
 def check_rows(rows: int) -> None:
-    """Check that a column with a number of rows fits into a variable.
-
-    Raises
-    ------
-    CosimError
-        It does not fit.
-    """
+    """Check that a column with a number of rows fits into a variable."""
     if 8 * rows > MOST:
         problem = f"a column of {rows} rows needs {8e-9 * rows:.1f} GB; the limit of a `.mat` file is 2.1 GB"
         raise CosimError(problem, "Use `.parquet`, or record less with `loop.record_every`.")

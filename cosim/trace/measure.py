@@ -14,21 +14,9 @@ from cosim.trace.columns import Columns, InOrder
 def measured(
     metrics: Sequence[Metric], expressions: Sequence[Expression], columns: Columns
 ) -> dict[str, Measured]:
-    """Values of metrics by name, each computed once.
+    """Values of metrics by name, each computed once; an `ExpressionError` if one is not a number.
 
     Of columns in a file, only those of one metric and its dependencies are in memory at the same time.
-
-    Parameters
-    ----------
-    metrics, expressions
-        The metrics, and their compiled expressions.
-    columns
-        The trace.
-
-    Raises
-    ------
-    ExpressionError
-        A metric gives a column instead of one number, or cannot be computed.
     """
     table = InOrder(columns)
     pairs = zip(metrics, expressions, strict=True)

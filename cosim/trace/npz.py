@@ -20,13 +20,7 @@ def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
 
 
 def read(path: Path) -> StoredTrace:
-    """Read a file.
-
-    Raises
-    ------
-    ValueError
-        It is not an npz file, among others.
-    """
+    """Read a file."""
     # numpy treats anything else as a pickle, and suggests to trust it
     with path.open("rb") as stream:
         if not zipfile.is_zipfile(stream):

@@ -32,17 +32,7 @@ FACTS, END = "cosim", "simulated_s"
 
 
 class Writer(Closing):
-    """Parquet file that is written in blocks.
-
-    Parameters
-    ----------
-    stream
-        Output stream.
-    names
-        Names of the columns.
-    about
-        Metadata of columns and run.
-    """
+    """Parquet file that is written in blocks; `about` is the metadata of columns and run."""
 
     def __init__(self, stream: BinaryIO, names: Sequence[str], about: dict[str, Any]) -> None:
         self.rows = max(1, min(ROWS, BLOCK // (8 * len(names))))
@@ -52,13 +42,7 @@ class Writer(Closing):
         self.writer = parquet.ParquetWriter(stream, self.schema, **options)
 
     def write(self, columns: Sequence[Array]) -> None:
-        """Write rows, given by their columns.
-
-        Raises
-        ------
-        OSError
-            The file cannot be written.
-        """
+        """Write rows, given by their columns."""
         arrays = [values(np.ascontiguousarray(column, dtype=np.float64)) for column in columns]
         self.writer.write_table(pyarrow.Table.from_arrays(arrays, schema=self.schema), self.rows)
 
@@ -74,18 +58,8 @@ class Writer(Closing):
 
 @contextlib.contextmanager
 def streaming(file: Path, names: Sequence[str], about: dict[str, Any]) -> Iterator[Writer]:
-    """Writer of a file that exists only after all rows were written without an error.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
-    with (
-        whole(file) as partial,
-        partial.open("wb") as stream,
-        Writer(stream, names, about) as writer,
-    ):
+    """Writer of a file that exists only after all rows were written without an error."""
+    with whole(file) as part, part.open("wb") as stream, Writer(stream, names, about) as writer:
         yield writer
 
 
@@ -101,7 +75,7 @@ def values(column: Array) -> Any:
     return pyarrow.Array.from_buffers(pyarrow.float64(), len(column), [None, pyarrow.py_buffer(column)])
 
 
-class Read(Mapping[str, Array]):
+class FileColumns(Mapping[str, Array]):
     """Columns of a file, each read on access and not cached."""
 
     def __init__(self, path: Path) -> None:
@@ -140,7 +114,7 @@ def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
 
 def read(path: Path) -> StoredTrace:
     """Open a file."""
-    data = Read(path)
+    data = FileColumns(path)
     names = data.names
     if not all(names) or len(set(names)) != len(names):
         raise ValueError("its columns must have names, each once")

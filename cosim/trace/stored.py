@@ -58,13 +58,7 @@ class StoredTrace:
 
 
 def with_labels(file: Path, data: Columns, about: Any) -> StoredTrace:
-    """Trace with the metadata of the run and of the columns.
-
-    Raises
-    ------
-    ValueError
-        The metadata are not tables by name.
-    """
+    """Trace with the metadata of the run and of the columns; a `ValueError` if they are not tables."""
     if not isinstance(about, dict) or not all(isinstance(about.get(label, {}), dict) for label in LABELS):
         raise ValueError(f"its metadata are not a table with {', '.join(LABELS)}")
     units = {name: str(unit) for name, unit in about.get("units", {}).items()}
@@ -79,13 +73,7 @@ def facts(about: dict[str, Any]) -> dict[str, Any]:
 
 
 def check(found: StoredTrace) -> None:
-    """Check that there are rows, and that their times increase.
-
-    Raises
-    ------
-    CosimError
-        Names the problem.
-    """
+    """Check that there are rows, and that their times increase."""
     shown = paths.shown(found.file)
     if "time" not in found.data:
         known = ", ".join(f"`{name}`" for name in found.columns[:8])

@@ -61,13 +61,15 @@ def report(
     configure_logging(verbose, quiet)
     from cosim.acceptance.runner import RunOptions
     from cosim.acceptance.selection import select
-    from cosim.report import book
+    from cosim.report import command
 
-    book.check("--out", out)
+    command.check("--out", out)
     limits = checked_limits(timeout, memory, in_process=False)
     options = RunOptions(None, False, workers, engine, limits, quiet)
     chosen = select(scenarios or ()) if scenarios or not study else ()
-    contents = book.Contents(title or book.TITLE, chosen, tuple(study or ()), tuple(document or ()), videos)
-    written = book.write(contents, options, out)
+    contents = command.Contents(
+        title or command.TITLE, chosen, tuple(study or ()), tuple(document or ()), videos
+    )
+    written = command.write_report(contents, options, out)
     print(f"wrote {out}")
     raise typer.Exit(max(exit_code(written.scenarios), FAILED if False in written.studies else 0))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cosim.loop.session import Session
     from cosim.pool.job import WorkerContext
     from cosim.replay.motion import Recorded
-    from cosim.replay.video_file import Shot
+    from cosim.replay.playback import ReplayOptions
     from cosim.scenario.model import Scenario
 
 Run = Annotated[
@@ -77,20 +77,20 @@ class View:
     ----------
     source, loop, changes
         Trace or scenario, scenario of the trace, and overrides, as for `recorded`.
-    shot
-        View settings.
+    options
+        Settings of the view.
     """
 
     source: str
     loop: str
     changes: tuple[str, ...]
-    shot: Shot
+    options: ReplayOptions
 
     def run(self, context: WorkerContext) -> None:
         """Find the run and show it until the window is closed."""
         from cosim.replay import viewer
 
-        viewer.show(recorded(self.source, self.loop, self.changes, context), self.shot)
+        viewer.show(recorded(self.source, self.loop, self.changes, context), self.options)
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class Video(View):
         from cosim.replay import video_file
 
         found = recorded(self.source, self.loop, self.changes, context)
-        video_file.save(found, self.shot, self.file, context.progress)
+        video_file.save(found, self.options, self.file, context.progress)
 
 
 def size(text: str) -> tuple[int, int]:

@@ -54,11 +54,12 @@ def video(
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     configure_logging(verbose, quiet)
     from cosim.replay import video_file
+    from cosim.replay.playback import ReplayOptions
 
-    shot = video_file.Shot(size(size_), seconds, begin, end, camera, tuple(enlarge or ()))
-    video_file.check(out, shot)
+    options = ReplayOptions(size(size_), seconds, begin, end, camera, tuple(enlarge or ()))
+    video_file.check(out, options)
     with whole(out) as part:
-        task = Video(run, loop, tuple(set_ or ()), shot, part)
+        task = Video(run, loop, tuple(set_ or ()), options, part)
         with place(checked_limits(timeout, None, in_process)) as do, progress_bar("video", quiet) as progress:
             outcome: CosimError | None = do(task, progress)
         if outcome is not None:

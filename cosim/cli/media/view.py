@@ -28,12 +28,11 @@ def view(
     Requires the extra `replay`.
     """
     configure_logging(verbose, quiet)
-    from cosim.replay import pace
-    from cosim.replay.video_file import Shot
+    from cosim.replay.playback import ReplayOptions, check_seconds
 
-    pace.check(seconds)
-    shot = Shot(seconds=seconds, begin=begin, end=end, enlarge=tuple(enlarge or ()))
+    check_seconds(seconds)
+    options = ReplayOptions(seconds=seconds, begin=begin, end=end, enlarge=tuple(enlarge or ()))
     with place(checked_limits(None, None, in_process)) as do:
-        outcome: CosimError | None = do(View(run, loop, tuple(set_ or ()), shot))
+        outcome: CosimError | None = do(View(run, loop, tuple(set_ or ()), options))
     if outcome is not None:
         raise outcome

@@ -31,7 +31,7 @@ function numbers(entry) {
 }
 
 const DASHES = ["solid", "14px,6px", "4px,5px", "14px,5px,4px,5px", "24px,6px", "8px,4px", "2px,4px", "20px,5px,4px,5px"];
-function colour(name) {
+function color(name) {
   const probe = document.createElement("i");
   probe.style.color = "var(" + name + ")";
   document.body.append(probe);
@@ -41,35 +41,35 @@ function colour(name) {
 }
 
 function traces(view, panel) {
-  return panel.lines.map((line, i) => {
+  return panel.curves.map((line, i) => {
     // a logarithmic axis has the logarithms
     const y = numbers(line).map((value) => (panel.log && value !== null ? 10 ** value : value));
-    const step = (view.to - view.from) / Math.max(1, y.length - 1);
+    const step = (view.end - view.begin) / Math.max(1, y.length - 1);
     return {
-      x: y.map((_, k) => view.from + k * step), y, name: line.name, mode: "lines",
-      line: { width: 1.5, color: colour("--c" + (i % 8)), dash: DASHES[i % 8], shape: line.stepped ? "hv" : "linear" },
+      x: y.map((_, k) => view.begin + k * step), y, name: line.name, mode: "lines",
+      line: { width: 1.5, color: color("--c" + (i % 8)), dash: DASHES[i % 8], shape: line.stepped ? "hv" : "linear" },
       hovertemplate: "%{y:.5g}",
     };
   });
 }
 
 function frame() {
-  const ink = colour("--faint");
+  const ink = color("--faint");
   return {
     height: 210, margin: { l: 62, r: 8, t: 6, b: 34 }, font: { color: ink, size: 11 },
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", hovermode: "x unified",
-    hoverlabel: { bgcolor: colour("--sheet"), font: { color: colour("--ink") } },
+    hoverlabel: { bgcolor: color("--sheet"), font: { color: color("--ink") } },
     showlegend: true, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 11 } },
   };
 }
 
 function axis(more) {
-  const rule = colour("--rule");
+  const rule = color("--rule");
   return { gridcolor: rule, linecolor: rule, zeroline: false, automargin: true, exponentformat: "SI", ...more };
 }
 
 function layout(view, panel) {
-  const names = Object.keys(panel.items), red = colour("--no");
+  const names = Object.keys(panel.items), red = color("--no");
   const wide = names.length ? { tickvals: Object.values(panel.items), ticktext: names } : { nticks: 5 };
   const mark = { type: "line", line: { color: red, width: 1.5, dash: "dash" } };
   const events = view.events.map(([t]) => ({ ...mark, x0: t, x1: t, yref: "paper", y0: 0, y1: 1 }));
@@ -77,7 +77,7 @@ function layout(view, panel) {
   const words = { showarrow: false, font: { size: 10, color: red } };
   return {
     ...frame(),
-    xaxis: axis({ range: [view.from, view.to], title: { text: "time (s)", standoff: 4 }, hoverformat: ".5g" }),
+    xaxis: axis({ range: [view.begin, view.end], title: { text: "time (s)", standoff: 4 }, hoverformat: ".5g" }),
     yaxis: axis({ ...wide, type: panel.log ? "log" : "linear" }),
     shapes: [...events, ...limits],
     annotations: [
@@ -96,39 +96,39 @@ function plotOf(figure) {
 }
 
 async function drawChart(figure) {
-  const chapters = await prepared();
-  const chart = chapters[figure.closest("[data-number]").dataset.number].charts[figure.dataset.chart];
-  const place = plotOf(figure);
+  const sections = await prepared();
+  const chart = sections[figure.closest("[data-number]").dataset.number].charts[figure.dataset.chart];
+  const element = plotOf(figure);
   const values = (entry, log) => numbers(entry).map((value) => (log && value !== null ? 10 ** value : value));
-  if (chart.polar) return drawPolar(place, chart, values);
+  if (chart.polar) return drawPolar(element, chart, values);
   const lines = chart.lines.map((line, i) => ({
     x: values(line.x, chart.x_log), y: values(line.y, chart.log), name: line.name, mode: chart.points ? "lines+markers" : "lines",
-    line: { width: 1.5, color: colour("--c" + (i % 8)), dash: DASHES[i % 8] }, marker: { size: 5, symbol: i },
+    line: { width: 1.5, color: color("--c" + (i % 8)), dash: DASHES[i % 8] }, marker: { size: 5, symbol: i },
     hovertemplate: "%{x:.5g}, %{y:.5g}",
   }));
   if (chart.cells) {
     const flat = numbers(chart.cells), wide = chart.cells.x.length - 1;
     lines.push({
       type: "heatmap", zmin: 0, zmax: 1, x: chart.cells.x, y: chart.cells.y, z: chart.cells.y.slice(1).map((_, row) => flat.slice(row * wide, (row + 1) * wide)),
-      colorscale: [[0, colour("--paper")], [1, colour("--c0")]], colorbar: { thickness: 10, outlinewidth: 0 },
+      colorscale: [[0, color("--paper")], [1, color("--c0")]], colorbar: { thickness: 10, outlinewidth: 0 },
       hovertemplate: "%{x:.4g}, %{y:.4g}: %{z:.2f}<extra></extra>",
     });
   }
-  const red = colour("--no"), mark = { type: "line", line: { color: red, width: 1.5, dash: "dash" } };
+  const red = color("--no"), mark = { type: "line", line: { color: red, width: 1.5, dash: "dash" } };
   const words = { showarrow: false, font: { size: 11, color: red }, xref: "paper", x: 1, xanchor: "right" };
-  await Plotly.react(place, lines, {
+  await Plotly.react(element, lines, {
     shapes: [
       ...chart.marks.map(([x]) => ({ ...mark, x0: x, x1: x, yref: "paper", y0: 0, y1: 1 })),
       ...chart.levels.map(([y]) => ({ ...mark, xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { ...mark.line, dash: "dot" } })),
     ],
     annotations: [
-      ...chart.marks.map(([, text], i) => ({ ...words, yref: "paper", y: 1 - 0.07 * i, yanchor: "top", text, bgcolor: colour("--paper") })),
+      ...chart.marks.map(([, text], i) => ({ ...words, yref: "paper", y: 1 - 0.07 * i, yanchor: "top", text, bgcolor: color("--paper") })),
       // on a logarithmic axis the position is the logarithm
       ...chart.levels.map(([y, text]) => ({ ...words, y: chart.log ? Math.log10(y) : y, yanchor: "bottom", text })),
     ],
     // automatic margins and equal scales interact
     ...frame(), height: 360, margin: { l: 74, r: 12, t: 6, b: 44 }, hovermode: "closest",
-    xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear", ...(chart.whole ? { dtick: between(lines.flatMap((line) => line.x)) } : {}) }),
+    xaxis: axis({ automargin: false, title: { text: chart.x_label, standoff: 4 }, type: chart.x_log ? "log" : "linear", ...(chart.integer ? { dtick: between(lines.flatMap((line) => line.x)) } : {}) }),
     yaxis: axis({ automargin: false, title: { text: chart.label, standoff: 4 }, type: chart.log ? "log" : "linear", ...(chart.equal ? { scaleanchor: "x" } : {}) }),
   }, { responsive: true, displaylogo: false, displayModeBar: false });
 }
@@ -137,17 +137,17 @@ async function drawChart(figure) {
 const between = (x) => Math.max(1, Math.ceil((Math.max(...x) - Math.min(...x)) / 10));
 
 // values over an angle, with limits as circles
-async function drawPolar(place, chart, values) {
-  const turn = Array.from({ length: 91 }, (_, i) => 4 * i), red = colour("--no"), rule = colour("--rule");
+async function drawPolar(element, chart, values) {
+  const turn = Array.from({ length: 91 }, (_, i) => 4 * i), red = color("--no"), rule = color("--rule");
   const lines = chart.lines.map((line, i) => ({
     type: "scatterpolar", r: values(line.y, chart.log), theta: numbers(line.x), thetaunit: "radians", name: line.name, mode: "lines",
-    line: { width: 1.5, color: colour("--c" + (i % 8)), dash: DASHES[i % 8] }, hovertemplate: "%{r:.4g}",
+    line: { width: 1.5, color: color("--c" + (i % 8)), dash: DASHES[i % 8] }, hovertemplate: "%{r:.4g}",
   }));
   const limits = chart.levels.map(([y, text]) => ({
     type: "scatterpolar", r: turn.map(() => y), theta: turn, name: text, mode: "lines", line: { width: 2, color: red, dash: "dot" }, hoverinfo: "skip",
   }));
   const spokes = { gridcolor: rule, linecolor: rule };
-  await Plotly.react(place, [...lines, ...limits], {
+  await Plotly.react(element, [...lines, ...limits], {
     ...frame(), height: 420, margin: { l: 34, r: 34, t: 60, b: 30 }, hovermode: "closest", legend: { ...frame().legend, y: 1.12 },
     polar: {
       bgcolor: "rgba(0,0,0,0)", angularaxis: { ...spokes, thetaunit: "degrees" },
@@ -158,20 +158,20 @@ async function drawPolar(place, chart, values) {
 
 async function draw(box) {
   if (box.dataset.chart) return drawChart(box);
-  const chapters = await prepared();
-  const view = chapters[box.closest("[data-number]").dataset.number].views[box.dataset.view];
+  const sections = await prepared();
+  const view = sections[box.closest("[data-number]").dataset.number].views[box.dataset.view];
   const plots = all("figure", box).map((figure) => [plotOf(figure), view.panels[figure.dataset.panel]]);
-  for (const [place, panel] of plots) {
-    await Plotly.react(place, traces(view, panel), layout(view, panel), { responsive: true, displaylogo: false, displayModeBar: false });
+  for (const [element, panel] of plots) {
+    await Plotly.react(element, traces(view, panel), layout(view, panel), { responsive: true, displaylogo: false, displayModeBar: false });
   }
   if (box.classList.contains("drawn")) return;
   box.classList.add("drawn");
   // the panels of a view show the same time
-  for (const [place] of plots) {
-    place.on("plotly_relayout", (change) => {
+  for (const [element] of plots) {
+    element.on("plotly_relayout", (change) => {
       const keys = ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"].filter((key) => key in change);
       if (!keys.length) return;
-      const range = change["xaxis.autorange"] ? [view.from, view.to] : [change["xaxis.range[0]"], change["xaxis.range[1]"]];
+      const range = change["xaxis.autorange"] ? [view.begin, view.end] : [change["xaxis.range[0]"], change["xaxis.range[1]"]];
       for (const [other] of plots) {
         const now = other.layout.xaxis.range;
         if (now[0] !== range[0] || now[1] !== range[1]) Plotly.relayout(other, { "xaxis.range": range });
@@ -218,8 +218,8 @@ if (filters) {
   filter();
 }
 
-// each picture is once in the page: in its chapter, as the poster of the video
-all("img[data-still]").forEach((image) => { image.src = one("#" + image.dataset.still + " .with-video img, #" + image.dataset.still + " .story img").src; });
+// each picture is once in the page: in its section, as the poster of the video
+all("img[data-picture]").forEach((image) => { image.src = one("#" + image.dataset.picture + " .with-video img, #" + image.dataset.picture + " .description img").src; });
 all(".with-video").forEach((box) => { one("video", box).poster = one("img", box).src; });
 
 // a link opens its target

@@ -103,7 +103,7 @@ def test_a_figure_leaves_the_backend_of_the_caller(monkeypatch: pytest.MonkeyPat
     # the backend of a notebook draws below its cell
     monkeypatch.setitem(matplotlib.rcParams, "backend", "svg")
     trace = files.read(saved("x.npz"))
-    assert figure.wanted(True)
+    assert figure.plots_requested(True)
     overlay.save([trace], (), Path("x.svg"))
     with pytest.raises(CosimError):
         overlay.save([trace], ["none"], Path("x.svg"))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cosim.show.lines import ProgressLines
+from cosim.show.console import ProgressLines
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
 
@@ -75,11 +75,11 @@ def test_a_sweep_without_a_terminal_shows_its_runs(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    from cosim.show import lines
+    from cosim.show import console
     from cosim.sweep.command import Options, execute
 
     # every look is late enough for a line
-    monkeypatch.setattr(lines, "TENTH", 0.0)
+    monkeypatch.setattr(console, "TENTH", 0.0)
     write()
     file = folder / "study.toml"
     file.write_text(grid(fail_at=[-1, 3]))

@@ -18,7 +18,7 @@ from cosim.errors import CosimError
 from cosim.formatting.quantity import number
 from cosim.replay import caption, enlarge
 from cosim.replay.motion import Motion, Recorded, motion, of_result, of_trace
-from cosim.replay.pace import RATE, pace
+from cosim.replay.playback import RATE, time_scale
 from plants.bare import Bare
 
 RECORD = ["loop.record_qpos=true"]
@@ -41,15 +41,15 @@ def run(file: Path, *changes: str) -> Recorded:
 )
 def test_a_video_shows_how_fast_it_is(last: float, seconds: float, words: str) -> None:
     times = np.linspace(0.0, last, 1001)
-    found = pace(times, seconds)
-    assert found.words == words
+    found = time_scale(times, seconds)
+    assert found.text == words
     assert len(found.rows) == RATE * seconds
     assert (found.rows[0], found.rows[-1]) == (0, 1000)
 
 
 def test_a_picture_shows_the_row_that_held_at_its_time() -> None:
     times = np.array([0.0, 0.1, 0.5, 1.0])
-    found = pace(times, 1.0, 0.1, 0.6)
+    found = time_scale(times, 1.0, 0.1, 0.6)
     shown = np.linspace(0.1, 0.6, RATE)
     assert [float(times[row]) for row in found.rows] == [0.5 if t >= 0.5 else 0.1 for t in shown]
     assert found.speed == pytest.approx(0.5)
@@ -61,7 +61,7 @@ def test_a_picture_shows_the_row_that_held_at_its_time() -> None:
 )
 def test_a_time_that_is_none_is_reported(seconds: float, begin: float | None, end: float | None) -> None:
     with pytest.raises(CosimError, match=r"must be above 0|is outside of the run"):
-        pace(np.linspace(0.0, 1.0, 11), seconds, begin, end)
+        time_scale(np.linspace(0.0, 1.0, 11), seconds, begin, end)
 
 
 def test_the_coordinates_come_from_the_trace(cart: Path, folder: Path) -> None:
@@ -137,25 +137,25 @@ def test_the_block_that_draws_a_run_moves_the_machine(monkeypatch: pytest.Monkey
 
 def test_a_motion_too_small_to_be_seen_is_drawn_larger_and_said(cart: Path) -> None:
     moved = motion(run(cart))
-    factors = enlarge.chosen(moved)
+    factors = enlarge.automatic_factors(moved)
     factor = factors["plant.qpos.slide"]
     span = float(np.ptp(moved.qpos)) / moved.model.stat.extent
     # as large as 1, 2, 5 ... allows
     assert enlarge.SEEN / 2.5 < factor * span <= enlarge.SEEN * (1.0 + 1e-9)
-    assert enlarge.enlarged(moved, factors) == pytest.approx(factor * moved.qpos)
-    assert enlarge.words(factors) == [f"drawn {factor:g} x larger: slide"]
+    assert enlarge.Enlargement(moved, factors).qpos == pytest.approx(factor * moved.qpos)
+    assert enlarge.Enlargement(moved, factors).texts == [f"drawn {factor:g} x larger: slide"]
 
 
 def test_what_can_be_seen_stays_as_it_is(cart: Path) -> None:
     moved = motion(run(cart, "controller.bias=[40.0, 0.0]"))
-    assert enlarge.chosen(moved) == {}
-    assert np.array_equal(enlarge.enlarged(moved, {}), moved.qpos)
+    assert enlarge.automatic_factors(moved) == {}
+    assert np.array_equal(enlarge.Enlargement(moved, {}).qpos, moved.qpos)
 
 
 def test_far_from_home_a_motion_is_drawn_larger_where_it_is(cart: Path) -> None:
     moved = motion(run(cart))
     far = Motion(moved.model, moved.data, moved.names, moved.units, moved.times, moved.qpos + 5.0)
-    drawn = enlarge.enlarged(far, {"plant.qpos.slide": 10.0})
+    drawn = enlarge.Enlargement(far, {"plant.qpos.slide": 10.0}).qpos
     assert drawn.mean() == pytest.approx(far.qpos.mean())
     assert np.ptp(drawn) == pytest.approx(10.0 * np.ptp(far.qpos))
 
@@ -166,7 +166,7 @@ def test_far_from_home_a_motion_is_drawn_larger_where_it_is(cart: Path) -> None:
 )
 def test_a_wrong_enlargement_is_reported(word: str, reported: str, cart: Path) -> None:
     with pytest.raises(CosimError) as caught:
-        enlarge.given([word], motion(run(cart)))
+        enlarge.parse_factors([word], motion(run(cart)))
     assert reported in str(caught.value)
 
 
@@ -175,13 +175,13 @@ def test_a_picture_shows_time_state_and_key_numbers(cart: Path) -> None:
     lines = caption.lines(recorded)
     row = 150
     value = 1e3 * recorded.columns["plant.slide.position"][row]
-    assert caption.written(lines, row) == [
+    assert [line(row) for line in lines] == [
         "t = 0.1500 s",
         "mode: Fast",
         "mode_out: Fast",
         f"slide.position: {number(value, 3)} mm",
     ]
-    assert caption.written(lines, 50)[1] == "mode: Slow"
+    assert lines[1](50) == "mode: Slow"
 
 
 def test_a_picture_shows_numbers_as_people_write_them() -> None:

@@ -21,14 +21,13 @@ from cosim.errors import CosimError
 from cosim.physics import CHOICE
 from cosim.replay import enlarge, renderer, video_file
 from cosim.replay.motion import Recorded, motion, of_result
-from cosim.replay.pace import RATE
-from cosim.replay.video_file import Shot
+from cosim.replay.playback import RATE, ReplayOptions
 from cosim.report.job import VIDEO_SECONDS, VIDEO_SIZE
 
 from ..cli.commands import called
 from ..cli.commands import cosim as command
 
-SMALL = Shot((160, 120), seconds=0.4)
+SMALL = ReplayOptions((160, 120), seconds=0.4)
 
 
 def recorded(file: Path) -> Recorded:
@@ -69,7 +68,7 @@ def test_the_free_camera_sees_all_of_it_before_a_background(cart: Path) -> None:
 
 def test_what_is_written_is_above_where_no_player_hides_it() -> None:
     picture = np.full((120, 160, 3), 200, np.uint8)
-    written = video_file.lettered(picture, ["t = 1 s", "state: Run"], ["real time"])
+    written = video_file.with_captions(picture, ["t = 1 s", "state: Run"], ["real time"])
     changed = np.flatnonzero((written != picture).any(axis=(1, 2)))
     (gap,) = np.flatnonzero(np.diff(changed) > 1)
     # two lines, below them one
@@ -163,7 +162,7 @@ def test_a_page_holds_the_video(folder: Path) -> None:
     assert np.abs(pictures[0].astype(int) - pictures[-1].astype(int)).max() > 60
     # still pictures cost little, so a page of many scenarios can be sent
     assert len(content) < 100_000
-    (still,) = page.iter("img")
+    (still,) = page.xpath("//img[@alt='the machine in motion']")
     content = base64.b64decode(still.get("src").removeprefix("data:image/jpeg;base64,"))
     picture = np.asarray(importlib.import_module("PIL.Image").open(io.BytesIO(content)))
     middle = pictures[len(pictures) // 2]
@@ -233,19 +232,19 @@ def test_a_close_up_has_the_overview_in_its_corner(cart: Path) -> None:
 
 
 def test_an_mjcf_names_what_may_be_drawn_larger(cart: Path) -> None:
-    assert enlarge.chosen(motion(recorded(cart)))
+    assert enlarge.automatic_factors(motion(recorded(cart)))
     model = cart.with_name("cart.xml")
     text = model.read_text()
     for said, found in (("-", False), ("sl*", True)):
         custom = f'<custom><text name="enlarge" data="{said}"/></custom>'
         model.write_text(text.replace("<worldbody>", f"{custom}<worldbody>"))
-        assert bool(enlarge.chosen(motion(recorded(cart)))) is found
+        assert bool(enlarge.automatic_factors(motion(recorded(cart)))) is found
 
 
 @pytest.mark.usefixtures("_drawing")
 def test_a_camera_that_is_not_there_is_reported(cart: Path) -> None:
     with pytest.raises(CosimError, match="no camera `sid`") as caught:
-        video_file.save(recorded(cart), Shot((64, 48), camera="sid"), Path("cart.webp"))
+        video_file.save(recorded(cart), ReplayOptions((64, 48), camera="sid"), Path("cart.webp"))
     assert caught.value.hint == "Use `side`."
 
 

@@ -78,12 +78,12 @@ CHART = Chart("bode", ("a.m", "a.p"), x="a.f", title="Loop", closed=True, x_unit
 
 def test_a_chart_of_the_kind_bode_is_two_charts_with_marks() -> None:
     loop = open_loop(OMEGA)
-    gain, phase = charts.loop_of(CHART, row(loop / (1.0 + loop)))
-    assert [one["title"] for one in (gain, phase)] == ["Loop: gain", "Loop: phase"]
-    assert [one["levels"] for one in (gain, phase)] == [[(1.0, "")], [(-180.0, "")]]
-    assert (gain["log"], phase["log"], gain["x_log"], gain["x_label"]) == (True, False, True, "Hz")
+    gain, phase = charts.open_loop(CHART, row(loop / (1.0 + loop)))
+    assert [one.chart.title for one in (gain, phase)] == ["Loop: gain", "Loop: phase"]
+    assert [one.levels for one in (gain, phase)] == [[(1.0, "")], [(-180.0, "")]]
+    assert (gain.chart.log, phase.chart.log, gain.chart.x_log, gain.x_label) == (True, False, True, "Hz")
     for one in (gain, phase):
-        (crossover, first), (reversal, second) = one["marks"]
+        (crossover, first), (reversal, second) = one.marks
         assert crossover == pytest.approx(CROSSOVER / math.tau, rel=0.01)
         assert reversal == pytest.approx(math.sqrt(3.0) / math.tau, rel=0.01)
         assert first.startswith("phase margin 27.")
@@ -93,7 +93,7 @@ def test_a_chart_of_the_kind_bode_is_two_charts_with_marks() -> None:
 
 
 def test_without_a_response_there_is_no_chart() -> None:
-    assert charts.loop_of(CHART, row(np.zeros(60))) == []
+    assert charts.open_loop(CHART, row(np.zeros(60))) == []
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_without_a_response_there_is_no_chart() -> None:
     [
         ({"y": ("a.m",)}, "has 1 `y` and needs 2"),
         ({"x": ""}, "has no `x`"),
-        ({"kind": "array"}, "does not accept `closed`"),
+        ({"kind": "path"}, "does not accept `closed`"),
         ({"y": ("a.m", "a.q")}, "names `a.q[1]`"),
     ],
 )

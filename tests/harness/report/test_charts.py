@@ -13,14 +13,18 @@ from cosim.errors import CosimError
 from cosim.formatting.quantity import prefixed
 from cosim.metrics import drawable
 from cosim.metrics.criteria import Verdict
-from cosim.report import charts, curves, drawing, panels
+from cosim.report import charts, curves, drawing
+from cosim.report.charts import ChartData
 from cosim.report.provenance import numbers, origin
-from cosim.report.series import unpacked
 from cosim.scenario.model import Chart, Criterion, Panel, Plot
 from cosim.show import plot
 from cosim.trace.columns import Held
 
-from .traces import ROWS, TIME, lines, points, result, scenario, texts, traced
+from .traces import ROWS, TIME, lines, points, result, scenario, texts, traced, unpacked
+
+
+def drawn(chart: Chart, trace: Held) -> ChartData:
+    return ChartData(chart, charts.lines(chart, trace, dict.fromkeys(trace)))
 
 
 def test_a_path_has_a_line_for_each_value_of_its_split() -> None:
@@ -83,8 +87,8 @@ def test_a_chart_of_picked_rows_loses_no_other(kind: Any) -> None:
     picked = Chart(kind, ("plant.y[plant.x > 1]",), title="Depth", **more)
     whole = Chart("path", ("plant.y",), x="plant.x", title="Way")
     of, found = result(trace, "max(plant.x)", maximum=4.0)
-    shown, (reported,) = charts.views(replace(of, plot=Plot(charts=(picked, whole))), found)
-    assert [chart["title"] for chart in shown] == ["Way"]
+    shown, (reported,) = charts.of_run(replace(of, plot=Plot(charts=(picked, whole))), found)
+    assert [data.chart.title for data in shown] == ["Way"]
     assert reported.startswith(
         "`plot.charts` `Depth` = `plant.y[plant.x > 1]` gives 2999 values for 4000 rows"
     )
@@ -142,18 +146,6 @@ def test_a_threshold_finds_and_takes_wrongly() -> None:
     assert lines(replace(chart, parts=("time < 2", "time > 9")), trace) == {}
 
 
-def test_an_array_is_its_last_row_in_the_order_of_its_numbers() -> None:
-    last = {f"controller.f[{i}]": np.full(ROWS, 10.0 * i if i < 11 else 0.0) for i in range(1, 13)}
-    table = traced(**{name.replace(".", "_"): values for name, values in last.items()})
-    gains = {f"controller.m[{i}]": np.full(ROWS, 1.0 / i) for i in range(1, 13)}
-    both = Held(np.asarray(traced(**{k.replace(".", "_"): v for k, v in (last | gains).items()}).table))
-    assert drawable.numbered("controller.f", table)[-1] == "controller.f[12]"
-    x, y = lines(Chart("array", ("controller.m",), x="controller.f"), both)["controller.m"]
-    # the last two were never set
-    assert list(x) == [10.0 * i for i in range(1, 11)]
-    assert list(y) == pytest.approx([1.0 / i for i in range(1, 11)])
-
-
 def test_a_map_sums_up_in_cells() -> None:
     # a square that is gone round twice, its right side at three times the weight
     way = np.arange(ROWS) / ROWS * 8.0 % 4.0
@@ -162,18 +154,18 @@ def test_a_map_sums_up_in_cells() -> None:
     weight = np.where((way > 1.0) & (way < 2.0), 3.0, 1.0)
     trace = traced(plant_x=x, plant_y=y, plant_w=weight)
     chart = Chart("map", ("plant.y",), x="plant.x", weight="plant.w", x_scale=1e3, equal=True)
-    cells = charts.summed(chart, trace, dict.fromkeys(trace))
+    cells = charts.map_cells(chart, trace, dict.fromkeys(trace))
     assert cells is not None
     assert cells.parts.shape == (charts.CELLS, charts.CELLS)
     assert (cells.x[0], cells.x[-1], len(cells.x)) == pytest.approx((0.0, 1e3, charts.CELLS + 1))
     inner = slice(5, -5)
     assert cells.parts[inner, -1].mean() == pytest.approx(3.0 * cells.parts[inner, 0].mean(), rel=0.05)
     assert not cells.parts[inner, inner].any()
-    found = charts.mapped(chart, cells)
-    assert unpacked(found["cells"]) == pytest.approx(cells.parts.ravel(), abs=1e-4)
-    assert "<image" in drawing.charts([charts.mapped(replace(chart, equal=False), cells)])
+    packed = ChartData(chart, cells=cells).packed()["cells"]
+    assert unpacked(packed) == pytest.approx(cells.parts.ravel(), abs=1e-4)
+    assert "<image" in drawing.charts([ChartData(replace(chart, equal=False), cells=cells)])
     nothing = replace(chart, parts=("plant.x > 2",))
-    assert charts.summed(nothing, trace, dict.fromkeys(trace)) is None
+    assert charts.map_cells(nothing, trace, dict.fromkeys(trace)) is None
 
 
 @pytest.mark.parametrize(
@@ -184,7 +176,7 @@ def test_a_map_sums_up_in_cells() -> None:
         (Chart("roc", ("plant.x",), parts=("time < 1",)), "of the kind `roc` has 1 `parts` and needs 2"),
         (Chart("roc", ("plant.x",), parts=("time < 1", "time > 1"), names=("a", "b")), "2 names for 1 lines"),
         (Chart("path", ("plant.y",), x="plant.x"), "`plant.y`, which is not a known column"),
-        (Chart("array", ("plant.x",), x="plant.x"), "`plant.x[1]`, which is not a column"),
+        (Chart("bode", ("plant.x", "plant.x"), x="plant.x"), "`plant.x[1]`, which is not a column"),
         (Chart("share", ("plant.x",), names=("a", "b")), "2 names for 1 lines"),
         (Chart("share", ("plant.x",), split="time"), "of the kind `share` does not accept `split`"),
         (Chart("map", ("plant.x",), x="time", names=("a",)), "of the kind `map` does not accept `names`"),
@@ -197,7 +189,7 @@ def test_a_map_sums_up_in_cells() -> None:
             Chart("path", ("plant.x",), x="time", error="plant.z", equal=True),
             "`plant.z`, which is not a known column",
         ),
-        (Chart("array", ("plant.x",), x="plant.x", parts=("time",)), "kind `array` does not accept `parts`"),
+        (Chart("bode", ("plant.x",), x="plant.x", parts=("time",)), "kind `bode` does not accept `parts`"),
     ],
 )
 def test_what_cannot_be_drawn_is_reported(chart: Chart, message: str) -> None:
@@ -209,7 +201,7 @@ def test_what_cannot_be_drawn_is_reported(chart: Chart, message: str) -> None:
 @pytest.mark.filterwarnings("error")
 def test_a_trace_of_the_time_alone_has_no_panels(tmp_path: Path) -> None:
     of, found = result(traced(), "max(time)", maximum=4.0)
-    assert panels.views(of, found) == []
+    assert plot.views(of, found)[0].panels == []
     plot.save(of, found, tmp_path / "plot.svg")
 
 
@@ -217,9 +209,9 @@ def test_only_what_is_whole_in_the_trace_is_drawn_in_steps() -> None:
     trace = traced(plant_x=np.where(TIME < 2.0, 0.0, 1e-9), plant_n=np.floor(TIME))
     of, found = result(trace, "max(plant.x)", maximum=4.0)
     of = replace(of, plot=Plot(panels=(Panel(("plant.x",)), Panel(("plant.n",), "m"))))
-    shown = panels.views(of, found)[0]["panels"]
-    assert shown[0]["unit"] == "nm"
-    assert [panel["lines"][0]["stepped"] for panel in shown] == [False, True]
+    shown = plot.views(of, found)[0].panels
+    assert shown[0].unit == "nm"
+    assert [panel.curves[0].stepped for panel in shown] == [False, True]
 
 
 def test_panels_of_what_moves_show_what_they_leave_out() -> None:
@@ -240,9 +232,10 @@ def test_a_polar_chart_goes_around_its_middle() -> None:
     turn = np.pi * TIME / 2.0
     trace = traced(plant_a=turn, plant_r=np.full(ROWS, 1e-3), plant_n=np.where(TIME < 2.0, 1.0, 2.0))
     chart = Chart("polar", ("plant.r",), x="plant.a", split="plant.n", split_name="push", scale=1e3, log=True)
-    found = charts.view(chart, charts.lines(chart, trace, dict.fromkeys(trace)), levels=[(2.0, "r <= 2 mm")])
-    assert found["polar"] is True
-    assert [line["name"] for line in found["lines"]] == ["push 1", "push 2"]
+    found = drawn(chart, trace)
+    found = replace(found, levels=[(2.0, "r <= 2 mm")])
+    assert found.packed()["polar"] is True
+    assert [line.name for line in found.lines] == ["push 1", "push 2"]
     svg = drawing.charts([found])
     assert {"push 1", "push 2", "r <= 2 mm"} <= set(texts(svg))
     # the first line is the upper half of a circle, the second the lower one, within the limit
@@ -274,11 +267,11 @@ def test_a_path_with_an_error_is_drawn_next_to_where_it_should_be() -> None:
 def test_whole_numbers_are_reported_at_whole_numbers() -> None:
     trace = traced(plant_f=TIME, plant_n=np.floor(TIME))
     chart = Chart("peaks", ("plant.f",), split="plant.n")
-    found = charts.view(chart, charts.lines(chart, trace, dict.fromkeys(trace)))
-    assert found["whole"] is True
+    found = drawn(chart, trace)
+    assert found.integer is True
     assert [text for text in texts(drawing.charts([found])) if text.isdigit()][:4] == ["0", "1", "2", "3"]
     other = Chart("path", ("plant.f",), x="time")
-    assert charts.view(other, charts.lines(other, trace, dict.fromkeys(trace)))["whole"] is False
+    assert drawn(other, trace).integer is False
 
 
 @pytest.mark.parametrize(
@@ -290,12 +283,12 @@ def test_whole_numbers_are_reported_at_whole_numbers() -> None:
     ],
 )
 def test_a_spectrum_knows_what_its_axis_shows(more: dict[str, str], wanted: str) -> None:
-    assert charts.axes(Chart("spectrum", ("plant.f",), **more))["x_label"] == wanted  # type: ignore[arg-type]
+    assert ChartData(Chart("spectrum", ("plant.f",), **more)).x_label == wanted  # type: ignore[arg-type]
 
 
 def test_a_drawing_with_equal_scales_has_them() -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 101)
-    found = charts.view(
+    found = ChartData(
         Chart("path", ("y",), x="x", equal=True), [curves.Line("circle", np.cos(turn), np.sin(turn))]
     )
     across, down = np.ptp(points(drawing.charts([found]), "#1f77b4"), axis=0)
@@ -305,9 +298,9 @@ def test_a_drawing_with_equal_scales_has_them() -> None:
 def test_a_chart_holds_the_numbers_of_its_lines() -> None:
     trace = traced(plant_x=TIME, plant_y=np.exp(-TIME))
     chart = Chart("path", ("plant.y",), x="plant.x", log=True, label="force", unit="N", title="Force")
-    found = charts.view(chart, charts.lines(chart, trace, dict.fromkeys(trace)))
-    assert (found["label"], found["points"]) == ("force (N)", False)
-    x, y = (unpacked(found["lines"][0][axis]) for axis in "xy")
+    found = drawn(chart, trace)
+    assert (found.label, found.points) == ("force (N)", False)
+    x, y = (unpacked(found.packed()["lines"][0][axis]) for axis in "xy")
     assert 10.0**y == pytest.approx(np.exp(-x), rel=1e-3)
 
 

@@ -11,7 +11,7 @@ import pytest
 from cosim.errors import CosimError
 from cosim.metrics import drawable
 from cosim.report import charts
-from cosim.report.series import unpacked
+from cosim.report.charts import ChartData
 from cosim.scenario.model import Chart
 from cosim.trace.columns import Held
 
@@ -46,7 +46,7 @@ def trace() -> Held:
     return Held(table)
 
 
-def views(chart: Chart, folder: Path) -> tuple[list[dict[str, object]], list[str]]:
+def views(chart: Chart, folder: Path) -> tuple[list[ChartData], list[str]]:
     return charts.of_columns([chart], trace(), dict.fromkeys(trace()), folder, {})
 
 
@@ -61,16 +61,15 @@ def named(tmp_path: Path, request: pytest.FixtureRequest) -> str:
 def test_a_function_next_to_the_scenario_makes_the_maps(named: str, tmp_path: Path) -> None:
     (flat, deep), undrawn = views(replace(CHART, function=f"{named}:depths"), tmp_path)
     assert undrawn == []
-    assert (flat["title"], deep["title"]) == ("Depth: flat", "Depth: deep")
-    cells = deep["cells"]
-    assert isinstance(cells, dict)
-    assert cells["x"] == pytest.approx([0.0, 1 / 3, 2 / 3, 1.0])
-    assert cells["y"] == pytest.approx([0.0, 1e-3, 2e-3])
+    assert (flat.chart.title, deep.chart.title) == ("Depth: flat", "Depth: deep")
+    cells = deep.cells
+    assert cells is not None
+    assert cells.x == pytest.approx([0.0, 1 / 3, 2 / 3, 1.0])
+    assert cells.y == pytest.approx([0.0, 1e-3, 2e-3])
     # rows 1 to 3 are in both parts: sums 6 and 12, 3 rows; what is not a number is nothing
-    assert unpacked(cells) == pytest.approx([0.5, 1.0, 0.25, 0.0, 0.0, 0.0], abs=1e-4)
-    other = flat["cells"]
-    assert isinstance(other, dict)
-    assert not unpacked(other).any()
+    assert cells.parts.ravel() == pytest.approx([0.5, 1.0, 0.25, 0.0, 0.0, 0.0], abs=1e-4)
+    assert flat.cells is not None
+    assert not flat.cells.parts.any()
 
 
 def test_maps_without_anything_are_left_out(named: str, tmp_path: Path) -> None:

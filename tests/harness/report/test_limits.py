@@ -14,7 +14,7 @@ import pytest
 from cosim.errors import CosimError
 from cosim.metrics import drawable
 from cosim.metrics.criteria import Measured, Verdict, drawn
-from cosim.report import charts, drawing, panels
+from cosim.report import charts, drawing
 from cosim.scenario.model import Chart, Criterion, Panel, Plot
 from cosim.show import marks, plot
 
@@ -68,14 +68,15 @@ def test_a_limit_on_a_single_value_of_a_column_is_one_on_the_column(value: str, 
 def test_limits_faults_and_injections_are_marked_in_the_panels() -> None:
     of, found = result(TRACE, "max(plant.x)", maximum=4.0)
     of = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3),)))
-    (view,) = panels.views(of, found)
-    assert view["events"] == [(0.5, "fault injected: plant.u"), (2.0, "Stuck")]
-    ((limit, reported),) = view["panels"][0]["limits"]
-    assert (limit, reported) == (pytest.approx(4.0), "depth <= 4 mm")
+    (view,) = plot.views(of, found)
+    assert view.events == [(0.5, "fault injected: plant.u"), (2.0, "Stuck")]
+    ((limit, reported),) = view.panels[0].limits
+    assert limit == pytest.approx(4.0)
+    assert reported == "depth <= 4 mm"
     assert {"depth <= 4 mm", "Stuck"} <= set(texts(drawing.views([view])))
     # one far away would hide the line
     far = replace(found, criteria=[Verdict(replace(of.criterion[0], maximum=400.0), 2.0, "mm")])
-    assert panels.views(of, far)[0]["panels"][0]["limits"] == []
+    assert plot.views(of, far)[0].panels[0].limits == []
 
 
 def test_a_figure_marks_limits_and_events_too(tmp_path: Path) -> None:
@@ -132,27 +133,27 @@ def test_a_chart_of_a_column_shows_its_limit(
     of, found = result(trace, "max(plant.x)", maximum=4.0)
     along: dict[str, Any] = {"x_scale": 1e3} if kind == "share" else {"scale": 1e3}
     chart = Chart(kind, ("plant.x",), **more, **along)
-    ((reported,), undrawn) = charts.views(replace(of, plot=Plot(charts=(chart,))), found)
+    ((reported,), undrawn) = charts.of_run(replace(of, plot=Plot(charts=(chart,))), found)
     assert undrawn == []
-    assert [place for place, _ in reported["marks"]] == pytest.approx(places)
-    assert [level for level, _ in reported["levels"]] == pytest.approx(levels)
+    assert [place for place, _ in reported.marks] == pytest.approx(places)
+    assert [level for level, _ in reported.levels] == pytest.approx(levels)
     assert texts(drawing.charts([reported])).count("depth <= 4 mm") == len(places) + len(levels)
     # one far away would hide the line
     far = replace(found, criteria=[Verdict(replace(of.criterion[0], maximum=400.0), 2.0, "mm")])
-    ((reported,), _) = charts.views(replace(of, plot=Plot(charts=(chart,))), far)
-    assert reported["marks"] == reported["levels"] == []
+    ((reported,), _) = charts.of_run(replace(of, plot=Plot(charts=(chart,))), far)
+    assert (*reported.marks, *reported.levels) == ()
 
 
 def test_faults_beyond_the_last_mark_are_counted() -> None:
     reported = np.where(np.arange(ROWS) // 100 % 2 == 1, 3.0, 1.0)
     of, found = result(traced(plant_x=TIME, controller_fault=reported), "max(plant.x)", maximum=4.0)
-    marked = marks.marked(of, found)
-    events = plot.inside(TIME, marked)
+    every = marks.events(of, found)
+    events = plot.events_between(TIME, every)
     told_as = ["Stuck", "Stuck", "Stuck", "fault injected: plant.u", "Stuck", "Stuck, and 15 more"]
     assert [text for _, text in events] == told_as
     assert events[-1][0] == pytest.approx(0.9)
     # those of a window are its own
-    assert [t for t, _ in plot.inside(TIME[TIME > 3.4], marked)] == pytest.approx([3.5, 3.7, 3.9])
+    assert [t for t, _ in plot.events_between(TIME[TIME > 3.4], every)] == pytest.approx([3.5, 3.7, 3.9])
 
 
 def test_a_fault_in_the_first_row_is_marked() -> None:
@@ -164,6 +165,6 @@ def test_a_logarithmic_panel_has_no_limit_that_is_not_positive() -> None:
     of, found = result(TRACE, "max(abs(plant.x))", maximum=4.0)
     for log, count in ((False, 2), (True, 1)):
         shown = replace(of, plot=Plot(panels=(Panel(("plant.x",), "mm", 1e3, log=log),)))
-        (view,) = panels.views(shown, found)
-        assert len(view["panels"][0]["limits"]) == count
+        (view,) = plot.views(shown, found)
+        assert len(view.panels[0].limits) == count
         assert "nan" not in drawing.views([view])

@@ -16,15 +16,14 @@ from lxml import html
 
 import cosim
 from cosim.formatting.verdicts import row
-from cosim.report import book
+from cosim.report import command as report
 from cosim.report.page import library
-from cosim.report.series import unpacked
 
 from ..cli.commands import called
 from ..cli.commands import cosim as command
 from ..conftest import DATA, END, SCENARIO
 from . import browser
-from .traces import texts
+from .traces import texts, unpacked
 
 SCRIPT = "<script>document.title = 'taken'</script>"
 LAG = (
@@ -141,7 +140,7 @@ def test_texts_of_others_are_no_code(page: Any, made: Path) -> None:
     scripts = [part for part in page.iter("script") if part.get("type") != "text/plain"]
     assert len(scripts) == 1
     assert SCRIPT in page.get_element_by_id("documents").text_content()
-    assert SCRIPT in page.get_element_by_id("chapter-0").text_content()
+    assert SCRIPT in page.get_element_by_id("scenario-0").text_content()
 
 
 def test_the_page_loads_nothing(page: Any) -> None:
@@ -169,7 +168,7 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
     data = json.loads(gzip.decompress(base64.b64decode(page.get_element_by_id("data").text)))
     ((view,), (chart,)) = data[0]["views"], data[0]["charts"]
     (panel,) = view["panels"]
-    (line,) = panel["lines"]
+    (line,) = panel["curves"]
     assert result.trace is not None
     wanted = 1e3 * result.trace["plant.x"]
     assert unpacked(line) == pytest.approx(wanted, abs=np.ptp(wanted) / 1e5)
@@ -178,7 +177,7 @@ def test_the_plots_hold_the_trace(page: Any, result: cosim.Result) -> None:
     speed = unpacked(chart["lines"][0]["y"])
     assert (chart["title"], len(speed)) == ("Speed over position", len(wanted))
     assert view["events"] == [[pytest.approx(0.02), "fault injected: plant.u"]]
-    first, second = page.get_element_by_id("chapter-0").find_class("still")
+    first, second = page.get_element_by_id("scenario-0").find_class("printed")
     assert "Speed over position" in texts(first.get("src"))
     assert {"end <= 700 mm", "time (s), the whole run"} <= set(texts(second.get("src")))
     library = gzip.decompress(base64.b64decode(page.get_element_by_id("library").text))
@@ -195,11 +194,11 @@ def test_what_does_not_hold_is_reported_first(page: Any) -> None:
     reported = missed.text_content()
     assert reported.startswith("lag: it ends far away, ")
     assert reported.endswith("(limit >= 2 m)")
-    assert missed.find("a").get("href") == "#chapter-0"
+    assert missed.find("a").get("href") == "#scenario-0"
 
 
 def test_a_study_and_a_document_are_on_the_page(page: Any) -> None:
-    sweep = page.get_element_by_id("sweep-1")
+    sweep = page.get_element_by_id("study-1")
     assert "2 of 2 runs: 2 failed" in sweep.text_content()
     criteria, metrics = (cells(table) for table in sweep.iter("table"))
     assert criteria[1] == ["far", "0 of 2", "it ends far away"]
@@ -207,7 +206,7 @@ def test_a_study_and_a_document_are_on_the_page(page: Any) -> None:
     assert "End over the gain" in sweep.text_content()
     # the study is shown with its scenario, and its summary at the top
     assert sweep.getparent().get("id") == "loop-lag"
-    (swept,) = page.find_class("swept")
+    (swept,) = page.find_class("summary")
     assert "study 0 of 2 runs pass" in swept.text_content()
     (document,) = page.find_class("document")
     assert [cells(table) for table in document.iter("table")] == [[["one", SCRIPT]]]
@@ -263,13 +262,13 @@ def test_a_failed_drawing_loses_no_verdict(made: Path, monkeypatch: pytest.Monke
         "Not plotted: plot.charts Speed over position = ",
         "Not plotted: plot.zoom = first_time(plant.x[tim",
     ]
-    (picture,) = page.find_class("still")
+    (picture,) = page.find_class("printed")
     assert "time (s), the whole run" in texts(picture.get("src"))
 
 
 @pytest.mark.parametrize("option", ["--out", "--report"])
 def test_an_earlier_page_may_be_written_over(made: Path, option: str) -> None:
-    book.check(option, made / "page.html")
+    report.check(option, made / "page.html")
 
 
 def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -284,7 +283,7 @@ def test_the_page_is_made_of_the_runs_of_a_test(made: Path, monkeypatch: pytest.
     page = html.fromstring((made / "tested.html").read_text())
     assert cells(page.get_element_by_id("table"))[0][:2] == ["lag", "it ends <b>near</b> zero"]
     assert page.find_class("document")
-    assert "2 of 2 runs: 2 failed" in page.get_element_by_id("sweep-1").text_content()
+    assert "2 of 2 runs: 2 failed" in page.get_element_by_id("study-1").text_content()
     for option, file in (("--document", "faults.md"), ("--study", "study.toml")):
         alone = called(*words, option, file)
         assert (alone.returncode, alone.stdout) == (2, "")
@@ -319,7 +318,7 @@ PRINTED = """
   if (document.documentElement.dataset.theme !== "dark") document.querySelector("#theme").click();
   const shown = (what) => getComputedStyle(document.querySelector(what)).display;
   return {
-    color: getComputedStyle(document.body).backgroundColor, plot: shown(".charts"), still: shown(".still"),
+    color: getComputedStyle(document.body).backgroundColor, plot: shown(".charts"), still: shown(".printed"),
   };
 })()
 """

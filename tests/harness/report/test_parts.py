@@ -20,14 +20,16 @@ from cosim.acceptance import runner
 from cosim.acceptance.job import RecordedJob
 from cosim.errors import CosimError
 from cosim.pool.job import Outcome
-from cosim.report import book, drawing
+from cosim.report import command as report
+from cosim.report import drawing
+from cosim.report.charts import STEPS, packed_values
 from cosim.report.job import VideoJob
-from cosim.report.series import STEPS, packed, scaled, unpacked
-from cosim.trace.thinned import BUCKETS, thinned
+from cosim.show.plot import Curve, PanelData, PlotView
+from cosim.trace.columns import BUCKETS, thinned
 
 from ..cli.commands import cosim as command
 from ..conftest import DATA, SCENARIO
-from .traces import points, texts
+from .traces import points, texts, unpacked
 
 NAN = float("nan")
 
@@ -52,7 +54,7 @@ def test_a_short_column_stays_as_it_is() -> None:
 def test_what_is_no_number_stays_none() -> None:
     values = np.full(10_000, NAN)
     values[5000:] = 3.0
-    found = unpacked(packed(thinned(values)))
+    found = unpacked(packed_values(thinned(values)))
     half = len(found) // 2
     assert np.all(np.isnan(found[:half]))
     assert np.all(found[half:] == 3.0)
@@ -62,18 +64,16 @@ def test_what_is_no_number_stays_none() -> None:
 def test_packed_values_are_closer_than_a_pixel(scale: float) -> None:
     values = scale * np.random.default_rng(7).normal(size=500)
     values[3] = NAN
-    found = unpacked(packed(values))
+    found = unpacked(packed_values(values))
     assert np.isnan(found[3])
     assert np.nanmax(np.abs(found - values)) <= 0.5 / STEPS * np.ptp(values[np.isfinite(values)]) * (1 + 1e-6)
 
 
 def shown(line: np.ndarray, log: bool = False, items: dict[str, int] | None = None) -> str:
     """Drawing of a panel with one line."""
-    data = {"name": "y", "stepped": False, **packed(scaled(line, log))}
-    panel = {"title": "t", "unit": "m", "log": log, "items": items or {}, "limits": [], "lines": [data]}
-    return drawing.views(
-        [{"title": "run", "from": 0.0, "to": 2.0, "events": [(1.0, "hit")], "panels": [panel]}]
-    )
+    curve = Curve("y", np.linspace(0.0, 2.0, len(line)), line, stepped=False)
+    panel = PanelData("t", "m", [curve], log, items or {})
+    return drawing.views([PlotView("run", 0.0, 2.0, [(1.0, "hit")], [panel])])
 
 
 def test_a_drawing_shows_values_from_low_to_high_within_its_frame() -> None:
@@ -113,10 +113,10 @@ def encoded(content: bytes) -> str:
 
 
 def test_a_video_that_is_too_large_becomes_a_picture(tmp_path: Path) -> None:
-    (tmp_path / "a.mp4").write_bytes(bytes(book.MAX_VIDEO + 100_000))
+    (tmp_path / "a.mp4").write_bytes(bytes(report.MAX_VIDEO + 100_000))
     (tmp_path / "a.jpg").write_bytes(b"still")
     reported = "it has 1.1 MB, the limit is 1 MB\nhint: Make it with `cosim video`."
-    assert book.shown_video(tmp_path / "a.mp4") == {"still": encoded(b"still"), "no_video": reported}
+    assert report.encoded_video(tmp_path / "a.mp4") == {"picture": encoded(b"still"), "no_video": reported}
 
 
 def test_one_scenario_of_each_loop_is_recorded(write: Callable[..., Path], monkeypatch: Any) -> None:
@@ -128,7 +128,7 @@ def test_one_scenario_of_each_loop_is_recorded(write: Callable[..., Path], monke
         for name in names:
             job = change(name, RecordedJob(scenario, 7))
             assert job.keep_trace
-            job.chapter.write_text(json.dumps({"name": name}))
+            job.section.write_text(json.dumps({"name": name}))
         return {name: CosimError("not run") if name == "dob" else result for name in names}
 
     def outcomes(jobs: Mapping[str, VideoJob], options: runner.RunOptions) -> Iterator[tuple[str, Outcome]]:
@@ -141,15 +141,15 @@ def test_one_scenario_of_each_loop_is_recorded(write: Callable[..., Path], monke
     monkeypatch.setattr(runner, "run", run)
     monkeypatch.setattr(runner, "outcomes", outcomes)
     names = ["dob", "dob/nan", "fts/lens", "fts", "dob/10"]
-    _, chapters = book.run_scenarios(book.Contents("", names), runner.RunOptions())
-    assert chapters == [
-        {"name": "dob/nan", "video": encoded(b"video"), "still": encoded(b"still")},
+    _, sections = report.run_scenarios(report.Contents("", names), runner.RunOptions())
+    assert sections == [
+        {"name": "dob/nan", "video": encoded(b"video"), "picture": encoded(b"still")},
         {"name": "fts/lens", "no_video": "too dark"},
         {"name": "fts"},
         {"name": "dob/10"},
     ]
-    _, chapters = book.run_scenarios(book.Contents("", names, videos=False), runner.RunOptions())
-    assert chapters == [{"name": name} for name in names[1:]]
+    _, sections = report.run_scenarios(report.Contents("", names, videos=False), runner.RunOptions())
+    assert sections == [{"name": name} for name in names[1:]]
 
 
 def test_nothing_is_run_for_a_video_that_cannot_be_drawn(

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from lxml import html
 
-from cosim.report import page, sections
+from cosim.report import page
 from cosim.sweep.summary import Summary, quantities
 
 
-def chapter(name: str, *claims: dict[str, Any]) -> dict[str, Any]:
+def section(name: str, *claims: dict[str, Any]) -> dict[str, Any]:
     return {"name": name, "loop": name.partition("/")[0], "claims": list(claims)}
 
 
@@ -22,26 +22,26 @@ def claim(name: str, number: bool = True, paper: str = "", passed: bool = True) 
 
 
 def test_a_loop_has_its_scenarios_its_studies_and_its_documents() -> None:
-    chapters = [
-        chapter("lag", claim("a")),
-        chapter("cart", claim("b")),
-        chapter("lag/slow", claim("c", passed=False)),
+    scenarios = [
+        section("lag", claim("a")),
+        section("cart", claim("b")),
+        section("lag/slow", claim("c", passed=False)),
     ]
-    sweeps = [{"scenario": "cart/heavy", "name": "one"}, {"scenario": "crane", "name": "two"}]
+    studies = [{"scenario": "cart/heavy", "name": "one"}, {"scenario": "crane", "name": "two"}]
     documents = [
         {"name": "Faults", "loop": "lag", "html": ""},
         {"name": "Others", "loop": "others", "html": ""},
     ]
-    found = sections.made(chapters, sweeps, documents)
+    found = page.closed_loops(scenarios, studies, documents)
     assert [part.name for part in found] == ["lag", "cart", "crane"]
     lag, cart, crane = found
-    assert [one["number"] for one in lag.chapters] == [0, 2]
+    assert [one["number"] for one in lag.scenarios] == [0, 2]
     assert [one["name"] for one in lag.documents] == ["Faults"]
-    assert (lag.held, len(lag.claims)) == (1, 2)
-    # after the chapters, as the data of the page
-    assert [(one["name"], one["number"], one["place"]) for one in cart.sweeps] == [("one", 3, 1)]
-    assert [(one["name"], one["number"]) for one in crane.sweeps] == [("two", 4)]
-    assert crane.chapters == cart.documents == []
+    assert (lag.passed, len(lag.claims)) == (1, 2)
+    # after the scenarios, as the data of the page
+    assert [(one["name"], one["number"], one["index"]) for one in cart.studies] == [("one", 3, 1)]
+    assert [(one["name"], one["number"]) for one in crane.studies] == [("two", 4)]
+    assert crane.scenarios == cart.documents == []
 
 
 @pytest.mark.parametrize(
@@ -53,32 +53,35 @@ def test_a_loop_has_its_scenarios_its_studies_and_its_documents() -> None:
     ],
 )
 def test_a_loop_is_reported_by_a_number_that_a_paper_knows(claims: list[dict[str, Any]], wanted: Any) -> None:
-    (part,) = sections.made([chapter("lag", *claims), chapter("lag/b", claim("other", paper="x"))], (), ())
+    (part,) = page.closed_loops(
+        [section("lag", *claims), section("lag/b", claim("other", paper="x"))], (), ()
+    )
     assert (part.headline or {}).get("claim") == wanted
 
 
 def written(name: str, *claims: dict[str, Any]) -> dict[str, Any]:
-    """Chapter of a run without plots."""
+    """Section of a run without plots."""
     texts = dict.fromkeys(("title", "command", "simulated", "plant", "verdict", "no_video"), "x")
     empty: dict[str, Any] = {
-        key: [] for key in ("story", "fmus", "metrics", "settings", "injected", "charts", "views", "undrawn")
+        key: []
+        for key in ("description", "fmus", "metrics", "settings", "injected", "charts", "views", "undrawn")
     }
     reported = {"measured": "2 um", "limit": "<= 3 um", "source": "choice", "origin": "choice"}
-    more = {**texts, **empty, "passed": True, "video": "", "still": "eA==", "drawings": ["", ""]}
-    return {**chapter(name, *({**reported, **claim} for claim in claims)), **more}
+    more = {**texts, **empty, "passed": True, "video": "", "picture": "eA==", "drawings": ["", ""]}
+    return {**section(name, *({**reported, **claim} for claim in claims)), **more}
 
 
 def test_a_page_begins_with_cards_and_the_nominal_scenarios() -> None:
-    chapters = [written("lag", claim("a `b`")), written("lag/slow", claim("c")), written("cart", claim("d"))]
-    content = html.fromstring(page.text("Title", chapters))
+    scenarios = [written("lag", claim("a `b`")), written("lag/slow", claim("c")), written("cart", claim("d"))]
+    content = html.fromstring(page.text("Title", scenarios))
     cards = content.find_class("loop")
     assert [card.get("href") for card in cards] == ["#loop-lag", "#loop-cart"]
     assert "2 um a b (<= 3 um)" in " ".join(cards[0].text_content().split())
     assert "2 of 2 criteria passed in 2 scenarios" in " ".join(cards[0].text_content().split())
-    # the picture is once in the page, in the chapter
-    assert [image.get("data-still") for card in cards for image in card.iter("img")] == [
-        "chapter-0",
-        "chapter-2",
+    # the picture is once in the page, in its section
+    assert [image.get("data-picture") for card in cards for image in card.iter("img")] == [
+        "scenario-0",
+        "scenario-2",
     ]
     rows = content.get_element_by_id("table").xpath("tbody/tr")
     assert [(row.get("data-which"), "hidden" in row.attrib) for row in rows] == [
@@ -86,13 +89,15 @@ def test_a_page_begins_with_cards_and_the_nominal_scenarios() -> None:
     ]  # fmt: skip
     assert content.xpath("//select[@name='which']/option")[0].get("value") == "nominal"
     # variants are a click away
-    assert [part.get("id") for part in content.xpath("//details[@class='variants']/details")] == ["chapter-1"]
+    assert [part.get("id") for part in content.xpath("//details[@class='variants']/details")] == [
+        "scenario-1"
+    ]
     alone = html.fromstring(page.text("Title", [written("lag", claim("a"))]))
     assert alone.xpath("//select[@name='which']") == []
 
 
 def test_words_have_code_and_emphasis_and_neither_links_nor_html() -> None:
-    reported = page.words("`gain` is *large* [here](http://a.b) <b>x</b> and mu_static_max")
+    reported = page.inline_markdown("`gain` is *large* [here](http://a.b) <b>x</b> and mu_static_max")
     assert reported == (
         "<code>gain</code> is <em>large</em> [here](http://a.b) &lt;b&gt;x&lt;/b&gt; and mu_static_max"
     )

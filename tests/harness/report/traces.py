@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from cosim.loop.result import Result
 from cosim.metrics.criteria import Measured, Verdict
 from cosim.report import charts
+from cosim.report.charts import STEPS
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Chart, Controller, Criterion, Loop, Metric, Plot, Scenario
 from cosim.trace.columns import Array, Held
@@ -54,6 +56,12 @@ def result(trace: Held, value: str, **limits: Any) -> tuple[Scenario, Result]:
         trace.table, units=units, items={"controller.fault": {"None": 1, "Stuck": 3}}, injected=(0.5, None),
     )  # fmt: skip
     return of, found
+
+
+def unpacked(entry: dict[str, Any]) -> Array:
+    """Values of packed data, as in the script of the page."""
+    numbers = np.frombuffer(base64.b64decode(entry["data"]), "<u2").astype(float)
+    return np.where(numbers > STEPS, np.nan, entry["low"] + entry["span"] * numbers / STEPS)
 
 
 def texts(picture: str) -> list[str]:

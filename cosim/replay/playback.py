@@ -1,4 +1,4 @@
-"""Selection of the shown rows of a run, and the playback speed."""
+"""Settings of videos and of the viewer: the shown rows of a run, and their time scale."""
 
 from __future__ import annotations
 
@@ -19,22 +19,30 @@ LONGEST = 3600.0
 
 
 @dataclass(frozen=True)
-class Pace:
-    """Rows of a trace to show in sequence.
+class ReplayOptions:
+    """Settings of a video or of the viewer: size in pixels, playback time and part of the run in s.
 
-    Parameters
-    ----------
-    rows
-        Row of each picture.
-    speed
-        Ratio of simulated time to playback time; above 1 is time-lapse.
+    `begin` and `end` are None for the whole run, an empty `camera` is that of `Renderer`. `enlarge` are texts
+    `COORDINATE=FACTOR`; without them the enlargement is automatic.
     """
+
+    size: tuple[int, int] = (640, 480)
+    seconds: float = 8.0
+    begin: float | None = None
+    end: float | None = None
+    camera: str = ""
+    enlarge: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class TimeScale:
+    """Row of each picture, and the ratio of simulated time to playback time (above 1: time-lapse)."""
 
     rows: NDArray[np.intp]
     speed: float
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """Text of the playback speed."""
         if abs(self.speed - 1.0) < NEAR:
             return "real time" if abs(self.speed - 1.0) < 1e-3 else f"nearly real time: {self.speed:.2f} x"
@@ -43,27 +51,17 @@ class Pace:
         return f"slow motion: {1.0 / self.speed:.3g} x slower"
 
 
-def check(seconds: float) -> None:
-    """Check the playback time.
-
-    Raises
-    ------
-    CosimError
-        It is not positive, or more than `LONGEST`.
-    """
+def check_seconds(seconds: float) -> None:
+    """Check that the playback time is positive and at most `LONGEST`."""
     if not 0.0 < seconds <= LONGEST:
         raise CosimError(f"`--seconds` is `{seconds:g}`, it must be above 0 and at most {LONGEST:g}")
 
 
-def pace(times: Array, seconds: float, begin: float | None = None, end: float | None = None) -> Pace:
-    """Rows for the time from `begin` to `end` (s; default: the whole run) in a playback time in s.
-
-    Raises
-    ------
-    CosimError
-        The run has no rows in this time, or the playback time is invalid.
-    """
-    check(seconds)
+def time_scale(
+    times: Array, seconds: float, begin: float | None = None, end: float | None = None
+) -> TimeScale:
+    """Rows for the time from `begin` to `end` (s; default: the whole run) in a playback time in s."""
+    check_seconds(seconds)
     first = float(times[0]) if begin is None else begin
     last = float(times[-1]) if end is None else end
     if not times[0] <= first < last <= times[-1]:
@@ -73,4 +71,4 @@ def pace(times: Array, seconds: float, begin: float | None = None, end: float | 
     shown = np.linspace(first, last, count)
     # the row that held at that time
     rows = np.searchsorted(times, shown, side="right") - 1
-    return Pace(rows, (last - first) / seconds)
+    return TimeScale(rows, (last - first) / seconds)

@@ -1,4 +1,4 @@
-"""The section of one sweep in a report, as plain data."""
+"""The section of one study in a report, as plain data."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.table import Table
 
 from cosim import paths
-from cosim.formatting.quantity import prefixed, text
+from cosim.formatting.quantity import prefixed
 from cosim.metrics import criteria
 from cosim.report import charts, curves, drawing
+from cosim.report.charts import ChartData
 from cosim.report.curves import Line
+from cosim.report.page import Section, paragraphs
 from cosim.scenario.model import Chart
 from cosim.show import marks
 from cosim.study.store import DONE, Store
@@ -22,28 +25,19 @@ from cosim.sweep.charts import check_charts, columns, results
 from cosim.sweep.command import Options, run_study
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
-from cosim.sweep.summary import QUANTILES, Summary, spread
-
-Table = dict[str, Any]
-"""Names of the columns, and rows of texts."""
+from cosim.sweep.summary import Summary, spread
 
 
 def check(file: Path) -> None:
-    """Check before long runs that a study can be run and plotted.
-
-    Raises
-    ------
-    CosimError
-        The study, a case or a chart is wrong.
-    """
+    """Check before long runs that a study can be run and plotted."""
     check_charts(Plan(study.load(paths.find_study(str(file)))))
 
 
-def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[str, Any]:
+def run(file: Path, workers: int | None, engine: str, quiet: bool) -> Section:
     """Continue a study as `cosim sweep`, without plots and traces."""
     options = Options(file, None, workers, engine=engine, plots=False, quiet=quiet, traces=False)
 
-    def describe(plan: Plan, store: Store, found: Summary) -> dict[str, Any]:
+    def describe(plan: Plan, store: Store, found: Summary) -> Section:
         known = columns(plan.scenario, plan.varying)
         drawn, undrawn = charts.of_columns(plan.study.charts, results(found, known), known, file.parent, {})
         runs, shares = worst(plan, found), [*distributions(plan, found)]
@@ -51,15 +45,15 @@ def section(file: Path, workers: int | None, engine: str, quiet: bool) -> dict[s
             "name": file.stem,
             "scenario": plan.scenario.name,
             "title": plan.study.full_title,
-            "story": [part for part in plan.study.description.split("\n\n") if part.strip()],
+            "description": paragraphs(plan.study.description),
             "command": f"cosim sweep {shlex.quote(paths.shown(file))}",
             "verdict": summary_tables.verdict(found).plain,
             "short": short(found),
             "passed": found.passed,
-            "tables": [*tables(plan, found), *worst_runs(plan, found, runs)],
+            "tables": [plain(table) for table in tables(plan, found, runs)],
             "repeat": plan.commands(runs),
-            "charts": drawn,
-            "distributions": shares,
+            "charts": [chart.packed() for chart in drawn],
+            "distributions": [chart.packed() for chart in shares],
             "drawings": [drawing.charts(drawn), drawing.charts(shares)],
             "undrawn": undrawn,
         }
@@ -74,40 +68,27 @@ def short(found: Summary) -> str:
     return f"{found.statuses['passed']} of {found.runs} runs passed"
 
 
-def tables(plan: Plan, found: Summary) -> Iterator[Table]:
-    """Tables of criteria, distributions, sensitivity and runs without result; empty ones are omitted."""
-    claims = {entry.id: entry.claim for entry in plan.scenario.criterion}
-    held = [(name, f"{count} of {found.results}", claims.get(name, "")) for name, count in found.held.items()]
-    moved = [[cell.plain for cell in row] for row in sensitivity_tables.rows(found.sensitivities)]
-    lost = [
-        (status, str(count), str(first), reason)
-        for (status, reason), (count, first) in found.troubles.items()
-    ]
-    every = (
-        (("criterion", "passed in", "claim"), held),
-        (("metric", *QUANTILES), spread(found)),
-        (
-            (
-                "sensitivity of",
-                *sensitivity_tables.ranked_keys(found.sensitivities)[: sensitivity_tables.MAX_KEYS],
-            ),
-            moved,
-        ),
-        (("without result", "runs", "first run", "reason"), lost),
-    )
-    yield from ({"names": names, "rows": rows} for names, rows in every if rows)
+def tables(plan: Plan, found: Summary, worst: list[int]) -> Iterator[Table]:
+    """Nonempty tables of criteria, metrics, sensitivity, runs without result and worst runs."""
+    if plan.scenario.criterion and found.results:
+        yield summary_tables.criteria_table(plan.scenario, found)
+    if spread(found):
+        yield summary_tables.metric_table(found)
+    if found.sensitivities:
+        yield sensitivity_tables.table(found.sensitivities)
+    if found.troubles:
+        yield summary_tables.no_result_table(found, "first run")
+    if worst:
+        yield summary_tables.worst_table(plan, found, worst)
 
 
-def worst_runs(plan: Plan, found: Summary, runs: list[int]) -> Iterator[Table]:
-    """Worst runs by the metric that the study names."""
-    name = plan.study.traces.metric
-    if runs:
-        values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
-        rows = [(str(run), text(values[run], found.units.get(name, ""))) for run in runs]
-        yield {"names": ("worst run", name), "rows": rows}
+def plain(table: Table) -> dict[str, Any]:
+    """Names of the columns, and rows of texts."""
+    columns = [map(str, column.cells) for column in table.columns]
+    return {"names": [str(column.header) for column in table.columns], "rows": [*zip(*columns, strict=True)]}
 
 
-def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
+def distributions(plan: Plan, found: Summary) -> Iterator[ChartData]:
     """Distribution of the metrics with criteria, separately for passed and failed runs."""
     done = np.isin(found.columns["status"], DONE)
     failed = (np.array(found.columns["status"]) == "failed")[done]
@@ -118,15 +99,15 @@ def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
         unit, scale = prefixed(found.units[name], float(np.max(np.abs(values[known]))))
         parts = {"all criteria passed": ~failed, "a criterion failed": failed}
         lines = [
-            Line(f"{words} ({np.count_nonzero(part)})", scale * x, share)
-            for words, part in parts.items()
+            Line(f"{label} ({np.count_nonzero(part)})", scale * x, share)
+            for label, part in parts.items()
             for x, share in curves.cumulative(values[part])
         ]
         limits = [
-            (scale * place, marks.limit_text(entry, relation, limit, entry.unit or found.units[name]))
+            (scale * position, marks.limit_text(entry, relation, limit, entry.unit or found.units[name]))
             for entry in plan.scenario.criterion
             if entry.metric == name
-            for place, (relation, limit) in zip(
+            for position, (relation, limit) in zip(
                 criteria.drawn(entry, found.units[name]), criteria.relations(entry), strict=False
             )
         ]
@@ -138,4 +119,4 @@ def distributions(plan: Plan, found: Summary) -> Iterator[dict[str, Any]]:
             x_unit="" if unit == "1" else unit,
             label="cumulative fraction of the runs",
         )
-        yield charts.view(chart, lines, marks.seen(limits, [line.x for line in lines]))
+        yield ChartData(chart, lines, marks=marks.visible(limits, [line.x for line in lines]))

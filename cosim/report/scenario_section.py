@@ -1,4 +1,4 @@
-"""The chapter of one scenario in a report, as plain data."""
+"""The section of one scenario in a report, as plain data."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ from cosim.errors import ExpressionError
 from cosim.formatting.quantity import text
 from cosim.formatting.verdicts import counted, row
 from cosim.loop.result import Result
-from cosim.report import charts, drawing, panels, provenance
+from cosim.report import charts, drawing, provenance
+from cosim.report.page import Section, paragraphs
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
+from cosim.show import plot
 from cosim.show.display import injection_text, shorten
+from cosim.show.plot import PanelData, PlotView
+from cosim.trace.columns import thinned
 
 if TYPE_CHECKING:
     from cosim.loop.session import Session
@@ -23,21 +27,20 @@ DIGITS = 3
 """Digits of measured values, as in the table of `cosim test`."""
 
 
-def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, Any]:
+def describe(scenario: Scenario, result: Result, session: Session) -> Section:
     """Describe one run; a chart or zoom that cannot be made is replaced by a note."""
-    drawn, undrawn = charts.views(scenario, result)
+    drawn, undrawn = charts.of_run(scenario, result)
     try:
-        views = panels.views(scenario, result)
+        views = plot.views(scenario, result)
     except ExpressionError as error:
-        views = panels.views(
-            dataclasses.replace(scenario, plot=dataclasses.replace(scenario.plot, zoom="")), result
-        )
         undrawn.append(str(error))
+        without_zoom = dataclasses.replace(scenario.plot, zoom="")
+        views = plot.views(dataclasses.replace(scenario, plot=without_zoom), result)
     return {
         "name": result.scenario,
         "loop": result.loop,
         "title": result.title,
-        "story": [part for part in scenario.description.split("\n\n") if part.strip()],
+        "description": paragraphs(scenario.description),
         "command": command(scenario, result.seed),
         "seed": result.seed,
         "simulated": text(result.simulated_s, "s"),
@@ -49,14 +52,32 @@ def chapter(scenario: Scenario, result: Result, session: Session) -> dict[str, A
         "injected": [f"{entry.to}: {injection_text(entry)}" for entry in scenario.inject],
         "verdict": counted(result.criteria),
         "passed": result.passed,
-        "charts": drawn,
-        "views": views,
+        "charts": [chart.packed() for chart in drawn],
+        "views": [packed(view) for view in views if view.panels],
         "drawings": [drawing.charts(drawn), drawing.views(views)],
         "undrawn": undrawn,
         "video": None,
-        "still": None,
+        "picture": None,
         "no_video": "",
     }
+
+
+def packed(view: PlotView) -> dict[str, Any]:
+    """Plain data of a view for the script of the page."""
+    return {**vars(view), "panels": [packed_panel(panel) for panel in view.panels]}
+
+
+def packed_panel(panel: PanelData) -> dict[str, Any]:
+    """Plain data of a panel."""
+    curves = [
+        {
+            "name": curve.name,
+            "stepped": curve.stepped,
+            **charts.packed_values(thinned(curve.values), panel.log),
+        }
+        for curve in panel.curves
+    ]
+    return {**vars(panel), "curves": curves}
 
 
 def command(scenario: Scenario, seed: int) -> str:
