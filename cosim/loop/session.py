@@ -123,11 +123,11 @@ class Session(Closing):
 
     def _compile(self) -> None:
         """Compile all expressions against the columns of the trace."""
-        found = recorder.columns(self.fmus, self.plant)
-        self.columns = columns = condition.items_of(found)
-        self.metrics = criteria.compile_metrics(
-            self.scenario.metric, columns, recorder.units(self.fmus, self.plant)
-        )
+        self.labels = recorder.columns(self.fmus, self.plant)
+        found = {name: label.variable for name, label in self.labels.items()}
+        self.columns = condition.items_of(found)
+        units = {name: label.unit for name, label in self.labels.items()}
+        self.metrics = criteria.compile_metrics(self.scenario.metric, self.columns, units)
         criteria.check_units(self.scenario.criterion, self.scenario.metric, self.metrics)
         self.stop = condition.compiled(self.scenario.loop.stop_when, "loop.stop_when", found)
         self.when = [
@@ -135,13 +135,7 @@ class Session(Closing):
         ]
 
     def check_drawn(self) -> None:
-        """Check before a run that all plots and charts of the scenario can be made.
-
-        Raises
-        ------
-        CosimError
-            As for `drawable.check`.
-        """
+        """Check before a run that all plots and charts of the scenario can be made."""
         with located(self.scenario):
             drawable.check(self.scenario, self.columns)
 
@@ -192,13 +186,7 @@ class Session(Closing):
         return replace(result, metrics=metrics, criteria=criteria.evaluate(scenario.criterion, metrics))
 
     def start(self, seed: int) -> Parts:
-        """Initialize the FMUs and reset the plant for a run with a valid seed; return the inputs of the run.
-
-        Raises
-        ------
-        CosimError
-            An FMU or the plant failed, or the session is closed.
-        """
+        """Initialize the FMUs and reset the plant for a run with a valid seed; return the parts of a run."""
         scenario, place = self.scenario, self.place
         self.complete = False
         self.begin()
@@ -240,13 +228,7 @@ class Session(Closing):
                 repeats.first_runs.setdefault(self.key, first)
 
     def _check_repeatable(self, interrupt: Callable[[], None]) -> None:
-        """Repeat the first run of the same FMUs and plant in this process, unless that was done before.
-
-        Raises
-        ------
-        NewProcessError
-            It gives another outcome.
-        """
+        """Repeat the first run of the same FMUs and plant in this process; reject another outcome."""
         first = repeats.first_runs.get(self.key)
         if first is None or any(fmu.dead or fmu.closed for fmu in self.fmus):
             return
@@ -287,8 +269,7 @@ class Session(Closing):
 
     def _result(self, seed: int) -> Result:
         """Return the parts of a result that are known before the run."""
-        units = recorder.units(self.fmus, self.plant)
-        descriptions = recorder.descriptions(self.fmus, self.plant)
+        labels = self.labels.items()
         return Result(
             scenario=self.scenario.name,
             title=self.scenario.title,
@@ -298,10 +279,10 @@ class Session(Closing):
             criteria=[],
             simulated_s=0.0,
             wall_s=0.0,
-            units={name: units[name] for name in self.columns},
+            units={name: label.unit for name, label in labels},
             items={name: items for name, items in self.columns.items() if items},
-            descriptions={name: descriptions[name] for name in self.columns},
-            displays=recorder.displays(self.fmus),
+            descriptions={name: label.description for name, label in labels},
+            displays={name: v.display for name, (_, _, v) in labels if v and v.display},
             fmus={fmu.owner.fmu: fmu.file.guid for fmu in self.fmus},
         )
 
@@ -327,13 +308,7 @@ class Session(Closing):
 
 
 def checked_seed(seed: Any) -> int:
-    """Return the valid seed of the noise.
-
-    Raises
-    ------
-    CosimError
-        It is not a whole number, or negative.
-    """
+    """Return the seed of the noise after a check of its type and range."""
     try:
         whole = operator.index(seed)
     except TypeError:

@@ -28,17 +28,9 @@ Interpolation = Literal["hold", "linear"]
 
 @dataclass(frozen=True)
 class TimeSeries:
-    """Values over time.
+    """Values over time in s, which does not decrease; of values at one time the last is the right limit.
 
-    Parameters
-    ----------
-    times, values
-        Times in s that do not decrease, and the value from each time on. Of values at one time, the first is
-        the left limit and the last the right limit.
-    places
-        Line, or row of a Parquet file, of each value; for messages.
-    file
-        The file.
+    `places` are their lines, or rows of a Parquet file, for messages.
     """
 
     times: NDArray[np.float64]
@@ -59,18 +51,9 @@ def sample(
     steps: int,
     interpolation: Interpolation = "hold",
 ) -> NDArray[np.float64]:
-    """Value of a time series in every step, shape (steps,); the last value is held to the end.
+    """Value of a time series at each `k * step`, shape (steps,); the last value is held to the end.
 
-    Parameters
-    ----------
-    times
-        Times that do not decrease, s; the first is not after 0.
-    values
-        Value at each.
-    step, steps
-        Grid `k * step` of the run.
-    interpolation
-        `hold` keeps a value until the next, `linear` interpolates.
+    The times in s do not decrease, and the first is not after 0.
     """
     grid, times, known = np.arange(steps), np.asarray(times), np.asarray(values, np.float64)
     # the first step that is not before the time, as in `first_step`
@@ -85,13 +68,7 @@ def sample(
 
 
 def find(name: str, folder: Path) -> Path:
-    """File of a signal, relative to the folder of the scenario or to the working directory.
-
-    Raises
-    ------
-    ScenarioError
-        There is no such file.
-    """
+    """File of a signal, relative to the folder of the scenario or to the working directory."""
     places = [base / paths.expanded(name) for base in (folder, paths.working_folder())]
     for file in places:
         if paths.is_file(file):
@@ -106,13 +83,7 @@ def files(scenario: Scenario) -> dict[str, Path]:
 
 
 def check_apart(scenario: Scenario, option: str, file: Path) -> None:
-    """Check that a run does not overwrite the file of a signal.
-
-    Raises
-    ------
-    CosimError
-        It would.
-    """
+    """Check that a run does not overwrite the file of a signal."""
     for target, read_from in files(scenario).items():
         if paths.resolved(read_from) == paths.resolved(file):
             problem = f"`{option}` `{file}` would overwrite the file of `signal.{target}`"
@@ -120,13 +91,7 @@ def check_apart(scenario: Scenario, option: str, file: Path) -> None:
 
 
 def read(file: Path, column: str) -> TimeSeries:
-    """Read one column of a file over its time.
-
-    Raises
-    ------
-    ScenarioError
-        An invalid file; names the line and its content.
-    """
+    """Read one column of a file over its time; an error names the line."""
     try:
         stat = file.stat()
         return cached(file, column, stat.st_mtime_ns, stat.st_size)
@@ -166,13 +131,11 @@ def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]
         column = others[0]
     if column not in others:
         shown = paths.shown(file)
-        several = f"`column` is missing; `{shown}` has {len(others)} columns in addition to the time"
-        problem = f"`{shown}` has no column `{column}`" if column else several
-        hint = closest(column, others)
-        raise ScenarioError(
-            problem,
-            hint or "Put the names of the columns into the first line, separated by `,`, `;` or tabs.",
-        )
+        problem = f"`column` is missing; `{shown}` has {len(others)} columns in addition to the time"
+        if column:
+            problem = f"`{shown}` has no column `{column}`"
+        hint = "Put the names of the columns into the first line, separated by `,`, `;` or tabs."
+        raise ScenarioError(problem, closest(column, others) or hint)
     return time, names.index(column)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cosim import extras
 from cosim.errors import CosimError
-from cosim.loop.wires.wiring import child
+from cosim.loop.wires.transform import child
 from cosim.sweep.varied import Vary
 
 Case = dict[str, Any]

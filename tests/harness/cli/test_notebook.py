@@ -15,11 +15,12 @@ import pytest
 import cosim
 from cosim.errors import CosimError
 
-from ..conftest import END, entry, grid
+from ..conftest import END, SETTLING, entry, grid
 
 Write = Callable[..., Path]
 JUDGED = (
-    END
+    SETTLING
+    + END
     + entry("metric", name="<b>", value="last(plant.u)")
     + entry("criterion", id="end", claim="x < 1 & settles", metric="end", maximum=0.7)
 )
