@@ -106,14 +106,12 @@ def plant_class(name: str, folder: Path) -> Any:
     try:
         module = own_code.module(module_name, folder)
     except Exception as error:
-        raise PlantError(
-            f"cannot import the plant `{name}`: {type(error).__name__}: {error}", own_code.where(folder)
-        ) from error
+        problem = f"cannot import the plant `{name}`: {type(error).__name__}: {error}"
+        raise PlantError(problem, own_code.where(folder)) from error
     if not hasattr(module, class_name):
         public = [key for key, value in vars(module).items() if isinstance(value, type)]
-        raise PlantError(
-            f"the module `{module_name}` has no class `{class_name}`", closest(class_name, public)
-        )
+        problem = f"the module `{module_name}` has no class `{class_name}`"
+        raise PlantError(problem, closest(class_name, public))
     return getattr(module, class_name)
 
 
@@ -128,9 +126,8 @@ def project_module(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise PlantError(
-            f"cannot import the package `plants`: {error}", "Run `cargo xtask setup`."
-        ) from error
+        problem = f"cannot import the package `plants`: {error}"
+        raise PlantError(problem, "Run `cargo xtask setup`.") from error
 
 
 def problem_and_hint(error: BaseException) -> tuple[str, str]:
@@ -160,10 +157,8 @@ def packaged(name: str) -> Any:
                 hint = f"Check `plants/{name}.py`, and run `cargo xtask setup`."
             text = f"cannot import the plant `{name}`: {type(error).__name__}: {problem}"
             raise PlantError(text, hint or "Show the origin with `-v`.") from error
-    raise PlantError(
-        f"there is no plant `{name}`",
-        closest(name, names) + " Name your own plant `module:Class`, an MJCF file `name.xml`.",
-    )
+    hint = closest(name, names) + " Name your own plant `module:Class`, an MJCF file `name.xml`."
+    raise PlantError(f"there is no plant `{name}`", hint)
 
 
 def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
@@ -250,10 +245,9 @@ def check_shape(plant: Plant, name: str) -> None:
             check_channels(group, getattr(plant, group))
     except Exception as error:
         problem = error.message if isinstance(error, PlantError) else f"{type(error).__name__}: {error}"
+        problem = f"the plant `{name}` does not have the interface of a plant: {problem}"
         with concerning("plant.name"):
-            raise PlantError(
-                f"the plant `{name}` does not have the interface of a plant: {problem}", SHAPE
-            ) from error
+            raise PlantError(problem, SHAPE) from error
 
 
 def starts(channels: Sequence[Channel]) -> NDArray[np.float64]:

@@ -95,9 +95,7 @@ class Session(Closing):
         self.engine = native.choose(self.wanted, scenario, self.plant)
         check_timestep(scenario, self.plant.timestep)
         before: tuple[Instance, ...] = () if previous is None else previous.fmus
-        self.fmus: tuple[Instance, ...] = fmus.open_instances(
-            scenario, files, self.log_events, before, self.place
-        )
+        self.fmus = fmus.open_instances(scenario, files, self.log_events, before, self.place)
         self.place.at(Stage.NONE)
         try:
             self._compile()
@@ -192,8 +190,8 @@ class Session(Closing):
         self.begin()
         undriven.report(scenario, self.fmus, self.plant)
         self.plant_used = True
-        links = reference.initialise(scenario, self.fmus, self.plant, seed, place)
-        return Parts(scenario, self.fmus, self.plant, links, self.stop, self.when, place=place)
+        connections = reference.initialise(scenario, self.fmus, self.plant, seed, place)
+        return Parts(scenario, self.fmus, self.plant, connections, self.stop, self.when, place=place)
 
     def _loop(self, parts: Parts, known: Result, file: Path | None, sums: recorder.Checksums) -> Recording:
         """Run the closed loop; the trace goes to a file if one is given."""
@@ -347,10 +345,9 @@ def check_timestep(scenario: Scenario, timestep: float) -> None:
     step, substeps = scenario.loop.step, scenario.loop.substeps
     if abs(substeps * timestep - step) > TIMESTEP_TOLERANCE * step:
         fitting = round(step / timestep)
-        fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MAX_SUBSTEPS
-        hint = (
-            f"Set `loop.substeps = {fitting}`." if fits else f"Make `loop.step` a multiple of {timestep:g} s."
-        )
+        hint = f"Make `loop.step` a multiple of {timestep:g} s."
+        if abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MAX_SUBSTEPS:
+            hint = f"Set `loop.substeps = {fitting}`."
         steps = f"`loop.substeps` = `{substeps}` plant steps of {timestep:g} s"
         with concerning("loop.substeps"):
             raise CosimError(f"{steps} do not fill `loop.step` = `{step:g}` s", hint)

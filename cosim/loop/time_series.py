@@ -122,9 +122,8 @@ def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
 def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]:
     """Return indices of the time and of the requested column; of two columns the one that is not the time."""
     if twice := next((name for name in names if name and names.count(name) > 1), ""):
-        raise ScenarioError(
-            f"`{paths.shown(file)}` has two columns `{twice}`", "Give each column its own name."
-        )
+        problem = f"`{paths.shown(file)}` has two columns `{twice}`"
+        raise ScenarioError(problem, "Give each column its own name.")
     time = names.index(TIME) if TIME in names else 0
     others = [name for index, name in enumerate(names) if index != time]
     if not column and len(others) == 1:

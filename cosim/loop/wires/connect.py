@@ -49,10 +49,8 @@ def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variabl
             variable = lookup(file.variables, name, choice)
             tunable = variable.causality == "parameter" and variable.variability == "tunable"
             if (variable.causality != "input" and not tunable) or variable.kind == "String":
-                raise ScenarioError(
-                    f"`{item}` is not an input or tunable parameter of the FMU",
-                    closest(name, [v.name for v in file.named("input")]),
-                )
+                problem = f"`{item}` is not an input or tunable parameter of the FMU"
+                raise ScenarioError(problem, closest(name, [v.name for v in file.named("input")]))
             names.add(name)
     return [variable for name, variable in file.variables.items() if name in names]
 
@@ -72,13 +70,13 @@ def check_order(wire: Wire, scenario: Scenario) -> None:
     if scenario.fmus[0].alone:
         problem = f"`from` = `{wire.source}`: an input of the controller needs a `plant.` measurement"
         raise ScenarioError(problem, f"Or use its own output with a delay. {hint}.")
+    names = ", ".join(f"`{choice.name}`" for choice in scenario.fmus)
+    problem = f"is against the order of the steps {names}"
     if source in reached(target, scenario):
         problem = (
             "closes an algebraic loop: all wires from its target back to its source act in the same step"
         )
     else:
-        names = ", ".join(f"`{choice.name}`" for choice in scenario.fmus)
-        problem = f"is against the order of the steps {names}"
         hint += f", or list `{source}` before `{target}`"
     raise ScenarioError(f"the wire from `{wire.source}` to `{wire.to}` without `delay` {problem}", hint)
 
@@ -165,10 +163,8 @@ class Connector:
         fmu, loop = self.fmus[side], self.scenario.loop
         source = slot(fmu.outputs, lookup(fmu.file.variables, name, fmu.owner))
         if source is None:
-            raise ScenarioError(
-                f"`from` = `{wire.source}` is not a numeric output of {fmu.owner.who}",
-                closest(name, [v.name for v in fmu.file.named("output")]),
-            )
+            problem = f"`from` = `{wire.source}` is not a numeric output of {fmu.owner.who}"
+            raise ScenarioError(problem, closest(name, [v.name for v in fmu.file.named("output")]))
         channel: Channel = Ideal()
         delay, late = wire.delay, False
         if side_of(wire.to) == PLANT:
@@ -268,15 +264,12 @@ class Connector:
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:
         """Index and channel by name."""
         if not self.scenario.plant.name:
-            raise ScenarioError(
-                f"`plant.{name}`: the scenario has no plant", "Add `[plant]` with `name = ...`."
-            )
+            hint = "Add `[plant]` with `name = ...`."
+            raise ScenarioError(f"`plant.{name}`: the scenario has no plant", hint)
         if name not in channels:
-            hint = (
-                closest(name, channels)
-                or f"It has no {kind}s. In an MJCF file only named elements have channels."
-            )
-            raise ScenarioError(f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`", hint)
+            hint = f"It has no {kind}s. In an MJCF file only named elements have channels."
+            problem = f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`"
+            raise ScenarioError(problem, closest(name, channels) or hint)
         return channels[name]
 
 
