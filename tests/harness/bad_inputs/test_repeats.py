@@ -127,10 +127,10 @@ def test_an_fmu_that_repeats_its_results_costs_one_run_for_each_worker(lag: Path
 def test_a_run_and_the_repetition_before_it_have_each_their_time(lag: Path) -> None:
     (lag / "slow.py").write_text(
         "import time, probe_plants\nclass Slow(probe_plants.Lag):\n    def reset(self, seed, duration):\n"
-        "        time.sleep(0.8)\n        super().reset(seed, duration)\n"
+        "        time.sleep(1.5)\n        super().reset(seed, duration)\n"
     )
     cases = [f'controller.gain = {gain}\nplant.name = "slow:Slow"' for gain in GAINS[:2]]
-    (lag / "study.toml").write_text(studies.case_list(cases, "timeout = 1.4"))
+    (lag / "study.toml").write_text(studies.case_list(cases, "timeout = 2.8"))
     studies.sweep("study.toml", "--workers", "1")
     assert [row["status"] for row in studies.rows(lag / "study.sweep")] == ["passed"] * 2
 
