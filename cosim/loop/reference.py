@@ -85,7 +85,7 @@ def recording(parts: Parts) -> Recorder:
 
 def recorded(parts: Parts, recorder: Recorder, steps: int) -> Recording:
     """End a run without an error; log what its FMUs reported."""
-    parts.place.end_steps([choice.shown for choice in parts.scenario.fmus])
+    parts.place.end_steps([choice.label for choice in parts.scenario.fmus])
     for fmu in parts.fmus:
         fmu.report()
     return Recording(recorder.recorded(steps), steps, parts.connections.begins)
@@ -109,7 +109,7 @@ def initialise(
     with locating(fmus[0], scenario):
         connections.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
     for choice, fmu, inputs in zip(scenario.fmus, fmus, connections.fmus, strict=True):
-        place.at(Stage.INITIALISE, choice.shown)
+        place.at(Stage.INITIALISE, choice.label)
         every = loop.every(choice.step)
         last = (loop.steps - 1) // every * every * loop.step
         # the last step of a slower FMU may end after the run
@@ -140,7 +140,7 @@ def steps(parts: Parts, recorder: Recorder) -> Generator[tuple[int, NDArray[np.f
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
     triggers = triggers_of(parts)
     place, page, interrupt = parts.place, parts.place.page, parts.interrupt
-    rates = [(choice.shown, loop.every(choice.step)) for choice in scenario.fmus]
+    rates = [(choice.label, loop.every(choice.step)) for choice in scenario.fmus]
     fmus = list(zip(rates, parts.fmus, connections.fmus, strict=True))
 
     k, fmu, ended = 0, parts.fmus[0], False

@@ -66,7 +66,7 @@ class Session(Closing):
         previous: Session | None = None,
         place: Place | None = None,
     ) -> None:
-        self.scenario, self.wanted, self.log_events = scenario, checked(engine), log_events
+        self.scenario, self.requested, self.log_events = scenario, checked(engine), log_events
         self.place = place or Place()
         self.has_plant = self.complete = False
         self._open(previous)
@@ -92,7 +92,7 @@ class Session(Closing):
     def _instantiate(self, files: Mapping[str, FmuFile], previous: Session | None) -> None:
         """Instantiate the FMUs, and check that they and the plant fit the scenario."""
         scenario = self.scenario
-        self.engine = native.choose(self.wanted, scenario, self.plant)
+        self.engine = native.choose(self.requested, scenario, self.plant)
         check_timestep(scenario, self.plant.timestep)
         before: tuple[Instance, ...] = () if previous is None else previous.fmus
         self.fmus = fmus.open_instances(scenario, files, self.log_events, before, self.place)
@@ -116,7 +116,7 @@ class Session(Closing):
     def begin(self) -> None:
         """Record the start of another run."""
         scenario = self.scenario
-        first = scenario.fmus[0].shown
+        first = scenario.fmus[0].label
         self.place.begin(first, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
 
     def _compile(self) -> None:
@@ -291,7 +291,7 @@ class Session(Closing):
         """
         for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True):
             if self.complete and fmu.running:
-                self.place.at(Stage.READ, choice.shown)
+                self.place.at(Stage.READ, choice.label)
                 readable.report(fmu)
         fmus.close(self.fmus, self.place)
         self.close_plant()

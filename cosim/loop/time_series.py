@@ -30,18 +30,18 @@ Interpolation = Literal["hold", "linear"]
 class TimeSeries:
     """Values over time in s, which does not decrease; of values at one time the last is the right limit.
 
-    `places` are their lines, or rows of a Parquet file, for messages.
+    `rows` are their lines, or rows of a Parquet file, for messages.
     """
 
     times: NDArray[np.float64]
     values: NDArray[np.float64]
-    places: NDArray[np.int64]
+    rows: NDArray[np.int64]
     file: Path
 
-    def place(self, index: int) -> str:
+    def location(self, index: int) -> str:
         """Location of a value in its file."""
         what = "row" if self.file.suffix in PARQUET else "line"
-        return f"`{paths.shown(self.file)}`, {what} {self.places[index]}"
+        return f"`{paths.shown(self.file)}`, {what} {self.rows[index]}"
 
 
 def sample(
@@ -107,15 +107,15 @@ def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
         raise ScenarioError(f"`{paths.shown(file)}` has no values, only a header")
     wrong = np.flatnonzero(~(np.isfinite(series.times) & np.isfinite(series.values)))
     if wrong.size:
-        raise ScenarioError(f"{series.place(int(wrong[0]))}: time and value must be finite numbers")
+        raise ScenarioError(f"{series.location(int(wrong[0]))}: time and value must be finite numbers")
     if series.times[0] > 0.0:
-        raise ScenarioError(f"{series.place(0)}: the time starts at `{series.times[0]:g}` s, after 0")
+        raise ScenarioError(f"{series.location(0)}: the time starts at `{series.times[0]:g}` s, after 0")
     falls = np.flatnonzero(np.diff(series.times) < 0.0) + 1
     if falls.size:
         index = int(falls[0])
         before, now = series.times[index - 1 : index + 1]
         problem = f"the time `{now:g}` s is before `{before:g}` s, the time above it"
-        raise ScenarioError(f"{series.place(index)}: {problem}")
+        raise ScenarioError(f"{series.location(index)}: {problem}")
     return series
 
 

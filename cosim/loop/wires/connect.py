@@ -200,7 +200,7 @@ class Connector:
                 try:
                     self.number(signal.to, value.item())
                 except CosimError as error:
-                    raise ScenarioError(f"{found.place(index)}: {error.message}", error.hint) from None
+                    raise ScenarioError(f"{found.location(index)}: {error.message}", error.hint) from None
         return found.times, found.values
 
     def holds(self) -> dict[str, Stimulus]:
