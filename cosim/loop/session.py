@@ -95,7 +95,8 @@ class Session(Closing):
         self.engine = native.choose(self.requested, scenario, self.plant)
         check_timestep(scenario, self.plant.timestep)
         before: tuple[Instance, ...] = () if previous is None else previous.fmus
-        self.fmus = fmus.open_instances(scenario, files, self.log_events, before, self.place)
+        opened = fmus.open_instances(scenario, files, self.log_events, before, self.place)
+        self.fmus: tuple[Instance, ...] = opened
         self.place.at(Stage.NONE)
         try:
             self._compile()

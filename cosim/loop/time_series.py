@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import functools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -177,12 +176,9 @@ def read_parquet(file: Path, column: str) -> TimeSeries:
         names = list(opened.schema_arrow.names)
         time, wanted = (names[index] for index in columns_of(names, column, file))
         table = opened.read(columns=[time, wanted])
-        parts = [
-            np.array([math.nan if value is None else value for value in table[name].to_pylist()], np.float64)
-            for name in (time, wanted)
-        ]
+        times, values = (table[name].cast("float64", safe=False).to_numpy() for name in (time, wanted))
     except CosimError:
         raise
-    except Exception as error:  # pyarrow and numpy have many
+    except Exception as error:  # pyarrow has many
         raise ScenarioError(f"cannot read numbers from `{paths.shown(file)}`: {error}") from None
-    return TimeSeries(parts[0], parts[1], np.arange(len(parts[0])), file)
+    return TimeSeries(times, values, np.arange(len(times)), file)

@@ -110,7 +110,7 @@ class Connections:
     commands: NDArray[np.float64]
     fmus: list[Inputs]
     plant: Inputs
-    begins: NDArray[np.float64]
+    begins: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     @property
     def drives(self) -> list[Stimulus]:
