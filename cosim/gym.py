@@ -15,7 +15,7 @@ from cosim.extras import hint
 from cosim.loop import reference
 from cosim.loop.session import Session, located
 from cosim.loop.wires.connect import PLANT, side_of
-from cosim.loop.wires.links import Links
+from cosim.loop.wires.connections import Connections
 from cosim.metrics.expression import Expression
 from cosim.pool.runs import loaded
 from cosim.scenario.model import Scenario, Signal
@@ -103,7 +103,7 @@ class Environment(gymnasium.Env[Values, Values]):
         with located(self.session.scenario):
             # `step` checks the condition itself
             parts = replace(self.session.start(seed), stop_when=None)
-        self.courses = courses(parts.scenario, parts.links, [*self.actions])
+        self.courses = courses(parts.scenario, parts.connections, [*self.actions])
         self.rows = reference.steps(parts, reference.recording(parts))
         self.k, row = self._row(self.rows)
         return row[self.observed], {"time": float(row[0]), "seed": seed}
@@ -154,12 +154,13 @@ def driven(scenario: Scenario, actions: Mapping[str, float]) -> Scenario:
     return replace(scenario, wire=tuple(wires), signal=(*signals, *added))
 
 
-def courses(scenario: Scenario, links: Links, names: Sequence[str]) -> list[Values]:
+def courses(scenario: Scenario, connections: Connections, names: Sequence[str]) -> list[Values]:
     """Values of some signals in every step of a run, which may be changed before the step."""
     found: dict[str, Values] = {}
-    sides = zip([*(choice.name for choice in scenario.fmus), PLANT], [*links.fmus, links.plant], strict=True)
-    for side, connection in sides:
+    names_of_sides = [*(choice.name for choice in scenario.fmus), PLANT]
+    sides = zip(names_of_sides, [*connections.fmus, connections.plant], strict=True)
+    for side, inputs in sides:
         targets = [signal.to for signal in scenario.signal if side_of(signal.to) == side]
         # the start values that injections hold follow the signals
-        found |= {to: drive.course for to, drive in zip(targets, connection.drives, strict=False)}
+        found |= {to: drive.course for to, drive in zip(targets, inputs.drives, strict=False)}
     return [found[name] for name in names]

@@ -24,7 +24,7 @@ def list_scenarios(
 ) -> None:
     """List the scenarios by name and title."""
     configure_logging(verbose, quiet)
-    from cosim.scenario.titles import title_of
+    from cosim.scenario.overrides import title_of
     from cosim.show import listing
 
     entries = []

@@ -22,7 +22,7 @@ class NamedFmu:
         return "the FMU" if self.alone else f"the FMU `{self.name}`"
 
     @property
-    def shown(self) -> str:
+    def label(self) -> str:
         """Name that distinguishes it from the other FMUs of the run."""
         return self.fmu if self.alone else self.name
 

@@ -63,21 +63,9 @@ def program(expression: Expression, columns: int) -> Program | None:
 
 
 def compiled(text: str, key: str, found: Mapping[str, Variable | None]) -> Expression | None:
-    """Condition over the current row of the trace; None for an empty text.
+    """Condition over the current row of the trace, from a key of the scenario; None for an empty text.
 
-    Parameters
-    ----------
-    text
-        The expression; may be empty.
-    key
-        Key of the scenario that holds it.
-    found
-        Columns of the trace, with the FMU's variable if there is one.
-
-    Raises
-    ------
-    ExpressionError
-        It is not an expression, or it gives a number: any number except 0 would be true immediately.
+    An expression that gives a number is rejected: any number except 0 would be true immediately.
     """
     if not text:
         return None

@@ -11,13 +11,7 @@ ENGINES: tuple[Engine, ...] = get_args(Engine)
 
 
 def checked(name: str) -> Engine:
-    """Engine by its name.
-
-    Raises
-    ------
-    CosimError
-        There is no such engine.
-    """
+    """Engine by its name."""
     for engine in ENGINES:
         if name == engine:
             return engine

@@ -46,7 +46,7 @@ def evaluate(scenario: Scenario, found: StoredTrace) -> Result:
     if ran.partition("/")[0] != scenario.name.partition("/")[0]:
         log.warning("`%s` is a trace of `%s`; it is evaluated as a trace of `%s`", shown, ran, scenario.name)
     with located(scenario):
-        found = described(found, scenario)
+        found = labeled(found, scenario)
         compiled = compile_metrics(scenario, found, shown)
         check_units(scenario, compiled, found, shown)
         metrics = measured(scenario.metric, compiled, found.data)
@@ -78,13 +78,7 @@ def compile_metrics(scenario: Scenario, found: StoredTrace, shown: str) -> list[
 
 
 def check_units(scenario: Scenario, compiled: list[Expression], found: StoredTrace, shown: str) -> None:
-    """Check that no limit applies to a metric whose unit would come from a column without unit.
-
-    Raises
-    ------
-    ExpressionError
-        Names criterion and metric: its number may be in another unit.
-    """
+    """Reject limits of metrics whose unit would come from a column without unit: it may be another one."""
     without_unit = [name for name in found.columns if name not in found.units]
     if not without_unit:
         return
@@ -101,7 +95,7 @@ def check_units(scenario: Scenario, compiled: list[Expression], found: StoredTra
                 raise ExpressionError(f"{problem}: the unit of {metric} is unknown", hint)
 
 
-def described(found: StoredTrace, scenario: Scenario) -> StoredTrace:
+def labeled(found: StoredTrace, scenario: Scenario) -> StoredTrace:
     """Trace with units and items; those of the FMUs' variables for files without them, such as CSV."""
     if found.units:
         return found

@@ -118,7 +118,7 @@ def open_instances(
     try:
         check_process(files.values())
         for choice, file, inputs in wanted:
-            place.at(Stage.LOAD, choice.shown)
+            place.at(Stage.LOAD, choice.label)
             fmu = fitting.get(choice.name) or Instance(
                 file, inputs, recorder.recorded(file, scenario.loop.record_locals), log_events, choice
             )
@@ -143,5 +143,5 @@ def fits(fmu: Instance, file: FmuFile, inputs: list[Variable], log_events: bool)
 def close(fmus: Sequence[Instance], place: Place) -> None:
     """Free all open instances."""
     for fmu in fmus:
-        place.at(Stage.CLOSE, fmu.owner.shown)
+        place.at(Stage.CLOSE, fmu.owner.label)
         fmu.close()

@@ -20,7 +20,7 @@ from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
 from cosim.loop.plant import Plant
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
-from cosim.loop.wires.links import Links, Slot, whole
+from cosim.loop.wires.connections import Connections, Slot, whole
 from cosim.scenario.model import Scenario
 
 log = logging.getLogger("cosim")
@@ -114,17 +114,9 @@ def controller(fmu: Instance) -> NativeFmu:
 
 
 def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
-    """Run as `cosim.loop.reference.run`, in native code from chunk to chunk.
+    """Run as `cosim.loop.reference.run`, in native code from chunk to chunk; errors have the same text.
 
-    Parameters
-    ----------
-    chunk
-        Steps between two checks of `progress` and Ctrl-C; it does not affect results.
-
-    Raises
-    ------
-    CosimError
-        As the reference engine, with the same text.
+    `chunk` are the steps between two checks of `progress` and Ctrl-C; it does not affect results.
     """
     from machining_native import Stepper
 
@@ -133,10 +125,10 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     body: Any = plant
     steps, step = scenario.loop.steps, scenario.loop.step
     machine = body.machine()
-    links, recorder = parts.links, reference.recording(parts)
+    connections, recorder = parts.connections, reference.recording(parts)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None
-    triggers = reference.triggers_of(parts, links.begins)
+    triggers = reference.triggers_of(parts)
     programs = [condition.program(trigger.condition, columns) for trigger in triggers]
     recorder.triggers = [
         NativeTrigger(program, trigger.delay, Slot(trigger.begins, trigger.index))
@@ -144,7 +136,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
         if program is not None
     ]
     calls = controller(fmu)
-    stepper = Stepper(machine, calls, links, recorder, step, scenario.loop.substeps)
+    stepper = Stepper(machine, calls, connections, recorder, step, scenario.loop.substeps)
     # what native code cannot evaluate is looked at after every step
     look = stop_when if recorder.stop is None else None
     slow = [trigger for trigger, program in zip(triggers, programs, strict=True) if program is None]
@@ -156,7 +148,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
             room = recorder.room(done)
             until = done + 1 if look or slow else min(done + chunk, steps, room)
             stop = body.run(stepper, until)
-            ended = explain(stop, links, calls, plant)
+            ended = explain(stop, connections, calls, plant)
             if (look or slow) and (row := recorder.row(done)) is not None:
                 for trigger in slow:
                     trigger(row, done)
@@ -168,27 +160,27 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
             parts.interrupt()
     except Exception as error:
         raise reference.located(error, fmu, scenario, stepper.k) from error
-    parts.place.end_steps([choice.shown for choice in scenario.fmus])
     if stepper.warned is not None:
         number, time = stepper.warned
         fmu.warned = fmu.warned or (calls.name(number), time)
     if stop is not None and stop[0] == "terminated":
         fmu.ended = (done - 1) * step
-    reference.report(parts.fmus)
-    return Recording(recorder.recorded(done), done, links.begins)
+    return reference.recorded(parts, recorder, done)
 
 
-def explain(stop: tuple[str, int, float] | None, links: Links, calls: NativeFmu, plant: Plant) -> bool:
+def explain(
+    stop: tuple[str, int, float] | None, connections: Connections, calls: NativeFmu, plant: Plant
+) -> bool:
     """Whether the condition or the FMU ended the run; otherwise raise the error of the reference engine."""
     match stop:
         case ("reading", wire, value):
-            raise links.readings[wire].shape.refusal(value)
+            raise connections.readings[wire].shape.refusal(value)
         case ("output", wire, value):
-            raise links.outputs[wire].shape.refusal(value)
+            raise connections.outputs[wire].shape.refusal(value)
         case ("integer", _, value):
             whole(value)
         case ("command", _, _):
-            plant.command(links.commands)
+            plant.command(connections.commands)
         case ("call", number, status):
             raise FMICallException(calls.name(number), int(status))
     if stop is not None and stop[0] not in ("stop", "terminated"):

@@ -14,13 +14,7 @@ _importing = threading.Lock()
 
 
 def module(name: str, folder: Path) -> Any:
-    """Import a module for a scenario in `folder`; a module in that folder has priority.
-
-    Raises
-    ------
-    Exception
-        Whatever the module raises; `where` is a hint.
-    """
+    """Import a module for a scenario in `folder`, where it has priority; errors are those of the module."""
     for place in (str(folder), str(Path.cwd())):
         if place not in sys.path:
             sys.path.append(place)

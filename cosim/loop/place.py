@@ -71,12 +71,8 @@ class Place:
     """Position of a run; a field of `page` is written before each call of foreign code.
 
     The floating-point environment is restored after each stage, because a change by one FMU would change the
-    results of other FMUs and of later runs.
-
-    Parameters
-    ----------
-    file
-        File of `PAGE` bytes that another process maps as well; None for this process only.
+    results of other FMUs and of later runs. The file has `PAGE` bytes, which another process maps as well;
+    without it the record is for this process only.
     """
 
     def __init__(self, file: Path | None = None) -> None:
@@ -125,17 +121,12 @@ class Place:
 
     def who(self) -> str:
         """Return the FMU or plant whose code runs; empty if neither."""
-        stage = self.page.stage
-        fmu, plant = self.names()
-        return (
-            fmu
-            if stage in FMU
-            else plant
-            if stage in PLANT
-            else self.ran()
-            if stage == Stage.STEP_BOTH
-            else ""
-        )
+        stage, (fmu, plant) = self.page.stage, self.names()
+        if stage in FMU:
+            return fmu
+        if stage in PLANT:
+            return plant
+        return self.ran() if stage == Stage.STEP_BOTH else ""
 
     def ran(self) -> str:
         """Return the FMU or plant of this run; empty if there is none."""

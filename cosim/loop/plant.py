@@ -92,21 +92,12 @@ class Plant(Protocol):
 def plant_class(name: str, folder: Path) -> Any:
     """Class of a plant: a name of the package `plants`, an MJCF file, or `module:Class` of your own.
 
-    Parameters
-    ----------
-    name
-        Name of the plant; empty is a plant without channels, for an FMU that runs alone.
-    folder
-        Folder of the scenario file, which is searched for MJCF files and modules.
-
-    Raises
-    ------
-    PlantError
-        No such plant, file, module or class, or an MJCF file that MuJoCo cannot load.
+    The folder of the scenario file is searched for MJCF files and modules. An empty name is a plant without
+    channels, for an FMU that runs alone.
     """
     physics.ready()
     if not name:
-        return bare(Path(importlib.import_module("plants").__path__[0], "bare", "empty.xml"))
+        return bare(Path(project_module("plants").__path__[0], "bare", "empty.xml"))
     if name.endswith(MJCF):
         return bare(paths.find_mjcf(name, folder))
     module_name, colon, class_name = name.partition(":")
@@ -115,14 +106,12 @@ def plant_class(name: str, folder: Path) -> Any:
     try:
         module = own_code.module(module_name, folder)
     except Exception as error:
-        raise PlantError(
-            f"cannot import the plant `{name}`: {type(error).__name__}: {error}", own_code.where(folder)
-        ) from error
+        problem = f"cannot import the plant `{name}`: {type(error).__name__}: {error}"
+        raise PlantError(problem, own_code.where(folder)) from error
     if not hasattr(module, class_name):
         public = [key for key, value in vars(module).items() if isinstance(value, type)]
-        raise PlantError(
-            f"the module `{module_name}` has no class `{class_name}`", closest(class_name, public)
-        )
+        problem = f"the module `{module_name}` has no class `{class_name}`"
+        raise PlantError(problem, closest(class_name, public))
     return getattr(module, class_name)
 
 
@@ -132,51 +121,48 @@ def exited(name: str, error: SystemExit) -> PlantError:
     return PlantError(problem, "Raise an exception in the plant instead.")
 
 
+def project_module(name: str) -> Any:
+    """Import a module of the project's plants."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        problem = f"cannot import the package `plants`: {error}"
+        raise PlantError(problem, "Run `cargo xtask setup`.") from error
+
+
+def problem_and_hint(error: BaseException) -> tuple[str, str]:
+    """Text of an error of a plant's code, and the hint in it."""
+    problem, _, hint = str(error).partition("\nhint: ")
+    return problem, hint
+
+
 def bare(file: Path) -> Any:
     """Class of the plant that an MJCF file describes."""
     try:
-        return importlib.import_module("plants.bare").load(file)
-    except ImportError as error:
-        raise PlantError(
-            f"cannot import the package `plants`: {error}", "Run `cargo xtask setup`."
-        ) from error
+        return project_module("plants.bare").load(file)
     except RuntimeError as error:
-        problem, _, hint = str(error).partition("\nhint: ")
-        raise PlantError(problem, hint) from None
+        raise PlantError(*problem_and_hint(error)) from None
 
 
 def packaged(name: str) -> Any:
     """Class of one of the project's plants."""
-    try:
-        plants: Any = importlib.import_module("plants")
-    except ImportError as error:
-        raise PlantError(
-            f"cannot import the package `plants`: {error}", "Run `cargo xtask setup`."
-        ) from error
+    plants = project_module("plants")
     names = list(plants.names())
     if name in names:
         try:
             return plants.load(name)
         except Exception as error:  # the module of a new plant may raise anything
-            problem, _, hint = str(error).partition("\nhint: ")
+            problem, hint = problem_and_hint(error)
             if isinstance(error, ImportError):
                 hint = f"Check `plants/{name}.py`, and run `cargo xtask setup`."
             text = f"cannot import the plant `{name}`: {type(error).__name__}: {problem}"
             raise PlantError(text, hint or "Show the origin with `-v`.") from error
-    raise PlantError(
-        f"there is no plant `{name}`",
-        closest(name, names) + " Name your own plant `module:Class`, an MJCF file `name.xml`.",
-    )
+    hint = closest(name, names) + " Name your own plant `module:Class`, an MJCF file `name.xml`."
+    raise PlantError(f"there is no plant `{name}`", hint)
 
 
 def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
-    """Build a plant with parameters checked against the fields, types and ranges of its `Parameters`.
-
-    Raises
-    ------
-    PlantError
-        Unknown plant or parameter, wrong type, value out of range, or the plant rejected its parameters.
-    """
+    """Build a plant with parameters checked against the fields, types and ranges of its `Parameters`."""
     with concerning("plant.name"):
         kind = plant_class(name, folder)
     values = check_parameters(kind, parameters)
@@ -185,10 +171,9 @@ def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
     except (CosimError, KeyboardInterrupt, SystemExit):
         raise
     except BaseException as error:
-        problem, _, hint = str(error).partition("\nhint: ")
-        if isinstance(error, ValueError):
-            raise PlantError(f"the plant `{name}` rejected its parameters: {problem}", hint) from error
-        raise PlantError(f"the plant `{name}` cannot be built: {problem}", hint) from error
+        problem, hint = problem_and_hint(error)
+        action = "rejected its parameters" if isinstance(error, ValueError) else "cannot be built"
+        raise PlantError(f"the plant `{name}` {action}: {problem}", hint) from error
     check_shape(plant, name)
     return plant
 
@@ -202,13 +187,7 @@ def close(plant: Plant, name: str) -> None:
 
 
 def record_qpos(plant: Any, name: str) -> None:
-    """Add MuJoCo's `qpos` to the recorded signals of a plant.
-
-    Raises
-    ------
-    PlantError
-        The plant has no `qpos`, or cannot add it.
-    """
+    """Add MuJoCo's `qpos` to the recorded signals of a plant."""
     if not hasattr(plant, "record_qpos"):
         raise PlantError(f"the plant `{name}` has no `qpos`", "Use a plant of `plants` or an MJCF file.")
     try:
@@ -236,13 +215,7 @@ def refuse(key: str, problem: str, hint: str) -> NoReturn:
 
 
 def check_class(kind: Any) -> None:
-    """Check that an object is the class of a plant: methods, and parameters as a dataclass.
-
-    Raises
-    ------
-    PlantError
-        Names the missing member.
-    """
+    """Check that an object is the class of a plant: methods, and parameters as a dataclass."""
     name = f"{getattr(kind, '__module__', 'module')}:{getattr(kind, '__name__', kind)}"
     parameters: Any = getattr(kind, "Parameters", None)
     problem = ""
@@ -263,13 +236,7 @@ def check_class(kind: Any) -> None:
 
 
 def check_shape(plant: Plant, name: str) -> None:
-    """Check channels and time step of a plant instance.
-
-    Raises
-    ------
-    PlantError
-        Names the first error.
-    """
+    """Check channels and time step of a plant instance."""
     try:
         step: Any = plant.timestep
         if isinstance(step, bool) or not isinstance(step, int | float) or not 0.0 < step < math.inf:
@@ -278,10 +245,9 @@ def check_shape(plant: Plant, name: str) -> None:
             check_channels(group, getattr(plant, group))
     except Exception as error:
         problem = error.message if isinstance(error, PlantError) else f"{type(error).__name__}: {error}"
+        problem = f"the plant `{name}` does not have the interface of a plant: {problem}"
         with concerning("plant.name"):
-            raise PlantError(
-                f"the plant `{name}` does not have the interface of a plant: {problem}", SHAPE
-            ) from error
+            raise PlantError(problem, SHAPE) from error
 
 
 def starts(channels: Sequence[Channel]) -> NDArray[np.float64]:
@@ -296,13 +262,7 @@ def start(channel: Channel) -> float:
 
 
 def one_each(values: Any, channels: Sequence[Channel], method: str) -> Any:
-    """Return the values of a method of a plant after a check of their number.
-
-    Raises
-    ------
-    PlantError
-        There are more or fewer values than channels.
-    """
+    """Return the values of a method of a plant after a check of their number."""
     if np.shape(values) != (len(channels),):
         found = f"values of shape `{np.shape(values)}`" if np.ndim(values) else f"the single value `{values}`"
         raise PlantError(f"`{method}` of the plant gave {found} for {len(channels)} channels")

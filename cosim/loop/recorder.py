@@ -5,13 +5,13 @@ from __future__ import annotations
 import itertools
 import zlib
 from collections.abc import Sequence
-from typing import Any, Protocol, Self, cast
+from typing import Any, NamedTuple, Protocol, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError
-from cosim.fmu.archive import DisplayUnit, FmuFile, Variable
+from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.instance import Instance
 from cosim.loop.condition import Program
 from cosim.loop.plant import Plant, one_each
@@ -36,12 +36,8 @@ class Sink(Protocol):
 class Checksums:
     """Checksum of each column of a run, independent of its blocks of rows.
 
-    Rows are passed on to a sink, if there is one; otherwise a run needs little memory.
-
-    Attributes
-    ----------
-    passing
-        Whether the sink has failed, or is receiving rows.
+    Rows are passed on to a sink, if there is one; otherwise a run needs little memory. `passing` states
+    whether the sink has failed, or is receiving rows.
     """
 
     def __init__(self) -> None:
@@ -65,20 +61,10 @@ class Checksums:
 
 
 class Recorder:
-    """Preallocated table of a run, shape (rows, columns); first column is the time.
+    """Preallocated table of a run, shape (rows, columns); native code reads its attributes.
 
-    Parameters
-    ----------
-    fmus
-        Initialized instances: undriven inputs are recorded with their start value.
-    plant
-        The plant.
-    steps
-        Steps of the run.
-    every
-        Steps between two rows.
-    sink
-        Receives the rows of a full table, whose length it defines; None keeps all rows in one table.
+    There is a row in every `every`-th of the steps. A sink receives the rows of a full table, whose length it
+    defines; without it all rows are in one table.
     """
 
     def __init__(
@@ -109,10 +95,11 @@ class Recorder:
         # then every bank of the FMUs, each a slice of the row
         self.banks: list[NDArray[Any]] = []
         self.parts: list[slice] = []
-        for bank in (bank for fmu in fmus for bank in [*fmu.inputs, *fmu.outputs]):
-            self.banks.append(bank.values)
-            self.parts.append(slice(first, first + len(bank.variables)))
-            first += len(bank.variables)
+        for fmu in fmus:
+            for bank in [*fmu.inputs, *fmu.outputs]:
+                self.banks.append(bank.values)
+                self.parts.append(slice(first, first + len(bank.variables)))
+                first += len(bank.variables)
         self.truths = slice(first, None)
 
     def record(self, k: int, time: float) -> NDArray[np.float64] | None:
@@ -150,13 +137,7 @@ class Recorder:
         return self.table[: rows if self.sink is None else 0]
 
     def hand_over(self, rows: int) -> None:
-        """Pass the first rows of the table to the sink, if there is one.
-
-        Raises
-        ------
-        CosimError
-            The sink failed.
-        """
+        """Pass the first rows of the table to the sink, if there is one."""
         self.minima = np.minimum(self.minima, np.min(self.table[:rows], axis=0, initial=0.0))
         if self.sink is not None and rows:
             try:
@@ -167,10 +148,10 @@ class Recorder:
 
     def report_nan(self) -> None:
         """Log measurements and columns that were NaN, except inputs, which only an injection sets to NaN."""
-        ends = [(f"plant.{channel.name}", None) for channel in self.plant.readings]
-        known = zip([*self.columns.items(), *ends], [*self.minima, *self.sensed], strict=True)
-        for (name, variable), minimum in known:
-            if np.isnan(minimum) and (variable is None or variable.causality != "input"):
+        inputs = [name for name, (_, _, v) in self.columns.items() if v and v.causality == "input"]
+        names = [*self.columns, *(f"plant.{channel.name}" for channel in self.plant.readings)]
+        for name, minimum in zip(names, [*self.minima, *self.sensed], strict=True):
+            if np.isnan(minimum) and name not in inputs:
                 warn_once(f"`{name}` was NaN during the run: every comparison with NaN is false")
 
 
@@ -181,13 +162,22 @@ def undriven_inputs(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]
     return [(fmu, v) for fmu, v in inputs if (fmu.name, v.name) not in moved]
 
 
-def columns(fmus: Sequence[Instance], plant: Plant) -> dict[str, Variable | None]:
-    """Names of the columns of a trace in order, with the FMU's variable if there is one."""
+class Column(NamedTuple):
+    """Unit and description of a column, empty if unknown, and the FMU's variable if there is one."""
+
+    unit: str
+    description: str
+    variable: Variable | None = None
+
+
+def columns(fmus: Sequence[Instance], plant: Plant) -> dict[str, Column]:
+    """Columns of a trace by name, in their order."""
     moved = [(fmu, v) for fmu in fmus for bank in [*fmu.inputs, *fmu.outputs] for v in bank.variables]
+    variables = [*undriven_inputs(fmus), *moved]
     return {
-        "time": None,
-        **{f"{fmu.name}.{variable.name}": variable for fmu, variable in [*undriven_inputs(fmus), *moved]},
-        **{f"plant.{channel.name}": None for channel in plant.truths},
+        "time": Column("s", ""),
+        **{f"{fmu.name}.{v.name}": Column(v.unit, v.description, v) for fmu, v in variables},
+        **{f"plant.{channel.name}": Column(channel.unit, channel.description) for channel in plant.truths},
     }
 
 
@@ -206,38 +196,10 @@ def report_unlisted(fmus: Sequence[Instance], columns: Columns) -> None:
                 )
 
 
-def units(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:
-    """Units of the columns of a trace; empty if unknown."""
-    return {
-        "time": "s",
-        **{f"{fmu.name}.{v.name}": v.unit for fmu in fmus for v in fmu.file.variables.values()},
-        **{f"plant.{channel.name}": channel.unit for channel in plant.truths},
-    }
-
-
-def descriptions(fmus: Sequence[Instance], plant: Plant) -> dict[str, str]:
-    """Descriptions of the columns of a trace; empty if there is none."""
-    variables = [(fmu.name, variable) for fmu in fmus for variable in fmu.file.variables.values()]
-    return {
-        "time": "",
-        **{f"{name}.{variable.name}": variable.description for name, variable in variables},
-        **{f"plant.{channel.name}": channel.description for channel in plant.truths},
-    }
-
-
-def displays(fmus: Sequence[Instance]) -> dict[str, DisplayUnit]:
-    """Display units of the columns of a trace that have one."""
-    variables = [(fmu.name, variable) for fmu in fmus for variable in fmu.file.variables.values()]
-    return {f"{name}.{variable.name}": variable.display for name, variable in variables if variable.display}
-
-
 def recorded(file: FmuFile, record_locals: bool | None) -> list[Variable]:
     """List the outputs and local variables of an FMU that are recorded, in its order.
 
-    Parameters
-    ----------
-    record_locals
-        Whether local variables are; None for those of an FMU with at most `LOCALS_MAX`.
+    `record_locals` of None records the local variables of an FMU with at most `LOCALS_MAX`.
     """
     numeric = [variable for variable in file.variables.values() if variable.base]
     moving = sum(is_moving_local(variable) for variable in numeric)

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
 from cosim.loop.place import Place, Stage
-from cosim.loop.plant import Plant, one_each, starts
+from cosim.loop.plant import Plant, one_each, problem_and_hint, starts
 from cosim.loop.recorder import Recorder, Sink
 from cosim.loop.wires.connect import Connector
+from cosim.loop.wires.connections import Connections, Fault, Inputs
 from cosim.loop.wires.fault import Trigger, delay_of
-from cosim.loop.wires.links import Connection, Fault, Link, Links, Slot
-from cosim.loop.wires.wiring import child
+from cosim.loop.wires.transform import child
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
@@ -53,7 +53,7 @@ class Parts:
     scenario: Scenario
     fmus: Sequence[Instance]
     plant: Plant
-    links: Links
+    connections: Connections
     stop_when: Expression | None = None
     when: Sequence[Expression | None] = ()
     progress: Progress | None = None
@@ -63,99 +63,85 @@ class Parts:
 
 
 def run(parts: Parts) -> Recording:
-    """Run FMUs and plant in closed loop.
+    """Run FMUs and plant in closed loop; an error names step and time.
 
     The row of step `k` holds the time `k * step`, the inputs of the FMUs at that time, the outputs computed
     from them, and the ground truth of the plant at that time.
-
-    Raises
-    ------
-    CosimError
-        An FMU returned an error, the plant failed, or a value on a wire is not finite; names step and time.
     """
     recorder = recording(parts)
     k = 0
     for k, _ in steps(parts, recorder):  # noqa: B007
         pass
-    parts.place.end_steps([choice.shown for choice in parts.scenario.fmus])
-    report(parts.fmus)
-    return Recording(recorder.recorded(k + 1), k + 1, parts.links.begins)
+    return recorded(parts, recorder, k + 1)
 
 
 def recording(parts: Parts) -> Recorder:
     """Return the recorder of a run."""
     loop = parts.scenario.loop
     recorder = Recorder(parts.fmus, parts.plant, loop.steps, loop.record_every, parts.sink)
-    recorder.sensed[:] = parts.links.sensed
+    recorder.sensed[:] = parts.connections.sensed
     return recorder
 
 
-def report(fmus: Sequence[Instance]) -> None:
-    """Log what FMUs reported in a run without an error."""
-    for fmu in fmus:
+def recorded(parts: Parts, recorder: Recorder, steps: int) -> Recording:
+    """End a run without an error; log what its FMUs reported."""
+    parts.place.end_steps([choice.label for choice in parts.scenario.fmus])
+    for fmu in parts.fmus:
         fmu.report()
+    return Recording(recorder.recorded(steps), steps, parts.connections.begins)
 
 
-def initialise(scenario: Scenario, fmus: Sequence[Instance], plant: Plant, seed: int, place: Place) -> Links:
+def initialise(
+    scenario: Scenario, fmus: Sequence[Instance], plant: Plant, seed: int, place: Place
+) -> Connections:
     """Reset the plant, and initialize the FMUs in their order with their inputs of t = 0.
 
     Inputs of an FMU whose source is initialized later keep their start values until the first step. The
     measurements of t = 0 are in `sensed` of the result; the first step does not sample again.
-
-    Raises
-    ------
-    CosimError
-        The plant or an FMU failed, or a name is wrong.
     """
     place.at(Stage.RESET_PLANT)
     reset_plant(plant, scenario, child(seed, "plant"))
     place.at(Stage.NONE)
     connector = Connector(scenario, fmus, plant, starts(plant.commands), seed)
-    links = connector.links()
+    connections = connector.connections()
     loop = scenario.loop
     place.at(Stage.STEP_PLANT)
     with locating(fmus[0], scenario):
-        links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
-    for choice, fmu, connection in zip(scenario.fmus, fmus, links.fmus, strict=True):
-        place.at(Stage.INITIALISE, choice.shown)
+        connections.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
+    for choice, fmu, inputs in zip(scenario.fmus, fmus, connections.fmus, strict=True):
+        place.at(Stage.INITIALISE, choice.label)
         every = loop.every(choice.step)
         last = (loop.steps - 1) // every * every * loop.step
         # the last step of a slower FMU may end after the run
         stop = max(loop.duration, last + every * loop.step)
-        fmu.initialise(choice.parameters, stop, partial(arrive_first, connection, fmu, scenario))
+        fmu.initialise(choice.parameters, stop, partial(arrive_first, inputs, fmu, scenario))
     place.at(Stage.NONE)
     connector.prime()
-    return links
+    return connections
 
 
-def arrive_first(connection: Connection, fmu: Instance, scenario: Scenario) -> None:
+def arrive_first(inputs: Inputs, fmu: Instance, scenario: Scenario) -> None:
     """Write the inputs of t = 0 of an FMU in its initialization mode."""
-    if connection.held or any(link.late for link in connection.wires):
+    if inputs.held or any(wire.late for wire in inputs.wires):
         fmu.read_inputs()
-    for drive in connection.held:
-        drive.course.fill(drive.target.array[drive.target.index])
+    for drive in inputs.held:
+        drive.course.fill(drive.target.read())
     with locating(fmu, scenario):
-        for link in connection.wires:
-            if not link.late:
+        for wire in inputs.wires:
+            if not wire.late:
                 # a delay starts with the first value
-                write(link.target, link.shape(float(link.source.array[link.source.index]), 0))
-        arrive(Connection(drives=connection.drives, faults=connection.faults), 0)
+                wire.target.write(wire.transformed(0))
+        arrive(Inputs(drives=inputs.drives, faults=inputs.faults), 0)
 
 
 def steps(parts: Parts, recorder: Recorder) -> Generator[tuple[int, NDArray[np.float64] | None]]:
-    """Do one step after the other; yield its number and its row, None if it is not recorded.
-
-    Raises
-    ------
-    CosimError
-        As for `run`.
-    """
-    scenario, plant, links = parts.scenario, parts.plant, parts.links
+    """Do one step after the other; yield its number and its row, None if it is not recorded."""
+    scenario, plant, connections = parts.scenario, parts.plant, parts.connections
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
-    triggers = triggers_of(parts, links.begins)
+    triggers = triggers_of(parts)
     place, page, interrupt = parts.place, parts.place.page, parts.interrupt
-    rates = [(choice.shown, loop.every(choice.step)) for choice in scenario.fmus]
-    turns = list(zip(rates, parts.fmus, links.fmus, strict=True))
+    rates = [(choice.label, loop.every(choice.step)) for choice in scenario.fmus]
+    fmus = list(zip(rates, parts.fmus, connections.fmus, strict=True))
 
     k, fmu, ended = 0, parts.fmus[0], False
     page.stage = Stage.STEP_PLANT
@@ -166,18 +152,18 @@ def steps(parts: Parts, recorder: Recorder) -> Generator[tuple[int, NDArray[np.f
             time = k * loop.step
             # sample: ideal readings, which wires make what the FMUs see
             if k:
-                links.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
-                np.minimum(recorder.sensed, links.sensed, out=recorder.sensed)
+                connections.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
+                np.minimum(recorder.sensed, connections.sensed, out=recorder.sensed)
             # compute: the FMUs move first, one after the other
-            for (name, every), fmu, connection in turns:
-                arrive(connection, k)
+            for (name, every), fmu, inputs in fmus:
+                arrive(inputs, k)
                 if k % every == 0:
                     place.at(Stage.STEP, name)
                     ended |= fmu.compute(time, every * loop.step)
                     page.stage = Stage.STEP_PLANT
             # act: the commands of this step, or of `compute_delay` steps ago
-            arrive(links.plant, k)
-            plant.command(links.commands)
+            arrive(connections.plant, k)
+            plant.command(connections.commands)
             recorder.room(k)
             row = recorder.record(k, time)
             if row is not None:
@@ -209,61 +195,42 @@ def locating(fmu: Instance, scenario: Scenario) -> Iterator[None]:
         raise located(error, fmu, scenario, 0) from error
 
 
-def triggers_of(parts: Parts, begins: NDArray[np.float64]) -> list[Trigger]:
+def triggers_of(parts: Parts) -> list[Trigger]:
     """Triggers of the injections that start with a condition."""
     entries = enumerate(zip(parts.scenario.inject, parts.when, strict=False))
     return [
-        Trigger(condition, delay_of(entry, parts.scenario.loop), begins, index)
+        Trigger(condition, delay_of(entry, parts.scenario.loop), parts.connections.begins, index)
         for index, (entry, condition) in entries
         if condition is not None
     ]
 
 
 def reset_plant(plant: Plant, scenario: Scenario, seed: np.random.SeedSequence) -> None:
-    """Reset the plant for a new run.
-
-    Raises
-    ------
-    PlantError
-        The plant failed.
-    """
+    """Reset the plant for a new run."""
     try:
         plant.reset(seed, scenario.loop.duration)
-    except CosimError:
-        raise
-    except KeyboardInterrupt:
+    except (CosimError, KeyboardInterrupt):
         raise
     except BaseException as error:  # a panic of Rust is no `Exception`
         raise failed_plant(f"the plant `{scenario.plant.name}` cannot be reset", error) from error
 
 
-def arrive(connection: Connection, k: int) -> None:
+def arrive(inputs: Inputs, k: int) -> None:
     """Apply wires, then signals, then injections to their targets."""
-    for link in connection.wires:
-        carry(link, k)
-    for drive in connection.drives:
-        write(drive.target, drive.course.item(k))
-    inject(connection.faults, k)
-
-
-def carry(link: Link, k: int) -> None:
-    """Pass one value through its wire."""
-    value = link.shape(float(link.source.array[link.source.index]), k)
-    write(link.target, link.delay(value, k))
-
-
-def write(target: Slot, value: float) -> None:
-    """Write a number to a target of any type."""
-    target.array[target.index] = target.convert(value)
+    for wire in inputs.wires:
+        wire.target.write(wire.delay(wire.transformed(k), k))
+    for drive in inputs.drives:
+        drive.target.write(drive.course.item(k))
+    inject(inputs.faults, k)
 
 
 def inject(faults: list[Fault], k: int) -> None:
     """Apply the active injections to the arriving values; the inactive ones only observe them."""
     for fault in faults:
-        since = k - fault.begin.array.item(fault.begin.index)
-        value = fault.change(float(fault.target.array[fault.target.index]), k, since)
+        since = k - fault.begin.read()
+        value = fault.change(fault.target.read(), k, since)
         if 0.0 <= since < fault.length:
-            write(fault.target, value)
+            fault.target.write(value)
 
 
 def located(error: BaseException, fmu: Instance, scenario: Scenario, k: int) -> CosimError:
@@ -278,5 +245,5 @@ def located(error: BaseException, fmu: Instance, scenario: Scenario, k: int) -> 
 
 def failed_plant(action: str, error: BaseException) -> PlantError:
     """Error of a plant's code; a hint in its text becomes the hint of the error."""
-    problem, _, hint = str(error).partition("\nhint: ")
+    problem, hint = problem_and_hint(error)
     return PlantError(f"{action}: {type(error).__name__}: {problem}", hint or "Show the origin with `-v`.")

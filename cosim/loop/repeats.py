@@ -39,15 +39,10 @@ class FirstRun(NamedTuple):
 
 
 class NewProcessError(FmuError):
-    """A run needs a new process, because an earlier run in this one would change its result.
-
-    Attributes
-    ----------
-    state
-        Whether FMU or plant kept state; otherwise they only cannot share a process with another FMU.
-    """
+    """A run needs a new process, because an earlier run in this one would change its result."""
 
     state = False
+    """Whether FMU or plant kept state; otherwise they only cannot share a process with another FMU."""
 
     @property
     def warning(self) -> str:

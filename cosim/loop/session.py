@@ -65,7 +65,7 @@ class Session(Closing):
         previous: Session | None = None,
         place: Place | None = None,
     ) -> None:
-        self.scenario, self.wanted, self.log_events = scenario, checked(engine), log_events
+        self.scenario, self.requested, self.log_events = scenario, checked(engine), log_events
         self.place = place or Place()
         self.has_plant = self.complete = False
         self._open(previous)
@@ -91,12 +91,11 @@ class Session(Closing):
     def _instantiate(self, files: Mapping[str, FmuFile], previous: Session | None) -> None:
         """Instantiate the FMUs, and check that they and the plant fit the scenario."""
         scenario = self.scenario
-        self.engine = native.choose(self.wanted, scenario, self.plant, files.values())
+        self.engine = native.choose(self.requested, scenario, self.plant, files.values())
         check_timestep(scenario, self.plant.timestep)
         before: tuple[Instance, ...] = () if previous is None else previous.fmus
-        self.fmus: tuple[Instance, ...] = fmus.open_instances(
-            scenario, files, self.log_events, before, self.place
-        )
+        opened = fmus.open_instances(scenario, files, self.log_events, before, self.place)
+        self.fmus: tuple[Instance, ...] = opened
         self.place.at(Stage.NONE)
         try:
             self._compile()
@@ -117,16 +116,16 @@ class Session(Closing):
     def begin(self) -> None:
         """Record the start of another run."""
         scenario = self.scenario
-        first = scenario.fmus[0].shown
+        first = scenario.fmus[0].label
         self.place.begin(first, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
 
     def _compile(self) -> None:
         """Compile all expressions against the columns of the trace."""
-        found = recorder.columns(self.fmus, self.plant)
-        self.columns = columns = condition.items_of(found)
-        self.metrics = criteria.compile_metrics(
-            self.scenario.metric, columns, recorder.units(self.fmus, self.plant)
-        )
+        self.labels = recorder.columns(self.fmus, self.plant)
+        found = {name: label.variable for name, label in self.labels.items()}
+        self.columns = condition.items_of(found)
+        units = {name: label.unit for name, label in self.labels.items()}
+        self.metrics = criteria.compile_metrics(self.scenario.metric, self.columns, units)
         criteria.check_units(self.scenario.criterion, self.scenario.metric, self.metrics)
         self.stop = condition.compiled(self.scenario.loop.stop_when, "loop.stop_when", found)
         self.when = [
@@ -134,13 +133,7 @@ class Session(Closing):
         ]
 
     def check_drawn(self) -> None:
-        """Check before a run that all plots and charts of the scenario can be made.
-
-        Raises
-        ------
-        CosimError
-            As for `drawable.check`.
-        """
+        """Check before a run that all plots and charts of the scenario can be made."""
         with located(self.scenario):
             drawable.check(self.scenario, self.columns)
 
@@ -191,20 +184,14 @@ class Session(Closing):
         return replace(result, metrics=metrics, criteria=criteria.evaluate(scenario.criterion, metrics))
 
     def start(self, seed: int) -> Parts:
-        """Initialize the FMUs and reset the plant for a run with a valid seed; return the inputs of the run.
-
-        Raises
-        ------
-        CosimError
-            An FMU or the plant failed, or the session is closed.
-        """
+        """Initialize the FMUs and reset the plant for a run with a valid seed; return the parts of a run."""
         scenario, place = self.scenario, self.place
         self.complete = False
         self.begin()
         undriven.report(scenario, self.fmus, self.plant)
         self.plant_used = True
-        links = reference.initialise(scenario, self.fmus, self.plant, seed, place)
-        return Parts(scenario, self.fmus, self.plant, links, self.stop, self.when, place=place)
+        connections = reference.initialise(scenario, self.fmus, self.plant, seed, place)
+        return Parts(scenario, self.fmus, self.plant, connections, self.stop, self.when, place=place)
 
     def _loop(self, parts: Parts, known: Result, file: Path | None, sums: recorder.Checksums) -> Recording:
         """Run the closed loop; the trace goes to a file if one is given."""
@@ -239,13 +226,7 @@ class Session(Closing):
                 repeats.first_runs.setdefault(self.key, first)
 
     def _check_repeatable(self, interrupt: Callable[[], None]) -> None:
-        """Repeat the first run of the same FMUs and plant in this process, unless that was done before.
-
-        Raises
-        ------
-        NewProcessError
-            It gives another outcome.
-        """
+        """Repeat the first run of the same FMUs and plant in this process; reject another outcome."""
         first = repeats.first_runs.get(self.key)
         if first is None or any(fmu.dead or fmu.closed for fmu in self.fmus):
             return
@@ -286,8 +267,7 @@ class Session(Closing):
 
     def _result(self, seed: int) -> Result:
         """Return the parts of a result that are known before the run."""
-        units = recorder.units(self.fmus, self.plant)
-        descriptions = recorder.descriptions(self.fmus, self.plant)
+        labels = self.labels.items()
         return Result(
             scenario=self.scenario.name,
             title=self.scenario.title,
@@ -297,10 +277,10 @@ class Session(Closing):
             criteria=[],
             simulated_s=0.0,
             wall_s=0.0,
-            units={name: units[name] for name in self.columns},
+            units={name: label.unit for name, label in labels},
             items={name: items for name, items in self.columns.items() if items},
-            descriptions={name: descriptions[name] for name in self.columns},
-            displays=recorder.displays(self.fmus),
+            descriptions={name: label.description for name, label in labels},
+            displays={name: v.display for name, (_, _, v) in labels if v and v.display},
             fmus={fmu.owner.fmu: fmu.file.guid for fmu in self.fmus},
         )
 
@@ -311,7 +291,7 @@ class Session(Closing):
         """
         for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True):
             if self.complete and fmu.running:
-                self.place.at(Stage.READ, choice.shown)
+                self.place.at(Stage.READ, choice.label)
                 fmu.read_all()
         fmus.close(self.fmus, self.place)
         self.close_plant()
@@ -326,13 +306,7 @@ class Session(Closing):
 
 
 def checked_seed(seed: Any) -> int:
-    """Return the valid seed of the noise.
-
-    Raises
-    ------
-    CosimError
-        It is not a whole number, or negative.
-    """
+    """Return the seed of the noise after a check of its type and range."""
     try:
         whole = operator.index(seed)
     except TypeError:
@@ -371,10 +345,9 @@ def check_timestep(scenario: Scenario, timestep: float) -> None:
     step, substeps = scenario.loop.step, scenario.loop.substeps
     if abs(substeps * timestep - step) > TIMESTEP_TOLERANCE * step:
         fitting = round(step / timestep)
-        fits = abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MAX_SUBSTEPS
-        hint = (
-            f"Set `loop.substeps = {fitting}`." if fits else f"Make `loop.step` a multiple of {timestep:g} s."
-        )
+        hint = f"Make `loop.step` a multiple of {timestep:g} s."
+        if abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MAX_SUBSTEPS:
+            hint = f"Set `loop.substeps = {fitting}`."
         steps = f"`loop.substeps` = `{substeps}` plant steps of {timestep:g} s"
         with concerning("loop.substeps"):
             raise CosimError(f"{steps} do not fill `loop.step` = `{step:g}` s", hint)

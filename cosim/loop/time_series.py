@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import functools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,28 +27,20 @@ Interpolation = Literal["hold", "linear"]
 
 @dataclass(frozen=True)
 class TimeSeries:
-    """Values over time.
+    """Values over time in s, which does not decrease; of values at one time the last is the right limit.
 
-    Parameters
-    ----------
-    times, values
-        Times in s that do not decrease, and the value from each time on. Of values at one time, the first is
-        the left limit and the last the right limit.
-    places
-        Line, or row of a Parquet file, of each value; for messages.
-    file
-        The file.
+    `rows` are their lines, or rows of a Parquet file, for messages.
     """
 
     times: NDArray[np.float64]
     values: NDArray[np.float64]
-    places: NDArray[np.int64]
+    rows: NDArray[np.int64]
     file: Path
 
-    def place(self, index: int) -> str:
+    def location(self, index: int) -> str:
         """Location of a value in its file."""
         what = "row" if self.file.suffix in PARQUET else "line"
-        return f"`{paths.shown(self.file)}`, {what} {self.places[index]}"
+        return f"`{paths.shown(self.file)}`, {what} {self.rows[index]}"
 
 
 def sample(
@@ -59,18 +50,9 @@ def sample(
     steps: int,
     interpolation: Interpolation = "hold",
 ) -> NDArray[np.float64]:
-    """Value of a time series in every step, shape (steps,); the last value is held to the end.
+    """Value of a time series at each `k * step`, shape (steps,); the last value is held to the end.
 
-    Parameters
-    ----------
-    times
-        Times that do not decrease, s; the first is not after 0.
-    values
-        Value at each.
-    step, steps
-        Grid `k * step` of the run.
-    interpolation
-        `hold` keeps a value until the next, `linear` interpolates.
+    The times in s do not decrease, and the first is not after 0.
     """
     grid, times, known = np.arange(steps), np.asarray(times), np.asarray(values, np.float64)
     # the first step that is not before the time, as in `first_step`
@@ -85,13 +67,7 @@ def sample(
 
 
 def find(name: str, folder: Path) -> Path:
-    """File of a signal, relative to the folder of the scenario or to the working directory.
-
-    Raises
-    ------
-    ScenarioError
-        There is no such file.
-    """
+    """File of a signal, relative to the folder of the scenario or to the working directory."""
     places = [base / paths.expanded(name) for base in (folder, paths.working_folder())]
     for file in places:
         if paths.is_file(file):
@@ -106,13 +82,7 @@ def files(scenario: Scenario) -> dict[str, Path]:
 
 
 def check_apart(scenario: Scenario, option: str, file: Path) -> None:
-    """Check that a run does not overwrite the file of a signal.
-
-    Raises
-    ------
-    CosimError
-        It would.
-    """
+    """Check that a run does not overwrite the file of a signal."""
     for target, read_from in files(scenario).items():
         if paths.resolved(read_from) == paths.resolved(file):
             problem = f"`{option}` `{file}` would overwrite the file of `signal.{target}`"
@@ -120,13 +90,7 @@ def check_apart(scenario: Scenario, option: str, file: Path) -> None:
 
 
 def read(file: Path, column: str) -> TimeSeries:
-    """Read one column of a file over its time.
-
-    Raises
-    ------
-    ScenarioError
-        An invalid file; names the line and its content.
-    """
+    """Read one column of a file over its time; an error names the line."""
     try:
         stat = file.stat()
         return cached(file, column, stat.st_mtime_ns, stat.st_size)
@@ -142,37 +106,34 @@ def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
         raise ScenarioError(f"`{paths.shown(file)}` has no values, only a header")
     wrong = np.flatnonzero(~(np.isfinite(series.times) & np.isfinite(series.values)))
     if wrong.size:
-        raise ScenarioError(f"{series.place(int(wrong[0]))}: time and value must be finite numbers")
+        raise ScenarioError(f"{series.location(int(wrong[0]))}: time and value must be finite numbers")
     if series.times[0] > 0.0:
-        raise ScenarioError(f"{series.place(0)}: the time starts at `{series.times[0]:g}` s, after 0")
+        raise ScenarioError(f"{series.location(0)}: the time starts at `{series.times[0]:g}` s, after 0")
     falls = np.flatnonzero(np.diff(series.times) < 0.0) + 1
     if falls.size:
         index = int(falls[0])
         before, now = series.times[index - 1 : index + 1]
         problem = f"the time `{now:g}` s is before `{before:g}` s, the time above it"
-        raise ScenarioError(f"{series.place(index)}: {problem}")
+        raise ScenarioError(f"{series.location(index)}: {problem}")
     return series
 
 
 def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]:
     """Return indices of the time and of the requested column; of two columns the one that is not the time."""
     if twice := next((name for name in names if name and names.count(name) > 1), ""):
-        raise ScenarioError(
-            f"`{paths.shown(file)}` has two columns `{twice}`", "Give each column its own name."
-        )
+        problem = f"`{paths.shown(file)}` has two columns `{twice}`"
+        raise ScenarioError(problem, "Give each column its own name.")
     time = names.index(TIME) if TIME in names else 0
     others = [name for index, name in enumerate(names) if index != time]
     if not column and len(others) == 1:
         column = others[0]
     if column not in others:
         shown = paths.shown(file)
-        several = f"`column` is missing; `{shown}` has {len(others)} columns in addition to the time"
-        problem = f"`{shown}` has no column `{column}`" if column else several
-        hint = closest(column, others)
-        raise ScenarioError(
-            problem,
-            hint or "Put the names of the columns into the first line, separated by `,`, `;` or tabs.",
-        )
+        problem = f"`column` is missing; `{shown}` has {len(others)} columns in addition to the time"
+        if column:
+            problem = f"`{shown}` has no column `{column}`"
+        hint = "Put the names of the columns into the first line, separated by `,`, `;` or tabs."
+        raise ScenarioError(problem, closest(column, others) or hint)
     return time, names.index(column)
 
 
@@ -215,12 +176,9 @@ def read_parquet(file: Path, column: str) -> TimeSeries:
         names = list(opened.schema_arrow.names)
         time, wanted = (names[index] for index in columns_of(names, column, file))
         table = opened.read(columns=[time, wanted])
-        parts = [
-            np.array([math.nan if value is None else value for value in table[name].to_pylist()], np.float64)
-            for name in (time, wanted)
-        ]
+        times, values = (table[name].cast("float64", safe=False).to_numpy() for name in (time, wanted))
     except CosimError:
         raise
-    except Exception as error:  # pyarrow and numpy have many
+    except Exception as error:  # pyarrow has many
         raise ScenarioError(f"cannot read numbers from `{paths.shown(file)}`: {error}") from None
-    return TimeSeries(parts[0], parts[1], np.arange(len(parts[0])), file)
+    return TimeSeries(times, values, np.arange(len(times)), file)

@@ -10,7 +10,7 @@ from cosim.fmu.instance import Instance
 from cosim.loop.plant import Plant, start
 from cosim.loop.wires.connect import targets
 from cosim.loop.wires.fault import steps_of
-from cosim.loop.wires.wiring import first_step
+from cosim.loop.wires.transform import first_step
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Criterion, Loop, Scenario
 from cosim.warned import warn_once

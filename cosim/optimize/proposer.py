@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cosim import extras
-from cosim.loop.wires.wiring import child
+from cosim.loop.wires.transform import child
 from cosim.optimize.objective import Score
 from cosim.optimize.problem import Problem
 from cosim.optimize.variants import Values

@@ -13,7 +13,7 @@ from cosim.errors import CosimError
 from cosim.loop import plant as plants
 from cosim.loop.reference import reset_plant
 from cosim.loop.result import Result
-from cosim.loop.wires.wiring import child
+from cosim.loop.wires.transform import child
 from cosim.scenario.model import Scenario
 from cosim.trace.columns import Array, Columns
 from cosim.trace.stored import StoredTrace

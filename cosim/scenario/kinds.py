@@ -25,13 +25,7 @@ def kind_of(table: Mapping[str, Any]) -> Kind | None:
 
 
 def check_kind(table: Mapping[str, Any], file: Path, wanted: Kind) -> None:
-    """Check that a file is of the required kind.
-
-    Raises
-    ------
-    ScenarioError
-        It is of another kind; names the command for it.
-    """
+    """Check that a file is of the required kind; an error names the command for the other."""
     found = kind_of(table)
     if found not in (None, wanted):
         named = {kind: f"{'an' if kind == 'optimization' else 'a'} {kind}" for kind in KEYS}

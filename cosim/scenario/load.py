@@ -41,19 +41,9 @@ def load(name_or_path: str | Path, set: str | Sequence[str | Assignment] = ()) -
 
 
 def build(merged: Overrides, before: tuple[Overrides, Scenario] | None = None) -> Scenario:
-    """Scenario of merged tables; the caller sets name and file.
+    """Scenario of merged tables; parts that other merged tables have in common are taken from their scenario.
 
-    Parameters
-    ----------
-    merged
-        The merged tables.
-    before
-        Other merged tables and their scenario: common parts are reused.
-
-    Raises
-    ------
-    ScenarioError
-        As for `load`.
+    The caller sets name and file.
     """
     if before is None:
         scenario = parse(Scenario, merged.table, "", merged.fail)

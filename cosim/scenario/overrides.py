@@ -16,7 +16,7 @@ from cosim.scenario.tables import IDENTITY, dotted, item_key, join
 from cosim.scenario.toml import check_sizes, parse_file, toml_value
 
 SET = "--set"
-Place = list[str | int]
+KeyPath = list[str | int]
 """Path to a value: names of tables and indices of arrays."""
 RENAMED = {"idle": "undriven"}
 """Keys of version 0.1 and their replacements."""
@@ -44,15 +44,14 @@ class Overrides:
         if not isinstance(dropped, list) or not all(isinstance(entry, str) for entry in dropped):
             raise ScenarioError(f"{origin}: `drop` is {show(dropped)}, it must be an array of texts")
         if dropped and not self.table:
-            raise ScenarioError(
-                f"{origin}: `drop` needs `extends`", "Use `drop` only to omit inherited items."
-            )
+            hint = "Use `drop` only to omit inherited items."
+            raise ScenarioError(f"{origin}: `drop` needs `extends`", hint)
         for entry in dropped:
             drop(self.table, entry, origin)
         self.table = merge(self.table, table)
         self.origins |= dict.fromkeys(walk(table), origin)
 
-    def put(self, path: Place, value: Any, origin: str) -> None:
+    def put(self, path: KeyPath, value: Any, origin: str) -> None:
         """Set the value at a path; shared tables are copied first."""
         self.table = replaced(self.table, path, value)
         self.origins[dotted(path, self.table)] = origin
@@ -72,14 +71,8 @@ def find_origin(origins: dict[str, str], key: str) -> str:
 
 
 def read(path: Path) -> Overrides:
-    """Read a scenario file and, first, the file it extends.
-
-    Raises
-    ------
-    ScenarioError
-        Missing file, broken TOML, a file of another kind, a circle of `extends`.
-    """
-    layers = Overrides()
+    """Read a scenario file and, first, the file it extends."""
+    merged = Overrides()
     chain = [(path.resolve(), parse_scenario(path))]
     while (parent := chain[-1][1].pop("extends", None)) is not None:
         origin = f"`{paths.shown(chain[-1][0])}`"
@@ -90,9 +83,9 @@ def read(path: Path) -> Overrides:
             raise ScenarioError(f"{origin}: `extends` = `{parent}` leads back to `{paths.shown(file)}`")
         chain.append((file, parse_scenario(file)))
     for file, table in reversed(chain):
-        layers.files.append(file)
-        layers.apply(table, f"`{paths.shown(file)}`")
-    return layers
+        merged.files.append(file)
+        merged.apply(table, f"`{paths.shown(file)}`")
+    return merged
 
 
 def parse_scenario(file: Path) -> dict[str, Any]:
@@ -104,7 +97,7 @@ def parse_scenario(file: Path) -> dict[str, Any]:
     return table
 
 
-def replaced(table: Any, path: Place, value: Any) -> Any:
+def replaced(table: Any, path: KeyPath, value: Any) -> Any:
     """Copy of a table with one changed value; copies only the tables on its path."""
     if not path:
         return value
@@ -150,6 +143,11 @@ def is_tables(value: Any) -> bool:
     return isinstance(value, list) and all(isinstance(item, dict) for item in value)
 
 
+def identities(name: str, items: list[dict[str, Any]]) -> list[Any]:
+    """List the identifying values of the tables of an array."""
+    return [item.get(IDENTITY[name]) for item in items]
+
+
 def walk(table: dict[str, Any], prefix: str = "") -> list[str]:
     """Every dotted key in a table, tables and array items included."""
     keys: list[str] = []
@@ -169,24 +167,20 @@ def drop(table: dict[str, Any], entry: str, origin: str) -> None:
     """Remove what was inherited: `criterion` (all of them) or `criterion.<id>`."""
     name, _, wanted = entry.partition(".")
     if name not in IDENTITY:
-        raise ScenarioError(
-            f"{origin}: `drop` holds `{entry}`, which does not start with a known name",
-            closest(name, IDENTITY),
-        )
+        problem = f"{origin}: `drop` holds `{entry}`, which does not start with a known name"
+        raise ScenarioError(problem, closest(name, IDENTITY))
     items = table.get(name, [])
     if not wanted or not is_tables(items):
         table.pop(name, None)
         return
     kept = [item for item in items if item.get(IDENTITY[name]) != wanted]
     if len(kept) == len(items):
-        known = [f"{name}.{item.get(IDENTITY[name])}" for item in items]
-        raise ScenarioError(
-            f"{origin}: `drop` holds `{entry}`, which is not inherited", closest(entry, known)
-        )
+        problem = f"{origin}: `drop` holds `{entry}`, which is not inherited"
+        raise ScenarioError(problem, closest(entry, [f"{name}.{one}" for one in identities(name, items)]))
     table[name] = kept
 
 
-def override(layers: Overrides, assignments: Sequence[str | Assignment]) -> None:
+def override(merged: Overrides, assignments: Sequence[str | Assignment]) -> None:
     """Apply overrides `KEY=VALUE`, and those of options.
 
     `controller.<fmi name>` and `plant.<parameter>` set parameters (`controller.fmu` and `plant.name`
@@ -201,10 +195,10 @@ def override(layers: Overrides, assignments: Sequence[str | Assignment]) -> None
         try:
             if isinstance(assignment, str):
                 value = toml_value(value, key)
-            check_sizes(value, place=key)
+            check_sizes(value, key=key)
         except ScenarioError as error:
             raise ScenarioError(f"{origin}: {error.message}", error.hint) from None
-        assign(layers, key, value, origin)
+        assign(merged, key, value, origin)
 
 
 def read_assignment(assignment: str | Assignment) -> Assignment:
@@ -213,34 +207,31 @@ def read_assignment(assignment: str | Assignment) -> Assignment:
         return assignment
     key, equals, text = assignment.partition("=")
     if not equals or not key.strip():
-        raise ScenarioError(
-            f"`{SET} {assignment}` is not of the form KEY=VALUE",
-            "Use, for example, `--set loop.duration=1.0`.",
-        )
+        problem = f"`{SET} {assignment}` is not of the form KEY=VALUE"
+        raise ScenarioError(problem, "Use, for example, `--set loop.duration=1.0`.")
     return Assignment(f"{SET} {key.strip()}", key.strip(), text.strip())
 
 
-def assign(layers: Overrides, key: str, value: Any, origin: str = "") -> None:
+def assign(merged: Overrides, key: str, value: Any, origin: str) -> None:
     """Set one dotted key of the merged tables; `origin` names its source in messages."""
-    origin = origin or f"`{SET} {key}`"
-    layers.put(place_of(layers, key, origin), value, origin)
+    merged.put(key_path(merged, key, origin), value, origin)
 
 
-def place_of(layers: Overrides, key: str, origin: str) -> Place:
+def key_path(merged: Overrides, key: str, origin: str) -> KeyPath:
     """Path in the merged tables for a dotted key."""
-    tables = parameterised(layers.table)
+    tables = parameterised(merged.table)
     section, _, name = key.partition(".")
     if section in tables and name:
-        place, own = tables[section]
-        return [*place, name] if name in own else [*place, "parameters", name.removeprefix("parameters.")]
+        path, own = tables[section]
+        return [*path, name] if name in own else [*path, "parameters", name.removeprefix("parameters.")]
     items = [root for root in IDENTITY if root != "fmu"]
     if section in (*tables, "loop", *items) and not name.strip("."):
-        entries = layers.table.get(section, [])
-        names = [entry.get(IDENTITY[section]) for entry in entries] if is_tables(entries) else []
+        entries = merged.table.get(section, [])
+        names = identities(section, entries) if section in items and is_tables(entries) else []
         known = closest("", [f"{section}.{name}" for name in names])
         raise ScenarioError(f"{origin}: there is no name after `{section}.`", known)
     if section in items and name:
-        return find_item(layers, section, name, origin)
+        return item_path(merged, section, name, origin)
     if section == "loop" and name:
         return [section, name]
     if key in ("title", "description"):
@@ -250,31 +241,39 @@ def place_of(layers: Overrides, key: str, origin: str) -> Place:
     raise ScenarioError(f"{where}: not a key of a scenario", closest(key, roots))
 
 
-def parameterised(table: dict[str, Any]) -> dict[str, tuple[Place, tuple[str, ...]]]:
+def parameterised(table: dict[str, Any]) -> dict[str, tuple[KeyPath, tuple[str, ...]]]:
     """Paths of the tables with parameters, by their names in keys, and their other keys."""
-    found: dict[str, tuple[Place, tuple[str, ...]]] = {"plant": (["plant"], ("name",))}
+    found: dict[str, tuple[KeyPath, tuple[str, ...]]] = {"plant": (["plant"], ("name",))}
     if not is_tables(table.get("fmu")):
         return {"controller": (["controller"], ("fmu",)), **found}
     fmus = {str(item.get("name")): index for index, item in enumerate(table["fmu"])}
     return {**{name: (["fmu", index], ("fmu", "step")) for name, index in fmus.items()}, **found}
 
 
-def find_item(layers: Overrides, section: str, name: str, origin: str) -> Place:
+def item_path(merged: Overrides, section: str, name: str, origin: str) -> KeyPath:
     """Path of a key in an item of an array of tables; `name` is `<identity>.<key>`."""
-    items = layers.table.get(section, [])
+    items = merged.table.get(section, [])
     if not is_tables(items):
-        layers.fail(section, f"is {show(items)}, it must be an array of tables")
+        merged.fail(section, f"is {show(items)}, it must be an array of tables")
     identity, _, inner = name.rpartition(".")
-    found = [index for index, item in enumerate(items) if item.get(IDENTITY[section]) == identity]
-    if not found:
-        known = [f"{section}.{item.get(IDENTITY[section])}" for item in items]
-        raise ScenarioError(
-            f"{origin}: the scenario has no {section} `{identity or name}`",
-            closest(f"{section}.{identity or name}", known),
-        )
-    if len(found) > 1:
-        raise ScenarioError(
-            f"{origin}: the scenario has {len(found)} tables `{section}` for `{identity}`",
-            "Change the file; an override changes only one.",
-        )
-    return [section, found[0], inner]
+    names = identities(section, items)
+    if identity not in names:
+        known = closest(f"{section}.{identity or name}", [f"{section}.{one}" for one in names])
+        raise ScenarioError(f"{origin}: the scenario has no {section} `{identity or name}`", known)
+    if (count := names.count(identity)) > 1:
+        problem = f"{origin}: the scenario has {count} tables `{section}` for `{identity}`"
+        raise ScenarioError(problem, "Change the file; an override changes only one.")
+    return [section, names.index(identity), inner]
+
+
+def title_of(file: Path) -> str:
+    """Title of a scenario file, otherwise of the file it extends; empty if none has one."""
+    visited: set[Path] = set()
+    while file not in visited:
+        visited.add(file)
+        table = parse_file(file)
+        parent = table.get("extends")
+        if "title" in table or not isinstance(parent, str):
+            return str(table.get("title", ""))
+        file = paths.find_scenario(parent, near=file.parent).resolve()
+    return ""

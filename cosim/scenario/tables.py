@@ -57,19 +57,10 @@ class Mismatch(Exception):  # noqa: N818
 
 
 def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
-    """Build the dataclass `kind` from a TOML table.
+    """Build the dataclass `kind` from a TOML table, whose dotted `key` is for messages.
 
-    Parameters
-    ----------
-    kind
-        Dataclass. The metadata of a field may hold a different TOML `key` ("" for none), the
-        closed range `minimum` .. `maximum`, its `unit`, and a text of the requirement (`demand`).
-    table
-        The TOML table.
-    key
-        Dotted key of the table, for messages; empty at the root.
-    fail
-        Called with key, problem and hint at the first error.
+    The metadata of a field may hold a different TOML `key` ("" for none), the closed range
+    `minimum` .. `maximum`, its `unit`, and a text of the requirement (`demand`).
     """
     try:
         return typing.cast("T", reader(typing.cast("typing.Hashable", kind))(table))
@@ -128,10 +119,7 @@ def built(kind: Any, value: Any) -> Any:
     values = {}
     for name, item in table.items():
         target, read = fields[name]
-        try:
-            values[target] = read(item)
-        except Mismatch as found:
-            raise found.inside(name) from None
+        values[target] = read_inside(read, item, name)
     for name in required(kind):
         if name not in table:
             raise Mismatch("is missing", "", name)
@@ -144,26 +132,22 @@ def required(kind: Any) -> tuple[str, ...]:
     return tuple(toml_key(field) for field in dataclasses.fields(kind) if is_required(field))
 
 
+def read_inside(read: Reader, item: Any, name: str | int) -> Any:
+    """Value of an item of a table or array."""
+    try:
+        return read(item)
+    except Mismatch as found:
+        raise found.inside(name) from None
+
+
 def array(read: Reader, value: Any) -> tuple[Any, ...]:
     """Tuple of an array."""
-    items = []
-    for index, item in enumerate(of_type(list, value)):
-        try:
-            items.append(read(item))
-        except Mismatch as found:
-            raise found.inside(index) from None
-    return tuple(items)
+    return tuple(read_inside(read, item, index) for index, item in enumerate(of_type(list, value)))
 
 
 def mapping(read: Reader, value: Any) -> dict[str, Any]:
     """Table of any keys."""
-    values = {}
-    for name, item in of_type(dict, value).items():
-        try:
-            values[name] = read(item)
-        except Mismatch as found:
-            raise found.inside(name) from None
-    return values
+    return {name: read_inside(read, item, name) for name, item in of_type(dict, value).items()}
 
 
 def kinds(choice: Any) -> set[Any]:

@@ -53,54 +53,30 @@ def check_arrays(parameters: dict[str, Any], path: Path) -> None:
 
 
 def parse_text(text: str) -> dict[str, Any]:
-    """Parse TOML.
-
-    Raises
-    ------
-    tomllib.TOMLDecodeError
-        It is not TOML.
-    ScenarioError
-        It is TOML with meaningless content.
-    """
+    """Parse TOML; reject what only Python cannot read."""
     try:
-        table = tomllib.loads(text)
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError:
         raise
     except RecursionError:
         raise ScenarioError(TOO_DEEP) from None
     except ValueError as error:  # a number of thousands of digits
         raise ScenarioError(f"cannot be read: {error}") from None
-    return table
 
 
-def check_sizes(value: Any, level: int = 0, place: str = "") -> None:
-    """Check the nesting depth and that integers have 64 bits, as TOML requires.
-
-    Parameters
-    ----------
-    place
-        Location of the value, for messages.
-
-    Raises
-    ------
-    ScenarioError
-        It is deeper or larger.
-    """
+def check_sizes(value: Any, level: int = 0, key: str = "") -> None:
+    """Check the nesting depth and that integers have 64 bits, as TOML requires; `key` is for messages."""
     if level > MAX_NESTED:
         raise ScenarioError(TOO_DEEP)
-    if isinstance(value, dict | list):
-        items = (
-            [(join(place, key), item) for key, item in value.items()]
-            if isinstance(value, dict)
-            else [(f"{place}[{index}]", item) for index, item in enumerate(value)]
-        )
-        for inner, item in items:
-            check_sizes(item, level + 1, inner)
+    if isinstance(value, dict):
+        for name, item in value.items():
+            check_sizes(item, level + 1, join(key, name))
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            check_sizes(item, level + 1, f"{key}[{index}]")
     elif isinstance(value, int) and not -(2**63) <= value < 2**63:
-        digits = show(value)
-        raise ScenarioError(
-            f"`{place}` is {digits}, but integers have 64 bits", "Use a float, for example `1e20`."
-        )
+        problem = f"`{key}` is {show(value)}, but integers have 64 bits"
+        raise ScenarioError(problem, "Use a float, for example `1e20`.")
 
 
 def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -113,17 +89,11 @@ def flatten(table: dict[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def toml_value(text: str, key: str) -> Any:
-    """TOML value of a text, or the text itself if it is not TOML; `key` is its key.
-
-    Raises
-    ------
-    ScenarioError
-        It is TOML with meaningless content, such as an integer of more than 64 bits.
-    """
+    """TOML value of a text, or the text itself if it is not TOML; `key` is its key."""
     try:
         parsed = parse_text(f"value = {text}")
     except tomllib.TOMLDecodeError:
         return float(text) if POINT.fullmatch(text) else text
     for value in parsed.values():
-        check_sizes(value, place=key)
+        check_sizes(value, key=key)
     return parsed["value"] if set(parsed) == {"value"} else text

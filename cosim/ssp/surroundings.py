@@ -16,8 +16,8 @@ from cosim import paths
 from cosim.fmu.values import encode
 from cosim.loop import plant, time_series
 from cosim.loop.wires.connect import PLANT, side_of
-from cosim.loop.wires.links import CONVERT
-from cosim.loop.wires.wiring import Delay, Shape, child, noise, shaper
+from cosim.loop.wires.connections import CONVERT
+from cosim.loop.wires.transform import Delay, Shape, child, noise, shaper
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario, Signal
 from cosim.ssp.ports import Port

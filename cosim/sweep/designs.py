@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cosim import extras
 from cosim.errors import CosimError
-from cosim.loop.wires.wiring import child
+from cosim.loop.wires.transform import child
 from cosim.study.parameters import Vary, value_at
 
 Case = dict[str, Any]

@@ -54,6 +54,8 @@ def grid(**varied: Sequence[object]) -> str:
     return "\n".join(('scenario = "lag.toml"', "[design]", 'kind = "grid"', *keys))
 
 
+SETTLING = "\n[controller.parameters]\ngain = 0.5\nbias = [0.33333333, 0.0]\n"
+"""Parameters with which the lag settles at 2/3 m; with those of the FMU it is at rest from the start."""
 END = "\n" + entry("metric", name="end", unit="m", value="last(plant.x)")
 """Metric of the lag scenario: where it ends."""
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from cosim.errors import CosimError
 from cosim.loop.time_series import sample
-from cosim.loop.wires.wiring import Delay, child, first_step, noise, shaper
+from cosim.loop.wires.transform import Delay, child, first_step, noise, shaper
 from cosim.scenario.model import Wire
 
 from .data.probe_plants import Channel

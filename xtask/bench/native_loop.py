@@ -24,8 +24,8 @@ import cosim
 from cosim.loop import condition, native, reference
 from cosim.loop.plant import starts
 from cosim.loop.recorder import Recorder
-from cosim.loop.wires.links import Connection, Drive, Links, Slot
-from cosim.loop.wires.wiring import child
+from cosim.loop.wires.connections import Connections, Inputs, Slot, Stimulus
+from cosim.loop.wires.transform import child
 from machining_native import Stepper
 
 KINDS = int(mujoco.mjtState.mjSTATE_FULLPHYSICS), int(mujoco.mjtState.mjSTATE_USER)
@@ -55,7 +55,7 @@ class Bench:
         plant.sense()
         return plant.machine()
 
-    def initialise(self) -> tuple[Links, Any]:
+    def initialise(self) -> tuple[Connections, Any]:
         """Initialize FMU and plant for a run; return its connections and what steps the plant."""
         plant: Any = self.plant
         links = reference.initialise(
@@ -64,7 +64,7 @@ class Bench:
         self.commands = links.commands
         return links, plant.machine()
 
-    def stepper(self, machine: Any, controller: Any, links: Links, log: Any) -> Stepper:
+    def stepper(self, machine: Any, controller: Any, links: Connections, log: Any) -> Stepper:
         """Tie a stepper to a plant that was reset."""
         return Stepper(machine, controller, links, log, self.scenario.loop.step, self.scenario.loop.substeps)
 
@@ -83,18 +83,18 @@ class Bench:
     def served(self) -> Stepper:
         """Tie plant and FMU to commands and inputs of the closed loop; no wires, no trace."""
         self.initialise()
-        drives = [Drive(course, place) for course, place in zip(self.given, self.inputs, strict=True)]
+        drives = [Stimulus(course, place) for course, place in zip(self.given, self.inputs, strict=True)]
         return self.driven(native.controller(self.fmu), drives)
 
-    def driven(self, controller: Any, inputs: list[Drive]) -> Stepper:
+    def driven(self, controller: Any, inputs: list[Stimulus]) -> Stepper:
         """Tie the plant to the commands of the closed loop."""
         machine = self.reset()
-        drives = [Drive(course, Slot(self.commands, i)) for i, course in enumerate(self.courses)]
-        links = Links(
+        drives = [Stimulus(course, Slot(self.commands, i)) for i, course in enumerate(self.courses)]
+        links = Connections(
             np.zeros(len(self.plant.readings)),
             self.commands,
-            [Connection(drives=inputs)],
-            Connection(drives=drives),
+            [Inputs(drives=inputs)],
+            Inputs(drives=drives),
         )
         return self.stepper(machine, controller, links, None)
 

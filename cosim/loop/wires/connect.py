@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError, ScenarioError, closest, concerning, show, similar
 from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.binding import Bank
 from cosim.fmu.instance import Instance
 from cosim.fmu.values import encode, lookup
 from cosim.loop.plant import Channel, Plant
 from cosim.loop.time_series import find, read, sample
-from cosim.loop.wires import order
+from cosim.loop.wires.connections import Connection, Connections, Fault, Inputs, Slot, Stimulus
 from cosim.loop.wires.fault import NEVER, effect, steps_of
-from cosim.loop.wires.links import Connection, Drive, Fault, Link, Links, Slot
-from cosim.loop.wires.wiring import Delay, Ideal, first_step, noise, shaper
+from cosim.loop.wires.transform import Delay, Ideal, first_step, noise, shaper
 from cosim.scenario.injection import INJECTED, Injection
 from cosim.scenario.model import FmuChoice, Scenario, Signal, Wire
 
@@ -27,14 +27,19 @@ ARITHMETIC = ("offset", "scale", "ramp", "noise")
 KINDS = {"Integer": "an integer or an enumeration", "Boolean": "a Boolean"}
 
 
-def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variable]:
-    """List the driven inputs and tunable parameters of an FMU, in its order.
+def targets(scenario: Scenario) -> list[tuple[str, str]]:
+    """Section and target of every wire, signal and injection."""
+    sections = ("wire", scenario.wire), ("signal", scenario.signal), ("inject", scenario.inject)
+    return [(section, entry.to) for section, entries in sections for entry in entries]
 
-    Raises
-    ------
-    CosimError
-        A target that does not exist or does not accept values during a run.
-    """
+
+def side_of(end: str) -> str:
+    """Name of the FMU or plant at an end of a wire, signal or injection."""
+    return end.partition(".")[0]
+
+
+def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variable]:
+    """List the driven inputs and tunable parameters of an FMU, in its order; reject other targets."""
     names = set()
     for section, item in targets(scenario):
         side, _, name = item.partition(".")
@@ -44,26 +49,49 @@ def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variabl
             variable = lookup(file.variables, name, choice)
             tunable = variable.causality == "parameter" and variable.variability == "tunable"
             if (variable.causality != "input" and not tunable) or not variable.base:
-                raise ScenarioError(
-                    f"`{item}` is not an input or tunable parameter of the FMU",
-                    closest(name, [v.name for v in file.named("input")]),
-                )
+                problem = f"`{item}` is not an input or tunable parameter of the FMU"
+                raise ScenarioError(problem, closest(name, [v.name for v in file.named("input")]))
             names.add(name)
     return [variable for name, variable in file.variables.items() if name in names]
 
 
-def targets(scenario: Scenario) -> list[tuple[str, str]]:
-    """Section and target of every wire, signal and injection."""
-    return [
-        *(("wire", wire.to) for wire in scenario.wire),
-        *(("signal", signal.to) for signal in scenario.signal),
-        *(("inject", injection.to) for injection in scenario.inject),
-    ]
+def is_backward(wire: Wire, scenario: Scenario) -> bool:
+    """Whether a wire between FMUs ends at its source or at an FMU that steps before it."""
+    names = [choice.name for choice in scenario.fmus]
+    return names.index(side_of(wire.source)) >= names.index(side_of(wire.to))
 
 
-def side_of(end: str) -> str:
-    """Name of the FMU or plant at an end of a wire, signal or injection."""
-    return end.partition(".")[0]
+def check_order(wire: Wire, scenario: Scenario) -> None:
+    """Reject a wire against the order of the steps without a delay: its value is not yet known."""
+    if wire.delay > 0 or not is_backward(wire, scenario):
+        return
+    source, target = side_of(wire.source), side_of(wire.to)
+    hint = "Set `delay = 1` to use the value of the previous step"
+    if scenario.fmus[0].alone:
+        problem = f"`from` = `{wire.source}`: an input of the controller needs a `plant.` measurement"
+        raise ScenarioError(problem, f"Or use its own output with a delay. {hint}.")
+    names = ", ".join(f"`{choice.name}`" for choice in scenario.fmus)
+    problem = f"is against the order of the steps {names}"
+    if source in reached(target, scenario):
+        problem = (
+            "closes an algebraic loop: all wires from its target back to its source act in the same step"
+        )
+    else:
+        hint += f", or list `{source}` before `{target}`"
+    raise ScenarioError(f"the wire from `{wire.source}` to `{wire.to}` without `delay` {problem}", hint)
+
+
+def reached(start: str, scenario: Scenario) -> set[str]:
+    """FMUs that depend on a given one in the same step, including itself."""
+    names = {choice.name for choice in scenario.fmus}
+    wires = [(side_of(wire.source), side_of(wire.to)) for wire in scenario.wire if not wire.delay]
+    found, waiting = set[str](), [start]
+    while waiting:
+        name = waiting.pop()
+        if name in names and name not in found:
+            found.add(name)
+            waiting += [target for source, target in wires if source == name]
+    return found
 
 
 class Connector:
@@ -82,38 +110,39 @@ class Connector:
         self.sensed = np.zeros(len(plant.readings))
         self.readings = {channel.name: (i, channel) for i, channel in enumerate(plant.readings)}
         self.channels = {channel.name: (i, channel) for i, channel in enumerate(plant.commands)}
-        self.outputs: list[tuple[str, Link]] = []
+        self.outputs: list[tuple[str, Connection]] = []
 
-    def links(self) -> Links:
+    def connections(self) -> Connections:
         """Build all connections, before the FMUs are initialized; `prime` completes them afterwards."""
-        connections = {name: Connection() for name in (*self.fmus, PLANT)}
+        sides = {name: Inputs() for name in (*self.fmus, PLANT)}
         for wire in self.scenario.wire:
             with concerning(f"wire.{wire.to}"):
-                link = self.link(wire)
-                connections[side_of(wire.to)].wires.append(link)
+                connection = self.connection(wire)
+                sides[side_of(wire.to)].wires.append(connection)
         for signal in self.scenario.signal:
-            drive = self.drive(signal)
-            connections[side_of(signal.to)].drives.append(drive)
+            stimulus = self.stimulus(signal)
+            sides[side_of(signal.to)].drives.append(stimulus)
         for to, hold in self.holds().items():
-            connections[side_of(to)].drives.append(hold)
-            connections[side_of(to)].held.append(hold)
+            sides[side_of(to)].drives.append(hold)
+            sides[side_of(to)].held.append(hold)
         begins = np.full(len(self.scenario.inject), NEVER)
         for index, injection in enumerate(self.scenario.inject):
-            connections[side_of(injection.to)].faults.append(self.fault(injection, Slot(begins, index)))
-        fmus = [connections[name] for name in self.fmus]
-        return Links(self.sensed, self.commands, fmus, connections[PLANT], begins)
+            sides[side_of(injection.to)].faults.append(self.fault(injection, Slot(begins, index)))
+        return Connections(
+            self.sensed, self.commands, [sides[name] for name in self.fmus], sides[PLANT], begins
+        )
 
     def prime(self) -> None:
         """Fill the delays of the outputs of initialized FMUs.
 
         Before its first result arrives, the other end gets what the initialized FMU puts out.
         """
-        for to, link in self.outputs:
+        for to, connection in self.outputs:
             with concerning(f"wire.{to}"):
-                link.delay.prime(link.shape(float(link.source.array[link.source.index]), 0))
+                connection.delay.prime(connection.transformed(0))
 
-    def link(self, wire: Wire) -> Link:
-        """Create a wire according to its ends."""
+    def connection(self, wire: Wire) -> Connection:
+        """Connect a wire according to its ends."""
         target, source = self.target(wire.to), side_of(wire.source)
         if source in self.fmus:
             return self.output(wire, target)
@@ -124,45 +153,34 @@ class Connector:
             outputs = "".join(f" or a `{name}.` output" for name in self.fmus if len(self.fmus) > 1)
             taken = f"an input of the {side_of(wire.to)} needs a `plant.` measurement{outputs}"
             raise ScenarioError(f"`from` = `{wire.source}`: {taken}")
-        return self.reading(wire, target)
-
-    def reading(self, wire: Wire, target: Slot) -> Link:
-        """Wire from a measurement of the plant to an input of an FMU."""
         index, channel = self.channel(self.readings, wire.source.partition(".")[2], "measurement")
         shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
-        return Link(Slot(self.sensed, index), target, shape, Delay(wire.delay))
+        return Connection(Slot(self.sensed, index), target, shape, Delay(wire.delay))
 
-    def output(self, wire: Wire, target: Slot) -> Link:
+    def output(self, wire: Wire, target: Slot) -> Connection:
         """Wire from an output of an FMU to a command of the plant, or to an input of an FMU."""
-        source, loop = self.source(wire.source), self.scenario.loop
-        side, _, name = wire.to.partition(".")
-        channel: Channel
-        late = False
-        if side == PLANT:
-            (_, channel), delay = self.channels[name], Delay(wire.delay + loop.compute_delay)
+        side, _, name = wire.source.partition(".")
+        fmu, loop = self.fmus[side], self.scenario.loop
+        source = slot(fmu.outputs, lookup(fmu.file.variables, name, fmu.owner))
+        if source is None:
+            problem = f"`from` = `{wire.source}` is not a numeric output of {fmu.owner.who}"
+            raise ScenarioError(problem, closest(name, [v.name for v in fmu.file.named("output")]))
+        channel: Channel = Ideal()
+        delay, late = wire.delay, False
+        if side_of(wire.to) == PLANT:
+            _, channel = self.channels[wire.to.partition(".")[2]]
+            delay += loop.compute_delay
         else:
-            order.check(wire, self.scenario)
+            check_order(wire, self.scenario)
             # a wire against the order is read before its source steps, so it has one step of delay already
-            late = order.goes_back(wire, list(self.fmus))
-            channel, delay = Ideal(), Delay(wire.delay - late)
+            late = is_backward(wire, self.scenario)
+            delay -= late
         shape = shaper(wire, channel, False, noise(wire, channel, self.seed, loop.steps))
-        link = Link(source, target, shape, delay, late)
-        self.outputs.append((wire.to, link))
-        return link
+        connection = Connection(source, target, shape, Delay(delay), late)
+        self.outputs.append((wire.to, connection))
+        return connection
 
-    def source(self, end: str) -> Slot:
-        """Slot of `<fmu>.<output>`."""
-        side, _, name = end.partition(".")
-        fmu = self.fmus[side]
-        place = self.find(fmu.outputs, lookup(fmu.file.variables, name, fmu.owner))
-        if place is None:
-            raise ScenarioError(
-                f"`from` = `{end}` is not a numeric output of {fmu.owner.who}",
-                closest(name, [v.name for v in fmu.file.named("output")]),
-            )
-        return place
-
-    def drive(self, signal: Signal) -> Drive:
+    def stimulus(self, signal: Signal) -> Stimulus:
         """Signal to an input of the FMU or a command of the plant."""
         with concerning(f"signal.{signal.to}"):
             loop, target = self.scenario.loop, self.target(signal.to)
@@ -170,7 +188,7 @@ class Connector:
                 problem = f"`{signal.to}` cannot be interpolated, it is {KINDS[target.kind]}"
                 raise ScenarioError(problem, 'Set `interpolation = "hold"`.')
             times, values = self.samples(signal)
-            return Drive(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
+            return Stimulus(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
 
     def samples(self, signal: Signal) -> tuple[Any, Any]:
         """Return times and values of a signal; each value is checked against the type of its target."""
@@ -182,16 +200,16 @@ class Connector:
                 try:
                     self.number(signal.to, value.item())
                 except CosimError as error:
-                    raise ScenarioError(f"{found.place(index)}: {error.message}", error.hint) from None
+                    raise ScenarioError(f"{found.location(index)}: {error.message}", error.hint) from None
         return found.times, found.values
 
-    def holds(self) -> dict[str, Drive]:
+    def holds(self) -> dict[str, Stimulus]:
         """Hold the start values of targets that only injections write, to restore them afterwards."""
         written = {to for section, to in targets(self.scenario) if section != "inject"}
         only = dict.fromkeys(entry.to for entry in self.scenario.inject if entry.to not in written)
-        places = {to: self.target(to) for to in only}
         steps = self.scenario.loop.steps
-        return {to: Drive(np.full(steps, float(at.array[at.index])), at) for to, at in places.items()}
+        places = {to: self.target(to) for to in only}
+        return {to: Stimulus(np.full(steps, at.read()), at) for to, at in places.items()}
 
     def fault(self, injection: Injection, begin: Slot) -> Fault:
         """Injection at an input of the FMU or a command of the plant; its first step is stored in `begin`."""
@@ -236,30 +254,28 @@ class Connector:
             return Slot(self.commands, index)
         place = None
         if fmu := self.fmus.get(side):
-            place = self.find(fmu.inputs, lookup(fmu.file.variables, name, fmu.owner))
+            place = slot(fmu.inputs, lookup(fmu.file.variables, name, fmu.owner))
         if place is None:
             inputs = ", ".join(f"`{known}.<input>`" for known in self.fmus)
             problem = f"`to` = `{to}`, it must be {inputs} or `plant.<command>`"
             raise ScenarioError(problem, similar(side, self.fmus))
         return place
 
-    def find(self, banks: list[Any], variable: Variable) -> Slot | None:
-        """Slot of a variable in the banks of its FMU."""
-        for bank in banks:
-            if variable in bank.variables:
-                return Slot(bank.values, bank.variables.index(variable), variable.base)
-        return None
-
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:
         """Index and channel by name."""
         if not self.scenario.plant.name:
-            raise ScenarioError(
-                f"`plant.{name}`: the scenario has no plant", "Add `[plant]` with `name = ...`."
-            )
+            hint = "Add `[plant]` with `name = ...`."
+            raise ScenarioError(f"`plant.{name}`: the scenario has no plant", hint)
         if name not in channels:
-            hint = (
-                closest(name, channels)
-                or f"It has no {kind}s. In an MJCF file only named elements have channels."
-            )
-            raise ScenarioError(f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`", hint)
+            hint = f"It has no {kind}s. In an MJCF file only named elements have channels."
+            problem = f"the plant `{self.scenario.plant.name}` has no {kind} `{name}`"
+            raise ScenarioError(problem, closest(name, channels) or hint)
         return channels[name]
+
+
+def slot(banks: Sequence[Bank], variable: Variable) -> Slot | None:
+    """Slot of a variable in the banks of its FMU."""
+    for bank in banks:
+        if variable in bank.variables:
+            return Slot(bank.values, bank.variables.index(variable), variable.base)
+    return None

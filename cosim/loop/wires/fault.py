@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.loop.wires.wiring import Delay, child, first_step
+from cosim.loop.wires.transform import Delay, child, first_step
 from cosim.metrics.expression import Expression
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Loop
@@ -21,16 +21,8 @@ NEVER = math.inf
 class FaultEffect:
     """Effect of an injection on an arriving value.
 
-    Parameters
-    ----------
-    kind
-        Key of `Injection`; `lose` is `drop` of a Boolean.
-    number
-        Number of the kind; for a ramp its change per step.
-    series
-        Noise of every step, or 1 in the steps whose sample is lost.
-    delay
-        Delay of the value.
+    `kind` is a key of `Injection`, or `lose` for `drop` of a Boolean. `number` is its number; for a ramp the
+    change per step. `series` is the noise of every step, or 1 in the steps whose sample is lost.
     """
 
     kind: str
@@ -77,21 +69,7 @@ class FaultEffect:
 
 
 def effect(entry: Injection, name: str, seed: int, loop: Loop, truth: bool) -> FaultEffect:
-    """Effect of an injection.
-
-    Parameters
-    ----------
-    entry
-        The injection.
-    name
-        Name of its stream of random numbers.
-    seed
-        Seed of the run.
-    loop
-        Step and length of the run.
-    truth
-        Whether its target is a Boolean.
-    """
+    """Effect of an injection at a Boolean or a number; `name` is its stream of random numbers."""
     kind = entry.kind
     number = float(getattr(entry, kind))
     random = np.random.default_rng(child(seed, name))
@@ -124,10 +102,7 @@ def delay_of(entry: Injection, loop: Loop) -> int:
 
 @dataclass(frozen=True)
 class Trigger:
-    """Starts an injection `delay` steps after the first row for which a condition is true.
-
-    `begins[index]` is the step.
-    """
+    """Starts an injection `delay` steps after the first row that meets a condition: sets `begins[index]`."""
 
     condition: Expression
     delay: int

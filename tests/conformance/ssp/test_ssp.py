@@ -316,7 +316,7 @@ def between(**keys: object) -> str:
         (TWO + between(**{"from": "a.contact", "to": "b.enable", "scale": 2.0}), "`a.contact`, a Boolean"),
         (TWO + between(**{"from": "a.contact"}), "`a.contact` is a Boolean and `b.position` a Real"),
         (TWO + between(**{"from": "a.reference.position"}), "has causality `local`"),
-        (TWO + between(to="b.approach.velocity"), "has causality `parameter`"),
+        (TWO + between(to="b.contact.bias"), "has causality `parameter`"),
         (
             TWO.replace("fmu-dob", "fmu-deburr", 1).replace("a.position", "a.axis6.position")
             + between(**{"from": "a.bank.message"}),

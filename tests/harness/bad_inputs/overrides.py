@@ -15,7 +15,7 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     "list": ("controller.gain=[1, 2]", ("`controller.gain` is `[1, 2]`", "a number")),
     "table": ("controller.gain={a = 1}", ("`controller.gain`", "a number")),
     "two lines": ("controller.gain=1\nfoo=2", ("`controller.gain`", "a number")),
-    "infinity": ("controller.gain=-inf", ("`controller.out` is `nan`", "finite")),
+    "infinity": ("controller.gain=-inf", ("`controller.out` is `-inf`", "finite")),
     "not a number": ("controller.bias=[nan, 0]", ("`controller.out` is `nan`", "finite")),
     "delay": ("loop.compute_delay=true", ("`loop.compute_delay` is `true`", "`0` or `1`")),
     "long delay": ("wire.plant.u.delay=51", ("`wire.plant.u.delay` is `51`", "0 .. 50")),
@@ -96,6 +96,9 @@ SETS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "item number": ("controller.mode=3", ("`controller.mode` is `3`, it must be one of",)),
     "short array": ("controller.bias=[1]", ("`controller.bias` has 1 values instead of 2",)),
-    "output": ("controller.out=1", ("`controller.out` has causality `output` and cannot be set",)),
+    "output": (
+        "controller.out=1",
+        ("`controller.out` of causality `output` is calculated and cannot be set",),
+    ),
 }
 """One override, and what the message must say."""

@@ -33,8 +33,8 @@ values = [0.1, {}]
 
 
 def test_good_files_are_fit_and_nothing_is_run(write: Write, folder: Path) -> None:
-    # the plant would fail in its first step
-    write(COMPLETE + "[plant.parameters]\nfail_at = 0\n")
+    # the plant would fail after its first step; its measurements at t = 0 are inputs of the initialization
+    write(COMPLETE + "[plant.parameters]\nfail_at = 1\n")
     (folder / "study.toml").write_text(STUDY.format(0.2))
     done = cosim("check", "lag.toml", "study.toml")
     assert (done.returncode, done.stderr) == (0, "")
@@ -50,7 +50,7 @@ search = {{trials = 20, seeds = [1, 2]}}
 
 
 def test_an_optimization_is_checked_at_both_ends(write: Write, folder: Path) -> None:
-    write(COMPLETE + "[plant.parameters]\nfail_at = 0\n")
+    write(COMPLETE + "[plant.parameters]\nfail_at = 1\n")
     (folder / "good.toml").write_text(OPTIMIZATION.format(0.9))
     (folder / "bad.toml").write_text(OPTIMIZATION.format(1.5))
     done = called("check", "good.toml", "bad.toml")
@@ -101,6 +101,7 @@ def test_one_bad_file_of_three_is_exit_code_2_and_the_others_are_reported(write:
         ("[controller.parameters]\ngian = 1.0\n", "no variable `gian`"),
         ("[controller.parameters]\ngain = 99.0\n", "the FMU rejected"),
         ("[plant.parameters]\npole = 2.0\n", "must be in 0 .. 1"),
+        ("[plant.parameters]\nfail_at = 0\n", "failed at t = 0 s (step 0): RuntimeError: failed on request"),
         ('[[wire]]\nfrom = "plant.rmap"\nto = "controller.count"\n', "no measurement `rmap`"),
         ('[[wire]]\nfrom = "controller.label_out"\nto = "plant.extra"\n', "not a numeric output"),
         ('[[signal]]\nto = "controller.mode"\ntimes = [0.0]\nvalues = ["Fats"]\n', "`controller.mode` is"),

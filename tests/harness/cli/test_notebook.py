@@ -15,11 +15,12 @@ import pytest
 import cosim
 from cosim.errors import CosimError
 
-from ..conftest import END, entry, grid
+from ..conftest import END, SETTLING, entry, grid
 
 Write = Callable[..., Path]
 JUDGED = (
-    END
+    SETTLING
+    + END
     + entry("metric", name="<b>", value="last(plant.u)")
     + entry("criterion", id="end", claim="x < 1 & settles", metric="end", maximum=0.7)
 )
@@ -82,7 +83,8 @@ def test_a_sweep_is_called_and_gives_its_rows(study: Path, folder: Path) -> None
     assert [row["status"] for row in found.rows] == ["passed", "error"] * 3
     assert found.folder == Path("poles.sweep")
     assert (folder / "poles.sweep" / "summary.csv").is_file()
-    assert repr(found).startswith("<SweepResult of Poles: 6 of 6 runs: 3 passed, 3 error; 50 % passed (")
+    # a grid is no random sample: there is no interval of confidence
+    assert repr(found) == "<SweepResult of Poles: 6 of 6 runs: 3 passed, 3 error; 50 % passed>"
     frame = found.to_dataframe()
     assert frame["plant.pole"].tolist() == [0.1, 0.1, 0.2, 0.2, 0.3, 0.3]
     assert frame["metric.end"].isna().tolist() == [False, True] * 3

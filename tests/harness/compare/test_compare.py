@@ -17,7 +17,7 @@ from cosim.cli import app
 from cosim.trace import files
 from cosim.trace.columns import Held, structured
 
-from ..conftest import END
+from ..conftest import END, SETTLING
 
 Write = Callable[..., Path]
 Run = Callable[..., tuple[int, str, str]]
@@ -187,7 +187,7 @@ def test_results_differ_in_metrics_and_verdicts(command: Run, write: Write) -> N
 
 
 def test_a_scenario_is_compared_with_its_baseline(command: Run, write: Write, folder: Path) -> None:
-    write(END, "sub/lag.toml")
+    write(SETTLING + END, "sub/lag.toml")
     (folder / "sub" / "probe.fmu").symlink_to(folder / "probe.fmu")
     (folder / "sub" / "probe_plants.py").symlink_to(folder / "probe_plants.py")
     code, _, err = command("compare", "sub/lag.toml")

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import cosim
 from cosim.errors import CosimError
 from cosim.loop.time_series import sample
-from cosim.loop.wires.wiring import first_step
+from cosim.loop.wires.transform import first_step
 from cosim.sweep import study
 from cosim.sweep.plan import Plan
 

@@ -115,7 +115,7 @@ def test_every_scenario_fits_the_schema_with_its_own_fmu_and_plant(file: Path) -
         ("controller", "approach", {"velocitty": 1e-4}, "approach"),
         ("controller", "approach", {"velocity": "fast"}, "approach.velocity"),
         ("controller", "law", "Papper", "law"),
-        ("controller", "current", 0.0, "."),
+        ("controller", "approach.depth_limit", 1e-3, "."),
         ("plant", "mass", 5.0, ""),
         ("plant", "mass", -5.0, "mass"),
         ("plant", "mas", 5.0, "."),

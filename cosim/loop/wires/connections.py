@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError
 from cosim.fmu.values import fits, integer_text
 from cosim.loop.wires.fault import FaultEffect
-from cosim.loop.wires.wiring import Delay, Shape
+from cosim.loop.wires.transform import Delay, Shape
 
 INT32 = np.dtype(np.int32)
 
@@ -32,7 +32,11 @@ def whole(value: float, dtype: np.dtype[Any] = INT32) -> int:
     return number
 
 
-CONVERT: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": whole, "Boolean": truth}
+CONVERT: dict[str, Callable[[float], Any]] = {
+    "Real": float,
+    "Integer": whole,
+    "Boolean": lambda value: int(value != 0.0),
+}
 """Conversion of a number on writing."""
 
 
@@ -51,9 +55,17 @@ class Slot:
             convert = partial(whole, dtype=self.array.dtype)
         object.__setattr__(self, "convert", convert)
 
+    def read(self) -> float:
+        """Value as a number."""
+        return float(self.array[self.index])
+
+    def write(self, value: float) -> None:
+        """Write a number to a value of any type."""
+        self.array[self.index] = self.convert(value)
+
 
 @dataclass(frozen=True)
-class Link:
+class Connection:
     """One connected wire; `late` states that its source is initialized after its target."""
 
     source: Slot
@@ -62,9 +74,13 @@ class Link:
     delay: Delay
     late: bool = False
 
+    def transformed(self, k: int) -> float:
+        """Value of the source in step `k` after the transform, without the delay."""
+        return self.shape(self.source.read(), k)
+
 
 @dataclass(frozen=True)
-class Drive:
+class Stimulus:
     """One signal: `course[k]` is written in step `k`."""
 
     course: NDArray[np.float64]
@@ -82,47 +98,39 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class Connection:
-    """Connections to the inputs of an FMU, or to the commands of the plant, before its step.
+class Inputs:
+    """What arrives at the inputs of an FMU, or at the commands of the plant, before its step.
 
-    `held` are the drives, among all drives, that hold the start values of targets that only injections write.
+    `held` are the stimuli, among all, that hold the start values of targets that only injections write.
     """
 
-    wires: list[Link] = field(default_factory=list)
-    drives: list[Drive] = field(default_factory=list)
+    wires: list[Connection] = field(default_factory=list)
+    drives: list[Stimulus] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
-    held: list[Drive] = field(default_factory=list)
+    held: list[Stimulus] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
-class Links:
-    """All connections of a run.
+class Connections:
+    """All connections of a run; native code reads its attributes.
 
-    Parameters
-    ----------
-    sensed, commands
-        Ideal measurements and commands of a step.
-    fmus
-        Connections to each FMU, in the order of their steps.
-    plant
-        Connections to the plant.
-    begins
-        First step of every injection; infinite while unknown.
+    `sensed` and `commands` are the ideal measurements and the commands of a step, `fmus` the inputs of each
+    FMU in the order of their steps, `begins` the first step of every injection (infinite while unknown).
     """
 
     sensed: NDArray[np.float64]
     commands: NDArray[np.float64]
-    fmus: list[Connection]
-    plant: Connection
+    fmus: list[Inputs]
+    plant: Inputs
     begins: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     @property
-    def drives(self) -> list[Drive]:
-        """All signals, for native code."""
-        return [drive for connection in (*self.fmus, self.plant) for drive in connection.drives]
+    def drives(self) -> list[Stimulus]:
+        """All signals."""
+        return [drive for inputs in (*self.fmus, self.plant) for drive in inputs.drives]
 
     @property
-    def readings(self) -> list[Link]:
+    def readings(self) -> list[Connection]:
         """Wires to the only FMU."""
         return self.fmus[0].wires
 
@@ -132,7 +140,7 @@ class Links:
         return self.fmus[0].faults
 
     @property
-    def outputs(self) -> list[Link]:
+    def outputs(self) -> list[Connection]:
         """Wires to the plant."""
         return self.plant.wires
 

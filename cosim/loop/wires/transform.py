@@ -1,4 +1,4 @@
-"""Mathematics of wires and signals: processing of values between FMUs and plant."""
+"""Transform of a value on its wire: scale, offset, noise, quantum, limits and delay."""
 
 from __future__ import annotations
 
@@ -20,16 +20,8 @@ class Shape:
     """Scale, offset, noise, quantum and limits of one wire: output value from input value.
 
     Noise, quantum and limits act on the plant's side, in the unit of its channel: before the conversion of a
-    measurement, after that of a command. Between FMUs they act after it.
-
-    Parameters
-    ----------
-    source
-        Where the value comes from, for messages.
-    from_plant
-        Whether the wire carries a measurement; otherwise a command, or an output to another FMU.
-    noise
-        Noise of every step, or None.
+    measurement (`from_plant`), after that of a command. Between FMUs they act after it. `noise` holds that of
+    every step.
     """
 
     source: str
@@ -85,17 +77,7 @@ def noise(wire: Wire, channel: Channel, seed: int, steps: int) -> NDArray[np.flo
 
 
 def shaper(wire: Wire, channel: Channel, from_plant: bool, samples: NDArray[np.float64] | None) -> Shape:
-    """Shape of a wire; the defaults are those of the channel.
-
-    Parameters
-    ----------
-    wire, channel
-        The wire, and the plant's channel it starts or ends at, or an ideal one.
-    from_plant
-        Whether the wire carries a measurement; otherwise a command, or an output to another FMU.
-    samples
-        Noise of every step, or None.
-    """
+    """Shape of a wire; the defaults are those of the plant's channel at one of its ends, or of `Ideal`."""
     return Shape(
         source=wire.source,
         from_plant=from_plant,
