@@ -17,6 +17,28 @@ use crate::project::Project;
 /// The variable of the environment by which `fmi2-export` makes outputs of local variables, if it is `all`.
 pub const OUTPUTS: &str = "FMI2_EXPORT_OUTPUTS";
 
+/// The variable of the environment by which `fmi2-export` leaves out the files of the model, if it is `none`.
+const FILES: &str = "FMI2_EXPORT_FILES";
+
+/// The files that a library can write, such as `modelDescription.xml`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Files {
+    /// Those of its model.
+    All,
+    /// None: a smaller library, for an FMU whose files come from another library of the same model.
+    None,
+}
+
+impl Files {
+    /// Profile of the build. Each has a folder of its own, so that one library does not replace the other.
+    fn profile(self) -> &'static str {
+        match self {
+            Self::All => "release",
+            Self::None => "release-set",
+        }
+    }
+}
+
 /// A C library and the packages that were compiled for it, build scripts and macros included.
 pub struct Built {
     /// Platform that the library was compiled for.
@@ -40,11 +62,11 @@ impl Built {
 ///
 /// # Errors
 /// When the package makes no C library, or when the build fails.
-pub fn library(project: &Project, package: &Package, platform: &'static Platform) -> Result<Built> {
+pub fn library(project: &Project, package: &Package, platform: &'static Platform, files: Files) -> Result<Built> {
     let name = &cdylib(package)?.name;
     let host = platform == Platform::host()?;
     let place = if host { String::new() } else { format!(" for {}", platform.folder) };
-    let artefacts = compiled(project, package, platform, &format!("build `{}`{place}", package.name))?;
+    let artefacts = compiled(project, package, platform, files, &format!("build `{}`{place}", package.name))?;
     let library = find(&artefacts, name, platform.extension)?;
     Ok(Built { platform, library, packages: artefacts.into_iter().map(|artefact| artefact.package_id).collect() })
 }
@@ -53,9 +75,16 @@ pub fn library(project: &Project, package: &Package, platform: &'static Platform
 ///
 /// The types of the crate are named because Cargo optimizes across crates (`lto`) only where no Rust library is built in
 /// addition, as tests of a package need it.
-fn compiled(project: &Project, package: &Package, platform: &'static Platform, title: &str) -> Result<Vec<Artifact>> {
-    let types = if platform == Platform::host()? { "cdylib,staticlib" } else { "cdylib" };
-    let mut command = release(project, platform)?;
+fn compiled(
+    project: &Project,
+    package: &Package,
+    platform: &'static Platform,
+    files: Files,
+    title: &str,
+) -> Result<Vec<Artifact>> {
+    let both = platform == Platform::host()? && files == Files::All;
+    let types = if both { "cdylib,staticlib" } else { "cdylib" };
+    let mut command = release(project, platform, files)?;
     command.args(["--package", &package.name, "--lib", "--crate-type", types]);
     artefacts(title, command)
 }
@@ -65,7 +94,7 @@ fn compiled(project: &Project, package: &Package, platform: &'static Platform, t
 /// # Errors
 /// When the build fails.
 pub fn example(project: &Project, package: &str, name: &str, platform: &'static Platform) -> Result<PathBuf> {
-    let mut command = release(project, platform)?;
+    let mut command = release(project, platform, Files::All)?;
     command.args(["--package", package, "--example", name]);
     let artefacts = artefacts(&format!("build the example `{name}` of `{package}`"), command)?;
     find(&artefacts, name, platform.extension)
@@ -79,7 +108,7 @@ pub fn static_library(project: &Project, package: &Package) -> Result<PathBuf> {
     let (host, name) = (Platform::host()?, &cdylib(package)?.name);
     binds_names(host)?;
     let title = format!("build `{}` as a static library", package.name);
-    find(&compiled(project, package, host, &title)?, name, "a")
+    find(&compiled(project, package, host, Files::All, &title)?, name, "a")
 }
 
 /// Names of a static library can be hidden on platforms with ELF files, by the GNU linker.
@@ -102,7 +131,7 @@ fn cdylib(package: &Package) -> Result<&Target> {
     })
 }
 
-fn release(project: &Project, platform: &Platform) -> Result<Command> {
+fn release(project: &Project, platform: &Platform, files: Files) -> Result<Command> {
     let linux = platform.format == Format::Elf;
     let mut command = if project.linker == Linker::Zig && linux {
         let (major, minor) = GLIBC;
@@ -116,8 +145,15 @@ fn release(project: &Project, platform: &Platform) -> Result<Command> {
         }
         command
     };
-    command.args(["--release", "--message-format=json-render-diagnostics"]).args(&project.arguments);
+    command.args(["--profile", files.profile(), "--message-format=json-render-diagnostics"]).args(&project.arguments);
     command.args(profile::arguments(&project.path("Cargo.toml"))?);
+    match files {
+        Files::All => command.env_remove(FILES),
+        Files::None => {
+            let inherits = format!("profile.{}.inherits=\"release\"", files.profile());
+            command.args(["--config", &inherits]).env(FILES, "none")
+        }
+    };
     command.env("CARGO_ENCODED_RUSTFLAGS", flags(project, platform)?);
     if !project.environment.iter().any(|(name, _)| *name == OUTPUTS) {
         // that of the caller's shell must not change the FMU
@@ -133,11 +169,18 @@ fn flags(project: &Project, platform: &Platform) -> Result<String> {
         // an FMU calls its own functions, even in a process that has loaded another one globally
         flags.push("-Clink-arg=-Wl,-Bsymbolic".into());
     }
-    if platform.format == Format::Pe && platform != Platform::host()? {
-        // the GNU linker would write the time of day
-        flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
-    }
+    flags.extend(link_flags(platform)?);
     Ok(flags.join("\u{1f}"))
+}
+
+/// Compiler flags by which the linker of a platform gives the same bytes each time.
+///
+/// # Errors
+/// When this machine is none of the known platforms.
+pub fn link_flags(platform: &Platform) -> Result<Option<String>> {
+    // the GNU linker would write the time of day
+    let dated = platform.format == Format::Pe && platform != Platform::host()?;
+    Ok(dated.then(|| "-Clink-arg=-Wl,--no-insert-timestamp".into()))
 }
 
 /// Compiler flags that keep the builder's folders out of the binary: in it, paths start at the workspace, at `crates`

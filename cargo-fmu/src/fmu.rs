@@ -34,19 +34,18 @@ pub struct Packed {
     pub faults: Vec<String>,
 }
 
-/// Packs a built library with its own texts, the folder `resources` next to its manifest, and the licenses; and `more`
-/// libraries of the same model, for other platforms.
+/// Packs libraries of a model with the files that `source` writes, a library of the same model for this machine; the
+/// folder `resources` next to the manifest, and the licenses.
 ///
 /// # Errors
-/// When a library is not an FMI library, is of another model or for another platform than stated, when that of this machine
-/// cannot be loaded, or when a file cannot be read.
-pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built], rules: &Rules) -> Result<Packed> {
-    let all: Vec<_> = std::iter::once(built).chain(more).collect();
+/// When a library is not an FMI library, is of another model or for another platform than stated, when `source` cannot be
+/// loaded, or when a file cannot be read.
+pub fn pack(project: &Project, package: &Package, source: &Path, all: &[Built], rules: &Rules) -> Result<Packed> {
     let libraries = all.iter().map(|built| read(package, built)).collect::<Result<Vec<_>>>()?;
     let mut content = Content::default();
     let (chapters, outside) = (chapters::read(package)?, chapters::outside(project, package));
     let platforms: Vec<_> = all.iter().map(|built| built.platform.folder).collect();
-    for (path, text) in binary::files(&built.library)? {
+    for (path, text) in binary::files(source)? {
         let text = if path == PAGE { guide::insert(&text, &chapters, &platforms, &outside) } else { text };
         content.add(path, text.into_bytes())?;
     }
@@ -72,7 +71,7 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
         content.add(format!("binaries/{}/{identifier}.{}", platform.folder, platform.extension), library)?;
     }
     let resources = package.manifest_path.with_file_name("resources").into_std_path_buf();
-    match reference::files(&built.library, &interface, &resources) {
+    match reference::files(source, &interface, &resources) {
         Ok(files) => {
             for (path, text) in files {
                 content.add(path, text.into_bytes())?;
@@ -86,7 +85,7 @@ pub fn pack(project: &Project, package: &Package, built: &Built, more: &[Built],
         content.add(path, text.into_bytes())?;
     }
     // what goes to many is packed once
-    let effort = if more.is_empty() { Effort::Quick } else { Effort::Thorough };
+    let effort = if all.len() == 1 { Effort::Quick } else { Effort::Thorough };
     packed.bytes = pack::to_bytes(&content, effort)?;
     Ok(packed)
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use cargo_fmu::build::{self, Built};
+use cargo_fmu::build::{self, Built, Files};
 use cargo_fmu::contents::licences;
 use cargo_fmu::fmu::{self, Packed};
 use cargo_fmu::inspect::Rules;
@@ -123,10 +123,9 @@ impl Pack {
             println!("{}\n{}", library.archive.display(), library.header.display());
             return Ok(());
         }
-        let built = build::library(&project, package, Platform::host()?)?;
-        let more: Vec<_> =
-            self.binary.iter().map(|(platform, file)| Built::elsewhere(platform, file.clone())).collect();
-        let packed = fmu::pack(&project, package, &built, &more, &Rules::for_host(&project))?;
+        let mut all = vec![build::library(&project, package, Platform::host()?, Files::All)?];
+        all.extend(self.binary.iter().map(|(platform, file)| Built::elsewhere(platform, file.clone())));
+        let packed = fmu::pack(&project, package, &all[0].library, &all, &Rules::for_host(&project))?;
         let file = match &self.output {
             Some(file) => file.clone(),
             None => self.target(&project).join("fmu").join(format!("{}.fmu", package.name)),

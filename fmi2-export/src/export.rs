@@ -14,8 +14,10 @@ macro_rules! export {
             type Vars = <$model as $crate::Model>::Vars;
             const TABLE: &[$crate::Variable<Vars>] = <Vars as $crate::Interface>::TABLE;
             const _: () = $crate::__private::check::<$model>();
+            const SHORT: &[$crate::Variable<Vars>; TABLE.len()] = &$crate::__private::without_texts(TABLE);
+            const ROWS: &[$crate::Variable<Vars>] = if $crate::__private::HAS_FILES { TABLE } else { SHORT };
             const COUNT: (usize, usize) = $crate::__private::count(TABLE);
-            const ENTRIES: &[$crate::__private::Entry<Vars>; COUNT.0] = &$crate::__private::entries(TABLE);
+            const ENTRIES: &[$crate::__private::Entry<Vars>; COUNT.0] = &$crate::__private::entries(ROWS);
             const COMPUTED: &[$crate::__private::Entry<Vars>; COUNT.1] = &$crate::__private::computed(ENTRIES);
             const RUNS: &([$crate::__private::Run<Vars>; COUNT.1], usize) = &$crate::__private::runs(COMPUTED);
             static FILES: $crate::__private::Files = $crate::__private::Files::new();

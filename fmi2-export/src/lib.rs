@@ -99,8 +99,9 @@ pub mod __private {
     pub use crate::description::files::Files;
     pub use crate::exported::Exported;
     pub use crate::table::guid::of as guid;
-    pub use crate::table::index::{Entry, Index, computed, count, entries, reference, runs};
+    pub use crate::table::index::{Entry, Index, computed, count, entries, reference, runs, without_texts};
     pub use crate::table::place::Run;
+    pub use crate::table::variable::HAS_FILES;
 
     /// Checks a model's table and facts; a wrong one does not compile.
     pub const fn check<M: crate::Model>() {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import struct
 import subprocess
 import zipfile
@@ -226,6 +227,18 @@ def test_every_fmu_holds_all_platforms(name: str) -> None:
 @pytest.mark.parametrize("name", FMUS)
 def test_every_fmu_is_small(name: str) -> None:
     assert (SET / f"{name}.fmu").stat().st_size <= 1_500_000
+
+
+@pytest.mark.parametrize("name", FMUS)
+def test_libraries_have_no_texts_that_are_files_of_the_fmu(name: str, tmp_path: Path) -> None:
+    with zipfile.ZipFile(SET / f"{name}.fmu") as archive:
+        for path in (path for path in archive.namelist() if path.startswith("binaries/")):
+            assert b"<fmiModelDescription" not in archive.read(path), path
+        library = archive.extract(f"binaries/{LINUX64}/{name.replace('-', '_')}.so", tmp_path)
+    file = ctypes.CDLL(library).fmi2_export_file
+    file.restype = ctypes.c_char_p
+    assert file(b"") is None
+    assert file(b"modelDescription.xml") is None
 
 
 def test_libraries_are_portable_and_of_one_model() -> None:

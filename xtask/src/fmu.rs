@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use cargo_fmu::build::Files;
 use cargo_fmu::fmu;
 use cargo_fmu::inspect::Rules;
 use cargo_fmu::platform::Platform;
@@ -14,6 +15,9 @@ use cargo_metadata::Package;
 use crate::fingerprint;
 use crate::setup;
 use crate::workspace::Workspace;
+
+/// Folder of the FMUs for this machine.
+pub const FOLDER: &str = "target/fmu";
 
 /// Builds and packs the named controllers (`dob` or `fmu-dob`), all of them when none is named.
 ///
@@ -30,7 +34,7 @@ pub fn run(workspace: &Workspace, names: &[String]) -> Result<()> {
 /// # Errors
 /// As [`run`].
 pub fn pack_all(workspace: &Workspace, packages: &[&Package]) -> Result<()> {
-    pack_for(workspace, packages, &[Platform::host()?], &workspace.path("target/fmu"))
+    pack_for(workspace, packages, &[Platform::host()?], &workspace.path(FOLDER))
 }
 
 /// Builds and packs these controllers for platforms, this machine's first. A file whose bytes would not change keeps them.
@@ -85,10 +89,16 @@ pub fn select<'a>(root: &Path, packages: &[&'a Package], names: &[String]) -> Re
 
 /// The FMU of a controller, which runs on every machine of these platforms or not at all.
 fn pack_controller(workspace: &Workspace, package: &Package, platforms: &[&'static Platform]) -> Result<Vec<u8>> {
-    let built = platforms.iter().map(|platform| build::library(workspace, package, platform));
-    let built = built.collect::<Result<Vec<_>>>()?;
-    let (own, more) = built.split_first().context("no platform to build for")?;
-    let packed = fmu::pack(workspace, package, own, more, &Rules::for_host(workspace))?;
+    let own = build::library(workspace, package, Platform::host()?, Files::All)?;
+    let source = own.library.clone();
+    let all = if let [_] = platforms {
+        vec![own]
+    } else {
+        // one library writes the files; three that can would make the FMU a tenth larger
+        let built = platforms.iter().map(|platform| build::library(workspace, package, platform, Files::None));
+        built.collect::<Result<_>>()?
+    };
+    let packed = fmu::pack(workspace, package, &source, &all, &Rules::for_host(workspace))?;
     ensure!(
         packed.faults.is_empty(),
         "a library of `{}` breaks the rules of a portable FMU: {}",
@@ -168,7 +178,8 @@ mod tests {
     fn a_controller_without_a_c_library_is_told_with_the_lines_to_add() {
         let (_folder, project) = workspace_of(&["blocks", "fmu-trial"]);
         let found = select(&project.root, &controllers(&project), &["trial".into()]).unwrap();
-        let error = build::library(&project, found[0], Platform::host().unwrap()).err().unwrap().to_string();
+        let error =
+            build::library(&project, found[0], Platform::host().unwrap(), Files::All).err().unwrap().to_string();
         assert!(error.starts_with("`fmu-trial` makes no C library\nhint: add to `"), "{error}");
         assert!(error.ends_with("    [lib]\n    crate-type = [\"cdylib\"]"), "{error}");
     }

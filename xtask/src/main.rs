@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use anyhow::Result;
+use cargo_fmu::platform::Platform;
 use clap::{Parser, Subcommand};
 use xtask::bench::effort::Effort;
 use xtask::workspace::Workspace;
@@ -61,7 +62,11 @@ enum Command {
         scenarios: Vec<String>,
     },
     /// Build a wheel with harness, plants, FMUs and scenarios into `target/wheel/`
-    Wheel,
+    Wheel {
+        /// Build for `win64`, `aarch64-linux` or `linux64` with the release set; write to `target/wheel-set/`
+        #[arg(long, value_name = "NAME", value_parser = Platform::named)]
+        platform: Vec<&'static Platform>,
+    },
 }
 
 fn main() -> ExitCode {
@@ -92,6 +97,6 @@ fn run(command: &Command) -> Result<bool> {
             let effort = if *short { Effort::SHORT } else { Effort::FULL };
             bench::run(&workspace, &effort, scenarios).map(|()| true)
         }
-        Command::Wheel => wheel::run(&workspace).map(|()| true),
+        Command::Wheel { platform } => wheel::run(&workspace, platform).map(|()| true),
     }
 }

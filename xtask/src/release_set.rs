@@ -16,10 +16,10 @@ use crate::setup;
 use crate::workspace::Workspace;
 
 /// Platforms of the libraries in every FMU of the set.
-const PLATFORMS: [&Platform; 3] = [LINUX64, AARCH64_LINUX, WIN64];
+pub const PLATFORMS: [&Platform; 3] = [LINUX64, AARCH64_LINUX, WIN64];
 
 /// Folder of the set.
-const FOLDER: &str = "target/release-set";
+pub const FOLDER: &str = "target/release-set";
 
 /// Builds the named controllers for all platforms of the set, all controllers when none is named.
 ///
@@ -44,7 +44,10 @@ pub fn test(workspace: &Workspace) -> Result<()> {
 }
 
 /// Builds the set; returns the workspace that builds for its platforms.
-fn build_set(workspace: &Workspace, names: &[String]) -> Result<Workspace> {
+///
+/// # Errors
+/// As [`run`].
+pub fn build_set(workspace: &Workspace, names: &[String]) -> Result<Workspace> {
     ensure!(
         workspace.linker == Linker::Zig,
         "the release set is built on Linux: only there one toolchain has all of it"

@@ -9,8 +9,10 @@ use anyhow::{Context, Result, ensure};
 use base64::Engine;
 use base64::prelude::BASE64_URL_SAFE_NO_PAD;
 use cargo_fmu::build;
+use cargo_fmu::facts::Format;
 use cargo_fmu::linker::Linker;
 use cargo_fmu::pack::Content;
+use cargo_fmu::platform::Platform;
 use sha2::{Digest, Sha256};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
@@ -18,75 +20,103 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 use crate::fingerprint::{self, Stamp};
 use crate::fmu;
 use crate::process;
+use crate::release_set;
 use crate::setup;
 use crate::workspace::Workspace;
 
 const FOLDER: &str = "target/wheel";
+/// Folder of the wheels for named platforms, one below it for each.
+const SET: &str = "target/wheel-set";
 /// Where `cosim` looks for what comes with it.
 const PACKED: &str = "cosim/packed";
 /// Contents of a wheel in addition to the native module.
-const SOURCES: &[&str] = &[
-    "LICENSE-APACHE",
-    "LICENSE-MIT",
-    "README.md",
-    "cosim",
-    "plants",
-    "requirements.txt",
-    "scenarios",
-    "studies",
-    "target/fmu/SHA256SUMS",
-];
+const SOURCES: &[&str] =
+    &["LICENSE-APACHE", "LICENSE-MIT", "README.md", "cosim", "plants", "requirements.txt", "scenarios", "studies"];
 
-/// Builds the wheel into `target/wheel/`.
+/// Builds the wheel for this machine into `target/wheel/`, or those for named platforms into `target/wheel-set/`.
 ///
 /// # Errors
-/// When something does not build or a file cannot be written.
-pub fn run(workspace: &Workspace) -> Result<()> {
-    setup::environment(workspace)?;
-    fmu::pack_all(workspace, &fmu::controllers(workspace))?;
+/// When a platform is not one of the release set, when something does not build, or when a file cannot be written.
+pub fn run(workspace: &Workspace, platforms: &[&'static Platform]) -> Result<()> {
+    if platforms.is_empty() {
+        setup::environment(workspace)?;
+        fmu::pack_all(workspace, &fmu::controllers(workspace))?;
+        return write(workspace, FOLDER, fmu::FOLDER, None);
+    }
+    for platform in platforms {
+        let names = release_set::PLATFORMS.map(|platform| format!("`{}`", platform.folder));
+        ensure!(
+            release_set::PLATFORMS.contains(platform),
+            "no wheel for `{}`\nhint: wheels are built for {}",
+            platform.folder,
+            names.join(", ")
+        );
+    }
+    // a wheel holds FMUs that run where it is installed
+    let cross = release_set::build_set(workspace, &[])?;
+    platforms.iter().try_for_each(|platform| {
+        write(&cross, &format!("{SET}/{}", platform.folder), release_set::FOLDER, Some(platform))
+    })
+}
 
-    let folder = workspace.path(FOLDER);
+/// Builds a wheel with these FMUs into a folder, for this machine if no platform is named.
+fn write(workspace: &Workspace, folder: &str, fmus: &str, platform: Option<&Platform>) -> Result<()> {
+    let (shown, folder) = (folder, workspace.path(folder));
     let toolchain = process::text(Command::new("rustc").arg("--version"))?;
-    let wanted = fingerprint::of(&workspace.root, &[SOURCES, setup::NATIVE].concat(), &[&toolchain])?;
+    let sums = format!("{fmus}/SHA256SUMS");
+    let sources = [SOURCES, setup::NATIVE, &[sums.as_str()]].concat();
+    let wanted = fingerprint::of(&workspace.root, &sources, &[&toolchain])?;
     let stamp = Stamp(folder.join(".fingerprint"));
     if stamp.holds(&wanted)
         && let Ok(wheel) = only_wheel(&folder)
     {
-        process::up_to_date(&format!("`{FOLDER}/{}`", name_of(&wheel)));
+        process::up_to_date(&format!("`{shown}/{}`", name_of(&wheel)));
         return Ok(());
     }
     if folder.exists() {
-        fs::remove_dir_all(&folder).with_context(|| format!("cannot clear `{FOLDER}`"))?;
+        fs::remove_dir_all(&folder).with_context(|| format!("cannot clear `{shown}`"))?;
     }
     let plain = folder.join("plain");
-    build_packages(workspace, &plain)?;
+    build_packages(workspace, &plain, platform)?;
     let built = only_wheel(&plain)?;
     let wheel = folder.join(name_of(&built));
-    pack(&built, &content(workspace)?, &wheel)?;
-    fs::remove_dir_all(&plain).with_context(|| format!("cannot clear `{FOLDER}/plain`"))?;
+    pack(&built, &content(workspace, fmus)?, &wheel)?;
+    fs::remove_dir_all(&plain).with_context(|| format!("cannot clear `{shown}/plain`"))?;
     stamp.set(&wanted)?;
-    process::header(&format!("wrote `{FOLDER}/{}` ({} kB)", name_of(&wheel), fs::metadata(&wheel)?.len() / 1000));
+    process::header(&format!("wrote `{shown}/{}` ({} kB)", name_of(&wheel), fs::metadata(&wheel)?.len() / 1000));
     Ok(())
 }
 
-/// Builds the packages `plants` and `cosim` with the native module as a wheel; on Linux for an old C library.
-fn build_packages(workspace: &Workspace, folder: &Path) -> Result<()> {
+/// Builds the packages `plants` and `cosim` with the native module as a wheel; for Linux with an old C library.
+fn build_packages(workspace: &Workspace, folder: &Path, platform: Option<&Platform>) -> Result<()> {
     let mut maturin = workspace.venv_command("maturin");
-    maturin.args(["build", "--release", "--locked", "--quiet", "--out"]).arg(folder);
-    maturin.arg("--interpreter").arg(workspace.venv_program("python"));
-    if workspace.linker == Linker::Zig {
+    maturin.args(["build", "--release", "--quiet", "--out"]).arg(folder).args(&workspace.arguments);
+    let mut flags = build::remap_flags(workspace);
+    let place = match platform {
+        Some(platform) => {
+            // the module is for every Python since the oldest one: no interpreter of the platform is needed
+            maturin.args(["--target", platform.triple]);
+            flags.extend(build::link_flags(platform)?);
+            format!(" for {}", platform.folder)
+        }
+        None => {
+            maturin.arg("--interpreter").arg(workspace.venv_program("python"));
+            String::new()
+        }
+    };
+    if workspace.linker == Linker::Zig && platform.is_none_or(|platform| platform.format == Format::Elf) {
         maturin.arg("--zig");
     }
-    maturin.env("CARGO_ENCODED_RUSTFLAGS", build::remap_flags(workspace).join("\u{1f}"));
-    process::run("build the packages `plants` and `cosim`", &mut maturin)
+    maturin.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
+    process::run(&format!("build the packages `plants` and `cosim`{place}"), &mut maturin)
 }
 
 /// The FMUs, the scenarios and the studies by their path in the wheel.
-fn content(workspace: &Workspace) -> Result<Content> {
+fn content(workspace: &Workspace, fmus: &str) -> Result<Content> {
     let mut content = Content::default();
     for package in fmu::controllers(workspace) {
         let name = format!("{}.fmu", package.name);
-        let bytes = fs::read(workspace.path("target/fmu").join(&name)).with_context(|| format!("no `{name}`"))?;
+        let bytes = fs::read(workspace.path(fmus).join(&name)).with_context(|| format!("no `{name}`"))?;
         content.add(format!("{PACKED}/fmu/{name}"), bytes)?;
     }
     for folder in ["scenarios", "studies"] {

@@ -3,6 +3,7 @@
 use crate::description::{documentation, model_description};
 use crate::exported::Exported;
 use crate::host::text::c_string;
+use crate::table::variable::HAS_FILES;
 use std::ffi::{CStr, CString};
 use std::sync::OnceLock;
 
@@ -21,8 +22,11 @@ impl Files {
         Self(OnceLock::new())
     }
 
-    /// Text of a file; `""` lists the paths, one per line.
+    /// Text of a file; `""` lists the paths, one per line. None in a library without files.
     pub(crate) fn get<M: Exported>(&self, path: &str) -> Option<&CStr> {
+        if !HAS_FILES {
+            return None;
+        }
         let (texts, list) = self.0.get_or_init(|| {
             let texts = vec![
                 ("modelDescription.xml", c_string(model_description::write::<M>())),

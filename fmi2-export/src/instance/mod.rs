@@ -221,8 +221,8 @@ fn sample_period<M: Model>(vars: &M::Vars) -> f64 {
 
 fn fresh<M: Exported>(fmu_type: FmuType) -> SnapshotOf<M> {
     let mut vars = M::Vars::START;
-    for row in M::Vars::TABLE {
-        if let Kind::Text { set, start, .. } = row.kind {
+    for entry in M::INDEX.entries {
+        if let Kind::Text { set, start, .. } = entry.row.kind {
             set(&mut vars, start);
         }
     }

@@ -76,6 +76,17 @@ pub const fn reference<V>(table: &[Variable<V>], row: usize) -> usize {
     reference
 }
 
+/// The `N` rows of a table without the texts that only the files need.
+pub const fn without_texts<V, const N: usize>(table: &[Variable<V>]) -> [Variable<V>; N] {
+    let mut rows = [table[0]; N];
+    let mut i = 0;
+    while i < N {
+        rows[i] = table[i].without_texts();
+        i += 1;
+    }
+    rows
+}
+
 /// The `N` value references of a table.
 pub const fn entries<V, const N: usize>(table: &'static [Variable<V>]) -> [Entry<V>; N] {
     let mut entries = [Entry::new(&table[0], 0); N];

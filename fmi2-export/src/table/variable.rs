@@ -10,6 +10,12 @@ const ALL_OUTPUTS: bool = match option_env!("FMI2_EXPORT_OUTPUTS") {
     None => false,
 };
 
+/// Whether the library can write its files. A packer that has them from another library of the same model leaves them out.
+pub const HAS_FILES: bool = match option_env!("FMI2_EXPORT_FILES") {
+    Some(choice) => !crate::table::text::same(choice, "none"),
+    None => true,
+};
+
 /// One row of the table: name, accessors, role, unit, range, start value and text.
 ///
 /// Made by [`interface`](macro@crate::interface) with the constructors and methods below.
@@ -79,6 +85,22 @@ pub(crate) struct Real {
     pub display: Option<&'static str>,
     pub accepts_nan: bool,
 }
+
+impl<V> Clone for Kind<V> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<V> Copy for Kind<V> {}
+
+impl<V> Clone for Variable<V> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<V> Copy for Variable<V> {}
 
 impl<V> Kind<V> {
     pub const fn type_name(&self) -> &'static str {
@@ -302,6 +324,11 @@ impl<V> Variable<V> {
             Kind::Real { real, .. } => real,
             _ => panic!("{}", message),
         }
+    }
+
+    /// The row without the texts that only the files need.
+    pub(crate) const fn without_texts(self) -> Self {
+        Self { description: "", head: "", source: "", paper: None, paper_text: "", ..self }
     }
 
     /// Number of value references the variable takes.

@@ -1,4 +1,4 @@
-//! Wine, QEMU and the C library of ARM Linux, with which the tests run FMUs of other platforms.
+//! Wine, QEMU, and the C library and Python of ARM Linux, with which the tests run FMUs and wheels of other platforms.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub fn install(workspace: &Workspace) -> Result<()> {
     let wine = debian::unpack(workspace, "wine", None, &["wine64"])?;
     make_movable(&wine).context("cannot prepare Wine")?;
     debian::unpack(workspace, "qemu", None, &["qemu-user"])?;
-    debian::unpack(workspace, "aarch64", Some("arm64"), &["libc6"])?;
+    debian::unpack(workspace, "aarch64", Some("arm64"), &["libc6", "python3-minimal"])?;
     Ok(())
 }
 
