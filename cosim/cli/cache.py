@@ -8,8 +8,6 @@ from typing import Annotated
 from typer import Argument
 
 from cosim import paths
-from cosim.cli.options import Quiet, Verbose
-from cosim.show.console import configure_logging
 
 
 class Action(enum.StrEnum):
@@ -21,15 +19,12 @@ class Action(enum.StrEnum):
 
 def cache(
     action: Annotated[Action, Argument(metavar="dir|clean", help="Print the folder, or empty it.")],
-    verbose: Verbose = False,
-    quiet: Quiet = False,
 ) -> None:
     """Show or clean the cache of extracted FMUs.
 
     The cache is in the user's cache folder, or in the folder that COSIM_CACHE names. FMUs that
     were not used for 7 days are removed in any case.
     """
-    configure_logging(verbose, quiet)
     folder = paths.cache_folder()
     if action == Action.DIR:
         print(folder)

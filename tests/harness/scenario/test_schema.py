@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from cosim.cli.tasks import Schema
+from cosim.cli import tasks
 from cosim.optimize.problem import problem_schema
 from cosim.pool.worker import JobRunner
 from cosim.scenario.kinds import kind_of
@@ -99,7 +99,7 @@ def test_an_injection_has_one_beginning_and_one_kind(fault: dict[str, Any], fits
 def filled(loop: str) -> dict[str, Any]:
     """Make the schema with the FMUs and the plant of a scenario."""
     with JobRunner() as runner:
-        found: dict[str, Any] = runner.call(Schema(loop))
+        found: dict[str, Any] = runner.call(tasks.Call(tasks.schema, (loop,)))
     return found
 
 
