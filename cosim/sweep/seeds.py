@@ -46,7 +46,7 @@ def parse(text: str) -> list[int]:
         first, last = int(found[1]), int(found[2] or found[1])
         if last < first:
             raise CosimError(
-                f"`--seeds {text}`: `{part.strip()}` ends before it starts", f"`{last}..{first}`"
+                f"`--seeds {text}`: `{part.strip()}` ends before it starts", f"Use `{last}..{first}`."
             )
         if len(seeds) + last - first >= MAX_SEEDS:
             problem = f"`--seeds {text}` names more than {MAX_SEEDS} seeds"
