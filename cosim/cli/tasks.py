@@ -165,8 +165,7 @@ def new(bench: Bench, fmu: str, plant: str, folder: Path) -> tuple[str, int, int
     from cosim.new.write import text
 
     found = draft(fmu, plant, folder, bench.place)
-    wired = len(found.readings) + len(found.commands)
-    return text(found), wired, len(found.inputs) + len(found.commanded) - wired
+    return text(found), len(found.readings) + len(found.commands), sum(map(len, found.undriven.values()))
 
 
 def ssp(bench: Bench, loop: str, changes: tuple[str, ...], seed: int | None, file: Path) -> float:
