@@ -26,9 +26,9 @@ class Draft:
     """Content of a new scenario.
 
     `fmu` and `plant` are names or paths for the file, empty without a plant. `parameters` has the plant's
-    parameters that are not the defaults, with value and reason. `step` is in s, `substeps` and `steps` are
-    numbers of plant steps in it and of steps in the run. `readings` are the wires to the FMU, `commands` those
-    to the plant. `inputs` and `outputs` are all those of the FMU, `sensed` and `commanded` those of the plant.
+    parameters that are not the defaults, with value and reason. `step` is in s, `substeps` are the plant steps
+    in it, `steps` those of the run. `readings` are the wires to the FMU, `commands` those to the plant.
+    `inputs` and `outputs` belong to the FMU, `sensed` and `commanded` to the plant.
     """
 
     title: str
