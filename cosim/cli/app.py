@@ -42,16 +42,14 @@ COMPLETION = ("--install-completion", "--show-completion")
 log = logging.getLogger("cosim")
 
 
+def flag(short: str, name: str, help_text: str) -> TyperOption:
+    """Option that is given or not."""
+    return TyperOption(param_decls=[short, f"--{name}"], is_flag=True, default=False, help=help_text)
+
+
 VERBOSITY = (
-    TyperOption(
-        param_decls=["-v", "--verbose"],
-        is_flag=True,
-        default=False,
-        help="Log events of the FMU and the origin of errors.",
-    ),
-    TyperOption(
-        param_decls=["-q", "--quiet"], is_flag=True, default=False, help="Log errors only, no progress."
-    ),
+    flag("-v", "verbose", "Log events of the FMU and the origin of errors."),
+    flag("-q", "quiet", "Log errors only, no progress."),
 )
 """Options before or after any command."""
 
@@ -131,20 +129,28 @@ def status_of(command: Any) -> int:
         with interrupts.raising(), once():
             code = command(standalone_mode=False)
             sys.stdout.flush()
-        if code == INTERRUPTED:
-            report("interrupted")
-        if code and about_completion():
-            report("completion is not available for this shell", "Use bash, zsh, fish or PowerShell.")
-            return COULD_NOT_RUN
-        return code if isinstance(code, int) else 0
-    except CosimError as error:
-        log.debug("here:", exc_info=error)
-        if is_interrupt(error):
-            report("interrupted")
-            return INTERRUPTED
-        report(error.message, error.hint)
+    except BaseException as error:
+        return failed(error)
+    if code == INTERRUPTED:
+        report("interrupted")
+    if code and about_completion():
+        report("completion is not available for this shell", "Use bash, zsh, fish or PowerShell.")
         return COULD_NOT_RUN
-    except typer.exceptions.TyperException as error:
+    return code if isinstance(code, int) else 0
+
+
+def failed(error: BaseException) -> int:
+    """Report an error; return its exit code."""
+    if isinstance(error, SystemExit):
+        # typer ends silently when the reader of its output is gone; any other exit is unexpected
+        if isinstance(error.__context__, BrokenPipeError):
+            return READER_GONE
+        if COMPLETING in os.environ or about_completion():
+            return 0
+    if isinstance(error, typer.Abort) or is_interrupt(error):
+        report("interrupted")
+        return INTERRUPTED
+    if isinstance(error, typer.exceptions.TyperException):
         context = getattr(error, "ctx", None)
         word = next((word for word in sys.argv[1:] if not word.startswith("-")), "")
         called = context.command_path if context else " ".join(["cosim", *filter(COMMANDS.get, [word])])
@@ -152,22 +158,13 @@ def status_of(command: Any) -> int:
         # typer lists choices in lines of their own
         message = " ".join(error.format_message().split())
         report(message, f"Use `cosim {RENAMED[word]}`." if word in RENAMED else hint)
-        return COULD_NOT_RUN
-    except (KeyboardInterrupt, typer.Abort):
-        report("interrupted")
-        return INTERRUPTED
-    except SystemExit as error:
-        # typer ends silently when the reader of its output is gone; any other exit is unexpected
-        if isinstance(error.__context__, BrokenPipeError):
-            return READER_GONE
-        return 0 if COMPLETING in os.environ or about_completion() else unforeseen(error)
-    except OSError as error:
-        if error.filename is not None or error.errno not in NO_ROOM:
-            return unforeseen(error)
+    elif isinstance(error, OSError) and error.filename is None and error.errno in NO_ROOM:
         report(f"cannot write the result: {error.strerror}")
-        return COULD_NOT_RUN
-    except BaseException as error:
-        return unforeseen(error)
+    else:
+        log.debug("here:", exc_info=error)
+        failure = error if isinstance(error, CosimError) else errors.unforeseen(error)
+        report(failure.message, failure.hint)
+    return COULD_NOT_RUN
 
 
 def about_completion() -> bool:
@@ -180,14 +177,3 @@ def is_interrupt(error: BaseException | None) -> bool:
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None
-
-
-def unforeseen(error: BaseException) -> int:
-    """Report an unexpected error."""
-    log.debug("here:", exc_info=error)
-    if is_interrupt(error):
-        report("interrupted")
-        return INTERRUPTED
-    failure = errors.unforeseen(error)
-    report(failure.message, failure.hint)
-    return COULD_NOT_RUN

@@ -26,8 +26,8 @@ class Draft:
     """Content of a new scenario.
 
     `fmu` and `plant` are names or paths for the file, empty without a plant. `parameters` has the plant's
-    parameters that are not the defaults, with value and reason. `step` is in s, `substeps` are the plant steps
-    in it, `steps` those of the run. `readings` are the wires to the FMU, `commands` those to the plant.
+    parameters that are not the defaults, with value and reason. `step` is in s, `substeps` are the plant
+    steps in it, `steps` those of the run. `readings` are the wires to the FMU, `commands` those to the plant.
     `inputs` and `outputs` belong to the FMU, `sensed` and `commanded` to the plant.
     """
 
