@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import enum
-from typing import Annotated
+from typing import Annotated, Literal
 
 from typer import Argument
 
 from cosim import paths
 
 
-class Action(enum.StrEnum):
-    """Actions of the command."""
-
-    DIR = "dir"
-    CLEAN = "clean"
-
-
 def cache(
-    action: Annotated[Action, Argument(metavar="dir|clean", help="Print the folder, or empty it.")],
+    action: Annotated[
+        Literal["dir", "clean"], Argument(metavar="dir|clean", help="Print the folder, or empty it.")
+    ],
 ) -> None:
     """Show or clean the cache of extracted FMUs.
 
@@ -26,7 +20,7 @@ def cache(
     were not used for 7 days are removed in any case.
     """
     folder = paths.cache_folder()
-    if action == Action.DIR:
+    if action == "dir":
         print(folder)
         return
     from cosim.fmu.cache import remove_unused

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import enum
 import logging
-from typing import Annotated
+from typing import Annotated, Literal
 
 from typer import Argument, Option
 
@@ -70,18 +69,11 @@ def show(
     print(text, end="", flush=True)
 
 
-class File(enum.StrEnum):
-    """Kinds of files."""
-
-    SCENARIO = "scenario"
-    STUDY = "study"
-    OPTIMIZATION = "optimization"
-
-
 def schema(
     file: Annotated[
-        File, Argument(metavar="[scenario|study|optimization]", help="Kind of the file.")
-    ] = File.SCENARIO,
+        Literal["scenario", "study", "optimization"],
+        Argument(metavar="[scenario|study|optimization]", help="Kind of the file."),
+    ] = "scenario",
     for_: Annotated[
         str,
         Option(
@@ -101,7 +93,7 @@ def schema(
     \b
         cosim schema --for my.toml > my.schema.json
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
-    if for_ and file != File.SCENARIO:
+    if for_ and file != "scenario":
         raise CosimError("`--for` works only for the schema of scenarios", f"Omit `--for` or `{file}`.")
     if for_:
         # the plant may be foreign code
@@ -112,9 +104,5 @@ def schema(
     from cosim.scenario.model import scenario_schema
     from cosim.sweep.study import study_schema
 
-    schemas = {
-        File.SCENARIO: scenario_schema,
-        File.STUDY: study_schema,
-        File.OPTIMIZATION: problem_schema,
-    }
+    schemas = {"scenario": scenario_schema, "study": study_schema, "optimization": problem_schema}
     write(strict.text(schemas[file]()), "-")

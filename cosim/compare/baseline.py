@@ -29,7 +29,8 @@ def stored(scenario: Scenario) -> StoredTrace:
     """Baseline of a scenario; without one, the error names the command that writes it."""
     file = file_of(scenario)
     if not file.exists():
-        name = scenario.name if scenario.file.stem != scenario.name else paths.shown(scenario.file)
+        is_listed = dict(paths.list_scenarios()).get(scenario.name) == paths.resolved(scenario.file)
+        name = scenario.name if is_listed else paths.shown(scenario.file)
         hint = f"Write it with `cosim compare {name} --update`."
         raise CosimError(f"there is no baseline `{paths.shown(file)}`", hint)
     return read(file)
