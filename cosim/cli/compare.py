@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer import Argument, Option
@@ -18,7 +18,10 @@ from cosim.writing import write
 if TYPE_CHECKING:
     from cosim.scenario.model import Scenario
 
-LIMIT = "[PATTERN=]VALUE"
+
+def limit(help_text: str) -> Any:
+    """Option for a tolerance."""
+    return Option(metavar="[PATTERN=]VALUE", help=f"{help_text} Default 0.")
 
 
 def compare(
@@ -35,16 +38,10 @@ def compare(
         Argument(metavar="OTHER", show_default=False, help="File or folder to compare, of the same kind."),
     ] = None,
     atol: Annotated[
-        list[str] | None,
-        Option(metavar=LIMIT, help="Absolute tolerance, in the unit of the column or metric. Default 0."),
+        list[str] | None, limit("Absolute tolerance, in the unit of the column or metric.")
     ] = None,
-    rtol: Annotated[
-        list[str] | None, Option(metavar=LIMIT, help="Tolerance relative to the reference. Default 0.")
-    ] = None,
-    dt: Annotated[
-        list[str] | None,
-        Option(metavar=LIMIT, help="Permitted time shift of a column in s. Default 0."),
-    ] = None,
+    rtol: Annotated[list[str] | None, limit("Tolerance relative to the reference.")] = None,
+    dt: Annotated[list[str] | None, limit("Permitted time shift of a column in s.")] = None,
     only: Annotated[
         list[str] | None, Option(metavar="PATTERN", help="Compare only matching names, such as `plant.*`.")
     ] = None,

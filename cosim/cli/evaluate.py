@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import FAILED, Json, Loop, Set
+from cosim.cli.options import FAILED, Json, Loop, Set, out_option
 from cosim.errors import CosimError
 from cosim.show.console import output
 from cosim.trace.endings import READ, listed
@@ -53,9 +53,7 @@ def plot(
     traces: Annotated[
         list[Path], Argument(metavar="TRACE...", help=f"Traces ({listed(READ)}); several are overlaid.")
     ],
-    out: Annotated[Path, Option("-o", "--out", metavar="FILE.svg|.png|.pdf", help="Output file.")] = Path(
-        "plot.svg"
-    ),
+    out: Annotated[Path, out_option("FILE.svg|.png|.pdf")] = Path("plot.svg"),
     column: Annotated[
         list[str] | None,
         Option(metavar="PATTERN", help="Plot matching columns, such as `plant.*`. May be repeated."),

@@ -7,11 +7,11 @@ import shlex
 from pathlib import Path
 from typing import Annotated
 
-from typer import Argument, Option
+from typer import Argument
 
 from cosim import paths
 from cosim.cli import tasks
-from cosim.cli.options import InProcess, Timeout, checked_limits
+from cosim.cli.options import InProcess, Timeout, checked_limits, out_option
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.writing import JSON, check_folder, check_text, naming, write
@@ -25,10 +25,7 @@ def new(
         str,
         Argument(metavar="[MJCF|PLANT]", help="MJCF file or name of a plant. Default: no plant."),
     ] = "",
-    out: Annotated[
-        Path | None,
-        Option("-o", "--out", metavar="FILE.toml", help="Output file; default: the name of the FMU."),
-    ] = None,
+    out: Annotated[Path | None, out_option("FILE.toml", "Output file; default: the name of the FMU.")] = None,
     timeout: Timeout = None,
     in_process: InProcess = False,
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import platform
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer import Argument, Option
@@ -47,6 +47,11 @@ def show_version(wanted: bool) -> None:
             print(name, version(distribution) or "not installed")
         print("Python", platform.python_version())
         raise typer.Exit
+
+
+def out_option(metavar: str, help_text: str = "Output file.") -> Any:
+    """Option `-o` of a command that writes a file or a folder."""
+    return Option("-o", "--out", metavar=metavar, help=help_text)
 
 
 Timeout = Annotated[float | None, Option(metavar="S", help="Maximum wall time in s.")]

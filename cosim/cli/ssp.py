@@ -5,19 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from typer import Option
-
 from cosim.cli import tasks
-from cosim.cli.options import InProcess, Loop, Seed, Set, Timeout, checked_limits
+from cosim.cli.options import InProcess, Loop, Seed, Set, Timeout, checked_limits, out_option
 from cosim.errors import CosimError
 from cosim.writing import check_folder
 
 
 def ssp(
     loop: Loop,
-    out: Annotated[
-        Path | None, Option("-o", "--out", metavar="FILE.ssp", help="Output file; default `SCENARIO.ssp`.")
-    ] = None,
+    out: Annotated[Path | None, out_option("FILE.ssp", "Output file; default `SCENARIO.ssp`.")] = None,
     seed: Seed = None,
     set_: Set = None,
     timeout: Timeout = None,

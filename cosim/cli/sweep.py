@@ -10,7 +10,7 @@ from typer import Argument, Option
 
 from cosim import paths
 from cosim.cli import complete
-from cosim.cli.options import COULD_NOT_RUN, FAILED, Again, Engine, Json, Plots, Workers, quiet
+from cosim.cli.options import COULD_NOT_RUN, FAILED, Again, Engine, Json, Plots, Workers, out_option, quiet
 from cosim.errors import CosimError
 from cosim.show.console import output, report
 from cosim.writing import write
@@ -31,9 +31,7 @@ def sweep(
             autocompletion=complete.studies,
         ),
     ],
-    out: Annotated[
-        str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of results; default `STUDY.sweep`.")
-    ] = None,
+    out: Annotated[str | None, out_option("FOLDER", "Folder of results; default `STUDY.sweep`.")] = None,
     workers: Workers = None,
     cluster: Annotated[str | None, Option(metavar="ADDRESS|FILE", help=CLUSTER)] = None,
     engine: Engine = "native",
@@ -90,9 +88,7 @@ def optimize(
             autocompletion=complete.studies,
         ),
     ],
-    out: Annotated[
-        str | None, Option("-o", "--out", metavar="FOLDER", help="Results; default `STUDY.optimize`.")
-    ] = None,
+    out: Annotated[str | None, out_option("FOLDER", "Folder of results; default `STUDY.optimize`.")] = None,
     workers: Workers = None,
     engine: Engine = "native",
     again: Again = False,

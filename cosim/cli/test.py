@@ -19,6 +19,7 @@ from cosim.cli.options import (
     Timeout,
     Workers,
     checked_limits,
+    out_option,
     quiet,
 )
 from cosim.errors import CosimError
@@ -57,9 +58,7 @@ Document = Annotated[
 
 def run_tests(
     scenarios: Scenarios = None,
-    out: Annotated[
-        Path | None, Option("-o", "--out", metavar="FOLDER", help="Folder for table, results and plots.")
-    ] = None,
+    out: Annotated[Path | None, out_option("FOLDER", "Folder for table, results and plots.")] = None,
     workers: Workers = None,
     engine: Engine = "native",
     timeout: Timeout = None,
@@ -138,9 +137,7 @@ def run_tests(
 
 def report_page(
     scenarios: Scenarios = None,
-    out: Annotated[Path, Option("-o", "--out", metavar="FILE.html", help="Output file.")] = Path(
-        "report.html"
-    ),
+    out: Annotated[Path, out_option("FILE.html")] = Path("report.html"),
     study: Study = None,
     document: Document = None,
     title: Annotated[str, Option(metavar="TEXT", help="Title of the report.")] = "",

@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from cosim.cli import tasks
-from cosim.cli.options import InProcess, Set, Timeout, checked_limits, quiet
+from cosim.cli.options import InProcess, Set, Timeout, checked_limits, out_option, quiet
 from cosim.errors import CosimError
 from cosim.show.console import progress_bar
 from cosim.trace.endings import READ, listed
@@ -66,9 +66,7 @@ def view(
 def video(
     run: Run,
     loop: TracedLoop = "",
-    out: Annotated[Path, Option("-o", "--out", metavar="FILE.mp4|.gif|.webp", help="Output file.")] = Path(
-        "run.mp4"
-    ),
+    out: Annotated[Path, out_option("FILE.mp4|.gif|.webp")] = Path("run.mp4"),
     seconds: Seconds = 8.0,
     begin: Begin = None,
     end: End = None,
