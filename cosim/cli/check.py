@@ -38,7 +38,7 @@ def check(
     Checks names, types, units, ranges, wires and metrics. Nothing runs.
     """
     with tasks.place(checked_limits(timeout, None, in_process)) as do:
-        found = [named(file, do(tasks.Call(tasks.check, (file,)))) for file in files]
+        found = [named(file, do(tasks.TaskCall(tasks.check, (file,)))) for file in files]
     if json is not None:
         write(strict.text([entry.to_dict() for entry in found]), json)
     if json != "-":

@@ -44,7 +44,7 @@ def new(
     schema = file.with_suffix(".schema.json")
     # the description of an FMU is only read; a plant is code that runs
     with tasks.place(limits if plant or timeout else None) as do:
-        found = do(tasks.Call(tasks.new, (fmu, plant, file.parent)))
+        found = do(tasks.TaskCall(tasks.new, (fmu, plant, file.parent)))
         if isinstance(found, CosimError):
             raise found
         text, wired, left = found
@@ -54,7 +54,7 @@ def new(
                     stream.write(f"#:schema ./{schema.name}\n{text}")
             except FileExistsError:
                 raise CosimError(f"`{file}` exists already", "Choose another name with `--out`.") from None
-        described = do(tasks.Call(tasks.schema, (str(file),)))
+        described = do(tasks.TaskCall(tasks.schema, (str(file),)))
     # without its schema the scenario is still complete
     if isinstance(described, CosimError):
         log.warning("there is no schema: %s", described.message)

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Call:
+class TaskCall:
     """A function of this module, and its arguments after the bench."""
 
     function: Callable[..., Any]
@@ -57,7 +57,7 @@ def perform(
 ) -> T:
     """Return the outcome of one task; raise its error."""
     with place(limits) as do:
-        outcome: T | CosimError = do(Call(function, arguments), progress)
+        outcome: T | CosimError = do(TaskCall(function, arguments), progress)
     if isinstance(outcome, CosimError):
         raise outcome
     return outcome

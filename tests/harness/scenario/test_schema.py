@@ -99,7 +99,7 @@ def test_an_injection_has_one_beginning_and_one_kind(fault: dict[str, Any], fits
 def filled(loop: str) -> dict[str, Any]:
     """Make the schema with the FMUs and the plant of a scenario."""
     with JobRunner() as runner:
-        found: dict[str, Any] = runner.call(tasks.Call(tasks.schema, (loop,)))
+        found: dict[str, Any] = runner.call(tasks.TaskCall(tasks.schema, (loop,)))
     return found
 
 
