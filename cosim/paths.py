@@ -78,6 +78,8 @@ def find_study(name: str) -> Path:
     places = [working_folder(), OWN_STUDIES.parent]
     if file := existing(name, places):
         return file
+    if name in dict(list_scenarios()):
+        raise ScenarioError(f"`{name}` is a scenario, not a study", f"Use `cosim run {name}`.")
     hint = closest(name, list_studies())
     raise ScenarioError(f"the study file `{brief(name)}` {missing(name, places)}", hint)
 

@@ -10,31 +10,25 @@ from collections.abc import Callable
 from typing import Any
 
 import typer
-import typer.core
 import typer.exceptions
+from typer.core import TyperCommand, TyperGroup, TyperOption
 
 from cosim import RENAMED, errors, interrupts
 from cosim.cli.cache import cache
 from cosim.cli.check import check
 from cosim.cli.compare import compare
-from cosim.cli.evaluate import evaluate
-from cosim.cli.exchange.ssp import ssp
-from cosim.cli.listing import list_scenarios
-from cosim.cli.media.plot import plot
-from cosim.cli.media.report import report as report_page
-from cosim.cli.media.video import video
-from cosim.cli.media.view import view
+from cosim.cli.evaluate import evaluate, plot
 from cosim.cli.new import new
-from cosim.cli.optimize import optimize
 from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE, options
 from cosim.cli.run import run
-from cosim.cli.schema import schema
-from cosim.cli.show import show
-from cosim.cli.sweep import sweep
-from cosim.cli.test import run_tests
+from cosim.cli.show import list_scenarios, schema, show
+from cosim.cli.ssp import ssp
+from cosim.cli.sweep import optimize, sweep
+from cosim.cli.test import report_page, run_tests
+from cosim.cli.video import video, view
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.show.console import report
+from cosim.show.console import configure_logging, report
 from cosim.warned import once
 from cosim.writing import write
 
@@ -48,11 +42,28 @@ COMPLETION = ("--install-completion", "--show-completion")
 log = logging.getLogger("cosim")
 
 
-class Command(typer.core.TyperCommand):
+def flag(short: str, name: str, help_text: str) -> TyperOption:
+    """Option that is given or not."""
+    return TyperOption(param_decls=[short, f"--{name}"], is_flag=True, default=False, help=help_text)
+
+
+VERBOSITY = (
+    flag("-v", "verbose", "Log events of the FMU and the origin of errors."),
+    flag("-q", "quiet", "Log errors only, no progress."),
+)
+"""Options before or after any command."""
+
+
+class Command(TyperCommand):
     """A command that prints its error as JSON, if JSON on stdout is requested; files keep their content."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.params += VERBOSITY
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
+        configure_logging(**popped(ctx.params))
         try:
             return super().invoke(ctx)
         except CosimError as error:
@@ -61,7 +72,26 @@ class Command(typer.core.TyperCommand):
             raise
 
 
+class Commands(TyperGroup):
+    """All commands; the options before a command are the defaults of those after it."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.params += VERBOSITY
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the given command."""
+        ctx.default_map = dict.fromkeys(self.commands, popped(ctx.params))
+        return super().invoke(ctx)
+
+
+def popped(parameters: dict[str, Any]) -> dict[str, bool]:
+    """Remove `verbose` and `quiet` from parameters, and return them."""
+    return {name: parameters.pop(name) for name in ("verbose", "quiet")}
+
+
 app = typer.Typer(
+    cls=Commands,
     pretty_exceptions_enable=False,
     # plain help: rich takes longer to import than everything else
     rich_markup_mode=None,
@@ -99,41 +129,42 @@ def status_of(command: Any) -> int:
         with interrupts.raising(), once():
             code = command(standalone_mode=False)
             sys.stdout.flush()
-        if code == INTERRUPTED:
-            report("interrupted")
-        if code and about_completion():
-            report("completion is not available for this shell", "Use bash, zsh, fish or PowerShell.")
-            return COULD_NOT_RUN
-        return code if isinstance(code, int) else 0
-    except CosimError as error:
-        log.debug("here:", exc_info=error)
-        if is_interrupt(error):
-            report("interrupted")
-            return INTERRUPTED
-        report(error.message, error.hint)
+    except BaseException as error:
+        return failed(error)
+    if code == INTERRUPTED:
+        report("interrupted")
+    if code and about_completion():
+        report("completion is not available for this shell", "Use bash, zsh, fish or PowerShell.")
         return COULD_NOT_RUN
-    except typer.exceptions.TyperException as error:
+    return code if isinstance(code, int) else 0
+
+
+def failed(error: BaseException) -> int:
+    """Report an error; return its exit code."""
+    if isinstance(error, SystemExit):
+        # typer ends silently when the reader of its output is gone; any other exit is unexpected
+        if isinstance(error.__context__, BrokenPipeError):
+            return READER_GONE
+        if COMPLETING in os.environ or about_completion():
+            return 0
+    if isinstance(error, typer.Abort) or is_interrupt(error):
+        report("interrupted")
+        return INTERRUPTED
+    if isinstance(error, typer.exceptions.TyperException):
         context = getattr(error, "ctx", None)
         word = next((word for word in sys.argv[1:] if not word.startswith("-")), "")
         called = context.command_path if context else " ".join(["cosim", *filter(COMMANDS.get, [word])])
         hint = f"Show the arguments with `{called} --help`."
-        report(error.format_message(), f"Use `cosim {RENAMED[word]}`." if word in RENAMED else hint)
-        return COULD_NOT_RUN
-    except (KeyboardInterrupt, typer.Abort):
-        report("interrupted")
-        return INTERRUPTED
-    except SystemExit as error:
-        # typer ends silently when the reader of its output is gone; any other exit is unexpected
-        if isinstance(error.__context__, BrokenPipeError):
-            return READER_GONE
-        return 0 if COMPLETING in os.environ or about_completion() else unforeseen(error)
-    except OSError as error:
-        if error.filename is not None or error.errno not in NO_ROOM:
-            return unforeseen(error)
+        # typer lists choices in lines of their own
+        message = " ".join(error.format_message().split())
+        report(message, f"Use `cosim {RENAMED[word]}`." if word in RENAMED else hint)
+    elif isinstance(error, OSError) and error.filename is None and error.errno in NO_ROOM:
         report(f"cannot write the result: {error.strerror}")
-        return COULD_NOT_RUN
-    except BaseException as error:
-        return unforeseen(error)
+    else:
+        log.debug("here:", exc_info=error)
+        failure = error if isinstance(error, CosimError) else errors.unforeseen(error)
+        report(failure.message, failure.hint)
+    return COULD_NOT_RUN
 
 
 def about_completion() -> bool:
@@ -146,14 +177,3 @@ def is_interrupt(error: BaseException | None) -> bool:
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None
-
-
-def unforeseen(error: BaseException) -> int:
-    """Report an unexpected error."""
-    log.debug("here:", exc_info=error)
-    if is_interrupt(error):
-        report("interrupted")
-        return INTERRUPTED
-    failure = errors.unforeseen(error)
-    report(failure.message, failure.hint)
-    return COULD_NOT_RUN

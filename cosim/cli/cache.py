@@ -2,36 +2,25 @@
 
 from __future__ import annotations
 
-import enum
-from typing import Annotated
+from typing import Annotated, Literal
 
 from typer import Argument
 
 from cosim import paths
-from cosim.cli.options import Quiet, Verbose
-from cosim.show.console import configure_logging
-
-
-class Action(enum.StrEnum):
-    """Actions of the command."""
-
-    DIR = "dir"
-    CLEAN = "clean"
 
 
 def cache(
-    action: Annotated[Action, Argument(metavar="dir|clean", help="Print the folder, or empty it.")],
-    verbose: Verbose = False,
-    quiet: Quiet = False,
+    action: Annotated[
+        Literal["dir", "clean"], Argument(metavar="dir|clean", help="Print the folder, or empty it.")
+    ],
 ) -> None:
     """Show or clean the cache of extracted FMUs.
 
     The cache is in the user's cache folder, or in the folder that COSIM_CACHE names. FMUs that
     were not used for 7 days are removed in any case.
     """
-    configure_logging(verbose, quiet)
     folder = paths.cache_folder()
-    if action == Action.DIR:
+    if action == "dir":
         print(folder)
         return
     from cosim.fmu.cache import remove_unused

@@ -10,12 +10,11 @@ from typer import Argument
 
 from cosim import paths
 from cosim.check.checked import Checked
-from cosim.cli import complete
-from cosim.cli.options import COULD_NOT_RUN, InProcess, Json, Quiet, Timeout, Verbose, checked_limits
-from cosim.cli.tasks import Check, place
+from cosim.cli import complete, tasks
+from cosim.cli.options import COULD_NOT_RUN, InProcess, Json, Timeout, checked_limits
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.show.console import configure_logging, report
+from cosim.show.console import report
 from cosim.writing import write
 
 log = logging.getLogger("cosim")
@@ -33,21 +32,18 @@ def check(
     timeout: Timeout = None,
     in_process: InProcess = False,
     json: Json = None,
-    verbose: Verbose = False,
-    quiet: Quiet = False,
 ) -> None:
     """Check scenario, study and optimization files.
 
     Checks names, types, units, ranges, wires and metrics. Nothing runs.
     """
-    configure_logging(verbose, quiet)
-    with place(checked_limits(timeout, None, in_process)) as do:
-        found = [named(file, do(Check(file))) for file in files]
+    with tasks.place(checked_limits(timeout, None, in_process)) as do:
+        found = [named(file, do(tasks.TaskCall(tasks.check, (file,)))) for file in files]
     if json is not None:
         write(strict.text([entry.to_dict() for entry in found]), json)
     if json != "-":
         for entry in found:
-            show(entry, quiet)
+            show(entry)
     raise typer.Exit(COULD_NOT_RUN if any(entry.error for entry in found) else 0)
 
 
@@ -62,12 +58,12 @@ def about(file: str, message: str) -> str:
     return message if message.startswith(tuple(named)) else f"`{file}`: {message}"
 
 
-def show(entry: Checked, quiet: bool) -> None:
+def show(entry: Checked) -> None:
     """Print one line for a valid file; print errors and warnings on stderr."""
     if entry.error is not None:
         report(about(entry.name, entry.error.message), entry.error.hint)
         return
-    for warning in () if quiet else entry.warnings:
+    for warning in entry.warnings:
         log.warning("`%s`: %s", entry.name, warning)
     runs = f", {entry.runs} runs" if entry.kind != "scenario" else ""
     print(f"{entry.name}: {entry.kind}{runs}, valid")

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import FAILED, Engine, Json, Quiet, Set, Verbose
+from cosim.cli.options import FAILED, Engine, Json, Set, quiet
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.show.console import configure_logging, output, progress_bar
+from cosim.show.console import output, progress_bar
 from cosim.trace.endings import READ, listed
 from cosim.writing import write
 
 if TYPE_CHECKING:
-    from cosim.compare.comparison import Comparison
-    from cosim.compare.tolerance import Tolerances
-    from cosim.loop import engines
     from cosim.scenario.model import Scenario
 
-LIMIT = "[PATTERN=]VALUE"
-FILES = (*READ, ".json")
+
+def limit(help_text: str) -> Any:
+    """Option for a tolerance."""
+    return Option(metavar="[PATTERN=]VALUE", help=f"{help_text} Default 0.")
 
 
 def compare(
@@ -39,16 +38,10 @@ def compare(
         Argument(metavar="OTHER", show_default=False, help="File or folder to compare, of the same kind."),
     ] = None,
     atol: Annotated[
-        list[str] | None,
-        Option(metavar=LIMIT, help="Absolute tolerance, in the unit of the column or metric. Default 0."),
+        list[str] | None, limit("Absolute tolerance, in the unit of the column or metric.")
     ] = None,
-    rtol: Annotated[
-        list[str] | None, Option(metavar=LIMIT, help="Tolerance relative to the reference. Default 0.")
-    ] = None,
-    dt: Annotated[
-        list[str] | None,
-        Option(metavar=LIMIT, help="Permitted time shift of a column in s. Default 0."),
-    ] = None,
+    rtol: Annotated[list[str] | None, limit("Tolerance relative to the reference.")] = None,
+    dt: Annotated[list[str] | None, limit("Permitted time shift of a column in s.")] = None,
     only: Annotated[
         list[str] | None, Option(metavar="PATTERN", help="Compare only matching names, such as `plant.*`.")
     ] = None,
@@ -59,11 +52,9 @@ def compare(
     engine: Engine = "native",
     plot: Annotated[
         Path | None,
-        Option(metavar="FILE.svg|.png", help="Plot the columns with the largest deviations."),
+        Option(metavar="FILE.svg|.png|.pdf", help="Plot the columns with the largest deviations."),
     ] = None,
     json: Json = None,
-    verbose: Verbose = False,
-    quiet: Quiet = False,
 ) -> None:
     """Compare traces, results or sweeps.
 
@@ -93,8 +84,7 @@ def compare(
 
     Exit code: 0 within tolerance, 1 not, 2 could not be compared.
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
-    configure_logging(verbose, quiet)
-    from cosim.compare import command, tables, tolerance
+    from cosim.compare import baseline, command, tables, tolerance
     from cosim.compare import plot as plots
 
     if update:
@@ -103,18 +93,20 @@ def compare(
             if given:
                 hint = "Update the baseline of an unchanged scenario."
                 raise CosimError(f"`{name}` cannot be combined with `--update`", hint)
-        write_baseline(reference, engine, json, quiet)
+        write_baseline(loaded(reference, []), engine, json)
         return
     allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
     if plot is not None:
         plots.check("trace" if other is None else command.kind_of(other), plot)
-    if other is not None:
-        if set_:
-            hint = "Use it with a scenario and its baseline."
-            raise CosimError("`--set` cannot be combined with two files", hint)
-        found = command.compare(reference, other, allowed)
+    if other is None:
+        scenario = loaded(reference, set_ or [])
+        with progress_bar(scenario.name, quiet()) as progress:
+            found = baseline.compare(scenario, allowed, engine, progress)
+    elif set_:
+        hint = "Use it with a scenario and its baseline."
+        raise CosimError("`--set` cannot be combined with two files", hint)
     else:
-        found = with_baseline(reference, allowed, set_ or [], engine, quiet)
+        found = command.compare(reference, other, allowed)
     if plot is not None:
         plots.save(found, plot)
     if json is not None:
@@ -124,23 +116,11 @@ def compare(
     raise typer.Exit(0 if found.within else FAILED)
 
 
-def with_baseline(
-    loop: str, allowed: Tolerances, changes: list[str], engine: engines.Engine, quiet: bool
-) -> Comparison:
-    """Compare a scenario with its baseline."""
-    from cosim.compare import baseline
-
-    scenario = scenario_of(loop, changes)
-    with progress_bar(scenario.name, quiet) as progress:
-        return baseline.compare(scenario, allowed, engine, progress)
-
-
-def write_baseline(loop: str, engine: engines.Engine, json: str | None, quiet: bool) -> None:
+def write_baseline(scenario: Scenario, engine: Engine, json: str | None) -> None:
     """Write the baseline of a scenario and print its file name."""
     from cosim.compare import baseline
 
-    scenario = scenario_of(loop, [])
-    with progress_bar(scenario.name, quiet) as progress:
+    with progress_bar(scenario.name, quiet()) as progress:
         result = baseline.update(scenario, engine, progress)
     file = baseline.file_of(scenario)
     if json is not None:
@@ -149,12 +129,11 @@ def write_baseline(loop: str, engine: engines.Engine, json: str | None, quiet: b
         print(f"wrote {file}")
 
 
-def scenario_of(loop: str, changes: list[str]) -> Scenario:
+def loaded(loop: str, changes: list[str]) -> Scenario:
     """Load the scenario that has a baseline."""
     from cosim.scenario.load import load
 
-    if loop.endswith(FILES):
-        raise CosimError(
-            f"`{loop}` needs a second file to compare", "Give a second file, or only a scenario."
-        )
+    if loop.endswith((*READ, ".json")):
+        hint = "Give a second file, or only a scenario."
+        raise CosimError(f"`{loop}` needs a second file to compare", hint)
     return load(loop, changes)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import glob
 import io
-import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -45,16 +45,11 @@ def files(incomplete: str) -> list[str]:
     """TOML files and folders with a given prefix."""
     folder, _, start = incomplete.rpartition("/")
     inside = paths.expanded(folder or ("/" if incomplete.startswith("/") else "."))
-    found = sorted(inside.glob(f"{glob_escape(start)}*")) if inside.is_dir() else []
+    found = sorted(inside.glob(f"{glob.escape(start)}*")) if inside.is_dir() else []
     prefix = incomplete[: len(incomplete) - len(start)]
     wanted = [file for file in found if start.startswith(".") or not file.name.startswith(".")]
     shown = [prefix + file.name + ("/" if file.is_dir() else "") for file in wanted]
     return [name for name in shown if name.endswith((".toml", "/"))]
-
-
-def glob_escape(text: str) -> str:
-    """Text with escaped pattern characters."""
-    return re.sub(r"([*?\[])", r"[\1]", text)
 
 
 def parts(incomplete: str) -> list[str]:

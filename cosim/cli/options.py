@@ -1,9 +1,10 @@
-"""Exit codes, arguments and options that several commands share, and the options before any command."""
+"""Exit codes, arguments and options that several commands share."""
 
 from __future__ import annotations
 
+import logging
 import platform
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer import Argument, Option
@@ -27,10 +28,14 @@ READER_GONE = 141
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
 """Distribution of each program whose version is shown."""
 
+log = logging.getLogger("cosim")
+
 
 def checked_json(file: str | None) -> str | None:
     """Check before a long run that a JSON file can be written without overwriting another file."""
     if file is not None:
+        if not file:
+            raise CosimError("`--json` is empty", "Give a file, or `-` for stdout.")
         check_text("--json", file, "JSON", JSON)
     return file
 
@@ -42,6 +47,11 @@ def show_version(wanted: bool) -> None:
             print(name, version(distribution) or "not installed")
         print("Python", platform.python_version())
         raise typer.Exit
+
+
+def out_option(metavar: str, help_text: str = "Output file.") -> Any:
+    """Option `-o` of a command that writes a file or a folder."""
+    return Option("-o", "--out", metavar=metavar, help=help_text)
 
 
 Timeout = Annotated[float | None, Option(metavar="S", help="Maximum wall time in s.")]
@@ -66,8 +76,6 @@ Json = Annotated[
     str | None,
     Option(metavar="FILE|-", callback=checked_json, help="Write the result as JSON; `-` is stdout."),
 ]
-Verbose = Annotated[bool, Option("-v", "--verbose", help="Log events of the FMU and the origin of errors.")]
-Quiet = Annotated[bool, Option("-q", "--quiet", help="Log errors only, no progress.")]
 Loop = Annotated[
     str,
     Argument(
@@ -98,22 +106,22 @@ Version = Annotated[
 ]
 
 
-def options(
-    context: typer.Context, version: Version = False, verbose: Verbose = False, quiet: Quiet = False
-) -> None:
-    """Options before any command; they are the defaults of those after it."""
-    commands = getattr(context.command, "commands", ())
-    context.default_map = {name: {"verbose": verbose, "quiet": quiet} for name in commands}
+def options(version: Version = False) -> None:
+    """Options before any command."""
+
+
+def verbose() -> bool:
+    """Whether `-v` is given."""
+    return log.isEnabledFor(logging.DEBUG)
+
+
+def quiet() -> bool:
+    """Whether `-q` is given."""
+    return not log.isEnabledFor(logging.WARNING)
 
 
 def checked_limits(timeout: float | None, memory: float | None, in_process: bool) -> Limits | None:
-    """Limits of a task in its own process; None if it runs in this process.
-
-    Raises
-    ------
-    CosimError
-        A limit without a process that could enforce it.
-    """
+    """Limits of a task in its own process; None, which allows no limits, if it runs in this process."""
     limits = Limits(timeout, None if memory is None else 1e6 * memory, keys=("--timeout", "--memory"))
     for name, value in (("--timeout", timeout), ("--memory", memory)):
         if value is not None and in_process:

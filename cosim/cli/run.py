@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 from typer import Option
 
+from cosim.cli import tasks
 from cosim.cli.options import (
     COULD_NOT_RUN,
     FAILED,
@@ -18,19 +19,19 @@ from cosim.cli.options import (
     Json,
     Loop,
     Memory,
-    Quiet,
     Seed,
     Set,
     Timeout,
-    Verbose,
     Workers,
     checked_limits,
+    quiet,
+    verbose,
 )
-from cosim.cli.tasks import Report, Single, place
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.scenario.assignment import Assignment
-from cosim.show.console import configure_logging, output, progress_bar, report, stdout
+from cosim.show import console
+from cosim.show.console import output, progress_bar, report
 from cosim.trace import endings
 from cosim.writing import check_apart, check_folder, whole_if, write
 
@@ -59,18 +60,19 @@ def run(
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
     json: Json = None,
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv|...", help=TRACE)] = None,
-    plot: Annotated[Path | None, Option(metavar="FILE.svg|.png", help="Plot the run.")] = None,
+    plot: Annotated[Path | None, Option(metavar="FILE.svg|.png|.pdf", help="Plot the run.")] = None,
     timeout: Timeout = None,
     memory: Memory = None,
     in_process: InProcess = False,
-    verbose: Verbose = False,
-    quiet: Quiet = False,
 ) -> None:
     """Run a scenario and evaluate its criteria.
 
+    \b
+        cosim run dob --set plant.mass=11.0 --plot dob.svg
+        cosim run dob --seeds 1..20
+
     Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not run.
-    """
-    configure_logging(verbose, quiet)
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     options = (
         Assignment("--seed", "loop.seed", seed),
         Assignment("--delay", "loop.compute_delay", delay),
@@ -81,16 +83,14 @@ def run(
     check_outputs(json, trace, plot)
     if seeds is not None:
         given = {"--seed": seed, "--trace": trace, "--plot": plot}
-        run_seeds(loop, changes, seeds, given, engine, limits, workers, json, quiet)
+        run_seeds(loop, changes, seeds, given, engine, limits, workers, json)
     if workers is not None:
         raise CosimError("`--workers` applies to several runs only", "Add `--seeds`, or omit it.")
     stream = trace if trace is not None and endings.streams(trace) else None
     with whole_if(stream) as part:
-        task = Single(loop, changes, engine, verbose, trace, plot, stdout(), part)
-        with place(limits) as do, progress_bar(loop, quiet) as progress:
-            done: Report | CosimError = do(task, progress)
-        if isinstance(done, CosimError):
-            raise done
+        arguments = loop, changes, engine, verbose(), trace, plot, console.stdout(), part
+        with progress_bar(loop, quiet()) as progress:
+            done = tasks.perform(limits, progress, tasks.single, *arguments)
     save(done, json, trace, plot)
     print(done.json if json == "-" else done.table, end="", flush=True)
     if json != "-":
@@ -99,7 +99,7 @@ def run(
     raise typer.Exit(FAILED if done.passed is False else 0)
 
 
-def save(report: Report, json: str | None, trace: Path | None, plot: Path | None) -> None:
+def save(report: tasks.Report, json: str | None, trace: Path | None, plot: Path | None) -> None:
     """Write the requested files."""
     if trace is not None and report.result is not None and not endings.streams(trace):
         report.result.save_trace(trace)
@@ -132,7 +132,6 @@ def run_seeds(
     limits: Limits | None,
     workers: int | None,
     json: str | None,
-    quiet: bool,
 ) -> NoReturn:
     """Run a scenario with several seeds, print the distributions and exit.
 
@@ -151,7 +150,7 @@ def run_seeds(
     scenario = load(loop, changes)
     stale.warn_of(scenario.fmus, scenario.folder)
     chosen = seeds.parse(text)
-    with progress_bar(f"{scenario.name}, {len(chosen)} seeds", quiet) as progress:
+    with progress_bar(f"{scenario.name}, {len(chosen)} seeds", quiet()) as progress:
         outcomes = seeds.run(scenario, chosen, engine, limits, progress, workers)
     found = seeds.summarize(chosen, outcomes)
     runs = [seeds.plain(seed, outcome) for seed, outcome in zip(chosen, outcomes, strict=True)]

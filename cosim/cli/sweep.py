@@ -1,4 +1,4 @@
-"""`cosim sweep`."""
+"""`cosim sweep` and `cosim optimize`."""
 
 from __future__ import annotations
 
@@ -10,12 +10,16 @@ from typer import Argument, Option
 
 from cosim import paths
 from cosim.cli import complete
-from cosim.cli.options import COULD_NOT_RUN, FAILED, Again, Engine, Json, Plots, Quiet, Verbose, Workers
+from cosim.cli.options import COULD_NOT_RUN, FAILED, Again, Engine, Json, Plots, Workers, out_option, quiet
 from cosim.errors import CosimError
-from cosim.show.console import configure_logging, output, report
+from cosim.show.console import output, report
 from cosim.writing import write
 
 MERGE = "merge"
+CLUSTER = (
+    "Dask scheduler: address, scheduler file (`.json`), or file with address, ca, certificate and key for "
+    "TLS (`.toml`)."
+)
 
 
 def sweep(
@@ -27,9 +31,7 @@ def sweep(
             autocompletion=complete.studies,
         ),
     ],
-    out: Annotated[
-        str | None, Option("-o", "--out", metavar="FOLDER", help="Folder of results; default `STUDY.sweep`.")
-    ] = None,
+    out: Annotated[str | None, out_option("FOLDER", "Folder of results; default `STUDY.sweep`.")] = None,
     workers: Workers = None,
     engine: Engine = "native",
     part: Annotated[
@@ -38,14 +40,12 @@ def sweep(
     again: Again = False,
     plots: Plots = True,
     json: Json = None,
-    verbose: Verbose = False,
-    quiet: Quiet = False,
 ) -> None:
     """Run the cases of a study in parallel.
 
     Completed runs are not repeated: the command continues an interrupted sweep.
-    On several machines, run each part, then merge the folders into that of an
-    undivided sweep:
+    On machines without a common scheduler, run each part, then merge the folders
+    into that of an undivided sweep:
 
     \b
         cosim sweep STUDY.toml --part 1/20
@@ -53,7 +53,6 @@ def sweep(
 
     Exit code: 0 all criteria passed, 1 a criterion failed, 2 no run gave a result.
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
-    configure_logging(verbose, quiet)
     from cosim.sweep import command
 
     file, *folders = study
@@ -62,7 +61,7 @@ def sweep(
         file = command.of_parts(merged)
     elif folders:
         raise CosimError(f"`{folders[0]}` is a second study", "Give one study.")
-    options = command.Options(file, out, workers, engine, again, plots, quiet, part=part, merged=merged)
+    options = command.Options(file, out, workers, engine, again, plots, quiet(), part=part, merged=merged)
     found, tables = command.execute(options)
     if json is not None:
         write(found.to_json(), json)
@@ -75,3 +74,61 @@ def sweep(
         report(f"none of the {found.rows} runs gave a result; the first: {reason}")
         raise typer.Exit(COULD_NOT_RUN)
     raise typer.Exit(FAILED if found.passed is False else 0)
+
+
+def optimize(
+    study: Annotated[
+        Path,
+        Argument(
+            metavar="STUDY.toml",
+            help="Scenario, variables and objective.",
+            autocompletion=complete.studies,
+        ),
+    ],
+    out: Annotated[str | None, out_option("FOLDER", "Folder of results; default `STUDY.optimize`.")] = None,
+    workers: Workers = None,
+    engine: Engine = "native",
+    again: Again = False,
+    json: Json = None,
+) -> None:
+    """Find parameters that optimize a metric.
+
+    The objective can also be the agreement with a measured trace. The file is
+    similar to a study of `cosim sweep`, with an objective in place of a design:
+
+    \b
+        scenario = "crane"
+        vary = [{key = "controller.gain", minimum = 0.1, maximum = 10.0}]
+        objective = {metric = "sway", direction = "minimize"}
+        search = {trials = 100, batch = 8, seeds = [1, 2]}
+        limits = {timeout = 600.0, memory = 2000.0}
+
+    The criteria of the scenario are constraints. To calibrate parameters, name a
+    measured trace:
+
+    \b
+        objective = {trace = "measured.csv", columns = ["plant.x"]}
+
+    All keys of search and limits are optional. batch is the number of points that
+    are proposed at a time. Several seeds are averaged. timeout (s) and memory (MB)
+    apply to each run.
+
+    Optuna proposes the points. The same file gives the same trials with any
+    number of workers. Completed runs are not repeated: the command continues
+    after an interruption, or with more trials. The folder holds
+    results.jsonl, with a row for each run, and trials.csv.
+
+    Exit code: 0 found, 1 no trial passed all criteria, 2 could not run.
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
+    from cosim.optimize import results
+
+    found = results.optimize(study, out, workers=workers, engine=engine, again=again, quiet=quiet())
+    if json is not None:
+        write(found.to_json(), json)
+    if json != "-":
+        output().print(found.tables())
+        # for copying: never wrapped
+        if found.best is not None:
+            print(f"repeat it with: {found.command}")
+        print(f"wrote {paths.shown(found.folder)}")
+    raise typer.Exit(FAILED if found.best is None else 0)

@@ -6,19 +6,39 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
-from cosim import interrupts
+from cosim import interrupts, paths
+from cosim.errors import CosimError
 from cosim.show.console import Sheet, rendered
+from cosim.trace.endings import READ, listed
 
 if TYPE_CHECKING:
     from cosim.check.checked import Checked
     from cosim.loop.engines import Engine
+    from cosim.loop.reference import Progress
     from cosim.loop.result import Result
     from cosim.pool.job import WorkerContext
     from cosim.pool.limits import Limits
+    from cosim.replay.motion import Recorded
+    from cosim.replay.playback import ReplayOptions
     from cosim.scenario.assignment import Assignment
     from cosim.scenario.model import Scenario
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class TaskCall:
+    """A function of this module, and its arguments after the context."""
+
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+
+    def run(self, context: WorkerContext) -> Any:
+        """Call the function."""
+        return self.function(context, *self.arguments)
 
 
 def place(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
@@ -28,18 +48,26 @@ def place(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
     return single_task.executor(limits)
 
 
+def perform(
+    limits: Limits | None,
+    progress: Progress | None,
+    function: Callable[Concatenate[WorkerContext, P], T],
+    *arguments: P.args,
+    **_: P.kwargs,
+) -> T:
+    """Return the outcome of one task; raise its error."""
+    with place(limits) as do:
+        outcome: T | CosimError = do(TaskCall(function, arguments), progress)
+    if isinstance(outcome, CosimError):
+        raise outcome
+    return outcome
+
+
 @dataclass(frozen=True)
 class Report:
     """Printable outcome of a run; printing it needs no further import.
 
-    Parameters
-    ----------
-    table, json
-        The result as a table and as JSON.
-    result
-        The result, if a plot or a trace that was not streamed is requested.
-    scenario
-        The scenario, if a plot is requested.
+    `result` is kept for a plot or a trace that was not streamed, `scenario` for a plot.
     """
 
     passed: bool | None
@@ -49,146 +77,149 @@ class Report:
     scenario: Scenario | None
 
 
-@dataclass(frozen=True)
-class Single:
-    """One run from the arguments of a command line.
+def single(
+    context: WorkerContext,
+    loop: str,
+    changes: tuple[str | Assignment, ...],
+    engine: Engine,
+    verbose: bool,
+    trace: Path | None,
+    plot: Path | None,
+    sheet: Sheet,
+    stream: Path | None,
+) -> Report:
+    """Run a scenario once.
 
-    Parameters
-    ----------
-    loop, changes
-        The scenario and its overrides, as for `cosim.load`.
-    verbose
-        Whether the FMU logs events.
-    trace
-        File of the trace or None.
-    plot
-        File of the plot or None; it is checked before the run.
-    sheet
-        Output device of the table.
-    stream
-        File that the run writes and that becomes the trace, if its format allows that.
+    The FMU logs events if `verbose`. `stream` is the file that the run writes and that becomes the trace,
+    if its format allows that. The plot is checked before the run.
     """
+    from cosim.fmu import stale
+    from cosim.loop import time_series
+    from cosim.scenario.load import load
+    from cosim.show import display
+    from cosim.trace import files
 
-    loop: str
-    changes: tuple[str | Assignment, ...]
-    engine: Engine
-    verbose: bool
-    trace: Path | None
-    plot: Path | None
-    sheet: Sheet
-    stream: Path | None = None
+    scenario = load(loop, changes)
+    session = context.session(scenario, engine, verbose)
+    stale.warn_of(scenario.fmus, scenario.folder)
+    if plot is not None:
+        from cosim.show import figure
 
-    def run(self, context: WorkerContext) -> Report:
-        """Run once."""
-        from cosim.fmu import stale
-        from cosim.loop import time_series
-        from cosim.scenario.load import load
-        from cosim.show import display
-        from cosim.trace import files
-
-        scenario = load(self.loop, self.changes)
-        session = context.session(scenario, self.engine, self.verbose)
-        stale.warn_of(scenario.fmus, scenario.folder)
-        if self.plot is not None:
-            from cosim.show import figure
-
-            figure.check(self.plot)
-            session.check_drawn()
-        if self.trace is not None:
-            time_series.check_apart(scenario, "--trace", self.trace)
-            files.check_rows(self.trace, scenario.loop.rows)
-        result = session.run(progress=context.progress, stream=self.stream)
-        return Report(
-            passed=result.passed,
-            table=rendered(display.result(result), self.sheet),
-            json=result.to_json(),
-            result=result if self.plot or (self.trace and not self.stream) else None,
-            scenario=scenario if self.plot else None,
-        )
+        figure.check(plot)
+        session.check_drawn()
+    if trace is not None:
+        time_series.check_apart(scenario, "--trace", trace)
+        files.check_rows(trace, scenario.loop.rows)
+    result = session.run(progress=context.progress, stream=stream)
+    return Report(
+        passed=result.passed,
+        table=rendered(display.result(result), sheet),
+        json=result.to_json(),
+        result=result if plot or (trace and not stream) else None,
+        scenario=scenario if plot else None,
+    )
 
 
-@dataclass(frozen=True)
-class Show:
-    """The tables of a scenario for an output device."""
+def show(
+    context: WorkerContext, loop: str, changes: tuple[str, ...], parts: tuple[str, ...], sheet: Sheet
+) -> str:
+    """Return the tables of a scenario for an output device."""
+    from cosim.fmu import stale
+    from cosim.scenario.load import load
+    from cosim.show import display
 
-    loop: str
-    changes: tuple[str, ...]
-    parts: tuple[str, ...]
-    sheet: Sheet
-
-    def run(self, context: WorkerContext) -> str:
-        """Open the scenario and describe it."""
-        from cosim.fmu import stale
-        from cosim.scenario.load import load
-        from cosim.show import display
-
-        scenario = load(self.loop, self.changes)
-        session = context.session(scenario, "reference")
-        stale.warn_of(scenario.fmus, scenario.folder)
-        return rendered(display.scenario(scenario, session.fmus, session.plant, self.parts), self.sheet)
+    scenario = load(loop, changes)
+    session = context.session(scenario, "reference")
+    stale.warn_of(scenario.fmus, scenario.folder)
+    return rendered(display.scenario(scenario, session.fmus, session.plant, parts), sheet)
 
 
-@dataclass(frozen=True)
-class Schema:
-    """JSON schema of scenarios with the FMUs and the plant of one scenario."""
+def schema(context: WorkerContext, loop: str) -> dict[str, Any]:
+    """Return the JSON schema of scenarios with the FMUs and the plant of one; the FMUs are only read."""
+    from cosim.loop import fmus, plant
+    from cosim.loop.place import Stage
+    from cosim.loop.session import located
+    from cosim.scenario.load import load
+    from cosim.schema.filled import filled_schema, settable_variables
 
-    loop: str
-
-    def run(self, context: WorkerContext) -> dict[str, Any]:
-        """Describe their settings; the FMUs are only read."""
-        from cosim.loop import fmus, plant
-        from cosim.loop.place import Stage
-        from cosim.loop.session import located
-        from cosim.scenario.load import load
-        from cosim.schema.filled import filled_schema, settable_variables
-
-        scenario = load(self.loop)
-        context.place.begin("", scenario.plant.name, 0, 0.0)
-        with located(scenario):
-            files = fmus.open_files(scenario)
-            context.place.at(Stage.BUILD_PLANT)
-            kind = plant.plant_class(scenario.plant.name, scenario.folder)
-            plant.check_class(kind)
-            context.place.at(Stage.NONE)
-        found = {name: settable_variables(file.variables.values()) for name, file in files.items()}
-        return filled_schema(scenario, found, kind.Parameters)
+    scenario = load(loop)
+    context.place.begin("", scenario.plant.name, 0, 0.0)
+    with located(scenario):
+        files = fmus.open_files(scenario)
+        context.place.at(Stage.BUILD_PLANT)
+        kind = plant.plant_class(scenario.plant.name, scenario.folder)
+        plant.check_class(kind)
+        context.place.at(Stage.NONE)
+    found = {name: settable_variables(file.variables.values()) for name, file in files.items()}
+    return filled_schema(scenario, found, kind.Parameters)
 
 
-@dataclass(frozen=True)
-class Check:
-    """One file of any kind."""
+def check(context: WorkerContext, file: str) -> Checked:
+    """Check a file of any kind without a run."""
+    from cosim.check.files import check
 
-    file: str
-
-    def run(self, context: WorkerContext) -> Checked:
-        """Check the file without a run."""
-        from cosim.check.files import check
-
-        return check(self.file, context.place)
+    return check(file, context.place)
 
 
-@dataclass(frozen=True)
-class DraftText:
-    """Text of a new scenario, its number of wires, and of inputs and commands without a wire."""
+def new(context: WorkerContext, fmu: str, plant: str, folder: Path) -> tuple[str, int, int]:
+    """Text of a scenario in `folder`; its number of wires, and of inputs and commands without a wire."""
+    from cosim.new.draft import draft
+    from cosim.new.write import text
 
-    text: str
-    wired: int
-    left: int
+    found = draft(fmu, plant, folder, context.place)
+    return text(found), len(found.readings) + len(found.commands), sum(map(len, found.undriven.values()))
 
 
-@dataclass(frozen=True)
-class New:
-    """Draft of a scenario in `folder` for an FMU and an optional plant."""
+def ssp(context: WorkerContext, loop: str, changes: tuple[str, ...], seed: int | None, file: Path) -> float:
+    """Write a scenario as an SSP package; return the communication step in s."""
+    from cosim.ssp.package import write
 
-    fmu: str
-    plant: str
-    folder: Path
+    return write(loop, changes, seed, file, context.place).loop.step
 
-    def run(self, context: WorkerContext) -> DraftText:
-        """Open both and match them."""
-        from cosim.new.draft import draft
-        from cosim.new.write import text
 
-        found = draft(self.fmu, self.plant, self.folder, context.place)
-        wired = len(found.readings) + len(found.commands)
-        return DraftText(text(found), wired, len(found.inputs) + len(found.commanded) - wired)
+def recorded(context: WorkerContext, source: str, loop: str, changes: tuple[str, ...]) -> Recorded:
+    """Read a run from its trace `source`, or run that scenario; `loop` is the scenario of the trace."""
+    from cosim.replay.motion import RECORD, of_result, of_trace
+    from cosim.scenario.load import load
+    from cosim.trace import files
+
+    if Path(source).suffix not in READ:
+        if loop:
+            raise CosimError(f"`{source}` is not a trace", f"Use a trace that ends in {listed(READ)}.")
+        scenario = load(source, (*changes, RECORD))
+        session = context.session(scenario, "native")
+        return of_result(scenario, session.run(progress=context.progress))
+    trace = files.read(source)
+    name = loop or str(trace.about.get("scenario", ""))
+    if not name:
+        raise CosimError(f"`{source}` does not name its scenario", "Name the scenario after the trace.")
+    if not loop:
+        try:
+            paths.find_scenario(name)
+        except CosimError as error:
+            hint = "Name the file of the scenario after the trace."
+            raise CosimError(f"the scenario of `{source}` is not found: {error.message}", hint) from None
+    return of_trace(load(name, changes), trace)
+
+
+def view(
+    context: WorkerContext, source: str, loop: str, changes: tuple[str, ...], options: ReplayOptions
+) -> None:
+    """Show a run until the window is closed."""
+    from cosim.replay import viewer
+
+    viewer.show(recorded(context, source, loop, changes), options)
+
+
+def video(
+    context: WorkerContext,
+    source: str,
+    loop: str,
+    changes: tuple[str, ...],
+    options: ReplayOptions,
+    file: Path,
+) -> None:
+    """Make a video of a run."""
+    from cosim.replay import video_file
+
+    video_file.save(recorded(context, source, loop, changes), options, file, context.progress)

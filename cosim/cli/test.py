@@ -1,4 +1,4 @@
-"""`cosim test`."""
+"""`cosim test` and `cosim report`."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from cosim.cli.options import (
     Json,
     Memory,
     Plots,
-    Quiet,
     Timeout,
-    Verbose,
     Workers,
     checked_limits,
+    out_option,
+    quiet,
 )
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.show.console import configure_logging, output, report
+from cosim.show.console import output, report
 from cosim.writing import check_apart, check_text, write
 
 if TYPE_CHECKING:
@@ -34,20 +34,31 @@ if TYPE_CHECKING:
 
 TABLE = "acceptance.txt"
 """File of the table in the folder of the results."""
+Scenarios = Annotated[
+    list[str] | None,
+    Argument(
+        metavar="[SCENARIO|PATTERN|FILE.toml]...",
+        help="For example `dob` or `'dob/*'`. Default: all of `cosim list`.",
+        autocompletion=complete.loops,
+    ),
+]
+Study = Annotated[
+    list[Path] | None,
+    Option(
+        metavar="FILE.toml",
+        help="Add a study of `cosim sweep` to the report. May be repeated.",
+        autocompletion=complete.studies,
+    ),
+]
+Document = Annotated[
+    list[Path] | None,
+    Option(metavar="FILE.md", help="Add a Markdown text to the report. May be repeated."),
+]
 
 
 def run_tests(
-    scenarios: Annotated[
-        list[str] | None,
-        Argument(
-            metavar="SCENARIO|PATTERN|FILE.toml",
-            help="For example `dob` or `'dob/*'`. Default: all of `cosim list`.",
-            autocompletion=complete.loops,
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None, Option("-o", "--out", metavar="FOLDER", help="Folder for table, results and plots.")
-    ] = None,
+    scenarios: Scenarios = None,
+    out: Annotated[Path | None, out_option("FOLDER", "Folder for table, results and plots.")] = None,
     workers: Workers = None,
     engine: Engine = "native",
     timeout: Timeout = None,
@@ -61,29 +72,20 @@ def run_tests(
         Path | None,
         Option("--report", metavar="FILE.html", help="Also write the HTML report, see `cosim report`."),
     ] = None,
-    study: Annotated[
-        list[Path] | None,
-        Option(
-            metavar="FILE.toml",
-            help="A study for the report, without effect on the exit code. May be repeated.",
-            autocompletion=complete.studies,
-        ),
-    ] = None,
-    document: Annotated[
-        list[Path] | None,
-        Option(metavar="FILE.md", help="A Markdown text for the report. May be repeated."),
-    ] = None,
-    verbose: Verbose = False,
-    quiet: Quiet = False,
+    study: Study = None,
+    document: Document = None,
 ) -> None:
     """Run many scenarios as acceptance tests.
 
     Each runs once with its own seed. An error in one does not stop the others.
-    Ctrl-C and SIGTERM keep the results until then.
+    Ctrl-C and SIGTERM keep the results until then. A study of the report has no
+    effect on the exit code.
+
+    \b
+        cosim test 'dob/*' -o results --junit results.xml
 
     Exit code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
-    """
-    configure_logging(verbose, quiet)
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     from cosim.acceptance import junit as xml
     from cosim.acceptance import runner, table
     from cosim.acceptance.selection import select
@@ -96,10 +98,12 @@ def run_tests(
     for option, given in (("--study", study), ("--document", document)):
         if page is None and given:
             raise CosimError(f"`{option}` requires `--report`", "Add `--report FILE.html`.")
-    if out is not None and out.is_dir():
+    if out is not None and out.exists() and not out.is_dir():
+        raise CosimError(f"`--out` `{out}` is not a folder", "Choose another name.")
+    if out is not None:
         check_text("--out", out / TABLE, "an acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
-    options = runner.RunOptions(out, plots_requested(plots), workers, engine, limits, quiet)
+    options = runner.RunOptions(out, plots_requested(plots), workers, engine, limits, quiet())
     chosen = select(scenarios or ())
     stopped: KeyboardInterrupt | None = None
     try:
@@ -129,6 +133,47 @@ def run_tests(
     if stopped is not None:
         raise stopped
     raise typer.Exit(exit_code(found))
+
+
+def report_page(
+    scenarios: Scenarios = None,
+    out: Annotated[Path, out_option("FILE.html")] = Path("report.html"),
+    study: Study = None,
+    document: Document = None,
+    title: Annotated[str, Option(metavar="TEXT", help="Title of the report.")] = "",
+    videos: Annotated[
+        bool, Option(help="Whether to add a video of each controller's first scenario (extra `replay`).")
+    ] = True,
+    workers: Workers = None,
+    engine: Engine = "native",
+    timeout: Timeout = None,
+    memory: Memory = None,
+) -> None:
+    """Write an HTML report.
+
+    The report holds claims, descriptions, videos, plots and parameters, and needs only
+    a browser. Each scenario runs once with its own seed. Only the missing cases of a
+    study run. With studies, the default is no scenario. Requires the extra `report`.
+
+    \b
+        cosim report 'dob/*' --study studies/dob-contact.toml -o dob.html
+
+    Exit code: 0 all criteria passed, 1 a criterion failed, 2 a scenario could not run.
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
+    from cosim.acceptance.runner import RunOptions
+    from cosim.acceptance.selection import select
+    from cosim.report import command
+
+    command.check("--out", out)
+    limits = checked_limits(timeout, memory, in_process=False)
+    options = RunOptions(None, False, workers, engine, limits, quiet())
+    chosen = select(scenarios or ()) if scenarios or not study else ()
+    contents = command.Contents(
+        title or command.TITLE, chosen, tuple(study or ()), tuple(document or ()), videos
+    )
+    written = command.write_report(contents, options, out)
+    print(f"wrote {out}")
+    raise typer.Exit(max(exit_code(written.scenarios), FAILED if False in written.studies else 0))
 
 
 def exit_code(outcomes: Mapping[str, Outcome]) -> int:

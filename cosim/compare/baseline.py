@@ -26,29 +26,18 @@ def file_of(scenario: Scenario) -> Path:
 
 
 def stored(scenario: Scenario) -> StoredTrace:
-    """Baseline of a scenario.
-
-    Raises
-    ------
-    CosimError
-        There is no baseline, or it cannot be read.
-    """
+    """Baseline of a scenario; without one, the error names the command that writes it."""
     file = file_of(scenario)
     if not file.exists():
-        name = scenario.name if scenario.file.stem != scenario.name else paths.shown(scenario.file)
+        is_listed = dict(paths.list_scenarios()).get(scenario.name) == paths.resolved(scenario.file)
+        name = scenario.name if is_listed else paths.shown(scenario.file)
         hint = f"Write it with `cosim compare {name} --update`."
         raise CosimError(f"there is no baseline `{paths.shown(file)}`", hint)
     return read(file)
 
 
 def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: Progress | None) -> Comparison:
-    """Run a scenario and compare its trace with the baseline.
-
-    Raises
-    ------
-    CosimError
-        There is no baseline, the run failed, or a pattern matches no column.
-    """
+    """Run a scenario and compare its trace with the baseline."""
     before = stored(scenario)
     result = run(scenario, progress=progress, engine=engine, isolated=True)
     now = StoredTrace(Path(), result.columns, result.units, result.items)
@@ -57,13 +46,7 @@ def compare(scenario: Scenario, allowed: Tolerances, engine: Engine, progress: P
 
 
 def update(scenario: Scenario, engine: Engine, progress: Progress | None) -> Result:
-    """Run a scenario and write its baseline.
-
-    Raises
-    ------
-    CosimError
-        The run or a criterion failed; the previous baseline stays.
-    """
+    """Run a scenario and write its baseline; after an error the previous one stays."""
     file = file_of(scenario)
     if file.is_dir():
         raise CosimError(f"cannot write `{paths.shown(file)}`: it is a folder")

@@ -11,26 +11,11 @@ from cosim.errors import CosimError
 from cosim.trace import endings, files
 
 RESULT = ".json"
-KINDS = f"traces ({endings.listed(endings.READ)}), results (`{RESULT}`) and folders of sweeps can be compared"
+HINT = f"Give traces ({endings.listed(endings.READ)}), results (`{RESULT}`) or folders of sweeps."
 
 
 def compare(reference: str, other: str, allowed: Tolerances) -> Comparison:
-    """Compare two files or folders of the same kind.
-
-    Parameters
-    ----------
-    reference
-        The reference.
-    other
-        The file or folder to compare with it.
-    allowed
-        The tolerances.
-
-    Raises
-    ------
-    CosimError
-        A file is missing or broken, or the two cannot be compared.
-    """
+    """Compare two files or folders of the same kind."""
     kinds = kind_of(reference), kind_of(other)
     if kinds[0] != kinds[1]:
         raise CosimError(
@@ -55,6 +40,6 @@ def kind_of(name: str) -> str:
     if path.suffix in (*endings.READ, RESULT):
         if not path.is_file():
             problem = "is not a regular file" if path.exists() else "does not exist"
-            raise CosimError(f"the file `{name}` {problem}", KINDS)
+            raise CosimError(f"the file `{name}` {problem}", HINT)
         return "result" if path.suffix == RESULT else "trace"
-    raise CosimError(f"`{name}` cannot be compared" if path.exists() else f"`{name}` does not exist", KINDS)
+    raise CosimError(f"`{name}` cannot be compared" if path.exists() else f"`{name}` does not exist", HINT)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cosim.compare.tolerance import Tolerances
 from cosim.compare.tube import Tube
 from cosim.formatting import strict
-from cosim.formatting.strict import plain
 from cosim.formatting.verdicts import STATUSES
 
 
@@ -19,18 +20,9 @@ from cosim.formatting.verdicts import STATUSES
 class Deviation:
     """Deviation of one quantity, at its largest ratio to the tolerance.
 
-    Parameters
-    ----------
-    name, unit
-        The quantity.
-    reference, value
-        Nearest reference value within the time shift, and the compared value.
-    deviation, tolerance
-        Their distance and its limit; infinite if one side is NaN.
-    at
-        Time in s or run number; None for a single number.
-    outside, compared
-        Number of values beyond their tolerance, and of all values.
+    `reference` is the nearest value within the time shift. The distance `deviation` is infinite if one side
+    is NaN. `at` is a time in s or a run number, None for a single number. `outside` values of all `compared`
+    ones exceed their tolerance.
     """
 
     name: str
@@ -45,16 +37,7 @@ class Deviation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""
-        numbers = ("reference", "value", "deviation", "tolerance")
-        return {
-            "name": self.name,
-            "unit": self.unit,
-            "within": not self.outside,
-            **{name: plain(getattr(self, name)) for name in numbers},
-            "at": self.at,
-            "outside": self.outside,
-            "compared": self.compared,
-        }
+        return {"name": self.name, "unit": self.unit, "within": not self.outside} | asdict(self)
 
 
 @dataclass(frozen=True)
@@ -69,22 +52,10 @@ class ComparedColumn:
 
 @dataclass
 class Comparison:
-    """Two things compared.
+    """Two things compared; `kind` is `traces`, `results` or `sweeps`.
 
-    Parameters
-    ----------
-    kind
-        `traces`, `results` or `sweeps`.
-    reference, other
-        Names of the compared files, as the user gave them.
-    deviations
-        Quantities that both have.
-    differences
-        Other differences, one sentence each.
-    notes
-        Remarks that are not differences.
-    curves
-        The columns of traces by name.
+    `reference` and `other` are the names of the compared files, as the user gave them. `deviations` has the
+    quantities that both have, `differences` all others, one sentence each. `notes` are no differences.
     """
 
     kind: str
@@ -119,6 +90,28 @@ class Comparison:
         }
         return strict.text(found)
 
+    def note_extra(self, reference: Iterable[str], other: Iterable[str], allowed: Tolerances) -> None:
+        """Note the names that the reference does not have, unless the compared names are selected."""
+        known = set(reference)
+        extra = [f"`{name}`" for name in other if name not in known]
+        if extra and not allowed.only:
+            self.notes.append("not in the reference: " + ", ".join(extra))
+
+    def add_metric(
+        self,
+        name: str,
+        units: tuple[str, str],
+        values: tuple[Sequence[Any], Sequence[Any]],
+        allowed: Tolerances,
+        at: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Compare the values of a metric, also texts such as `NaN`; of each pair the reference is first."""
+        self.differences += same_units(name, *units)
+        before, now = (np.array([number_of(value) for value in side]) for side in values)
+        atol, rtol, _ = allowed.of(name)
+        around = Tube(before, before, np.isnan(before), atol, rtol)
+        self.deviations.append(worst(name, units[0], around, now, at))
+
 
 def worst(
     name: str, unit: str, tube: Tube, values: NDArray[np.float64], at: NDArray[np.float64] | None
@@ -143,16 +136,11 @@ def worst(
     )
 
 
-def scalars(reference: NDArray[np.float64], atol: float, rtol: float) -> Tube:
-    """Tube around numbers without time."""
-    return Tube(reference, reference, np.isnan(reference), atol, rtol)
-
-
-def same_units(name: str, before: str, now: str) -> str:
-    """Sentence about a changed unit; empty if it is equal or unknown."""
+def same_units(name: str, before: str, now: str) -> list[str]:
+    """Sentence about a changed unit; none if it is equal or unknown."""
     if not before or not now or before == now:
-        return ""
-    return f"`{name}` is in `{now}`, the reference in `{before}`"
+        return []
+    return [f"`{name}` is in `{now}`, the reference in `{before}`"]
 
 
 def number_of(value: Any) -> float:

@@ -15,26 +15,14 @@ MAX_PANELS = 6
 
 
 def check(kind: str, path: Path) -> None:
-    """Check before the comparison that the plot can be made.
-
-    Raises
-    ------
-    CosimError
-        Not a comparison of traces, unknown ending, missing folder, or matplotlib is not installed.
-    """
+    """Check before the comparison that the plot can be made."""
     if kind != "trace":
         raise CosimError(f"`--plot` cannot be used with a {kind}", "Use `--plot` with traces only.")
     figures.check(path)
 
 
 def save(found: Comparison, path: Path) -> None:
-    """Plot up to six columns with the largest deviations relative to their tolerance.
-
-    Raises
-    ------
-    CosimError
-        The file cannot be written.
-    """
+    """Plot up to six columns with the largest deviations relative to their tolerance."""
     drawn = sorted(found.deviations, key=lambda d: (not d.outside, -d.outside))[:MAX_PANELS]
     with figures.styled((9.0, 1.2 + 1.7 * len(drawn))) as figure:
         grid = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)

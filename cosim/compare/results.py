@@ -6,10 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from cosim import paths
-from cosim.compare.comparison import Comparison, number_of, same_units, scalars, worst
+from cosim.compare.comparison import Comparison
 from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 
@@ -17,13 +15,7 @@ HINT = "Use a file of `cosim run --json`."
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Read the JSON file of a result.
-
-    Raises
-    ------
-    CosimError
-        The file is missing or is not a result.
-    """
+    """Read the JSON file of a result."""
     shown = paths.shown(path)
     try:
         found: Any = json.loads(path.read_text(encoding="utf-8-sig"))
@@ -35,10 +27,8 @@ def read(path: Path) -> dict[str, Any]:
     metrics, criteria = table.get("metrics"), table.get("criteria")
     if not isinstance(metrics, dict) or not isinstance(criteria, list):
         raise CosimError(f"`{shown}` is not a result: it has no `metrics` and `criteria`", HINT)
-    entries = [*metrics.values(), *criteria]
-    if not all(isinstance(entry, dict) for entry in entries) or not all(
-        isinstance(entry.get("id"), str) for entry in criteria
-    ):
+    tables = all(isinstance(entry, dict) for entry in (*metrics.values(), *criteria))
+    if not tables or not all(isinstance(entry.get("id"), str) for entry in criteria):
         raise CosimError(f"`{shown}` is not a result: its metrics and criteria are not tables", HINT)
     return table
 
@@ -46,20 +36,7 @@ def read(path: Path) -> dict[str, Any]:
 def compare(
     reference: dict[str, Any], other: dict[str, Any], allowed: Tolerances, names: tuple[str, str]
 ) -> Comparison:
-    """Compare a result with a reference.
-
-    Parameters
-    ----------
-    reference, other
-        The results, as `read` gives them.
-    allowed, names
-        Tolerances of the metrics, and names of the two results.
-
-    Raises
-    ------
-    CosimError
-        There are no metrics, or a pattern matches none.
-    """
+    """Compare a result with a reference, both as `read` gives them; `names` are their names."""
     found = Comparison("results", *names)
     before, now = reference["metrics"], other["metrics"]
     if not before:
@@ -69,14 +46,9 @@ def compare(
             found.differences.append(f"the metric `{name}` is missing")
             continue
         old, new = before[name], now[name]
-        unit = str(old.get("unit", ""))
-        found.differences += [text] if (text := same_units(name, unit, str(new.get("unit", "")))) else []
-        atol, rtol, _ = allowed.of(name)
-        around = scalars(np.array([number_of(old.get("value"))]), atol, rtol)
-        found.deviations.append(worst(name, unit, around, np.array([number_of(new.get("value"))]), None))
-    extra = [name for name in now if name not in before]
-    if extra and not allowed.only:
-        found.notes.append("not in the reference: " + ", ".join(f"`{name}`" for name in extra))
+        units = str(old.get("unit", "")), str(new.get("unit", ""))
+        found.add_metric(name, units, ([old.get("value")], [new.get("value")]), allowed)
+    found.note_extra(before, now, allowed)
     if not allowed.only:
         compare_verdicts(found, reference["criteria"], other["criteria"])
     return found
@@ -90,7 +62,5 @@ def compare_verdicts(found: Comparison, reference: list[Any], other: list[Any]) 
         if name not in now:
             found.differences.append(f"the criterion `{name}` is missing")
         elif held != now[name]:
-            text = (
-                "passed, but failed in the reference" if now[name] else "failed, but passed in the reference"
-            )
-            found.differences.append(f"the criterion `{name}` {text}")
+            verdict, before = ("passed", "failed") if now[name] else ("failed", "passed")
+            found.differences.append(f"the criterion `{name}` {verdict}, but {before} in the reference")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cosim import paths
-from cosim.compare.comparison import Comparison, number_of, same_units, scalars, worst
+from cosim.compare.comparison import Comparison
 from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 from cosim.study.store import FILE, Row
@@ -20,13 +20,7 @@ log = logging.getLogger("cosim")
 
 
 def read(folder: Path) -> list[Row]:
-    """Read the rows of a sweep, the last one of each run, in the order of the runs.
-
-    Raises
-    ------
-    CosimError
-        The folder holds no sweep.
-    """
+    """Read the rows of a sweep, the last one of each run, in the order of the runs."""
     file = folder / FILE
     try:
         lines = file.read_bytes().splitlines()
@@ -57,18 +51,6 @@ def compare(
 
     Two runs are a pair if they have the same hash. Otherwise, for example after a change of the program,
     they are a pair if they have the same settings and the same seed.
-
-    Parameters
-    ----------
-    reference, other
-        Rows, as `read` gives them.
-    allowed, names
-        Tolerances of the metrics, and names of the two sweeps.
-
-    Raises
-    ------
-    CosimError
-        No run is in both, or a pattern matches no metric.
     """
     found = Comparison("sweeps", *names)
     pairs, missing, extra = matched(reference, other)
@@ -81,7 +63,13 @@ def compare(
         )
     if extra:
         found.notes.append(f"{runs(extra)} not in the reference")
-    compare_statuses(found, pairs)
+    changed: dict[tuple[str, str], list[Row]] = defaultdict(list)
+    for old, new in pairs:
+        if old["status"] != new["status"]:
+            changed[old["status"], new["status"]].append(old)
+    for (before, now), rows in changed.items():
+        text = f"{runs(rows)} `{now}` instead of `{before}`, the first is run {rows[0]['run']}"
+        found.differences.append(text)
     known = list(dict.fromkeys(name for old, _ in pairs for name in old["metrics"]))
     if not known and not found.differences:
         raise CosimError(f"the runs of `{names[0]}` have no metrics to compare")
@@ -110,33 +98,17 @@ def case_of(row: Row) -> str:
     return json.dumps([row.get("set"), row.get("seed")], sort_keys=True)
 
 
-def compare_statuses(found: Comparison, pairs: list[tuple[Row, Row]]) -> None:
-    """Report changed statuses."""
-    changed: dict[tuple[str, str], list[Row]] = defaultdict(list)
-    for old, new in pairs:
-        if old["status"] != new["status"]:
-            changed[old["status"], new["status"]].append(old)
-    for (before, now), rows in changed.items():
-        found.differences.append(
-            f"{runs(rows)} `{now}` instead of `{before}`, the first is run {rows[0]['run']}"
-        )
-
-
 def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]], allowed: Tolerances) -> None:
     """Compare a metric over all runs in which both have it."""
     both = [(old, new) for old, new in pairs if name in old["metrics"] and new["metrics"]]
     if not any(name in new["metrics"] for _, new in both):
         found.differences.append(f"the metric `{name}` is missing")
         return
-    old, new = both[0]
-    unit = str(old["units"].get(name, ""))
-    found.differences += [text for text in [same_units(name, unit, str(new["units"].get(name, "")))] if text]
-    atol, rtol, _ = allowed.of(name)
-    before, now = (
-        np.array([number_of(row["metrics"].get(name)) for row in rows]) for rows in zip(*both, strict=True)
-    )
+    (old, new), *_ = both
+    units = str(old["units"].get(name, "")), str(new["units"].get(name, ""))
+    before, now = ([row["metrics"].get(name) for row in rows] for rows in zip(*both, strict=True))
     numbers = np.array([float(old["run"]) for old, _ in both])
-    found.deviations.append(worst(name, unit, scalars(before, atol, rtol), now, numbers))
+    found.add_metric(name, units, (before, now), allowed, numbers)
 
 
 def runs(rows: list[Any]) -> str:

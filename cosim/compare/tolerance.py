@@ -16,16 +16,8 @@ EVERYTHING = "*"
 class Tolerances:
     """Tolerances by name; the last match is used.
 
-    Parameters
-    ----------
-    atol
-        Absolute tolerances, in the unit of the quantity.
-    rtol
-        Tolerances relative to the reference.
-    dt
-        Permitted time shifts of a signal, s.
-    only
-        Patterns of the compared names; empty for all.
+    `atol` is in the unit of the quantity, `rtol` relative to the reference, `dt` a time shift in s. `only`
+    are the patterns of the compared names, empty for all.
     """
 
     atol: tuple[Limit, ...] = ()
@@ -38,13 +30,7 @@ class Tolerances:
         return value_for(self.atol, name), value_for(self.rtol, name), value_for(self.dt, name)
 
     def chosen(self, names: Iterable[str]) -> list[str]:
-        """Names that are compared.
-
-        Raises
-        ------
-        CosimError
-            A pattern matches none of the names.
-        """
+        """Names that are compared; a pattern that matches none is an error."""
         known = list(names)
         limits = {"--atol": self.atol, "--rtol": self.rtol, "--dt": self.dt}
         given = [("--only", pattern) for pattern in self.only]
@@ -68,13 +54,7 @@ class Limit:
 def tolerances(
     atol: Sequence[str] = (), rtol: Sequence[str] = (), dt: Sequence[str] = (), only: Sequence[str] = ()
 ) -> Tolerances:
-    """Tolerances from the texts of the command line.
-
-    Raises
-    ------
-    CosimError
-        A text is not a number, or the number is out of range.
-    """
+    """Tolerances from the texts of the command line."""
     return Tolerances(
         tuple(limit("--atol", text, math.inf) for text in atol),
         tuple(limit("--rtol", text, 1.0) for text in rtol),

@@ -19,22 +19,7 @@ SAME = 1e-3
 def compare(
     reference: StoredTrace, other: StoredTrace, allowed: Tolerances, names: tuple[str, str]
 ) -> Comparison:
-    """Compare a trace with a reference.
-
-    Parameters
-    ----------
-    reference, other
-        The traces.
-    allowed
-        Tolerances of the columns.
-    names
-        Names of the two traces.
-
-    Raises
-    ------
-    CosimError
-        No column to compare, or a pattern that matches none.
-    """
+    """Compare a trace with a reference; `names` are their names."""
     found = Comparison("traces", *names)
     chosen = allowed.chosen(reference.columns)
     if not chosen:
@@ -42,9 +27,7 @@ def compare(
     present = [name for name in chosen if name in other.columns]
     missing = [name for name in chosen if name not in other.columns]
     found.differences += [f"the column `{name}` is missing" for name in missing]
-    extra = [name for name in other.columns if name not in reference.columns]
-    if extra and not allowed.only:
-        found.notes.append("not in the reference: " + ", ".join(f"`{name}`" for name in extra))
+    found.note_extra(reference.columns, other.columns, allowed)
     compare_times(found, reference.times, other.times, min((allowed.of(n)[2] for n in present), default=0.0))
     for name in present:
         found.differences += meanings(name, reference, other)
@@ -59,11 +42,11 @@ def compare(
 
 def meanings(name: str, reference: StoredTrace, other: StoredTrace) -> list[str]:
     """Sentences about a column with a changed unit or changed items."""
-    sentence = same_units(name, reference.units.get(name, ""), other.units.get(name, ""))
+    sentences = same_units(name, reference.units.get(name, ""), other.units.get(name, ""))
     before, now = reference.items.get(name), other.items.get(name)
-    if not sentence and before and now and before != now:
-        sentence = f"`{name}` has the items {listed(now)}, the reference {listed(before)}"
-    return [sentence] if sentence else []
+    if not sentences and before and now and before != now:
+        sentences = [f"`{name}` has the items {listed(now)}, the reference {listed(before)}"]
+    return sentences
 
 
 def compare_times(

@@ -24,16 +24,10 @@ from cosim.trace.columns import Array, interpolated, rounding
 
 @dataclass(frozen=True)
 class Tube:
-    """Values of the reference within `dt` of each time, and the permitted distance from them.
+    """Minimum and maximum of the reference within `dt` of each time, and the permitted distance from them.
 
-    Parameters
-    ----------
-    low, high
-        Minimum and maximum of the reference; NaN where it has only NaN.
-    nan
-        Whether the reference has a NaN there.
-    atol, rtol
-        Absolute tolerance, and relative to `low` or `high`.
+    `low` and `high` are NaN where the reference has only NaN, `nan` is true where it has any. `atol` is
+    absolute, `rtol` relative to `low` or `high`.
     """
 
     low: Array
@@ -76,20 +70,10 @@ def tube(
     dt: float = 0.0,
     stepped: bool = False,
 ) -> Tube:
-    """Tube around a reference at some times; constant before its first and after its last row.
+    """Tube around a reference at the times `at`; constant before its first and after its last row.
 
-    Parameters
-    ----------
-    times, reference
-        Samples of the reference, shapes (n,), times in s and ascending.
-    at
-        Times of the tube, s.
-    atol, rtol
-        Absolute tolerance in the unit of the signal, and relative to the reference.
-    dt
-        Permitted time shift of the signal, s.
-    stepped
-        Whether the reference is held between its samples, not interpolated.
+    `times` ascend. All times and the permitted time shift `dt` are in s. A `stepped` reference is held
+    between its samples, not interpolated.
     """
     slack = rounding(times)
     last = np.searchsorted(times, at + dt + slack, side="right")

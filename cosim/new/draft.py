@@ -2,58 +2,86 @@
 
 from __future__ import annotations
 
+import math
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
 import fmpy
 
 from cosim import paths
 from cosim.errors import FmuError
-from cosim.fmu.archive import FmuFile, open_fmu
+from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.loop import plant
 from cosim.loop.place import Place, Stage
-from cosim.new.ends import channels, variables
-from cosim.new.match import match
-from cosim.new.write import Draft
+from cosim.loop.plant import Channel
+from cosim.new.match import End, Match, match
 
 DEFAULT_STEP, LONGEST = 0.01, 1.0
 """Default communication step, and duration of the first run, s."""
 
 
-def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
-    """Draft of a scenario in a folder; `place` records whose code runs.
+@dataclass(frozen=True)
+class Draft:
+    """Content of a new scenario.
 
-    Raises
-    ------
-    CosimError
-        The FMU or the plant cannot be opened.
+    `fmu` and `plant` are names or paths for the file, empty without a plant. `parameters` has the plant's
+    parameters that are not the defaults, with value and reason. `step` is in s, `substeps` are the plant
+    steps in it, `steps` those of the run. `readings` are the wires to the FMU, `commands` those to the plant.
+    `inputs` and `outputs` belong to the FMU, `sensed` and `commanded` to the plant.
     """
+
+    title: str
+    fmu: str
+    plant: str
+    parameters: dict[str, tuple[str, str]]
+    step: float
+    substeps: int
+    steps: int
+    readings: list[Match]
+    commands: list[Match]
+    inputs: list[End]
+    outputs: list[End]
+    sensed: list[End]
+    commanded: list[End]
+
+    @property
+    def undriven(self) -> dict[str, list[End]]:
+        """Inputs of the FMU and commands of the plant without a wire, by the side that has them."""
+        sides = {"controller": (self.inputs, self.readings), "plant": (self.commanded, self.commands)}
+        return {
+            side: [end for end in ends if end not in {match.target for match in matches}]
+            for side, (ends, matches) in sides.items()
+        }
+
+
+def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
+    """Draft of a scenario in a folder; `place` records whose code runs."""
     if fmu.endswith(plant.MJCF):
         hint = f"Give the FMU first: `cosim new {plant_name or 'FMU'} {fmu}`."
         raise FmuError(f"`{paths.brief(fmu)}` is not an FMU", hint)
     file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
-    place.begin(file.name, plant_name, 0, 0.0)
-    place.at(Stage.BUILD_PLANT)
+    inputs, outputs = variables(file, "input"), variables(file, "output")
     required: dict[str, tuple[str, str]] = {}
-    driven = None
-    try:
-        if plant_name:
+    sensed: list[End] = []
+    commanded: list[End] = []
+    timestep = 0.0
+    place.begin(file.name, plant_name, 0, 0.0)
+    if plant_name:
+        place.at(Stage.BUILD_PLANT)
+        try:
             # the plants of MJCF files with RK4 have a value for `integrator`
             required = getattr(plant.plant_class(plant_name, Path.cwd()), "required", {})
             values = {name: value for name, (value, _) in required.items()}
             driven = plant.build(plant_name, values, Path.cwd())
-    except SystemExit as error:
-        raise plant.exited(plant_name, error) from error
-    sensed, commanded = (
-        channels(driven.readings if driven else ()),
-        channels(driven.commands if driven else ()),
-    )
-    inputs, outputs = variables(file, "input"), variables(file, "output")
-    step, substeps = steps(wanted_step(file), driven.timestep if driven else 0.0)
-    if driven is not None:
+        except SystemExit as error:
+            raise plant.exited(plant_name, error) from error
+        sensed, commanded = channels(driven.readings), channels(driven.commands)
+        timestep = driven.timestep
         place.at(Stage.CLOSE_PLANT)
         plant.close(driven, plant_name)
-    place.at(Stage.NONE)
+        place.at(Stage.NONE)
+    step, substeps = steps(wanted_step(file), timestep)
     return Draft(
         title=f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
         fmu=relative_name(fmu, file.path, folder),
@@ -62,13 +90,61 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
         step=step,
         substeps=substeps,
         steps=max(1, round(LONGEST / step)),
-        readings=match([one.end for one in sensed], [one.end for one in inputs]),
-        commands=match([one.end for one in outputs], [one.end for one in commanded]),
+        readings=match(sensed, inputs),
+        commands=match(outputs, commanded),
         inputs=inputs,
         outputs=outputs,
         sensed=sensed,
         commanded=commanded,
     )
+
+
+def variables(file: FmuFile, causality: str) -> list[End]:
+    """List numeric inputs or outputs of an FMU."""
+    found = []
+    for one in file.named(causality):
+        if one.kind != "String":
+            limits = " | ".join(name for name, _ in one.items) or limits_text(one.minimum, one.maximum)
+            found.append(
+                End(one.name, one.unit, note(one.kind, one.unit, limits, one.description), start(one))
+            )
+    return found
+
+
+def start(found: Variable) -> str:
+    """Start value as TOML."""
+    if found.kind == "Real":
+        return repr(float(found.start or 0.0))
+    if found.kind == "Boolean":
+        return "true" if found.start in ("true", "1") else "false"
+    return str(int(found.start or 0))
+
+
+def channels(found: tuple[Channel, ...]) -> list[End]:
+    """List measurements or commands of a plant."""
+    return [
+        End(
+            one.name,
+            one.unit,
+            note(one.unit, limits_text(one.minimum, one.maximum), one.description),
+            repr(plant.start(one)),
+        )
+        for one in found
+    ]
+
+
+def limits_text(minimum: float | str, maximum: float | str) -> str:
+    """Range with optional ends."""
+    low, high = (
+        f"{float(end):g}" if end not in ("", None) and math.isfinite(float(end)) else ""
+        for end in (minimum, maximum)
+    )
+    return f"{low} .. {high}".strip() if low or high else ""
+
+
+def note(*parts: str) -> str:
+    """Text of a comment, in one line."""
+    return " ".join(", ".join(part for part in parts if part).split())
 
 
 def wanted_step(file: FmuFile) -> float:

@@ -19,10 +19,16 @@ SAME_UNIT = 0.1
 
 @dataclass(frozen=True)
 class End:
-    """One end of a wire: an input, output, measurement or command; the unit is empty if unknown."""
+    """One end of a wire: an input, output, measurement or command.
+
+    The unit is empty if unknown. `note` has type, unit, range and description for a comment. `start` is the
+    start value as TOML.
+    """
 
     name: str
     unit: str = ""
+    note: str = ""
+    start: str = "0.0"
 
 
 @dataclass(frozen=True)

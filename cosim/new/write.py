@@ -5,47 +5,13 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
-from cosim.new.ends import Described
-from cosim.new.match import Match
+from cosim.new.draft import Draft
+from cosim.new.match import End, Match
 from cosim.scenario.injection import INJECTED
 
 PLAIN = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*|\[\d+\])*")
 """Names that need no quotes in an expression."""
-
-
-@dataclass(frozen=True)
-class Draft:
-    """Content of a new scenario.
-
-    Parameters
-    ----------
-    title, fmu, plant
-        Title, and names or paths for the file; empty without a plant.
-    parameters
-        Parameters of the plant that are not the defaults: value and reason.
-    step, substeps, steps
-        Communication step in s, plant steps in it, length of the run in steps.
-    readings, commands
-        Wires to the FMU and to the plant.
-    inputs, outputs, sensed, commanded
-        All inputs and outputs of the FMU, measurements and commands of the plant.
-    """
-
-    title: str
-    fmu: str
-    plant: str
-    parameters: dict[str, tuple[str, str]]
-    step: float
-    substeps: int
-    steps: int
-    readings: list[Match]
-    commands: list[Match]
-    inputs: list[Described]
-    outputs: list[Described]
-    sensed: list[Described]
-    commanded: list[Described]
 
 
 def text(draft: Draft) -> str:
@@ -56,8 +22,7 @@ def text(draft: Draft) -> str:
 def head(draft: Draft) -> Iterator[str]:
     """Loop, FMU and plant."""
     yield f"title = {quoted(draft.title)}"
-    names = [f"controller.{end.end.name}" for end in undriven(draft.inputs, draft.readings)]
-    names += [f"plant.{end.end.name}" for end in undriven(draft.commanded, draft.commands)]
+    names = [f"{side}.{end.name}" for side, ends in draft.undriven.items() for end in ends]
     if names:
         yield "# undriven: remove the `# `; the list names inputs that keep their start value"
         yield f"# undriven = [{', '.join(map(quoted, names))}]"
@@ -108,20 +73,13 @@ def wire(match: Match, source: str, target: str) -> Iterator[str]:
 
 def left(draft: Draft) -> Iterator[str]:
     """List undriven and unused ports as comments."""
-    inputs, commands = undriven(draft.inputs, draft.readings), undriven(draft.commanded, draft.commands)
-    yield from signals("controller", inputs, "undriven inputs of the FMU")
-    yield from signals("plant", commands, "undriven commands")
+    yield from signals("controller", draft.undriven["controller"], "undriven inputs of the FMU")
+    yield from signals("plant", draft.undriven["plant"], "undriven commands")
     yield from unread("controller", draft.outputs, draft.commands)
     yield from unread("plant", draft.sensed, draft.readings)
 
 
-def undriven(ends: Sequence[Described], matches: list[Match]) -> list[Described]:
-    """List the ends without a wire."""
-    driven = {match.target.name for match in matches}
-    return [end for end in ends if end.end.name not in driven]
-
-
-def signals(side: str, rest: list[Described], title: str) -> Iterator[str]:
+def signals(side: str, rest: list[End], title: str) -> Iterator[str]:
     """Signals for ends without a wire, as comments."""
     if rest:
         yield f"# {title}: remove the `# ` of a signal, or make it a wire with `from`"
@@ -129,19 +87,19 @@ def signals(side: str, rest: list[Described], title: str) -> Iterator[str]:
     for end in rest:
         yield f"# {end.note}" if end.note else "# (no description)"
         yield "# [[signal]]"
-        yield f"# to = {quoted(f'{side}.{end.end.name}')}"
+        yield f"# to = {quoted(f'{side}.{end.name}')}"
         yield "# times = [0.0]"
         yield f"# values = [{end.start}]"
         yield ""
 
 
-def unread(side: str, ends: Sequence[Described], matches: list[Match]) -> Iterator[str]:
+def unread(side: str, ends: Sequence[End], matches: list[Match]) -> Iterator[str]:
     """List sources without a wire as comments."""
-    used = {match.source.name for match in matches}
-    rest = [end for end in ends if end.end.name not in used]
+    used = {match.source for match in matches}
+    rest = [end for end in ends if end not in used]
     if rest:
         yield "# not wired:"
-        yield from (f"#   {side}.{end.end.name}: {end.note}" for end in rest)
+        yield from (f"#   {side}.{end.name}: {end.note}" for end in rest)
         yield ""
 
 
@@ -160,7 +118,7 @@ def demands(draft: Draft) -> Iterator[str]:
     """Metric of the first output, and a criterion to fill in."""
     if not draft.outputs:
         return
-    first = draft.outputs[0].end
+    first = draft.outputs[0]
     yield "[[metric]]"
     yield 'name = "peak"'
     yield f"value = {quoted(f'max(abs({column(first.name)}))')}"

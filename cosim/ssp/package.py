@@ -24,7 +24,7 @@ from cosim.loop.wires.connect import PLANT
 from cosim.scenario.load import load
 from cosim.scenario.model import Scenario
 from cosim.ssp import structure
-from cosim.ssp.ports import ports_of
+from cosim.ssp.ports import ports_of, rejected
 from cosim.writing import whole
 
 STRUCTURE = "SystemStructure.ssd"
@@ -37,22 +37,9 @@ MOST = 2**31 - 1
 def write(
     loop: str, changes: Sequence[str], seed: int | None, file: Path, place: Place | None = None
 ) -> Scenario:
-    """Write a scenario as an SSP package, and return it.
+    """Write a scenario as an SSP package, and return it; a seed of None is the scenario's.
 
-    Parameters
-    ----------
-    loop, changes
-        The scenario and its overrides, as for `cosim.load`.
-    seed
-        Seed of all noise; None is the scenario's.
-    place
-        Records whose code runs; may be None.
-
-    Raises
-    ------
-    CosimError
-        The scenario cannot run or cannot be represented as a package, PythonFMU is missing, or the file
-        cannot be written.
+    `place` records whose code runs.
     """
     scenario = load(loop, changes)
     with located(scenario):
@@ -60,8 +47,8 @@ def write(
             raise CosimError("a scenario without a plant has no connections", "Add a plant to the scenario.")
         number = scenario.loop.seed if seed is None else seed
         if not 0 <= number <= MOST:
-            with concerning("loop.seed"):
-                raise CosimError(f"the seed {number} cannot be a parameter of an SSP", f"Use 0 to {MOST}.")
+            problem = f"the seed {number} cannot be a parameter of an SSP"
+            raise rejected("loop.seed", problem, f"Use 0 to {MOST}.")
     # errors of a run are raised here, not in the master
     with Session(scenario, place=place) as session:
         lint.check(session)
@@ -89,10 +76,9 @@ def write(
             f"resources/{PLANT}.ssv": structure.values([("seed", "Integer", settings["seed"])]),
         }
         for choice in scenario.fmus:
-            members[f"resources/{choice.name}.fmu"] = files[choice.name].path
-            members[f"resources/{choice.name}.ssv"] = structure.parameter_set(
-                choice, files[choice.name], ports
-            )
+            own = files[choice.name]
+            members[f"resources/{choice.name}.fmu"] = own.path
+            members[f"resources/{choice.name}.ssv"] = structure.parameter_set(choice, own, ports)
         with whole(file) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
             for path, content in members.items():
                 if isinstance(content, Path):

@@ -10,7 +10,7 @@ from cosim.errors import ScenarioError, concerning
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.values import lookup
 from cosim.loop.wires.connect import PLANT, side_of
-from cosim.scenario.model import Scenario, Signal, Wire
+from cosim.scenario.model import Scenario, Wire
 
 KINDS = {"Enumeration": "Integer"}
 """Types that are converted in a connection."""
@@ -45,17 +45,9 @@ class Port:
 class Ports:
     """Ends of the connections of a system.
 
-    Parameters
-    ----------
-    driven
-        Inputs of the FMUs that the surroundings drive, with measurements and signals.
-    commanding
-        Outputs of the FMUs to the surroundings.
-    direct
-        Wires between FMUs.
-    held
-        Enumerations with a constant signal, by `owner.variable`. They become start values, because few
-        masters connect enumerations.
+    The surroundings drive the inputs `driven` of the FMUs, with measurements and signals, and get the outputs
+    `commanding`. The wires `direct` are between FMUs. `held` are enumerations with a constant signal, by
+    `owner.variable`. They become start values, because few masters connect enumerations.
     """
 
     driven: tuple[Port, ...]
@@ -65,109 +57,89 @@ class Ports:
 
     def starts(self, owner: str) -> dict[str, Any]:
         """Start values of the constant inputs of an FMU, by their names."""
-        return {
-            name: value
-            for end, value in self.held.items()
-            for to, _, name in [end.partition(".")]
-            if to == owner
-        }
+        prefix = f"{owner}."
+        return {to.removeprefix(prefix): value for to, value in self.held.items() if to.startswith(prefix)}
 
 
 def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
-    """Return the ports of a valid scenario.
-
-    Raises
-    ------
-    ScenarioError
-        The scenario cannot be represented as an SSP system.
-    """
+    """Return the ports of a valid scenario; an error names what an SSP system cannot contain."""
     check(scenario)
 
-    def port(section: str, key: str, end: str) -> Port:
+    def port(key: str, end: str) -> Port:
         owner, _, name = end.partition(".")
-        with concerning(f"{section}.{key}"):
+        with concerning(key):
             variable = lookup(files[owner].variables, name)
-            if variable.causality not in ("input", "output"):
-                problem = f"`{end}` has causality `{variable.causality}`"
-                hint = (
-                    "Build an FMU of `cargo fmu` with `--outputs all`."
-                    if variable.causality == "local"
-                    else ""
-                )
-                raise ScenarioError(f"{problem}: masters of SSP connect inputs and outputs", hint)
+        if variable.causality not in ("input", "output"):
+            problem = (
+                f"`{end}` has causality `{variable.causality}`: masters of SSP connect inputs and outputs"
+            )
+            is_local = variable.causality == "local"
+            raise rejected(
+                key, problem, "Build an FMU of `cargo fmu` with `--outputs all`." if is_local else ""
+            )
         return Port(owner, variable)
 
     targets = [("wire", wire.to) for wire in scenario.wire if side_of(wire.source) == PLANT]
     targets += [("signal", signal.to) for signal in scenario.signal if side_of(signal.to) != PLANT]
-    driven = {to: port(section, f"{to}.to", to) for section, to in targets}
-    constant = {signal.to: signal.values[0] for signal in scenario.signal if is_constant(signal)}
+    driven = {to: port(f"{section}.{to}.to", to) for section, to in targets}
     held = {
-        to: value
-        for to, value in constant.items()
-        if to in driven and driven[to].variable.kind == "Enumeration"
+        signal.to: signal.values[0]
+        for signal in scenario.signal
+        if len(signal.values) == 1
+        and signal.to in driven
+        and driven[signal.to].variable.kind == "Enumeration"
     }
     commands = [wire for wire in scenario.wire if side_of(wire.to) == PLANT]
-    commanding = {wire.source: port("wire", f"{wire.to}.from", wire.source) for wire in commands}
-    direct = [wire for wire in scenario.wire if PLANT not in (side_of(wire.source), side_of(wire.to))]
+    commanding = {wire.source: port(f"wire.{wire.to}.from", wire.source) for wire in commands}
+    direct = tuple(wire for wire in scenario.wire if is_direct(wire))
     for wire in direct:
-        ends = [
-            port("wire", f"{wire.to}.{key}", end) for key, end in (("from", wire.source), ("to", wire.to))
-        ]
-        start, end = (KINDS.get(end.variable.kind, end.variable.kind) for end in ends)
-        if start != end:
-            with concerning(f"wire.{wire.to}"):
-                problem = f"`{wire.source}` is a {start} and `{wire.to}` a {end}"
-                raise ScenarioError(f"{problem}: masters of SSP connect variables of one type")
-        strange = [end for end in ends if end.variable.kind != "Real"]
-        if strange and (wire.scale, wire.offset) != (1.0, 0.0):
-            with concerning(f"wire.{wire.to}"):
-                problem = (
-                    f"`scale` and `offset` cannot change `{strange[0].name}`, a {strange[0].variable.kind}"
-                )
-                raise ScenarioError(f"{problem}: masters of SSP transform Reals")
+        check_types(wire, port(f"wire.{wire.to}.from", wire.source), port(f"wire.{wire.to}.to", wire.to))
     connected = tuple(port for to, port in driven.items() if to not in held)
-    return Ports(connected, tuple(commanding.values()), tuple(direct), held)
+    return Ports(connected, tuple(commanding.values()), direct, held)
 
 
-def is_constant(signal: Signal) -> bool:
-    """Whether a signal is constant."""
-    return len(signal.values) == 1
+def is_direct(wire: Wire) -> bool:
+    """Whether a wire is between FMUs."""
+    return PLANT not in (side_of(wire.source), side_of(wire.to))
+
+
+def rejected(key: str, problem: str, hint: str = "") -> ScenarioError:
+    """Error that concerns a key of the scenario."""
+    error = ScenarioError(problem, hint)
+    error.key = key
+    return error
+
+
+def check_types(wire: Wire, *ends: Port) -> None:
+    """Check that masters can connect two variables, and change the value as the wire does."""
+    start, end = (KINDS.get(end.variable.kind, end.variable.kind) for end in ends)
+    if start != end:
+        problem = f"`{wire.source}` is a {start} and `{wire.to}` a {end}"
+        raise rejected(f"wire.{wire.to}", f"{problem}: masters of SSP connect variables of one type")
+    other = next((end for end in ends if end.variable.kind != "Real"), None)
+    if other and (wire.scale, wire.offset) != (1.0, 0.0):
+        problem = f"`scale` and `offset` cannot change `{other.name}`, a {other.variable.kind}"
+        raise rejected(f"wire.{wire.to}", f"{problem}: masters of SSP transform Reals")
 
 
 def check(scenario: Scenario) -> None:
-    """Check that a scenario can be an SSP system.
-
-    Raises
-    ------
-    ScenarioError
-        It cannot; names the reason.
-    """
-    if scenario.inject:
-        entry = scenario.inject[0].to
-        with concerning(f"inject.{entry}"):
-            raise ScenarioError(
-                f"an SSP cannot contain the injection at `{entry}`", 'Set `drop = ["inject"]`.'
-            )
+    """Check that a scenario can be an SSP system, before its FMUs are open."""
+    for injection in scenario.inject:
+        problem = f"an SSP cannot contain the injection at `{injection.to}`"
+        raise rejected(f"inject.{injection.to}", problem, 'Set `drop = ["inject"]`.')
     if scenario.loop.compute_delay != 1:
-        with concerning("loop.compute_delay"):
-            problem = "`loop.compute_delay` = 0: masters of SSP propagate outputs at the end of a step"
-            raise ScenarioError(
-                problem, "Set `loop.compute_delay = 1`, and `io_delay = 1` in the controller."
-            )
+        problem = "`loop.compute_delay` = 0: masters of SSP propagate outputs at the end of a step"
+        hint = "Set `loop.compute_delay = 1`, and `io_delay = 1` in the controller."
+        raise rejected("loop.compute_delay", problem, hint)
     for choice in scenario.fmus:
         if choice.step not in (None, scenario.loop.step):
-            with concerning(f"{choice.name}.step"):
-                problem = f"the step {choice.step:g} s of `{choice.name}` differs from `loop.step`"
-                raise ScenarioError(problem, "Use one communication step in an SSP system.")
-    for wire in scenario.wire:
-        between = PLANT not in (side_of(wire.source), side_of(wire.to))
-        plain = (wire.noise or 0.0) == (wire.quantum or 0.0) == 0.0 and wire.minimum is wire.maximum is None
-        if between and not plain:
-            with concerning(f"wire.{wire.to}"):
-                raise ScenarioError(f"the wire to `{wire.to}` cannot be a connection: {SHAPED}")
-        if between and wire.delay != 1:
-            with concerning(f"wire.{wire.to}.delay"):
-                problem = f"the wire to `{wire.to}` with `delay` = {wire.delay} cannot be a connection"
-                raise ScenarioError(
-                    problem, "Set `delay = 1`: masters propagate outputs at the end of a step."
-                )
+            problem = f"the step {choice.step:g} s of `{choice.name}` differs from `loop.step`"
+            raise rejected(f"{choice.name}.step", problem, "Use one communication step in an SSP system.")
+    for wire in filter(is_direct, scenario.wire):
+        problem = f"the wire to `{wire.to}`"
+        if wire.noise or wire.quantum or wire.minimum is not None or wire.maximum is not None:
+            raise rejected(f"wire.{wire.to}", f"{problem} cannot be a connection: {SHAPED}")
+        if wire.delay != 1:
+            hint = "Set `delay = 1`: masters propagate outputs at the end of a step."
+            problem += f" with `delay` = {wire.delay} cannot be a connection"
+            raise rejected(f"wire.{wire.to}.delay", problem, hint)

@@ -22,7 +22,8 @@ SPACES = {
 FMU_TYPE = "application/x-fmu-sharedlibrary"
 SET = "initialValues"
 """Name of the parameter sets, which selects them in Ecos."""
-BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+BASE = dict.fromkeys(("kg", "m", "s", "A", "K", "mol", "cd", "rad"), 0) | {"factor": 1.0, "offset": 0.0}
+"""Attributes of a base unit, and their defaults."""
 
 
 def system(
@@ -30,14 +31,8 @@ def system(
 ) -> str:
     """Return the system structure description.
 
-    Parameters
-    ----------
-    ports
-        Connected ports.
-    descriptions
-        Model descriptions of the FMUs, by their names in the scenario.
-    surroundings
-        Variables of the FMU of the surroundings, the component `plant`.
+    `descriptions` are the model descriptions of the FMUs by their names in the scenario, `surroundings` the
+    variables of the FMU of the surroundings, the component `plant`.
     """
     name = scenario.name.replace("/", "_") or "loop"
     root = Element(named("ssd:SystemStructureDescription"), {"version": "1.0", "name": name})
@@ -70,10 +65,11 @@ def connects(owner: str, variable: Any, ports: Ports) -> bool:
     """
     if variable.causality not in ("input", "output") or variable.type == "String":
         return False
+    if variable.causality == "output" and variable.type != "Enumeration":
+        return True
     ends = {port.name for port in (*ports.driven, *ports.commanding)}
     ends |= {end for wire in ports.direct for end in (wire.source, wire.to)}
-    is_connected = f"{owner}.{variable.name}" in ends
-    return is_connected or (variable.causality == "output" and variable.type != "Enumeration")
+    return f"{owner}.{variable.name}" in ends
 
 
 def component(parent: Element, name: str, variables: Iterable[Any]) -> None:
@@ -86,12 +82,11 @@ def component(parent: Element, name: str, variables: Iterable[Any]) -> None:
         if variable.causality not in ("input", "output"):
             continue
         end = sub(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
-        more: dict[str, str] = {}
+        made_type = sub(end, f"ssc:{variable.type}")
         if variable.type == "Real" and variable.unit:
-            more["unit"] = variable.unit
+            made_type.set("unit", variable.unit)
         if variable.type == "Enumeration":
-            more["name"] = f"{name}.{variable.declaredType.name}"
-        sub(end, f"ssc:{variable.type}", **more)
+            made_type.set("name", f"{name}.{variable.declaredType.name}")
     bindings = sub(made, "ssd:ParameterBindings")
     sub(bindings, "ssd:ParameterBinding", source=f"resources/{name}.ssv")
 
@@ -138,14 +133,9 @@ def define_units(root: Element, descriptions: Iterable[Any]) -> None:
     if known:
         made = sub(root, "ssd:Units")
         for name, base in known.items():
-            exponents = {key: getattr(base, key) for key in BASE if getattr(base, key, 0)}
-            scale = {"factor": base.factor, "offset": base.offset} if base else {}
-            kept = {
-                key: value
-                for key, value in scale.items()
-                if value not in (None, {"factor": 1.0}.get(key, 0.0))
-            }
-            sub(sub(made, "ssc:Unit", name=name), "ssc:BaseUnit", **exponents, **kept)
+            given = {key: getattr(base, key, None) for key in BASE}
+            kept = {key: value for key, value in given.items() if value not in (None, BASE[key])}
+            sub(sub(made, "ssc:Unit", name=name), "ssc:BaseUnit", **kept)
 
 
 def experiment(root: Element, scenario: Scenario) -> None:
@@ -160,15 +150,11 @@ def experiment(root: Element, scenario: Scenario) -> None:
 
 def parameter_set(choice: FmuChoice, file: FmuFile, ports: Ports) -> str:
     """Return the parameter set of an FMU: parameters of the scenario and constant inputs."""
-    set_values = choice.parameters | ports.starts(choice.name)
-    pairs = [(variable.name, variable.kind, value) for variable, value in expand(file.variables, set_values)]
-    named_items = [
-        (name, kind, next(item for item, number in file.variables[name].items if number == value))
-        if kind == "Enumeration"
-        else (name, kind, value)
-        for name, kind, value in pairs
-    ]
-    return values(named_items)
+    parameters = []
+    for variable, value in expand(file.variables, choice.parameters | ports.starts(choice.name)):
+        items: dict[Any, Any] = {number: item for item, number in variable.items}
+        parameters.append((variable.name, variable.kind, items.get(value, value)))
+    return values(parameters)
 
 
 def values(parameters: Iterable[tuple[str, str, Any]]) -> str:

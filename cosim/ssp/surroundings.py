@@ -15,7 +15,7 @@ from pythonfmu import Boolean, DefaultExperiment, Fmi2Causality, Fmi2Slave, Fmi2
 from cosim import paths
 from cosim.fmu.values import encode
 from cosim.loop import plant, time_series
-from cosim.loop.wires.connect import PLANT, side_of
+from cosim.loop.wires.connect import PLANT
 from cosim.loop.wires.connections import CONVERT
 from cosim.loop.wires.transform import Delay, Shape, child, noise, shaper
 from cosim.scenario.load import load
@@ -52,6 +52,7 @@ class Surroundings(Fmi2Slave):
             self.scenario.plant.name, self.scenario.plant.parameters, self.scenario.folder
         )
         self.commands = plant.starts(self.plant.commands)
+        self.places = {f"{PLANT}.{channel.name}": k for k, channel in enumerate(self.plant.commands)}
         self.k = 0
         self.given: dict[str, float] = {port.name: start(port) for port in commanding}
         self.driven: dict[str, float] = {port.name: start(port) for port in driven}
@@ -62,7 +63,7 @@ class Surroundings(Fmi2Slave):
         self.signals: dict[str, Any] = {}
         for signal in self.scenario.signal:
             # what is left is the start value of an input
-            if side_of(signal.to) == PLANT or signal.to in self.driven:
+            if signal.to in self.places or signal.to in self.driven:
                 self.signals[signal.to] = self.samples(signal, driven)
         self.links: list[tuple[str, str, Shape, Delay]] = []
         self.register(driven, commanding)
@@ -94,33 +95,32 @@ class Surroundings(Fmi2Slave):
     def samples(self, signal: Signal, driven: tuple[Port, ...]) -> Any:
         """Values of a signal, one for each step and one for the end."""
         loop = self.scenario.loop
-        times: Any
-        values: Any
+        times: Any = signal.times
+        values: Any = signal.values
         if signal.file:
             found = time_series.read(time_series.find(signal.file, self.scenario.folder), signal.column)
             times, values = found.times, found.values
         else:
-            targets = {port.name: port.variable for port in driven}
-            convert = (
-                (lambda value: float(encode(targets[signal.to], value))) if signal.to in targets else float
-            )
-            times, values = signal.times, [convert(value) for value in signal.values]
+            for port in driven:
+                if port.name == signal.to:
+                    values = [encode(port.variable, value) for value in values]
+            values = [float(value) for value in values]
         return time_series.sample(times, values, loop.step, loop.steps + 1, signal.interpolation)
 
     def exit_initialization_mode(self) -> None:
         """Initialize the plant and take the first measurements."""
-        loop, readings = self.scenario.loop, {channel.name: channel for channel in self.plant.readings}
-        commands = {channel.name: channel for channel in self.plant.commands}
+        loop = self.scenario.loop
+        readings = {f"{PLANT}.{channel.name}": channel for channel in self.plant.readings}
         self.links.clear()
         for wire in self.scenario.wire:
-            from_plant, to_plant = side_of(wire.source) == PLANT, side_of(wire.to) == PLANT
-            if from_plant or to_plant:
-                end = wire.source if from_plant else wire.to
-                channel: Any = (readings if from_plant else commands)[end.partition(".")[2]]
-                samples = noise(wire, channel, self.seed, loop.steps + 1)
-                self.links.append(
-                    (wire.source, wire.to, shaper(wire, channel, from_plant, samples), Delay(wire.delay))
+            from_plant = wire.source in readings
+            if from_plant or wire.to in self.places:
+                channel: Any = (
+                    readings[wire.source] if from_plant else self.plant.commands[self.places[wire.to]]
                 )
+                samples = noise(wire, channel, self.seed, loop.steps + 1)
+                shape = shaper(wire, channel, from_plant, samples)
+                self.links.append((wire.source, wire.to, shape, Delay(wire.delay)))
         self.k = 0
         self.plant.reset(child(self.seed, PLANT), loop.duration)
         self.look()
@@ -130,17 +130,14 @@ class Surroundings(Fmi2Slave):
         loop = self.scenario.loop
         if abs(step_size - loop.step) > STEP_TOLERANCE * loop.step:
             raise ValueError(f"the communication step is {step_size} s, but the scenario has {loop.step} s")
-        names = [channel.name for channel in self.plant.commands]
         # what is given was put out in the step before
         sample = self.sample(max(self.k - 1, 0))
         for source, to, shape, delay in self.links:
-            if side_of(to) == PLANT:
-                self.commands[names.index(to.partition(".")[2])] = delay(
-                    shape(self.given[source], sample), self.k
-                )
+            if to in self.places:
+                self.commands[self.places[to]] = delay(shape(self.given[source], sample), self.k)
         for to, values in self.signals.items():
-            if side_of(to) == PLANT:
-                self.commands[names.index(to.partition(".")[2])] = values.item(self.at(values))
+            if to in self.places:
+                self.commands[self.places[to]] = values.item(self.at(values))
         self.plant.command(self.commands)
         self.plant.advance(loop.substeps)
         self.k += 1
@@ -155,10 +152,10 @@ class Surroundings(Fmi2Slave):
             (f"{PLANT}.{channel.name}", float(value)) for channel, value in zip(channels, values, strict=True)
         )
         for source, to, shape, delay in self.links:
-            if side_of(source) == PLANT:
+            if source in self.seen:
                 self.drive(to, delay(shape(self.seen[source], self.sample(self.k)), self.k))
         for to, samples in self.signals.items():
-            if side_of(to) != PLANT:
+            if to not in self.places:
                 self.drive(to, samples.item(self.at(samples)))
 
     def sample(self, k: int) -> int:

@@ -39,7 +39,7 @@ def parse(text: str) -> list[int]:
         first, last = int(found[1]), int(found[2] or found[1])
         if last < first:
             problem = f"`--seeds {text}`: `{part.strip()}` ends before it starts"
-            raise CosimError(problem, f"`{last}..{first}`")
+            raise CosimError(problem, f"Use `{last}..{first}`.")
         if len(seeds) + last - first >= MAX_SEEDS:
             problem = f"`--seeds {text}` names more than {MAX_SEEDS} seeds"
             raise CosimError(problem, "Use a study of `cosim sweep`, which stores completed runs.")

@@ -135,6 +135,27 @@ LINES: dict[str, Case] = {
     "optimize into an empty name": Case(given("optimize", "search.toml", "--out", ""), ("`--out` is empty",)),
     "optimize a pipe": Case(given("optimize", "pipe/results.jsonl"), ("is not a regular file",)),
     "new of a folder": Case(given("new", "./"), ("the FMU file `./` is not a regular file",)),
+    "JSON without a name": Case((*RUN, "--json", ""), ("`--json` is empty", "`-` for stdout")),
+    "trace without a name": Case((*RUN, "--trace", ""), ("cannot save a trace",)),
+    "size of a video": Case(
+        given("video", "lag.toml", "--size", "640"), ("`--size` is `640`", "Give width and height")
+    ),
+    "test into a file": Case(given("test", "lag.toml", "--out", "lag.toml"), ("`--out` `lag.toml` is not",)),
+    "SSP into nothing": Case(
+        given("ssp", "lag.toml", "--out", "no/x.ssp"), ("`no/x.ssp`", "the folder", "does not exist")
+    ),
+    "compare a name and a file": Case(
+        given("compare", "lag", "in.csv"), ("`lag` does not exist", "hint: Give traces")
+    ),
+    "baseline with a trace": Case(given("compare", "in.csv"), ("needs a second file", "Give a second file")),
+    "no action for the cache": Case(given("cache"), ("'dir|clean'. Choose from: dir, clean\n",)),
+    "seeds backwards": Case((*RUN, "--seeds", "5..1"), ("`5..1` ends before", "Use `1..5`.")),
+    "sweep of a scenario by name": Case(
+        given("sweep", "dob/paper"), ("`dob/paper` is a scenario", "Use `cosim run dob/paper`.")
+    ),
+    "optimize a scenario by name": Case(
+        given("optimize", "dob"), ("`dob` is a scenario", "Use `cosim run dob`.")
+    ),
     "no workers": Case(given("sweep", "study.toml", "--workers", "0"), ("--workers",)),
     "sweep with an unknown engine": Case(given("sweep", "study.toml", "--engine", "x"), ("`x`",)),
 }

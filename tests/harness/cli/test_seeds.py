@@ -43,7 +43,7 @@ def test_seeds_are_ranges_and_lists(text: str, expected: list[int]) -> None:
         ("", "not a seed or range"),
         ("1...4", "`1...4` is not a seed or range\nhint: Give seeds as `1..20`"),
         ("-1..4", "not a seed or range"),
-        ("4..1", "ends before it starts\nhint: `1..4`"),
+        ("4..1", "ends before it starts\nhint: Use `1..4`."),
         ("1..3,2", "names the seed 2 twice"),
         ("1..1000000000000", "more than 100000 seeds\nhint: Use a study"),
     ],

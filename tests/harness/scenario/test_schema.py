@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from cosim.cli.tasks import Schema
+from cosim.cli import tasks
 from cosim.pool.worker import JobRunner
 from cosim.scenario.kinds import kind_of
 from cosim.schema.files import SCHEMAS, scenario_schema
@@ -98,7 +98,7 @@ def test_an_injection_has_one_beginning_and_one_kind(fault: dict[str, Any], fits
 def filled(loop: str) -> dict[str, Any]:
     """Make the schema with the FMUs and the plant of a scenario."""
     with JobRunner() as runner:
-        found: dict[str, Any] = runner.run(Schema(loop))
+        found: dict[str, Any] = runner.run(tasks.TaskCall(tasks.schema, (loop,)))
     return found
 
 

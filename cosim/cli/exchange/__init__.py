@@ -1,1 +1,0 @@
-"""Commands that export a scenario to other tools."""

@@ -1,1 +1,0 @@
-"""Commands with visual output: plots, videos, the viewer and the HTML report."""
