@@ -167,13 +167,14 @@ def spawn(relay: bool) -> WorkerHandle:
             file.write(bytes(PAGE))
         place = Place(page)
         # `-P`: a `numpy.py` in the working directory does not replace the package; the environment is that of
-        # the user, because a run may start another Python
+        # the user, because a run may start another Python, without variables that C code of a run set here
         command = COMMAND.format([*map(os.path.abspath, sys.path)], name, os.getpid())
         process = subprocess.Popen(
             [sys.executable, "-P", "-c", command],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=None if relay else subprocess.PIPE,
+            env=dict(os.environ),
             start_new_session=POSIX,
             creationflags=GROUP,
         )

@@ -106,6 +106,19 @@ def test_runs_from_python_do_not_depend_on_earlier_ones(
             session.run()
 
 
+def test_runs_from_python_do_not_see_environment_variables_that_an_earlier_one_set(
+    lag: Path, broken_library: bytes
+) -> None:
+    # checked in a process of its own, because C code changes the environment of the process
+    expected = keeping(lag, broken_library, "counter_variable")[0]
+    code = (
+        'import cosim; load = cosim.load("lag.toml", ["controller.gain=0.1", "controller.fmu=keeping.fmu"])\n'
+        "for _ in range(3): print(*(m.value for m in cosim.run(load).metrics.values()))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{' '.join(map(str, expected.values()))}\n" * 3
+
+
 def test_a_plant_that_keeps_state_has_a_process_for_each_run(lag: Path) -> None:
     (lag / "keeping.py").write_text(
         "import probe_plants\nruns = []\nclass Keeping(probe_plants.Lag):\n"

@@ -197,5 +197,11 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
         if (kept++ == 0.0) keep_library();
         p->real[BIAS_1] = 1e-3 * kept;
     }
+    if (is("counter_variable")) {
+        char text[32];
+        p->real[BIAS_1] = 1e-3 * (getenv("COUNTER") ? atof(getenv("COUNTER")) : 0.0);
+        snprintf(text, sizeof text, "%g", 1e3 * p->real[BIAS_1] + 1.0);
+        setenv("COUNTER", text, 1);
+    }
     return probe_do_step(c, time, step, prior);
 }
