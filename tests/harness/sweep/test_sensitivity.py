@@ -16,7 +16,7 @@ import pytest
 import scipy.stats
 
 from cosim.study.parameters import Vary
-from cosim.sweep.designs import DESIGNS, saltelli
+from cosim.sweep.designs import DESIGNS, saltelli, values_by_key
 from cosim.sweep.sensitivity import rank, sensitivities, sobol
 
 from ..conftest import END
@@ -138,9 +138,9 @@ def is_significant(kind: str, cases: int, repeats: int, seed: int) -> bool:
     columns: dict[str, list[Any]] = {key.key: [design[number][key.key] for number in rows] for key in keys}
     columns |= {"case": rows, "status": ["passed"] * len(rows), "metric.y": values}
     study = SimpleNamespace(design=SimpleNamespace(kind=kind), vary=keys)
-    plan: Any = SimpleNamespace(
-        cases=design, study=study, scenario=SimpleNamespace(metric=[SimpleNamespace(name="y")])
-    )
+    scenario = SimpleNamespace(metric=[SimpleNamespace(name="y")])
+    varying = values_by_key(design)
+    plan: Any = SimpleNamespace(cases=design, varying=varying, study=study, scenario=scenario)
     found = {entry.key: entry.rank for entry in sensitivities(plan, columns)}
     return found["plant.k1"].low > 0.0 or found["plant.k1"].high < 0.0
 
