@@ -81,10 +81,8 @@ def motion(recorded: Recorded) -> Motion:
     plants.record_qpos(plant, scenario.plant.name)
     coordinates = plant.coordinates
     names = tuple(f"plant.{one.name}" for one in coordinates)
-    own = "plant."
-    shown = {
-        name.removeprefix(own): recorded.columns[name] for name in recorded.columns if name.startswith(own)
-    }
+    own = [name for name in recorded.columns if name.startswith("plant.")]
+    shown = {name.removeprefix("plant."): recorded.columns[name] for name in own}
     check(recorded.columns, names, scenario)
     if hasattr(plant, "drawn"):
         # drawing may need any ground-truth signal of the plant

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +15,7 @@ DENSE = 200
 """Number of interpolated points per measured one, for crossings."""
 
 
-@dataclass(frozen=True)
-class Margin:
+class Margin(NamedTuple):
     """Margin at a crossing: the factor of the gain, or the angle in rad; and its frequency."""
 
     frequency: float
@@ -39,10 +40,8 @@ class Response:
     def phase_margin(self) -> Margin | None:
         """Minimum angle from the gain 1 to -180 degrees; None without a crossover."""
         frequency, gain, phase = self.dense()
-        found = [
-            Margin(float(frequency[i]), math.remainder(float(phase[i]) - math.pi, 2.0 * math.pi))
-            for i in crossings(np.log(gain))
-        ]
+        at = crossings(np.log(gain))
+        found = [Margin(frequency[i], math.remainder(phase[i] - math.pi, 2.0 * math.pi)) for i in at]
         return min(found, key=lambda one: abs(one.value), default=None)
 
     def gain_margin(self) -> Margin | None:
@@ -50,17 +49,20 @@ class Response:
         frequency, gain, phase = self.dense()
         # the distance from -180 degrees jumps at half a revolution
         away = np.remainder(phase, 2.0 * np.pi) - np.pi
-        found = [
-            Margin(float(frequency[i]), float(1.0 / gain[i]))
-            for i in crossings(away)
-            if abs(away[i]) < 0.5 * np.pi and gain[i] < 1.0
-        ]
-        return min(found, key=lambda one: one.value, default=None)
+        at = [i for i in crossings(away) if abs(away[i]) < 0.5 * np.pi and gain[i] < 1.0]
+        return min((Margin(frequency[i], 1.0 / gain[i]) for i in at), key=lambda one: one.value, default=None)
+
+    def margins(self) -> Iterator[tuple[float, str]]:
+        """Frequencies of the margins with their texts."""
+        if phase := self.phase_margin():
+            yield phase.frequency, f"phase margin {math.degrees(phase.value):.1f} degrees"
+        if gain := self.gain_margin():
+            yield gain.frequency, f"gain margin {gain.value:.2f} ({20.0 * math.log10(gain.value):.1f} dB)"
 
 
 def crossings(values: Array) -> list[int]:
     """Return indices after which the sign changes."""
-    return [int(i) for i in np.flatnonzero(np.diff(np.sign(values)))]
+    return np.flatnonzero(np.diff(np.sign(values))).tolist()
 
 
 def response(frequency: Array, gain: Array, phase: Array, closed: bool) -> Response | None:
@@ -81,11 +83,3 @@ def response(frequency: Array, gain: Array, phase: Array, closed: bool) -> Respo
     # as it is drawn: from -360 degrees to 0 at the first frequency
     turns -= 2.0 * np.pi * math.ceil(turns[0] / (2.0 * np.pi))
     return Response(frequency[known][order], np.abs(loop).astype(np.float64), turns.astype(np.float64))
-
-
-def margin_text(margin: Margin, x_scale: float, x_unit: str, is_phase: bool) -> str:
-    """Text of a margin with its frequency, in the unit of the axis."""
-    frequency = f"at {x_scale * margin.frequency:.4g} {x_unit}".strip()
-    if is_phase:
-        return f"phase margin {math.degrees(margin.value):.1f} degrees {frequency}"
-    return f"gain margin {margin.value:.2f} ({20.0 * math.log10(margin.value):.1f} dB) {frequency}"

@@ -9,7 +9,6 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rich.progress import MofNCompleteColumn
 
@@ -112,10 +111,9 @@ def make_videos(jobs: Mapping[str, SectionJob], options: runner.RunOptions) -> I
         for name, job in jobs.items()
     }
     with bar(options.quiet, MofNCompleteColumn()) as progress:
-        task: Any = None if progress is None else progress.add_task("videos", total=len(videos))
-        for name, outcome in runner.outcomes(videos, options):
-            if progress is not None:
-                progress.advance(task)
+        outcomes = runner.outcomes(videos, options)
+        shown = progress.track(outcomes, len(videos), description="videos") if progress else outcomes
+        for name, outcome in shown:
             if isinstance(outcome, CosimError):
                 yield name, {"no_video": str(outcome)}
             else:

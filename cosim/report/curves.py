@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +23,7 @@ MAX_LINES = 12
 """Maximum lines of a split path; the last one holds all further values."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """One line of a chart: its points, in the units of the axes."""
 
     name: str
@@ -33,8 +31,7 @@ class Line:
     y: Array
 
 
-@dataclass(frozen=True)
-class Cells:
+class Cells(NamedTuple):
     """Values in the cells of a plane, relative to the largest, shape (y, x); `x`, `y` are the edges."""
 
     x: Array
@@ -56,14 +53,13 @@ def path(chart: Chart, name: str, y: Array, mask: Any, value: Evaluate) -> list[
     split = value(chart.split)
     parts = np.unique(split[mask & np.isfinite(split)])
     last = parts[min(len(parts), MAX_LINES) - 1] if len(parts) else np.nan
-    several = len(chart.y) > 1 or len(chart.parts) > 1
+    prefix = f"{name}, " if len(chart.y) > 1 or len(chart.parts) > 1 else ""
     found = []
     for part in parts[:MAX_LINES]:
         rest = part == last and len(parts) > MAX_LINES
         rows = mask & (split >= part if rest else split == part)
         label = f"{chart.split_name} {part:g}{' and on' if rest else ''}".strip()
-        label = f"{name}, {label}" if several else label
-        found.append(Line(label, *decimated(x[rows], y[rows])))
+        found.append(Line(prefix + label, *decimated(x[rows], y[rows])))
     return found
 
 

@@ -25,38 +25,24 @@ def maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str,
     function = import_function(chart.function, where, folder)
     try:
         made = {
-            str(name): tuple(np.asarray(part, dtype=float) for part in one)
+            str(name): [np.asarray(part, dtype=float) for part in one]
             for name, one in function(*values).items()
         }
     except Exception as error:  # the function may raise anything
-        raise ScenarioError(
-            f"{where} failed: {type(error).__name__}: {error}", "Show the origin with `-v`."
-        ) from error
+        problem = f"{where} failed: {type(error).__name__}: {error}"
+        raise ScenarioError(problem, "Show the origin with `-v`.") from error
     for name, one in made.items():
         shapes = [part.shape for part in one]
-        if (
-            len(one) != 3
-            or [len(shape) for shape in shapes] != [1, 1, 2]
-            or shapes[2] != (len(one[1]) - 1, len(one[0]) - 1)
-        ):
+        if [part.ndim for part in one] != [1, 1, 2] or shapes[2] != (len(one[1]) - 1, len(one[0]) - 1):
             problem = f"{where} gives `{name}` of the shapes {shapes}"
-            raise ScenarioError(
-                problem, "Return edges along x (n + 1), edges along y (m + 1), and values (m, n)."
-            )
-    known = [part[np.isfinite(part)] for _, _, part in made.values()]
-    most = max((float(part.max()) for part in known if part.size), default=0.0)
-    if not most > 0.0:
-        return []
+            hint = "Return edges along x (n + 1), edges along y (m + 1), and values (m, n)."
+            raise ScenarioError(problem, hint)
+    known = {name: np.where(np.isfinite(part), part, 0.0) for name, (_, _, part) in made.items()}
+    most = max((float(part.max(initial=0.0)) for part in known.values()), default=0.0)
     return [
-        (
-            name,
-            Cells(
-                chart.x_scale * x,
-                chart.scale * y,
-                np.nan_to_num(part, nan=0.0, posinf=0.0, neginf=0.0) / most,
-            ),
-        )
-        for name, (x, y, part) in made.items()
+        (name, Cells(chart.x_scale * x, chart.scale * y, known[name] / most))
+        for name, (x, y, _) in made.items()
+        if most > 0.0
     ]
 
 

@@ -55,16 +55,15 @@ def closed_loops(
     scenarios: Sequence[Section], studies: Sequence[Section], documents: Sequence[dict[str, str]]
 ) -> list[ClosedLoop]:
     """Group the parts of a report by closed loop; scenarios and studies are numbered in their order."""
-    loops: dict[str, ClosedLoop] = {}
-
-    def of(name: str) -> ClosedLoop:
-        return loops.setdefault(name, ClosedLoop(name))
-
-    for number, scenario in enumerate(scenarios):
-        of(scenario["loop"]).scenarios.append({**scenario, "number": number})
-    for index, study in enumerate(studies):
-        numbered = {**study, "number": len(scenarios) + index, "index": index + 1}
-        of(study["scenario"].partition("/")[0]).studies.append(numbered)
+    names = [scenario["loop"] for scenario in scenarios]
+    names += [study["scenario"].partition("/")[0] for study in studies]
+    loops = {name: ClosedLoop(name) for name in names}
+    for number, (name, section) in enumerate(zip(names, (*scenarios, *studies), strict=True)):
+        if number < len(scenarios):
+            loops[name].scenarios.append({**section, "number": number})
+        else:
+            index = number - len(scenarios) + 1
+            loops[name].studies.append({**section, "number": number, "index": index})
     for document in documents:
         if document["loop"] in loops:
             loops[document["loop"]].documents.append(document)
@@ -183,14 +182,8 @@ def label_cells(tokens: Sequence[Any]) -> None:
 
 def inline_markdown(content: str) -> Any:
     """Line of Markdown as HTML: code and emphasis; links and HTML are shown as text."""
+    from markdown_it import MarkdownIt
     from markupsafe import Markup
 
-    return Markup(inline_renderer().renderInline(content))
-
-
-@functools.cache
-def inline_renderer() -> Any:
-    """Make the renderer of lines once, because its construction is slow."""
-    from markdown_it import MarkdownIt
-
-    return MarkdownIt("commonmark").disable(["link", "image", "autolink", "html_inline"])
+    renderer = MarkdownIt("commonmark").disable(["link", "image", "autolink", "html_inline"])
+    return Markup(renderer.renderInline(content))

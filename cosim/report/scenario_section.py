@@ -17,7 +17,7 @@ from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show import plot
 from cosim.show.display import injection_text, shorten
-from cosim.show.plot import PanelData, PlotView
+from cosim.show.plot import PlotView
 from cosim.trace.columns import thinned
 
 if TYPE_CHECKING:
@@ -47,7 +47,10 @@ def describe(scenario: Scenario, result: Result, session: Session) -> Section:
         "plant": scenario.plant.name,
         "fmus": [{"name": fmu.file.path.name, "guid": fmu.file.guid} for fmu in session.fmus],
         "claims": claims(result),
-        "metrics": metrics(result),
+        "metrics": [
+            {"name": one.name, "value": text(one.value, one.unit), "description": one.description}
+            for one in result.metrics.values()
+        ],
         "settings": settings(scenario, session),
         "injected": [f"{entry.to}: {injection_text(entry)}" for entry in scenario.inject],
         "verdict": counted(result.criteria),
@@ -64,20 +67,13 @@ def describe(scenario: Scenario, result: Result, session: Session) -> Section:
 
 def packed(view: PlotView) -> dict[str, Any]:
     """Plain data of a view for the script of the page."""
-    return {**vars(view), "panels": [packed_panel(panel) for panel in view.panels]}
-
-
-def packed_panel(panel: PanelData) -> dict[str, Any]:
-    """Plain data of a panel."""
-    curves = [
-        {
-            "name": curve.name,
-            "stepped": curve.stepped,
-            **charts.packed_values(thinned(curve.values), panel.log),
-        }
-        for curve in panel.curves
-    ]
-    return {**vars(panel), "curves": curves}
+    panels = []
+    for panel in view.panels:
+        values = [charts.packed_values(thinned(curve.values), panel.log) for curve in panel.curves]
+        pairs = zip(panel.curves, values, strict=True)
+        curves = [{"name": curve.name, "stepped": curve.stepped, **packed} for curve, packed in pairs]
+        panels.append({**vars(panel), "curves": curves})
+    return {**vars(view), "panels": panels}
 
 
 def command(scenario: Scenario, seed: int) -> str:
@@ -91,54 +87,34 @@ def claims(result: Result) -> list[dict[str, Any]]:
     """Return claims, measured values and limits."""
     found = []
     for verdict in result.criteria:
-        claim, paper, value, limit, _ = row(verdict, DIGITS)
+        texts = zip(("claim", "paper", "measured", "limit"), row(verdict, DIGITS), strict=False)
         origin = provenance.origin(verdict)
-        found.append(
-            {
-                "id": verdict.criterion.id,
-                "claim": claim,
-                "paper": paper,
-                "measured": value,
-                "limit": limit,
-                "passed": verdict.passed,
-                "number": not verdict.logical,
-                "origin": origin,
-                "source": provenance.SOURCES[origin],
-            }
-        )
+        source = {"origin": origin, "source": provenance.SOURCES[origin]}
+        facts = {"id": verdict.criterion.id, "passed": verdict.passed, "number": not verdict.logical}
+        found.append({**facts, **dict(texts), **source})
     return found
-
-
-def metrics(result: Result) -> list[dict[str, str]]:
-    """All metrics."""
-    return [
-        {"name": metric.name, "value": text(metric.value, metric.unit), "description": metric.description}
-        for metric in result.metrics.values()
-    ]
 
 
 def settings(scenario: Scenario, session: Session) -> list[dict[str, str]]:
     """Return the settings of a scenario for loop, FMUs and plant, with unit and description."""
     loop = scenario.loop
-    found = [
-        setting("loop.step", loop.step, "s", "Communication step"),
-        setting("loop.substeps", loop.substeps, "", "Plant steps per communication step"),
-        setting("loop.compute_delay", loop.compute_delay, "", "Delay of commands, steps"),
+    found: list[tuple[str, Any, str, str]] = [
+        ("loop.step", loop.step, "s", "Communication step"),
+        ("loop.substeps", loop.substeps, "", "Plant steps per communication step"),
+        ("loop.compute_delay", loop.compute_delay, "", "Delay of commands, steps"),
     ]
     for choice, fmu in zip(scenario.fmus, session.fmus, strict=True):
         for name, value in choice.parameters.items():
             known = fmu.file.variables.get(name)
             labels = (known.unit, known.description) if known else ("", "")
-            found.append(setting(f"{choice.name}.{name}", value, *labels))
+            found.append((f"{choice.name}.{name}", value, *labels))
     if scenario.plant.name:
         kind: Any = type(session.plant)
         fields = {toml_key(field): field.metadata for field in dataclasses.fields(kind.Parameters)}
         for name, value in scenario.plant.parameters.items():
             unit, description = (str(fields[name].get(key, "")) for key in ("unit", "description"))
-            found.append(setting(f"plant.{name}", value, unit, description))
-    return found
-
-
-def setting(name: str, value: Any, unit: str, description: str) -> dict[str, str]:
-    """Return one setting."""
-    return {"name": name, "value": shorten(value), "unit": unit, "description": description}
+            found.append((f"plant.{name}", value, unit, description))
+    return [
+        {"name": name, "value": shorten(value), "unit": unit, "description": description}
+        for name, value, unit, description in found
+    ]

@@ -135,8 +135,7 @@ def rendered(table: RenderableType, sheet: Sheet) -> str:
     from cosim.show.bar import plain_console
 
     buffer = TextBuffer()
-    buffer.terminal = sheet.terminal
-    buffer.encoding = sheet.encoding
+    buffer.terminal, buffer.encoding = sheet.terminal, sheet.encoding
     width = None if "COLUMNS" in os.environ else sheet.width
     plain_console(file=buffer, width=width).print(table)
     return buffer.getvalue()
