@@ -31,13 +31,13 @@ class Enlargement:
         self.factors = factors
         self.centers: dict[str, float] = {}
         self.qpos = motion.qpos.copy()
-        for i, name in enumerate(motion.names):
-            if name in factors:
-                curve = motion.qpos[:, i]
-                span, home = float(np.ptp(curve)), float(motion.model.qpos0[i])
-                near = curve.min() - span <= home <= curve.max() + span
-                center = self.centers[name] = home if near else float(curve.mean())
-                self.qpos[:, i] = center + factors[name] * (curve - center)
+        for name, factor in factors.items():
+            i = motion.names.index(name)
+            curve = motion.qpos[:, i]
+            span, home = float(np.ptp(curve)), float(motion.model.qpos0[i])
+            near = curve.min() - span <= home <= curve.max() + span
+            center = self.centers[name] = home if near else float(curve.mean())
+            self.qpos[:, i] = center + factor * (curve - center)
 
     def value(self, joint: str, value: float) -> float:
         """Drawn value of a coordinate."""

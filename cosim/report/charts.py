@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import CosimError
+from cosim.errors import CosimError, ScenarioError, closest
+from cosim.loop import own_code
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import bode, curves, fields
+from cosim.report import curves
 from cosim.report.curves import Cells, Evaluate, Line
 from cosim.scenario.model import Chart, Scenario
 from cosim.show import marks
@@ -83,18 +84,11 @@ class ChartData:
     def packed(self) -> dict[str, Any]:
         """Return plain data for the script of the page."""
         chart, cells = self.chart, self.cells
+        own = ("x_label", "label", "points", "integer", "marks", "levels")
         return {
-            "title": chart.title,
+            **{name: getattr(chart, name) for name in ("title", "log", "x_log", "equal")},
+            **{name: getattr(self, name) for name in own},
             "polar": chart.kind == "polar",
-            "x_label": self.x_label,
-            "label": self.label,
-            "log": chart.log,
-            "x_log": chart.x_log,
-            "equal": chart.equal,
-            "points": self.points,
-            "integer": self.integer,
-            "marks": self.marks,
-            "levels": self.levels,
             "lines": [
                 {"name": name, "x": packed_values(x, chart.x_log), "y": packed_values(y, chart.log)}
                 for name, x, y in self.lines
@@ -162,7 +156,7 @@ def of_chart(
         return [] if cells is None else [ChartData(chart, cells=cells)]
     if chart.kind == "field":
         rows = np.logical_and.reduce(masks(chart, value))
-        maps = fields.maps(chart, [value(text)[rows] for text in chart.y], folder)
+        maps = field_maps(chart, [value(text)[rows] for text in chart.y], folder)
         return [ChartData(replace(chart, title=f"{chart.title}: {name}"), cells=one) for name, one in maps]
     drawn = lines(chart, value)
     return [with_limits(chart, drawn, limits)] if drawn else []
@@ -187,7 +181,7 @@ def open_loop(chart: Chart, trace: Columns) -> list[ChartData]:
     names = zip(*(numbered(name, trace) for name in (chart.x, *chart.y)), strict=False)
     points = [[trace[name][-1] for name in point] for point in names]
     frequency, gain, phase = np.array(points).reshape(-1, 3).T
-    found = bode.response(frequency, gain, phase, chart.closed)
+    found = curves.response(frequency, gain, phase, chart.closed)
     if found is None:
         return []
     x = chart.x_scale * found.frequency
@@ -275,3 +269,48 @@ def constant(x: Array, y: Array) -> bool:
     if np.count_nonzero(known) < 2:
         return not known.any()
     return all(np.ptp(each[known]) <= STILL * np.abs(each[known]).max() for each in (x, y))
+
+
+def field_maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str, Cells]]:
+    """Make the maps of a chart by name, relative to the largest value; none if it is not above 0.
+
+    `values` are the arguments of the function, `folder` is that of the scenario. An error if there is no such
+    function, it raises, or its result is not a set of maps.
+    """
+    where = f"`plot.charts` `{chart.title}`: the function `{chart.function}`"
+    function = import_function(chart.function, where, folder)
+    try:
+        made = {
+            str(name): [np.asarray(part, dtype=float) for part in one]
+            for name, one in function(*values).items()
+        }
+    except Exception as error:  # the function may raise anything
+        problem = f"{where} failed: {type(error).__name__}: {error}"
+        raise ScenarioError(problem, "Show the origin with `-v`.") from error
+    for name, one in made.items():
+        shapes = [part.shape for part in one]
+        if [part.ndim for part in one] != [1, 1, 2] or shapes[2] != (len(one[1]) - 1, len(one[0]) - 1):
+            problem = f"{where} gives `{name}` of the shapes {shapes}"
+            hint = "Return edges along x (n + 1), edges along y (m + 1), and values (m, n)."
+            raise ScenarioError(problem, hint)
+    known = {name: np.where(np.isfinite(part), part, 0.0) for name, (_, _, part) in made.items()}
+    most = max((float(part.max(initial=0.0)) for part in known.values()), default=0.0)
+    return [
+        (name, Cells(chart.x_scale * x, chart.scale * y, known[name] / most))
+        for name, (x, y, _) in made.items()
+        if most > 0.0
+    ]
+
+
+def import_function(name: str, where: str, folder: Path) -> Any:
+    """Import the function of that name."""
+    module_name, _, function = name.partition(":")
+    try:
+        module = own_code.module(module_name, folder)
+    except Exception as error:  # the module may raise anything
+        problem = f"{where} cannot be imported: {type(error).__name__}: {error}"
+        raise ScenarioError(problem, own_code.where(folder)) from error
+    if not callable(getattr(module, function, None)):
+        public = [key for key, value in vars(module).items() if callable(value)]
+        raise ScenarioError(f"{where} does not exist", closest(function, public))
+    return getattr(module, function)

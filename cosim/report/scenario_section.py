@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import re
 import shlex
 from typing import TYPE_CHECKING, Any
 
@@ -11,20 +13,27 @@ from cosim.errors import ExpressionError
 from cosim.formatting.quantity import text
 from cosim.formatting.verdicts import counted, row
 from cosim.loop.result import Result
-from cosim.report import charts, drawing, provenance
-from cosim.report.page import Section, paragraphs
+from cosim.metrics.criteria import Verdict
+from cosim.report import charts, drawing
+from cosim.report.page import SOURCES, Section, paragraphs
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show import plot
 from cosim.show.display import injection_text, shorten
 from cosim.show.plot import PlotView
 from cosim.trace.columns import thinned
+from cosim.units import conversion
 
 if TYPE_CHECKING:
     from cosim.loop.session import Session
 
 DIGITS = 3
 """Digits of measured values, as in the table of `cosim test`."""
+NUMBER = re.compile(
+    r"(?<![\w.])([-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)\s*((?!to\b)[A-Za-z%](?:[\w/.%]*[\w%])?)?"
+)
+RANGE = re.compile(r"\s*(?:to|-|\.\.)\s*")
+"""Text between two numbers with a common unit."""
 
 
 def describe(scenario: Scenario, result: Result, session: Session) -> Section:
@@ -87,11 +96,11 @@ def claims(result: Result) -> list[dict[str, Any]]:
     """Return claims, measured values and limits."""
     found = []
     for verdict in result.criteria:
-        texts = zip(("claim", "paper", "measured", "limit"), row(verdict, DIGITS), strict=False)
-        origin = provenance.origin(verdict)
-        source = {"origin": origin, "source": provenance.SOURCES[origin]}
+        claim, paper, measured, limit, _ = row(verdict, DIGITS)
+        texts = {"claim": claim, "paper": paper, "measured": measured, "limit": limit}
         facts = {"id": verdict.criterion.id, "passed": verdict.passed, "number": not verdict.logical}
-        found.append({**facts, **dict(texts), **source})
+        source = origin(verdict)
+        found.append({**texts, **facts, "origin": source, "source": SOURCES[source]})
     return found
 
 
@@ -118,3 +127,35 @@ def settings(scenario: Scenario, session: Session) -> list[dict[str, str]]:
         {"name": name, "value": shorten(value), "unit": unit, "description": description}
         for name, value, unit, description in found
     ]
+
+
+def origin(verdict: Verdict) -> str:
+    """Key of `SOURCES`: `source` of the criterion, otherwise derived from the text of the paper.
+
+    Without both it is a choice. From the paper are a claim that is true or false, a limit with a number of
+    the paper, and limits around such a number. Another number is a prediction of the models.
+    """
+    criterion = verdict.criterion
+    if criterion.source or not criterion.paper:
+        return criterion.source or "choice"
+    if isinstance(criterion.equals, bool):
+        return "paper"
+    published = numbers(criterion.paper, verdict.unit)
+    limits = [limit for _, limit in verdict.limits]
+    same = any(math.isclose(number, limit, rel_tol=1e-9) for number in published for limit in limits)
+    around = len(limits) == 2 and any(limits[0] <= number <= limits[1] for number in published)
+    return "paper" if same or around else "prediction"
+
+
+def numbers(words: str, unit: str) -> list[float]:
+    """Find the numbers of a text that convert to a unit; in `50 to 60 mm/s` both are in mm/s."""
+    found, behind, begin = [], "", len(words)
+    for number in reversed([*NUMBER.finditer(words)]):
+        digits, own = number[1], number[2] or ""
+        if not own and RANGE.fullmatch(words, number.end(), begin):
+            own = behind
+        converted = conversion(own or "1", unit or "1")
+        if converted is not None:
+            found.append(converted(float(digits.replace(",", ""))))
+        behind, begin = own, number.start()
+    return found[::-1]

@@ -71,12 +71,9 @@ def head(found: Scenario, fmus: Sequence[Instance]) -> Text:
     if found.description.strip():
         head.append(f"\n{found.description.strip()}\n")
     delay = f"compute delay {loop.compute_delay} step" + ("" if loop.compute_delay == 1 else "s")
-    head.append(
-        f"\nloop: step {text(loop.step, 's')}, {loop.substeps} plant steps each, {loop.duration:g} s long,"
-        f" {loop.order}, {delay}, seed {loop.seed}\n"
-    )
-    head.append("\n".join(f"{fmu.name}: {fmu.file.name} ({fmu.file.path.name})" for fmu in fmus))
-    return head
+    steps = f"step {text(loop.step, 's')}, {loop.substeps} plant steps each, {loop.duration:g} s long"
+    head.append(f"\nloop: {steps}, {loop.order}, {delay}, seed {loop.seed}\n")
+    return head.append("\n".join(f"{fmu.name}: {fmu.file.name} ({fmu.file.path.name})" for fmu in fmus))
 
 
 def variable_table(variables: list[Variable], given: dict[str, Any]) -> Table:
@@ -111,9 +108,8 @@ def start_text(variable: Variable) -> str:
 
 def range_text(variable: Variable) -> str:
     """Range of a variable: limits, or the items of an enumeration."""
-    if variable.items:
-        return " ".join(name for name, _ in variable.items)
-    return limits_text(variable.minimum, variable.maximum)
+    items = " ".join(name for name, _ in variable.items)
+    return items or limits_text(variable.minimum, variable.maximum)
 
 
 def limits_text(minimum: Any, maximum: Any) -> str:
@@ -221,17 +217,15 @@ def summary(found: Result) -> Text:
 
 def speed(found: Result) -> str:
     """Return the simulated time, and the wall time of a run."""
+    simulated = f"{number(found.simulated_s)} s"
     if not found.wall_s:
-        return f"{number(found.simulated_s)} s evaluated from a stored trace"
-    ratio = found.simulated_s / found.wall_s
-    taken = f"{number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s"
-    return f"{taken} ({number(ratio, 2)} x real time)"
+        return f"{simulated} evaluated from a stored trace"
+    ratio = number(found.simulated_s / found.wall_s, 2)
+    return f"{simulated} simulated in {number(found.wall_s, 3)} s ({ratio} x real time)"
 
 
 def shorten(value: Any) -> str:
     """Value of a parameter as text."""
     if isinstance(value, bool):
         return str(value).lower()
-    if value is None:
-        return ""
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:g}" if isinstance(value, float) else str("" if value is None else value)

@@ -16,8 +16,6 @@ from cosim.units import UNCHANGED, Conversion, conversion
 
 FAR = 2.0
 """Distance of a limit from the lines, in line spans, above which it is not plotted."""
-
-
 Named = Sequence[tuple[float, str]]
 """Limits or times of events (s) with their texts."""
 

@@ -84,8 +84,7 @@ def whole(columns: Columns) -> NDArray[Any]:
     """Read all columns into one structured array."""
     if isinstance(columns, Held):
         return columns.table
-    read = [columns[name] for name in columns]
-    return structured(np.column_stack(read), list(columns))
+    return structured(np.column_stack(list(columns.values())), list(columns))
 
 
 def thinned(values: Array, buckets: int = BUCKETS) -> Array:

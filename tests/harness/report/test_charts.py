@@ -15,7 +15,7 @@ from cosim.metrics import drawable
 from cosim.metrics.criteria import Verdict
 from cosim.report import charts, curves, drawing
 from cosim.report.charts import ChartData
-from cosim.report.provenance import numbers, origin
+from cosim.report.scenario_section import numbers, origin
 from cosim.scenario.model import Chart, Criterion, Panel, Plot
 from cosim.show import plot
 from cosim.trace.columns import Held
