@@ -114,7 +114,7 @@ def run_tests(
 
             command.check("--report", page)
             contents = command.Contents(command.TITLE, chosen, tuple(study or ()), tuple(document or ()))
-            found = command.write_report(contents, options, page).scenarios
+            found, _ = command.write_report(contents, options, page)
     except runner.StoppedError as error:
         found, stopped = error.outcomes, error
     shown = table.table(found)
@@ -171,9 +171,9 @@ def report_page(
     contents = command.Contents(
         title or command.TITLE, chosen, tuple(study or ()), tuple(document or ()), videos
     )
-    written = command.write_report(contents, options, out)
+    outcomes, studies = command.write_report(contents, options, out)
     print(f"wrote {out}")
-    raise typer.Exit(max(exit_code(written.scenarios), FAILED if False in written.studies else 0))
+    raise typer.Exit(max(exit_code(outcomes), FAILED if False in studies else 0))
 
 
 def exit_code(outcomes: Mapping[str, Outcome]) -> int:

@@ -17,20 +17,16 @@ Line = Callable[[int], str]
 
 
 def lines(recorded: Recorded) -> list[Line]:
-    """Lines of a picture: time, changing enumerations, then the first column of each panel of the plot."""
+    """Lines of a picture: time, changing enumerations, states first, then key numbers."""
     times = recorded.columns["time"]
+    moving = [name for name in recorded.items if name in recorded.columns and np.ptp(recorded.columns[name])]
+    states = sorted(moving, key=lambda name: not name.endswith(".state"))[:MAX_STATES]
     digits = max(0, min(6, 2 - int(np.floor(np.log10(max(times[-1], 1e-6) / 10.0)))))
     return [
         lambda row: f"t = {times[row]:.{digits}f} s",
-        *(state(recorded, name) for name in states(recorded)),
+        *(state(recorded, name) for name in states),
         *numbers(recorded)[:MAX_NUMBERS],
     ]
-
-
-def states(recorded: Recorded) -> list[str]:
-    """Return changing columns of enumerations, states first."""
-    moving = [name for name in recorded.items if name in recorded.columns and np.ptp(recorded.columns[name])]
-    return sorted(moving, key=lambda name: not name.endswith(".state"))[:MAX_STATES]
 
 
 def state(recorded: Recorded, name: str) -> Line:
@@ -43,11 +39,12 @@ def state(recorded: Recorded, name: str) -> Line:
 
 def numbers(recorded: Recorded) -> list[Line]:
     """Key numbers: the first column of each panel, or changing ground-truth signals."""
-    found = []
-    for panel in recorded.scenario.plot.panels:
-        name = panel.columns[0] if panel.columns else ""
-        if name in recorded.columns and name not in recorded.items:
-            found.append(quantity(recorded, name, panel.unit, panel.scale))
+    found = [
+        quantity(recorded, name, panel.unit, panel.scale)
+        for panel in recorded.scenario.plot.panels
+        for name in panel.columns[:1]
+        if name in recorded.columns and name not in recorded.items
+    ]
     truths = [n for n in recorded.columns if n.startswith("plant.") and not n.startswith(COORDINATE)]
     return found or [quantity(recorded, name) for name in truths if np.ptp(recorded.columns[name]) > 0.0]
 

@@ -31,13 +31,13 @@ class Enlargement:
         self.factors = factors
         self.centers: dict[str, float] = {}
         self.qpos = motion.qpos.copy()
-        for i, name in enumerate(motion.names):
-            if name in factors:
-                curve = motion.qpos[:, i]
-                span, home = float(np.ptp(curve)), float(motion.model.qpos0[i])
-                near = curve.min() - span <= home <= curve.max() + span
-                center = self.centers[name] = home if near else float(curve.mean())
-                self.qpos[:, i] = center + factors[name] * (curve - center)
+        for name, factor in factors.items():
+            i = motion.names.index(name)
+            curve = motion.qpos[:, i]
+            span, home = float(np.ptp(curve)), float(motion.model.qpos0[i])
+            near = curve.min() - span <= home <= curve.max() + span
+            center = self.centers[name] = home if near else float(curve.mean())
+            self.qpos[:, i] = center + factor * (curve - center)
 
     def value(self, joint: str, value: float) -> float:
         """Drawn value of a coordinate."""
@@ -49,14 +49,10 @@ class Enlargement:
     @property
     def texts(self) -> list[str]:
         """Texts about enlarged coordinates, one for each factor."""
-        by_factor: dict[float, list[str]] = {}
+        names: dict[float, list[str]] = {}
         for name, factor in self.factors.items():
-            by_factor.setdefault(factor, []).append(name.removeprefix(COORDINATE))
-        return [
-            f"drawn {number(factor)} x larger: {', '.join(names)}"
-            for factor, names in by_factor.items()
-            if factor != 1.0
-        ]
+            names.setdefault(factor, []).append(name.removeprefix(COORDINATE))
+        return [f"drawn {number(f)} x larger: {', '.join(of)}" for f, of in names.items() if f != 1.0]
 
 
 def enlargement(motion: Motion, options: Sequence[str]) -> Enlargement:
@@ -75,15 +71,13 @@ def parse_factors(options: Sequence[str], motion: Motion) -> dict[str, float]:
         except ValueError:
             factor = math.nan
         if not (math.isfinite(factor) and factor > 0.0):
-            raise CosimError(
-                f"`--enlarge {option}` has no factor", "Give, for example, `--enlarge 'ring_*=20'`."
-            )
+            hint = "Give, for example, `--enlarge 'ring_*=20'`."
+            raise CosimError(f"`--enlarge {option}` has no factor", hint)
         matching = fnmatch.filter(known, pattern)
         if not matching:
-            raise CosimError(
-                f"`--enlarge {option}`: no coordinate is named `{pattern}`", closest(pattern, known)
-            )
-        factors.update(dict.fromkeys((COORDINATE + name for name in matching), factor))
+            problem = f"`--enlarge {option}`: no coordinate is named `{pattern}`"
+            raise CosimError(problem, closest(pattern, known))
+        factors |= {COORDINATE + name: factor for name in matching}
     return factors
 
 
@@ -93,9 +87,8 @@ def automatic_factors(motion: Motion) -> dict[str, float]:
     A text `enlarge` in the MJCF can name the coordinates, with patterns, `-` for none.
     """
     allowed = patterns(motion)
-    sizes = {"m": float(motion.model.stat.extent), "rad": 1.0}
     factors: dict[str, float] = {}
-    for unit, size in sizes.items():
+    for unit, size in (("m", float(motion.model.stat.extent)), ("rad", 1.0)):
         parts = {
             name: float(np.ptp(motion.qpos[:, i])) / size
             for i, name in enumerate(motion.names)
@@ -103,8 +96,7 @@ def automatic_factors(motion: Motion) -> dict[str, float]:
             and any(fnmatch.fnmatch(name.removeprefix(COORDINATE), one) for one in allowed)
         }
         small = {name: part for name, part in parts.items() if SMALL[0] <= part < SMALL[1]}
-        if small:
-            factors.update(dict.fromkeys(small, round_down(SEEN / max(small.values()))))
+        factors |= {name: round_down(SEEN / max(small.values())) for name in small}
     return factors
 
 

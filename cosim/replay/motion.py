@@ -26,10 +26,6 @@ RECORD = "loop.record_qpos=true"
 """Override with which a run keeps its coordinates."""
 
 
-def unmoved(row: int, enlarged: Enlarged) -> None:
-    """Do nothing, for a machine without parts that are only drawn."""
-
-
 @dataclass(frozen=True)
 class Recorded:
     """A recorded run for replay: its scenario with the plant, and the trace with MuJoCo's coordinates.
@@ -71,7 +67,7 @@ class Motion:
     units: tuple[str, ...]
     times: Array
     qpos: Array
-    draw: Callable[[int, Enlarged], None] = unmoved
+    draw: Callable[[int, Enlarged], None] = lambda row, enlarged: None
 
 
 def motion(recorded: Recorded) -> Motion:
@@ -81,10 +77,8 @@ def motion(recorded: Recorded) -> Motion:
     plants.record_qpos(plant, scenario.plant.name)
     coordinates = plant.coordinates
     names = tuple(f"plant.{one.name}" for one in coordinates)
-    own = "plant."
-    shown = {
-        name.removeprefix(own): recorded.columns[name] for name in recorded.columns if name.startswith(own)
-    }
+    own = [name for name in recorded.columns if name.startswith("plant.")]
+    shown = {name.removeprefix("plant."): recorded.columns[name] for name in own}
     check(recorded.columns, names, scenario)
     if hasattr(plant, "drawn"):
         # drawing may need any ground-truth signal of the plant
@@ -92,15 +86,10 @@ def motion(recorded: Recorded) -> Motion:
         plant = plant.drawn(shown)
     # what is placed at the start and has no coordinates
     reset_plant(plant, scenario, child(recorded.seed, "plant"))
-    return Motion(
-        plant.model,
-        plant.data,
-        names,
-        tuple(one.unit for one in coordinates),
-        recorded.columns["time"],
-        np.column_stack([recorded.columns[name] for name in names]),
-        partial(plant.draw, shown) if hasattr(plant, "draw") else unmoved,
-    )
+    units = tuple(one.unit for one in coordinates)
+    qpos = np.column_stack([recorded.columns[name] for name in names])
+    draw = {"draw": partial(plant.draw, shown)} if hasattr(plant, "draw") else {}
+    return Motion(plant.model, plant.data, names, units, recorded.columns["time"], qpos, **draw)
 
 
 def check(columns: Columns, names: tuple[str, ...], scenario: Scenario) -> None:

@@ -67,8 +67,7 @@ def time_scale(
     if not times[0] <= first < last <= times[-1]:
         problem = f"`--from` = `{first:g}` s to `--to` = `{last:g}` s is outside of the run"
         raise CosimError(problem, f"Choose a part of {times[0]:g} s to {times[-1]:g} s.")
-    count = max(2, round(RATE * seconds))
-    shown = np.linspace(first, last, count)
+    shown = np.linspace(first, last, max(2, round(RATE * seconds)))
     # the row that held at that time
     rows = np.searchsorted(times, shown, side="right") - 1
     return TimeScale(rows, (last - first) / seconds)

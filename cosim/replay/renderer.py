@@ -55,8 +55,7 @@ class Renderer(Closing):
 
     def __init__(self, model: Any, data: Any, size: tuple[int, int], camera: str, poses: Array) -> None:
         self.model, self.data = model, data
-        add_light(model)
-        add_colors(model)
+        add_light_and_colors(model)
         model.vis.global_.offwidth, model.vis.global_.offheight = size
         first, self.inset = cameras(model, camera)
         self.camera = first or free_camera(model, data, size, poses)
@@ -135,16 +134,12 @@ def graphics(size: tuple[int, int]) -> Any:
     return context
 
 
-def add_light(model: Any) -> None:
-    """Add light to a model without light."""
+def add_light_and_colors(model: Any) -> None:
+    """Add light to a model without light, and a color by body to every geom without color and material."""
     if model.nlight == 0:
         model.vis.headlight.ambient[:] = 0.35
         model.vis.headlight.diffuse[:] = 0.6
         model.vis.headlight.specular[:] = 0.25
-
-
-def add_colors(model: Any) -> None:
-    """Set a color by body for every geom without color and material."""
     bodies = {body: number for number, body in enumerate(dict.fromkeys(model.geom_bodyid.tolist()))}
     for geom in range(model.ngeom):
         if model.geom_matid[geom] < 0 and np.allclose(model.geom_rgba[geom], DEFAULT_COLOR):
@@ -162,19 +157,14 @@ def cameras(model: Any, name: str) -> tuple[Any, Any]:
     """Camera of the picture and of its inset; None for a missing camera."""
     known = [model.camera(i).name for i in range(model.ncam)]
     if name and name not in known:
-        raise CosimError(
-            f"the model has no camera `{name}`", closest(name, known) or "Use a camera of the MJCF."
-        )
-    wanted = [name] if name else [one for one in (CLOSEUP, OVERVIEW) if one in known]
-    found = [fixed_camera(known.index(one)) for one in wanted]
+        hint = closest(name, known) or "Use a camera of the MJCF."
+        raise CosimError(f"the model has no camera `{name}`", hint)
+    found = []
+    for wanted in [name] if name else [one for one in (CLOSEUP, OVERVIEW) if one in known]:
+        camera = mujoco.MjvCamera()
+        camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED.value, known.index(wanted)
+        found.append(camera)
     return tuple((*found, None, None)[:2])
-
-
-def fixed_camera(number: int) -> Any:
-    """Camera of the model by its number."""
-    camera = mujoco.MjvCamera()
-    camera.type, camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED.value, number
-    return camera
 
 
 def free_camera(model: Any, data: Any, size: tuple[int, int], poses: Array) -> Any:

@@ -33,9 +33,8 @@ def check(file: Path, options: ReplayOptions) -> None:
         raise CosimError(f"cannot write a video to `{file}`", f"Use a name that ends in {endings}.")
     check_folder(file)
     width, height = options.size
-    if not (16 <= width <= LARGEST and 16 <= height <= LARGEST) or width % 2 or height % 2:
-        problem = f"`--size` is `{width}x{height}`"
-        raise CosimError(problem, f"Use even numbers from 16 to {LARGEST}.")
+    if not all(16 <= side <= LARGEST and side % 2 == 0 for side in options.size):
+        raise CosimError(f"`--size` is `{width}x{height}`", f"Use even numbers from 16 to {LARGEST}.")
     check_seconds(options.seconds)
     check_packages(file.suffix)
 
@@ -101,13 +100,12 @@ def with_captions(picture: Picture, current: Sequence[str], constant: Sequence[s
     size = max(10, picture.shape[0] // 30)
     font = ImageFont.load_default(size)
     y = 0
-    for texts in filter(None, (current, constant)):
-        box = draw.multiline_textbbox((0, 0), "\n".join(texts), font=font, spacing=size // 4)
-        width, height = box[2] + size, box[3] + size
-        draw.rectangle((0, y, width, y + height), fill=(16, 22, 28, 170))
-        corner = (size // 2, y + size // 2 - size // 8)
-        draw.multiline_text(corner, "\n".join(texts), font=font, spacing=size // 4, fill="white")
-        y += height + size // 4
+    options: Any = {"font": font, "spacing": size // 4}
+    for text in filter(None, map("\n".join, (current, constant))):
+        _, _, width, height = draw.multiline_textbbox((0, 0), text, **options)
+        draw.rectangle((0, y, width + size, y + height + size), fill=(16, 22, 28, 170))
+        draw.multiline_text((size // 2, y + size // 2 - size // 8), text, **options, fill="white")
+        y += height + size + size // 4
     return np.asarray(image)
 
 

@@ -13,7 +13,7 @@ from cosim.errors import CosimError
 from cosim.replay.enlarge import enlargement
 from cosim.replay.motion import Recorded, motion
 from cosim.replay.playback import RATE, ReplayOptions, time_scale
-from cosim.replay.renderer import add_colors, add_light, set_pose
+from cosim.replay.renderer import add_light_and_colors, set_pose
 
 
 def show(recorded: Recorded, options: ReplayOptions) -> None:
@@ -21,10 +21,8 @@ def show(recorded: Recorded, options: ReplayOptions) -> None:
     moved = motion(recorded)
     scale = time_scale(moved.times, options.seconds, options.begin, options.end)
     larger = enlargement(moved, options.enlarge)
-    add_light(moved.model)
-    add_colors(moved.model)
-    viewer = open_window(moved.model, moved.data)
-    try:
+    add_light_and_colors(moved.model)
+    with open_window(moved.model, moved.data) as viewer:
         begun = time.monotonic()
         while viewer.is_running():
             picture = round(RATE * (time.monotonic() - begun))
@@ -34,8 +32,6 @@ def show(recorded: Recorded, options: ReplayOptions) -> None:
                 set_pose(moved.model, moved.data, larger.qpos[row], draw)
             viewer.sync()
             time.sleep(1.0 / RATE)
-    finally:
-        viewer.close()
 
 
 def open_window(model: Any, data: Any) -> Any:

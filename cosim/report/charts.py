@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,11 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.errors import CosimError
+from cosim.errors import CosimError, ScenarioError, closest
+from cosim.loop import own_code
 from cosim.loop.result import Result
 from cosim.metrics.drawable import numbered
 from cosim.metrics.expression import Expression, Items
-from cosim.report import bode, curves, fields
+from cosim.report import curves
 from cosim.report.curves import Cells, Evaluate, Line
 from cosim.scenario.model import Chart, Scenario
 from cosim.show import marks
@@ -24,6 +26,8 @@ from cosim.trace.columns import Array, Columns, InOrder
 
 Limits = Mapping[str, Named]
 """Limits on values, by plotted column."""
+KnownItems = Mapping[str, Items | None]
+"""Items of enumerations by column; None for other columns."""
 FEW = 60
 """Maximum number of points with markers."""
 CELLS = 60
@@ -80,25 +84,14 @@ class ChartData:
     def packed(self) -> dict[str, Any]:
         """Return plain data for the script of the page."""
         chart, cells = self.chart, self.cells
+        own = ("x_label", "label", "points", "integer", "marks", "levels")
         return {
-            "title": chart.title,
+            **{name: getattr(chart, name) for name in ("title", "log", "x_log", "equal")},
+            **{name: getattr(self, name) for name in own},
             "polar": chart.kind == "polar",
-            "x_label": self.x_label,
-            "label": self.label,
-            "log": chart.log,
-            "x_log": chart.x_log,
-            "equal": chart.equal,
-            "points": self.points,
-            "integer": self.integer,
-            "marks": self.marks,
-            "levels": self.levels,
             "lines": [
-                {
-                    "name": line.name,
-                    "x": packed_values(line.x, chart.x_log),
-                    "y": packed_values(line.y, chart.log),
-                }
-                for line in self.lines
+                {"name": name, "x": packed_values(x, chart.x_log), "y": packed_values(y, chart.log)}
+                for name, x, y in self.lines
             ],
             "cells": None
             if cells is None
@@ -113,14 +106,13 @@ def packed_values(values: Array, log: bool = False) -> dict[str, Any]:
     """
     if log:
         values = np.log10(np.where(values > 0.0, values, np.nan))
-    finite = values[np.isfinite(values)]
+    known = np.isfinite(values)
+    finite = values[known]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     span = high - low or 1.0
-    numbers: NDArray[np.uint16] = np.full(len(values), STEPS + 1, np.uint16)
-    known = np.isfinite(values)
-    numbers[known] = np.round((values[known] - low) / span * STEPS)
-    text = base64.b64encode(numbers.astype("<u2").tobytes()).decode()
-    return {"low": low, "span": span, "data": text}
+    numbers = np.full(len(values), STEPS + 1, "<u2")
+    numbers[known] = np.round((finite - low) / span * STEPS)
+    return {"low": low, "span": span, "data": base64.b64encode(numbers.tobytes()).decode()}
 
 
 def labelled(label: str, unit: str) -> str:
@@ -136,11 +128,7 @@ def of_run(scenario: Scenario, result: Result) -> tuple[list[ChartData], list[st
 
 
 def of_columns(
-    charts: Sequence[Chart],
-    columns: Columns,
-    items: Mapping[str, Items | None],
-    folder: Path,
-    limits: Limits,
+    charts: Sequence[Chart], columns: Columns, items: KnownItems, folder: Path, limits: Limits
 ) -> tuple[list[ChartData], list[str]]:
     """Make the nonempty charts of a table; return also the reasons for missing charts.
 
@@ -157,51 +145,50 @@ def of_columns(
 
 
 def of_chart(
-    chart: Chart, columns: Columns, items: Mapping[str, Items | None], folder: Path, limits: Limits
+    chart: Chart, columns: Columns, items: KnownItems, folder: Path, limits: Limits
 ) -> list[ChartData]:
     """Make the charts of one entry: two for `bode`, one for each map of a `field`, none without content."""
     if chart.kind == "bode":
         return open_loop(chart, columns)
+    value = evaluator(chart, columns, items)
     if chart.kind == "map":
-        cells = map_cells(chart, columns, items)
+        cells = map_cells(chart, value)
         return [] if cells is None else [ChartData(chart, cells=cells)]
     if chart.kind == "field":
-        maps = fields.maps(chart, selected(chart, columns, items), folder)
+        rows = np.logical_and.reduce(masks(chart, value))
+        maps = field_maps(chart, [value(text)[rows] for text in chart.y], folder)
         return [ChartData(replace(chart, title=f"{chart.title}: {name}"), cells=one) for name, one in maps]
-    drawn = lines(chart, columns, items)
+    drawn = lines(chart, value)
     return [with_limits(chart, drawn, limits)] if drawn else []
 
 
 def with_limits(chart: Chart, drawn: Sequence[Line], limits: Limits) -> ChartData:
     """Chart with the limits on its columns, as positions of `x` or as values, unless they flatten it."""
-    found = dict.fromkeys(
+    found = [
         (chart.scale * limit, label)
         for name in chart.y
         for limit, label in limits.get(name, ())
         if chart.kind in LIMITED and not (chart.log and limit <= 0.0)
-    )
+    ]
     if chart.kind == "share":
-        own = {(chart.x_scale / chart.scale * limit, label): None for limit, label in found}
-        return ChartData(chart, drawn, marks=marks.visible([*own], [line.x for line in drawn]))
-    return ChartData(chart, drawn, levels=marks.visible([*found], [line.y for line in drawn]))
+        own = [(chart.x_scale / chart.scale * limit, label) for limit, label in found]
+        return ChartData(chart, drawn, marks=marks.visible(own, [line.x for line in drawn]))
+    return ChartData(chart, drawn, levels=marks.visible(found, [line.y for line in drawn]))
 
 
 def open_loop(chart: Chart, trace: Columns) -> list[ChartData]:
     """Gain and phase of an open loop, each a chart, with the margins; none without two points."""
-    frequency, gain, phase = (
-        np.array([trace[one][-1] for one in numbered(name, trace)]) for name in (chart.x, *chart.y)
-    )
-    count = min(map(len, (frequency, gain, phase)))
-    found = bode.response(frequency[:count], gain[:count], phase[:count], chart.closed)
+    names = zip(*(numbered(name, trace) for name in (chart.x, *chart.y)), strict=False)
+    points = [[trace[name][-1] for name in point] for point in names]
+    frequency, gain, phase = np.array(points).reshape(-1, 3).T
+    found = curves.response(frequency, gain, phase, chart.closed)
     if found is None:
         return []
-    margins = (found.phase_margin(), True), (found.gain_margin(), False)
-    marked = [
-        (chart.x_scale * margin.frequency, bode.margin_text(margin, chart.x_scale, chart.x_unit, is_phase))
-        for margin, is_phase in margins
-        if margin is not None
-    ]
     x = chart.x_scale * found.frequency
+    marked = [
+        (chart.x_scale * at, f"{text} at {chart.x_scale * at:.4g} {chart.x_unit}".strip())
+        for at, text in found.margins()
+    ]
     drawn = (
         ("gain", "", True, found.gain, 1.0),
         ("phase", "deg", False, np.degrees(found.phase), -180.0),
@@ -217,7 +204,7 @@ def open_loop(chart: Chart, trace: Columns) -> list[ChartData]:
     ]
 
 
-def evaluator(chart: Chart, columns: Columns, items: Mapping[str, Items | None]) -> Evaluate:
+def evaluator(chart: Chart, columns: Columns, items: KnownItems) -> Evaluate:
     """Return a function for the value of an expression of a chart in each row, shape (rows,).
 
     It raises an `ExpressionError` for neither one number nor one for each row.
@@ -236,21 +223,15 @@ def evaluator(chart: Chart, columns: Columns, items: Mapping[str, Items | None])
     return value
 
 
-def selected(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Array]:
-    """Values of each `y` in the rows that meet all parts."""
-    value = evaluator(chart, trace, items)
-    parts = [value(text) != 0.0 for text in chart.parts]
-    rows = np.logical_and.reduce([np.ones(len(trace["time"]), dtype=bool), *parts])
-    return [value(text)[rows] for text in chart.y]
+def masks(chart: Chart, value: Evaluate) -> list[NDArray[np.bool_]]:
+    """Rows of each part; all rows without parts."""
+    return [value(part) != 0.0 for part in chart.parts or ("1",)]
 
 
-def map_cells(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> Cells | None:
+def map_cells(chart: Chart, value: Evaluate) -> Cells | None:
     """Sum of the weights in each cell, relative to the largest sum; None if it is not positive."""
-    texts = (chart.x, chart.y[0], chart.weight, *chart.parts)
-    x, y, weight, *parts = map(evaluator(chart, trace, items), texts)
-    rows = np.logical_and.reduce(
-        [np.isfinite(x), np.isfinite(y), np.isfinite(weight), *(part != 0.0 for part in parts)]
-    )
+    x, y, weight = map(value, (chart.x, chart.y[0], chart.weight))
+    rows = np.logical_and.reduce([*map(np.isfinite, (x, y, weight)), *masks(chart, value)])
     if not rows.any() or not np.ptp(x[rows]) or not np.ptp(y[rows]):
         return None
     ends = [(float(each[rows].min()), float(each[rows].max())) for each in (x, y)]
@@ -263,23 +244,18 @@ def map_cells(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -
     return Cells(chart.x_scale * across, chart.scale * up, found.T / found.max())
 
 
-def lines(chart: Chart, trace: Columns, items: Mapping[str, Items | None]) -> list[Line]:
+def lines(chart: Chart, value: Evaluate) -> list[Line]:
     """Lines of a chart, without empty and constant ones."""
-    value = evaluator(chart, trace, items)
-    masks = [value(part) != 0.0 for part in chart.parts] or [np.ones(len(trace["time"]), dtype=bool)]
+    rows = masks(chart, value)
+    found: list[Line] = []
     if chart.kind == "roc":
-        named = zip(chart.y, chart.names or chart.y, strict=True)
-        found = [line for y, name in named for line in curves.roc(name, value(y), *masks)]
+        for y, name in zip(chart.y, chart.names or chart.y, strict=True):
+            found += curves.roc(name, value(y), *rows)
     else:
-        pairs = [(name, mask) for name in chart.y for mask in masks]
-        names = chart.names or [
-            f"{name}, {part}" if part else name for name in chart.y for part in chart.parts or ("",)
-        ]
-        found = [
-            line
-            for (text, mask), name in zip(pairs, names, strict=True)
-            for line in KINDS[chart.kind](chart, name, value(text), mask, value)
-        ]
+        parts = [f", {part}" for part in chart.parts] or [""]
+        names = chart.names or [y + part for y in chart.y for part in parts]
+        for (y, mask), name in zip(itertools.product(chart.y, rows), names, strict=True):
+            found += KINDS[chart.kind](chart, name, value(y), mask, value)
     return [
         Line(line.name, chart.x_scale * line.x, chart.scale * line.y)
         for line in found
@@ -293,3 +269,48 @@ def constant(x: Array, y: Array) -> bool:
     if np.count_nonzero(known) < 2:
         return not known.any()
     return all(np.ptp(each[known]) <= STILL * np.abs(each[known]).max() for each in (x, y))
+
+
+def field_maps(chart: Chart, values: Sequence[Array], folder: Path) -> list[tuple[str, Cells]]:
+    """Make the maps of a chart by name, relative to the largest value; none if it is not above 0.
+
+    `values` are the arguments of the function, `folder` is that of the scenario. An error if there is no such
+    function, it raises, or its result is not a set of maps.
+    """
+    where = f"`plot.charts` `{chart.title}`: the function `{chart.function}`"
+    function = import_function(chart.function, where, folder)
+    try:
+        made = {
+            str(name): [np.asarray(part, dtype=float) for part in one]
+            for name, one in function(*values).items()
+        }
+    except Exception as error:  # the function may raise anything
+        problem = f"{where} failed: {type(error).__name__}: {error}"
+        raise ScenarioError(problem, "Show the origin with `-v`.") from error
+    for name, one in made.items():
+        shapes = [part.shape for part in one]
+        if [part.ndim for part in one] != [1, 1, 2] or shapes[2] != (len(one[1]) - 1, len(one[0]) - 1):
+            problem = f"{where} gives `{name}` of the shapes {shapes}"
+            hint = "Return edges along x (n + 1), edges along y (m + 1), and values (m, n)."
+            raise ScenarioError(problem, hint)
+    known = {name: np.where(np.isfinite(part), part, 0.0) for name, (_, _, part) in made.items()}
+    most = max((float(part.max(initial=0.0)) for part in known.values()), default=0.0)
+    return [
+        (name, Cells(chart.x_scale * x, chart.scale * y, known[name] / most))
+        for name, (x, y, _) in made.items()
+        if most > 0.0
+    ]
+
+
+def import_function(name: str, where: str, folder: Path) -> Any:
+    """Import the function of that name."""
+    module_name, _, function = name.partition(":")
+    try:
+        module = own_code.module(module_name, folder)
+    except Exception as error:  # the module may raise anything
+        problem = f"{where} cannot be imported: {type(error).__name__}: {error}"
+        raise ScenarioError(problem, own_code.where(folder)) from error
+    if not callable(getattr(module, function, None)):
+        public = [key for key, value in vars(module).items() if callable(value)]
+        raise ScenarioError(f"{where} does not exist", closest(function, public))
+    return getattr(module, function)

@@ -9,7 +9,6 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rich.progress import MofNCompleteColumn
 
@@ -54,16 +53,10 @@ def check(option: str, file: Path) -> None:
     check_text(option, file, "an HTML report", BEGINNING)
 
 
-@dataclass(frozen=True)
-class Written:
-    """Outcomes of the scenarios of a report, and whether each study passed."""
-
-    scenarios: runner.Outcomes
-    studies: Sequence[bool | None]
-
-
-def write_report(contents: Contents, options: runner.RunOptions, file: Path) -> Written:
-    """Run the scenarios and studies of a report and write it."""
+def write_report(
+    contents: Contents, options: runner.RunOptions, file: Path
+) -> tuple[runner.Outcomes, list[bool | None]]:
+    """Write a report of new runs; return the outcomes of the scenarios, and whether each study passed."""
     documents = [page.document(document) for document in contents.documents]
     for each in contents.studies:
         study_section.check(each)
@@ -77,7 +70,7 @@ def write_report(contents: Contents, options: runner.RunOptions, file: Path) -> 
         if isinstance(outcome, CosimError)
     ]
     write(page.text(contents.title, scenarios, errors, studies, documents), file)
-    return Written(outcomes, [study["passed"] for study in studies])
+    return outcomes, [study["passed"] for study in studies]
 
 
 def run_scenarios(contents: Contents, options: runner.RunOptions) -> tuple[runner.Outcomes, list[Section]]:
@@ -112,10 +105,9 @@ def make_videos(jobs: Mapping[str, SectionJob], options: runner.RunOptions) -> I
         for name, job in jobs.items()
     }
     with bar(options.quiet, MofNCompleteColumn()) as progress:
-        task: Any = None if progress is None else progress.add_task("videos", total=len(videos))
-        for name, outcome in runner.outcomes(videos, options):
-            if progress is not None:
-                progress.advance(task)
+        outcomes = runner.outcomes(videos, options)
+        shown = progress.track(outcomes, len(videos), description="videos") if progress else outcomes
+        for name, outcome in shown:
             if isinstance(outcome, CosimError):
                 yield name, {"no_video": str(outcome)}
             else:

@@ -43,9 +43,9 @@ CIRCLE = np.linspace(0.0, 2.0 * np.pi, 181)
 
 def views(found: Sequence[PlotView]) -> str:
     """Draw the views of a run side by side, each with its panels; empty without a panel."""
-    if not found or not found[0].panels:
+    rows = len(found[0].panels) if found else 0
+    if not rows:
         return ""
-    rows = len(found[0].panels)
     with figures.styled((6.0 * len(found), 1.7 * rows), STYLE) as figure:
         grid = figure.subplots(rows, len(found), sharex="col", squeeze=False)
         for column, view in zip(grid.T, found, strict=True):

@@ -16,11 +16,12 @@ from cosim import extras, paths
 from cosim.errors import CosimError
 from cosim.extras import PROJECT, version
 from cosim.formatting import strict
-from cosim.report.provenance import SOURCES
 
 FOLDER = Path(__file__).parent / "templates"
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
 """Programs that compute the results, with their distributions."""
+SOURCES = {"paper": "from the paper", "prediction": "prediction", "choice": "choice"}
+"""Source of a limit, as in the report."""
 Section = dict[str, Any]
 """Data of one scenario or study, see `scenario_section.describe` and `study_section.run`."""
 
@@ -55,16 +56,13 @@ def closed_loops(
     scenarios: Sequence[Section], studies: Sequence[Section], documents: Sequence[dict[str, str]]
 ) -> list[ClosedLoop]:
     """Group the parts of a report by closed loop; scenarios and studies are numbered in their order."""
-    loops: dict[str, ClosedLoop] = {}
-
-    def of(name: str) -> ClosedLoop:
-        return loops.setdefault(name, ClosedLoop(name))
-
+    names = [one["loop"] for one in scenarios] + [one["scenario"].partition("/")[0] for one in studies]
+    loops = {name: ClosedLoop(name) for name in names}
     for number, scenario in enumerate(scenarios):
-        of(scenario["loop"]).scenarios.append({**scenario, "number": number})
+        loops[scenario["loop"]].scenarios.append({**scenario, "number": number})
     for index, study in enumerate(studies):
         numbered = {**study, "number": len(scenarios) + index, "index": index + 1}
-        of(study["scenario"].partition("/")[0]).studies.append(numbered)
+        loops[names[numbered["number"]]].studies.append(numbered)
     for document in documents:
         if document["loop"] in loops:
             loops[document["loop"]].documents.append(document)
@@ -94,16 +92,16 @@ def text(
     check()
     import jinja2
 
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(FOLDER),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
+    loader, undefined = jinja2.FileSystemLoader(FOLDER), jinja2.StrictUndefined
+    options: Any = {"autoescape": True, "trim_blocks": True, "lstrip_blocks": True}
+    environment = jinja2.Environment(loader=loader, undefined=undefined, **options)
     environment.filters["markdown"] = inline_markdown
     claims = [claim for scenario in scenarios for claim in scenario["claims"]]
     loops = closed_loops(scenarios, studies, documents)
+    plotted = [
+        {"charts": (*one["charts"], *one.get("distributions", ())), "views": one.get("views", ())}
+        for one in (*scenarios, *studies)
+    ]
     return environment.get_template("page.html").render(
         title=title,
         loops=loops,
@@ -117,14 +115,8 @@ def text(
         script=(FOLDER / "page.js").read_text(encoding="utf-8"),
         library=library(),
         sources=SOURCES,
-        data=compressed(strict.line([plotted(one) for one in (*scenarios, *studies)])),
+        data=compressed(strict.line(plotted)),
     )
-
-
-def plotted(section: Section) -> dict[str, Any]:
-    """Charts and views of a section, as the script of the page draws them."""
-    charts = (*section["charts"], *section.get("distributions", ()))
-    return {"charts": charts, "views": section.get("views", ())}
 
 
 @functools.cache
@@ -183,14 +175,8 @@ def label_cells(tokens: Sequence[Any]) -> None:
 
 def inline_markdown(content: str) -> Any:
     """Line of Markdown as HTML: code and emphasis; links and HTML are shown as text."""
+    from markdown_it import MarkdownIt
     from markupsafe import Markup
 
-    return Markup(inline_renderer().renderInline(content))
-
-
-@functools.cache
-def inline_renderer() -> Any:
-    """Make the renderer of lines once, because its construction is slow."""
-    from markdown_it import MarkdownIt
-
-    return MarkdownIt("commonmark").disable(["link", "image", "autolink", "html_inline"])
+    renderer = MarkdownIt("commonmark").disable(["link", "image", "autolink", "html_inline"])
+    return Markup(renderer.renderInline(content))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import re
 import shlex
 from typing import TYPE_CHECKING, Any
 
@@ -11,20 +13,27 @@ from cosim.errors import ExpressionError
 from cosim.formatting.quantity import text
 from cosim.formatting.verdicts import counted, row
 from cosim.loop.result import Result
-from cosim.report import charts, drawing, provenance
-from cosim.report.page import Section, paragraphs
+from cosim.metrics.criteria import Verdict
+from cosim.report import charts, drawing
+from cosim.report.page import SOURCES, Section, paragraphs
 from cosim.scenario.model import Scenario
 from cosim.scenario.tables import toml_key
 from cosim.show import plot
 from cosim.show.display import injection_text, shorten
-from cosim.show.plot import PanelData, PlotView
+from cosim.show.plot import PlotView
 from cosim.trace.columns import thinned
+from cosim.units import conversion
 
 if TYPE_CHECKING:
     from cosim.loop.session import Session
 
 DIGITS = 3
 """Digits of measured values, as in the table of `cosim test`."""
+NUMBER = re.compile(
+    r"(?<![\w.])([-+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?)\s*((?!to\b)[A-Za-z%](?:[\w/.%]*[\w%])?)?"
+)
+RANGE = re.compile(r"\s*(?:to|-|\.\.)\s*")
+"""Text between two numbers with a common unit."""
 
 
 def describe(scenario: Scenario, result: Result, session: Session) -> Section:
@@ -47,7 +56,10 @@ def describe(scenario: Scenario, result: Result, session: Session) -> Section:
         "plant": scenario.plant.name,
         "fmus": [{"name": fmu.file.path.name, "guid": fmu.file.guid} for fmu in session.fmus],
         "claims": claims(result),
-        "metrics": metrics(result),
+        "metrics": [
+            {"name": one.name, "value": text(one.value, one.unit), "description": one.description}
+            for one in result.metrics.values()
+        ],
         "settings": settings(scenario, session),
         "injected": [f"{entry.to}: {injection_text(entry)}" for entry in scenario.inject],
         "verdict": counted(result.criteria),
@@ -64,20 +76,13 @@ def describe(scenario: Scenario, result: Result, session: Session) -> Section:
 
 def packed(view: PlotView) -> dict[str, Any]:
     """Plain data of a view for the script of the page."""
-    return {**vars(view), "panels": [packed_panel(panel) for panel in view.panels]}
-
-
-def packed_panel(panel: PanelData) -> dict[str, Any]:
-    """Plain data of a panel."""
-    curves = [
-        {
-            "name": curve.name,
-            "stepped": curve.stepped,
-            **charts.packed_values(thinned(curve.values), panel.log),
-        }
-        for curve in panel.curves
-    ]
-    return {**vars(panel), "curves": curves}
+    panels = []
+    for panel in view.panels:
+        values = [charts.packed_values(thinned(curve.values), panel.log) for curve in panel.curves]
+        pairs = zip(panel.curves, values, strict=True)
+        curves = [{"name": curve.name, "stepped": curve.stepped, **packed} for curve, packed in pairs]
+        panels.append({**vars(panel), "curves": curves})
+    return {**vars(view), "panels": panels}
 
 
 def command(scenario: Scenario, seed: int) -> str:
@@ -91,54 +96,66 @@ def claims(result: Result) -> list[dict[str, Any]]:
     """Return claims, measured values and limits."""
     found = []
     for verdict in result.criteria:
-        claim, paper, value, limit, _ = row(verdict, DIGITS)
-        origin = provenance.origin(verdict)
-        found.append(
-            {
-                "id": verdict.criterion.id,
-                "claim": claim,
-                "paper": paper,
-                "measured": value,
-                "limit": limit,
-                "passed": verdict.passed,
-                "number": not verdict.logical,
-                "origin": origin,
-                "source": provenance.SOURCES[origin],
-            }
-        )
+        claim, paper, measured, limit, _ = row(verdict, DIGITS)
+        texts = {"claim": claim, "paper": paper, "measured": measured, "limit": limit}
+        facts = {"id": verdict.criterion.id, "passed": verdict.passed, "number": not verdict.logical}
+        source = origin(verdict)
+        found.append({**texts, **facts, "origin": source, "source": SOURCES[source]})
     return found
-
-
-def metrics(result: Result) -> list[dict[str, str]]:
-    """All metrics."""
-    return [
-        {"name": metric.name, "value": text(metric.value, metric.unit), "description": metric.description}
-        for metric in result.metrics.values()
-    ]
 
 
 def settings(scenario: Scenario, session: Session) -> list[dict[str, str]]:
     """Return the settings of a scenario for loop, FMUs and plant, with unit and description."""
     loop = scenario.loop
-    found = [
-        setting("loop.step", loop.step, "s", "Communication step"),
-        setting("loop.substeps", loop.substeps, "", "Plant steps per communication step"),
-        setting("loop.compute_delay", loop.compute_delay, "", "Delay of commands, steps"),
+    found: list[tuple[str, Any, str, str]] = [
+        ("loop.step", loop.step, "s", "Communication step"),
+        ("loop.substeps", loop.substeps, "", "Plant steps per communication step"),
+        ("loop.compute_delay", loop.compute_delay, "", "Delay of commands, steps"),
     ]
     for choice, fmu in zip(scenario.fmus, session.fmus, strict=True):
         for name, value in choice.parameters.items():
             known = fmu.file.variables.get(name)
             labels = (known.unit, known.description) if known else ("", "")
-            found.append(setting(f"{choice.name}.{name}", value, *labels))
+            found.append((f"{choice.name}.{name}", value, *labels))
     if scenario.plant.name:
         kind: Any = type(session.plant)
         fields = {toml_key(field): field.metadata for field in dataclasses.fields(kind.Parameters)}
         for name, value in scenario.plant.parameters.items():
             unit, description = (str(fields[name].get(key, "")) for key in ("unit", "description"))
-            found.append(setting(f"plant.{name}", value, unit, description))
-    return found
+            found.append((f"plant.{name}", value, unit, description))
+    return [
+        {"name": name, "value": shorten(value), "unit": unit, "description": description}
+        for name, value, unit, description in found
+    ]
 
 
-def setting(name: str, value: Any, unit: str, description: str) -> dict[str, str]:
-    """Return one setting."""
-    return {"name": name, "value": shorten(value), "unit": unit, "description": description}
+def origin(verdict: Verdict) -> str:
+    """Key of `SOURCES`: `source` of the criterion, otherwise derived from the text of the paper.
+
+    Without both it is a choice. From the paper are a claim that is true or false, a limit with a number of
+    the paper, and limits around such a number. Another number is a prediction of the models.
+    """
+    criterion = verdict.criterion
+    if criterion.source or not criterion.paper:
+        return criterion.source or "choice"
+    if isinstance(criterion.equals, bool):
+        return "paper"
+    published = numbers(criterion.paper, verdict.unit)
+    limits = [limit for _, limit in verdict.limits]
+    same = any(math.isclose(number, limit, rel_tol=1e-9) for number in published for limit in limits)
+    around = len(limits) == 2 and any(limits[0] <= number <= limits[1] for number in published)
+    return "paper" if same or around else "prediction"
+
+
+def numbers(words: str, unit: str) -> list[float]:
+    """Find the numbers of a text that convert to a unit; in `50 to 60 mm/s` both are in mm/s."""
+    found, behind, begin = [], "", len(words)
+    for number in reversed([*NUMBER.finditer(words)]):
+        digits, own = number[1], number[2] or ""
+        if not own and RANGE.fullmatch(words, number.end(), begin):
+            own = behind
+        converted = conversion(own or "1", unit or "1")
+        if converted is not None:
+            found.append(converted(float(digits.replace(",", ""))))
+        behind, begin = own, number.start()
+    return found[::-1]

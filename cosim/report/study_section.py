@@ -48,7 +48,10 @@ def run(file: Path, workers: int | None, engine: str, quiet: bool) -> Section:
             "description": paragraphs(plan.study.description),
             "command": f"cosim sweep {shlex.quote(paths.shown(file))}",
             "verdict": summary_tables.verdict(found).plain,
-            "short": short(found),
+            # without criteria there are only completed runs
+            "short": f"{found.rows} runs"
+            if found.passed is None
+            else f"{found.statuses['passed']} of {found.runs} runs passed",
             "passed": found.passed,
             "tables": [plain(table) for table in tables(plan, found, runs)],
             "repeat": plan.commands(runs),
@@ -59,13 +62,6 @@ def run(file: Path, workers: int | None, engine: str, quiet: bool) -> Section:
         }
 
     return run_study(options, describe)
-
-
-def short(found: Summary) -> str:
-    """Return the number of passed runs, or of completed runs without criteria."""
-    if found.passed is None:
-        return f"{found.rows} runs"
-    return f"{found.statuses['passed']} of {found.runs} runs passed"
 
 
 def tables(plan: Plan, found: Summary, worst: list[int]) -> Iterator[Table]:
@@ -103,20 +99,13 @@ def distributions(plan: Plan, found: Summary) -> Iterator[ChartData]:
             for label, part in parts.items()
             for x, share in curves.cumulative(values[part])
         ]
-        limits = [
-            (scale * position, marks.limit_text(entry, relation, limit, entry.unit or found.units[name]))
-            for entry in plan.scenario.criterion
-            if entry.metric == name
-            for position, (relation, limit) in zip(
-                criteria.drawn(entry, found.units[name]), criteria.relations(entry), strict=False
-            )
-        ]
-        chart = Chart(
-            "share",
-            (name,),
-            title=described[name] or name,
-            x_label=name,
-            x_unit="" if unit == "1" else unit,
-            label="cumulative fraction of the runs",
-        )
+        limits = []
+        for entry in (one for one in plan.scenario.criterion if one.metric == name):
+            own = entry.unit or found.units[name]
+            drawn = criteria.drawn(entry, found.units[name])
+            for position, (relation, limit) in zip(drawn, criteria.relations(entry), strict=False):
+                limits.append((scale * position, marks.limit_text(entry, relation, limit, own)))
+        shown = "" if unit == "1" else unit
+        texts: Any = {"x_label": name, "x_unit": shown, "label": "cumulative fraction of the runs"}
+        chart = Chart("share", (name,), title=described[name] or name, **texts)
         yield ChartData(chart, lines, marks=marks.visible(limits, [line.x for line in lines]))

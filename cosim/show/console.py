@@ -68,7 +68,7 @@ class ProgressLines:
         self.before: int | None = None
 
     def __call__(self, done: int, total: int, note: str = "") -> None:
-        """Report the progress, followed by `note`."""
+        """Report percentage, elapsed and remaining time, followed by `note`."""
         now = self.clock()
         # what was done before the start says nothing of the speed
         self.before = done if self.before is None else self.before
@@ -76,13 +76,10 @@ class ProgressLines:
         waited = now - self.last
         if waited >= EVERY or (waited >= TENTH and tenths > self.tenths):
             self.last, self.tenths = now, tenths
-            self.write(self.line(done, total, now - self.begin) + (f", {note}" if note else ""))
-
-    def line(self, done: int, total: int, elapsed: float) -> str:
-        """Percentage, elapsed time and remaining time."""
-        line = f"{self.title}: {100 * done // max(1, total)} % after {clock_text(elapsed)}"
-        new = done - (self.before or 0)
-        return f"{line}, about {clock_text(elapsed * (total - done) / new)} left" if new else line
+            elapsed, new = now - self.begin, done - self.before
+            percent = f"{self.title}: {100 * done // max(1, total)} % after {clock_text(elapsed)}"
+            left = f"about {clock_text(elapsed * (total - done) / new)} left" if new else ""
+            self.write(", ".join(filter(None, (percent, left, note))))
 
 
 def clock_text(seconds: float) -> str:
@@ -135,8 +132,7 @@ def rendered(table: RenderableType, sheet: Sheet) -> str:
     from cosim.show.bar import plain_console
 
     buffer = TextBuffer()
-    buffer.terminal = sheet.terminal
-    buffer.encoding = sheet.encoding
+    buffer.terminal, buffer.encoding = sheet.terminal, sheet.encoding
     width = None if "COLUMNS" in os.environ else sheet.width
     plain_console(file=buffer, width=width).print(table)
     return buffer.getvalue()

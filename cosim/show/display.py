@@ -47,7 +47,12 @@ def scenario(
         if (variables := fmu.file.named(causality))
     }
     if found.plant.name:
-        tables |= plant_tables(found, plant)
+        tables |= {
+            f"plant `{found.plant.name}`: parameters": parameter_table(plant, found.plant.parameters),
+            "plant measurements": channel_table(plant.readings),
+            "plant commands": channel_table(plant.commands),
+            "plant ground truth": channel_table(plant.truths),
+        }
     tables["wires, signals and injections"] = wire_table(found)
     words = {title: re.findall(r"\w+", title) for title in tables}
     for part in wanted:
@@ -55,46 +60,35 @@ def scenario(
             known = dict.fromkeys(word for found in words.values() for word in found if word != "and")
             raise CosimError(f"`{found.name}` has no part `{part}`", closest(part, known))
     shown = [title for title in tables if not wanted or set(words[title]) & set(wanted)]
-    parts = [part for title in shown for part in (heading(title), tables[title])]
+    parts = [part for t in shown for part in (Text(f"\n{t}", style="bold underline"), tables[t])]
     return Group(*([] if wanted else [head(found, fmus)]), *parts)
 
 
 def head(found: Scenario, fmus: Sequence[Instance]) -> Text:
     """Title, description and settings of a scenario."""
     loop = found.loop
-    head = Text()
-    head.append(f"{found.name}: {found.title}\n", style="bold")
+    head = Text().append(f"{found.name}: {found.title}\n", style="bold")
     if found.description.strip():
         head.append(f"\n{found.description.strip()}\n")
     delay = f"compute delay {loop.compute_delay} step" + ("" if loop.compute_delay == 1 else "s")
-    head.append(
-        f"\nloop: step {text(loop.step, 's')}, {loop.substeps} plant steps each, {loop.duration:g} s long,"
-        f" {loop.order}, {delay}, seed {loop.seed}\n"
-    )
-    head.append("\n".join(f"{fmu.name}: {fmu.file.name} ({fmu.file.path.name})" for fmu in fmus))
-    return head
-
-
-def plant_tables(found: Scenario, plant: Plant) -> dict[str, Table]:
-    """Parameters and channels of a plant."""
-    return {
-        f"plant `{found.plant.name}`: parameters": parameter_table(plant, found.plant.parameters),
-        "plant measurements": channel_table(plant.readings),
-        "plant commands": channel_table(plant.commands),
-        "plant ground truth": channel_table(plant.truths),
-    }
+    steps = f"step {text(loop.step, 's')}, {loop.substeps} plant steps each, {loop.duration:g} s long"
+    head.append(f"\nloop: {steps}, {loop.order}, {delay}, seed {loop.seed}\n")
+    return head.append("\n".join(f"{fmu.name}: {fmu.file.name} ({fmu.file.path.name})" for fmu in fmus))
 
 
 def variable_table(variables: list[Variable], given: dict[str, Any]) -> Table:
     """Variables of an FMU."""
-    table = plain_table("name", "value", "unit", "range", "description")
-    for variable in variables:
-        value = given.get(variable.name)
-        start = start_text(variable)
-        table.add_row(
-            variable.name, value_text(value, start), variable.unit, range_text(variable), variable.description
+    rows = [
+        (
+            one.name,
+            value_text(given.get(one.name), start_text(one)),
+            one.unit,
+            range_text(one),
+            one.description,
         )
-    return table
+        for one in variables
+    ]
+    return plain_table("name", "value", "unit", "range", "description", rows=rows)
 
 
 def value_text(given: Any, default: str) -> Text:
@@ -114,15 +108,14 @@ def start_text(variable: Variable) -> str:
 
 def range_text(variable: Variable) -> str:
     """Range of a variable: limits, or the items of an enumeration."""
-    if variable.items:
-        return " ".join(name for name, _ in variable.items)
-    return limits_text(variable.minimum, variable.maximum)
+    items = " ".join(name for name, _ in variable.items)
+    return items or limits_text(variable.minimum, variable.maximum)
 
 
 def limits_text(minimum: Any, maximum: Any) -> str:
     """Two optional limits."""
-    known = [limit not in (None, "") and math.isfinite(float(limit)) for limit in (minimum, maximum)]
-    low, high = (f"{float(limit):g}" if k else "" for k, limit in zip(known, (minimum, maximum), strict=True))
+    limits = [math.inf if limit in (None, "") else float(limit) for limit in (minimum, maximum)]
+    low, high = (f"{limit:g}" if math.isfinite(limit) else "" for limit in limits)
     return f"{low} .. {high}" if low or high else ""
 
 
@@ -134,15 +127,9 @@ def parameter_table(plant: Plant, given: dict[str, Any]) -> Table:
         if field.default_factory is not dataclasses.MISSING:
             default = field.default_factory()
         shown = value_text(given.get(key), "required" if default is dataclasses.MISSING else shorten(default))
-        meta = field.metadata
-        table.add_row(
-            key,
-            shown,
-            str(meta.get("unit", "")),
-            limits_text(meta.get("minimum"), meta.get("maximum")),
-            str(meta.get("description", "")),
-            str(meta.get("source", "")),
-        )
+        unit, *texts = (str(field.metadata.get(name, "")) for name in ("unit", "description", "source"))
+        limits = limits_text(field.metadata.get("minimum"), field.metadata.get("maximum"))
+        table.add_row(key, shown, unit, limits, *texts)
     return table
 
 
@@ -150,15 +137,10 @@ def channel_table(channels: tuple[Channel, ...]) -> Table:
     """Channels of a plant."""
     table = plain_table("name", "unit", "start", "noise", "resolution", "range", "description")
     for channel in channels:
-        table.add_row(
-            channel.name,
-            channel.unit,
-            text(start(channel), channel.unit) if start(channel) else "",
-            text(channel.noise, channel.unit) if channel.noise else "",
-            text(channel.quantum, channel.unit) if channel.quantum else "",
-            limits_text(channel.minimum, channel.maximum),
-            channel.description,
-        )
+        numbers = (start(channel), channel.noise, channel.quantum)
+        shown = (text(number, channel.unit) if number else "" for number in numbers)
+        limits = limits_text(channel.minimum, channel.maximum)
+        table.add_row(channel.name, channel.unit, *shown, limits, channel.description)
     return table
 
 
@@ -174,15 +156,10 @@ def wire_table(found: Scenario) -> Table:
         ]
         table.add_row(wire.to, wire.source, ", ".join(options))
     for signal in found.signal:
-        text_of = (
-            f"{signal.column or 'the column'} of {signal.file}"
-            if signal.file
-            else ", ".join(
-                f"{shorten(value)} from {time:g} s"
-                for time, value in zip(signal.times, signal.values, strict=False)
-            )
-        )
-        table.add_row(signal.to, "signal", text_of)
+        pairs = zip(signal.times, signal.values, strict=False)
+        points = ", ".join(f"{shorten(value)} from {time:g} s" for time, value in pairs)
+        shown = f"{signal.column or 'the column'} of {signal.file}" if signal.file else points
+        table.add_row(signal.to, "signal", shown)
     for entry in found.inject:
         table.add_row(entry.to, "injection", injection_text(entry))
     return table
@@ -206,10 +183,8 @@ def result(found: Result) -> RenderableType:
     if found.criteria:
         parts += ["", criteria_table(found.criteria)]
     if others:
-        table = plain_table("metric", "value", "description")
-        for metric in others:
-            table.add_row(metric.name, text(metric.value, metric.unit), metric.description)
-        parts += ["", table]
+        rows = [(one.name, text(one.value, one.unit), one.description) for one in others]
+        parts += ["", plain_table("metric", "value", "description", rows=rows)]
     return Group(*parts, "", summary(found))
 
 
@@ -242,22 +217,15 @@ def summary(found: Result) -> Text:
 
 def speed(found: Result) -> str:
     """Return the simulated time, and the wall time of a run."""
+    simulated = f"{number(found.simulated_s)} s"
     if not found.wall_s:
-        return f"{number(found.simulated_s)} s evaluated from a stored trace"
-    ratio = found.simulated_s / found.wall_s
-    taken = f"{number(found.simulated_s)} s simulated in {number(found.wall_s, 3)} s"
-    return f"{taken} ({number(ratio, 2)} x real time)"
-
-
-def heading(title: str) -> Text:
-    """Heading of a part."""
-    return Text(f"\n{title}", style="bold underline")
+        return f"{simulated} evaluated from a stored trace"
+    ratio = number(found.simulated_s / found.wall_s, 2)
+    return f"{simulated} simulated in {number(found.wall_s, 3)} s ({ratio} x real time)"
 
 
 def shorten(value: Any) -> str:
     """Value of a parameter as text."""
     if isinstance(value, bool):
         return str(value).lower()
-    if value is None:
-        return ""
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:g}" if isinstance(value, float) else str("" if value is None else value)

@@ -33,10 +33,7 @@ def can_plot() -> bool:
 
 def plots_requested(plots: bool) -> bool:
     """Whether plots are requested and matplotlib is installed; checks that it starts."""
-    if plots and can_plot():
-        library()
-        return True
-    return False
+    return plots and can_plot() and library() is not None
 
 
 def check(file: Path) -> None:

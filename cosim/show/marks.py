@@ -16,8 +16,6 @@ from cosim.units import UNCHANGED, Conversion, conversion
 
 FAR = 2.0
 """Distance of a limit from the lines, in line spans, above which it is not plotted."""
-
-
 Named = Sequence[tuple[float, str]]
 """Limits or times of events (s) with their texts."""
 
@@ -77,19 +75,19 @@ def panel_limits(
     panel: Panel, limits: Mapping[str, Named], unit: DisplayUnit, lines: Sequence[Array]
 ) -> Named:
     """Limits on the columns of a panel in its unit, except those that would make its lines flat."""
-    found = {
-        (unit.factor * limit + unit.offset, label): None
+    found = [
+        (unit.factor * limit + unit.offset, label)
         for name in panel.columns
         for limit, label in limits.get(name, ())
-    }
-    return visible([*found], lines)
+    ]
+    return visible(found, lines)
 
 
 def visible(found: Named, lines: Sequence[Array]) -> Named:
-    """Limits that would not make lines flat."""
+    """Different limits that would not make lines flat."""
     finite = np.concatenate([line[np.isfinite(line)] for line in lines])
     if not finite.size:
         return []
     low, high = float(finite.min()), float(finite.max())
     room = FAR * ((high - low) or abs(high))
-    return [(limit, label) for limit, label in found if low - room <= limit <= high + room]
+    return [each for each in dict.fromkeys(found) if low - room <= each[0] <= high + room]

@@ -51,7 +51,7 @@ def selected_panels(traces: Sequence[StoredTrace], patterns: Sequence[str]) -> S
     wanted = list(dict.fromkeys(name for found in matches.values() for name in found))
     if len(traces) == 1:
         (trace,) = traces
-        data = {"time": trace.times, **{name: trace.data[name] for name in wanted or known}}
+        data = {name: trace.data[name] for name in ("time", *(wanted or known))}
         panels = plot.default_panels(data, trace, every=bool(wanted))
     else:
         moving = [n for n in known if any(n in one.data and plot.moves(one.data[n]) for one in traces)]

@@ -74,9 +74,9 @@ def views(scenario: Scenario, result: Result) -> list[PlotView]:
     panels = scenario.plot.panels or default_panels(trace, result)
     events, limits = marks.events(scenario, result), marks.limits(scenario, result)
     windows = [("the whole run", np.ones(len(trace["time"]), dtype=bool))]
-    for rows in zoomed(scenario, result, trace):
-        if np.count_nonzero(rows) > 1:
-            windows.append((f"around {scenario.plot.zoom}", rows))
+    zoom = zoomed(scenario, result, trace)
+    if np.count_nonzero(zoom) > 1:
+        windows.append((f"around {scenario.plot.zoom}", zoom))
     found = []
     for title, rows in windows:
         times = trace["time"][rows]
@@ -89,12 +89,11 @@ def panel_data(
     panel: Panel, trace: Columns, rows: NDArray[np.bool_], limits: Mapping[str, Named], result: Result
 ) -> PanelData:
     """Curves of a panel in some rows, and the limits near them."""
-    columns = {name: trace[name][rows] for name in panel.columns}
-    unit = unit_of(panel, result, largest(columns.values()))
-    times = trace["time"][rows]
+    columns = [trace[name][rows] for name in panel.columns]
+    unit = unit_of(panel, result, largest(columns))
     curves = [
-        Curve(name, times, unit.factor * values + unit.offset, stepped(values))
-        for name, values in columns.items()
+        Curve(name, trace["time"][rows], unit.factor * values + unit.offset, stepped(values))
+        for name, values in zip(panel.columns, columns, strict=True)
     ]
     # without a positive value there is nothing to show on a logarithmic axis
     log = panel.log and any(bool(np.any(curve.values > 0.0)) for curve in curves)
@@ -117,26 +116,16 @@ def save(scenario: Scenario, result: Result, path: Path) -> None:
                 axes.set_ylabel(panel.unit)
             row[0].set_title(panels[0].title, fontsize=9, loc="left")
             # a limit may be far from the lines of one window and near those of another
-            named = {
-                label: line
-                for axes in row
-                for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
-            }
+            legends = [axes.get_legend_handles_labels() for axes in row]
+            named = {label: line for legend in legends for line, label in zip(*legend, strict=True)}
             row[-1].legend(named.values(), named.keys(), **BESIDE)
         for axes in grid[-1]:
             axes.set_xlabel("time (s)")
         for axes, view in zip(grid[0], shown, strict=True):
             name_events(axes, view.events)
-        figure.suptitle(heading(result), fontsize=10)
+        verdict = {True: ", all criteria passed", False: ", some criteria failed", None: ""}[result.passed]
+        figure.suptitle(f"{result.title}\n{result.scenario}, seed {result.seed}{verdict}", fontsize=10)
         figures.save(figure, path)
-
-
-def heading(result: Result) -> str:
-    """Title of the figure."""
-    verdict = ""
-    if result.criteria:
-        verdict = ", all criteria passed" if result.passed else ", some criteria failed"
-    return f"{result.title}\n{result.scenario}, seed {result.seed}{verdict}"
 
 
 def draw(
@@ -149,15 +138,8 @@ def draw(
     """
     for curve, style in zip(panel.curves, itertools.cycle(styles), strict=False):
         rows = extremes(curve.values, buckets) if buckets else slice(None)
-        steps: Any = "steps-post" if curve.stepped else "default"
-        axes.plot(
-            curve.times[rows],
-            curve.values[rows],
-            label=curve.name,
-            linewidth=1.1,
-            linestyle=style,
-            drawstyle=steps,
-        )
+        options: Any = {"linestyle": style, "drawstyle": "steps-post" if curve.stepped else "default"}
+        axes.plot(curve.times[rows], curve.values[rows], label=curve.name, linewidth=1.1, **options)
     axes.margins(x=0.0)
     if panel.log:
         axes.set_yscale("log", nonpositive="mask")
@@ -244,13 +226,9 @@ def moves(column: NDArray[np.float64]) -> bool:
     return bool(np.any(column != column[0]))
 
 
-def zoomed(scenario: Scenario, result: Result, trace: Columns) -> list[NDArray[np.bool_]]:
-    """Rows of the zoomed part; None if its condition was never true."""
+def zoomed(scenario: Scenario, result: Result, trace: Columns) -> NDArray[np.bool_]:
+    """Rows of the zoomed part; none if there is no condition or it was never true."""
     condition = drawable.zoom(scenario, {name: result.items.get(name) for name in trace})
-    if condition is None:
-        return []
-    moment = float(condition(InOrder(trace)))
-    if not math.isfinite(moment):
-        return []
+    moment = math.nan if condition is None else float(condition(InOrder(trace)))
     time = trace["time"]
-    return [(time >= moment - scenario.plot.before) & (time <= moment + scenario.plot.after)]
+    return (time >= moment - scenario.plot.before) & (time <= moment + scenario.plot.after)

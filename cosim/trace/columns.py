@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,23 +18,12 @@ BUCKETS = 400
 """Number of time intervals; the minimum and maximum of each is shown."""
 
 
-class Held(Mapping[str, Array]):
+class Held(dict[str, Array]):
     """Columns in memory: a structured array with one field per column."""
 
     def __init__(self, table: NDArray[Any]) -> None:
+        super().__init__({name: table[name] for name in table.dtype.names or ()})
         self.table = table
-
-    def __getitem__(self, name: str) -> Array:
-        if name not in (self.table.dtype.names or ()):
-            raise KeyError(name)
-        column: Array = self.table[name]
-        return column
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.table.dtype.names or ())
-
-    def __len__(self) -> int:
-        return len(self.table.dtype.names or ())
 
 
 class InOrder:
@@ -95,8 +84,7 @@ def whole(columns: Columns) -> NDArray[Any]:
     """Read all columns into one structured array."""
     if isinstance(columns, Held):
         return columns.table
-    read = [columns[name] for name in columns]
-    return structured(np.column_stack(read), list(columns))
+    return structured(np.column_stack(list(columns.values())), list(columns))
 
 
 def thinned(values: Array, buckets: int = BUCKETS) -> Array:

@@ -32,9 +32,8 @@ def streams(file: Path) -> bool:
 def streamed(file: Path) -> Path:
     """Return the file for a trace that is written during the run, checked as by `check`."""
     if not streams(file):
-        raise CosimError(
-            f"a trace cannot be streamed to `{file}`", f"Use a name that ends in {listed(PARQUET)}."
-        )
+        hint = f"Use a name that ends in {listed(PARQUET)}."
+        raise CosimError(f"a trace cannot be streamed to `{file}`", hint)
     check(file)
     return file
 

@@ -18,12 +18,8 @@ from cosim.trace.columns import Columns
 from cosim.trace.stored import StoredTrace, check
 from cosim.writing import whole
 
-MODULES = {
-    endings.NPZ: "npz",
-    endings.CSV: "csv_file",
-    **dict.fromkeys(endings.PARQUET, "parquet"),
-    endings.MAT: "mat",
-}
+MODULES = {endings.NPZ: "npz", endings.CSV: "csv_file", endings.MAT: "mat"}
+MODULES |= dict.fromkeys(endings.PARQUET, "parquet")
 """Module of each format: `write` takes columns, their metadata and a stream; `read` a path."""
 HINT = "Use a file of `cosim run --trace`, or a CSV or Parquet file with a column `time`."
 BROKEN = (

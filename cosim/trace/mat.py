@@ -33,10 +33,9 @@ def write(columns: Columns, about: dict[str, Any], stream: BinaryIO) -> None:
     """Write a file."""
     check_rows(len(columns["time"]))
     names = variables(columns)
-    table = np.empty((len(names), 4), dtype=object)
-    for row, (name, variable) in enumerate(names.items()):
-        labels = [about.get(label, {}).get(name, "") for label in ("units", "descriptions")]
-        table[row] = [variable, name, *labels]
+    labels = [about.get(label, {}) for label in ("units", "descriptions")]
+    rows = [[variable, name, *(of.get(name, "") for of in labels)] for name, variable in names.items()]
+    table = np.array(rows, dtype=object)
     own = {"columns": table, "about": strict.line(facts(about))}
     data = {variable: columns[name] for name, variable in names.items()}
     io.savemat(stream, {**data, **own}, long_field_names=True, oned_as="column", do_compression=True)

@@ -124,10 +124,9 @@ def read(path: Path) -> StoredTrace:
         raise ValueError(f"its metadata `{FACTS}` is not a table")
     if END in known:
         about[END] = float(known[END])
+    labels = {one.name: one.metadata or {} for one in data.file.schema_arrow}
     for label in LABELS:
-        about[label] = {}
-        for found in data.file.schema_arrow:
-            text = (found.metadata or {}).get(label.encode())
-            if text is not None:
-                about[label][found.name] = json.loads(text) if label == "items" else text.decode()
+        texts = {name: known[label.encode()] for name, known in labels.items() if label.encode() in known}
+        read_text: Any = json.loads if label == "items" else bytes.decode
+        about[label] = {name: read_text(text) for name, text in texts.items()}
     return with_labels(path, data, about)

@@ -21,18 +21,10 @@ LABELS = ("units", "items", "descriptions")
 
 @dataclass(frozen=True)
 class StoredTrace:
-    """A trace from a file.
+    """A trace from a file: its columns by name, `time` among them, with units and items if the file has them.
 
-    Parameters
-    ----------
-    file
-        The file.
-    data
-        Its columns by name, `time` among them; those of a Parquet file are read on access.
-    units, items
-        Units and items of the columns, if the file has them.
-    about
-        Metadata of the run: scenario, title, seed, simulated time, FMUs, versions.
+    The columns of a Parquet file are read on access. `about` is the metadata of the run: scenario, title,
+    seed, simulated time, FMUs, versions.
     """
 
     file: Path

@@ -11,7 +11,7 @@ import pytest
 
 from cosim.errors import ScenarioError
 from cosim.metrics import drawable
-from cosim.report import bode, charts, drawing
+from cosim.report import charts, curves, drawing
 from cosim.scenario.model import Chart, Controller, Loop, Plot, Scenario
 from cosim.trace.columns import Array, Held
 
@@ -44,7 +44,7 @@ PHASE_MARGIN = math.pi - 3.0 * math.atan(CROSSOVER)
 def test_margins_are_those_of_the_formula(closed: bool) -> None:
     loop = open_loop(OMEGA)
     given = loop / (1.0 + loop) if closed else loop
-    found = bode.response(OMEGA, np.abs(given), np.angle(given), closed)
+    found = curves.response(OMEGA, np.abs(given), np.angle(given), closed)
     assert found is not None
     phase, gain = found.phase_margin(), found.gain_margin()
     assert phase is not None
@@ -55,7 +55,7 @@ def test_margins_are_those_of_the_formula(closed: bool) -> None:
 
 def test_an_unstable_loop_has_a_negative_phase_margin_and_no_gain_margin() -> None:
     given = 3.0 * open_loop(OMEGA)
-    found = bode.response(OMEGA, np.abs(given), np.angle(given), closed=False)
+    found = curves.response(OMEGA, np.abs(given), np.angle(given), closed=False)
     assert found is not None
     phase = found.phase_margin()
     assert phase is not None
@@ -68,7 +68,7 @@ def test_an_unstable_loop_has_a_negative_phase_margin_and_no_gain_margin() -> No
 
 def test_a_loop_below_one_has_no_crossover() -> None:
     given = 0.2 * open_loop(OMEGA)
-    found = bode.response(OMEGA, np.abs(given), np.angle(given), closed=False)
+    found = curves.response(OMEGA, np.abs(given), np.angle(given), closed=False)
     assert found is not None
     assert found.phase_margin() is None
 

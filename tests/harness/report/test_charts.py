@@ -15,7 +15,7 @@ from cosim.metrics import drawable
 from cosim.metrics.criteria import Verdict
 from cosim.report import charts, curves, drawing
 from cosim.report.charts import ChartData
-from cosim.report.provenance import numbers, origin
+from cosim.report.scenario_section import numbers, origin
 from cosim.scenario.model import Chart, Criterion, Panel, Plot
 from cosim.show import plot
 from cosim.trace.columns import Held
@@ -24,7 +24,7 @@ from .traces import ROWS, TIME, lines, points, result, scenario, texts, traced, 
 
 
 def drawn(chart: Chart, trace: Held) -> ChartData:
-    return ChartData(chart, charts.lines(chart, trace, dict.fromkeys(trace)))
+    return ChartData(chart, charts.lines(chart, charts.evaluator(chart, trace, dict.fromkeys(trace))))
 
 
 def test_a_path_has_a_line_for_each_value_of_its_split() -> None:
@@ -154,7 +154,7 @@ def test_a_map_sums_up_in_cells() -> None:
     weight = np.where((way > 1.0) & (way < 2.0), 3.0, 1.0)
     trace = traced(plant_x=x, plant_y=y, plant_w=weight)
     chart = Chart("map", ("plant.y",), x="plant.x", weight="plant.w", x_scale=1e3, equal=True)
-    cells = charts.map_cells(chart, trace, dict.fromkeys(trace))
+    cells = charts.map_cells(chart, charts.evaluator(chart, trace, dict.fromkeys(trace)))
     assert cells is not None
     assert cells.parts.shape == (charts.CELLS, charts.CELLS)
     assert (cells.x[0], cells.x[-1], len(cells.x)) == pytest.approx((0.0, 1e3, charts.CELLS + 1))
@@ -165,7 +165,7 @@ def test_a_map_sums_up_in_cells() -> None:
     assert unpacked(packed) == pytest.approx(cells.parts.ravel(), abs=1e-4)
     assert "<image" in drawing.charts([ChartData(replace(chart, equal=False), cells=cells)])
     nothing = replace(chart, parts=("plant.x > 2",))
-    assert charts.map_cells(nothing, trace, dict.fromkeys(trace)) is None
+    assert charts.map_cells(nothing, charts.evaluator(nothing, trace, dict.fromkeys(trace))) is None
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,8 @@ def traced(**columns: Array) -> Held:
 
 
 def lines(chart: Chart, trace: Held) -> dict[str, tuple[Array, Array]]:
-    return {line.name: (line.x, line.y) for line in charts.lines(chart, trace, dict.fromkeys(trace))}
+    evaluate = charts.evaluator(chart, trace, dict.fromkeys(trace))
+    return {line.name: (line.x, line.y) for line in charts.lines(chart, evaluate)}
 
 
 TIME: Array = (1e-3 * np.arange(ROWS)).astype(np.float64)

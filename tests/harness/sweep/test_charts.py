@@ -55,7 +55,7 @@ def test_a_fraction_of_the_runs_of_a_text_is_drawn() -> None:
     parts = ('controller.detector == "Glr"',)
     wanted = Chart("share", ("metric.depth",), parts=parts, names=("likelihood",), scale=1.0, x_scale=1e9)
     table = results(summarized(3e-7, 2e-7, 1e-7), known)
-    (line,) = charts.lines(wanted, table, known)
+    (line,) = charts.lines(wanted, charts.evaluator(wanted, table, known))
     assert line.name == "likelihood"
     np.testing.assert_allclose(line.x, [100.0, 300.0])
     np.testing.assert_allclose(line.y, [0.5, 1.0])
