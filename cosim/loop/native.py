@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import logging
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
 from cosim.loop.plant import Plant
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
-from cosim.loop.wires.connections import Connections, Slot, whole
+from cosim.loop.wires.connections import Connections, whole
 from cosim.scenario.model import Scenario
 
 log = logging.getLogger("cosim")
@@ -35,15 +35,6 @@ class Call:
     function: int
     references: NDArray[np.uint32]
     values: NDArray[Any]
-
-
-@dataclass(frozen=True)
-class NativeTrigger:
-    """A trigger of `cosim.loop.wires.fault`, its condition as a program."""
-
-    program: condition.Program
-    delay: int
-    begin: Slot
 
 
 @dataclass(frozen=True)
@@ -64,20 +55,19 @@ class NativeFmu:
 
 def choose(engine: Engine, scenario: Scenario, plant: Plant, files: Iterable[FmuFile]) -> Engine:
     """Engine for a scenario, its plant and FMUs: the requested one, or the reference engine."""
+    subject, reason = f"`{scenario.name}`", ""
     if engine == "reference":
         return engine
     if scenario.fmu:
-        log.info(
-            "`%s` runs in the reference engine: the native engine requires a `[controller]`", scenario.name
-        )
-        return "reference"
-    if any(file.version != 2 for file in files):
-        log.info("`%s` runs in the reference engine: the native engine requires FMI 2.0", scenario.name)
-        return "reference"
-    if reason := obstacle(plant):
-        log.info("the plant `%s` runs in the reference engine: %s", scenario.plant.name, reason)
-        return "reference"
-    return engine
+        reason = "the native engine requires a `[controller]`"
+    elif any(file.version != 2 for file in files):
+        reason = "the native engine requires FMI 2.0"
+    elif reason := obstacle(plant):
+        subject = f"the plant `{scenario.plant.name}`"
+    if not reason:
+        return engine
+    log.info("%s runs in the reference engine: %s", subject, reason)
+    return "reference"
 
 
 def obstacle(plant: Any) -> str:
@@ -120,26 +110,24 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     """
     from machining_native import Stepper
 
-    scenario, plant, (fmu,) = parts.scenario, parts.plant, parts.fmus
+    scenario, (fmu,) = parts.scenario, parts.fmus
+    plant: Any = parts.plant
     stop_when, progress = parts.stop_when, parts.progress
-    body: Any = plant
     steps, step = scenario.loop.steps, scenario.loop.step
-    machine = body.machine()
+    machine = plant.machine()
     connections, recorder = parts.connections, reference.recording(parts)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None
-    triggers = reference.triggers_of(parts)
-    programs = [condition.program(trigger.condition, columns) for trigger in triggers]
-    recorder.triggers = [
-        NativeTrigger(program, trigger.delay, Slot(trigger.begins, trigger.index))
-        for trigger, program in zip(triggers, programs, strict=True)
-        if program is not None
+    triggers = [
+        replace(trigger, program=condition.program(trigger.condition, columns))
+        for trigger in reference.triggers_of(parts)
     ]
+    recorder.triggers = [trigger for trigger in triggers if trigger.program is not None]
     calls = controller(fmu)
     stepper = Stepper(machine, calls, connections, recorder, step, scenario.loop.substeps)
     # what native code cannot evaluate is looked at after every step
     look = stop_when if recorder.stop is None else None
-    slow = [trigger for trigger, program in zip(triggers, programs, strict=True) if program is None]
+    slow = [trigger for trigger in triggers if trigger.program is None]
     done, ended, stop = 0, False, None
     parts.place.at(Stage.STEP_BOTH)
     try:
@@ -147,7 +135,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
             parts.place.page.step = done
             room = recorder.room(done)
             until = done + 1 if look or slow else min(done + chunk, steps, room)
-            stop = body.run(stepper, until)
+            stop = plant.run(stepper, until)
             ended = explain(stop, connections, calls, plant)
             if (look or slow) and (row := recorder.row(done)) is not None:
                 for trigger in slow:
@@ -173,6 +161,10 @@ def explain(
 ) -> bool:
     """Whether the condition or the FMU ended the run; otherwise raise the error of the reference engine."""
     match stop:
+        case None:
+            return False
+        case ("stop" | "terminated", _, _):
+            return True
         case ("reading", wire, value):
             raise connections.readings[wire].shape.refusal(value)
         case ("output", wire, value):
@@ -183,6 +175,4 @@ def explain(
             plant.command(connections.commands)
         case ("call", number, status):
             raise FMICallException(calls.name(number), int(status))
-    if stop is not None and stop[0] not in ("stop", "terminated"):
-        raise RuntimeError(f"the native engine stopped for an unknown reason: {stop}")
-    return stop is not None
+    raise RuntimeError(f"the native engine stopped for an unknown reason: {stop}")
