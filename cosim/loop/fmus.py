@@ -17,6 +17,8 @@ from cosim.loop.repeats import NewProcessError
 from cosim.loop.wires.connect import driven
 from cosim.scenario.model import Scenario
 
+Arguments = tuple[FmuFile, list[Variable], list[Variable], bool, NamedFmu]
+"""Arguments of an `Instance`."""
 loaded: dict[Path, FmuFile] = {}
 """FMUs that this process has loaded, by their extracted folders."""
 strict = False
@@ -86,17 +88,12 @@ def open_instances(
     place: Place,
 ) -> tuple[Instance, ...]:
     """Instances of the FMUs; suitable previous instances are reused, the others closed."""
-    arguments = {
-        choice.name: (
-            files[choice.name],
-            driven(scenario, choice, files[choice.name]),
-            recorder.recorded(files[choice.name], scenario.loop.record_locals),
-            log_events,
-            choice,
-        )
-        for choice in scenario.fmus
-    }
-    fitting = {fmu.name: fmu for fmu in before if fmu.name in arguments and fits(fmu, *arguments[fmu.name])}
+    arguments: dict[str, Arguments] = {}
+    for choice in scenario.fmus:
+        file = files[choice.name]
+        outputs = recorder.recorded(file, scenario.loop.record_locals)
+        arguments[choice.name] = file, driven(scenario, choice, file), outputs, log_events, choice
+    fitting = {fmu.name: fmu for fmu in before if fmu.name in arguments and fits(fmu, arguments[fmu.name])}
     close([fmu for fmu in before if fmu not in fitting.values()], place)
     opened: list[Instance] = []
     try:
@@ -110,15 +107,9 @@ def open_instances(
     return tuple(opened)
 
 
-def fits(
-    fmu: Instance,
-    file: FmuFile,
-    inputs: list[Variable],
-    outputs: list[Variable],
-    log_events: bool,
-    choice: NamedFmu,
-) -> bool:
+def fits(fmu: Instance, arguments: Arguments) -> bool:
     """Whether an instance can be used as one that is constructed with these arguments."""
+    file, inputs, outputs, log_events, choice = arguments
     # the texts of an FMU in messages
     names = [(one.name, one.fmu, one.alone) for one in (fmu.owner, choice)]
     transferred = fmu.driven == inputs and fmu.recorded == outputs and fmu.log_events == log_events

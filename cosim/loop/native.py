@@ -5,12 +5,12 @@ from __future__ import annotations
 import ctypes
 import logging
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
-from numpy.typing import NDArray
 
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.binding import Bank
@@ -25,32 +25,6 @@ from cosim.scenario.model import Scenario
 
 log = logging.getLogger("cosim")
 DO_STEP = "fmi2DoStep"
-
-
-@dataclass(frozen=True)
-class Call:
-    """One FMI call that transfers the values of a bank: function address and argument arrays."""
-
-    name: str
-    function: int
-    references: NDArray[np.uint32]
-    values: NDArray[Any]
-
-
-@dataclass(frozen=True)
-class NativeFmu:
-    """Addresses of an initialized FMU."""
-
-    component: int
-    set: list[Call]
-    step: int
-    status: int
-    get: list[Call]
-    owner: Instance
-
-    def name(self, number: int) -> str:
-        """Name of the call of this number, in the order of a step."""
-        return [*(call.name for call in self.set), DO_STEP, *(call.name for call in self.get)][number]
 
 
 def choose(engine: Engine, scenario: Scenario, plant: Plant, files: Iterable[FmuFile]) -> Engine:
@@ -83,23 +57,44 @@ def obstacle(plant: Any) -> str:
     return ""
 
 
-def controller(fmu: Instance) -> NativeFmu:
-    """Return the function addresses of an FMU, from FMPy's handle of its library."""
+def controller(fmu: Instance) -> SimpleNamespace:
+    """Return the function addresses of an initialized FMU, from FMPy's handle of its library.
+
+    `names` are the names of its calls in the order of a step.
+    """
 
     def function(name: str) -> int:
         return ctypes.cast(getattr(fmu.fmi.slave.dll, name), ctypes.c_void_p).value or 0
 
-    def call(verb: str, bank: Bank) -> Call:
-        name = f"fmi2{verb}{bank.base}"
-        return Call(name, function(name), np.array(bank.references[:], np.uint32), bank.values)
+    def call(name: str, bank: Bank) -> SimpleNamespace:
+        references = np.array(bank.references[:], np.uint32)
+        return SimpleNamespace(function=function(name), references=references, values=bank.values)
 
-    return NativeFmu(
+    setters = [(f"fmi2Set{bank.base}", bank) for bank in fmu.inputs]
+    getters = [(f"fmi2Get{bank.base}", bank) for bank in fmu.outputs]
+    return SimpleNamespace(
         component=fmu.fmi.slave.component,
-        set=[call("Set", bank) for bank in fmu.inputs],
+        set=[call(*one) for one in setters],
         step=function(DO_STEP),
         status=function("fmi2GetBooleanStatus"),
-        get=[call("Get", bank) for bank in fmu.outputs],
-        owner=fmu,
+        get=[call(*one) for one in getters],
+        names=[*(name for name, _ in setters), DO_STEP, *(name for name, _ in getters)],
+        # keeps the addresses valid
+        fmu=fmu,
+    )
+
+
+def links(connections: Connections) -> SimpleNamespace:
+    """Return the connections of the only FMU and the plant as the stepper reads them."""
+    (fmu,), plant = connections.fmus, connections.plant
+    return SimpleNamespace(
+        sensed=connections.sensed,
+        commands=connections.commands,
+        readings=fmu.wires,
+        drives=[*fmu.drives, *plant.drives],
+        input_faults=fmu.faults,
+        outputs=plant.wires,
+        command_faults=plant.faults,
     )
 
 
@@ -124,7 +119,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     ]
     recorder.triggers = [trigger for trigger in triggers if trigger.program is not None]
     calls = controller(fmu)
-    stepper = Stepper(machine, calls, connections, recorder, step, scenario.loop.substeps)
+    stepper = Stepper(machine, calls, links(connections), recorder, step, scenario.loop.substeps)
     # what native code cannot evaluate is looked at after every step
     look = stop_when if recorder.stop is None else None
     slow = [trigger for trigger in triggers if trigger.program is None]
@@ -150,15 +145,13 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
         raise reference.located(error, fmu, scenario, stepper.k) from error
     if stepper.warned is not None:
         number, time = stepper.warned
-        fmu.warned = fmu.warned or (calls.name(number), time)
+        fmu.warned = fmu.warned or (calls.names[number], time)
     if stop is not None and stop[0] == "terminated":
         fmu.ended = (done - 1) * step
     return reference.recorded(parts, recorder, done)
 
 
-def explain(
-    stop: tuple[str, int, float] | None, connections: Connections, calls: NativeFmu, plant: Plant
-) -> bool:
+def explain(stop: tuple[str, int, float] | None, connections: Connections, calls: Any, plant: Plant) -> bool:
     """Whether the condition or the FMU ended the run; otherwise raise the error of the reference engine."""
     match stop:
         case None:
@@ -166,13 +159,13 @@ def explain(
         case ("stop" | "terminated", _, _):
             return True
         case ("reading", wire, value):
-            raise connections.readings[wire].shape.refusal(value)
+            raise connections.fmus[0].wires[wire].shape.refusal(value)
         case ("output", wire, value):
-            raise connections.outputs[wire].shape.refusal(value)
+            raise connections.plant.wires[wire].shape.refusal(value)
         case ("integer", _, value):
             whole(value)
         case ("command", _, _):
             plant.command(connections.commands)
         case ("call", number, status):
-            raise FMICallException(calls.name(number), int(status))
+            raise FMICallException(calls.names[number], int(status))
     raise RuntimeError(f"the native engine stopped for an unknown reason: {stop}")

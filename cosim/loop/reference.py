@@ -37,10 +37,6 @@ class Recording(NamedTuple):
     steps: int
     begins: NDArray[np.float64]
 
-    def injected(self, step: float) -> tuple[float | None, ...]:
-        """Start time of each injection; None if it did not start."""
-        return tuple(k * step if k < self.steps else None for k in self.begins.tolist())
-
 
 @dataclass(frozen=True)
 class Parts:

@@ -169,10 +169,11 @@ class Session(Closing):
                 if outcome is not None:
                     first = repeats.FirstRun(scenario, self.engine, seed, outcome)
                     repeats.first_runs.setdefault(self.key, first)
+            step, begins = scenario.loop.step, done.begins.tolist()
             result = replace(
                 result,
-                simulated_s=done.steps * scenario.loop.step,
-                injected=done.injected(scenario.loop.step),
+                simulated_s=done.steps * step,
+                injected=tuple(k * step if k < done.steps else None for k in begins),
                 wall_s=time.perf_counter() - begin,
                 trace=structured(done.table, list(self.columns)) if file is None else None,
                 file=file,
@@ -202,7 +203,8 @@ class Session(Closing):
         from cosim.trace.parquet import streaming
 
         with streaming(file, list(self.columns), known.about()) as writer:
-            done = self._steps(replace(parts, sink=sums.onto(writer)))
+            sums.sink, sums.rows = writer, writer.rows
+            done = self._steps(replace(parts, sink=sums))
             writer.finish(done.steps * self.scenario.loop.step)
         return done
 
@@ -224,7 +226,10 @@ class Session(Closing):
             repeats.verdicts[self.key, used] = same
             self.place.page.repeated += 1
         if not known:
-            raise repeats.unrepeatable(self.place.ran())
+            problem = "keeps state: its first run gives other results when it is repeated in the same process"
+            error = repeats.NewProcessError(f"{self.place.ran()} {problem}", repeats.SEPARATE)
+            error.state = True
+            raise error
 
     def _repeated(self, first: repeats.FirstRun, used: bool, interrupt: Callable[[], None]) -> object:
         """Outcome of another run, with the instances of this session if they are used, otherwise new ones."""
