@@ -64,12 +64,7 @@ class Recorder:
     """
 
     def __init__(
-        self,
-        fmus: Sequence[Instance],
-        plant: Plant,
-        steps: int,
-        every: int = 1,
-        sink: Sink | None = None,
+        self, fmus: Sequence[Instance], plant: Plant, steps: int, every: int = 1, sink: Sink | None = None
     ) -> None:
         self.plant, self.every, self.sink = plant, every, sink
         self.stop: Program | None = None

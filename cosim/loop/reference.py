@@ -16,7 +16,7 @@ from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
 from cosim.loop.condition import Program
 from cosim.loop.place import Place, Stage
-from cosim.loop.plant import Plant, one_each, problem_and_hint, starts
+from cosim.loop.plant import Plant, one_each, problem_and_hint
 from cosim.loop.recorder import Recorder, Sink
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.connections import Connections, Inputs, Slot
@@ -59,6 +59,24 @@ class Parts:
     sink: Sink | None = None
 
 
+@dataclass(frozen=True)
+class Trigger:
+    """Starts an injection `delay` steps after the first row that meets a condition: writes its `begin`.
+
+    `program` is the condition for native code, if it can evaluate it.
+    """
+
+    condition: Expression
+    delay: int
+    begin: Slot
+    program: Program | None = None
+
+    def __call__(self, row: NDArray[np.float64], k: int) -> None:
+        """Evaluate the row of step `k`."""
+        if self.begin.read() == NEVER and self.condition(row):
+            self.begin.write(k + self.delay)
+
+
 def run(parts: Parts) -> Recording:
     """Run FMUs and plant in closed loop; an error names step and time.
 
@@ -99,7 +117,7 @@ def initialise(
     place.at(Stage.RESET_PLANT)
     reset_plant(plant, scenario, child(seed, "plant"))
     place.at(Stage.NONE)
-    connector = Connector(scenario, fmus, plant, starts(plant.commands), seed)
+    connector = Connector(scenario, fmus, plant, seed)
     connections = connector.connections()
     loop = scenario.loop
     place.at(Stage.STEP_PLANT)
@@ -190,24 +208,6 @@ def locating(fmu: Instance, scenario: Scenario) -> Iterator[None]:
         raise
     except BaseException as error:  # a panic of Rust is no `Exception`
         raise located(error, fmu, scenario, 0) from error
-
-
-@dataclass(frozen=True)
-class Trigger:
-    """Starts an injection `delay` steps after the first row that meets a condition: writes its `begin`.
-
-    `program` is the condition for native code, if it can evaluate it.
-    """
-
-    condition: Expression
-    delay: int
-    begin: Slot
-    program: Program | None = None
-
-    def __call__(self, row: NDArray[np.float64], k: int) -> None:
-        """Evaluate the row of step `k`."""
-        if self.begin.read() == NEVER and self.condition(row):
-            self.begin.write(k + self.delay)
 
 
 def triggers_of(parts: Parts) -> list[Trigger]:

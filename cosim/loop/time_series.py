@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cosim import extras, paths
 from cosim.errors import CosimError, ScenarioError, closest
@@ -44,26 +44,21 @@ class TimeSeries:
 
 
 def sample(
-    times: Sequence[float] | NDArray[np.float64],
-    values: Sequence[float] | NDArray[np.float64],
-    step: float,
-    steps: int,
-    interpolation: Interpolation = "hold",
+    times: ArrayLike, values: ArrayLike, step: float, steps: int, interpolation: Interpolation = "hold"
 ) -> NDArray[np.float64]:
     """Value of a time series at each `k * step`, shape (steps,); the last value is held to the end.
 
     The times in s do not decrease, and the first is not after 0.
     """
-    grid, times, known = np.arange(steps), np.asarray(times), np.asarray(values, np.float64)
+    grid, t, known = np.arange(steps), np.asarray(times, np.float64), np.asarray(values, np.float64)
     # the first step that is not before the time, as in `first_step`
-    first = np.ceil(np.clip(times / step - 1e-6, 0.0, MAX_STEPS))
-    if interpolation == "linear":
-        # a jump has its right limit in its own step, whatever the rounding of both times
-        jumps = np.isin(times, times[1:][np.diff(times) == 0.0]) & (np.abs(times / step - first) < 1e-6)
-        joined: NDArray[np.float64] = np.interp(grid * step, np.where(jumps, first * step, times), known)
-        return joined
-    held: NDArray[np.float64] = known[np.searchsorted(first, grid, side="right") - 1]
-    return held
+    first = np.ceil(np.clip(t / step - 1e-6, 0.0, MAX_STEPS))
+    if interpolation == "hold":
+        return known.take(np.searchsorted(first, grid, side="right") - 1)
+    # a jump has its right limit in its own step, whatever the rounding of both times
+    jumps = np.isin(t, t[1:][np.diff(t) == 0.0]) & (np.abs(t / step - first) < 1e-6)
+    joined: NDArray[np.float64] = np.interp(grid * step, np.where(jumps, first * step, t), known)
+    return joined
 
 
 def find(name: str, folder: Path) -> Path:

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from cosim.errors import CosimError, ScenarioError, closest, concerning, show, similar
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.binding import Bank
 from cosim.fmu.instance import Instance
 from cosim.fmu.values import encode, lookup
-from cosim.loop.plant import Channel, Plant
+from cosim.loop.plant import Channel, Plant, starts
 from cosim.loop.time_series import find, read, sample
 from cosim.loop.wires.connections import Connection, Connections, Fault, Inputs, Slot, Stimulus
 from cosim.loop.wires.fault import NEVER, effect, steps_of
@@ -94,19 +94,12 @@ def reached(start: str, scenario: Scenario) -> set[str]:
 
 
 class Connector:
-    """Connects the names of a scenario to FMU instances, a plant and its array of commands."""
+    """Connects the names of a scenario to FMU instances and a plant."""
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        fmus: Sequence[Instance],
-        plant: Plant,
-        commands: NDArray[np.float64],
-        seed: int,
-    ) -> None:
-        self.scenario, self.seed, self.commands = scenario, seed, commands
+    def __init__(self, scenario: Scenario, fmus: Sequence[Instance], plant: Plant, seed: int) -> None:
+        self.scenario, self.seed = scenario, seed
         self.fmus = {fmu.name: fmu for fmu in fmus}
-        self.sensed = np.zeros(len(plant.readings))
+        self.sensed, self.commands = np.zeros(len(plant.readings)), starts(plant.commands)
         self.readings = {channel.name: (i, channel) for i, channel in enumerate(plant.readings)}
         self.commanded = {channel.name: (i, channel) for i, channel in enumerate(plant.commands)}
         self.outputs: dict[str, Connection] = {}
@@ -124,7 +117,11 @@ class Connector:
             with concerning(f"signal.{signal.to}"):
                 stimulus = self.stimulus(signal)
             sides[side_of(signal.to)].drives.append(stimulus)
-        for to, hold in self.holds().items():
+        # hold the start values of targets that only injections write, to restore them afterwards
+        written = {to for section, to in targets(self.scenario) if section != "inject"}
+        for to in dict.fromkeys(entry.to for entry in self.scenario.inject if entry.to not in written):
+            target = self.target(to)
+            hold = Stimulus(np.full(self.scenario.loop.steps, target.read()), target)
             sides[side_of(to)].drives.append(hold)
             sides[side_of(to)].held.append(hold)
         begins = np.full(len(self.scenario.inject), NEVER)
@@ -132,9 +129,8 @@ class Connector:
             with concerning(f"inject.{injection.to}"):
                 fault = self.fault(injection, Slot(begins, index))
             sides[side_of(injection.to)].faults.append(fault)
-        return Connections(
-            self.sensed, self.commands, [sides[name] for name in self.fmus], sides[PLANT], begins
-        )
+        inputs = [sides[name] for name in self.fmus]
+        return Connections(self.sensed, self.commands, inputs, sides[PLANT], begins)
 
     def prime(self) -> None:
         """Fill the delays of the outputs of initialized FMUs.
@@ -183,27 +179,18 @@ class Connector:
         if signal.interpolation == "linear" and target.kind != "Real":
             problem = f"`{to}` cannot be interpolated, it is {KINDS[target.kind]}"
             raise ScenarioError(problem, 'Set `interpolation = "hold"`.')
-        if not signal.file:
-            values = [self.number(to, value) for value in signal.values]
-            course = sample(signal.times, values, loop.step, loop.steps, signal.interpolation)
-            return Stimulus(course, target)
-        found = read(find(signal.file, self.scenario.folder), signal.column)
-        if target.kind != "Real":
-            for value, index in zip(*np.unique(found.values, return_index=True), strict=True):
+        times: ArrayLike = signal.times
+        values: ArrayLike = [self.number(to, value) for value in signal.values]
+        if signal.file:
+            found = read(find(signal.file, self.scenario.folder), signal.column)
+            times, values = found.times, found.values
+            distinct = np.unique(found.values, return_index=True) if target.kind != "Real" else ()
+            for value, index in zip(*distinct, strict=True):
                 try:
                     self.number(to, value.item())
                 except CosimError as error:
                     raise ScenarioError(f"{found.location(index)}: {error.message}", error.hint) from None
-        course = sample(found.times, found.values, loop.step, loop.steps, signal.interpolation)
-        return Stimulus(course, target)
-
-    def holds(self) -> dict[str, Stimulus]:
-        """Hold the start values of targets that only injections write, to restore them afterwards."""
-        written = {to for section, to in targets(self.scenario) if section != "inject"}
-        only = dict.fromkeys(entry.to for entry in self.scenario.inject if entry.to not in written)
-        steps = self.scenario.loop.steps
-        places = {to: self.target(to) for to in only}
-        return {to: Stimulus(np.full(steps, at.read()), at) for to, at in places.items()}
+        return Stimulus(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
 
     def fault(self, injection: Injection, begin: Slot) -> Fault:
         """Injection at an input of the FMU or a command of the plant; its first step is stored in `begin`."""
