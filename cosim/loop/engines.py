@@ -12,7 +12,6 @@ ENGINES: tuple[Engine, ...] = get_args(Engine)
 
 def checked(name: str) -> Engine:
     """Engine by its name."""
-    for engine in ENGINES:
-        if name == engine:
-            return engine
+    if engine := next((engine for engine in ENGINES if engine == name), None):
+        return engine
     raise CosimError(f"there is no engine `{name}`", closest(name, ENGINES))

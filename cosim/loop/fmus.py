@@ -17,6 +17,8 @@ from cosim.loop.repeats import NewProcessError
 from cosim.loop.wires.connect import driven
 from cosim.scenario.model import Scenario
 
+Arguments = tuple[FmuFile, list[Variable], list[Variable], bool, NamedFmu]
+"""Arguments of an `Instance`."""
 loaded: dict[Path, FmuFile] = {}
 """FMUs that this process has loaded, by their extracted folders."""
 strict = False
@@ -26,24 +28,20 @@ strict = False
 def open_files(scenario: Scenario) -> dict[str, FmuFile]:
     """Open the FMU files of a scenario; by the names of the FMUs, in the order in which they step.
 
-    Raises
-    ------
-    FmuError
-        A file cannot be opened, it allows fewer instances, or two of them cannot share a process.
+    It raises FmuError also if a file allows fewer instances, or two of them cannot share a process.
     """
     files: dict[str, FmuFile] = {}
     for choice in scenario.fmus:
         with concerning(f"{choice.name}.fmu"):
             file = open_fmu(paths.find_fmu(choice.fmu, scenario.folder))
-            twins = [name for name, other in files.items() if other is file]
-            if file.once and twins:
-                both = f"`{twins[0]}` and `{choice.name}` are both `{file.path.name}`"
-                problem = f"{both}, which a process can instantiate only once"
-                raise FmuError(problem, "Use each such FMU once (`canBeInstantiatedOnlyOncePerProcess`).")
             for name, other in files.items():
+                both = f"`{name}` and `{choice.name}`"
+                if file.once and other is file:
+                    problem = f"{both} are both `{file.path.name}`, which a process can instantiate only once"
+                    raise FmuError(problem, "Use each such FMU once (`canBeInstantiatedOnlyOncePerProcess`).")
                 if shared := clash(file, other):
-                    problem = f"`{name}` and `{choice.name}` bring different versions of {shared}"
-                    raise FmuError(f"{problem}; a process loads only one", "Rename it in one of the FMUs.")
+                    problem = f"{both} bring different versions of {shared}; a process loads only one"
+                    raise FmuError(problem, "Rename it in one of the FMUs.")
             files[choice.name] = file
     return files
 
@@ -58,14 +56,8 @@ def check_process(files: Iterable[FmuFile]) -> None:
     """Check that this process can load these files, which it may have loaded before.
 
     An interpreter keeps the modules of other FMUs, and a library may stay in the process after its FMU. A
-    worker process with an interpreter therefore loads no other file.
-
-    Raises
-    ------
-    FmuError
-        A module of a worker process has the name of a module of an FMU.
-    NewProcessError
-        The process has loaded other files that they cannot follow, or is no worker and has such a module.
+    worker process with an interpreter therefore loads no other file. A NewProcessError states that another
+    process can load the files, an FmuError that none can.
     """
     wanted = {file.folder: file for file in files}
     for file in wanted.values():
@@ -95,49 +87,33 @@ def open_instances(
     before: Sequence[Instance],
     place: Place,
 ) -> tuple[Instance, ...]:
-    """Instances of the FMUs; suitable previous instances are reused, the others closed.
-
-    Raises
-    ------
-    CosimError
-        An FMU cannot be instantiated, or a variable is driven that is not an input.
-    """
-    wanted = [
-        (choice, files[choice.name], driven(scenario, choice, files[choice.name])) for choice in scenario.fmus
-    ]
-    fitting = {
-        choice.name: fmu
-        for fmu in before
-        for choice, file, inputs in wanted
-        if called(fmu.owner) == called(choice)
-        and fits(fmu, file, inputs, log_events)
-        and fmu.recorded == recorder.recorded(file, scenario.loop.record_locals)
-    }
+    """Instances of the FMUs; suitable previous instances are reused, the others closed."""
+    arguments: dict[str, Arguments] = {}
+    for choice in scenario.fmus:
+        file = files[choice.name]
+        outputs = recorder.recorded(file, scenario.loop.record_locals)
+        arguments[choice.name] = file, driven(scenario, choice, file), outputs, log_events, choice
+    fitting = {fmu.name: fmu for fmu in before if fmu.name in arguments and fits(fmu, arguments[fmu.name])}
     close([fmu for fmu in before if fmu not in fitting.values()], place)
     opened: list[Instance] = []
     try:
         check_process(files.values())
-        for choice, file, inputs in wanted:
+        for choice in scenario.fmus:
             place.at(Stage.LOAD, choice.label)
-            fmu = fitting.get(choice.name) or Instance(
-                file, inputs, recorder.recorded(file, scenario.loop.record_locals), log_events, choice
-            )
-            opened.append(fmu)
+            opened.append(fitting.get(choice.name) or Instance(*arguments[choice.name]))
     except BaseException:
         close([*opened, *fitting.values()], place)
         raise
     return tuple(opened)
 
 
-def called(choice: NamedFmu) -> tuple[str, str, bool]:
-    """Return the texts of an FMU in messages: name, file as in the scenario, whether it is the only one."""
-    return choice.name, choice.fmu, choice.alone
-
-
-def fits(fmu: Instance, file: FmuFile, inputs: list[Variable], log_events: bool) -> bool:
-    """Whether an open instance transfers these variables of a file."""
-    same = fmu.file is file and fmu.driven == inputs
-    return same and fmu.log_events == log_events and not fmu.dead
+def fits(fmu: Instance, arguments: Arguments) -> bool:
+    """Whether an instance can be used as one that is constructed with these arguments."""
+    file, inputs, outputs, log_events, choice = arguments
+    # the texts of an FMU in messages
+    names = [(one.name, one.fmu, one.alone) for one in (fmu.owner, choice)]
+    transferred = fmu.driven == inputs and fmu.recorded == outputs and fmu.log_events == log_events
+    return fmu.file is file and transferred and names[0] == names[1] and not fmu.dead and not fmu.closed
 
 
 def close(fmus: Sequence[Instance], place: Place) -> None:

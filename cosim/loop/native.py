@@ -5,12 +5,12 @@ from __future__ import annotations
 import ctypes
 import logging
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
-from numpy.typing import NDArray
 
 from cosim.fmu.archive import FmuFile
 from cosim.fmu.binding import Bank
@@ -20,64 +20,28 @@ from cosim.loop.engines import Engine
 from cosim.loop.place import Stage
 from cosim.loop.plant import Plant
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
-from cosim.loop.wires.connections import Connections, Slot, whole
+from cosim.loop.wires.connections import Connections, whole
 from cosim.scenario.model import Scenario
 
 log = logging.getLogger("cosim")
 DO_STEP = "fmi2DoStep"
 
 
-@dataclass(frozen=True)
-class Call:
-    """One FMI call that transfers the values of a bank: function address and argument arrays."""
-
-    name: str
-    function: int
-    references: NDArray[np.uint32]
-    values: NDArray[Any]
-
-
-@dataclass(frozen=True)
-class NativeTrigger:
-    """A trigger of `cosim.loop.wires.fault`, its condition as a program."""
-
-    program: condition.Program
-    delay: int
-    begin: Slot
-
-
-@dataclass(frozen=True)
-class NativeFmu:
-    """Addresses of an initialized FMU."""
-
-    component: int
-    set: list[Call]
-    step: int
-    status: int
-    get: list[Call]
-    owner: Instance
-
-    def name(self, number: int) -> str:
-        """Name of the call of this number, in the order of a step."""
-        return [*(call.name for call in self.set), DO_STEP, *(call.name for call in self.get)][number]
-
-
 def choose(engine: Engine, scenario: Scenario, plant: Plant, files: Iterable[FmuFile]) -> Engine:
     """Engine for a scenario, its plant and FMUs: the requested one, or the reference engine."""
+    subject, reason = f"`{scenario.name}`", ""
     if engine == "reference":
         return engine
     if scenario.fmu:
-        log.info(
-            "`%s` runs in the reference engine: the native engine requires a `[controller]`", scenario.name
-        )
-        return "reference"
-    if any(file.version != 2 for file in files):
-        log.info("`%s` runs in the reference engine: the native engine requires FMI 2.0", scenario.name)
-        return "reference"
-    if reason := obstacle(plant):
-        log.info("the plant `%s` runs in the reference engine: %s", scenario.plant.name, reason)
-        return "reference"
-    return engine
+        reason = "the native engine requires a `[controller]`"
+    elif any(file.version != 2 for file in files):
+        reason = "the native engine requires FMI 2.0"
+    elif reason := obstacle(plant):
+        subject = f"the plant `{scenario.plant.name}`"
+    if not reason:
+        return engine
+    log.info("%s runs in the reference engine: %s", subject, reason)
+    return "reference"
 
 
 def obstacle(plant: Any) -> str:
@@ -93,23 +57,44 @@ def obstacle(plant: Any) -> str:
     return ""
 
 
-def controller(fmu: Instance) -> NativeFmu:
-    """Return the function addresses of an FMU, from FMPy's handle of its library."""
+def controller(fmu: Instance) -> SimpleNamespace:
+    """Return the function addresses of an initialized FMU, from FMPy's handle of its library.
+
+    `names` are the names of its calls in the order of a step.
+    """
 
     def function(name: str) -> int:
         return ctypes.cast(getattr(fmu.fmi.slave.dll, name), ctypes.c_void_p).value or 0
 
-    def call(verb: str, bank: Bank) -> Call:
-        name = f"fmi2{verb}{bank.base}"
-        return Call(name, function(name), np.array(bank.references[:], np.uint32), bank.values)
+    def call(name: str, bank: Bank) -> SimpleNamespace:
+        references = np.array(bank.references[:], np.uint32)
+        return SimpleNamespace(function=function(name), references=references, values=bank.values)
 
-    return NativeFmu(
+    setters = [(f"fmi2Set{bank.base}", bank) for bank in fmu.inputs]
+    getters = [(f"fmi2Get{bank.base}", bank) for bank in fmu.outputs]
+    return SimpleNamespace(
         component=fmu.fmi.slave.component,
-        set=[call("Set", bank) for bank in fmu.inputs],
+        set=[call(*one) for one in setters],
         step=function(DO_STEP),
         status=function("fmi2GetBooleanStatus"),
-        get=[call("Get", bank) for bank in fmu.outputs],
-        owner=fmu,
+        get=[call(*one) for one in getters],
+        names=[*(name for name, _ in setters), DO_STEP, *(name for name, _ in getters)],
+        # keeps the addresses valid
+        fmu=fmu,
+    )
+
+
+def links(connections: Connections) -> SimpleNamespace:
+    """Return the connections of the only FMU and the plant as the stepper reads them."""
+    (fmu,), plant = connections.fmus, connections.plant
+    return SimpleNamespace(
+        sensed=connections.sensed,
+        commands=connections.commands,
+        readings=fmu.wires,
+        drives=[*fmu.drives, *plant.drives],
+        input_faults=fmu.faults,
+        outputs=plant.wires,
+        command_faults=plant.faults,
     )
 
 
@@ -120,26 +105,24 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     """
     from machining_native import Stepper
 
-    scenario, plant, (fmu,) = parts.scenario, parts.plant, parts.fmus
+    scenario, (fmu,) = parts.scenario, parts.fmus
+    plant: Any = parts.plant
     stop_when, progress = parts.stop_when, parts.progress
-    body: Any = plant
     steps, step = scenario.loop.steps, scenario.loop.step
-    machine = body.machine()
+    machine = plant.machine()
     connections, recorder = parts.connections, reference.recording(parts)
     columns = recorder.table.shape[1]
     recorder.stop = condition.program(stop_when, columns) if stop_when else None
-    triggers = reference.triggers_of(parts)
-    programs = [condition.program(trigger.condition, columns) for trigger in triggers]
-    recorder.triggers = [
-        NativeTrigger(program, trigger.delay, Slot(trigger.begins, trigger.index))
-        for trigger, program in zip(triggers, programs, strict=True)
-        if program is not None
+    triggers = [
+        replace(trigger, program=condition.program(trigger.condition, columns))
+        for trigger in reference.triggers_of(parts)
     ]
+    recorder.triggers = [trigger for trigger in triggers if trigger.program is not None]
     calls = controller(fmu)
-    stepper = Stepper(machine, calls, connections, recorder, step, scenario.loop.substeps)
+    stepper = Stepper(machine, calls, links(connections), recorder, step, scenario.loop.substeps)
     # what native code cannot evaluate is looked at after every step
     look = stop_when if recorder.stop is None else None
-    slow = [trigger for trigger, program in zip(triggers, programs, strict=True) if program is None]
+    slow = [trigger for trigger in triggers if trigger.program is None]
     done, ended, stop = 0, False, None
     parts.place.at(Stage.STEP_BOTH)
     try:
@@ -147,7 +130,7 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
             parts.place.page.step = done
             room = recorder.room(done)
             until = done + 1 if look or slow else min(done + chunk, steps, room)
-            stop = body.run(stepper, until)
+            stop = plant.run(stepper, until)
             ended = explain(stop, connections, calls, plant)
             if (look or slow) and (row := recorder.row(done)) is not None:
                 for trigger in slow:
@@ -162,27 +145,27 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
         raise reference.located(error, fmu, scenario, stepper.k) from error
     if stepper.warned is not None:
         number, time = stepper.warned
-        fmu.warned = fmu.warned or (calls.name(number), time)
+        fmu.warned = fmu.warned or (calls.names[number], time)
     if stop is not None and stop[0] == "terminated":
         fmu.ended = (done - 1) * step
     return reference.recorded(parts, recorder, done)
 
 
-def explain(
-    stop: tuple[str, int, float] | None, connections: Connections, calls: NativeFmu, plant: Plant
-) -> bool:
+def explain(stop: tuple[str, int, float] | None, connections: Connections, calls: Any, plant: Plant) -> bool:
     """Whether the condition or the FMU ended the run; otherwise raise the error of the reference engine."""
     match stop:
+        case None:
+            return False
+        case ("stop" | "terminated", _, _):
+            return True
         case ("reading", wire, value):
-            raise connections.readings[wire].shape.refusal(value)
+            raise connections.fmus[0].wires[wire].shape.refusal(value)
         case ("output", wire, value):
-            raise connections.outputs[wire].shape.refusal(value)
+            raise connections.plant.wires[wire].shape.refusal(value)
         case ("integer", _, value):
             whole(value)
         case ("command", _, _):
             plant.command(connections.commands)
         case ("call", number, status):
-            raise FMICallException(calls.name(number), int(status))
-    if stop is not None and stop[0] not in ("stop", "terminated"):
-        raise RuntimeError(f"the native engine stopped for an unknown reason: {stop}")
-    return stop is not None
+            raise FMICallException(calls.names[number], int(status))
+    raise RuntimeError(f"the native engine stopped for an unknown reason: {stop}")

@@ -148,17 +148,17 @@ def packaged(name: str) -> Any:
     """Class of one of the project's plants."""
     plants = project_module("plants")
     names = list(plants.names())
-    if name in names:
-        try:
-            return plants.load(name)
-        except Exception as error:  # the module of a new plant may raise anything
-            problem, hint = problem_and_hint(error)
-            if isinstance(error, ImportError):
-                hint = f"Check `plants/{name}.py`, and run `cargo xtask setup`."
-            text = f"cannot import the plant `{name}`: {type(error).__name__}: {problem}"
-            raise PlantError(text, hint or "Show the origin with `-v`.") from error
-    hint = closest(name, names) + " Name your own plant `module:Class`, an MJCF file `name.xml`."
-    raise PlantError(f"there is no plant `{name}`", hint)
+    if name not in names:
+        hint = closest(name, names) + " Name your own plant `module:Class`, an MJCF file `name.xml`."
+        raise PlantError(f"there is no plant `{name}`", hint)
+    try:
+        return plants.load(name)
+    except Exception as error:  # the module of a new plant may raise anything
+        problem, hint = problem_and_hint(error)
+        if isinstance(error, ImportError):
+            hint = f"Check `plants/{name}.py`, and run `cargo xtask setup`."
+        text = f"cannot import the plant `{name}`: {type(error).__name__}: {problem}"
+        raise PlantError(text, hint or "Show the origin with `-v`.") from error
 
 
 def build(name: str, parameters: dict[str, Any], folder: Path) -> Plant:
@@ -255,10 +255,9 @@ def starts(channels: Sequence[Channel]) -> NDArray[np.float64]:
     return np.array([start(channel) for channel in channels], dtype=float)
 
 
-def start(channel: Channel) -> float:
+def start(channel: Channel) -> Any:
     """Value of a command until something drives it; 0 by default."""
-    value: float = getattr(channel, "start", 0.0)
-    return value
+    return getattr(channel, "start", 0.0)
 
 
 def one_each(values: Any, channels: Sequence[Channel], method: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import zlib
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol, Self, cast
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,14 +41,10 @@ class Checksums:
     """
 
     def __init__(self) -> None:
-        self.rows, self.sink = BLOCK, cast("Sink | None", None)
+        self.rows = BLOCK
+        self.sink: Sink | None = None
         self.columns: list[int] = []
         self.passing = False
-
-    def onto(self, sink: Sink) -> Self:
-        """Pass the rows on to a sink."""
-        self.rows, self.sink = sink.rows, sink
-        return self
 
     def write(self, columns: Sequence[NDArray[np.float64]]) -> None:
         """Receive rows, given by their columns."""
@@ -68,39 +64,27 @@ class Recorder:
     """
 
     def __init__(
-        self,
-        fmus: Sequence[Instance],
-        plant: Plant,
-        steps: int,
-        every: int = 1,
-        sink: Sink | None = None,
+        self, fmus: Sequence[Instance], plant: Plant, steps: int, every: int = 1, sink: Sink | None = None
     ) -> None:
-        self.plant = plant
-        self.every = every
-        self.sink = sink
+        self.plant, self.every, self.sink = plant, every, sink
         self.stop: Program | None = None
         self.triggers: Sequence[Any] = ()
         rows = -(-steps // every)
         self.columns = columns(fmus, plant)
         self.table = np.zeros((rows if sink is None else min(rows, sink.rows), len(self.columns)))
-        self.taken = 0
+        # rows that the sink has received, and the step whose row is beyond the table
+        self.taken, self.full = 0, len(self.table) * every
         # a minimum is NaN once a value was
         self.minima, self.sensed = np.zeros(len(self.columns)), np.zeros(len(plant.readings))
         # inputs that nothing drives are constant
-        first = 1
-        for fmu, variable in undriven_inputs(fmus):
-            self.table[:, first] = fmu.read(variable)
-            first += 1
-        self.start = first
+        constant = [fmu.read(variable) for fmu, variable in undriven_inputs(fmus)]
+        self.start = 1 + len(constant)
+        self.table[:, 1 : self.start] = constant
         # then every bank of the FMUs, each a slice of the row
-        self.banks: list[NDArray[Any]] = []
-        self.parts: list[slice] = []
-        for fmu in fmus:
-            for bank in [*fmu.inputs, *fmu.outputs]:
-                self.banks.append(bank.values)
-                self.parts.append(slice(first, first + len(bank.variables)))
-                first += len(bank.variables)
-        self.truths = slice(first, None)
+        banks = [bank for fmu in fmus for bank in [*fmu.inputs, *fmu.outputs]]
+        self.banks: list[NDArray[Any]] = [bank.values for bank in banks]
+        ends = itertools.accumulate((len(bank.variables) for bank in banks), initial=self.start)
+        *self.parts, self.truths = (slice(*pair) for pair in itertools.pairwise([*ends, None]))
 
     def record(self, k: int, time: float) -> NDArray[np.float64] | None:
         """Fill and return the row of step `k`, if it is recorded."""
@@ -115,8 +99,7 @@ class Recorder:
 
     def row(self, k: int) -> NDArray[np.float64] | None:
         """Return the row of step `k`, if it is recorded."""
-        row: NDArray[np.float64] | None = None if k % self.every else self.table[k // self.every - self.taken]
-        return row
+        return None if k % self.every else self.table[k // self.every - self.taken]
 
     def room(self, k: int) -> int:
         """Provide space for the row of step `k`; return the next step that needs new space."""
@@ -124,16 +107,16 @@ class Recorder:
             self.hand_over(len(self.table))
         return self.full
 
-    @property
-    def full(self) -> int:
-        """Step whose row is beyond the table."""
-        return (self.taken + len(self.table)) * self.every
-
     def recorded(self, steps: int) -> NDArray[np.float64]:
-        """Return the rows that no sink received."""
+        """Return the rows that no sink received; log measurements and columns that were NaN."""
         rows = -(-steps // self.every) - self.taken
         self.hand_over(rows)
-        self.report_nan()
+        # only an injection sets an input to NaN
+        inputs = [name for name, (_, _, v) in self.columns.items() if v and v.causality == "input"]
+        names = [*self.columns, *(f"plant.{channel.name}" for channel in self.plant.readings)]
+        for name, minimum in zip(names, [*self.minima, *self.sensed], strict=True):
+            if np.isnan(minimum) and name not in inputs:
+                warn_once(f"`{name}` was NaN during the run: every comparison with NaN is false")
         return self.table[: rows if self.sink is None else 0]
 
     def hand_over(self, rows: int) -> None:
@@ -145,14 +128,7 @@ class Recorder:
             except OSError as error:
                 raise CosimError(f"the trace cannot be written: {error.strerror or error}") from error
             self.taken += rows
-
-    def report_nan(self) -> None:
-        """Log measurements and columns that were NaN, except inputs, which only an injection sets to NaN."""
-        inputs = [name for name, (_, _, v) in self.columns.items() if v and v.causality == "input"]
-        names = [*self.columns, *(f"plant.{channel.name}" for channel in self.plant.readings)]
-        for name, minimum in zip(names, [*self.minima, *self.sensed], strict=True):
-            if np.isnan(minimum) and name not in inputs:
-                warn_once(f"`{name}` was NaN during the run: every comparison with NaN is false")
+            self.full += rows * self.every
 
 
 def undriven_inputs(fmus: Sequence[Instance]) -> list[tuple[Instance, Variable]]:
@@ -183,17 +159,15 @@ def columns(fmus: Sequence[Instance], plant: Plant) -> dict[str, Column]:
 
 def report_unlisted(fmus: Sequence[Instance], columns: Columns) -> None:
     """Log outputs with a value that is not an item of their enumeration."""
-    for fmu in fmus:
-        for variable in (v for bank in fmu.outputs for v in bank.variables if v.items):
-            name = f"{fmu.name}.{variable.name}"
-            values = columns[name]
-            odd = np.flatnonzero(~np.isin(values, [number for _, number in variable.items]))
-            if odd.size:
-                items = ", ".join(f"`{number}` {item}" for item, number in variable.items)
-                when = f"t = {columns['time'][odd[0]]:.9g} s"
-                warn_once(
-                    f"`{name}` is `{values[odd[0]]:g}` at {when}, which is not one of its items: {items}"
-                )
+    outputs = [(fmu, v) for fmu in fmus for bank in fmu.outputs for v in bank.variables if v.items]
+    for fmu, variable in outputs:
+        name = f"{fmu.name}.{variable.name}"
+        values = columns[name]
+        odd = np.flatnonzero(~np.isin(values, [number for _, number in variable.items]))
+        if odd.size:
+            items = ", ".join(f"`{number}` {item}" for item, number in variable.items)
+            found = f"`{name}` is `{values[odd[0]]:g}` at t = {columns['time'][odd[0]]:.9g} s"
+            warn_once(f"{found}, which is not one of its items: {items}")
 
 
 def recorded(file: FmuFile, record_locals: bool | None) -> list[Variable]:
@@ -202,12 +176,8 @@ def recorded(file: FmuFile, record_locals: bool | None) -> list[Variable]:
     `record_locals` of None records the local variables of an FMU with at most `LOCALS_MAX`.
     """
     numeric = [variable for variable in file.variables.values() if variable.base]
-    moving = sum(is_moving_local(variable) for variable in numeric)
+    fixed = ("constant", "fixed")
+    moving = {v.name for v in numeric if v.causality == "local" and v.variability not in fixed}
     if record_locals is None:
-        record_locals = moving <= LOCALS_MAX
-    return [v for v in numeric if v.causality == "output" or (record_locals and is_moving_local(v))]
-
-
-def is_moving_local(variable: Variable) -> bool:
-    """Whether a local variable may change during a run."""
-    return variable.causality == "local" and variable.variability not in ("constant", "fixed")
+        record_locals = len(moving) <= LOCALS_MAX
+    return [v for v in numeric if v.causality == "output" or (record_locals and v.name in moving)]

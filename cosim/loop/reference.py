@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
+from cosim.loop.condition import Program
 from cosim.loop.place import Place, Stage
-from cosim.loop.plant import Plant, one_each, problem_and_hint, starts
+from cosim.loop.plant import Plant, one_each, problem_and_hint
 from cosim.loop.recorder import Recorder, Sink
 from cosim.loop.wires.connect import Connector
-from cosim.loop.wires.connections import Connections, Fault, Inputs
-from cosim.loop.wires.fault import Trigger, delay_of
-from cosim.loop.wires.transform import child
+from cosim.loop.wires.connections import Connections, Inputs, Slot
+from cosim.loop.wires.fault import NEVER
+from cosim.loop.wires.transform import child, first_step
 from cosim.metrics.expression import Expression
 from cosim.scenario.model import Scenario
 
@@ -35,10 +36,6 @@ class Recording(NamedTuple):
     table: NDArray[np.float64]
     steps: int
     begins: NDArray[np.float64]
-
-    def injected(self, step: float) -> tuple[float | None, ...]:
-        """Start time of each injection; None if it did not start."""
-        return tuple(k * step if k < self.steps else None for k in self.begins.tolist())
 
 
 @dataclass(frozen=True)
@@ -60,6 +57,24 @@ class Parts:
     interrupt: Callable[[], None] = lambda: None
     place: Place = field(default_factory=Place)
     sink: Sink | None = None
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """Starts an injection `delay` steps after the first row that meets a condition: writes its `begin`.
+
+    `program` is the condition for native code, if it can evaluate it.
+    """
+
+    condition: Expression
+    delay: int
+    begin: Slot
+    program: Program | None = None
+
+    def __call__(self, row: NDArray[np.float64], k: int) -> None:
+        """Evaluate the row of step `k`."""
+        if self.begin.read() == NEVER and self.condition(row):
+            self.begin.write(k + self.delay)
 
 
 def run(parts: Parts) -> Recording:
@@ -102,7 +117,7 @@ def initialise(
     place.at(Stage.RESET_PLANT)
     reset_plant(plant, scenario, child(seed, "plant"))
     place.at(Stage.NONE)
-    connector = Connector(scenario, fmus, plant, starts(plant.commands), seed)
+    connector = Connector(scenario, fmus, plant, seed)
     connections = connector.connections()
     loop = scenario.loop
     place.at(Stage.STEP_PLANT)
@@ -197,10 +212,11 @@ def locating(fmu: Instance, scenario: Scenario) -> Iterator[None]:
 
 def triggers_of(parts: Parts) -> list[Trigger]:
     """Triggers of the injections that start with a condition."""
-    entries = enumerate(zip(parts.scenario.inject, parts.when, strict=False))
+    begins, step = parts.connections.begins, parts.scenario.loop.step
+    # the row of a step is complete only after its injections
     return [
-        Trigger(condition, delay_of(entry, parts.scenario.loop), parts.connections.begins, index)
-        for index, (entry, condition) in entries
+        Trigger(condition, max(1, first_step(entry.after, step)), Slot(begins, index))
+        for index, (entry, condition) in enumerate(zip(parts.scenario.inject, parts.when, strict=False))
         if condition is not None
     ]
 
@@ -221,14 +237,10 @@ def arrive(inputs: Inputs, k: int) -> None:
         wire.target.write(wire.delay(wire.transformed(k), k))
     for drive in inputs.drives:
         drive.target.write(drive.course.item(k))
-    inject(inputs.faults, k)
-
-
-def inject(faults: list[Fault], k: int) -> None:
-    """Apply the active injections to the arriving values; the inactive ones only observe them."""
-    for fault in faults:
+    for fault in inputs.faults:
         since = k - fault.begin.read()
         value = fault.change(fault.target.read(), k, since)
+        # before it starts, an injection only observes what arrives
         if 0.0 <= since < fault.length:
             fault.target.write(value)
 

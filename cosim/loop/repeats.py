@@ -76,14 +76,6 @@ def spoilt() -> bool:
     return any(key in first_runs and not equal for (key, _), equal in verdicts.copy().items())
 
 
-def unrepeatable(who: str) -> NewProcessError:
-    """Error of a second run in a process after a repetition with another result."""
-    problem = f"{who} keeps state: its first run gives other results when it is repeated in the same process"
-    error = NewProcessError(problem, SEPARATE)
-    error.state = True
-    return error
-
-
 @contextlib.contextmanager
 def muted() -> Iterator[None]:
     """Hide the messages of FMUs in this thread: a repetition logs what was logged before."""

@@ -61,10 +61,10 @@ class Result:
     title: str
     seed: int
     engine: str
-    metrics: dict[str, Measured]
-    criteria: list[Verdict]
-    simulated_s: float
-    wall_s: float
+    metrics: dict[str, Measured] = field(default_factory=dict)
+    criteria: list[Verdict] = field(default_factory=list)
+    simulated_s: float = 0.0
+    wall_s: float = 0.0
     trace: NDArray[Any] | None = None
     file: Path | None = None
     units: dict[str, str] = field(default_factory=dict)

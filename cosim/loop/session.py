@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import operator
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -67,41 +67,31 @@ class Session(Closing):
     ) -> None:
         self.scenario, self.requested, self.log_events = scenario, checked(engine), log_events
         self.place = place or Place()
-        self.has_plant = self.complete = False
+        self.has_plant = self.plant_used = self.complete = False
+        self.fmus: tuple[Instance, ...] = ()
         self._open(previous)
 
     def _open(self, previous: Session | None) -> None:
-        """Open the FMUs and the plant, or take them from a session that is no longer used."""
-        scenario = self.scenario
+        """Open FMUs and plant, or take them from a session that is no longer used; check that they fit."""
+        scenario, place = self.scenario, self.place
         self.begin()
-        with located(scenario):
+        with located(scenario), contextlib.ExitStack() as opened:
             files = fmus.open_files(scenario)
-            self.place.at(Stage.BUILD_PLANT)
+            place.at(Stage.BUILD_PLANT)
             self.plant = open_plant(scenario, previous)
-            self.place.at(Stage.NONE)
+            place.at(Stage.NONE)
             self.has_plant = True
-            self.plant_used = previous is not None and self.plant is previous.plant
+            opened.callback(self.close_plant)
+            self.plant_used = previous is not None and self.plant is previous.plant and previous.plant_used
             self.key = repeats.key(scenario, files)
-            try:
-                self._instantiate(files, previous)
-            except BaseException:
-                self.close_plant()
-                raise
-
-    def _instantiate(self, files: Mapping[str, FmuFile], previous: Session | None) -> None:
-        """Instantiate the FMUs, and check that they and the plant fit the scenario."""
-        scenario = self.scenario
-        self.engine = native.choose(self.requested, scenario, self.plant, files.values())
-        check_timestep(scenario, self.plant.timestep)
-        before: tuple[Instance, ...] = () if previous is None else previous.fmus
-        opened = fmus.open_instances(scenario, files, self.log_events, before, self.place)
-        self.fmus: tuple[Instance, ...] = opened
-        self.place.at(Stage.NONE)
-        try:
+            self.engine = native.choose(self.requested, scenario, self.plant, files.values())
+            check_timestep(scenario, self.plant.timestep)
+            before = () if previous is None else previous.fmus
+            self.fmus = fmus.open_instances(scenario, files, self.log_events, before, place)
+            place.at(Stage.NONE)
+            opened.callback(fmus.close, self.fmus, place)
             self._compile()
-        except BaseException:
-            fmus.close(self.fmus, self.place)
-            raise
+            opened.pop_all()
 
     @property
     def fmu(self) -> Instance:
@@ -115,9 +105,8 @@ class Session(Closing):
 
     def begin(self) -> None:
         """Record the start of another run."""
-        scenario = self.scenario
-        first = scenario.fmus[0].label
-        self.place.begin(first, scenario.plant.name, scenario.loop.steps, scenario.loop.step)
+        scenario, loop = self.scenario, self.scenario.loop
+        self.place.begin(scenario.fmus[0].label, scenario.plant.name, loop.steps, loop.step)
 
     def _compile(self) -> None:
         """Compile all expressions against the columns of the trace."""
@@ -164,15 +153,27 @@ class Session(Closing):
         file = None if stream is None else endings.streamed(Path(stream))
         with located(scenario), interrupts.deferred() as interrupt:
             self._check_repeatable(interrupt)
-            with self._noted(seed) as sums:
+            sums = recorder.Checksums()
+            outcome: object = None
+            try:
                 parts = replace(self.start(seed), progress=progress, interrupt=interrupt)
                 result = self._result(seed)
                 begin = time.perf_counter()
                 done = self._loop(parts, result, file, sums)
+                outcome = sums.columns
+            except CosimError as error:
+                # a trace that cannot be written is no outcome
+                outcome = None if sums.passing else error.message
+                raise
+            finally:
+                if outcome is not None:
+                    first = repeats.FirstRun(scenario, self.engine, seed, outcome)
+                    repeats.first_runs.setdefault(self.key, first)
+            step, begins = scenario.loop.step, done.begins.tolist()
             result = replace(
                 result,
-                simulated_s=done.steps * scenario.loop.step,
-                injected=done.injected(scenario.loop.step),
+                simulated_s=done.steps * step,
+                injected=tuple(k * step if k < done.steps else None for k in begins),
                 wall_s=time.perf_counter() - begin,
                 trace=structured(done.table, list(self.columns)) if file is None else None,
                 file=file,
@@ -202,49 +203,37 @@ class Session(Closing):
         from cosim.trace.parquet import streaming
 
         with streaming(file, list(self.columns), known.about()) as writer:
-            done = self._steps(replace(parts, sink=sums.onto(writer)))
+            sums.sink, sums.rows = writer, writer.rows
+            done = self._steps(replace(parts, sink=sums))
             writer.finish(done.steps * self.scenario.loop.step)
         return done
 
     def _steps(self, parts: Parts) -> Recording:
         return native.run(parts) if self.engine == "native" else reference.run(parts)
 
-    @contextlib.contextmanager
-    def _noted(self, seed: int) -> Iterator[recorder.Checksums]:
-        """Note the outcome of the first run of its kind in this process, unless a trace cannot be written."""
-        outcome: object = None
-        sums = recorder.Checksums()
-        try:
-            yield sums
-            outcome = sums.columns
-        except CosimError as error:
-            outcome = None if sums.passing else error.message
-            raise
-        finally:
-            if outcome is not None:
-                first = repeats.FirstRun(self.scenario, self.engine, seed, outcome)
-                repeats.first_runs.setdefault(self.key, first)
-
     def _check_repeatable(self, interrupt: Callable[[], None]) -> None:
         """Repeat the first run of the same FMUs and plant in this process; reject another outcome."""
         first = repeats.first_runs.get(self.key)
         if first is None or any(fmu.dead or fmu.closed for fmu in self.fmus):
             return
-        # the repetition may leave a used plant where it was new
-        while (known := repeats.verdict(self.key, used := self._used)) is None:
+        while True:
+            # the repetition may leave a used plant where it was new
+            used = any(fmu.used for fmu in self.fmus), self.plant_used
+            if (known := repeats.verdict(self.key, used)) is not None:
+                break
             with repeats.muted():
-                repeats.verdicts[self.key, used] = self._repeated(first, interrupt) == first.outcome
+                same = self._repeated(first, used[0], interrupt) == first.outcome
+            repeats.verdicts[self.key, used] = same
             self.place.page.repeated += 1
         if not known:
-            raise repeats.unrepeatable(self.place.ran())
+            problem = "keeps state: its first run gives other results when it is repeated in the same process"
+            error = repeats.NewProcessError(f"{self.place.ran()} {problem}", repeats.SEPARATE)
+            error.state = True
+            raise error
 
-    @property
-    def _used(self) -> repeats.Used:
-        return any(fmu.used for fmu in self.fmus), self.plant_used
-
-    def _repeated(self, first: repeats.FirstRun, interrupt: Callable[[], None]) -> object:
+    def _repeated(self, first: repeats.FirstRun, used: bool, interrupt: Callable[[], None]) -> object:
         """Outcome of another run, with the instances of this session if they are used, otherwise new ones."""
-        sums, used = recorder.Checksums(), self._used[0]
+        sums = recorder.Checksums()
         if not used:
             # one after the other, as runs are: instances of a library may share its variables
             fmus.close(self.fmus, self.place)
@@ -259,11 +248,9 @@ class Session(Closing):
         except CosimError as error:
             return error.message
         finally:
-            if used:
-                self._open(other)
-            else:
+            if not used:
                 other.close()
-                self._instantiate(fmus.open_files(self.scenario), None)
+            self._open(other if used else self)
 
     def _result(self, seed: int) -> Result:
         """Return the parts of a result that are known before the run."""
@@ -273,10 +260,6 @@ class Session(Closing):
             title=self.scenario.title,
             seed=seed,
             engine=self.engine,
-            metrics={},
-            criteria=[],
-            simulated_s=0.0,
-            wall_s=0.0,
             units={name: label.unit for name, label in labels},
             items={name: items for name, items in self.columns.items() if items},
             descriptions={name: label.description for name, label in labels},
@@ -318,34 +301,31 @@ def checked_seed(seed: Any) -> int:
 
 def open_plant(scenario: Scenario, previous: Session | None) -> plant.Plant:
     """Plant of a scenario; an equal plant of the previous session is reused, another one closed."""
+    wanted = chosen(scenario)
     if previous is not None:
-        wanted, before = (
-            (chosen(one), one.folder, one.loop.record_qpos) for one in (scenario, previous.scenario)
-        )
-        if wanted == before:
+        before = previous.scenario
+        if (wanted, scenario.loop.record_qpos) == (chosen(before), before.loop.record_qpos):
             previous.has_plant = False
             return previous.plant
         previous.close_plant()
-    built = plant.build(*chosen(scenario), scenario.folder)
+    built = plant.build(*wanted)
     if scenario.loop.record_qpos:
         with concerning("loop.record_qpos"):
             plant.record_qpos(built, scenario.plant.name)
     return built
 
 
-def chosen(scenario: Scenario) -> tuple[str, dict[str, Any]]:
-    """Name and parameters of the plant; without a plant, its time step follows from the loop."""
-    if not scenario.plant.name:
-        return "", {"timestep": scenario.loop.step / scenario.loop.substeps}
-    return scenario.plant.name, scenario.plant.parameters
+def chosen(scenario: Scenario) -> tuple[str, dict[str, Any], Path]:
+    """Name, parameters and folder of the plant; without a plant, its time step follows from the loop."""
+    alone = {"timestep": scenario.loop.step / scenario.loop.substeps}
+    return scenario.plant.name, scenario.plant.parameters if scenario.plant.name else alone, scenario.folder
 
 
 def check_timestep(scenario: Scenario, timestep: float) -> None:
     """Check that the plant's substeps fill the communication step exactly."""
     step, substeps = scenario.loop.step, scenario.loop.substeps
     if abs(substeps * timestep - step) > TIMESTEP_TOLERANCE * step:
-        fitting = round(step / timestep)
-        hint = f"Make `loop.step` a multiple of {timestep:g} s."
+        hint, fitting = f"Make `loop.step` a multiple of {timestep:g} s.", round(step / timestep)
         if abs(fitting * timestep - step) <= TIMESTEP_TOLERANCE * step and 1 <= fitting <= MAX_SUBSTEPS:
             hint = f"Set `loop.substeps = {fitting}`."
         steps = f"`loop.substeps` = `{substeps}` plant steps of {timestep:g} s"

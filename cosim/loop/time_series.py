@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cosim import extras, paths
 from cosim.errors import CosimError, ScenarioError, closest
@@ -44,26 +44,21 @@ class TimeSeries:
 
 
 def sample(
-    times: Sequence[float] | NDArray[np.float64],
-    values: Sequence[float] | NDArray[np.float64],
-    step: float,
-    steps: int,
-    interpolation: Interpolation = "hold",
+    times: ArrayLike, values: ArrayLike, step: float, steps: int, interpolation: Interpolation = "hold"
 ) -> NDArray[np.float64]:
     """Value of a time series at each `k * step`, shape (steps,); the last value is held to the end.
 
     The times in s do not decrease, and the first is not after 0.
     """
-    grid, times, known = np.arange(steps), np.asarray(times), np.asarray(values, np.float64)
+    grid, t, known = np.arange(steps), np.asarray(times, np.float64), np.asarray(values, np.float64)
     # the first step that is not before the time, as in `first_step`
-    first = np.ceil(np.clip(times / step - 1e-6, 0.0, MAX_STEPS))
-    if interpolation == "linear":
-        # a jump has its right limit in its own step, whatever the rounding of both times
-        jumps = np.isin(times, times[1:][np.diff(times) == 0.0]) & (np.abs(times / step - first) < 1e-6)
-        joined: NDArray[np.float64] = np.interp(grid * step, np.where(jumps, first * step, times), known)
-        return joined
-    held: NDArray[np.float64] = known[np.searchsorted(first, grid, side="right") - 1]
-    return held
+    first = np.ceil(np.clip(t / step - 1e-6, 0.0, MAX_STEPS))
+    if interpolation == "hold":
+        return known.take(np.searchsorted(first, grid, side="right") - 1)
+    # a jump has its right limit in its own step, whatever the rounding of both times
+    jumps = np.isin(t, t[1:][np.diff(t) == 0.0]) & (np.abs(t / step - first) < 1e-6)
+    joined: NDArray[np.float64] = np.interp(grid * step, np.where(jumps, first * step, t), known)
+    return joined
 
 
 def find(name: str, folder: Path) -> Path:
@@ -102,20 +97,21 @@ def read(file: Path, column: str) -> TimeSeries:
 def cached(file: Path, column: str, changed: int, size: int) -> TimeSeries:
     """Read and check one column; each file is read once in a process."""
     series = read_parquet(file, column) if file.suffix in PARQUET else read_csv(file, column)
-    if not series.times.size:
+    times = series.times
+    if not times.size:
         raise ScenarioError(f"`{paths.shown(file)}` has no values, only a header")
-    wrong = np.flatnonzero(~(np.isfinite(series.times) & np.isfinite(series.values)))
-    if wrong.size:
-        raise ScenarioError(f"{series.location(int(wrong[0]))}: time and value must be finite numbers")
-    if series.times[0] > 0.0:
-        raise ScenarioError(f"{series.location(0)}: the time starts at `{series.times[0]:g}` s, after 0")
-    falls = np.flatnonzero(np.diff(series.times) < 0.0) + 1
-    if falls.size:
-        index = int(falls[0])
-        before, now = series.times[index - 1 : index + 1]
-        problem = f"the time `{now:g}` s is before `{before:g}` s, the time above it"
-        raise ScenarioError(f"{series.location(index)}: {problem}")
-    return series
+    infinite = ~(np.isfinite(times) & np.isfinite(series.values))
+    falls = np.diff(times, prepend=times[0]) < 0.0
+    if infinite.any():
+        index, problem = int(infinite.argmax()), "time and value must be finite numbers"
+    elif times[0] > 0.0:
+        index, problem = 0, f"the time starts at `{times[0]:g}` s, after 0"
+    elif falls.any():
+        index = int(falls.argmax())
+        problem = f"the time `{times[index]:g}` s is before `{times[index - 1]:g}` s, the time above it"
+    else:
+        return series
+    raise ScenarioError(f"{series.location(index)}: {problem}")
 
 
 def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]:
@@ -128,10 +124,10 @@ def columns_of(names: Sequence[str], column: str, file: Path) -> tuple[int, int]
     if not column and len(others) == 1:
         column = others[0]
     if column not in others:
-        shown = paths.shown(file)
-        problem = f"`column` is missing; `{shown}` has {len(others)} columns in addition to the time"
-        if column:
-            problem = f"`{shown}` has no column `{column}`"
+        problem = f"`{paths.shown(file)}` has no column `{column}`"
+        if not column:
+            columns = f"`{paths.shown(file)}` has {len(others)} columns"
+            problem = f"`column` is missing; {columns} in addition to the time"
         hint = "Put the names of the columns into the first line, separated by `,`, `;` or tabs."
         raise ScenarioError(problem, closest(column, others) or hint)
     return time, names.index(column)

@@ -12,7 +12,7 @@ from cosim.loop.wires.connect import targets
 from cosim.loop.wires.fault import steps_of
 from cosim.loop.wires.transform import first_step
 from cosim.scenario.injection import Injection
-from cosim.scenario.model import Criterion, Loop, Scenario
+from cosim.scenario.model import Loop, Scenario
 from cosim.warned import warn_once
 
 MAX_NAMES = 8
@@ -46,7 +46,8 @@ def unknown(scenario: Scenario, known: list[str]) -> str:
     names = [name for name in scenario.undriven if name not in known]
     if not names:
         return ""
-    return f"`undriven` lists {quoted(names)}, which is not an input or command. {closest(names[0], known)}"
+    quoted = ", ".join(f"`{name}`" for name in names)
+    return f"`undriven` lists {quoted}, which is not an input or command. {closest(names[0], known)}"
 
 
 def ends(fmus: Sequence[Instance], plant: Plant) -> list[str]:
@@ -59,18 +60,9 @@ def sentence(forgotten: list[str], plant: Plant) -> str:
     """Sentence about undriven inputs; shows the start value of commands that do not start at 0."""
     held = {f"plant.{channel.name}": start(channel) for channel in plant.commands if start(channel)}
     names = [f"`{name}`" + (f" (stays at {held[name]:g})" if name in held else "") for name in forgotten]
-    return f"nothing drives {several(names)}: add the missing wires and list the others in `undriven`"
-
-
-def several(names: list[str]) -> str:
-    """Names, the first few of many."""
-    shown = ", ".join(names[:MAX_NAMES])
-    return shown if len(names) <= MAX_NAMES else f"{shown} and {len(names) - MAX_NAMES} more"
-
-
-def quoted(names: list[str]) -> str:
-    """Names in backticks."""
-    return ", ".join(f"`{name}`" for name in names)
+    more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
+    shown = ", ".join(names[:MAX_NAMES]) + more
+    return f"nothing drives {shown}: add the missing wires and list the others in `undriven`"
 
 
 def undriven(scenario: Scenario, known: list[str]) -> list[str]:
@@ -93,9 +85,11 @@ def ineffective_settings(scenario: Scenario) -> Iterator[tuple[str, str]]:
             key = f"inject.{injection.to}.{kind}"
             yield key, f"`{key}` is `{getattr(injection, kind):g}`, which changes nothing"
     for criterion in scenario.criterion:
-        if name := without_bound(criterion):
-            key = f"criterion.{criterion.id}"
-            yield key, f"`{key}.{name}` is `{getattr(criterion, name)}`, which any number meets"
+        for name, infinite in (("minimum", -math.inf), ("maximum", math.inf)):
+            if getattr(criterion, name) == infinite:
+                key = f"criterion.{criterion.id}"
+                yield key, f"`{key}.{name}` is `{infinite}`, which any number meets"
+                break
 
 
 def happens(injection: Injection, loop: Loop) -> bool:
@@ -104,9 +98,3 @@ def happens(injection: Injection, loop: Loop) -> bool:
         return True
     begin = first_step(injection.from_time, loop.step)
     return begin < min(begin + steps_of(injection, loop), loop.steps)
-
-
-def without_bound(criterion: Criterion) -> str:
-    """Name of an infinite limit of a criterion; empty if there is none."""
-    ends = {"minimum": -math.inf, "maximum": math.inf}
-    return next((name for name, end in ends.items() if getattr(criterion, name) == end), "")

@@ -66,7 +66,8 @@ class Bench:
 
     def stepper(self, machine: Any, controller: Any, links: Connections, log: Any) -> Stepper:
         """Tie a stepper to a plant that was reset."""
-        return Stepper(machine, controller, links, log, self.scenario.loop.step, self.scenario.loop.substeps)
+        loop = self.scenario.loop
+        return Stepper(machine, controller, native.links(links), log, loop.step, loop.substeps)
 
     def closed(self) -> Stepper:
         """Tie the closed loop and its trace together, as the engine does."""

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from cosim.errors import CosimError, ScenarioError, closest, concerning, show, similar
 from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.binding import Bank
 from cosim.fmu.instance import Instance
 from cosim.fmu.values import encode, lookup
-from cosim.loop.plant import Channel, Plant
+from cosim.loop.plant import Channel, Plant, starts
 from cosim.loop.time_series import find, read, sample
 from cosim.loop.wires.connections import Connection, Connections, Fault, Inputs, Slot, Stimulus
 from cosim.loop.wires.fault import NEVER, effect, steps_of
@@ -55,28 +55,27 @@ def driven(scenario: Scenario, choice: FmuChoice, file: FmuFile) -> list[Variabl
     return [variable for name, variable in file.variables.items() if name in names]
 
 
-def is_backward(wire: Wire, scenario: Scenario) -> bool:
-    """Whether a wire between FMUs ends at its source or at an FMU that steps before it."""
+def is_late(wire: Wire, scenario: Scenario) -> bool:
+    """Whether a wire ends at its source or at an FMU that steps before it.
+
+    The value of the step is not yet known there, so a wire without a delay is rejected.
+    """
     names = [choice.name for choice in scenario.fmus]
-    return names.index(side_of(wire.source)) >= names.index(side_of(wire.to))
-
-
-def check_order(wire: Wire, scenario: Scenario) -> None:
-    """Reject a wire against the order of the steps without a delay: its value is not yet known."""
-    if wire.delay > 0 or not is_backward(wire, scenario):
-        return
     source, target = side_of(wire.source), side_of(wire.to)
+    if names.index(source) < names.index(target):
+        return False
+    if wire.delay:
+        return True
     hint = "Set `delay = 1` to use the value of the previous step"
     if scenario.fmus[0].alone:
         problem = f"`from` = `{wire.source}`: an input of the controller needs a `plant.` measurement"
         raise ScenarioError(problem, f"Or use its own output with a delay. {hint}.")
-    names = ", ".join(f"`{choice.name}`" for choice in scenario.fmus)
-    problem = f"is against the order of the steps {names}"
     if source in reached(target, scenario):
         problem = (
             "closes an algebraic loop: all wires from its target back to its source act in the same step"
         )
     else:
+        problem = f"is against the order of the steps {', '.join(f'`{name}`' for name in names)}"
         hint += f", or list `{source}` before `{target}`"
     raise ScenarioError(f"the wire from `{wire.source}` to `{wire.to}` without `delay` {problem}", hint)
 
@@ -95,22 +94,15 @@ def reached(start: str, scenario: Scenario) -> set[str]:
 
 
 class Connector:
-    """Connects the names of a scenario to FMU instances, a plant and its array of commands."""
+    """Connects the names of a scenario to FMU instances and a plant."""
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        fmus: Sequence[Instance],
-        plant: Plant,
-        commands: NDArray[np.float64],
-        seed: int,
-    ) -> None:
-        self.scenario, self.seed, self.commands = scenario, seed, commands
+    def __init__(self, scenario: Scenario, fmus: Sequence[Instance], plant: Plant, seed: int) -> None:
+        self.scenario, self.seed = scenario, seed
         self.fmus = {fmu.name: fmu for fmu in fmus}
-        self.sensed = np.zeros(len(plant.readings))
+        self.sensed, self.commands = np.zeros(len(plant.readings)), starts(plant.commands)
         self.readings = {channel.name: (i, channel) for i, channel in enumerate(plant.readings)}
-        self.channels = {channel.name: (i, channel) for i, channel in enumerate(plant.commands)}
-        self.outputs: list[tuple[str, Connection]] = []
+        self.commanded = {channel.name: (i, channel) for i, channel in enumerate(plant.commands)}
+        self.outputs: dict[str, Connection] = {}
 
     def connections(self) -> Connections:
         """Build all connections, before the FMUs are initialized; `prime` completes them afterwards."""
@@ -118,124 +110,106 @@ class Connector:
         for wire in self.scenario.wire:
             with concerning(f"wire.{wire.to}"):
                 connection = self.connection(wire)
-                sides[side_of(wire.to)].wires.append(connection)
+            sides[side_of(wire.to)].wires.append(connection)
+            if side_of(wire.source) != PLANT:
+                self.outputs[wire.to] = connection
         for signal in self.scenario.signal:
-            stimulus = self.stimulus(signal)
+            with concerning(f"signal.{signal.to}"):
+                stimulus = self.stimulus(signal)
             sides[side_of(signal.to)].drives.append(stimulus)
-        for to, hold in self.holds().items():
+        # hold the start values of targets that only injections write, to restore them afterwards
+        written = {to for section, to in targets(self.scenario) if section != "inject"}
+        for to in dict.fromkeys(entry.to for entry in self.scenario.inject if entry.to not in written):
+            target = self.target(to)
+            hold = Stimulus(np.full(self.scenario.loop.steps, target.read()), target)
             sides[side_of(to)].drives.append(hold)
             sides[side_of(to)].held.append(hold)
         begins = np.full(len(self.scenario.inject), NEVER)
         for index, injection in enumerate(self.scenario.inject):
-            sides[side_of(injection.to)].faults.append(self.fault(injection, Slot(begins, index)))
-        return Connections(
-            self.sensed, self.commands, [sides[name] for name in self.fmus], sides[PLANT], begins
-        )
+            with concerning(f"inject.{injection.to}"):
+                fault = self.fault(injection, Slot(begins, index))
+            sides[side_of(injection.to)].faults.append(fault)
+        inputs = [sides[name] for name in self.fmus]
+        return Connections(self.sensed, self.commands, inputs, sides[PLANT], begins)
 
     def prime(self) -> None:
         """Fill the delays of the outputs of initialized FMUs.
 
         Before its first result arrives, the other end gets what the initialized FMU puts out.
         """
-        for to, connection in self.outputs:
+        for to, connection in self.outputs.items():
             with concerning(f"wire.{to}"):
                 connection.delay.prime(connection.transformed(0))
 
     def connection(self, wire: Wire) -> Connection:
         """Connect a wire according to its ends."""
-        target, source = self.target(wire.to), side_of(wire.source)
-        if source in self.fmus:
-            return self.output(wire, target)
-        if side_of(wire.to) == PLANT:
-            outputs = " or ".join(f"`{name}.`" for name in self.fmus)
-            raise ScenarioError(f"`from` = `{wire.source}`: a command of the plant needs a {outputs} output")
-        if source != PLANT:
-            outputs = "".join(f" or a `{name}.` output" for name in self.fmus if len(self.fmus) > 1)
-            taken = f"an input of the {side_of(wire.to)} needs a `plant.` measurement{outputs}"
-            raise ScenarioError(f"`from` = `{wire.source}`: {taken}")
-        index, channel = self.channel(self.readings, wire.source.partition(".")[2], "measurement")
-        shape = shaper(wire, channel, True, noise(wire, channel, self.seed, self.scenario.loop.steps))
-        return Connection(Slot(self.sensed, index), target, shape, Delay(wire.delay))
-
-    def output(self, wire: Wire, target: Slot) -> Connection:
-        """Wire from an output of an FMU to a command of the plant, or to an input of an FMU."""
-        side, _, name = wire.source.partition(".")
-        fmu, loop = self.fmus[side], self.scenario.loop
-        source = slot(fmu.outputs, lookup(fmu.file.variables, name, fmu.owner))
-        if source is None:
-            problem = f"`from` = `{wire.source}` is not a numeric output of {fmu.owner.who}"
-            raise ScenarioError(problem, closest(name, [v.name for v in fmu.file.named("output")]))
+        target, loop = self.target(wire.to), self.scenario.loop
+        (side, _, name), (end, _, command) = wire.source.partition("."), wire.to.partition(".")
         channel: Channel = Ideal()
         delay, late = wire.delay, False
-        if side_of(wire.to) == PLANT:
-            _, channel = self.channels[wire.to.partition(".")[2]]
-            delay += loop.compute_delay
+        if fmu := self.fmus.get(side):
+            found = slot(fmu.outputs, lookup(fmu.file.variables, name, fmu.owner))
+            if found is None:
+                problem = f"`from` = `{wire.source}` is not a numeric output of {fmu.owner.who}"
+                raise ScenarioError(problem, closest(name, [v.name for v in fmu.file.named("output")]))
+            source = found
+            if end == PLANT:
+                _, channel = self.commanded[command]
+                delay += loop.compute_delay
+            else:
+                # a late wire is read before its source steps, so it has one step of delay already
+                late = is_late(wire, self.scenario)
+                delay -= late
+        elif end == PLANT:
+            outputs = " or ".join(f"`{name}.`" for name in self.fmus)
+            raise ScenarioError(f"`from` = `{wire.source}`: a command of the plant needs a {outputs} output")
+        elif side != PLANT:
+            outputs = "".join(f" or a `{name}.` output" for name in self.fmus if len(self.fmus) > 1)
+            taken = f"an input of the {end} needs a `plant.` measurement{outputs}"
+            raise ScenarioError(f"`from` = `{wire.source}`: {taken}")
         else:
-            check_order(wire, self.scenario)
-            # a wire against the order is read before its source steps, so it has one step of delay already
-            late = is_backward(wire, self.scenario)
-            delay -= late
-        shape = shaper(wire, channel, False, noise(wire, channel, self.seed, loop.steps))
-        connection = Connection(source, target, shape, Delay(delay), late)
-        self.outputs.append((wire.to, connection))
-        return connection
+            index, channel = self.channel(self.readings, name, "measurement")
+            source = Slot(self.sensed, index)
+        shape = shaper(wire, channel, side == PLANT, noise(wire, channel, self.seed, loop.steps))
+        return Connection(source, target, shape, Delay(delay), late)
 
     def stimulus(self, signal: Signal) -> Stimulus:
-        """Signal to an input of the FMU or a command of the plant."""
-        with concerning(f"signal.{signal.to}"):
-            loop, target = self.scenario.loop, self.target(signal.to)
-            if signal.interpolation == "linear" and target.kind != "Real":
-                problem = f"`{signal.to}` cannot be interpolated, it is {KINDS[target.kind]}"
-                raise ScenarioError(problem, 'Set `interpolation = "hold"`.')
-            times, values = self.samples(signal)
-            return Stimulus(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
-
-    def samples(self, signal: Signal) -> tuple[Any, Any]:
-        """Return times and values of a signal; each value is checked against the type of its target."""
-        if not signal.file:
-            return signal.times, [self.number(signal.to, value) for value in signal.values]
-        found = read(find(signal.file, self.scenario.folder), signal.column)
-        if self.target(signal.to).kind != "Real":
-            for value, index in zip(*np.unique(found.values, return_index=True), strict=True):
+        """Signal to an input of the FMU or a command of the plant; checks each value against its type."""
+        loop, target, to = self.scenario.loop, self.target(signal.to), signal.to
+        if signal.interpolation == "linear" and target.kind != "Real":
+            problem = f"`{to}` cannot be interpolated, it is {KINDS[target.kind]}"
+            raise ScenarioError(problem, 'Set `interpolation = "hold"`.')
+        times: ArrayLike = signal.times
+        values: ArrayLike = [self.number(to, value) for value in signal.values]
+        if signal.file:
+            found = read(find(signal.file, self.scenario.folder), signal.column)
+            times, values = found.times, found.values
+            distinct = np.unique(found.values, return_index=True) if target.kind != "Real" else ()
+            for value, index in zip(*distinct, strict=True):
                 try:
-                    self.number(signal.to, value.item())
+                    self.number(to, value.item())
                 except CosimError as error:
                     raise ScenarioError(f"{found.location(index)}: {error.message}", error.hint) from None
-        return found.times, found.values
-
-    def holds(self) -> dict[str, Stimulus]:
-        """Hold the start values of targets that only injections write, to restore them afterwards."""
-        written = {to for section, to in targets(self.scenario) if section != "inject"}
-        only = dict.fromkeys(entry.to for entry in self.scenario.inject if entry.to not in written)
-        steps = self.scenario.loop.steps
-        places = {to: self.target(to) for to in only}
-        return {to: Stimulus(np.full(steps, at.read()), at) for to, at in places.items()}
+        return Stimulus(sample(times, values, loop.step, loop.steps, signal.interpolation), target)
 
     def fault(self, injection: Injection, begin: Slot) -> Fault:
         """Injection at an input of the FMU or a command of the plant; its first step is stored in `begin`."""
-        with concerning(f"inject.{injection.to}"):
-            loop, target = self.scenario.loop, self.target(injection.to)
-            self.check_kind(injection, target)
-            if injection.from_time is not None:
-                begin.array[begin.index] = first_step(injection.from_time, loop.step)
-            earlier = [other for other in self.scenario.inject[: begin.index] if other.to == injection.to]
-            name = f"inject.{injection.to}" + (f".{len(earlier)}" if earlier else "")
-            made = effect(injection, name, self.seed, loop, target.kind == "Boolean")
-            return Fault(begin, steps_of(injection, loop), made, target)
-
-    def check_kind(self, injection: Injection, target: Slot) -> None:
-        """Check that a target accepts the value of an injection."""
-        to, kind = injection.to, injection.kind
-        if kind == "value":
+        to, loop, target = injection.to, self.scenario.loop, self.target(injection.to)
+        truth = target.kind == "Boolean"
+        if injection.kind == "value":
             target.convert(self.number(to, injection.value))
-        if kind not in ARITHMETIC:
-            return
-        side, _, name = to.partition(".")
-        fmu = self.fmus.get(side)
-        if target.kind == "Boolean" or (fmu and fmu.file.variables[name].items):
-            what = "a Boolean" if target.kind == "Boolean" else "an enumeration"
-            taken = ", ".join(f"`{one}`" for one in INJECTED if one not in ARITHMETIC)
-            raise ScenarioError(f"`inject.{to}.{kind}`: `{to}` is {what}", f"Use {taken}.")
+        elif injection.kind in ARITHMETIC:
+            side, _, name = to.partition(".")
+            if truth or (side in self.fmus and self.fmus[side].file.variables[name].items):
+                what = "a Boolean" if truth else "an enumeration"
+                taken = ", ".join(f"`{one}`" for one in INJECTED if one not in ARITHMETIC)
+                raise ScenarioError(f"`inject.{to}.{injection.kind}`: `{to}` is {what}", f"Use {taken}.")
+        if injection.from_time is not None:
+            begin.write(first_step(injection.from_time, loop.step))
+        earlier = [other for other in self.scenario.inject[: begin.index] if other.to == to]
+        name = f"inject.{to}" + (f".{len(earlier)}" if earlier else "")
+        made = effect(injection, name, self.seed, loop, truth)
+        return Fault(begin, steps_of(injection, loop), made, target)
 
     def number(self, to: str, value: Any) -> float:
         """Value of a stimulus as a number; enumeration items may be given by name."""
@@ -250,7 +224,7 @@ class Connector:
         """Slot of `<fmu>.<input>` or `plant.<command>`."""
         side, _, name = to.partition(".")
         if side == PLANT:
-            index, _ = self.channel(self.channels, name, "command")
+            index, _ = self.channel(self.commanded, name, "command")
             return Slot(self.commands, index)
         place = None
         if fmu := self.fmus.get(side):

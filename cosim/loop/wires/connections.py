@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -19,11 +19,6 @@ from cosim.loop.wires.transform import Delay, Shape
 INT32 = np.dtype(np.int32)
 
 
-def truth(value: float) -> int:
-    """Boolean of a number: true unless 0."""
-    return int(value != 0.0)
-
-
 def whole(value: float, dtype: np.dtype[Any] = INT32) -> int:
     """Integer of a number, rounded half to even."""
     if not math.isfinite(value) or not fits(number := round(value), dtype):
@@ -32,11 +27,7 @@ def whole(value: float, dtype: np.dtype[Any] = INT32) -> int:
     return number
 
 
-CONVERT: dict[str, Callable[[float], Any]] = {
-    "Real": float,
-    "Integer": whole,
-    "Boolean": lambda value: int(value != 0.0),
-}
+CONVERT: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": whole, "Boolean": bool}
 """Conversion of a number on writing."""
 
 
@@ -47,13 +38,11 @@ class Slot:
     array: NDArray[Any]
     index: int
     kind: str = "Real"
-    convert: Callable[[float], Any] = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        convert = CONVERT[self.kind]
-        if self.kind == "Integer":
-            convert = partial(whole, dtype=self.array.dtype)
-        object.__setattr__(self, "convert", convert)
+    @cached_property
+    def convert(self) -> Callable[[float], Any]:
+        """Conversion of a number on writing."""
+        return partial(whole, dtype=self.array.dtype) if self.kind == "Integer" else CONVERT[self.kind]
 
     def read(self) -> float:
         """Value as a number."""
@@ -112,7 +101,7 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Connections:
-    """All connections of a run; native code reads its attributes.
+    """All connections of a run.
 
     `sensed` and `commands` are the ideal measurements and the commands of a step, `fmus` the inputs of each
     FMU in the order of their steps, `begins` the first step of every injection (infinite while unknown).
@@ -123,28 +112,3 @@ class Connections:
     fmus: list[Inputs]
     plant: Inputs
     begins: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-
-    @property
-    def drives(self) -> list[Stimulus]:
-        """All signals."""
-        return [drive for inputs in (*self.fmus, self.plant) for drive in inputs.drives]
-
-    @property
-    def readings(self) -> list[Connection]:
-        """Wires to the only FMU."""
-        return self.fmus[0].wires
-
-    @property
-    def input_faults(self) -> list[Fault]:
-        """Injections at the only FMU."""
-        return self.fmus[0].faults
-
-    @property
-    def outputs(self) -> list[Connection]:
-        """Wires to the plant."""
-        return self.plant.wires
-
-    @property
-    def command_faults(self) -> list[Fault]:
-        """Injections at the plant."""
-        return self.plant.faults

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.loop.wires.transform import Delay, child, first_step
-from cosim.metrics.expression import Expression
 from cosim.scenario.injection import Injection
 from cosim.scenario.model import Loop
 
@@ -93,23 +92,3 @@ def steps_of(entry: Injection, loop: Loop) -> int:
     if entry.to_time is None or entry.from_time is None:
         return loop.steps
     return first_step(entry.to_time, loop.step) - first_step(entry.from_time, loop.step)
-
-
-def delay_of(entry: Injection, loop: Loop) -> int:
-    """Return the number of steps from the row for which `when` is true to the first step; at least 1."""
-    return max(1, first_step(entry.after, loop.step))
-
-
-@dataclass(frozen=True)
-class Trigger:
-    """Starts an injection `delay` steps after the first row that meets a condition: sets `begins[index]`."""
-
-    condition: Expression
-    delay: int
-    begins: NDArray[np.float64]
-    index: int
-
-    def __call__(self, row: NDArray[np.float64], k: int) -> None:
-        """Evaluate the row of step `k`."""
-        if self.begins[self.index] == NEVER and self.condition(row):
-            self.begins[self.index] = k + self.delay
