@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-import math
 import threading
 from collections.abc import Callable
 
 MAX_LINES = 20
 """Maximum log lines of one run, and of all runs together, without `-v`."""
+HIDDEN = "further log lines are hidden; show all with `-v`"
 EVENTS = logging.INFO
 """Log level of FMU events; a log at this level is not limited."""
 
@@ -17,11 +17,6 @@ Line = tuple[str, int, str]
 OnLine = Callable[[Line], None]
 
 log = logging.getLogger("cosim")
-
-
-def max_lines() -> float:
-    """Maximum log lines of one of many runs."""
-    return math.inf if log.isEnabledFor(EVENTS) else MAX_LINES
 
 
 def report(line: Line, run: str = "") -> None:
@@ -46,8 +41,6 @@ class LogRelay:
             if line[2] in self.seen or len(self.seen) > MAX_LINES:
                 return
             self.seen.add(line[2])
-            last = len(self.seen) > MAX_LINES
-        if last:
-            log.warning("further log lines are hidden; show all with `-v`")
-        else:
-            report(line, run)
+            if len(self.seen) > MAX_LINES:
+                line, run = (log.name, logging.WARNING, HIDDEN), ""
+        report(line, run)

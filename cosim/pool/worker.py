@@ -26,8 +26,7 @@ from cosim.loop.reference import Progress
 from cosim.loop.session import Session
 from cosim.pool.channel import Frame, MessageChannel
 from cosim.pool.job import Request, Task, WorkerError
-from cosim.pool.limits import confine
-from cosim.process import POSIX
+from cosim.process import LINUX
 from cosim.scenario.model import Scenario
 from cosim.warned import once
 
@@ -134,21 +133,29 @@ def channel_of_streams() -> MessageChannel:
 
 def confined(tasks: queue.SimpleQueue[Frame]) -> WorkerError | None:
     """Set the memory limit of this process, sent first; an error if it is exceeded already."""
-    memory: float | None = tasks.get().open()
+    memory: float | None = tasks.get()()
     if memory is None:
         return None
-    try:
-        confine(memory)
-    except MemoryError as error:
-        used = f"`{error.args[0] / 1e6:.0f}` MB of memory, which a run needs before its start,"
+    import resource
+
+    import psutil
+
+    now = psutil.Process().memory_info()
+    if now.rss > memory:
+        used = f"`{now.rss / 1e6:.0f}` MB of memory, which a run needs before its start,"
         return WorkerError("memory", f"{used} exceed its limit of `{memory / 1e6:g}` MB")
+    # what is reserved but not touched, such as stacks of threads, is no memory that it has
+    most = int(now.data + memory - now.rss)
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    soft = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
     return None
 
 
 def awaited(tasks: queue.SimpleQueue[Frame]) -> Request | CosimError | None:
     """Wait for a request; None is the request to end."""
     try:
-        request: Request | None = tasks.get(timeout=IDLE).open()
+        request: Request | None = tasks.get(timeout=IDLE)()
     except queue.Empty:
         return None
     except Exception as error:
@@ -201,7 +208,7 @@ def die_with(parent: int) -> None:
 
     Child processes of a run stay below this process, to be found and ended with it.
     """
-    if POSIX and sys.platform == "linux":
+    if LINUX:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
         if os.getppid() != parent:
