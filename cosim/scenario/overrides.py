@@ -190,26 +190,21 @@ def override(merged: Overrides, assignments: Sequence[str | Assignment]) -> None
     text.
     """
     for assignment in assignments:
-        option, key, value = read_assignment(assignment)
-        origin = f"`{option}`"
+        if isinstance(assignment, str):
+            key, equals, text = map(str.strip, assignment.partition("="))
+            if not equals or not key:
+                problem = f"`{SET} {assignment}` is not of the form KEY=VALUE"
+                raise ScenarioError(problem, "Use, for example, `--set loop.duration=1.0`.")
+            option, value = f"{SET} {key}", text
+        else:
+            option, key, value = assignment
         try:
             if isinstance(assignment, str):
                 value = toml_value(value, key)
             check_sizes(value, key=key)
         except ScenarioError as error:
-            raise ScenarioError(f"{origin}: {error.message}", error.hint) from None
-        assign(merged, key, value, origin)
-
-
-def read_assignment(assignment: str | Assignment) -> Assignment:
-    """Parts of an assignment; the value of a text `KEY=VALUE` is a text."""
-    if isinstance(assignment, Assignment):
-        return assignment
-    key, equals, text = assignment.partition("=")
-    if not equals or not key.strip():
-        problem = f"`{SET} {assignment}` is not of the form KEY=VALUE"
-        raise ScenarioError(problem, "Use, for example, `--set loop.duration=1.0`.")
-    return Assignment(f"{SET} {key.strip()}", key.strip(), text.strip())
+            raise ScenarioError(f"`{option}`: {error.message}", error.hint) from None
+        assign(merged, key, value, f"`{option}`")
 
 
 def assign(merged: Overrides, key: str, value: Any, origin: str) -> None:
