@@ -60,11 +60,8 @@ def belongings() -> dict[str, object]:
 
     mask = os.umask(0o077)
     os.umask(mask)
-    found: dict[str, object] = {
-        "working directory": folder(),
-        "`umask`": mask,
-        "locale": locale.setlocale(locale.LC_ALL),
-    }
+    found: dict[str, object] = {"working directory": folder(), "`umask`": mask}
+    found["locale"] = locale.setlocale(locale.LC_ALL)
     if not POSIX:
         return {**found, "environment variables": dict(os.environ)}
     import resource

@@ -30,8 +30,6 @@ from cosim.process import LINUX
 from cosim.scenario.model import Scenario
 from cosim.warned import once
 
-IDLE = 600.0
-"""Idle time after which a worker process ends, s; the next task starts another one."""
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 log = logging.getLogger("cosim")
@@ -110,8 +108,7 @@ def main(page: str, parent: int) -> None:
         channel.send(("ready", os.getpid()))
         before = process.belongings()
         while (request := awaited(tasks)) is not None:
-            outcome = exceeded or done(runner, request, forward)
-            outcome, fit = inspected(outcome, before, place)
+            outcome, fit = inspected(exceeded or done(runner, request, forward), before, place)
             channel.send(("done", (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
     # a last search for reference cycles in all imported modules would take longer than the rest of the end
     gc.freeze()
@@ -154,10 +151,9 @@ def confined(tasks: queue.SimpleQueue[Frame]) -> WorkerError | None:
 
 def awaited(tasks: queue.SimpleQueue[Frame]) -> Request | CosimError | None:
     """Wait for a request; None is the request to end."""
+    frame = tasks.get()
     try:
-        request: Request | None = tasks.get(timeout=IDLE)()
-    except queue.Empty:
-        return None
+        request: Request | None = frame()
     except Exception as error:
         text = f"a worker process cannot read its task: {type(error).__name__}: {error}"
         return CosimError(text, "Make its module importable in every process.")

@@ -168,16 +168,15 @@ def spawn(relay: bool) -> WorkerHandle:
 
     Raises CosimError if the system starts no more processes.
     """
-    page = None
+    page = Path()
     try:
-        handle, name = tempfile.mkstemp(prefix="cosim-")
-        page = Path(name)
-        with open(handle, "wb") as file:  # noqa: PTH123
+        with tempfile.NamedTemporaryFile(prefix="cosim-", delete=False) as file:
+            page = Path(file.name)
             file.write(bytes(PAGE))
         place = Place(page)
         # `-P`: a `numpy.py` in the working directory does not replace the package; the environment is that of
         # the user, because a run may start another Python
-        command = COMMAND.format([*map(os.path.abspath, sys.path)], name, os.getpid())
+        command = COMMAND.format([*map(os.path.abspath, sys.path)], str(page), os.getpid())
         process = subprocess.Popen(
             [sys.executable, "-P", "-c", command],
             stdin=subprocess.PIPE,
@@ -187,7 +186,7 @@ def spawn(relay: bool) -> WorkerHandle:
             creationflags=GROUP,
         )
     except OSError as error:
-        if page:
+        if page.name:
             page.unlink(missing_ok=True)
         problem = f"a worker process cannot be started: {error.strerror or error}"
         raise CosimError(problem, "Use fewer `--workers`, or raise the limits of the system.") from error

@@ -238,11 +238,11 @@ def key_path(merged: Overrides, key: str, origin: str) -> KeyPath:
 
 def parameterised(table: dict[str, Any]) -> dict[str, tuple[KeyPath, tuple[str, ...]]]:
     """Paths of the tables with parameters, by their names in keys, and their other keys."""
-    found: dict[str, tuple[KeyPath, tuple[str, ...]]] = {"plant": (["plant"], ("name",))}
-    if not is_tables(table.get("fmu")):
-        return {"controller": (["controller"], ("fmu",)), **found}
-    fmus = {str(item.get("name")): index for index, item in enumerate(table["fmu"])}
-    return {**{name: (["fmu", index], ("fmu", "step")) for name, index in fmus.items()}, **found}
+    found: dict[str, tuple[KeyPath, tuple[str, ...]]] = {"controller": (["controller"], ("fmu",))}
+    if is_tables(table.get("fmu")):
+        names = enumerate(str(name) for name in identities("fmu", table["fmu"]))
+        found = {name: (["fmu", index], ("fmu", "step")) for index, name in names}
+    return {**found, "plant": (["plant"], ("name",))}
 
 
 def item_path(merged: Overrides, section: str, name: str, origin: str) -> KeyPath:
