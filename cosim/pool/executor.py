@@ -11,12 +11,31 @@ import threading
 from collections.abc import Generator, Iterable, Iterator
 
 from cosim.loop.repeats import NewProcessError
-from cosim.pool.job import Finished, Numbered, name
+from cosim.pool.job import EVENTS, Finished, Numbered, name
 from cosim.pool.limits import Limits
-from cosim.pool.log_relay import LogRelay
-from cosim.pool.supervisor import ClosedError, Worker
+from cosim.pool.supervisor import MAX_LINES, ClosedError, Line, Worker, report
 
 log = logging.getLogger("cosim")
+HIDDEN = "further log lines are hidden; show all with `-v`"
+
+
+class LogRelay:
+    """Log of parallel runs: each text once, up to a limit; with `-v` all lines are logged."""
+
+    def __init__(self) -> None:
+        self.seen: set[str] = set()
+        self.lock = threading.Lock()
+
+    def report(self, run: str, line: Line) -> None:
+        """Log a line if the limit permits it."""
+        if not log.isEnabledFor(EVENTS):
+            with self.lock:
+                if line[2] in self.seen or len(self.seen) > MAX_LINES:
+                    return
+                self.seen.add(line[2])
+                if len(self.seen) > MAX_LINES:
+                    line, run = (log.name, logging.WARNING, HIDDEN), ""
+        report(line, run)
 
 
 class JobQueue(queue.SimpleQueue["Numbered | None"]):
@@ -50,8 +69,8 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
         try:
             with contextlib.suppress(ClosedError):
                 for number, job in iter(following, None):
-                    report = functools.partial(relay.report, name(number, job))
-                    done.put((number, worker.call(job, on_line=report)))
+                    on_line = functools.partial(relay.report, name(number, job))
+                    done.put((number, worker.call(job, on_line=on_line)))
                 worker.finish()
         except BaseException as error:
             failures.append(error)

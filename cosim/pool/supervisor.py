@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from cosim.closing import Closing
@@ -16,9 +17,8 @@ from cosim.errors import CosimError
 from cosim.loop import repeats
 from cosim.loop.repeats import NewProcessError
 from cosim.pool.channel import Frame, NoMessageError
-from cosim.pool.job import Request, Task, WorkerError
+from cosim.pool.job import EVENTS, Request, Task, WorkerError
 from cosim.pool.limits import Limits
-from cosim.pool.log_relay import EVENTS, MAX_LINES, OnLine, report
 from cosim.pool.worker_handle import WorkerHandle, ending, spawn
 from cosim.process import LINUX
 from cosim.warned import warn_once
@@ -37,11 +37,22 @@ LAST_MESSAGE = 0.2
 """Maximum time for a message of an ended process to be read, s."""
 KILLED = (-9, -15)
 """Return codes of a process that SIGKILL or SIGTERM ended, as others send them."""
+MAX_LINES = 20
+"""Maximum log lines of one run, and of all runs together, without `-v`."""
+Line = tuple[str, int, str]
+"""Name of a logger, level and text."""
+OnLine = Callable[[Line], None]
 
 if TYPE_CHECKING:
     from cosim.loop.reference import Progress
 
 log = logging.getLogger("cosim")
+
+
+def report(line: Line, run: str = "") -> None:
+    """Log a line of another process, with the name of its run."""
+    name, level, text = line
+    logging.getLogger(name).log(level, "%s", f"{run}: {text}" if run else text)
 
 
 class ClosedError(Exception):
@@ -144,11 +155,12 @@ class Worker(Closing):
     def outcome(self, handle: WorkerHandle, progress: Progress | None) -> Any:
         """Outcome of the sent task, or the exceeded limit."""
         memory = self.limits.memory if handle.memory is None else None
+        periods = progress and PROGRESS_INTERVAL, memory and MEMORY_INTERVAL, ALIVE_INTERVAL
+        interval = min(filter(None, periods))
         page, end, repeated = handle.place.page, self.deadline(handle), 0
         while True:
-            left = None if end is None else max(0.0, end - time.monotonic())
-            waits = left, progress and PROGRESS_INTERVAL, memory and MEMORY_INTERVAL, ALIVE_INTERVAL
-            frame = handle.receive(min(wait for wait in waits if wait is not None))
+            left = max(0.0, end - time.monotonic())
+            frame = handle.receive(min(left, interval))
             ended = frame is None and handle.process.poll() is not None
             if ended:
                 frame = handle.receive(LAST_MESSAGE)
@@ -189,10 +201,10 @@ class Worker(Closing):
             self.on_line(content)
         return kind, content
 
-    def deadline(self, handle: WorkerHandle) -> float | None:
+    def deadline(self, handle: WorkerHandle) -> float:
         """Deadline of the answer."""
         longest = self.limits.timeout if handle.pid else START_TIMEOUT
-        return None if longest is None else time.monotonic() + longest
+        return time.monotonic() + (longest or math.inf)
 
     def end(self, handle: WorkerHandle, how: str) -> None:
         """End a process; raises CosimError with the reason if it did not start."""

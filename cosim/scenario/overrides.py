@@ -220,20 +220,19 @@ def key_path(merged: Overrides, key: str, origin: str) -> KeyPath:
         path, own = tables[section]
         return [*path, name] if name in own else [*path, "parameters", name.removeprefix("parameters.")]
     items = [root for root in IDENTITY if root != "fmu"]
-    if section in (*tables, "loop", *items) and not name.strip("."):
+    if key in ("title", "description"):
+        return [key]
+    roots = (*tables, "loop", *items)
+    if section not in roots:
+        where = origin if key in origin else f"{origin}: `{key}`"
+        hint = closest(key, [*(f"{root}." for root in roots), "title", "description"])
+        raise ScenarioError(f"{where}: not a key of a scenario", hint)
+    if not name.strip("."):
         entries = merged.table.get(section, [])
         names = identities(section, entries) if section in items and is_tables(entries) else []
         known = closest("", [f"{section}.{name}" for name in names])
         raise ScenarioError(f"{origin}: there is no name after `{section}.`", known)
-    if section in items and name:
-        return item_path(merged, section, name, origin)
-    if section == "loop" and name:
-        return [section, name]
-    if key in ("title", "description"):
-        return [key]
-    roots = [*(f"{root}." for root in (*tables, "loop", *items)), "title", "description"]
-    where = origin if key in origin else f"{origin}: `{key}`"
-    raise ScenarioError(f"{where}: not a key of a scenario", closest(key, roots))
+    return [section, name] if section == "loop" else item_path(merged, section, name, origin)
 
 
 def parameterised(table: dict[str, Any]) -> dict[str, tuple[KeyPath, tuple[str, ...]]]:
