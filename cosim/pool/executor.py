@@ -60,7 +60,7 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
     remaining, lock, relay = iter(jobs), threading.Lock(), LogRelay()
 
     def following() -> Numbered | None:
-        """Next job; None after the last."""
+        """Task that follows; None after the last."""
         with lock:
             return next(remaining, None)
 

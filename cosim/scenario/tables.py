@@ -51,7 +51,7 @@ def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
     `minimum` .. `maximum`, its `unit`, and a text of the requirement (`demand`).
     """
     try:
-        return typing.cast("T", reader(typing.cast("typing.Hashable", kind))(table))
+        return typing.cast("T", built(kind, table))
     except Mismatch as found:
         fail(dotted(found.path, table, key), found.problem, found.hint)
 
