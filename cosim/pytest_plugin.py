@@ -23,11 +23,8 @@ WITHOUT_CRITERIA = "run"
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Declare the option that enables the plugin."""
-    parser.getgroup("cosim").addoption(
-        "--cosim",
-        action="store_true",
-        help="run cosim scenarios (`scenarios/**/*.toml`), a test per criterion",
-    )
+    text = "run cosim scenarios (`scenarios/**/*.toml`), a test per criterion"
+    parser.getgroup("cosim").addoption("--cosim", action="store_true", help=text)
 
 
 def pytest_configure(config: pytest.Config) -> None:

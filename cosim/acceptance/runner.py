@@ -28,12 +28,10 @@ from cosim.writing import check_text, naming
 
 Outcomes = Mapping[str, Outcome]
 """Outcome of each scenario by name, in the requested order."""
+DRAWN = re.compile(rb"\s*<\?xml.*<dc:creator>\s*<cc:Agent>\s*<dc:title>cosim</dc:title>", re.DOTALL)
 KINDS = {
     ".json": ("the result of a run", re.compile(rb'\{\s*"loop":')),
-    ".svg": (
-        "the plot of a run",
-        re.compile(rb"\s*<\?xml.*<dc:creator>\s*<cc:Agent>\s*<dc:title>cosim</dc:title>", re.DOTALL),
-    ),
+    ".svg": ("the plot of a run", DRAWN),
 }
 """Files written for each scenario, and the start of such files."""
 
@@ -140,9 +138,7 @@ def places(folder: Path | None, name: str) -> tuple[Path, ...]:
 def plain(outcomes: Outcomes) -> list[dict[str, Any]]:
     """Results as plain data for JSON, in their order; an error message for each failed run."""
     return [
-        outcome.to_dict()
-        if isinstance(outcome, Result)
-        else {"scenario": name, "passed": False, **outcome.to_dict()}
+        ({} if isinstance(outcome, Result) else {"scenario": name, "passed": False}) | outcome.to_dict()
         for name, outcome in outcomes.items()
     ]
 

@@ -165,8 +165,8 @@ def check_injection(injection: Injection, loop: Loop, fail: Fail) -> None:
     if injection.when and begin is not None:
         fail(f"{key}.when", f"cannot be combined with `from_time` = `{begin}` s", "Give only one of them.")
     if injection.when and end is not None:
-        hint = "Use `duration` (s)."
-        fail(f"{key}.to_time", f"is `{end}` s, but with `when` its start is unknown", hint)
+        problem = f"is `{end}` s, but with `when` its start is unknown"
+        fail(f"{key}.to_time", problem, "Use `duration` (s).")
     if injection.after and not injection.when:
         problem = f"is `{injection.after}` s, but there is no `when`"
         fail(f"{key}.after", problem, "Include the delay in `from_time`.")
