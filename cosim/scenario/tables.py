@@ -25,7 +25,8 @@ IDENTITY = {"fmu": "name", "wire": "to", "signal": "to", "inject": "to", "metric
 """Key that identifies an item of an array of tables."""
 NAMES = {
     float: "a number", int: "an integer", str: "a text", bool: "true or false", list: "an array",
-    dict: "a table", datetime.date: "a date", datetime.datetime: "a date with a time", datetime.time: "a time of the day",
+    dict: "a table", datetime.date: "a date", datetime.datetime: "a date with a time",
+    datetime.time: "a time of the day",
 }  # fmt: skip
 
 
