@@ -24,22 +24,9 @@ if TYPE_CHECKING:
     from cosim.trace.files import read as read_trace
 
 __all__ = [
-    "CosimError",
-    "Limits",
-    "OptimizeResult",
-    "Result",
-    "Scenario",
-    "Session",
-    "SweepResult",
-    "evaluate",
-    "load",
-    "optimize",
-    "read_trace",
-    "run",
-    "run_each",
-    "run_many",
-    "sweep",
-]
+    "CosimError", "Limits", "OptimizeResult", "Result", "Scenario", "Session", "SweepResult", "evaluate",
+    "load", "optimize", "read_trace", "run", "run_each", "run_many", "sweep",
+]  # fmt: skip
 
 LOCATIONS = {
     "CosimError": "cosim.errors.CosimError",

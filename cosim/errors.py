@@ -72,9 +72,8 @@ class UnforeseenError(CosimError):
 def unforeseen(error: BaseException) -> UnforeseenError:
     """Error for an unexpected exception."""
     words = " ".join(str(error).split())[:LONGEST] or "no message"
-    failure = UnforeseenError(
-        f"unexpected error: {type(error).__name__}: {words}", "Show the origin with `-v` and report it."
-    )
+    problem = f"unexpected error: {type(error).__name__}: {words}"
+    failure = UnforeseenError(problem, "Show the origin with `-v` and report it.")
     failure.__cause__ = error
     return failure
 

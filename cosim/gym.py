@@ -71,9 +71,9 @@ class Environment(gymnasium.Env[Values, Values]):
         self.actions = dict(zip(actions, np.clip(0.0, low, high).tolist(), strict=True))
         self.rows: Generator[tuple[int, Values | None]] | None = None
         self.session = Session(driven(loaded(scenario), self.actions), engine="reference")
+        columns = self.session.columns
         try:
             self._check(observations)
-            columns = self.session.columns
             self.reward = Expression(reward, columns, "`reward`", rowwise=True)
         except CosimError:
             self.session.close()
@@ -157,9 +157,8 @@ def driven(scenario: Scenario, actions: Mapping[str, float]) -> Scenario:
 def courses(scenario: Scenario, connections: Connections, names: Sequence[str]) -> list[Values]:
     """Values of some signals in every step of a run, which may be changed before the step."""
     found: dict[str, Values] = {}
-    names_of_sides = [*(choice.name for choice in scenario.fmus), PLANT]
-    sides = zip(names_of_sides, [*connections.fmus, connections.plant], strict=True)
-    for side, inputs in sides:
+    sides = [*(choice.name for choice in scenario.fmus), PLANT]
+    for side, inputs in zip(sides, [*connections.fmus, connections.plant], strict=True):
         targets = [signal.to for signal in scenario.signal if side_of(signal.to) == side]
         # the start values that injections hold follow the signals
         found |= {to: drive.course for to, drive in zip(targets, inputs.drives, strict=False)}

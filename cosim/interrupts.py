@@ -96,22 +96,21 @@ def second_ends_all() -> Iterator[None]:
         yield
         return
     receiver, sender = socket.socketpair()
+
+    def count() -> None:
+        seen = 0
+        with receiver:
+            while signals := receiver.recv(16):
+                seen += sum(map(signals.count, SIGNALS))
+                if seen > 1:
+                    sys.stdout.flush()
+                    quit_at_once()
+
     sender.setblocking(False)
     before = signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
-    threading.Thread(target=count, args=(receiver,), daemon=True).start()
+    threading.Thread(target=count, daemon=True).start()
     try:
         yield
     finally:
         signal.set_wakeup_fd(before)
         sender.close()
-
-
-def count(receiver: socket.socket) -> None:
-    """Count the signals that arrive until the other side is closed."""
-    seen = 0
-    with receiver:
-        while signals := receiver.recv(16):
-            seen += sum(map(signals.count, SIGNALS))
-            if seen > 1:
-                sys.stdout.flush()
-                quit_at_once()

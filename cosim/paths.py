@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -25,6 +24,8 @@ CACHE_ENV = "COSIM_CACHE"
 CACHE_NAME = "machining-fmus"
 LONGEST = 100
 """Maximum length of a name in a message."""
+is_file, is_there = os.path.isfile, os.path.exists
+"""False for invalid names, for which the methods of `Path` raise errors."""
 
 
 def scenario_folders() -> list[Path]:
@@ -156,20 +157,6 @@ def working_folder() -> Path:
     except OSError as error:
         problem = f"the working directory cannot be used: {error.strerror or error}"
         raise CosimError(problem, "Change to an existing folder.") from None
-
-
-def is_file(path: Path) -> bool:
-    """Whether a file exists; False for invalid names."""
-    with contextlib.suppress(OSError, ValueError):
-        return path.is_file()
-    return False
-
-
-def is_there(path: Path) -> bool:
-    """Whether a path exists, also as folder or device; False for invalid names."""
-    with contextlib.suppress(OSError, ValueError):
-        return path.exists()
-    return False
 
 
 def resolved(path: Path) -> Path:

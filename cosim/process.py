@@ -18,6 +18,7 @@ HANDLER = ctypes.sizeof(ctypes.c_void_p)
 """Bytes of the handler, which is first in `struct sigaction`."""
 POSIX = os.name == "posix" and not os.environ.get("COSIM_PORTABLE")
 """Whether calls of POSIX are used; tests set the variable to use only what Windows has as well."""
+LINUX = POSIX and sys.platform == "linux"
 _c: Any = ctypes.CDLL(None) if POSIX else None
 SYSTEM = (sys.platform, os.uname().machine if hasattr(_c, "fegetenv") else "")
 CONTROL = {
@@ -59,11 +60,8 @@ def belongings() -> dict[str, object]:
 
     mask = os.umask(0o077)
     os.umask(mask)
-    found: dict[str, object] = {
-        "working directory": folder(),
-        "`umask`": mask,
-        "locale": locale.setlocale(locale.LC_ALL),
-    }
+    found: dict[str, object] = {"working directory": folder(), "`umask`": mask}
+    found["locale"] = locale.setlocale(locale.LC_ALL)
     if not POSIX:
         return {**found, "environment variables": dict(os.environ)}
     import resource

@@ -23,11 +23,8 @@ WITHOUT_CRITERIA = "run"
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Declare the option that enables the plugin."""
-    parser.getgroup("cosim").addoption(
-        "--cosim",
-        action="store_true",
-        help="run cosim scenarios (`scenarios/**/*.toml`), a test per criterion",
-    )
+    text = "run cosim scenarios (`scenarios/**/*.toml`), a test per criterion"
+    parser.getgroup("cosim").addoption("--cosim", action="store_true", help=text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -55,9 +52,13 @@ class ScenarioFile(pytest.File):
 
     def collect(self) -> Iterator[pytest.Item]:
         """Load the scenario and make its tests."""
+        from cosim.errors import CosimError
         from cosim.scenario.load import load
 
-        self.scenario = load(self.path)
+        try:
+            self.scenario = load(self.path)
+        except CosimError as error:
+            raise self.CollectError(str(error)) from None
         for identifier in [criterion.id for criterion in self.scenario.criterion] or [WITHOUT_CRITERIA]:
             yield CriterionItem.from_parent(self, name=identifier)
 
@@ -72,10 +73,6 @@ class ScenarioFile(pytest.File):
         except CosimError as error:
             return error
 
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Text of an error in the file."""
-        return explained(excinfo.value) or super().repr_failure(excinfo)
-
 
 class CriterionItem(pytest.Item):
     """A criterion of a scenario."""
@@ -88,7 +85,7 @@ class CriterionItem(pytest.Item):
 
         outcome = self.parent.outcome
         if isinstance(outcome, Exception):
-            raise outcome
+            pytest.fail(str(outcome), pytrace=False)
         verdict = next((found for found in outcome.criteria if found.criterion.id == self.name), None)
         if verdict is None:
             pytest.skip(verdicts.NOTHING_DEMANDED)
@@ -96,23 +93,8 @@ class CriterionItem(pytest.Item):
         if not verdict.passed:
             limit = f", limit {limits}" if (limits := verdicts.limits(verdict)) else ""
             measured = f"`{verdict.criterion.metric}` is {verdicts.measured(verdict)}{limit}"
-            raise FailedCriterionError(f"{verdict.criterion.claim}: {measured}")
+            pytest.fail(f"{verdict.criterion.claim}: {measured}", pytrace=False)
 
     def reportinfo(self) -> tuple[Path, None, str]:
         """File and name of the test."""
         return self.path, None, f"{self.parent.scenario.name}: {self.name}"
-
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Text of a failed criterion or run."""
-        return explained(excinfo.value) or super().repr_failure(excinfo, style)
-
-
-class FailedCriterionError(Exception):
-    """A criterion that did not pass."""
-
-
-def explained(error: BaseException) -> str:
-    """Text of an expected error; empty for others, whose origin pytest shows."""
-    from cosim.errors import CosimError
-
-    return str(error) if isinstance(error, CosimError | FailedCriterionError) else ""

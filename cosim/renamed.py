@@ -52,12 +52,10 @@ def replacement(name: str, choices: Collection[str] = ()) -> str:
     for before, old in (("", whole), (f"{owner}.", rest)):
         # an array may be listed by its elements, or once
         for key, end in ((old + index, ""), (old, index)):
-            found = REPLACEMENTS.get(key)
-            if not found:
-                continue
-            # without a known one: removed, if one of the FMUs has no replacement
-            new = next((new for new in found if f"{before}{new}{end}" in choices), min(found))
-            if new:
-                return f"Use `{before}{new}{end}`, the new name of `{before}{old}{index}`."
-            return f"Remove `{before}{old}{index}`: the FMU no longer has it."
+            if found := REPLACEMENTS.get(key):
+                # without a known one: removed, if one of the FMUs has no replacement
+                new = next((new for new in found if f"{before}{new}{end}" in choices), min(found))
+                if new:
+                    return f"Use `{before}{new}{end}`, the new name of `{before}{old}{index}`."
+                return f"Remove `{before}{old}{index}`: the FMU no longer has it."
     return ""

@@ -38,18 +38,13 @@ def check_text(option: str, file: str | Path, kind: str, beginning: re.Pattern[b
     if file == "-":
         return
     check_folder(path)
-    there = beginning_of(path)
+    if not path.is_file():
+        return
+    with naming(path), path.open("rb") as stream:
+        there = stream.read(LOOKED_AT)
     if there and not beginning.match(there):
         problem = f"`{option}` `{file}` would overwrite a file that is not {kind}"
         raise CosimError(problem, "Choose another name, or remove the file.")
-
-
-def beginning_of(file: Path) -> bytes:
-    """First bytes of a file; empty for a missing file or a device."""
-    if not file.is_file():
-        return b""
-    with naming(file), file.open("rb") as stream:
-        return stream.read(LOOKED_AT)
 
 
 def check_folder(file: Path) -> None:

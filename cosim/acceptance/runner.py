@@ -28,12 +28,10 @@ from cosim.writing import check_text, naming
 
 Outcomes = Mapping[str, Outcome]
 """Outcome of each scenario by name, in the requested order."""
+DRAWN = re.compile(rb"\s*<\?xml.*<dc:creator>\s*<cc:Agent>\s*<dc:title>cosim</dc:title>", re.DOTALL)
 KINDS = {
     ".json": ("the result of a run", re.compile(rb'\{\s*"loop":')),
-    ".svg": (
-        "the plot of a run",
-        re.compile(rb"\s*<\?xml.*<dc:creator>\s*<cc:Agent>\s*<dc:title>cosim</dc:title>", re.DOTALL),
-    ),
+    ".svg": ("the plot of a run", DRAWN),
 }
 """Files written for each scenario, and the start of such files."""
 
@@ -80,15 +78,18 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
     for file in itertools.chain.from_iterable(files.values()):
         with naming(file):
             file.unlink(missing_ok=True)  # what an earlier run left there
-    found: dict[str, RecordedJob | Outcome] = {}
+    jobs: dict[str, RecordedJob] = {}
+    found: dict[str, Outcome] = dict.fromkeys(names, CosimError("interrupted before its end"))
     for name, given in names.items():
-        made = job(given, files[name], options)
-        found[name] = change(name, made) if change and isinstance(made, RecordedJob) else made
-    with progress(len(found), options.quiet) as report:
-        for name, error in found.items():
-            if isinstance(error, CosimError):
-                report(name, error)
-        jobs = {name: job for name, job in found.items() if isinstance(job, RecordedJob)}
+        try:
+            made = job(given, files[name], options)
+            jobs[name] = change(name, made) if change else made
+        except CosimError as error:
+            found[name] = error
+    with progress(len(names), options.quiet) as report:
+        for name in found:
+            if name not in jobs:
+                report(name, found[name])
         try:
             for name, outcome in outcomes(jobs, options):
                 found[name] = outcome
@@ -98,14 +99,8 @@ def run(scenarios: Sequence[str], options: RunOptions, change: Change | None = N
             for file in itertools.chain.from_iterable(files.values()):
                 for part in file.parent.glob(f".{glob.escape(file.stem)}.*.partial{file.suffix}"):
                     part.unlink(missing_ok=True)
-            raise StoppedError(finished(found)) from None
-    return finished(found)
-
-
-def finished(found: Mapping[str, RecordedJob | Outcome]) -> Outcomes:
-    """Outcomes; a scenario without one was interrupted."""
-    stopped = CosimError("interrupted before its end")
-    return {name: stopped if isinstance(got, RecordedJob) else got for name, got in found.items()}
+            raise StoppedError(found) from None
+    return found
 
 
 def outcomes(jobs: Mapping[str, Job], options: RunOptions) -> Iterator[tuple[str, Outcome]]:
@@ -118,13 +113,10 @@ def outcomes(jobs: Mapping[str, Job], options: RunOptions) -> Iterator[tuple[str
             yield names[number], outcome
 
 
-def job(given: str, files: tuple[Path, ...], options: RunOptions) -> RecordedJob | CosimError:
-    """Job of a scenario, or the error in it."""
-    try:
-        scenario = load(given)
-        stale.warn_of(scenario.fmus, scenario.folder)
-    except CosimError as error:
-        return error
+def job(given: str, files: tuple[Path, ...], options: RunOptions) -> RecordedJob:
+    """Job of a scenario."""
+    scenario = load(given)
+    stale.warn_of(scenario.fmus, scenario.folder)
     json, plot = files or (None, None)
     plot = plot if options.plots else None
     keep_trace = plot is not None
@@ -146,9 +138,7 @@ def places(folder: Path | None, name: str) -> tuple[Path, ...]:
 def plain(outcomes: Outcomes) -> list[dict[str, Any]]:
     """Results as plain data for JSON, in their order; an error message for each failed run."""
     return [
-        outcome.to_dict()
-        if isinstance(outcome, Result)
-        else {"scenario": name, "passed": False, **outcome.to_dict()}
+        ({} if isinstance(outcome, Result) else {"scenario": name, "passed": False}) | outcome.to_dict()
         for name, outcome in outcomes.items()
     ]
 

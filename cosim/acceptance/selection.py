@@ -17,9 +17,8 @@ def select(words: Sequence[str]) -> list[str]:
     """
     known = [name for name, _ in paths.list_scenarios()]
     if not words and not known:
-        raise ScenarioError(
-            f"no scenario files in {paths.folders_text()}", f"Set {paths.SCENARIOS_ENV} to your folder."
-        )
+        problem = f"no scenario files in {paths.folders_text()}"
+        raise ScenarioError(problem, f"Set {paths.SCENARIOS_ENV} to your folder.")
     selected: list[str] = []
     for word in words or known:
         found = fnmatch.filter(known, word) if set(word) & set("*?[") and words else [word]

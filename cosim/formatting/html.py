@@ -13,17 +13,14 @@ from cosim.metrics.criteria import Measured, Verdict
 def run(title: str, line: str, metrics: Mapping[str, Measured], verdicts: Sequence[Verdict]) -> str:
     """Title and summary of one run, its criteria, and the metrics without a criterion."""
     held = {verdict.criterion.metric for verdict in verdicts}
-    others = [
-        (metric.name, text(metric.value, metric.unit), metric.description)
-        for metric in metrics.values()
-        if metric.name not in held
-    ]
+    free = [metric for metric in metrics.values() if metric.name not in held]
     parts = [heading(title, line)]
     if verdicts:
         names = columns(verdicts)
         parts.append(table(names, [cells(verdict, names) for verdict in verdicts]))
-    if others:
-        parts.append(table(("metric", "value", "description"), others))
+    if free:
+        rows = [(metric.name, text(metric.value, metric.unit), metric.description) for metric in free]
+        parts.append(table(("metric", "value", "description"), rows))
     return "\n".join(parts)
 
 

@@ -25,7 +25,7 @@ def text(value: float, unit: str = "", digits: int = 4) -> str:
         exponent += 3
     if exponent not in PREFIXES:
         return f"{number(value, digits)} {unit}"
-    if abs(exponent) == 3 and unit == "s" and exponent > 0:
+    if unit == "s" and exponent == 3:
         exponent = 0
     return f"{number(value / 10.0**exponent, digits)} {PREFIXES[exponent]}{unit}"
 

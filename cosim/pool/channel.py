@@ -7,7 +7,8 @@ import os
 import pickle
 import struct
 import threading
-from dataclasses import dataclass
+from collections.abc import Callable
+from functools import partial
 from typing import Any, BinaryIO
 
 from cosim.closing import Closing
@@ -17,6 +18,8 @@ MARK = b"\xc0sim\r\n\x1a\0"
 NUMBER = struct.Struct(f"!{len(MARK)}sQQ")
 """The mark, a number, and its bitwise complement."""
 ALL_BITS = 2**64 - 1
+Frame = Callable[[], Any]
+"""A received message; the call decodes it, where its imports are allowed."""
 
 
 class NoMessageError(Exception):
@@ -26,18 +29,6 @@ class NoMessageError(Exception):
 def numbered(number: int) -> bytes:
     """Bytes of a number with its check."""
     return NUMBER.pack(MARK, number, number ^ ALL_BITS)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """A received message, decoded by `open` where its imports are allowed."""
-
-    body: bytearray
-    arrays: list[bytearray]
-
-    def open(self) -> Any:
-        """Return the message."""
-        return pickle.loads(self.body, buffers=self.arrays)
 
 
 class MessageChannel(Closing):
@@ -79,7 +70,7 @@ class MessageChannel(Closing):
         body, *arrays = [self._take(self._number()) for _ in range(self._number())]
         if self._take(len(MARK)) != MARK:
             raise NoMessageError
-        return Frame(body, arrays)
+        return partial(pickle.loads, body, buffers=arrays)
 
     def _number(self) -> int:
         received = self._take(NUMBER.size)

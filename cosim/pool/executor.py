@@ -11,23 +11,38 @@ import threading
 from collections.abc import Generator, Iterable, Iterator
 
 from cosim.loop.repeats import NewProcessError
-from cosim.pool.job import Finished, Numbered, name
+from cosim.pool.job import EVENTS, Finished, Numbered, name
 from cosim.pool.limits import Limits
-from cosim.pool.log_relay import LogRelay
-from cosim.pool.supervisor import ClosedError, Worker
+from cosim.pool.supervisor import MAX_LINES, ClosedError, Line, Worker, report
 
 log = logging.getLogger("cosim")
+HIDDEN = "further log lines are hidden; show all with `-v`"
 
 
-class JobQueue:
-    """Jobs for running workers, which wait for more of them until it is closed."""
+class LogRelay:
+    """Log of parallel runs: each text once, up to a limit; with `-v` all lines are logged."""
 
     def __init__(self) -> None:
-        self.jobs: queue.SimpleQueue[Numbered | None] = queue.SimpleQueue()
-        self.put = self.jobs.put
+        self.seen: set[str] = set()
+        self.lock = threading.Lock()
+
+    def report(self, run: str, line: Line) -> None:
+        """Log a line if the limit permits it."""
+        if not log.isEnabledFor(EVENTS):
+            with self.lock:
+                if line[2] in self.seen or len(self.seen) > MAX_LINES:
+                    return
+                self.seen.add(line[2])
+                if len(self.seen) > MAX_LINES:
+                    line, run = (log.name, logging.WARNING, HIDDEN), ""
+        report(line, run)
+
+
+class JobQueue(queue.SimpleQueue["Numbered | None"]):
+    """Jobs for running workers, which wait for more of them until it is closed."""
 
     def __iter__(self) -> Iterator[Numbered]:
-        return iter(self.jobs.get, None)
+        return iter(self.get, None)
 
     def close(self) -> None:
         """End the iteration and wake the waiting thread."""
@@ -40,39 +55,36 @@ def outcomes(jobs: Iterable[Numbered], workers: int, limits: Limits) -> Generato
     Jobs are consumed when workers become free. Closing the generator ends the worker processes and closes a
     `JobQueue`. Raises CosimError if no worker process can be started.
     """
-    done: queue.SimpleQueue[Finished | BaseException | None] = queue.SimpleQueue()
+    done: queue.SimpleQueue[Finished | None] = queue.SimpleQueue()
+    failures: list[BaseException] = []
     remaining, lock, relay = iter(jobs), threading.Lock(), LogRelay()
 
+    def following() -> Numbered | None:
+        """Task that follows; None after the last."""
+        with lock:
+            return next(remaining, None)
+
     def serve(worker: Worker) -> None:
-        """Send jobs to one worker until the end; None marks the end, an exception a failure."""
+        """Send jobs to one worker until the end, which None marks."""
         try:
-            while True:
-                with lock:
-                    job = next(remaining, None)
-                if job is None:
-                    break
-                done.put((job[0], worker.call(job[1], on_line=functools.partial(relay.report, name(*job)))))
-            worker.finish()
-            done.put(None)
-        except ClosedError:
-            done.put(None)
+            with contextlib.suppress(ClosedError):
+                for number, job in iter(following, None):
+                    on_line = functools.partial(relay.report, name(number, job))
+                    done.put((number, worker.call(job, on_line=on_line)))
+                worker.finish()
         except BaseException as error:
-            done.put(error)
+            failures.append(error)
+        done.put(None)
 
     pool = [Worker(limits) for _ in range(workers)]
     threads = [threading.Thread(target=serve, args=(worker,), daemon=True) for worker in pool]
     try:
         for thread in threads:
             thread.start()
-        busy = len(threads)
-        while busy:
-            item = done.get()
-            if isinstance(item, BaseException):
-                raise item
-            if item is None:
-                busy -= 1
-            else:
-                yield item
+        for _ in threads:
+            yield from iter(done.get, None)
+            if failures:
+                raise failures[0]
     finally:
         if isinstance(jobs, JobQueue):
             jobs.close()

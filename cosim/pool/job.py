@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from cosim.errors import CosimError, FmuError
 from cosim.loop.repeats import Verdicts
-from cosim.pool.log_relay import EVENTS
 
 if TYPE_CHECKING:
     from cosim.loop.engines import Engine
@@ -26,6 +25,8 @@ Outcome: TypeAlias = "Result | CosimError"
 Numbered: TypeAlias = "tuple[int, Job]"
 Finished: TypeAlias = "tuple[int, Outcome]"
 
+EVENTS = logging.INFO
+"""Log level of FMU events; a log at this level is not limited."""
 log = logging.getLogger("cosim")
 
 

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import math
 import os
-import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from cosim.errors import CosimError
-from cosim.process import POSIX
 
 MAX_MEMORY = 1e18
 """Maximum memory limit in bytes, which fits into 64 bits."""
@@ -52,35 +48,6 @@ class Limits:
         if self.memory is not None and not 0.0 < self.memory <= MAX_MEMORY:
             given = f"`{self.keys[1]}` = `{self.memory / 1e6:g}`"
             raise CosimError(f"{given} must be positive and at most {MAX_MEMORY / 1e6:g}, in MB")
-
-
-def process_of(number: int | None = None) -> Any:
-    """Process by number for psutil; None is this process."""
-    return importlib.import_module("psutil").Process(number)
-
-
-def memory_of(process: int | None = None) -> Any:
-    """Memory of a process in bytes (`rss` is resident memory); None is this process."""
-    return process_of(process).memory_info()
-
-
-def system_confines() -> bool:
-    """Whether the operating system can limit the memory of a process."""
-    return POSIX and sys.platform == "linux"
-
-
-def confine(memory: float) -> None:
-    """Limit the memory of this process in bytes; raises MemoryError with its use if that is more already."""
-    import resource
-
-    now = memory_of()
-    if now.rss > memory:
-        raise MemoryError(now.rss)
-    # what is reserved but not touched, such as stacks of threads, is no memory that it has
-    most = int(now.data + memory - now.rss)
-    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    soft = most if hard == resource.RLIM_INFINITY else min(most, hard)
-    resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
 
 
 def processors() -> int:

@@ -6,19 +6,21 @@ import contextlib
 import logging
 import math
 import subprocess
+import sys
 import threading
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from cosim.closing import Closing
+from cosim.errors import CosimError
 from cosim.loop import repeats
-from cosim.loop.place import Place
 from cosim.loop.repeats import NewProcessError
 from cosim.pool.channel import Frame, NoMessageError
-from cosim.pool.job import Request, Task, WorkerError
-from cosim.pool.limits import Limits, system_confines
-from cosim.pool.log_relay import OnLine, max_lines, report
-from cosim.pool.worker_handle import WorkerHandle, ending, no_start, spawn
+from cosim.pool.job import EVENTS, Request, Task, WorkerError
+from cosim.pool.limits import Limits
+from cosim.pool.worker_handle import WorkerHandle, ending, spawn
+from cosim.process import LINUX
 from cosim.warned import warn_once
 
 START_TIMEOUT = 120.0
@@ -35,11 +37,22 @@ LAST_MESSAGE = 0.2
 """Maximum time for a message of an ended process to be read, s."""
 KILLED = (-9, -15)
 """Return codes of a process that SIGKILL or SIGTERM ended, as others send them."""
+MAX_LINES = 20
+"""Maximum log lines of one run, and of all runs together, without `-v`."""
+Line = tuple[str, int, str]
+"""Name of a logger, level and text."""
+OnLine = Callable[[Line], None]
 
 if TYPE_CHECKING:
     from cosim.loop.reference import Progress
 
 log = logging.getLogger("cosim")
+
+
+def report(line: Line, run: str = "") -> None:
+    """Log a line of another process, with the name of its run."""
+    name, level, text = line
+    logging.getLogger(name).log(level, "%s", f"{run}: {text}" if run else text)
 
 
 class ClosedError(Exception):
@@ -60,12 +73,11 @@ class Worker(Closing):
         self.on_line: OnLine = report
         self.lock = threading.Lock()
         self.closed = False
-        self.place = Place()
 
     @property
     def confined(self) -> float | None:
-        """Memory limit of the operating system in bytes; None for no limit."""
-        return self.limits.memory if system_confines() else None
+        """Memory limit in bytes that the operating system enforces; None for no limit."""
+        return self.limits.memory if LINUX else None
 
     def prepare(self) -> None:
         """Start the process, which imports its modules in the meantime.
@@ -110,11 +122,11 @@ class Worker(Closing):
         handle = self.start(memory)
         if handle.output:
             handle.output.kept = b""
-        self.place.clear()
+        handle.place.clear()
         first = not handle.tasks
         handle.tasks += 1
         handle.busy, handle.last_log = True, ""
-        lines = math.inf if self.relay else max_lines()
+        lines = math.inf if self.relay or log.isEnabledFor(EVENTS) else MAX_LINES
         try:
             # a process that dies while it starts is reported by `outcome`
             with contextlib.suppress(OSError):
@@ -135,21 +147,20 @@ class Worker(Closing):
             handle = self.handle
             fits = handle is not None and (handle.memory == memory or not handle.tasks)
             if handle is None or not fits or handle.process.poll() is not None:
-                self.kill()
                 self.release()
                 handle = self.handle = spawn(self.relay)
-                self.place = handle.place
             handle.memory = memory
             return handle
 
     def outcome(self, handle: WorkerHandle, progress: Progress | None) -> Any:
         """Outcome of the sent task, or the exceeded limit."""
         memory = self.limits.memory if handle.memory is None else None
-        end, repeated = self.deadline(handle), 0
+        periods = progress and PROGRESS_INTERVAL, memory and MEMORY_INTERVAL, ALIVE_INTERVAL
+        interval = min(filter(None, periods))
+        page, end, repeated = handle.place.page, self.deadline(handle), 0
         while True:
-            left = None if end is None else max(0.0, end - time.monotonic())
-            waits = (left, PROGRESS_INTERVAL if progress else None, MEMORY_INTERVAL if memory else None)
-            frame = handle.receive(min((ALIVE_INTERVAL, *(wait for wait in waits if wait is not None))))
+            left = max(0.0, end - time.monotonic())
+            frame = handle.receive(min(left, interval))
             ended = frame is None and handle.process.poll() is not None
             if ended:
                 frame = handle.receive(LAST_MESSAGE)
@@ -165,16 +176,16 @@ class Worker(Closing):
                     repeats.verdicts.update(verdicts)
                     return outcome
             elif left == 0.0:
-                if self.place.page.repeated == repeated:
+                if page.repeated == repeated:
                     return self.too_long(handle)
                 # an earlier run was repeated before this one, and each has its own time
-                repeated, end = self.place.page.repeated, self.deadline(handle)
+                repeated, end = page.repeated, self.deadline(handle)
             elif ended:
                 return self.crashed(handle)
-            if progress and self.place.page.steps:
-                progress(self.place.page.step, self.place.page.steps)
+            if progress and page.steps:
+                progress(page.step, page.steps)
             if memory and (used := handle.resident()) > memory:
-                return self.too_much(used, memory)
+                return self.too_much(handle, used, memory)
 
     def message(self, handle: WorkerHandle, frame: Frame) -> tuple[str, Any]:
         """Kind and content of a message of a process; passes on its log lines.
@@ -182,7 +193,7 @@ class Worker(Closing):
         `ready` has its number; `done` has the outcome, whether it is fit for another task, and verdicts.
         """
         try:
-            kind, content = frame.open()
+            kind, content = frame()
         except Exception:  # pickle has many
             raise NoMessageError from None
         if kind == "log":
@@ -190,41 +201,40 @@ class Worker(Closing):
             self.on_line(content)
         return kind, content
 
-    def deadline(self, handle: WorkerHandle) -> float | None:
+    def deadline(self, handle: WorkerHandle) -> float:
         """Deadline of the answer."""
         longest = self.limits.timeout if handle.pid else START_TIMEOUT
-        return None if longest is None else time.monotonic() + longest
+        return time.monotonic() + (longest or math.inf)
 
-    def position(self, who: str, did: str = "") -> str:
-        """Return what an FMU or plant did, and when; empty if there is none."""
-        return " ".join(filter(None, (who, did, self.place.when()))) if who else ""
+    def end(self, handle: WorkerHandle, how: str) -> None:
+        """End a process; raises CosimError with the reason if it did not start."""
+        self.kill()
+        if not handle.pid:
+            hint = f"Check that `{sys.executable}` can import the package `cosim`."
+            raise CosimError(f"a worker process does not start: {how}", hint)
 
     def too_long(self, handle: WorkerHandle) -> WorkerError:
         """End a process after a timeout; return the error."""
-        self.kill()
-        if not handle.pid:
-            raise no_start(f"it is not ready within {START_TIMEOUT:g} s")
+        self.end(handle, f"it is not ready within {START_TIMEOUT:g} s")
         key = self.limits.keys[0]
         text = f"no result within `{key}` = `{self.limits.timeout:g}` s"
-        where = self.position(self.place.who(), "did not return")
+        where = handle.position(handle.place.who(), "did not return")
         hint = f"Increase `{key}`, or check the scenario for a hang."
         return WorkerError("timeout", f"{text}: {where}" if where else text, hint)
 
-    def too_much(self, used: float, memory: float) -> WorkerError:
+    def too_much(self, handle: WorkerHandle, used: float, memory: float) -> WorkerError:
         """End a process that used too much memory; return the error."""
         self.kill()
         limit = f"`{self.limits.keys[1]}` = `{memory / 1e6:g}` MB"
         text = f"`{used / 1e6:.0f}` MB of memory are more than {limit}"
-        where = self.position(self.place.who())
+        where = handle.position(handle.place.who())
         return WorkerError("memory", f"{text}, used by {where}" if where else text)
 
     def garbled(self, handle: WorkerHandle) -> WorkerError:
         """End a process with a corrupted connection; return the error."""
-        self.kill()
         how = "the connection to the worker process is corrupted"
-        if not handle.pid:
-            raise no_start(how)
-        who = self.place.ran() or "a task"
+        self.end(handle, how)
+        who = handle.place.ran() or "a task"
         return WorkerError("crashed", f"{who} wrote to a foreign file descriptor: {how}")
 
     def crashed(self, handle: WorkerHandle) -> WorkerError:
@@ -235,10 +245,9 @@ class Worker(Closing):
         self.kill()
         if output := handle.last_output():
             how += f"; its last output: {output}"
-        if not handle.pid:
-            raise no_start(how)
-        who = self.place.who() or self.place.ran() or "the worker process"
-        return WorkerError("crashed", f"{self.position(who, 'crashed')}: {how}")
+        self.end(handle, how)
+        who = handle.place.who() or handle.place.ran() or "the worker process"
+        return WorkerError("crashed", f"{handle.position(who, 'crashed')}: {how}")
 
     def finish(self) -> None:
         """Let an idle process close FMU and plant and end; kill it after a timeout.
@@ -263,10 +272,10 @@ class Worker(Closing):
         finally:
             code = handle.process.poll()
             self.kill()
-        who = self.place.who()
+        who = handle.place.who()
         if not self.closed and (who or late or code):
             how = f"it did not end within {GRACE:g} s and was killed" if late else ending(code)
-            where = self.position(who or "a worker process", "hung" if late else "crashed")
+            where = handle.position(who or "a worker process", "hung" if late else "crashed")
             warn_once(f"{where}: {how}")
 
     def kill(self) -> None:
@@ -275,7 +284,8 @@ class Worker(Closing):
             self.handle.kill()
 
     def release(self) -> None:
-        """Release the resources of an ended process."""
+        """End the process and release its resources."""
+        self.kill()
         handle, self.handle = self.handle, None
         if handle is not None:
             handle.release()

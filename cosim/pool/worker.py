@@ -26,13 +26,10 @@ from cosim.loop.reference import Progress
 from cosim.loop.session import Session
 from cosim.pool.channel import Frame, MessageChannel
 from cosim.pool.job import Request, Task, WorkerError
-from cosim.pool.limits import confine
-from cosim.process import POSIX
+from cosim.process import LINUX
 from cosim.scenario.model import Scenario
 from cosim.warned import once
 
-IDLE = 600.0
-"""Idle time after which a worker process ends, s; the next task starts another one."""
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 log = logging.getLogger("cosim")
@@ -111,8 +108,7 @@ def main(page: str, parent: int) -> None:
         channel.send(("ready", os.getpid()))
         before = process.belongings()
         while (request := awaited(tasks)) is not None:
-            outcome = exceeded or done(runner, request, forward)
-            outcome, fit = inspected(outcome, before, place)
+            outcome, fit = inspected(exceeded or done(runner, request, forward), before, place)
             channel.send(("done", (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
     # a last search for reference cycles in all imported modules would take longer than the rest of the end
     gc.freeze()
@@ -134,23 +130,30 @@ def channel_of_streams() -> MessageChannel:
 
 def confined(tasks: queue.SimpleQueue[Frame]) -> WorkerError | None:
     """Set the memory limit of this process, sent first; an error if it is exceeded already."""
-    memory: float | None = tasks.get().open()
+    memory: float | None = tasks.get()()
     if memory is None:
         return None
-    try:
-        confine(memory)
-    except MemoryError as error:
-        used = f"`{error.args[0] / 1e6:.0f}` MB of memory, which a run needs before its start,"
+    import resource
+
+    import psutil
+
+    now = psutil.Process().memory_info()
+    if now.rss > memory:
+        used = f"`{now.rss / 1e6:.0f}` MB of memory, which a run needs before its start,"
         return WorkerError("memory", f"{used} exceed its limit of `{memory / 1e6:g}` MB")
+    # what is reserved but not touched, such as stacks of threads, is no memory that it has
+    most = int(now.data + memory - now.rss)
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    soft = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
     return None
 
 
 def awaited(tasks: queue.SimpleQueue[Frame]) -> Request | CosimError | None:
     """Wait for a request; None is the request to end."""
+    frame = tasks.get()
     try:
-        request: Request | None = tasks.get(timeout=IDLE).open()
-    except queue.Empty:
-        return None
+        request: Request | None = frame()
     except Exception as error:
         text = f"a worker process cannot read its task: {type(error).__name__}: {error}"
         return CosimError(text, "Make its module importable in every process.")
@@ -201,7 +204,7 @@ def die_with(parent: int) -> None:
 
     Child processes of a run stay below this process, to be found and ended with it.
     """
-    if POSIX and sys.platform == "linux":
+    if LINUX:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
         if os.getppid() != parent:

@@ -17,7 +17,6 @@ from typing import IO, Any
 from cosim.errors import CosimError
 from cosim.loop.place import PAGE, Place
 from cosim.pool.channel import Frame, MessageChannel, NoMessageError
-from cosim.pool.limits import memory_of, process_of
 from cosim.process import POSIX
 
 LONGEST_OUTPUT = 300
@@ -34,6 +33,13 @@ GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 """Flag of Windows, equivalent to a session of POSIX: only the parent handles Ctrl-C."""
 EXCEPTIONS = {0xC0000005: "access violation", 0xC0000094: "division by zero", 0xC00000FD: "stack overflow"}
 """Exit codes of Windows."""
+
+
+def process_of(number: int) -> Any:
+    """Process by number for psutil, whose import is slow."""
+    import psutil
+
+    return psutil.Process(number)
 
 
 class Output:
@@ -129,8 +135,7 @@ class WorkerHandle:
             self.children += process_of(self.process.pid).children(recursive=True)
 
     def release(self) -> None:
-        """Release its resources after its end."""
-        self.process.wait()
+        """Release its resources after `kill`."""
         self.thread.join(LAST_OUTPUT)
         if not self.thread.is_alive():
             # a pipe that a thread reads cannot be closed
@@ -138,6 +143,10 @@ class WorkerHandle:
         self.place.detach()
         with contextlib.suppress(OSError):
             self.page.unlink(missing_ok=True)
+
+    def position(self, who: str, did: str = "") -> str:
+        """Return what an FMU or plant did, and when; empty if there is none."""
+        return " ".join(filter(None, (who, did, self.place.when()))) if who else ""
 
     def last_output(self) -> str:
         """Last line that it printed or logged; empty if its output goes to stderr."""
@@ -149,7 +158,7 @@ class WorkerHandle:
         """Resident memory, bytes; 0 after its end."""
         try:
             # in a virtual environment of Windows the started process only starts another one
-            return int(memory_of(self.pid or self.process.pid).rss)
+            return int(process_of(self.pid or self.process.pid).memory_info().rss)
         except Exception:  # psutil raises its own exception if it is gone
             return 0
 
@@ -159,16 +168,15 @@ def spawn(relay: bool) -> WorkerHandle:
 
     Raises CosimError if the system starts no more processes.
     """
-    page = None
+    page = Path()
     try:
-        handle, name = tempfile.mkstemp(prefix="cosim-")
-        page = Path(name)
-        with open(handle, "wb") as file:  # noqa: PTH123
+        with tempfile.NamedTemporaryFile(prefix="cosim-", delete=False) as file:
+            page = Path(file.name)
             file.write(bytes(PAGE))
         place = Place(page)
         # `-P`: a `numpy.py` in the working directory does not replace the package; the environment is that of
         # the user, because a run may start another Python, without variables that C code of a run set here
-        command = COMMAND.format([*map(os.path.abspath, sys.path)], name, os.getpid())
+        command = COMMAND.format([*map(os.path.abspath, sys.path)], str(page), os.getpid())
         process = subprocess.Popen(
             [sys.executable, "-P", "-c", command],
             stdin=subprocess.PIPE,
@@ -179,7 +187,7 @@ def spawn(relay: bool) -> WorkerHandle:
             creationflags=GROUP,
         )
     except OSError as error:
-        if page:
+        if page.name:
             page.unlink(missing_ok=True)
         problem = f"a worker process cannot be started: {error.strerror or error}"
         raise CosimError(problem, "Use fewer `--workers`, or raise the limits of the system.") from error
@@ -203,9 +211,3 @@ def ending(code: int | None) -> str:
         return f"killed by {signal.Signals(-code).name}"
     except ValueError:
         return f"killed by signal {-code}"
-
-
-def no_start(how: str) -> CosimError:
-    """Error of a process that does not start."""
-    hint = f"Check that `{sys.executable}` can import the package `cosim`."
-    return CosimError(f"a worker process does not start: {how}", hint)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import keyword
 import re
 from collections.abc import Iterable
@@ -20,48 +21,37 @@ TAKEN = {"plant", "loop", "time", "title", "description", "undriven", "plot", *I
 
 def check(scenario: Scenario, merged: Overrides) -> None:
     """Check a loaded scenario."""
-    check_loop(scenario.loop, merged.fail)
+    loop, fail = scenario.loop, merged.fail
+    check_loop(loop, fail)
     check_forms(merged)
-    check_unique([("fmu", choice.name) for choice in scenario.fmu], merged.fail)
+    check_unique(scenario, ("fmu",), fail)
     for choice in scenario.fmu:
-        check_fmu(choice, scenario.loop, merged.fail)
-    check_unique(
-        [
-            *(("wire", wire.to) for wire in scenario.wire),
-            *(("signal", signal.to) for signal in scenario.signal),
-        ],
-        merged.fail,
-    )
-    check_unique([("metric", metric.name) for metric in scenario.metric], merged.fail)
-    check_unique([("criterion", criterion.id) for criterion in scenario.criterion], merged.fail)
+        check_fmu(choice, loop, fail)
+    for sections in (("wire", "signal"), ("metric",), ("criterion",)):
+        check_unique(scenario, sections, fail)
     for wire in scenario.wire:
-        check_wire(wire, scenario.loop, merged.fail)
-    check_streams(scenario.wire, merged.fail)
+        check_wire(wire, loop, fail)
+    check_streams(scenario.wire, fail)
     for signal in scenario.signal:
-        check_signal(signal, merged.fail)
+        check_signal(signal, fail)
     for injection in scenario.inject:
-        check_injection(injection, scenario.loop, merged.fail)
+        check_injection(injection, loop, fail)
     metrics = [metric.name for metric in scenario.metric]
     for criterion in scenario.criterion:
-        check_criterion(criterion, metrics, merged.fail)
+        check_criterion(criterion, metrics, fail)
 
 
 def check_loop(loop: Loop, fail: Fail) -> None:
     """Check that the duration lies on the grid `k * step`."""
-    if loop.duration / loop.step > MAX_STEPS:
-        fail("loop.duration", f"is `{loop.duration}` s, which is more than {MAX_STEPS:g} steps")
-    ratio = loop.duration / loop.step
+    key, ratio = "loop.duration", loop.duration / loop.step
+    if ratio > MAX_STEPS:
+        fail(key, f"is `{loop.duration}` s, which is more than {MAX_STEPS:g} steps")
     if loop.steps < 1 or abs(ratio - loop.steps) > 1e-6:
-        nearest = max(1, loop.steps) * loop.step
-        fail(
-            "loop.duration",
-            f"is `{loop.duration}` s, it must be a multiple of `loop.step` = `{loop.step}` s",
-            f"Use {nearest:.12g} s.",
-        )
+        problem = f"is `{loop.duration}` s, it must be a multiple of `loop.step` = `{loop.step}` s"
+        fail(key, problem, f"Use {max(1, loop.steps) * loop.step:.12g} s.")
     if loop.record_every > loop.steps:
-        most = f"it must not exceed the {loop.steps} steps of the run"
-        hint = "Metrics would have only the first row."
-        fail("loop.record_every", f"is `{loop.record_every}`, {most}", hint)
+        problem = f"is `{loop.record_every}`, it must not exceed the {loop.steps} steps of the run"
+        fail("loop.record_every", problem, "Metrics would have only the first row.")
 
 
 def check_forms(merged: Overrides) -> None:
@@ -84,44 +74,40 @@ def check_fmu(choice: FmuChoice, loop: Loop, fail: Fail) -> None:
         fail(f"{key}.name", f"is {show(choice.name)}, it must consist of {letters}")
     if choice.name in TAKEN:
         fail(f"{key}.name", f"is `{choice.name}`, which is a reserved name", "Choose another name.")
-    if choice.step is not None and not MAX_STEPS > choice.step / loop.step > 0.5:
-        fail(f"{key}.step", f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s")
+    if choice.step is None:
+        return
+    key, ratio = f"{key}.step", choice.step / loop.step
+    off_grid = f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s"
+    if not MAX_STEPS > ratio > 0.5:
+        fail(key, off_grid)
     every = loop.every(choice.step)
     if every > loop.steps:
-        fail(
-            f"{key}.step", f"is `{choice.step}` s, it must not be above `loop.duration` = `{loop.duration}` s"
-        )
-    if choice.step is not None and abs(choice.step / loop.step - every) > 1e-6:
-        hint = f"Use {every * loop.step:.12g} s."
-        fail(
-            f"{key}.step",
-            f"is `{choice.step}` s, it must be a multiple of `loop.step` = `{loop.step}` s",
-            hint,
-        )
+        fail(key, f"is `{choice.step}` s, it must not be above `loop.duration` = `{loop.duration}` s")
+    if abs(ratio - every) > 1e-6:
+        fail(key, off_grid, f"Use {every * loop.step:.12g} s.")
 
 
-def check_unique(keys: list[tuple[str, str]], fail: Fail) -> None:
+def check_unique(scenario: Scenario, sections: Iterable[str], fail: Fail) -> None:
     """Check that names and driven targets are unique and not empty."""
     seen: dict[str, str] = {}
-    for section, name in keys:
-        if not name and section != "fmu":
-            fail(f"{section}.{name}.{IDENTITY[section]}", "is empty")
-        if name in seen:
-            fail(
-                f"{section}.{name}",
-                f"is given twice, as `{seen[name]}` and as `{section}`",
-                "Give each target one wire or signal, and each FMU, metric and criterion its own name.",
-            )
-        seen[name] = section
+    for section in sections:
+        for item in getattr(scenario, section):
+            name = getattr(item, IDENTITY[section])
+            if not name and section != "fmu":
+                fail(f"{section}.{name}.{IDENTITY[section]}", "is empty")
+            if name in seen:
+                problem = f"is given twice, as `{seen[name]}` and as `{section}`"
+                hint = "Give each target one wire or signal, and each FMU, metric and criterion its own name."
+                fail(f"{section}.{name}", problem, hint)
+            seen[name] = section
 
 
 def check_wire(wire: Wire, loop: Loop, fail: Fail) -> None:
     """Check the delay and the limits of a wire."""
     key = f"wire.{wire.to}"
     if not 0 <= wire.delay <= loop.steps:
-        fail(
-            f"{key}.delay", f"is `{wire.delay}` steps, it must be in 0 .. {loop.steps}, the steps of the run"
-        )
+        problem = f"is `{wire.delay}` steps, it must be in 0 .. {loop.steps}, the steps of the run"
+        fail(f"{key}.delay", problem)
     check_order(key, wire, fail)
 
 
@@ -133,11 +119,8 @@ def check_streams(wires: Iterable[Wire], fail: Fail) -> None:
         other = seen.setdefault(stream, wire)
         if other is not wire:
             named, without = (wire, other) if wire.stream else (other, wire)
-            fail(
-                f"wire.{named.to}.stream",
-                f"is `{stream}`, the stream of `wire.{without.to}`",
-                "Give each wire its own stream.",
-            )
+            problem = f"is `{stream}`, the stream of `wire.{without.to}`"
+            fail(f"wire.{named.to}.stream", problem, "Give each wire its own stream.")
 
 
 def check_order(key: str, limited: Wire | Criterion, fail: Fail) -> None:
@@ -152,22 +135,17 @@ def check_signal(signal: Signal, fail: Fail) -> None:
     key = f"signal.{signal.to}"
     if signal.file:
         if signal.times or signal.values:
-            fail(
-                f"{key}.file",
-                "cannot be combined with `times` and `values`",
-                "Use either a file, or `times` and `values`.",
-            )
+            hint = "Use either a file, or `times` and `values`."
+            fail(f"{key}.file", "cannot be combined with `times` and `values`", hint)
         return
     if signal.column:
         fail(f"{key}.column", f"is `{signal.column}`, but the signal has no `file`")
     if len(signal.times) != len(signal.values):
-        fail(
-            key,
-            f"has {len(signal.times)} `times` and {len(signal.values)} `values`, but needs equal numbers",
-        )
+        numbers = f"{len(signal.times)} `times` and {len(signal.values)} `values`"
+        fail(key, f"has {numbers}, but needs equal numbers")
     if not signal.times or signal.times[0] != 0.0:
         fail(f"{key}.times", "must start with 0.0")
-    if any(not earlier < later for earlier, later in zip(signal.times, signal.times[1:], strict=False)):
+    if not all(earlier < later for earlier, later in itertools.pairwise(signal.times)):
         fail(f"{key}.times", "must increase")
 
 
@@ -175,56 +153,42 @@ def check_injection(injection: Injection, loop: Loop, fail: Fail) -> None:
     """Check that an injection has one start, at most one end after it, and one kind."""
     key = f"inject.{injection.to}"
     begin, end = injection.from_time, injection.to_time
-    check_kinds(key, injection, fail)
+    kinds = injection.kinds
+    if not kinds:
+        choices = ", ".join(f"`{kind}`" for kind in INJECTED)
+        fail(key, "has no kind", f"Give one of {choices}.")
+    if len(kinds) > 1:
+        hint = "Give one kind each; several `[[inject]]` of one target act in their order."
+        fail(f"{key}.{kinds[1]}", f"cannot be combined with `{kinds[0]}`", hint)
     if not injection.when and begin is None:
         fail(f"{key}.from_time", "is missing", "Give `from_time` (s) or `when` (a condition) as its start.")
     if injection.when and begin is not None:
         fail(f"{key}.when", f"cannot be combined with `from_time` = `{begin}` s", "Give only one of them.")
     if injection.when and end is not None:
-        hint = "Use `duration` (s)."
-        fail(f"{key}.to_time", f"is `{end}` s, but with `when` its start is unknown", hint)
+        problem = f"is `{end}` s, but with `when` its start is unknown"
+        fail(f"{key}.to_time", problem, "Use `duration` (s).")
     if injection.after and not injection.when:
-        fail(
-            f"{key}.after",
-            f"is `{injection.after}` s, but there is no `when`",
-            "Include the delay in `from_time`.",
-        )
+        problem = f"is `{injection.after}` s, but there is no `when`"
+        fail(f"{key}.after", problem, "Include the delay in `from_time`.")
     if injection.duration is not None and end is not None:
         fail(f"{key}.duration", f"cannot be combined with `to_time` = `{end}` s", "Give only one of them.")
     if begin is not None and end is not None and not begin < end:
         fail(f"{key}.to_time", f"is `{end}` s, it must be later than `from_time` = `{begin}` s")
     if injection.late is not None and injection.late > loop.steps:
-        most = f"it must not exceed the {loop.steps} steps of the run"
-        fail(f"{key}.late", f"is `{injection.late}` steps, {most}")
-
-
-def check_kinds(key: str, injection: Injection, fail: Fail) -> None:
-    """Check that an injection has one kind."""
-    kinds, choices = injection.kinds, ", ".join(f"`{kind}`" for kind in INJECTED)
-    if not kinds:
-        fail(key, "has no kind", f"Give one of {choices}.")
-    if len(kinds) > 1:
-        hint = "Give one kind each; several `[[inject]]` of one target act in their order."
-        fail(f"{key}.{kinds[1]}", f"cannot be combined with `{kinds[0]}`", hint)
+        problem = f"is `{injection.late}` steps, it must not exceed the {loop.steps} steps of the run"
+        fail(f"{key}.late", problem)
 
 
 def check_criterion(criterion: Criterion, metrics: list[str], fail: Fail) -> None:
     """Check that a criterion has a limit and names a metric that exists."""
     key = f"criterion.{criterion.id}"
     if criterion.metric not in metrics:
-        fail(
-            f"{key}.metric",
-            f"is `{criterion.metric}`, which is not a metric of the scenario",
-            closest(criterion.metric, metrics),
-        )
-    limits = (criterion.minimum, criterion.maximum, criterion.equals)
-    if all(limit is None for limit in limits):
+        problem = f"is `{criterion.metric}`, which is not a metric of the scenario"
+        fail(f"{key}.metric", problem, closest(criterion.metric, metrics))
+    given = [name for name in ("maximum", "minimum", "equals") if getattr(criterion, name) is not None]
+    if not given:
         fail(key, "has no limit", "Give a `minimum`, a `maximum` or `equals`.")
-    if criterion.equals is not None and limits[:2] != (None, None):
-        other = "minimum" if criterion.maximum is None else "maximum"
-        fail(
-            f"{key}.equals",
-            f"is `{criterion.equals}`, it cannot be combined with `{other}`",
-            "Use two criteria.",
-        )
+    if criterion.equals is not None and len(given) > 1:
+        problem = f"is `{criterion.equals}`, it cannot be combined with `{given[0]}`"
+        fail(f"{key}.equals", problem, "Use two criteria.")
     check_order(key, criterion, fail)

@@ -33,9 +33,8 @@ def load(name_or_path: str | Path, set: str | Sequence[str | Assignment] = ()) -
     file = paths.find_scenario(str(name_or_path))
     merged = overrides.read(file)
     if isinstance(set, Mapping) or not all(isinstance(entry, str | Assignment) for entry in set):
-        raise ScenarioError(
-            f"`set` is `{set!r}`, it must hold texts", 'Use, for example, `set=["loop.seed=1"]`.'
-        )
+        hint = 'Use, for example, `set=["loop.seed=1"]`.'
+        raise ScenarioError(f"`set` is `{set!r}`, it must hold texts", hint)
     overrides.override(merged, [set] if isinstance(set, str) else set)
     return replace(build(merged), name=paths.scenario_name(file), file=file.resolve())
 

@@ -190,26 +190,21 @@ def override(merged: Overrides, assignments: Sequence[str | Assignment]) -> None
     text.
     """
     for assignment in assignments:
-        option, key, value = read_assignment(assignment)
-        origin = f"`{option}`"
+        if isinstance(assignment, str):
+            key, equals, text = map(str.strip, assignment.partition("="))
+            if not equals or not key:
+                problem = f"`{SET} {assignment}` is not of the form KEY=VALUE"
+                raise ScenarioError(problem, "Use, for example, `--set loop.duration=1.0`.")
+            option, value = f"{SET} {key}", text
+        else:
+            option, key, value = assignment
         try:
             if isinstance(assignment, str):
                 value = toml_value(value, key)
             check_sizes(value, key=key)
         except ScenarioError as error:
-            raise ScenarioError(f"{origin}: {error.message}", error.hint) from None
-        assign(merged, key, value, origin)
-
-
-def read_assignment(assignment: str | Assignment) -> Assignment:
-    """Parts of an assignment; the value of a text `KEY=VALUE` is a text."""
-    if isinstance(assignment, Assignment):
-        return assignment
-    key, equals, text = assignment.partition("=")
-    if not equals or not key.strip():
-        problem = f"`{SET} {assignment}` is not of the form KEY=VALUE"
-        raise ScenarioError(problem, "Use, for example, `--set loop.duration=1.0`.")
-    return Assignment(f"{SET} {key.strip()}", key.strip(), text.strip())
+            raise ScenarioError(f"`{option}`: {error.message}", error.hint) from None
+        assign(merged, key, value, f"`{option}`")
 
 
 def assign(merged: Overrides, key: str, value: Any, origin: str) -> None:
@@ -225,29 +220,28 @@ def key_path(merged: Overrides, key: str, origin: str) -> KeyPath:
         path, own = tables[section]
         return [*path, name] if name in own else [*path, "parameters", name.removeprefix("parameters.")]
     items = [root for root in IDENTITY if root != "fmu"]
-    if section in (*tables, "loop", *items) and not name.strip("."):
+    if key in ("title", "description"):
+        return [key]
+    roots = (*tables, "loop", *items)
+    if section not in roots:
+        where = origin if key in origin else f"{origin}: `{key}`"
+        hint = closest(key, [*(f"{root}." for root in roots), "title", "description"])
+        raise ScenarioError(f"{where}: not a key of a scenario", hint)
+    if not name.strip("."):
         entries = merged.table.get(section, [])
         names = identities(section, entries) if section in items and is_tables(entries) else []
         known = closest("", [f"{section}.{name}" for name in names])
         raise ScenarioError(f"{origin}: there is no name after `{section}.`", known)
-    if section in items and name:
-        return item_path(merged, section, name, origin)
-    if section == "loop" and name:
-        return [section, name]
-    if key in ("title", "description"):
-        return [key]
-    roots = [*(f"{root}." for root in (*tables, "loop", *items)), "title", "description"]
-    where = origin if key in origin else f"{origin}: `{key}`"
-    raise ScenarioError(f"{where}: not a key of a scenario", closest(key, roots))
+    return [section, name] if section == "loop" else item_path(merged, section, name, origin)
 
 
 def parameterised(table: dict[str, Any]) -> dict[str, tuple[KeyPath, tuple[str, ...]]]:
     """Paths of the tables with parameters, by their names in keys, and their other keys."""
-    found: dict[str, tuple[KeyPath, tuple[str, ...]]] = {"plant": (["plant"], ("name",))}
-    if not is_tables(table.get("fmu")):
-        return {"controller": (["controller"], ("fmu",)), **found}
-    fmus = {str(item.get("name")): index for index, item in enumerate(table["fmu"])}
-    return {**{name: (["fmu", index], ("fmu", "step")) for name, index in fmus.items()}, **found}
+    found: dict[str, tuple[KeyPath, tuple[str, ...]]] = {"controller": (["controller"], ("fmu",))}
+    if is_tables(table.get("fmu")):
+        names = enumerate(str(name) for name in identities("fmu", table["fmu"]))
+        found = {name: (["fmu", index], ("fmu", "step")) for index, name in names}
+    return {**found, "plant": (["plant"], ("name",))}
 
 
 def item_path(merged: Overrides, section: str, name: str, origin: str) -> KeyPath:

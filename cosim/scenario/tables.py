@@ -21,26 +21,13 @@ Fail = Callable[..., NoReturn]
 """Raises the error of the caller from key, problem and optional hint."""
 Reader = Callable[[Any], Any]
 """Converts a TOML value into that of the dataclass, or raises `Mismatch`."""
-IDENTITY = {
-    "fmu": "name",
-    "wire": "to",
-    "signal": "to",
-    "inject": "to",
-    "metric": "name",
-    "criterion": "id",
-}
+IDENTITY = {"fmu": "name", "wire": "to", "signal": "to", "inject": "to", "metric": "name", "criterion": "id"}
 """Key that identifies an item of an array of tables."""
 NAMES = {
-    float: "a number",
-    int: "an integer",
-    str: "a text",
-    bool: "true or false",
-    list: "an array",
-    dict: "a table",
-    datetime.date: "a date",
-    datetime.datetime: "a date with a time",
+    float: "a number", int: "an integer", str: "a text", bool: "true or false", list: "an array",
+    dict: "a table", datetime.date: "a date", datetime.datetime: "a date with a time",
     datetime.time: "a time of the day",
-}
+}  # fmt: skip
 
 
 class Mismatch(Exception):  # noqa: N818
@@ -50,11 +37,6 @@ class Mismatch(Exception):  # noqa: N818
         super().__init__(problem)
         self.problem, self.hint, self.path = problem, hint, list(path)
 
-    def inside(self, name: str | int) -> Mismatch:
-        """Return the same error with the path from the enclosing table or array."""
-        self.path.insert(0, name)
-        return self
-
 
 def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
     """Build the dataclass `kind` from a TOML table, whose dotted `key` is for messages.
@@ -63,7 +45,7 @@ def parse(kind: type[T], table: dict[str, Any], key: str, fail: Fail) -> T:
     `minimum` .. `maximum`, its `unit`, and a text of the requirement (`demand`).
     """
     try:
-        return typing.cast("T", reader(typing.cast("typing.Hashable", kind))(table))
+        return typing.cast("T", built(kind, table))
     except Mismatch as found:
         fail(dotted(found.path, table, key), found.problem, found.hint)
 
@@ -116,20 +98,11 @@ def built(kind: Any, value: Any) -> Any:
     for name in table:
         if name not in fields:
             raise Mismatch("is not a known key", closest(name, fields), name)
-    values = {}
-    for name, item in table.items():
-        target, read = fields[name]
-        values[target] = read_inside(read, item, name)
-    for name in required(kind):
-        if name not in table:
-            raise Mismatch("is missing", "", name)
+    values = {fields[name][0]: read_inside(fields[name][1], item, name) for name, item in table.items()}
+    for field in dataclasses.fields(kind):
+        if is_required(field) and toml_key(field) not in table:
+            raise Mismatch("is missing", "", toml_key(field))
     return kind(**values)
-
-
-@functools.lru_cache(64)
-def required(kind: Any) -> tuple[str, ...]:
-    """TOML keys of the fields without a default."""
-    return tuple(toml_key(field) for field in dataclasses.fields(kind) if is_required(field))
 
 
 def read_inside(read: Reader, item: Any, name: str | int) -> Any:
@@ -137,7 +110,8 @@ def read_inside(read: Reader, item: Any, name: str | int) -> Any:
     try:
         return read(item)
     except Mismatch as found:
-        raise found.inside(name) from None
+        found.path.insert(0, name)
+        raise
 
 
 def array(read: Reader, value: Any) -> tuple[Any, ...]:

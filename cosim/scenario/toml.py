@@ -46,10 +46,8 @@ def check_arrays(parameters: dict[str, Any], path: Path) -> None:
     for name in parameters:
         whole = name.partition("[")[0]
         if whole != name and isinstance(parameters.get(whole), list):
-            raise ScenarioError(
-                f"`{paths.shown(path)}`: the parameters `{whole}` and `{name}` contradict each other",
-                "Give the array or its items.",
-            )
+            problem = f"the parameters `{whole}` and `{name}` contradict each other"
+            raise ScenarioError(f"`{paths.shown(path)}`: {problem}", "Give the array or its items.")
 
 
 def parse_text(text: str) -> dict[str, Any]:

@@ -32,7 +32,7 @@ def received(stream: bytes) -> Any:
     with MessageChannel(source, sink) as channel:
         sink.write(stream)
         sink.close()
-        return channel.receive().open()
+        return channel.receive()()
 
 
 def test_a_message_comes_as_it_was_sent() -> None:

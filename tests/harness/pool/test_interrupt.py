@@ -167,7 +167,7 @@ def test_ctrl_c_within_a_callback_of_the_fmu_is_not_lost(
             os.kill(os.getpid(), signal.SIGINT)
 
     with cosim.Session(scenario, log_events=True) as session:
-        monkeypatch.setattr(session.fmu.messages, "add", press)
+        monkeypatch.setattr(session.fmu.messages, "receive", press)
         slave = session.fmu.fmi.slave
         compute = session.fmu.compute
 

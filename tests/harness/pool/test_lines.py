@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 import cosim
-from cosim.pool.log_relay import MAX_LINES, LogRelay
+from cosim.pool.executor import LogRelay
+from cosim.pool.supervisor import MAX_LINES
 
 Write = Callable[..., Path]
 
