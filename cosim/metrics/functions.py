@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 
-def reduction(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def reduction(function: Callable[..., Any]) -> Callable[..., Any]:
     """One number from a column; NaN from a column without rows."""
-    return lambda values: function(values) if np.size(values) else np.float64(math.nan)
+    return lambda values, *more: function(values, *more) if np.size(values) else np.float64(math.nan)
 
 
 def truth(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -72,10 +72,7 @@ WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
     "first": (1, reduction(lambda values: np.atleast_1d(values)[0])),
     "last": (1, reduction(lambda values: np.atleast_1d(values)[-1])),
     "median": (1, reduction(np.median)),
-    "percentile": (
-        2,
-        lambda values, q: np.percentile(values, q) if np.size(values) else np.float64(math.nan),
-    ),
+    "percentile": (2, reduction(np.percentile)),
     "ptp": (1, reduction(np.ptp)),
     "cumsum": (1, np.cumsum),
     "unwrap": (1, np.unwrap),
