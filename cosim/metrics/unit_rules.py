@@ -40,7 +40,9 @@ def unit_of(what: str, units: Sequence[str | None]) -> str | None:
     if what in ANGLES:
         return "rad"
     if what == "derivative":
-        return quotient(units[0], "s") or per_second(units[0])
+        unit = quotient(units[0], "s")
+        known = units[0] if units[0] and "/" not in units[0] else ""
+        return unit or (Unit(f"{known}/s", definitions_of(known)) if known else None)
     return None if what in UNKNOWN else PLAIN
 
 
@@ -65,8 +67,3 @@ def quotient(left: str | None, right: str | None) -> str | None:
     if left is not None and left == right:
         return PLAIN
     return product(left, right) if right in (PLAIN, ONE) else None
-
-
-def per_second(unit: str | None) -> str | None:
-    """Return the unit of a derivative."""
-    return Unit(f"{unit}/s", definitions_of(unit)) if unit and "/" not in unit else None

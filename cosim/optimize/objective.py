@@ -11,7 +11,7 @@ import numpy as np
 from cosim import paths
 from cosim.errors import CosimError, ScenarioError, closest
 from cosim.loop.result import Result
-from cosim.metrics.criteria import Verdict
+from cosim.metrics.criteria import RELATIONS, Verdict
 from cosim.optimize.problem import Problem
 from cosim.scenario.model import Criterion, Scenario
 from cosim.study.store import DONE, Row, verdicts
@@ -46,34 +46,28 @@ def measured(problem: Problem, scenario: Scenario) -> StoredTrace | None:
     """Target trace with the requested columns and no longer than the scenario; None if there is none."""
     if not problem.objective.trace:
         return None
-    origin = f"`{paths.shown(problem.file)}`"
     found = read(problem.file.parent / problem.objective.trace)
+    origin, file = f"`{paths.shown(problem.file)}`", f"`{paths.shown(found.file)}`"
     for name in problem.objective.columns:
         if name not in found.columns:
-            text = f"{origin}: `objective.columns` holds `{name}`, which `{paths.shown(found.file)}` lacks"
+            text = f"{origin}: `objective.columns` holds `{name}`, which {file} lacks"
             raise ScenarioError(text, closest(name, found.columns))
     if not found.columns:
-        raise CosimError(f"`{paths.shown(found.file)}` has no columns beside `time`")
+        raise CosimError(f"{file} has no columns beside `time`")
     for name in problem.objective.columns or found.columns:
-        check_measured(name, found)
+        known = found.data[name][np.isfinite(found.data[name])]
+        if not known.size:
+            raise CosimError(f"`{name}` in {file} holds no finite number")
+        with np.errstate(over="ignore"):
+            spread = np.std(known)
+        if not np.isfinite(spread):
+            ends = f"from {np.min(known):g} to {np.max(known):g}"
+            raise CosimError(f"`{name}` in {file} ranges {ends}, whose spread is too large")
     end = scenario.loop.duration + scenario.loop.step
     if found.times[-1] > end:
-        text = f"`{paths.shown(found.file)}` ends at {found.times[-1]:g} s, the scenario at {end:g} s"
+        text = f"{file} ends at {found.times[-1]:g} s, the scenario at {end:g} s"
         raise CosimError(text, "Set `loop.duration` in `[set]`, or shorten the trace.")
     return found
-
-
-def check_measured(name: str, found: StoredTrace) -> None:
-    """Check that a column has a finite number, and a finite standard deviation."""
-    known = found.data[name][np.isfinite(found.data[name])]
-    if not known.size:
-        raise CosimError(f"`{name}` in `{paths.shown(found.file)}` holds no finite number")
-    with np.errstate(over="ignore"):
-        spread = np.std(known)
-    if not np.isfinite(spread):
-        low, high = np.min(known), np.max(known)
-        problem = f"ranges from {low:g} to {high:g}, whose spread is too large"
-        raise CosimError(f"`{name}` in `{paths.shown(found.file)}` {problem}")
 
 
 def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float:
@@ -88,14 +82,14 @@ def misfit(result: Result, target: StoredTrace, columns: Sequence[str]) -> float
     # a row represents the time up to the next
     end = result.simulated_s + (times[1] if len(times) > 1 else 0.0)
     squares = []
+    file = f"`{paths.shown(target.file)}`"
     for name in columns or target.columns:
         if name not in simulation:
-            text = f"`{paths.shown(target.file)}` has the column `{name}`, which is not in the trace of a run"
+            text = f"{file} has the column `{name}`, which is not in the trace of a run"
             raise CosimError(text, closest(name, simulation))
         units = target.units.get(name, ""), result.units.get(name, "")
         if all(units) and units[0] != units[1]:
-            origin = f"`{name}` in `{paths.shown(target.file)}`"
-            raise CosimError(f"{origin} is in `{units[0]}`, that of a run in `{units[1]}`")
+            raise CosimError(f"`{name}` in {file} is in `{units[0]}`, that of a run in `{units[1]}`")
         values = target.data[name]
         known = np.isfinite(values)
         if np.any(target.times[known] > end):
@@ -129,10 +123,6 @@ def violation(verdict: Verdict) -> float:
         return 0.0
     if not math.isfinite(verdict.value):
         return 1.0 / VIOLATED
-    signs = {">=": -1.0, "<=": 1.0}
-    beyond = [
-        (signs[relation] * (verdict.value - limit) if relation in signs else abs(verdict.value - limit))
-        / (abs(limit) or 1.0)
-        for relation, limit in verdict.limits
-    ]
-    return min(max(VIOLATED, *beyond), 1.0 / VIOLATED)
+    value = verdict.value
+    failed = [limit for relation, limit in verdict.limits if not RELATIONS[relation](value, limit)]
+    return min(max(VIOLATED, *(abs(value - limit) / (abs(limit) or 1.0) for limit in failed)), 1.0 / VIOLATED)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import warnings
 from dataclasses import dataclass
 from typing import Any
@@ -57,17 +58,13 @@ class Proposer:
             self.study.tell(trial, done.score.value)
 
 
+quiet = functools.partial(warnings.catch_warnings, action="ignore")
+"""Context without the warnings of the library."""
+
+
 def suggested(trial: Any, vary: Vary) -> Any:
     """Value of one key for a trial."""
     if vary.values:
         return trial.suggest_categorical(vary.key, vary.values)
-    low, high = vary.range
-    logarithmic = vary.distribution == "log-uniform"
-    if vary.integer:
-        return trial.suggest_int(vary.key, int(low), int(high), log=logarithmic)
-    return trial.suggest_float(vary.key, low, high, log=logarithmic)
-
-
-def quiet() -> Any:
-    """Suppress the log of the library."""
-    return warnings.catch_warnings(action="ignore")
+    suggest, kind = (trial.suggest_int, int) if vary.integer else (trial.suggest_float, float)
+    return suggest(vary.key, *map(kind, vary.range), log=vary.distribution == "log-uniform")

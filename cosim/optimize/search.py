@@ -98,5 +98,5 @@ def search(
 def best_of(problem: Problem, trials: Sequence[Trial]) -> Trial | None:
     """Best trial that passed all criteria, the first of equal ones; None if there is none."""
     sign = -1.0 if problem.objective.direction == "maximize" else 1.0
-    feasible = [(sign * t.score.value, t) for t in trials if t.score.feasible and t.score.value is not None]
-    return min(feasible, key=lambda pair: pair[0])[1] if feasible else None
+    feasible = (trial for trial in trials if trial.score.feasible)
+    return min(feasible, key=lambda trial: sign * (trial.score.value or 0.0), default=None)

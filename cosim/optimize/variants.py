@@ -51,8 +51,5 @@ class Variants(Variation):
         files, _, plant = check(scenario)
         changed = self.total + total(dependencies(scenario, files, plant))
         changed += sum(leaf(f"set.{key}", value) for key, value in values.items())
-        first = number * len(self.seeds)
-        return [
-            Run(first + index, number, seed, values, finished(changed, seed).hex())
-            for index, seed in enumerate(self.seeds)
-        ]
+        seeds = enumerate(self.seeds, number * len(self.seeds))
+        return [Run(index, number, seed, values, finished(changed, seed).hex()) for index, seed in seeds]

@@ -33,8 +33,10 @@ def described(kind: Any) -> dict[str, Any]:
     for field in fields:
         entry = {**schema(hints[field.name]), **limits(field.metadata)}
         text = texts.get(field.name, "") or field.metadata.get("description", "")
-        labels = explained(text, field.metadata.get("unit", ""))
-        properties[toml_key(field)] = {**entry, **labels, **default(field)}
+        properties[toml_key(field)] = entry | explained(text, field.metadata.get("unit", ""))
+        # TOML has no null, and an empty text is not set
+        if isinstance(field.default, str | bool | int | float) and field.default != "":
+            properties[toml_key(field)]["default"] = field.default
     return {
         "type": "object",
         "description": (inspect.getdoc(kind) or "").partition("\n")[0],
@@ -95,12 +97,6 @@ def limits(metadata: Mapping[str, Any]) -> dict[str, Any]:
     if high < LARGEST:
         found["maximum"] = high
     return found
-
-
-def default(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    """Default of a field, if TOML can represent it."""
-    value = field.default
-    return {"default": value} if isinstance(value, str | bool | int | float) and value != "" else {}
 
 
 def parameter_texts(kind: Any) -> dict[str, str]:

@@ -6,7 +6,6 @@ import contextlib
 import functools
 import hashlib
 import importlib
-import importlib.util
 import sys
 import sysconfig
 from collections.abc import Iterator, Mapping
@@ -128,20 +127,15 @@ def imported(module: Path, folder: Path) -> set[Path]:
 @functools.cache
 def project() -> dict[str, str]:
     """Versions and contents of everything that computes the results, except FMU and plant."""
+    import machining_native
+
     plants, cosim = PROJECT
     files = [*plants.rglob("*"), *cosim.glob("*")]
     files += [file for folder in FOLDERS for file in (cosim / folder).rglob("*")]
     files = sorted((file for file in files if file.suffix in CODE), key=lambda file: file.parts[::-1])
+    files.append(Path(machining_native.__file__))
     versions = {name: version(name) for name in PACKAGES}
-    return {**versions, "project": joined([digest(file) for file in [*files, native()]])}
-
-
-def native() -> Path:
-    """File of the native module of plants and engine."""
-    found = importlib.util.find_spec("machining_native")
-    assert found is not None
-    assert found.origin is not None
-    return Path(found.origin)
+    return {**versions, "project": joined([digest(file) for file in files])}
 
 
 def joined(parts: list[str]) -> str:

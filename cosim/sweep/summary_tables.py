@@ -23,18 +23,20 @@ from cosim.show.plot import and_more
 from cosim.study.store import DONE
 from cosim.sweep import sensitivity_tables
 from cosim.sweep.plan import Plan
-from cosim.sweep.summary import QUANTILES, Summary, quantities, spread
+from cosim.sweep.runner import worst
+from cosim.sweep.summary import QUANTILES, Summary, finite, is_logical, quantities, spread
 
 MAX_TROUBLES = 8
 MAX_METRICS = 6
 MAX_KEYS = 4
-FEWEST_FOR_TENDENCY = 2
-"""Minimum number of different values of a plotted key."""
 
 
-def of_study(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
-    """Tables of a study, with its worst runs."""
-    more = [worst_runs(plan, found, worst)] if worst else []
+def of_study(plan: Plan, found: Summary) -> RenderableType:
+    """Tables of a study, with its worst runs and commands to repeat them, never wrapped."""
+    more: list[RenderableType] = []
+    if runs := worst(plan, found):
+        commands = Text("\n".join(plan.commands(runs)), no_wrap=True, overflow="ignore")
+        more = [Group(worst_table(plan, found, runs), "", Text("repeat them with", style="bold"), commands)]
     return tables(plan.study.full_title, plan.scenario, found, more)
 
 
@@ -85,19 +87,12 @@ def metric_table(found: Summary) -> Table:
     return table
 
 
-def worst_runs(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
-    """Worst runs, and commands to repeat them, never wrapped."""
-    commands = Text("\n".join(plan.commands(worst)), no_wrap=True, overflow="ignore")
-    table = worst_table(plan, found, worst)
-    return Group(table, "", Text("repeat them with", style="bold"), commands)
-
-
-def worst_table(plan: Plan, found: Summary, worst: list[int]) -> Table:
+def worst_table(plan: Plan, found: Summary, runs: list[int]) -> Table:
     """Worst runs by the metric that the study names."""
     name = plan.study.traces.metric
     values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
     table = plain_table("worst run", name)
-    for run in worst:
+    for run in runs:
         table.add_row(str(run), text(values[run], found.units.get(name, "")))
     return table
 
@@ -137,14 +132,9 @@ def save_plots(plan: Plan, found: Summary, file: Path) -> None:
 
 def plotted_metrics(scenario: Scenario, found: Summary) -> list[str]:
     """Metrics with criteria, or all; those with a distribution."""
-    evaluated = list(dict.fromkeys(entry.metric for entry in scenario.criterion)) or list(found.values)
-    return [name for name in evaluated if is_quantity(found.values.get(name, np.empty(0)))]
-
-
-def is_quantity(values: Any) -> bool:
-    """Whether values vary and are not Boolean."""
-    different = np.unique(finite(values))
-    return different.size > 1 and not np.all(np.isin(different, (0.0, 1.0)))
+    evaluated = dict.fromkeys(entry.metric for entry in scenario.criterion) or found.values
+    different = {name: np.unique(finite(found.values.get(name, np.empty(0)))) for name in evaluated}
+    return [name for name, values in different.items() if values.size > 1 and not is_logical(values)]
 
 
 def plotted_keys(plan: Plan) -> dict[str, list[str]]:
@@ -153,7 +143,7 @@ def plotted_keys(plan: Plan) -> dict[str, list[str]]:
     for key, taken in plan.varying.items():
         numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in taken)
         different = dict.fromkeys(filter(math.isfinite, taken) if numeric else map(shorten, taken))
-        if len(different) >= FEWEST_FOR_TENDENCY:
+        if len(different) > 1:
             found[key] = [] if numeric else [*different]
     return found
 
@@ -207,8 +197,3 @@ def position_on(value: Any, texts: list[str]) -> float:
     if value is None:
         return math.nan
     return float(texts.index(shorten(value)) if texts else value)
-
-
-def finite(values: Any) -> Any:
-    """Return only the finite values."""
-    return values[np.isfinite(values)]
