@@ -19,7 +19,6 @@ import numpy as np
 
 from cosim.errors import ExpressionError, closest
 from cosim.metrics import functions
-from cosim.metrics.unit_rules import unit_of
 from cosim.units import CONSTANTS as UNITS
 from cosim.units import PLAIN
 
@@ -274,7 +273,7 @@ class Expression:
 def derived(made: Node, what: str, arguments: Sequence[Node]) -> Node:
     """Add its unit to the result of an operator or function, and whether it is true or false."""
     choices = [arguments[index].logical for index in functions.CHOICES.get(what, ())]
-    unit = unit_of(what, [argument.unit for argument in arguments])
+    unit = functions.unit_of(what, [argument.unit for argument in arguments])
     return replace(made, unit=unit, logical=what in functions.LOGICAL or (bool(choices) and all(choices)))
 
 

@@ -17,9 +17,7 @@ from cosim.formatting.quantity import number, text
 from cosim.formatting.verdicts import STATUSES
 from cosim.loop import engines
 from cosim.optimize import problem
-from cosim.optimize.objective import MISFIT
-from cosim.optimize.proposer import Trial
-from cosim.optimize.search import best_of, search
+from cosim.optimize.search import MISFIT, Trial, best_of, search
 from cosim.optimize.variants import Variants
 from cosim.show.console import progress_bar
 from cosim.show.listing import plain_table

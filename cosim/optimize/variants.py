@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from cosim import paths
+from cosim.errors import CosimError, ScenarioError, closest
 from cosim.loop.engines import Engine
-from cosim.optimize.objective import measured
 from cosim.optimize.problem import Problem
 from cosim.pool.job import Job
 from cosim.scenario.load import build
@@ -14,6 +17,8 @@ from cosim.scenario.model import Scenario
 from cosim.study.parameters import value_at
 from cosim.study.run import Run, Variation, check, dependencies, job_of
 from cosim.study.run_hash import digest, finished, leaf, total
+from cosim.trace.files import read
+from cosim.trace.stored import StoredTrace
 
 Values = dict[str, Any]
 """Keys with their values."""
@@ -53,3 +58,31 @@ class Variants(Variation):
         changed += sum(leaf(f"set.{key}", value) for key, value in values.items())
         seeds = enumerate(self.seeds, number * len(self.seeds))
         return [Run(index, number, seed, values, finished(changed, seed).hex()) for index, seed in seeds]
+
+
+def measured(problem: Problem, scenario: Scenario) -> StoredTrace | None:
+    """Target trace with the requested columns and no longer than the scenario; None if there is none."""
+    if not problem.objective.trace:
+        return None
+    found = read(problem.file.parent / problem.objective.trace)
+    origin, file = f"`{paths.shown(problem.file)}`", f"`{paths.shown(found.file)}`"
+    for name in problem.objective.columns:
+        if name not in found.columns:
+            text = f"{origin}: `objective.columns` holds `{name}`, which {file} lacks"
+            raise ScenarioError(text, closest(name, found.columns))
+    if not found.columns:
+        raise CosimError(f"{file} has no columns beside `time`")
+    for name in problem.objective.columns or found.columns:
+        known = found.data[name][np.isfinite(found.data[name])]
+        if not known.size:
+            raise CosimError(f"`{name}` in {file} holds no finite number")
+        with np.errstate(over="ignore"):
+            spread = np.std(known)
+        if not np.isfinite(spread):
+            ends = f"from {np.min(known):g} to {np.max(known):g}"
+            raise CosimError(f"`{name}` in {file} ranges {ends}, whose spread is too large")
+    end = scenario.loop.duration + scenario.loop.step
+    if found.times[-1] > end:
+        text = f"{file} ends at {found.times[-1]:g} s, the scenario at {end:g} s"
+        raise CosimError(text, "Set `loop.duration` in `[set]`, or shorten the trace.")
+    return found

@@ -12,8 +12,7 @@ from typing import Any
 from cosim.fmu.archive import Variable
 from cosim.fmu.named import ALONE
 from cosim.scenario.model import Scenario
-from cosim.schema import tables as schema
-from cosim.schema.files import scenario_schema
+from cosim.schema import files as schema
 
 TYPES = {"Real": "number", "Integer": "integer"}
 
@@ -22,7 +21,7 @@ def filled_schema(
     scenario: Scenario, variables: Mapping[str, Mapping[str, dict[str, Any]]], plant: Any
 ) -> dict[str, Any]:
     """JSON schema of a scenario file with the variables of its FMUs and the parameters of its plant."""
-    found = scenario_schema()
+    found = schema.scenario_schema()
     parts = found["properties"]
     tables = {name: {"parameters": schema.parameters(entries)} for name, entries in variables.items()}
     if scenario.fmu:

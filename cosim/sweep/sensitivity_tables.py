@@ -49,9 +49,8 @@ def names(found: list[Sensitivity]) -> list[str]:
 
 def ranked_keys(found: list[Sensitivity]) -> list[str]:
     """Keys by their strongest effect, the strongest first."""
-    strength: dict[str, float] = {}
-    for entry in found:
-        strength[entry.key] = max(entry.strength, strength.get(entry.key, -1.0))
+    keys = dict.fromkeys(entry.key for entry in found)
+    strength = {key: max(entry.strength for entry in found if entry.key == key) for key in keys}
     return sorted(strength, key=lambda key: -strength[key])
 
 
