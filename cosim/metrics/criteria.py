@@ -26,7 +26,6 @@ class Trace(Columns, Protocol):
 
 
 RELATIONS = {">=": operator.ge, "<=": operator.le, "=": operator.eq}
-"""Comparisons of a value with a limit."""
 
 
 @dataclass(frozen=True)

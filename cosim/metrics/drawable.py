@@ -86,9 +86,8 @@ def check_keys(chart: Chart, where: str) -> None:
     if missing := [name for name in needed if not getattr(chart, name)]:
         problem = f"`{where}` {kind} has no `{missing[0]}`"
         raise ScenarioError(problem, "It needs " + " and ".join(f"`{name}`" for name in needed))
-    plain = Chart("path", ())
     for key in SOME:
-        if key not in TAKEN[chart.kind] and getattr(chart, key) != getattr(plain, key):
+        if key not in TAKEN[chart.kind] and getattr(chart, key) != getattr(Chart, key):
             kinds = ", ".join(f"`{name}`" for name, keys in TAKEN.items() if key in keys)
             raise ScenarioError(f"`{where}` {kind} does not accept `{key}`", f"Use it for {kinds}.")
     if chart.error and (chart.split or not chart.equal):

@@ -52,7 +52,6 @@ UFUNCS = (
     *("abs", "sqrt", "exp", "log", "log10", "floor", "ceil", "sign", "hypot", "minimum", "maximum"),
     *("sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "degrees", "radians"),
 )
-"""Functions with the names of numpy's."""
 ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
     **{name: (getattr(np, name).nin, getattr(np, name)) for name in UFUNCS},
     "round": (1, np.rint),

@@ -27,7 +27,7 @@ from cosim.loop.result import Result
 from cosim.loop.wires.transform import child
 from cosim.metrics.criteria import RELATIONS, Verdict
 from cosim.optimize.problem import Problem
-from cosim.optimize.variants import Values, Variants
+from cosim.optimize.variants import Variants
 from cosim.pool import executor
 from cosim.pool.job import Outcome
 from cosim.pool.limits import processors
@@ -67,7 +67,7 @@ class Trial:
     """One point: its number from 0, its values and its score."""
 
     number: int
-    values: Values
+    values: dict[str, Any]
     score: Score
 
 
@@ -83,7 +83,7 @@ class Proposer:
             self.study = self.optuna.create_study(direction=problem.objective.direction)
         self.open: dict[int, Any] = {}
 
-    def propose(self, number: int) -> Values:
+    def propose(self, number: int) -> dict[str, Any]:
         """Values of one trial; its score must be reported before the next batch."""
         # by its number: a search that is resumed draws the same
         seed = int(child(self.problem.seed, f"trial {number}").generate_state(1)[0])

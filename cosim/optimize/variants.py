@@ -20,9 +20,6 @@ from cosim.study.run_hash import digest, finished, leaf, total
 from cosim.trace.files import read
 from cosim.trace.stored import StoredTrace
 
-Values = dict[str, Any]
-"""Keys with their values."""
-
 
 class Variants(Variation):
     """The scenario of a problem with any values of its keys, checked at both ends of its ranges."""
@@ -42,7 +39,7 @@ class Variants(Variation):
         target = "" if self.target is None else digest(self.target.file)
         self.total = sum(self.totals.values()) + total({"target": target, "columns": columns})
 
-    def at(self, values: Values) -> Scenario:
+    def at(self, values: dict[str, Any]) -> Scenario:
         """Scenario with some values."""
         return replace(build(self.merged(values)), name=self.name, file=self.file)
 
@@ -50,7 +47,7 @@ class Variants(Variation):
         """Job of one run, which keeps its trace if it is compared; its row is evaluated later."""
         return job_of(replace(self.at(run.changes), criterion=()), run, engine, self.target is not None)
 
-    def runs(self, number: int, values: Values) -> list[Run]:
+    def runs(self, number: int, values: dict[str, Any]) -> list[Run]:
         """Make the runs of a trial, one for each seed."""
         scenario = self.at(values)
         files, _, plant = check(scenario)

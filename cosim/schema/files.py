@@ -146,4 +146,3 @@ SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
     "study": functools.partial(schema_of, Study, "Study of cosim"),
     "optimization": functools.partial(schema_of, Problem, "Optimization of cosim"),
 }
-"""Functions that make the schemas, by the kind of the file."""

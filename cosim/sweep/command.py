@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import logging
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -30,7 +29,6 @@ from cosim.sweep.runner import Observer, merge, merge_traces, pending, save_trac
 from cosim.sweep.summary import Summary, summarize
 from cosim.warned import once
 
-log = logging.getLogger("cosim")
 T = TypeVar("T")
 
 

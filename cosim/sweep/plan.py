@@ -6,7 +6,7 @@ import functools
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -170,7 +170,13 @@ class Runs(Sequence[Run]):
     def __len__(self) -> int:
         return self.seeds.size
 
-    def __getitem__(self, number: int) -> Run:  # type: ignore[override]  # no slices
+    @overload
+    def __getitem__(self, number: int) -> Run: ...
+    @overload
+    def __getitem__(self, number: slice) -> list[Run]: ...
+    def __getitem__(self, number: int | slice) -> Run | list[Run]:
+        if isinstance(number, slice):
+            return [self[index] for index in range(len(self))[number]]
         number = range(len(self))[number]
         case = number // self.repeats
         return Run(number, case, int(self.seeds[number]), self.cases[case], self.hash(number))

@@ -38,7 +38,6 @@ class Summary:
     samples: int = 0
     """Independent random samples with a row; 0 if the runs are none, as those of a grid."""
     columns: Table = field(default_factory=dict)
-    """Table of all rows."""
     statuses: Counter[str] = field(default_factory=Counter)
     values: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     """Values of each metric, of the runs with a result."""
