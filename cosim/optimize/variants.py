@@ -68,7 +68,7 @@ def measured(problem: Problem, scenario: Scenario) -> StoredTrace | None:
             text = f"{origin}: `objective.columns` holds `{name}`, which {file} lacks"
             raise ScenarioError(text, closest(name, found.columns))
     if not found.columns:
-        raise CosimError(f"{file} has no columns beside `time`")
+        raise CosimError(f"{file} has no columns except `time`")
     for name in problem.objective.columns or found.columns:
         known = found.data[name][np.isfinite(found.data[name])]
         if not known.size:

@@ -15,6 +15,7 @@ from rich.text import Text
 from cosim.formatting.quantity import number, text
 from cosim.formatting.verdicts import NOTHING_DEMANDED
 from cosim.metrics import criteria
+from cosim.metrics.expression import Items
 from cosim.scenario.model import Scenario
 from cosim.show import figure as figures
 from cosim.show.display import STYLES, shorten
@@ -22,6 +23,7 @@ from cosim.show.listing import plain_table
 from cosim.show.plot import and_more
 from cosim.study.store import DONE
 from cosim.sweep import sensitivity_tables
+from cosim.sweep.charts import numbers
 from cosim.sweep.plan import Plan
 from cosim.sweep.runner import worst
 from cosim.sweep.summary import QUANTILES, Summary, finite, is_logical, quantities, spread
@@ -137,14 +139,14 @@ def plotted_metrics(scenario: Scenario, found: Summary) -> list[str]:
     return [name for name, values in different.items() if values.size > 1 and not is_logical(values)]
 
 
-def plotted_keys(plan: Plan) -> dict[str, list[str]]:
-    """Keys with several values; with the texts of the values, if they are not numbers."""
-    found = {}
+def plotted_keys(plan: Plan) -> dict[str, Items | None]:
+    """Keys with several values; with the numbers of their texts, if they are not numbers."""
+    found: dict[str, Items | None] = {}
     for key, taken in plan.varying.items():
         numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in taken)
         different = dict.fromkeys(filter(math.isfinite, taken) if numeric else map(shorten, taken))
         if len(different) > 1:
-            found[key] = [] if numeric else [*different]
+            found[key] = None if numeric else {name: number for number, name in enumerate(different)}
     return found
 
 
@@ -163,7 +165,9 @@ def draw_rates(axes: Any, scenario: Scenario, found: Summary) -> None:
     axes.set_xlabel("passed in (%)" + (", 95 % confidence" if found.samples else ""))
 
 
-def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: dict[str, list[str]]) -> None:
+def draw_metrics(
+    grid: Any, plan: Plan, found: Summary, names: list[str], keys: dict[str, Items | None]
+) -> None:
     """Histogram of each metric with its limits, and the metric over each varied key; failed runs in red."""
     scenario, columns = plan.scenario, found.columns
     logarithmic = [vary.key for vary in plan.study.vary if vary.distribution == "log-uniform"]
@@ -180,20 +184,13 @@ def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: 
         for limit in (limit for entry in held for limit in criteria.drawn(entry, unit)):
             axes[0].axvline(limit, color="tab:red", linestyle="--", label=f"limit {number(limit)}")
         for scatter, (key, texts) in zip(axes[1:], keys.items(), strict=True):
-            at = np.array([position_on(value, texts) for value in columns[key]])[done]
+            at = np.array(numbers(columns[key], texts), dtype=np.float64)[done]
             # as pixels: a million vectors would be a file of gigabytes
             scatter.plot(at[~failed], values[~failed], ".", markersize=3.0, color="tab:blue", rasterized=True)
             scatter.plot(at[failed], values[failed], "x", markersize=4.0, color="tab:red", rasterized=True)
             scatter.set_xlabel(key)
             scatter.set_ylabel(name)
             if texts:
-                scatter.set_xticks(range(len(texts)), texts)
+                scatter.set_xticks(range(len(texts)), [*texts])
             if key in logarithmic:
                 scatter.set_xscale("log")
-
-
-def position_on(value: Any, texts: list[str]) -> float:
-    """Value of a key on its axis: the number, or the index of the text; NaN for missing values."""
-    if value is None:
-        return math.nan
-    return float(texts.index(shorten(value)) if texts else value)
