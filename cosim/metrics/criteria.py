@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import math
+import operator
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,6 +23,9 @@ class Trace(Columns, Protocol):
 
     def kept(self, name: str, expression: Expression) -> Any:
         """Value of a metric by its full name, which is computed once."""
+
+
+RELATIONS = {">=": operator.ge, "<=": operator.le, "=": operator.eq}
 
 
 @dataclass(frozen=True)
@@ -46,14 +49,8 @@ class Verdict:
     @property
     def passed(self) -> bool:
         """Whether the value meets every limit; NaN and inf, such as the time of no event, do not."""
-        criterion, value = self.criterion, self.value
-        if not math.isfinite(value):
-            return False
-        return (
-            (criterion.minimum is None or value >= criterion.minimum)
-            and (criterion.maximum is None or value <= criterion.maximum)
-            and (criterion.equals is None or value == float(criterion.equals))
-        )
+        held = all(RELATIONS[relation](self.value, limit) for relation, limit in self.limits)
+        return math.isfinite(self.value) and held
 
     @property
     def logical(self) -> bool:
@@ -68,8 +65,8 @@ class Verdict:
 
 def relations(criterion: Criterion) -> list[tuple[str, float]]:
     """Relations and limits of a criterion, in its unit."""
-    found = ((">=", criterion.minimum), ("<=", criterion.maximum), ("=", criterion.equals))
-    return [(relation, float(limit)) for relation, limit in found if limit is not None]
+    limits = zip(RELATIONS, (criterion.minimum, criterion.maximum, criterion.equals), strict=True)
+    return [(relation, float(limit)) for relation, limit in limits if limit is not None]
 
 
 def drawn(criterion: Criterion, unit: str) -> list[float]:
@@ -100,7 +97,7 @@ def compile_metrics(
         with concerning(f"{name}.value"):
             made = Expression(metric.value, columns, f"`{name}.value`", units=units, known=nodes)
         check_unit(metric, made)
-        kept = functools.partial(reference, name, made)
+        kept = operator.methodcaller("kept", name, made)
         if normal(name) in nodes:
             problem = "differ only in characters that Python does not distinguish"
             raise ExpressionError(f"two metrics `{normal(name)}` {problem}", "Rename one of them.")
@@ -124,11 +121,6 @@ def check_unit(metric: Metric, made: Expression) -> None:
         raise ExpressionError(problem, hint)
 
 
-def reference(name: str, expression: Expression, columns: Trace) -> Any:
-    """Value of a metric for use in another one."""
-    return columns.kept(name, expression)
-
-
 def mentions(text: str, name: str) -> bool:
     """Whether an expression contains a whole dotted name."""
     return re.search(rf"(?<![\w.]){re.escape(normal(name))}(?!\w)", normal(text)) is not None
@@ -136,12 +128,10 @@ def mentions(text: str, name: str) -> bool:
 
 def measure(metric: Metric, expression: Expression, columns: Trace) -> Measured:
     """Value of one metric; an error if its expression gives a column."""
-    value: Any = np.asarray(reference(f"metric.{metric.name}", expression, columns), dtype=np.float64)
+    value = np.asarray(columns.kept(f"metric.{metric.name}", expression), dtype=np.float64)
     if value.ndim:
-        raise ExpressionError(
-            f"`metric.{metric.name}.value` = `{metric.value}` gives {value.size} values, not one",
-            "Reduce them, for example with `max(...)`, `last(...)` or `rms(...)`.",
-        )
+        problem = f"`metric.{metric.name}.value` = `{metric.value}` gives {value.size} values, not one"
+        raise ExpressionError(problem, "Reduce them, for example with `max(...)`, `last(...)` or `rms(...)`.")
     return Measured(metric.name, float(value), unit_of(metric, expression), metric.description)
 
 
@@ -177,18 +167,15 @@ def converted(criterion: Criterion, unit: str) -> Conversion:
         hint = f'Set `unit = "{ONE}"` in the metric if it is a fraction, otherwise `unit = "{requested}"`.'
         raise ExpressionError(f"{problem} has no unit; it is ambiguous", hint)
     if found is None:
-        raise ExpressionError(
-            f"{problem} is in `{unit}`, which does not convert to it",
-            f"Give the limits in `{unit}` without `unit`, or compute the metric in `{requested}`.",
-        )
+        hint = f"Give the limits in `{unit}` without `unit`, or compute the metric in `{requested}`."
+        raise ExpressionError(f"{problem} is in `{unit}`, which does not convert to it", hint)
     return found
 
 
 def evaluate(criteria: tuple[Criterion, ...], measured: Mapping[str, Measured]) -> list[Verdict]:
     """Evaluate every criterion with its metric, in the unit of the criterion if it has one."""
-    verdicts = []
-    for criterion in criteria:
-        metric = measured[criterion.metric]
-        value = converted(criterion, metric.unit)(metric.value)
-        verdicts.append(Verdict(criterion, value, criterion.unit or metric.unit))
-    return verdicts
+    pairs = [(criterion, measured[criterion.metric]) for criterion in criteria]
+    return [
+        Verdict(criterion, converted(criterion, metric.unit)(metric.value), criterion.unit or metric.unit)
+        for criterion, metric in pairs
+    ]

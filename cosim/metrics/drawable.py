@@ -31,6 +31,12 @@ TAKEN = {
 }
 """Special keys accepted by each kind of chart."""
 SOME = sorted({key for keys in TAKEN.values() for key in keys})
+COUNTS = {
+    "map": ("y", 1, "Make one map for each."),
+    "bode": ("y", 2, "Give gain, and phase in rad."),
+    "roc": ("parts", 2, "Give the rows without the event, then the rows with it."),
+}
+"""Key of a kind of chart with a fixed number of items, the number, and the hint."""
 
 
 def check(scenario: Scenario, columns: Mapping[str, Items | None]) -> None:
@@ -60,8 +66,9 @@ def check_columns(named: Iterable[str], where: str, columns: Mapping[str, Items 
 def check_charts(charts: Sequence[Chart], key: str, columns: Mapping[str, Items | None]) -> None:
     """Check that charts of a key can be made from columns."""
     for number, chart in enumerate(charts):
-        check_keys(chart, f"{key}[{number}]")
-        check_names(chart, f"{key}[{number}]", columns)
+        where = f"{key}[{number}]"
+        check_keys(chart, where)
+        check_names(chart, where, columns)
 
 
 def zoom(scenario: Scenario, columns: Mapping[str, Items | None]) -> Expression | None:
@@ -79,24 +86,18 @@ def check_keys(chart: Chart, where: str) -> None:
     if missing := [name for name in needed if not getattr(chart, name)]:
         problem = f"`{where}` {kind} has no `{missing[0]}`"
         raise ScenarioError(problem, "It needs " + " and ".join(f"`{name}`" for name in needed))
-    plain = Chart("path", ())
     for key in SOME:
-        if key not in TAKEN[chart.kind] and getattr(chart, key) != getattr(plain, key):
+        if key not in TAKEN[chart.kind] and getattr(chart, key) != getattr(Chart, key):
             kinds = ", ".join(f"`{name}`" for name, keys in TAKEN.items() if key in keys)
             raise ScenarioError(f"`{where}` {kind} does not accept `{key}`", f"Use it for {kinds}.")
     if chart.error and (chart.split or not chart.equal):
         problem = f"`{where}` has an `error` and {'a `split`' if chart.split else 'no `equal`'}"
         raise ScenarioError(problem, "Set `equal`, and no `split`: an error is drawn normal to a path.")
-    if chart.kind == "map" and len(chart.y) != 1:
-        raise ScenarioError(f"`{where}` {kind} has {len(chart.y)} `y` and needs 1", "Make one map for each.")
-    if chart.kind == "bode" and len(chart.y) != 2:
-        problem = f"`{where}` {kind} has {len(chart.y)} `y` and needs 2"
-        raise ScenarioError(problem, "Give gain, and phase in rad.")
+    key, needs, hint = COUNTS.get(chart.kind, ("y", len(chart.y), ""))
+    if (has := len(getattr(chart, key))) != needs:
+        raise ScenarioError(f"`{where}` {kind} has {has} `{key}` and needs {needs}", hint)
     if chart.kind == "field" and not all(chart.function.partition(":")):
         raise ScenarioError(f"`{where}.function` is `{chart.function}`", "Name the function `module:name`.")
-    if chart.kind == "roc" and len(chart.parts) != 2:
-        problem = f"`{where}` {kind} has {len(chart.parts)} `parts` and needs 2"
-        raise ScenarioError(problem, "Give the rows without the event, then the rows with it.")
     # a threshold parts both
     count = len(chart.y) * (1 if chart.kind == "roc" else max(1, len(chart.parts)))
     if chart.names and len(chart.names) != count:

@@ -19,7 +19,6 @@ import numpy as np
 
 from cosim.errors import ExpressionError, closest
 from cosim.metrics import functions
-from cosim.metrics.unit_rules import unit_of
 from cosim.units import CONSTANTS as UNITS
 from cosim.units import PLAIN
 
@@ -72,10 +71,9 @@ class Expression:
         units: Mapping[str, str] | None = None,
         known: Mapping[str, Node] | None = None,
     ) -> None:
-        self.text, self.where, self.rowwise, self.units = text, where, rowwise, units or {}
-        self.known = known
+        self.text, self.where, self.rowwise = text, where, rowwise
+        self.items, self.units, self.known = columns, units or {}, known
         self.names = {name: index for index, name in enumerate(columns)}
-        self.items = columns
         self.normal: dict[str, list[str]] = {}
         for name in columns:
             self.normal.setdefault(normal(name), []).append(name)
@@ -92,11 +90,7 @@ class Expression:
             self.root = self.build(tree.body)
         except RecursionError:
             raise self.error("is nested too deeply") from None
-
-    @property
-    def unit(self) -> str | None:
-        """Unit of the value; None if unknown."""
-        return self.root.unit
+        self.unit = self.root.unit
 
     def __call__(self, columns: Columns) -> Any:
         """Value for columns (or one row) in the order given at compilation."""
@@ -162,12 +156,14 @@ class Expression:
         known = self.known or {}
         if name in known:
             return known[name]
-        measured = any(column.startswith("metric.") for column in self.names)
-        if name.startswith("metric.") and self.known is None and not measured:
-            problem = "metrics are available only in other metrics, after the run"
-            raise self.error(f"names `{name}`, but {problem}")
-        missing = "other metric" if name.startswith("metric.") else "column of the trace"
-        missing = "column of the results" if measured else missing
+        missing = "column of the trace"
+        if any(column.startswith("metric.") for column in self.names):
+            missing = "column of the results"
+        elif name.startswith("metric."):
+            if self.known is None:
+                problem = "metrics are available only in other metrics, after the run"
+                raise self.error(f"names `{name}`, but {problem}")
+            missing = "other metric"
         problem = f"names `{name or ast.unparse(tree)}`, which is not a known {missing}"
         raise self.error(problem, closest(name, [*self.names, *known]))
 
@@ -184,16 +180,15 @@ class Expression:
             return self.name(tree)
         if self.rowwise:
             raise self.error("selects rows with `[...]`, but it is applied to one row at a time")
-        value, condition = self.build(tree.value), self.build(tree.slice)
-
-        def pick(columns: Columns) -> Any:
-            return value.evaluate(columns)[np.not_equal(condition.evaluate(columns), 0)]
-
-        return replace(value, evaluate=pick, constant=False)
+        value = self.build(tree.value)
+        picked = self.apply(
+            lambda rows, condition: rows[np.not_equal(condition, 0)], value, self.build(tree.slice)
+        )
+        return replace(value, evaluate=picked.evaluate, constant=False)
 
     def call(self, tree: ast.Call) -> Node:
         """Call of one of the functions of the language."""
-        function = tree.func.id if isinstance(tree.func, ast.Name) else ast.unparse(tree.func)
+        function = ast.unparse(tree.func)
         known = [*functions.ROWWISE, *functions.WHOLE, *functions.TIMES, "column"]
         if function not in known:
             raise self.error(f"calls `{function}`, which is not a known function", closest(function, known))
@@ -221,22 +216,19 @@ class Expression:
     def column(self, tree: ast.Call) -> Node:
         """Column by its name as a text."""
         match tree.args:
-            case [ast.Constant(value=str() as name)] if name in self.names:
-                return self.found(name)
             case [ast.Constant(value=str() as name)]:
+                if name in self.names:
+                    return self.found(name)
                 problem = f"names the column `{name}`, which is not in the trace"
                 raise self.error(problem, closest(name, self.names))
-            case _:
-                raise self.error("calls `column` without exactly one name in quotes")
+        raise self.error("calls `column` without exactly one name in quotes")
 
     def operate(self, operator: ast.AST, function: Callable[..., Any], *sides: ast.expr) -> Node:
         """Apply an operator."""
         nodes = [self.build(side) for side in sides]
         made = derived(self.apply(function, *nodes), type(operator).__name__, nodes)
         match operator, nodes:
-            case ast.Mult(), [Node(constant=True) as factor, value]:
-                return of_column(made, value, number(factor))
-            case ast.Mult(), [value, Node(constant=True) as factor]:
+            case ast.Mult(), [Node(constant=True) as factor, value] | [value, Node(constant=True) as factor]:
                 return of_column(made, value, number(factor))
             case ast.Div(), [value, Node(constant=True) as divisor] if number(divisor):
                 return of_column(made, value, 1.0 / number(divisor))
@@ -246,15 +238,8 @@ class Expression:
         """Apply a function to the values of other nodes; the result is a plain number."""
         parts = [argument.evaluate for argument in arguments]
         constant = all(argument.constant for argument in arguments)
-        match parts:
-            case [one]:
-                return Node(lambda columns: function(one(columns)), unit=PLAIN, constant=constant)
-            case [left, right]:
-                return Node(
-                    lambda columns: function(left(columns), right(columns)), unit=PLAIN, constant=constant
-                )
         return Node(
-            lambda columns: function(*(part(columns) for part in parts)), unit=PLAIN, constant=constant
+            lambda columns: function(*[part(columns) for part in parts]), unit=PLAIN, constant=constant
         )
 
     def fold(self, function: Callable[[Any, Any], Any], nodes: list[Node]) -> Node:
@@ -275,22 +260,20 @@ class Expression:
 
     def side(self, tree: ast.expr, other: ast.expr) -> Node:
         """One side of a comparison."""
-        match tree:
-            case ast.Constant(value=str() as item):
-                items, problem = self.build(other).items, f"compares `{ast.unparse(other)}` with"
-                if items is None:
-                    raise self.error(f"{problem} a text, but it is not an enumeration")
-                if item not in items:
-                    problem = f"{problem} `{item}`, which is not one of its items"
-                    raise self.error(problem, closest(item, items))
-                return self.constant(items[item])
-        return self.build(tree)
+        if not isinstance(tree, ast.Constant) or not isinstance(item := tree.value, str):
+            return self.build(tree)
+        items, problem = self.build(other).items, f"compares `{ast.unparse(other)}` with"
+        if items is None:
+            raise self.error(f"{problem} a text, but it is not an enumeration")
+        if item not in items:
+            raise self.error(f"{problem} `{item}`, which is not one of its items", closest(item, items))
+        return self.constant(items[item])
 
 
 def derived(made: Node, what: str, arguments: Sequence[Node]) -> Node:
     """Add its unit to the result of an operator or function, and whether it is true or false."""
     choices = [arguments[index].logical for index in functions.CHOICES.get(what, ())]
-    unit = unit_of(what, [argument.unit for argument in arguments])
+    unit = functions.unit_of(what, [argument.unit for argument in arguments])
     return replace(made, unit=unit, logical=what in functions.LOGICAL or (bool(choices) and all(choices)))
 
 
@@ -324,5 +307,6 @@ def dotted(tree: ast.expr) -> str:
         case ast.Subscript(value=value, slice=ast.Tuple(elts=parts)):
             before = dotted(value)
             numbers = [str(part.value) for part in parts if isinstance(part, ast.Constant)]
-            return (before and len(numbers) == len(parts) and f"{before}[{','.join(numbers)}]") or ""
+            if before and len(numbers) == len(parts):
+                return f"{before}[{','.join(numbers)}]"
     return ""

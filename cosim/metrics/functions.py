@@ -1,19 +1,21 @@
-"""Operators and functions of the expression language."""
+"""Operators and functions of the expression language, and the units of their results as far as known."""
 
 from __future__ import annotations
 
 import ast
 import math
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from cosim.units import ONE, PLAIN, Unit, definitions_of, has_zero
 
-def reduction(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+
+def reduction(function: Callable[..., Any]) -> Callable[..., Any]:
     """One number from a column; NaN from a column without rows."""
-    return lambda values: function(values) if np.size(values) else np.float64(math.nan)
+    return lambda values, *more: function(values, *more) if np.size(values) else np.float64(math.nan)
 
 
 def truth(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -50,7 +52,6 @@ UFUNCS = (
     *("abs", "sqrt", "exp", "log", "log10", "floor", "ceil", "sign", "hypot", "minimum", "maximum"),
     *("sin", "cos", "tan", "arcsin", "arccos", "arctan", "arctan2", "degrees", "radians"),
 )
-"""Functions with the names of numpy's."""
 ROWWISE: dict[str, tuple[int, Callable[..., Any]]] = {
     **{name: (getattr(np, name).nin, getattr(np, name)) for name in UFUNCS},
     "round": (1, np.rint),
@@ -72,10 +73,7 @@ WHOLE: dict[str, tuple[int, Callable[..., Any]]] = {
     "first": (1, reduction(lambda values: np.atleast_1d(values)[0])),
     "last": (1, reduction(lambda values: np.atleast_1d(values)[-1])),
     "median": (1, reduction(np.median)),
-    "percentile": (
-        2,
-        lambda values, q: np.percentile(values, q) if np.size(values) else np.float64(math.nan),
-    ),
+    "percentile": (2, reduction(np.percentile)),
     "ptp": (1, reduction(np.ptp)),
     "cumsum": (1, np.cumsum),
     "unwrap": (1, np.unwrap),
@@ -106,6 +104,19 @@ VALUES = ("max", "min", "first", "last", "at")
 """Functions whose result is a value of their column."""
 KEEP_ITEMS = {"first", "last", "min", "max", "cummax", "cummin", "hold", "at"}
 CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "true": 1.0, "false": 0.0}
+SELECTIONS = {
+    "min", "max", "minimum", "maximum", "clip", "round", "mean", "median", "first", "last", "percentile",
+    "cummax", "cummin", "hold", "at", "where", "UAdd",
+}  # fmt: skip
+"""Operators and functions whose result is one of their values, or between them."""
+SAME = SELECTIONS | {
+    "Add", "Sub", "Mod", "USub", "abs", "hypot", "rms", "sum", "cumsum", "unwrap", "diff", "ptp", "std",
+}  # fmt: skip
+"""Operators and functions whose result has the unit of their arguments."""
+ANGLES = {"arcsin", "arccos", "arctan", "arctan2", "radians"}
+UNKNOWN = {"sqrt", "Pow", "integral", "degrees", "floor", "ceil"}
+OF_UNIT = {"percentile": (0,), "hold": (0,), "at": (0,), "where": (1, 2), "Mod": (0,)}
+"""Arguments with the unit, if not all have it."""
 
 
 def time_at(time: Any, condition: Any, index: int, never: float) -> Any:
@@ -135,3 +146,50 @@ def held(values: Any, condition: Any) -> Any:
     values, holds = np.broadcast_arrays(values, np.not_equal(condition, 0))
     latest = np.maximum.accumulate(np.where(holds, np.arange(len(holds)), -1))
     return np.where(latest >= 0, values[latest], math.nan)
+
+
+def unit_of(what: str, units: Sequence[str | None]) -> str | None:
+    """Return the unit of the result of a function or an operator (name of its `ast` class), None if unknown.
+
+    Plain numbers can be added to every quantity: in `depth - 1e-6` the number is in the unit of the depth. A
+    calculated temperature has no unit, because `t - 273.15`, a difference and a value convert differently.
+    """
+    if what in SAME:
+        terms = [units[index] for index in OF_UNIT.get(what, range(len(units)))]
+        unit = common(terms)
+        return None if what not in SELECTIONS and has_zero(unit) else unit
+    if what in ("Mult", "Div"):
+        unit = product(*units) if what == "Mult" else quotient(*units)
+        return None if has_zero(unit) else unit
+    if what in ("first_time", "last_time", "longest_time"):
+        return "s"
+    if what in ANGLES:
+        return "rad"
+    if what == "derivative":
+        unit = quotient(units[0], "s")
+        known = units[0] if units[0] and "/" not in units[0] else ""
+        return unit or (Unit(f"{known}/s", definitions_of(known)) if known else None)
+    return None if what in UNKNOWN else PLAIN
+
+
+def common(units: Sequence[str | None]) -> str | None:
+    """Return the unit of a sum; None if its terms have different or unknown units."""
+    found = set(units) - {PLAIN, ONE}
+    if not found:
+        return ONE if ONE in units else PLAIN
+    known = found - {None}
+    return known.pop() if len(known) == 1 else None
+
+
+def product(left: str | None, right: str | None) -> str | None:
+    """Return the unit of a product with a plain number; `100 * ratio` may be in percent."""
+    if left in (PLAIN, ONE):
+        return PLAIN if right == ONE else right
+    return left if right in (PLAIN, ONE) else None
+
+
+def quotient(left: str | None, right: str | None) -> str | None:
+    """Return the unit of a quotient; a quotient of equal units is a plain number: `depth / um`."""
+    if left is not None and left == right:
+        return PLAIN
+    return product(left, right) if right in (PLAIN, ONE) else None

@@ -76,11 +76,12 @@ def load(file: Path) -> Problem:
     problem = parse(Problem, table, "", fail)
     problem = replace(problem, set=flatten(problem.set), file=file)
     check(problem, fail)
+    check_varied(problem, fail)
     return problem
 
 
 def check(problem: Problem, fail: Fail) -> None:
-    """Check rules beyond types."""
+    """Check rules beyond types of objective and search."""
     objective, search = problem.objective, problem.search
     if bool(objective.metric) == bool(objective.trace):
         hint = "Give a metric to minimize or maximize, or a measured trace."
@@ -91,9 +92,8 @@ def check(problem: Problem, fail: Fail) -> None:
         fail("objective.direction", "is `maximize`, which is not possible for a measured trace")
     if search.seeds == ():
         fail("search.seeds", "is empty", "Omit it to use the seed of the scenario.")
-    if len(set(search.seeds or ())) != len(search.seeds or ()):
+    if search.seeds and len(set(search.seeds)) < len(search.seeds):
         fail("search.seeds", "holds a seed twice", "Give each seed once.")
-    check_varied(problem, fail)
 
 
 def check_varied(problem: Problem, fail: Fail) -> None:

@@ -17,9 +17,7 @@ from cosim.formatting.quantity import number, text
 from cosim.formatting.verdicts import STATUSES
 from cosim.loop import engines
 from cosim.optimize import problem
-from cosim.optimize.objective import MISFIT
-from cosim.optimize.proposer import Trial
-from cosim.optimize.search import best_of, search
+from cosim.optimize.search import MISFIT, Trial, best_of, search
 from cosim.optimize.variants import Variants
 from cosim.show.console import progress_bar
 from cosim.show.listing import plain_table
@@ -66,15 +64,20 @@ class OptimizeResult:
 
     @property
     def verdict(self) -> str:
-        """Best value, and the number of trials that passed the criteria."""
+        """Best value or the trial with the smallest violation, and the numbers of trials."""
         objective, best = self.variants.problem.objective, self.best
         counts = f"{len(self.trials)} trials"
         if not objective.trace:
             counts += f", {self.feasible} of them passed all criteria"
-        if lost := sum(trial.score.value is None for trial in self.trials):
+        known = [trial for trial in self.trials if trial.score.value is not None]
+        if lost := len(self.trials) - len(known):
             counts += f", {lost} without a result"
         if best is None or best.score.value is None:
-            return f"no trial passed all criteria: {self.closest}; {counts}"
+            trial = min(known, key=lambda trial: sum(trial.score.violations))
+            pairs = zip(self.variants.scenario.criterion, trial.score.violations, strict=True)
+            failed = ", ".join(f"`{entry.id}`" for entry, violation in pairs if violation > 0.0)
+            closest = f"closest is trial {trial.number}, which fails {failed}"
+            return f"no trial passed all criteria: {closest}; {counts}"
         if objective.trace:
             off = 100.0 * math.sqrt(best.score.value)
             value = f"{MISFIT} {number(best.score.value)}: {number(off, 3)} % of a standard deviation"
@@ -90,28 +93,19 @@ class OptimizeResult:
         """Number of trials that passed all criteria."""
         return sum(trial.score.feasible for trial in self.trials)
 
-    @property
-    def closest(self) -> str:
-        """Trial with the smallest violation, and its failed criteria."""
-        known = (trial for trial in self.trials if trial.score.value is not None)
-        trial = min(known, key=lambda trial: sum(trial.score.violations))
-        pairs = zip(self.variants.scenario.criterion, trial.score.violations, strict=True)
-        failed = ", ".join(f"`{entry.id}`" for entry, violation in pairs if violation > 0.0)
-        return f"closest is trial {trial.number}, which fails {failed}"
-
     def tables(self) -> RenderableType:
         """Values of the best trial and the verdict, for the terminal."""
-        parts: list[RenderableType] = [Text(self.variants.problem.full_title, style="bold"), ""]
-        if self.best is not None:
-            table = plain_table("key", "best value", "range", "")
-            for vary in self.variants.problem.vary:
-                value = self.best.values[vary.key]
-                edge = "at the end of its range" if at_end(vary, value) else ""
-                shown = number(value, 6) if isinstance(value, float) else value_text(value)
-                table.add_row(Text(vary.key), Text(shown), Text(range_text(vary)), edge)
-            parts += [table, ""]
-        style = "bold red" if self.best is None else "bold green"
-        return Group(*parts, Text(self.verdict, style=style))
+        title = Text(self.variants.problem.full_title, style="bold")
+        if self.best is None:
+            return Group(title, "", Text(self.verdict, style="bold red"))
+        table = plain_table("key", "best value", "range", "")
+        for vary in self.variants.problem.vary:
+            value = self.best.values[vary.key]
+            edge = "at the end of its range" if at_end(vary, value) else ""
+            shown = number(value, 6) if isinstance(value, float) else value_text(value)
+            values = " ".join(map(value_text, vary.values)) or " .. ".join(f"{end:g}" for end in vary.range)
+            table.add_row(Text(vary.key), Text(shown), Text(values), edge)
+        return Group(title, "", table, "", Text(self.verdict, style="bold green"))
 
     def _repr_html_(self) -> str:
         """Table of the best values for a notebook."""
@@ -122,20 +116,17 @@ class OptimizeResult:
     def to_json(self) -> str:
         """Return the best trial and the numbers of trials in strict JSON."""
         objective, best = self.variants.problem.objective, self.best
-        found: dict[str, Any] = {
+        found = {
             "status": STATUSES[best is not None],
             "objective": objective.metric or MISFIT,
             "direction": objective.direction,
             "trials": len(self.trials),
             "feasible": self.feasible,
-            "best": best
-            and {
-                "trial": best.number,
-                "value": best.score.value or 0.0,
-                "set": best.values,
-                "command": self.command,
-            },
+            "best": None,
         }
+        if best is not None:
+            value = {"trial": best.number, "value": best.score.value or 0.0, "set": best.values}
+            found["best"] = {**value, "command": self.command}
         return strict.text(found)
 
     def save_csv(self, file: Path) -> None:
@@ -149,13 +140,6 @@ class OptimizeResult:
                 values = [value_text(trial.values[key]) for key in keys]
                 feasible = str(trial.score.feasible).lower()
                 writer.writerow([trial.number, *values, trial.score.value, feasible, trial.score.reason])
-
-
-def range_text(vary: Vary) -> str:
-    """Range of a key, or its values."""
-    if vary.values:
-        return " ".join(value_text(value) for value in vary.values)
-    return " .. ".join(f"{end:g}" for end in vary.range)
 
 
 def at_end(vary: Vary, value: Any) -> bool:

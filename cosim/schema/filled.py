@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import re
 from collections.abc import Iterable, Mapping
@@ -11,8 +12,7 @@ from typing import Any
 from cosim.fmu.archive import Variable
 from cosim.fmu.named import ALONE
 from cosim.scenario.model import Scenario
-from cosim.schema import tables as schema
-from cosim.schema.files import scenario_schema
+from cosim.schema import files as schema
 
 TYPES = {"Real": "number", "Integer": "integer"}
 
@@ -21,7 +21,7 @@ def filled_schema(
     scenario: Scenario, variables: Mapping[str, Mapping[str, dict[str, Any]]], plant: Any
 ) -> dict[str, Any]:
     """JSON schema of a scenario file with the variables of its FMUs and the parameters of its plant."""
-    found = scenario_schema()
+    found = schema.scenario_schema()
     parts = found["properties"]
     tables = {name: {"parameters": schema.parameters(entries)} for name, entries in variables.items()}
     if scenario.fmu:
@@ -53,8 +53,7 @@ def described(variable: Variable) -> dict[str, Any]:
     labels = schema.explained(variable.description, variable.unit)
     if variable.kind == "Enumeration":
         names = {str(number): name for name, number in variable.items}
-        values = [value for item in variable.items for value in item]
-        return {"enum": values, **labels, **default(names.get(variable.start))}
+        return {"enum": [*itertools.chain(*variable.items)], **labels, **default(names.get(variable.start))}
     if variable.kind == "Boolean":
         start = variable.start in ("true", "1") if variable.start else None
         return {"enum": [True, False, 0, 1], **labels, **default(start)}
@@ -64,18 +63,12 @@ def described(variable: Variable) -> dict[str, Any]:
     found: dict[str, Any] = {"type": TYPES[variable.base], **labels}
     for name, text in numbers.items():
         with contextlib.suppress(ValueError):
-            found[name] = int(text) if variable.base == "Integer" else finite(text)
+            number = int(text) if variable.base == "Integer" else float(text)
+            if math.isfinite(number):  # JSON has no infinity and NaN
+                found[name] = number
     return found
 
 
 def default(value: str | bool | None) -> dict[str, Any]:
     """Describe a start value, if there is one."""
     return {} if value is None else {"default": value}
-
-
-def finite(text: str) -> float:
-    """Read a number that JSON can represent."""
-    number = float(text)
-    if not math.isfinite(number):
-        raise ValueError(text)
-    return number

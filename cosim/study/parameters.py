@@ -14,11 +14,7 @@ from cosim.pool.limits import MAX_MEMORY, Limits
 from cosim.scenario.ranges import FINITE, NOT_NAN, NOT_NEGATIVE_COUNT, POSITIVE, limited
 from cosim.scenario.tables import Fail
 
-MEMORY = {
-    **POSITIVE,
-    "maximum": MAX_MEMORY / 1e6,
-    "demand": f"be positive and at most {MAX_MEMORY / 1e6:g}",
-}
+MEMORY = {**POSITIVE, "maximum": MAX_MEMORY / 1e6, "demand": f"be positive and at most {MAX_MEMORY / 1e6:g}"}
 MAX_OF_UNIT = math.nextafter(1.0, 0.0)
 MAX_EXACT = 2.0**53
 """Maximum integer up to which 64-bit floats are exact."""
@@ -124,23 +120,19 @@ def failing(file: Path) -> Fail:
 
 def check_ranges(varied: VariedScenario, kind: str, fail: Fail) -> None:
     """Check that each key is given once, and its range; `kind` is the design."""
-    seen = set(varied.set)
+    keys = [*varied.set, *(vary.key for vary in varied.vary)]
     for index, vary in enumerate(varied.vary):
-        if vary.key in seen:
+        if vary.key in keys[: len(varied.set) + index]:
             fail(f"vary[{index}].key", f"= `{vary.key}` is given twice", "Set each key once.")
-        seen.add(vary.key)
-    for index, vary in enumerate(varied.vary):
         check_values(vary, f"vary[{index}]", kind, fail)
 
 
 def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
     """Check that values, range and distribution of one key agree."""
-    numbers = ("minimum", "maximum", "points", "mean", "deviation")
-    given = [name for name in numbers if getattr(vary, name) is not None]
     if vary.values:
-        if given or vary.distribution != "uniform" or vary.integer:
-            also = (given or ["distribution" if vary.distribution != "uniform" else "integer"])[0]
-            fail(f"{key}.{also}", "cannot be used with `values`", "Give values or a range.")
+        for name in ("minimum", "maximum", "points", "mean", "deviation", "distribution", "integer"):
+            if getattr(vary, name) != getattr(Vary, name):
+                fail(f"{key}.{name}", "cannot be used with `values`", "Give values or a range.")
         return
     low, high = vary.range
     if not low < high:
@@ -149,16 +141,16 @@ def check_values(vary: Vary, key: str, kind: str, fail: Any) -> None:
     if normal != (vary.mean is not None and vary.deviation is not None):
         problem = f"is `{vary.distribution}`; `mean` and `deviation` belong to `normal`, both of them"
         fail(f"{key}.distribution", problem)
-    if not normal and not (math.isfinite(low) and math.isfinite(high)):
-        fail(f"{key}", f"needs `minimum` and `maximum` of `{vary.key}`, both finite")
-    if math.isfinite(low) and math.isfinite(high) and not math.isfinite(high - low):
-        fail(f"{key}", f"is `{low}` .. `{high}`, whose width is too large")
+    ends = [end for end in (low, high) if math.isfinite(end)]
+    if not normal and len(ends) < 2:
+        fail(key, f"needs `minimum` and `maximum` of `{vary.key}`, both finite")
+    if len(ends) == 2 and not math.isfinite(high - low):
+        fail(key, f"is `{low}` .. `{high}`, whose width is too large")
     if vary.distribution == "log-uniform" and low <= 0.0:
         fail(f"{key}.minimum", f"is `{low}`; a logarithmic range must start above 0")
-    ends = [end for end in (low, high) if math.isfinite(end)] if vary.integer else []
-    if not all(end.is_integer() for end in ends):
+    if vary.integer and not all(end.is_integer() for end in ends):
         fail(f"{key}.integer", f"is true, but `{low}` .. `{high}` does not end at integers")
-    if any(abs(end) > MAX_EXACT for end in ends):
+    if vary.integer and any(abs(end) > MAX_EXACT for end in ends):
         problem = f"is true, but beyond {MAX_EXACT:.0f} not every number of `{low}` .. `{high}` is one"
         fail(f"{key}.integer", problem)
     if (kind == "grid") != (vary.points is not None):

@@ -92,11 +92,10 @@ def dependencies(scenario: Scenario, files: Mapping[str, FmuFile], plant_hash: s
 
 def text(value: Any) -> str:
     """Value as `--set` reads it."""
-    if isinstance(value, str):
-        return value if toml_value(value, "") == value else json.dumps(value)
     if isinstance(value, list | tuple):
         return f"[{', '.join(json.dumps(item) if isinstance(item, str) else text(item) for item in value)}]"
-    return str(value) if isinstance(value, float) else json.dumps(value)
+    bare = isinstance(value, float) or (isinstance(value, str) and toml_value(value, "") == value)
+    return str(value) if bare else json.dumps(value)
 
 
 def check(scenario: Scenario) -> tuple[dict[str, FmuFile], Any, str]:

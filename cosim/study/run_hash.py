@@ -6,10 +6,9 @@ import contextlib
 import functools
 import hashlib
 import importlib
-import importlib.util
 import sys
 import sysconfig
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -94,8 +93,7 @@ def plant_of(name: str, folder: Path) -> tuple[Any, str]:
 def sources(kind: Any, folder: Path) -> list[Path]:
     """Files of a plant's class and its bases, their packages, and their imports from folders of the user."""
     names = {base.__module__ for base in kind.__mro__}
-    modules = [sys.modules.get(name) for name in names]
-    files = {Path(file).resolve() for module in modules if (file := getattr(module, "__file__", None))}
+    files = files_of(map(sys.modules.get, names))
     files |= {found for file in files if not is_installed(file) for found in imported(file, folder)}
     # the whole package, installed or not: any of its modules may be imported at any time
     packages = [sys.modules.get(name.partition(".")[0]) for name in names]
@@ -120,28 +118,26 @@ def imported(module: Path, folder: Path) -> set[Path]:
     # a module that is only imported when it is needed may be missing; what was found until then counts
     with contextlib.suppress(Exception):
         finder.run_script(str(module))
-    names = [getattr(found, "__file__", None) for found in finder.modules.values()]
-    files = {Path(name).resolve() for name in names if name}
-    return {file for file in files if not is_installed(file)}
+    return {file for file in files_of(finder.modules.values()) if not is_installed(file)}
+
+
+def files_of(modules: Iterable[Any]) -> set[Path]:
+    """Files of the modules that have one."""
+    return {Path(file).resolve() for module in modules if (file := getattr(module, "__file__", None))}
 
 
 @functools.cache
 def project() -> dict[str, str]:
     """Versions and contents of everything that computes the results, except FMU and plant."""
+    import machining_native
+
     plants, cosim = PROJECT
     files = [*plants.rglob("*"), *cosim.glob("*")]
     files += [file for folder in FOLDERS for file in (cosim / folder).rglob("*")]
     files = sorted((file for file in files if file.suffix in CODE), key=lambda file: file.parts[::-1])
+    files.append(Path(machining_native.__file__))
     versions = {name: version(name) for name in PACKAGES}
-    return {**versions, "project": joined([digest(file) for file in [*files, native()]])}
-
-
-def native() -> Path:
-    """File of the native module of plants and engine."""
-    found = importlib.util.find_spec("machining_native")
-    assert found is not None
-    assert found.origin is not None
-    return Path(found.origin)
+    return {**versions, "project": joined([digest(file) for file in files])}
 
 
 def joined(parts: list[str]) -> str:

@@ -38,7 +38,6 @@ DONE = tuple(STATUSES.values())
 """Statuses of runs that gave a result."""
 TROUBLES = ("error", "crashed", "timeout", "memory")
 """Statuses of runs without result."""
-NO_ROW = "`%s`, line %d is not a row (%s): it is kept, and a run without another row is repeated"
 Number = float | Literal["NaN", "Infinity", "-Infinity"]
 
 
@@ -91,10 +90,10 @@ class Store(Closing):
         """Lock the file for this process, if its file system has locks."""
         try:
             import fcntl
-        except ImportError:  # this system has no such locks
-            return
-        try:
+
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except ImportError:  # this system has no such locks
+            pass
         except OSError as error:
             shown = paths.shown(self.folder)
             if error.errno not in (errno.EWOULDBLOCK, errno.EAGAIN):
@@ -112,7 +111,10 @@ class Store(Closing):
                 row = read(line)
                 self.positions[row["hash"]] = (position, row["status"])
             except (ValueError, RecursionError) as error:
-                log.warning(NO_ROW, self.shown, number, error)
+                text = (
+                    "`%s`, line %d is not a row (%s): it is kept, and a run without another row is repeated"
+                )
+                log.warning(text, self.shown, number, error)
             position += len(line)
         if not line.endswith(b"\n"):
             self.write(b"\n")
@@ -144,8 +146,7 @@ class Store(Closing):
         if name not in self.positions:
             return None
         self.reader.seek(self.positions[name][0])
-        row: Row = json.loads(self.reader.readline())
-        return row
+        return json.loads(self.reader.readline())  # type: ignore[no-any-return]
 
     def row(self, run: Run, criteria: Sequence[Criterion]) -> Row | None:
         """Row of a run, with the number and the values it has in this study, evaluated by some criteria."""
@@ -175,8 +176,11 @@ def opened(study: Path, out: str | Path | None, otherwise: str) -> Store:
     if out is None and other is not None and other.is_file() and not other.samefile(study):
         problem = f"`{paths.shown(folder)}` holds the results of `{paths.shown(other)}`"
         raise CosimError(f"{problem}, not of `{paths.shown(study)}`", "Choose another folder with `--out`.")
-    store = Store(folder)
-    write(f"{relative(study, folder)}\n", folder / ORIGIN)
+    store, path = Store(folder), paths.resolved(study)
+    # valid when both are moved, except on different drives
+    with contextlib.suppress(ValueError):
+        path = Path(os.path.relpath(path, paths.resolved(folder)))
+    write(f"{path.as_posix()}\n", folder / ORIGIN)
     return store
 
 
@@ -190,18 +194,9 @@ def existing(folder: Path) -> Store:
 
 def study_of(folder: Path) -> Path | None:
     """Study of a folder of results; None if it is not known."""
-    try:
+    with contextlib.suppress(OSError, ValueError):
         return folder / (folder / ORIGIN).read_text(encoding="utf-8").strip()
-    except (OSError, ValueError):
-        return None
-
-
-def relative(file: Path, folder: Path) -> str:
-    """Path of a file from a folder, which stays valid when both are moved."""
-    try:
-        return Path(os.path.relpath(paths.resolved(file), paths.resolved(folder))).as_posix()
-    except ValueError:  # another drive
-        return str(paths.resolved(file))
+    return None
 
 
 def read(line: bytes) -> Row:
@@ -225,7 +220,7 @@ def read(line: bytes) -> Row:
 
 def status_of(held: Collection[bool]) -> str:
     """Status of a run with a result, from its criteria."""
-    return ("passed" if all(held) else "failed") if held else "done"
+    return STATUSES[all(held) if held else None]
 
 
 def described(run: Run) -> Row:
@@ -240,18 +235,12 @@ def row_of(run: Run, outcome: Outcome, criteria: Sequence[Criterion] = ()) -> Ro
     if not isinstance(outcome, Result):
         return {**row, "status": outcome.status, "reason": outcome.message, "hint": outcome.hint}
     metrics = outcome.metrics.values()
-    result = {
-        **row,
-        "status": "done",
-        "reason": "",
-        "metrics": {metric.name: plain(metric.value) for metric in metrics},
-        "units": {metric.name: metric.unit for metric in metrics},
-        "criteria": {},
-        "engine": outcome.engine,
-        "simulated_s": outcome.simulated_s,
-        "wall_s": outcome.wall_s,
-    }
-    return evaluated(result | beyond_si(metric.unit for metric in metrics), criteria)
+    row |= {"status": "done", "reason": ""}
+    row["metrics"] = {metric.name: plain(metric.value) for metric in metrics}
+    row["units"] = {metric.name: metric.unit for metric in metrics}
+    row["criteria"] = {}
+    row |= {name: getattr(outcome, name) for name in ("engine", "simulated_s", "wall_s")}
+    return evaluated(row | beyond_si(metric.unit for metric in metrics), criteria)
 
 
 def evaluated(row: Row, criteria: Sequence[Criterion]) -> Row:
@@ -265,8 +254,9 @@ def evaluated(row: Row, criteria: Sequence[Criterion]) -> Row:
 
 def verdicts(row: Row, criteria: Sequence[Criterion]) -> list[Verdict]:
     """Verdicts of a row with a result; a metric that it lacks is NaN."""
-    names = {criterion.metric for criterion in criteria}
-    values = {name: float(row["metrics"].get(name, math.nan)) for name in names}
     units = restored(row["units"], row.get("definitions", {}))
-    measured = {name: Measured(name, value, units.get(name, "")) for name, value in values.items()}
+    measured = {
+        name: Measured(name, float(row["metrics"].get(name, math.nan)), units.get(name, ""))
+        for name in {criterion.metric for criterion in criteria}
+    }
     return evaluate(tuple(criteria), measured)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -40,8 +39,8 @@ def check_charts(plan: Plan) -> None:
 
 def columns(scenario: Scenario, varying: Mapping[str, list[Any]]) -> dict[str, Items | None]:
     """Columns for the charts of a study, with the items of text columns."""
-    keys = {key: items(values) for key, values in varying.items()}
-    return {TIME: None, **keys, **{f"metric.{metric.name}": None for metric in scenario.metric}}
+    metrics = (f"metric.{metric.name}" for metric in scenario.metric)
+    return {TIME: None, **{key: items(values) for key, values in varying.items()}, **dict.fromkeys(metrics)}
 
 
 def items(values: list[Any]) -> Items | None:
@@ -54,15 +53,14 @@ def items(values: list[Any]) -> Items | None:
 def results(found: Summary, known: Mapping[str, Items | None]) -> Columns:
     """Columns of the runs with a result, each of shape (runs,); NaN for missing values."""
     done = np.isin(found.columns["status"], DONE)
-    named = {name: found.columns["simulated_s" if name == TIME else name] for name in known}
+    table = {**found.columns, TIME: found.columns["simulated_s"]}
     return {
-        name: np.array([number(value, known[name]) for value in values], dtype=np.float64)[done]
-        for name, values in named.items()
+        name: np.array(numbers(table[name], texts), dtype=np.float64)[done] for name, texts in known.items()
     }
 
 
-def number(value: Any, known: Items | None) -> float:
-    """Value of a column as a number; for a text the number of its item."""
-    if value is None:
-        return math.nan
-    return float(value) if known is None else float(known[shorten(value)])
+def numbers(values: list[Any], known: Items | None) -> list[Any]:
+    """Values of a column as numbers, of texts those of their items; None for missing values."""
+    if known is None:
+        return values
+    return [None if value is None else known[shorten(value)] for value in values]

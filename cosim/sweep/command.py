@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import logging
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,16 +20,15 @@ from cosim.pool.limits import processors
 from cosim.show.bar import bar
 from cosim.show.console import ProgressLines, progress_bar
 from cosim.show.figure import plots_requested
-from cosim.study.store import DONE, Row, Store, opened, study_of
+from cosim.study.store import TROUBLES, Row, Store, opened, study_of
 from cosim.sweep import sensitivity_tables, study, summary_tables
 from cosim.sweep.charts import check_charts
 from cosim.sweep.export import save_csv, save_parquet
 from cosim.sweep.plan import Plan, part_of
-from cosim.sweep.runner import Observer, Pool, merge, merge_traces, pending, save_traces, sweep, worst
+from cosim.sweep.runner import Observer, merge, merge_traces, pending, save_traces, sweep
 from cosim.sweep.summary import Summary, summarize
 from cosim.warned import once
 
-log = logging.getLogger("cosim")
 T = TypeVar("T")
 
 
@@ -52,16 +51,13 @@ class Options:
     def default(self) -> str:
         """Default folder; parts that run at the same time have one each."""
         first, count = part_of(self.part)
-        return f"{self.file.stem}.{first + 1}-of-{count}.sweep" if self.part else f"{self.file.stem}.sweep"
+        part = f".{first + 1}-of-{count}" if self.part else ""
+        return f"{self.file.stem}{part}.sweep"
 
 
 def execute(options: Options) -> tuple[Summary, RenderableType]:
     """Continue a study as `run_study`; return the summary and its tables."""
-
-    def tables(plan: Plan, store: Store, found: Summary) -> tuple[Summary, RenderableType]:
-        return found, summary_tables.of_study(plan, found, worst(plan, found))
-
-    return run_study(options, tables)
+    return run_study(options, lambda plan, _, found: (found, summary_tables.of_study(plan, found)))
 
 
 @once()
@@ -73,18 +69,20 @@ def run_study(options: Options, take: Callable[[Plan, Store, Summary], T]) -> T:
     check_charts(plan)
     options = replace(options, plots=plots_requested(options.plots))
     with opened(loaded.file, options.out, options.default) as store:
+        workers = min(options.workers or processors(), len(plan.numbers))
+        pool = functools.partial(executor.outcomes, workers=workers, limits=loaded.limits.of_workers())
         try:
             if options.merged:
                 merge(plan, store, options.merged)
             else:
                 with progress(plan, store, options) as observe:
-                    sweep(plan, store, pool_of(plan, options), observe, options.again)
+                    sweep(plan, store, pool, observe, options.again)
         finally:
             found = summarize(plan, store)
             write_summary(plan, found, store.folder, options.plots)
         merge_traces(plan, store.folder, found, options.merged)
         if options.traces:
-            save_traces(plan, store, found, pool_of(plan, options), options.plots)
+            save_traces(plan, store, found, pool, options.plots)
         return take(plan, store, found)
 
 
@@ -113,42 +111,32 @@ def write_summary(plan: Plan, found: Summary, folder: Path, plots: bool) -> None
         sensitivity_tables.save_plots(found.sensitivities, plan.study.full_title, folder / "sensitivity.svg")
 
 
-def pool_of(plan: Plan, options: Options) -> Pool:
-    """Pool of the runs."""
-    limits = plan.study.limits.of_workers()
-    workers = options.workers or processors()
-    return functools.partial(executor.outcomes, workers=min(workers, len(plan.numbers)), limits=limits)
-
-
 @contextlib.contextmanager
 def progress(plan: Plan, store: Store, options: Options) -> Iterator[Observer]:
     """Bar on stderr with rate and remaining time; periodic lines if that is not a terminal."""
     from rich.progress import MofNCompleteColumn
 
-    counted = "{task.fields[failed]} failed, {task.fields[lost]} without result, {task.fields[rate]}"
-    with bar(options.quiet, MofNCompleteColumn(), counted) as shown:
+    with bar(options.quiet, MofNCompleteColumn(), "{task.fields[note]}") as shown:
         if options.quiet:
             yield lambda row: None
             return
-        total = len(plan.numbers)
-        done = total - len(pending(plan, store, options.again))
-        counts = {"done": done, "failed": 0, "lost": 0}
+        name, total = plan.study.name, len(plan.numbers)
+        before = total - len(pending(plan, store, options.again))
+        counts: Counter[str] = Counter()
         if shown is None:
-            lines = ProgressLines(plan.study.name)
-            lines(done, total)
+            lines = ProgressLines(name)
+            lines(before, total)
         else:
-            task = shown.add_task(plan.study.name, True, total, done, failed=0, lost=0, rate="")
+            task = shown.add_task(name, True, total, before, note="")
 
         def observe(row: Row) -> None:
-            counts["done"] += 1
-            counts["failed"] += row["status"] == "failed"
-            counts["lost"] += row["status"] not in DONE
-            done, failed, lost = counts.values()
+            counts[row["status"]] += 1
+            done, lost = before + counts.total(), sum(counts[status] for status in TROUBLES)
+            note = f"{counts['failed']} failed, {lost} without result"
             if shown is None:
-                lines(done, total, f"{done} of {total} runs, {failed} failed, {lost} without result")
-                return
-            speed = shown.tasks[0].speed
-            rate = f"{speed:.3g} runs/s" if speed else ""
-            shown.update(task, completed=done, rate=rate, failed=failed, lost=lost)
+                lines(done, total, f"{done} of {total} runs, {note}")
+            else:
+                note += f", {shown.tasks[0].speed or 0.0:.3g} runs/s"
+                shown.update(task, completed=done, note=note)
 
         yield observe

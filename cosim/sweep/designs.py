@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
@@ -21,7 +20,7 @@ Case = dict[str, Any]
 
 def grid(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
     """Every combination of the values, the last key fastest."""
-    return [combined(varied, values) for values in itertools.product(*(levels(vary) for vary in varied))]
+    return [combined(varied, values) for values in itertools.product(*map(levels, varied))]
 
 
 def latin_hypercube(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
@@ -32,10 +31,7 @@ def latin_hypercube(varied: Sequence[Vary], samples: int, seed: int) -> list[Cas
 
 def sobol(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
     """Scrambled Sobol sequence; more samples extend it, powers of two are balanced."""
-    # scipy warns of other numbers than powers of two, the balance is the user's choice
-    sampler = sobol_sampler(len(varied), seed)
-    power = math.ceil(math.log2(samples)) if samples > 1 else 0
-    return points(varied, sampler.random_base2(power)[:samples])
+    return points(varied, sobol_sequence(len(varied), samples, seed))
 
 
 def monte_carlo(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
@@ -49,9 +45,7 @@ def saltelli(varied: Sequence[Vary], samples: int, seed: int) -> list[Case]:
     More samples only add to them; powers of two are balanced.
     """
     count = len(varied)
-    sampler = sobol_sampler(2 * count, seed)
-    both = sampler.random_base2(math.ceil(math.log2(samples)) if samples > 1 else 0)[:samples]
-    a, b = both[:, :count], both[:, count:]
+    a, b = np.hsplit(sobol_sequence(2 * count, samples, seed), 2)
     mixed = [np.where(np.arange(count) == index, b, a) for index in range(count)]
     return points(varied, np.stack([a, b, *mixed], axis=1).reshape(-1, count))
 
@@ -68,9 +62,8 @@ DESIGNS: dict[str, Callable[[Sequence[Vary], int, int], list[Case]]] = {
 def values_by_key(cases: Iterable[Case]) -> dict[str, list[Any]]:
     """Values of each key in the cases that set it."""
     found: dict[str, list[Any]] = {}
-    for case in cases:
-        for key, value in case.items():
-            found.setdefault(key, []).append(value)
+    for key, value in itertools.chain.from_iterable(case.items() for case in cases):
+        found.setdefault(key, []).append(value)
     return found
 
 
@@ -79,13 +72,16 @@ def generator(seed: int) -> np.random.Generator:
     return np.random.default_rng(child(seed, "design"))
 
 
-def sobol_sampler(dimensions: int, seed: int) -> Any:
-    """Return a scrambled Sobol sequence; scipy limits its dimensions."""
+def sobol_sequence(dimensions: int, samples: int, seed: int) -> NDArray[np.float64]:
+    """Points of a scrambled Sobol sequence, shape (samples, dimensions); scipy limits its dimensions."""
     try:
-        return quasi_monte_carlo().Sobol(dimensions, scramble=True, rng=generator(seed))
+        sampler = quasi_monte_carlo().Sobol(dimensions, scramble=True, rng=generator(seed))
     except ValueError as error:
         problem = f"a Sobol sequence of {dimensions} dimensions cannot be made: {error}"
         raise CosimError(problem, "Use fewer keys in `vary`, or `latin-hypercube`.") from None
+    # scipy warns of other numbers than powers of two, the balance is the user's choice
+    sequence: NDArray[np.float64] = sampler.random_base2((samples - 1).bit_length())
+    return sequence[:samples]
 
 
 def quasi_monte_carlo() -> Any:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import importlib
 import io
 import json
 from pathlib import Path
@@ -22,20 +21,16 @@ def save_csv(table: Table, file: Path) -> None:
     with whole(file) as partial, partial.open("w", newline="", encoding="utf-8") as lines:
         writer = csv.writer(lines)
         writer.writerow(table)
-        writer.writerows([shown(value) for value in row] for row in zip(*table.values(), strict=True))
-
-
-def shown(value: Any) -> Any:
-    """Value in a CSV file, as TOML if necessary."""
-    return str(value).lower() if isinstance(value, bool) else value
+        for row in zip(*table.values(), strict=True):
+            writer.writerow([str(value).lower() if isinstance(value, bool) else value for value in row])
 
 
 def save_parquet(table: Table, file: Path) -> bool:
     """Write `summary.parquet`, the same table with types; False if pyarrow is not installed."""
     try:
-        pyarrow: Any = importlib.import_module("pyarrow")
-        parquet: Any = importlib.import_module("pyarrow.parquet")
-        reader: Any = importlib.import_module("pyarrow.json")
+        import pyarrow
+        from pyarrow import json as reader
+        from pyarrow import parquet
     except ImportError:
         return False
     columns = {name: of_one_kind(values) for name, values in table.items()}
@@ -64,8 +59,7 @@ def fields(pyarrow: Any, columns: Table) -> list[tuple[str, Any]]:
 def of_one_kind(values: list[Any]) -> list[Any]:
     """Values of a column: floats if one is a float, texts if there are several types."""
     kinds = {type(value) for value in values if value is not None}
-    if kinds == {int, float}:
-        return [None if value is None else float(value) for value in values]
-    if len(kinds) > 1:
-        return [None if value is None else str(value) for value in values]
-    return values
+    if len(kinds) < 2:
+        return values
+    common: Any = float if kinds == {int, float} else str
+    return [None if value is None else common(value) for value in values]

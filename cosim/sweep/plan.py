@@ -18,7 +18,6 @@ from cosim.loop import plant
 from cosim.loop.engines import Engine
 from cosim.loop.reference import Progress
 from cosim.pool.job import Job
-from cosim.scenario import overrides
 from cosim.scenario.load import build
 from cosim.scenario.model import Criterion, Scenario
 from cosim.study.run import Run, Variation, check, dependencies, job_of
@@ -33,18 +32,17 @@ MAX_SETTINGS = 1000
 
 @dataclass(frozen=True)
 class Setting:
-    """Common data of runs that differ only in parameters."""
+    """Common data of runs that differ only in parameters.
+
+    FMUs by their names, class of the plant, and the locations of the tables of both in the scenario. The
+    hashes of the parameters there are `leaves`, the sum of the hashes of everything is `total`.
+    """
 
     files: dict[str, FmuFile]
-    """FMUs by their names."""
     plant: Any
-    """Class of the plant."""
     tables: dict[str, str]
-    """Locations of the tables of FMUs and plant in the scenario, by their names."""
     leaves: dict[str, int]
-    """Hashes of the parameters in the scenario, by their locations."""
     total: int
-    """Sum of the hashes of everything."""
 
 
 class Plan(Variation):
@@ -69,8 +67,7 @@ class Plan(Variation):
 
     def commands(self, numbers: Iterable[int]) -> list[str]:
         """Command lines that repeat some runs."""
-        runs = (self.runs[number] for number in numbers)
-        return [self.command(run.changes, run.seed) for run in runs]
+        return [self.command(run.changes, run.seed) for run in map(self.runs.__getitem__, numbers)]
 
     def different(self) -> list[int]:
         """List the numbers of the runs of this part, each hash once."""
@@ -91,41 +88,39 @@ class Plan(Variation):
             return setting.total + sum(exchange(setting, key, value) for key, value in parameters.items())
         except CosimError:
             # the same with all origins, so that the error names the origin of the value
-            check(self.build(self.case(case, index)))
+            check(self.built(case, index))
             raise
 
     def setting(self, changes: Case, index: int) -> Setting:
         """Check a case without its varied parameters."""
-        merged = self.case(changes, index)
-        scenario = self.build(merged)
+        merged = self.merged(changes, f"case {index}")
+        scenario = build(merged, (self.base, self.scenario))
         files, kind, made = check(scenario)
         self.check_metric("traces.metric", self.study.traces.metric, scenario)
-        base = self.base.table
-        parts = (
-            self.totals[name] if part is base.get(name) else total(section(name, part))
-            for name, part in merged.table.items()
-        )
-        held = {name: merged.table.get(name, {}) for name in ("controller", "fmu", "plant")}
-        known = {key: value for name, part in held.items() for key, value in section(name, part).items()}
-        leaves = {key: leaf(key, value) for key, value in known.items()}
+        summed = total(dependencies(scenario, files, made))
+        for name, part in merged.table.items():
+            same = part is self.base.table.get(name)
+            summed += self.totals[name] if same else total(section(name, part))
+        parts = {name: merged.table.get(name, {}) for name in ("controller", "fmu", "plant")}
+        leaves = {
+            key: leaf(key, value)
+            for name, part in parts.items()
+            for key, value in section(name, part).items()
+        }
         tables = {"controller": "controller", "plant": "plant"}
         tables |= {choice.name: f"fmu[{index}]" for index, choice in enumerate(scenario.fmu)}
-        return Setting(files, kind, tables, leaves, sum(parts) + total(dependencies(scenario, files, made)))
+        return Setting(files, kind, tables, leaves, summed)
 
-    def case(self, values: Case, index: int) -> overrides.Overrides:
-        """Return the merged tables of one case."""
-        return self.merged(values, f"case {index}")
-
-    def build(self, merged: overrides.Overrides) -> Scenario:
+    def built(self, values: Case, index: int) -> Scenario:
         """Scenario of one case."""
-        return build(merged, (self.base, self.scenario))
+        return build(self.merged(values, f"case {index}"), (self.base, self.scenario))
 
     def criteria(self, run: Run) -> tuple[Criterion, ...]:
         """Criteria of a run: those of the scenario, unless its case changes them."""
         changes = {key: value for key, value in run.changes.items() if key.startswith("criterion.")}
         name = repr(changes)
         if name not in self.changed_criteria:
-            found = self.build(self.case(changes, run.case)) if changes else self.scenario
+            found = self.built(changes, run.case) if changes else self.scenario
             self.changed_criteria[name] = found.criterion
         return self.changed_criteria[name]
 
@@ -143,7 +138,7 @@ class Plan(Variation):
 
     def job(self, run: Run, keep_trace: bool = False) -> Job:
         """Job of one run."""
-        return job_of(self.build(self.case(run.changes, run.case)), run, self.engine, keep_trace)
+        return job_of(self.built(run.changes, run.case), run, self.engine, keep_trace)
 
 
 def part_of(text: str) -> tuple[int, int]:
@@ -181,7 +176,7 @@ class Runs(Sequence[Run]):
     def __getitem__(self, number: slice) -> list[Run]: ...
     def __getitem__(self, number: int | slice) -> Run | list[Run]:
         if isinstance(number, slice):
-            return [self[index] for index in range(*number.indices(len(self)))]
+            return [self[index] for index in range(len(self))[number]]
         number = range(len(self))[number]
         case = number // self.repeats
         return Run(number, case, int(self.seeds[number]), self.cases[case], self.hash(number))

@@ -53,9 +53,12 @@ class SweepResult:
         """Tables for a notebook: criteria and the distribution of the metrics."""
         found = self.summary
         held = [(name, f"{count} of {found.results}") for name, count in found.held.items()]
-        metrics = html.table(("metric", *QUANTILES), spread(found))
-        tables = [html.table(("criterion", "passed in"), held), metrics]
-        return "\n".join([html.heading(self.study, summary_tables.verdict(found).plain), *tables])
+        parts = [
+            html.heading(self.study, summary_tables.verdict(found).plain),
+            html.table(("criterion", "passed in"), held),
+            html.table(("metric", *QUANTILES), spread(found)),
+        ]
+        return "\n".join(parts)
 
     def to_dataframe(self) -> Any:
         """Return the table of all rows as a `pandas.DataFrame`, the same as `summary.csv`.
@@ -107,9 +110,8 @@ def sweep(
         The study is wrong, the folder cannot be written, or no worker can be started.
     """
     options = Options(Path(study), out, workers, engine, again, plots, quiet, part=part)
+
+    def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:
+        return SweepResult(plan.study.full_title, store.folder, found, list(rows(plan, store)))
+
     return run_study(options, collect)
-
-
-def collect(plan: Plan, store: Store, found: Summary) -> SweepResult:
-    """Read the results of a sweep into memory."""
-    return SweepResult(plan.study.full_title, store.folder, found, list(rows(plan, store)))

@@ -113,9 +113,11 @@ def merge_traces(plan: Plan, folder: Path, found: Summary, folders: Iterable[Pat
 
 
 def trace_files(plan: Plan, folder: Path, found: Summary) -> dict[int, Path]:
-    """Files of the traces by the numbers of their runs."""
-    names = {number: f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen(plan, found)}
-    return {number: folder / TRACES / name for number, name in names.items()}
+    """Files of the traces by the numbers of their runs: of the first that failed, and of the worst."""
+    pairs = zip(found.columns["run"], found.columns["status"], strict=True)
+    failed = [number for number, status in pairs if status == "failed"]
+    chosen = dict.fromkeys([*failed[: plan.study.traces.failed], *worst(plan, found)])
+    return {number: folder / TRACES / f"{number:06d}-{plan.runs.hash(number)[:8]}.npz" for number in chosen}
 
 
 def make(folder: Path) -> None:
@@ -127,13 +129,6 @@ def make(folder: Path) -> None:
     except OSError as error:
         problem = f"cannot write traces to `{paths.shown(folder)}`: {error.strerror or error}"
         raise CosimError(problem) from None
-
-
-def chosen(plan: Plan, found: Summary) -> list[int]:
-    """Numbers of the runs whose traces are kept: the first that failed, and the worst."""
-    pairs = zip(found.columns["run"], found.columns["status"], strict=True)
-    failed = [number for number, status in pairs if status == "failed"]
-    return list(dict.fromkeys([*failed[: plan.study.traces.failed], *worst(plan, found)]))
 
 
 def worst(plan: Plan, found: Summary) -> list[int]:

@@ -31,21 +31,20 @@ PART = re.compile(r"(\d{1,18})(?:\.\.(\d{1,18}))?")
 def parse(text: str) -> list[int]:
     """Seeds of a text such as `1..20`, `3,5,8` or `1..10,100`; ranges include both ends."""
     seeds: list[int] = []
-    for part in text.split(","):
-        found = PART.fullmatch(part.strip())
+    for part in map(str.strip, text.split(",")):
+        found = PART.fullmatch(part)
         if found is None:
-            problem = f"`--seeds {text}`: `{part.strip()}` is not a seed or range"
+            problem = f"`--seeds {text}`: `{part}` is not a seed or range"
             raise CosimError(problem, "Give seeds as `1..20`, `3,5,8` or `1..10,100`.")
         first, last = int(found[1]), int(found[2] or found[1])
         if last < first:
-            problem = f"`--seeds {text}`: `{part.strip()}` ends before it starts"
-            raise CosimError(problem, f"Use `{last}..{first}`.")
+            raise CosimError(f"`--seeds {text}`: `{part}` ends before it starts", f"Use `{last}..{first}`.")
         if len(seeds) + last - first >= MAX_SEEDS:
             problem = f"`--seeds {text}` names more than {MAX_SEEDS} seeds"
             raise CosimError(problem, "Use a study of `cosim sweep`, which stores completed runs.")
         seeds += range(first, last + 1)
-    if len(set(seeds)) < len(seeds):
-        again = Counter(seeds).most_common(1)[0][0]
+    again, times = Counter(seeds).most_common(1)[0]
+    if times > 1:
         raise CosimError(f"`--seeds {text}` names the seed {again} twice")
     return seeds
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -58,12 +58,8 @@ class Sensitivity:
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""
-        found: dict[str, Any] = {"metric": self.metric, "key": self.key}
-        for name in ("rank", "first", "total"):
-            estimate = getattr(self, name)
-            if estimate is not None:
-                found[name] = {part: plain(value) for part, value in asdict(estimate).items()}
-        return found
+        found: dict[str, Any] = plain(asdict(self))
+        return {name: value for name, value in found.items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -73,6 +69,9 @@ class Estimate:
     value: float
     low: float
     high: float
+
+
+UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
 
 def sensitivities(plan: Plan, table: Table) -> list[Sensitivity]:
@@ -93,25 +92,19 @@ def sensitivities(plan: Plan, table: Table) -> list[Sensitivity]:
     found = []
     for metric, values in metrics.items():
         indices = sobol_of(plan, dict(zip(lines, values, strict=True)))
-        found += sorted(
-            (
-                Sensitivity(metric, key, rank(column, values), *indices.get(key, ()))
-                for key, column in keys.items()
-            ),
-            key=lambda entry: -entry.strength,
-        )
+        correlations = {key: rank(column, values) for key, column in keys.items()}
+        effects = [
+            Sensitivity(metric, key, value, *indices.get(key, ())) for key, value in correlations.items()
+        ]
+        found += sorted(effects, key=lambda effect: -effect.strength)
     return found
 
 
 def means(column: Sequence[Any], lines: Mapping[int, Sequence[int]]) -> Array:
     """Mean of the finite numbers of each case; NaN for texts and without a number."""
-    return np.array([mean(column[line] for line in own) for own in lines.values()])
-
-
-def mean(values: Iterable[Any]) -> float:
-    """Mean of the finite numbers; NaN without one."""
-    known = [value for value in values if isinstance(value, int | float) and math.isfinite(value)]
-    return math.fsum(known) / len(known) if known else math.nan
+    known = [isinstance(value, int | float) and math.isfinite(value) for value in column]
+    numbers = [[column[line] for line in own if known[line]] for own in lines.values()]
+    return np.array([math.fsum(own) / len(own) if own else math.nan for own in numbers])
 
 
 def varies(column: Array) -> bool:
@@ -128,7 +121,7 @@ def rank(x: Array, y: Array) -> Estimate:
     both = np.isfinite(x) & np.isfinite(y)
     count = int(np.sum(both))
     if count < FEWEST_CASES or not varies(x[both]) or not varies(y[both]):
-        return Estimate(math.nan, math.nan, math.nan)
+        return UNKNOWN
     value = float(np.clip(np.corrcoef(ranks(x[both]), ranks(y[both]))[0, 1], -1.0, 1.0))
     half = NORMAL_95 * math.sqrt((1.0 + value**2 / 2.0) / (count - 3))
     # 1 is where artanh is infinite
@@ -146,9 +139,9 @@ def ranks(column: Array) -> Array:
 
 def sobol_of(plan: Plan, means: Mapping[int, float]) -> dict[str, tuple[Estimate, Estimate]]:
     """Sobol indices of a metric by key, from its means by case; only complete samples count."""
-    keys, design = [vary.key for vary in plan.study.vary], plan.study.design
-    if design.kind != "saltelli":
+    if plan.study.design.kind != "saltelli":
         return {}
+    keys = [vary.key for vary in plan.study.vary]
     table = np.array([means.get(case, math.nan) for case in range(len(plan.cases))])
     table = table.reshape((-1, len(keys) + 2))
     table = table[np.all(np.isfinite(table), axis=1)]

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from cosim.show import figure as figures
 from cosim.show.listing import plain_table
-from cosim.sweep.sensitivity import Estimate, Sensitivity
+from cosim.sweep.sensitivity import UNKNOWN, Estimate, Sensitivity
 
 MAX_KEYS = 6
 """Maximum number of keys in a table; the plots and the JSON have all."""
@@ -23,18 +23,12 @@ def table(found: list[Sensitivity]) -> Table:
     """Rank correlation of each metric with the strongest keys; bold if its interval excludes zero."""
     keys = ranked_keys(found)
     shown = plain_table("sensitivity of", *keys[:MAX_KEYS])
-    for row in rows(found):
-        shown.add_row(*row)
+    by_both = {(entry.metric, entry.key): entry for entry in found}
+    for metric in names(found):
+        shown.add_row(Text(metric), *(cell(by_both[metric, key]) for key in keys[:MAX_KEYS]))
     if len(keys) > MAX_KEYS:
         shown.caption = f"and {len(keys) - MAX_KEYS} weaker keys, see `sensitivity.svg`"
     return shown
-
-
-def rows(found: list[Sensitivity]) -> list[list[Text]]:
-    """Each metric with its cells for the strongest keys."""
-    keys = ranked_keys(found)[:MAX_KEYS]
-    by_both = {(entry.metric, entry.key): entry for entry in found}
-    return [[Text(metric), *(cell(by_both[metric, key]) for key in keys)] for metric in names(found)]
 
 
 def cell(entry: Sensitivity) -> Text:
@@ -55,9 +49,8 @@ def names(found: list[Sensitivity]) -> list[str]:
 
 def ranked_keys(found: list[Sensitivity]) -> list[str]:
     """Keys by their strongest effect, the strongest first."""
-    strength: dict[str, float] = {}
-    for entry in found:
-        strength[entry.key] = max(entry.strength, strength.get(entry.key, -1.0))
+    keys = dict.fromkeys(entry.key for entry in found)
+    strength = {key: max(entry.strength for entry in found if entry.key == key) for key in keys}
     return sorted(strength, key=lambda key: -strength[key])
 
 
@@ -116,9 +109,9 @@ def draw_tornado(axes: Any, entries: list[Sensitivity]) -> None:
 
 def draw_bars(axes: Any, shift: float, estimates: list[Estimate | None], colour: str, label: str) -> None:
     """Horizontal bars with their intervals."""
-    known = [estimate or Estimate(math.nan, math.nan, math.nan) for estimate in estimates]
-    values = np.array([estimate.value for estimate in known])
-    errors = np.fmax(0.0, [[e.value - e.low for e in known], [e.high - e.value for e in known]])
+    known = [estimate or UNKNOWN for estimate in estimates]
+    values, low, high = np.array([(estimate.value, estimate.low, estimate.high) for estimate in known]).T
+    errors = np.fmax(0.0, [values - low, high - values])
     rows = np.arange(len(known)) + shift
     height = 0.36 if shift else 0.7
     axes.barh(rows, values, height, xerr=errors, color=colour, alpha=0.7, capsize=2.0, label=label)

@@ -19,7 +19,6 @@ from cosim.scenario.toml import flatten, parse_file, toml_value
 from cosim.study.parameters import VariedScenario, check_ranges, failing
 
 MAX_RUNS = 1_000_000
-"""Maximum number of runs."""
 
 
 @dataclass(frozen=True)
@@ -99,39 +98,36 @@ def load(file: Path) -> Study:
     fail, table = failing(file), parse_file(file)
     check_kind(table, file, "study")
     study = parse(Study, table, "", fail)
-    study = replace(study, set=flatten(study.set), file=file)
-    if study.design.file:
-        study = replace(study, case=(*study.case, *read_cases(file.parent / study.design.file, fail)))
-    else:
-        study = replace(study, case=tuple(flatten(case) for case in study.case))
+    more = read_cases(file.parent / study.design.file, fail) if study.design.file else ()
+    study = replace(study, set=flatten(study.set), file=file, case=(*map(flatten, study.case), *more))
     check(study, fail)
     return study
 
 
 def read_cases(file: Path, fail: Fail) -> Sequence[dict[str, Any]]:
     """Cases of a CSV file; values are TOML or texts, an empty cell is not set."""
+    key, name = "design.file", f"is `{file}`"
     if not paths.is_file(file):
-        problem = "is not a file" if paths.is_there(file) else "does not exist"
-        fail("design.file", f"is `{file}`, which {problem}")
+        fail(key, f"{name}, which {'is not a file' if paths.is_there(file) else 'does not exist'}")
     try:
         with file.open(newline="", encoding="utf-8-sig") as lines:
-            header, *rows = list(csv.reader(lines)) or [[]]
+            header, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines)] or [[]]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        fail("design.file", f"is `{file}`, which cannot be read: {getattr(error, 'strerror', None) or error}")
-    header = [name.strip() for name in header]
+        fail(key, f"{name}, which cannot be read: {getattr(error, 'strerror', None) or error}")
     if not all(header) or len(set(header)) != len(header):
-        fail("design.file", f"is `{file}`, whose first line must hold the keys, each once")
+        fail(key, f"{name}, whose first line must hold the keys, each once")
     cases = []
     for number, row in enumerate(rows, start=2):
-        if not any(cell.strip() for cell in row):
-            continue
-        if len(row) != len(header):
-            fail("design.file", f"is `{file}`, whose line {number} has {len(row)} cells, not {len(header)}")
-        pairs = zip(header, (cell.strip() for cell in row), strict=True)
+        if any(row) and len(row) != len(header):
+            fail(key, f"{name}, whose line {number} has {len(row)} cells, not {len(header)}")
         try:
-            cases.append({key: toml_value(cell, key) for key, cell in pairs if cell})
+            case = {
+                column: toml_value(cell, column) for column, cell in zip(header, row, strict=False) if cell
+            }
         except ScenarioError as error:
-            fail("design.file", f"is `{file}`, in whose line {number} {error.message}", error.hint)
+            fail(key, f"{name}, in whose line {number} {error.message}", error.hint)
+        if case:
+            cases.append(case)
     return cases
 
 
@@ -141,22 +137,15 @@ def check(study: Study, fail: Fail) -> None:
     if study.traces.worst and not study.traces.metric:
         fail("traces.metric", "is missing", "Name the metric that selects the worst runs.")
     check_cases(study, fail) if design.kind == "list" else check_varied(study, fail)
-    runs = count(study) * design.repeats
+    cases = {
+        "list": len(study.case),
+        "grid": math.prod(len(vary.values) or vary.points or 0 for vary in study.vary),
+        "saltelli": (design.samples or 0) * (len(study.vary) + 2),
+    }
+    runs = cases.get(design.kind, design.samples or 0) * design.repeats
     if runs > MAX_RUNS:
         hint = "Use several studies, which can share a folder."
         fail("design", f"makes {runs} runs, more than {MAX_RUNS}", hint)
-
-
-def count(study: Study) -> int:
-    """Count the cases."""
-    match study.design.kind:
-        case "list":
-            return len(study.case)
-        case "grid":
-            return math.prod(len(vary.values) or vary.points or 0 for vary in study.vary)
-        case "saltelli":
-            return (study.design.samples or 0) * (len(study.vary) + 2)
-    return study.design.samples or 0
 
 
 def check_cases(study: Study, fail: Fail) -> None:
@@ -166,9 +155,8 @@ def check_cases(study: Study, fail: Fail) -> None:
     if not study.case:
         fail("case", "is empty", "Add tables `[[case]]` or `design.file`.")
     for index, case in enumerate(study.case):
-        for key in case:
-            if key in study.set:
-                fail(f"case[{index}].{key}", "is also in `[set]`", "Set each key once.")
+        for key in filter(study.set.__contains__, case):
+            fail(f"case[{index}].{key}", "is also in `[set]`", "Set each key once.")
 
 
 def check_varied(study: Study, fail: Fail) -> None:
@@ -183,7 +171,6 @@ def check_varied(study: Study, fail: Fail) -> None:
     if design.kind != "grid" and (design.samples is None or design.samples < 1):
         fail("design.samples", f"is `{design.samples}`, `{design.kind}` needs at least 1")
     for index, vary in enumerate(study.vary):
-        ends = vary.minimum, vary.maximum, vary.mean
-        if not vary.values and ends == (None, None, None):
+        if not vary.values and vary.minimum is vary.maximum is vary.mean is None:
             fail(f"vary[{index}].values", f"is empty: `{vary.key}` has neither `values` nor a range")
     check_ranges(study, design.kind, fail)

@@ -24,6 +24,8 @@ from cosim.sweep.sensitivity import NORMAL_95, Sensitivity, sensitivities
 from cosim.units import restored
 
 QUANTILES = {"minimum": 0.0, "median": 0.5, "95 %": 0.95, "99 %": 0.99, "maximum": 1.0}
+FIRST, LAST = ("run", "case", "seed", "status", "reason"), ("engine", "simulated_s", "wall_s", "hash")
+"""Columns of the table before and after keys, metrics and criteria."""
 RANDOM = ("latin-hypercube", "sobol", "monte-carlo")
 """Designs whose cases are a random sample of the ranges."""
 
@@ -33,23 +35,18 @@ class Summary:
     """Counts and numbers of a sweep."""
 
     runs: int
-    """Runs of the study."""
     samples: int = 0
     """Independent random samples with a row; 0 if the runs are none, as those of a grid."""
     columns: Table = field(default_factory=dict)
-    """Table of all rows; see `locations`."""
     statuses: Counter[str] = field(default_factory=Counter)
-    """Number of runs by status."""
     values: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     """Values of each metric, of the runs with a result."""
     units: dict[str, str] = field(default_factory=dict)
-    """Units of the metrics."""
     held: Counter[str] = field(default_factory=Counter)
     """Number of results that passed each criterion."""
     troubles: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
     """Status and reason of runs without result: count and first run."""
     sensitivities: list[Sensitivity] = field(default_factory=list)
-    """Effects of the varied keys on the metrics."""
 
     def count(self, status: str, reason: str, run: int) -> None:
         """Count a run by its status, and by the reason if it has no result."""
@@ -98,13 +95,12 @@ class Summary:
             "runs": self.runs,
             "rows": self.rows,
             "statuses": dict(self.statuses),
-            "success": {"rate": self.rate}
-            | dict(zip(("low", "high"), self.interval(self.rate), strict=False)),
+            "success": {
+                "rate": self.rate,
+                **dict(zip(("low", "high"), self.interval(self.rate), strict=False)),
+            },
             "metrics": {
-                name: {
-                    "unit": self.units[name],
-                    **{key: plain(value) for key, value in quantiles(values).items()},
-                }
+                name: {"unit": self.units[name], **plain(quantiles(values))}
                 for name, values in self.values.items()
             },
             "criteria": {name: {"held": count, "of": self.results} for name, count in self.held.items()},
@@ -121,18 +117,21 @@ class Summary:
 def summarize(plan: Plan, store: Store) -> Summary:
     """Read all rows of a study once."""
     found = Summary(len(plan.numbers))
-    where = locations(plan)
-    found.columns = {name: [] for name in where}
+    metrics = (f"metric.{metric.name}" for metric in plan.scenario.metric)
+    criteria = (f"criterion.{entry.id}" for entry in plan.scenario.criterion)
+    names = (*FIRST, *plan.varying, *metrics, *criteria, *LAST)
+    found.columns = {name: [] for name in names}
     for row in rows(plan, store):
-        for name, (part, key) in where.items():
-            found.columns[name].append(cell(row, part, key))
+        values = flat(row)
+        for name, column in found.columns.items():
+            column.append(values.get(name))
         found.units |= restored(row.get("units", {}), row.get("definitions", {}))
         found.count(row["status"], row["reason"], row["run"])
         for name, held in row.get("criteria", {}).items():
             found.held[name] += held
     for name in found.units:
-        values = [value for value in found.columns.get(f"metric.{name}", ()) if value is not None]
-        found.values[name] = np.array(values, dtype=np.float64)
+        column = found.columns.get(f"metric.{name}", [])
+        found.values[name] = np.array([value for value in column if value is not None], dtype=np.float64)
     if plan.study.design.kind in RANDOM:
         found.samples = len(set(found.columns["case"]))
     found.sensitivities = sensitivities(plan, found.columns)
@@ -145,40 +144,37 @@ def rows(plan: Plan, store: Store) -> Iterator[Row]:
     return (row for run in runs if (row := store.row(run, plan.criteria(run))) is not None)
 
 
-def locations(plan: Plan) -> dict[str, tuple[str, str]]:
-    """Columns of the table: name, and location of its value within a row (part, key)."""
-    return {
-        **{name: ("", name) for name in ("run", "case", "seed", "status", "reason")},
-        **{key: ("set", key) for key in plan.varying},
-        **{f"metric.{metric.name}": ("metrics", metric.name) for metric in plan.scenario.metric},
-        **{f"criterion.{entry.id}": ("criteria", entry.id) for entry in plan.scenario.criterion},
-        **{name: ("", name) for name in ("engine", "simulated_s", "wall_s", "hash")},
-    }
-
-
-def cell(row: Row, part: str, key: str) -> Any:
-    """Value of one column of a row; None if it has none."""
-    value = (row.get(part, {}) if part else row).get(key)
-    if part == "metrics" and value is not None:
-        return float(value)
+def flat(row: Row) -> Row:
+    """Values of a row by the names of their columns."""
+    metrics = {f"metric.{name}": float(value) for name, value in row.get("metrics", {}).items()}
+    criteria = {f"criterion.{name}": held for name, held in row.get("criteria", {}).items()}
+    values = {**row, **row["set"], **metrics, **criteria}
     # the same few texts in all rows
-    return sys.intern(value) if isinstance(value, str) else value
+    return {name: sys.intern(value) if isinstance(value, str) else value for name, value in values.items()}
+
+
+def finite(values: Any) -> Any:
+    """Return only the finite values."""
+    return values[np.isfinite(values)]
+
+
+def is_logical(values: Any) -> bool:
+    """Whether all finite values are 0 or 1."""
+    return bool(np.all(np.isin(finite(values), (0.0, 1.0))))
 
 
 def quantiles(values: NDArray[np.float64]) -> dict[str, float]:
     """Quantiles of the finite values."""
-    finite = values[np.isfinite(values)]
-    if not finite.size:
-        return dict.fromkeys(QUANTILES, math.nan)
-    return {name: float(np.quantile(finite, share)) for name, share in QUANTILES.items()}
+    known = finite(values)
+    ends = np.quantile(known, [*QUANTILES.values()]).tolist() if known.size else [math.nan] * len(QUANTILES)
+    return dict(zip(QUANTILES, ends, strict=True))
 
 
 def quantities(found: Summary) -> dict[str, NDArray[np.float64]]:
     """Values of the metrics that are not Boolean."""
+    plain = {name for name, unit in found.units.items() if unit in ("", "1")}
     return {
-        name: values
-        for name, values in found.values.items()
-        if found.units[name] not in ("", "1") or not np.all(np.isin(values[np.isfinite(values)], (0.0, 1.0)))
+        name: values for name, values in found.values.items() if name not in plain or not is_logical(values)
     }
 
 

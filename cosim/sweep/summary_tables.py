@@ -15,6 +15,7 @@ from rich.text import Text
 from cosim.formatting.quantity import number, text
 from cosim.formatting.verdicts import NOTHING_DEMANDED
 from cosim.metrics import criteria
+from cosim.metrics.expression import Items
 from cosim.scenario.model import Scenario
 from cosim.show import figure as figures
 from cosim.show.display import STYLES, shorten
@@ -22,19 +23,22 @@ from cosim.show.listing import plain_table
 from cosim.show.plot import and_more
 from cosim.study.store import DONE
 from cosim.sweep import sensitivity_tables
+from cosim.sweep.charts import numbers
 from cosim.sweep.plan import Plan
-from cosim.sweep.summary import QUANTILES, Summary, quantities, spread
+from cosim.sweep.runner import worst
+from cosim.sweep.summary import QUANTILES, Summary, finite, is_logical, quantities, spread
 
 MAX_TROUBLES = 8
 MAX_METRICS = 6
 MAX_KEYS = 4
-FEWEST_FOR_TENDENCY = 2
-"""Minimum number of different values of a plotted key."""
 
 
-def of_study(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
-    """Tables of a study, with its worst runs."""
-    more = [worst_runs(plan, found, worst)] if worst else []
+def of_study(plan: Plan, found: Summary) -> RenderableType:
+    """Tables of a study, with its worst runs and commands to repeat them, never wrapped."""
+    more: list[RenderableType] = []
+    if runs := worst(plan, found):
+        commands = Text("\n".join(plan.commands(runs)), no_wrap=True, overflow="ignore")
+        more = [Group(worst_table(plan, found, runs), "", Text("repeat them with", style="bold"), commands)]
     return tables(plan.study.full_title, plan.scenario, found, more)
 
 
@@ -85,19 +89,12 @@ def metric_table(found: Summary) -> Table:
     return table
 
 
-def worst_runs(plan: Plan, found: Summary, worst: list[int]) -> RenderableType:
-    """Worst runs, and commands to repeat them, never wrapped."""
-    commands = Text("\n".join(plan.commands(worst)), no_wrap=True, overflow="ignore")
-    table = worst_table(plan, found, worst)
-    return Group(table, "", Text("repeat them with", style="bold"), commands)
-
-
-def worst_table(plan: Plan, found: Summary, worst: list[int]) -> Table:
+def worst_table(plan: Plan, found: Summary, runs: list[int]) -> Table:
     """Worst runs by the metric that the study names."""
     name = plan.study.traces.metric
     values = dict(zip(found.columns["run"], found.columns[f"metric.{name}"], strict=True))
     table = plain_table("worst run", name)
-    for run in worst:
+    for run in runs:
         table.add_row(str(run), text(values[run], found.units.get(name, "")))
     return table
 
@@ -137,24 +134,19 @@ def save_plots(plan: Plan, found: Summary, file: Path) -> None:
 
 def plotted_metrics(scenario: Scenario, found: Summary) -> list[str]:
     """Metrics with criteria, or all; those with a distribution."""
-    evaluated = list(dict.fromkeys(entry.metric for entry in scenario.criterion)) or list(found.values)
-    return [name for name in evaluated if is_quantity(found.values.get(name, np.empty(0)))]
+    evaluated = dict.fromkeys(entry.metric for entry in scenario.criterion) or found.values
+    different = {name: np.unique(finite(found.values.get(name, np.empty(0)))) for name in evaluated}
+    return [name for name, values in different.items() if values.size > 1 and not is_logical(values)]
 
 
-def is_quantity(values: Any) -> bool:
-    """Whether values vary and are not Boolean."""
-    different = np.unique(finite(values))
-    return different.size > 1 and not np.all(np.isin(different, (0.0, 1.0)))
-
-
-def plotted_keys(plan: Plan) -> dict[str, list[str]]:
-    """Keys with several values; with the texts of the values, if they are not numbers."""
-    found = {}
+def plotted_keys(plan: Plan) -> dict[str, Items | None]:
+    """Keys with several values; with the numbers of their texts, if they are not numbers."""
+    found: dict[str, Items | None] = {}
     for key, taken in plan.varying.items():
         numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in taken)
         different = dict.fromkeys(filter(math.isfinite, taken) if numeric else map(shorten, taken))
-        if len(different) >= FEWEST_FOR_TENDENCY:
-            found[key] = [] if numeric else [*different]
+        if len(different) > 1:
+            found[key] = None if numeric else {name: number for number, name in enumerate(different)}
     return found
 
 
@@ -173,7 +165,9 @@ def draw_rates(axes: Any, scenario: Scenario, found: Summary) -> None:
     axes.set_xlabel("passed in (%)" + (", 95 % confidence" if found.samples else ""))
 
 
-def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: dict[str, list[str]]) -> None:
+def draw_metrics(
+    grid: Any, plan: Plan, found: Summary, names: list[str], keys: dict[str, Items | None]
+) -> None:
     """Histogram of each metric with its limits, and the metric over each varied key; failed runs in red."""
     scenario, columns = plan.scenario, found.columns
     logarithmic = [vary.key for vary in plan.study.vary if vary.distribution == "log-uniform"]
@@ -190,25 +184,13 @@ def draw_metrics(grid: Any, plan: Plan, found: Summary, names: list[str], keys: 
         for limit in (limit for entry in held for limit in criteria.drawn(entry, unit)):
             axes[0].axvline(limit, color="tab:red", linestyle="--", label=f"limit {number(limit)}")
         for scatter, (key, texts) in zip(axes[1:], keys.items(), strict=True):
-            at = np.array([position_on(value, texts) for value in columns[key]])[done]
+            at = np.array(numbers(columns[key], texts), dtype=np.float64)[done]
             # as pixels: a million vectors would be a file of gigabytes
             scatter.plot(at[~failed], values[~failed], ".", markersize=3.0, color="tab:blue", rasterized=True)
             scatter.plot(at[failed], values[failed], "x", markersize=4.0, color="tab:red", rasterized=True)
             scatter.set_xlabel(key)
             scatter.set_ylabel(name)
             if texts:
-                scatter.set_xticks(range(len(texts)), texts)
+                scatter.set_xticks(range(len(texts)), [*texts])
             if key in logarithmic:
                 scatter.set_xscale("log")
-
-
-def position_on(value: Any, texts: list[str]) -> float:
-    """Value of a key on its axis: the number, or the index of the text; NaN for missing values."""
-    if value is None:
-        return math.nan
-    return float(texts.index(shorten(value)) if texts else value)
-
-
-def finite(values: Any) -> Any:
-    """Return only the finite values."""
-    return values[np.isfinite(values)]

@@ -16,8 +16,7 @@ import pytest
 import cosim
 from cosim.cli import app
 from cosim.optimize import problem, search
-from cosim.optimize.proposer import Proposer
-from cosim.optimize.search import Runner
+from cosim.optimize.search import Proposer, Runner
 from cosim.optimize.variants import Variants
 from cosim.study.store import Store
 
