@@ -14,20 +14,18 @@ import typer.exceptions
 from typer.core import TyperCommand, TyperGroup, TyperOption
 
 from cosim import RENAMED, errors, interrupts
-from cosim.cli.cache import cache
-from cosim.cli.check import check
 from cosim.cli.compare import compare
 from cosim.cli.evaluate import evaluate, plot
-from cosim.cli.new import new
-from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE, options
+from cosim.cli.new import new, ssp
+from cosim.cli.options import COULD_NOT_RUN, READER_GONE, options
 from cosim.cli.run import run
-from cosim.cli.show import list_scenarios, schema, show
-from cosim.cli.ssp import ssp
+from cosim.cli.show import cache, check, list_scenarios, schema, show
 from cosim.cli.sweep import optimize, sweep
 from cosim.cli.test import report_page, run_tests
 from cosim.cli.video import video, view
 from cosim.errors import CosimError
 from cosim.formatting import strict
+from cosim.interrupts import INTERRUPTED
 from cosim.show.console import configure_logging, report
 from cosim.warned import once
 from cosim.writing import write

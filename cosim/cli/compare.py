@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import FAILED, Engine, Json, Set, quiet
+from cosim.cli.options import FAILED, Engine, Json, Set, emit, quiet
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.show.console import output, progress_bar
+from cosim.show.console import progress_bar
 from cosim.trace.endings import READ, listed
-from cosim.writing import write
 
 if TYPE_CHECKING:
     from cosim.scenario.model import Scenario
@@ -88,12 +87,16 @@ def compare(
     from cosim.compare import plot as plots
 
     if update:
-        limits = (("--atol", atol), ("--rtol", rtol), ("--dt", dt), ("--only", only))
-        for name, given in (("OTHER", other), ("--set", set_), ("--plot", plot), *limits):
+        limits = {"--atol": atol, "--rtol": rtol, "--dt": dt, "--only": only}
+        for name, given in ({"OTHER": other, "--set": set_, "--plot": plot} | limits).items():
             if given:
                 hint = "Update the baseline of an unchanged scenario."
                 raise CosimError(f"`{name}` cannot be combined with `--update`", hint)
-        write_baseline(loaded(reference, []), engine, json)
+        scenario = loaded(reference, [])
+        with progress_bar(scenario.name, quiet()) as progress:
+            result = baseline.update(scenario, engine, progress)
+        file = str(baseline.file_of(scenario))
+        emit(json, strict.text({"baseline": file, **result.to_dict()}), f"wrote {file}")
         return
     allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
     if plot is not None:
@@ -109,24 +112,8 @@ def compare(
         found = command.compare(reference, other, allowed)
     if plot is not None:
         plots.save(found, plot)
-    if json is not None:
-        write(found.to_json(), json)
-    if json != "-":
-        output().print(tables.comparison(found))
+    emit(json, found.to_json(), tables.comparison(found))
     raise typer.Exit(0 if found.within else FAILED)
-
-
-def write_baseline(scenario: Scenario, engine: Engine, json: str | None) -> None:
-    """Write the baseline of a scenario and print its file name."""
-    from cosim.compare import baseline
-
-    with progress_bar(scenario.name, quiet()) as progress:
-        result = baseline.update(scenario, engine, progress)
-    file = baseline.file_of(scenario)
-    if json is not None:
-        write(strict.text({"baseline": str(file), **result.to_dict()}), json)
-    if json != "-":
-        print(f"wrote {file}")
 
 
 def loaded(loop: str, changes: list[str]) -> Scenario:

@@ -8,11 +8,9 @@ from typing import Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import FAILED, Json, Loop, Set, out_option
+from cosim.cli.options import FAILED, Json, Loop, Set, emit, out_option
 from cosim.errors import CosimError
-from cosim.show.console import output
 from cosim.trace.endings import READ, listed
-from cosim.writing import write
 
 
 def evaluate(
@@ -42,10 +40,7 @@ def evaluate(
     from cosim.trace import files
 
     result = evaluated(load(loop, set_ or ()), files.read(trace))
-    if json is not None:
-        write(result.to_json(), json)
-    if json != "-":
-        output().print(display.result(result))
+    emit(json, result.to_json(), display.result(result))
     raise typer.Exit(FAILED if result.passed is False else 0)
 
 

@@ -24,16 +24,15 @@ from cosim.cli.options import (
     Timeout,
     Workers,
     checked_limits,
+    emit,
     quiet,
-    verbose,
 )
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.scenario.assignment import Assignment
-from cosim.show import console
-from cosim.show.console import output, progress_bar, report
+from cosim.show.console import progress_bar, report, stdout
 from cosim.trace import endings
-from cosim.writing import check_apart, check_folder, whole_if, write
+from cosim.writing import check_apart, check_folder, whole_if
 
 if TYPE_CHECKING:
     from cosim.pool.limits import Limits
@@ -80,7 +79,11 @@ def run(
     )
     changes = (*(set_ or ()), *(option for option in options if option.value is not None))
     limits = checked_limits(timeout, memory, in_process)
-    check_outputs(json, trace, plot)
+    if trace is not None:
+        endings.check(trace)
+    if plot is not None:
+        check_folder(plot)
+    check_apart({"--json": Path(json) if json and json != "-" else None, "--trace": trace, "--plot": plot})
     if seeds is not None:
         given = {"--seed": seed, "--trace": trace, "--plot": plot}
         run_seeds(loop, changes, seeds, given, engine, limits, workers, json)
@@ -88,18 +91,16 @@ def run(
         raise CosimError("`--workers` applies to several runs only", "Add `--seeds`, or omit it.")
     stream = trace if trace is not None and endings.streams(trace) else None
     with whole_if(stream) as part:
-        arguments = loop, changes, engine, verbose(), trace, plot, console.stdout(), part
+        arguments = loop, changes, engine, trace, plot, stdout(), part
         with progress_bar(loop, quiet()) as progress:
             done = tasks.perform(limits, progress, tasks.single, *arguments)
-    save(done, json, trace, plot)
-    print(done.json if json == "-" else done.table, end="", flush=True)
-    if json != "-":
-        for file in filter(None, (trace, plot)):
-            print(f"wrote {file}")
+    save(done, trace, plot)
+    written = [f"wrote {file}" for file in (trace, plot) if file]
+    emit(json, done.json, done.table.removesuffix("\n"), *written)
     raise typer.Exit(FAILED if done.passed is False else 0)
 
 
-def save(report: tasks.Report, json: str | None, trace: Path | None, plot: Path | None) -> None:
+def save(report: tasks.Report, trace: Path | None, plot: Path | None) -> None:
     """Write the requested files."""
     if trace is not None and report.result is not None and not endings.streams(trace):
         report.result.save_trace(trace)
@@ -109,18 +110,6 @@ def save(report: tasks.Report, json: str | None, trace: Path | None, plot: Path 
         # the file that the run wrote has its name now
         streamed = replace(report.result, file=trace) if report.result.file else report.result
         plots.save(report.scenario, streamed, plot)
-    if json is not None and json != "-":
-        write(report.json, json)
-
-
-def check_outputs(json: str | None, trace: Path | None, plot: Path | None) -> None:
-    """Check before a long run that its files can be written without overwriting other files."""
-    if trace is not None:
-        endings.check(trace)
-    if plot is not None:
-        check_folder(plot)
-    named = Path(json) if json is not None and json != "-" else None
-    check_apart({"--json": named, "--trace": trace, "--plot": plot})
 
 
 def run_seeds(
@@ -154,10 +143,7 @@ def run_seeds(
         outcomes = seeds.run(scenario, chosen, engine, limits, progress, workers)
     found = seeds.summarize(chosen, outcomes)
     runs = [seeds.plain(seed, outcome) for seed, outcome in zip(chosen, outcomes, strict=True)]
-    if json is not None:
-        write(strict.text(runs), json)
-    if json != "-":
-        output().print(seeds.tables(scenario, found))
+    emit(json, strict.text(runs), seeds.tables(scenario, found))
     if found.results < found.runs:
         (_, reason), *_ = found.troubles
         report(f"{found.runs - found.results} of {found.runs} runs gave no result; the first: {reason}")

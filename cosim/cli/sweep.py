@@ -10,10 +10,20 @@ from typer import Argument, Option
 
 from cosim import paths
 from cosim.cli import complete
-from cosim.cli.options import COULD_NOT_RUN, FAILED, Again, Engine, Json, Plots, Workers, out_option, quiet
+from cosim.cli.options import (
+    COULD_NOT_RUN,
+    FAILED,
+    Again,
+    Engine,
+    Json,
+    Plots,
+    Workers,
+    emit,
+    out_option,
+    quiet,
+)
 from cosim.errors import CosimError
-from cosim.show.console import output, report
-from cosim.writing import write
+from cosim.show.console import report
 
 MERGE = "merge"
 CLUSTER = (
@@ -63,12 +73,7 @@ def sweep(
         raise CosimError(f"`{folders[0]}` is a second study", "Give one study.")
     options = command.Options(file, out, workers, engine, again, plots, quiet(), part=part, merged=merged)
     found, tables = command.execute(options)
-    if json is not None:
-        write(found.to_json(), json)
-    if json != "-":
-        output().print(tables, crop=False)
-        # not wrapped, so that it can be copied
-        print(f"wrote {paths.shown(Path(out or options.default))}")
+    emit(json, found.to_json(), tables, f"wrote {paths.shown(Path(out or options.default))}")
     if not found.results:
         (_, reason), *_ = found.troubles
         report(f"none of the {found.rows} runs gave a result; the first: {reason}")
@@ -123,12 +128,6 @@ def optimize(
     from cosim.optimize import results
 
     found = results.optimize(study, out, workers=workers, engine=engine, again=again, quiet=quiet())
-    if json is not None:
-        write(found.to_json(), json)
-    if json != "-":
-        output().print(found.tables())
-        # for copying: never wrapped
-        if found.best is not None:
-            print(f"repeat it with: {found.command}")
-        print(f"wrote {paths.shown(found.folder)}")
+    repeat = [] if found.best is None else [f"repeat it with: {found.command}"]
+    emit(json, found.to_json(), found.tables(), *repeat, f"wrote {paths.shown(found.folder)}")
     raise typer.Exit(FAILED if found.best is None else 0)

@@ -19,6 +19,7 @@ from cosim.cli.options import (
     Timeout,
     Workers,
     checked_limits,
+    emit,
     out_option,
     quiet,
 )
@@ -98,9 +99,9 @@ def run_tests(
     for option, given in (("--study", study), ("--document", document)):
         if page is None and given:
             raise CosimError(f"`{option}` requires `--report`", "Add `--report FILE.html`.")
-    if out is not None and out.exists() and not out.is_dir():
-        raise CosimError(f"`--out` `{out}` is not a folder", "Choose another name.")
     if out is not None:
+        if out.exists() and not out.is_dir():
+            raise CosimError(f"`--out` `{out}` is not a folder", "Choose another name.")
         check_text("--out", out / TABLE, "an acceptance table", table.BEGINNING)
     limits = checked_limits(timeout, memory, in_process=False)
     options = runner.RunOptions(out, plots_requested(plots), workers, engine, limits, quiet())
@@ -121,15 +122,9 @@ def run_tests(
     text = table.text(shown)
     if out is not None:
         write(text, out / TABLE)
-    if json is not None:
-        write(strict.text(runner.plain(found)), json)
     if junit is not None:
         write(xml.document(found), junit)
-    console = output()
-    if json != "-" and console.is_terminal:
-        console.print(shown)
-    elif json != "-":
-        print(text, end="", flush=True)
+    emit(json, strict.text(runner.plain(found)), shown if output().is_terminal else text.removesuffix("\n"))
     if stopped is not None:
         raise stopped
     raise typer.Exit(exit_code(found))

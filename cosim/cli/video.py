@@ -59,7 +59,7 @@ def view(
     check_seconds(seconds)
     options = ReplayOptions(seconds=seconds, begin=begin, end=end, enlarge=tuple(enlarge or ()))
     limits = checked_limits(None, None, in_process)
-    tasks.perform(limits, None, tasks.view, run, loop, tuple(set_ or ()), options)
+    tasks.perform(limits, None, tasks.replay, run, loop, tuple(set_ or ()), options)
 
 
 def video(
@@ -104,5 +104,5 @@ def video(
     video_file.check(out, options)
     limits = checked_limits(timeout, None, in_process)
     with whole(out) as part, progress_bar("video", quiet()) as progress:
-        tasks.perform(limits, progress, tasks.video, run, loop, tuple(set_ or ()), options, part)
+        tasks.perform(limits, progress, tasks.replay, run, loop, tuple(set_ or ()), options, part)
     print(f"wrote {out}")

@@ -63,9 +63,7 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
     file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
     inputs, outputs = variables(file, "input"), variables(file, "output")
     required: dict[str, tuple[str, str]] = {}
-    sensed: list[End] = []
-    commanded: list[End] = []
-    timestep = 0.0
+    timestep, sensed, commanded = 0.0, list[End](), list[End]()
     place.begin(file.name, plant_name, 0, 0.0)
     if plant_name:
         place.at(Stage.BUILD_PLANT)
@@ -81,7 +79,10 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
         place.at(Stage.CLOSE_PLANT)
         plant.close(driven, plant_name)
         place.at(Stage.NONE)
-    step, substeps = steps(wanted_step(file), timestep)
+    step, substeps = wanted_step(file), 1
+    if timestep > 0.0:
+        substeps = max(1, round(step / timestep))
+        step = float(f"{substeps * timestep:.12g}")
     return Draft(
         title=f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
         fmu=relative_name(fmu, file.path, folder),
@@ -101,14 +102,22 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
 
 def variables(file: FmuFile, causality: str) -> list[End]:
     """List numeric inputs or outputs of an FMU."""
-    found = []
-    for one in file.named(causality):
-        if one.kind != "String":
-            limits = " | ".join(name for name, _ in one.items) or limits_text(one.minimum, one.maximum)
-            found.append(
-                End(one.name, one.unit, note(one.kind, one.unit, limits, one.description), start(one))
-            )
-    return found
+    return [
+        end(one, one.kind, " | ".join(name for name, _ in one.items) or limits_text(one), start(one))
+        for one in file.named(causality)
+        if one.kind != "String"
+    ]
+
+
+def channels(found: tuple[Channel, ...]) -> list[End]:
+    """List measurements or commands of a plant."""
+    return [end(one, "", limits_text(one), repr(plant.start(one))) for one in found]
+
+
+def end(one: Variable | Channel, kind: str, limits: str, start: str) -> End:
+    """End of a wire with a note in one line."""
+    note = ", ".join(filter(None, (kind, one.unit, limits, one.description)))
+    return End(one.name, one.unit, " ".join(note.split()), start)
 
 
 def start(found: Variable) -> str:
@@ -120,31 +129,13 @@ def start(found: Variable) -> str:
     return str(int(found.start or 0))
 
 
-def channels(found: tuple[Channel, ...]) -> list[End]:
-    """List measurements or commands of a plant."""
-    return [
-        End(
-            one.name,
-            one.unit,
-            note(one.unit, limits_text(one.minimum, one.maximum), one.description),
-            repr(plant.start(one)),
-        )
-        for one in found
-    ]
-
-
-def limits_text(minimum: float | str, maximum: float | str) -> str:
+def limits_text(one: Variable | Channel) -> str:
     """Range with optional ends."""
-    low, high = (
-        f"{float(end):g}" if end not in ("", None) and math.isfinite(float(end)) else ""
-        for end in (minimum, maximum)
-    )
-    return f"{low} .. {high}".strip() if low or high else ""
-
-
-def note(*parts: str) -> str:
-    """Text of a comment, in one line."""
-    return " ".join(", ".join(part for part in parts if part).split())
+    ends = [
+        f"{float(limit):g}" if limit not in ("", None) and math.isfinite(float(limit)) else ""
+        for limit in (one.minimum, one.maximum)
+    ]
+    return " .. ".join(ends).strip() if any(ends) else ""
 
 
 def wanted_step(file: FmuFile) -> float:
@@ -152,14 +143,6 @@ def wanted_step(file: FmuFile) -> float:
     experiment = fmpy.read_model_description(str(file.path), validate=False).defaultExperiment
     step = float(experiment.stepSize or 0.0) if experiment is not None else 0.0
     return step if step > 0.0 else DEFAULT_STEP
-
-
-def steps(wanted: float, timestep: float) -> tuple[float, int]:
-    """Communication step nearest to the requested one, and the number of plant steps in it."""
-    if timestep <= 0.0:
-        return wanted, 1
-    substeps = max(1, round(wanted / timestep))
-    return float(f"{substeps * timestep:.12g}"), substeps
 
 
 def relative_name(name: str, file: Path, folder: Path) -> str:
