@@ -83,7 +83,7 @@ def compare(
 
     Exit code: 0 within tolerance, 1 not, 2 could not be compared.
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
-    from cosim.compare import baseline, command, tables, tolerance
+    from cosim.compare import command, tables, tolerance
     from cosim.compare import plot as plots
 
     if update:
@@ -94,8 +94,8 @@ def compare(
                 raise CosimError(f"`{name}` cannot be combined with `--update`", hint)
         scenario = loaded(reference, [])
         with progress_bar(scenario.name, quiet()) as progress:
-            result = baseline.update(scenario, engine, progress)
-        file = str(baseline.file_of(scenario))
+            result = command.update_baseline(scenario, engine, progress)
+        file = str(command.baseline_of(scenario))
         emit(json, strict.text({"baseline": file, **result.to_dict()}), f"wrote {file}")
         return
     allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
@@ -104,7 +104,7 @@ def compare(
     if other is None:
         scenario = loaded(reference, set_ or [])
         with progress_bar(scenario.name, quiet()) as progress:
-            found = baseline.compare(scenario, allowed, engine, progress)
+            found = command.compare_baseline(scenario, allowed, engine, progress)
     elif set_:
         hint = "Use it with a scenario and its baseline."
         raise CosimError("`--set` cannot be combined with two files", hint)

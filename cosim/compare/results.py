@@ -38,29 +38,25 @@ def compare(
 ) -> Comparison:
     """Compare a result with a reference, both as `read` gives them; `names` are their names."""
     found = Comparison("results", *names)
-    before, now = reference["metrics"], other["metrics"]
-    if not before:
+    metrics, others = reference["metrics"], other["metrics"]
+    if not metrics:
         raise CosimError(f"`{names[0]}` has no metrics to compare")
-    for name in allowed.chosen(before):
-        if name not in now:
+    for name in allowed.chosen(metrics):
+        if name not in others:
             found.differences.append(f"the metric `{name}` is missing")
             continue
-        old, new = before[name], now[name]
+        old, new = metrics[name], others[name]
         units = str(old.get("unit", "")), str(new.get("unit", ""))
         found.add_metric(name, units, ([old.get("value")], [new.get("value")]), allowed)
-    found.note_extra(before, now, allowed)
-    if not allowed.only:
-        compare_verdicts(found, reference["criteria"], other["criteria"])
-    return found
-
-
-def compare_verdicts(found: Comparison, reference: list[Any], other: list[Any]) -> None:
-    """Report missing criteria and changed verdicts."""
-    now = {entry["id"]: bool(entry.get("passed")) for entry in other}
-    for entry in reference:
-        name, held = entry["id"], bool(entry.get("passed"))
-        if name not in now:
+    found.note_extra(metrics, others, allowed)
+    if allowed.only:
+        return found
+    verdicts = {entry["id"]: bool(entry.get("passed")) for entry in other["criteria"]}
+    for entry in reference["criteria"]:
+        name, passed = entry["id"], verdicts.get(entry["id"])
+        if passed is None:
             found.differences.append(f"the criterion `{name}` is missing")
-        elif held != now[name]:
-            verdict, before = ("passed", "failed") if now[name] else ("failed", "passed")
+        elif passed != bool(entry.get("passed")):
+            verdict, before = ("passed", "failed") if passed else ("failed", "passed")
             found.differences.append(f"the criterion `{name}` {verdict}, but {before} in the reference")
+    return found

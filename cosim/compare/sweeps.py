@@ -58,9 +58,8 @@ def compare(
         hint = "Compare sweeps with equal hashes, or with equal settings and seeds."
         raise CosimError(f"no run of `{names[0]}` is in `{names[1]}`", hint)
     if missing:
-        found.differences.append(
-            f"{runs(missing)} missing, the first is run {missing[0]['run']} of the reference"
-        )
+        text = f"{runs(missing)} missing, the first is run {missing[0]['run']} of the reference"
+        found.differences.append(text)
     if extra:
         found.notes.append(f"{runs(extra)} not in the reference")
     changed: dict[tuple[str, str], list[Row]] = defaultdict(list)
@@ -82,13 +81,9 @@ def matched(reference: list[Row], other: list[Row]) -> tuple[list[tuple[Row, Row
     """Pairs of equal runs, and the runs that are only in one of the sweeps."""
     by_hash = {row["hash"]: row for row in other}
     by_case = {case_of(row): row for row in other}
-    pairs, missing = [], []
-    for row in reference:
-        partner = by_hash.get(row["hash"]) or by_case.get(case_of(row))
-        if partner is None:
-            missing.append(row)
-        else:
-            pairs.append((row, partner))
+    partners = [(row, by_hash.get(row["hash"]) or by_case.get(case_of(row))) for row in reference]
+    pairs = [(row, partner) for row, partner in partners if partner]
+    missing = [row for row, partner in partners if not partner]
     taken = {partner["hash"] for _, partner in pairs}
     return pairs, missing, [row for row in other if row["hash"] not in taken]
 

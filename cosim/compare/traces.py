@@ -25,8 +25,7 @@ def compare(
     if not chosen:
         raise CosimError(f"`{names[0]}` has no columns to compare")
     present = [name for name in chosen if name in other.columns]
-    missing = [name for name in chosen if name not in other.columns]
-    found.differences += [f"the column `{name}` is missing" for name in missing]
+    found.differences += [f"the column `{name}` is missing" for name in chosen if name not in other.columns]
     found.note_extra(reference.columns, other.columns, allowed)
     compare_times(found, reference.times, other.times, min((allowed.of(n)[2] for n in present), default=0.0))
     for name in present:
