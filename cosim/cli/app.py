@@ -14,8 +14,7 @@ import typer.exceptions
 from typer.core import TyperCommand, TyperGroup, TyperOption
 
 from cosim import RENAMED, errors, interrupts
-from cosim.cli.compare import compare
-from cosim.cli.evaluate import evaluate, plot
+from cosim.cli.compare import compare, evaluate, plot
 from cosim.cli.new import new, ssp
 from cosim.cli.options import COULD_NOT_RUN, READER_GONE, options
 from cosim.cli.run import run

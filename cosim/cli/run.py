@@ -10,23 +10,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 from typer import Option
 
-from cosim.cli import tasks
-from cosim.cli.options import (
-    COULD_NOT_RUN,
-    FAILED,
-    Engine,
-    InProcess,
-    Json,
-    Loop,
-    Memory,
-    Seed,
-    Set,
-    Timeout,
-    Workers,
-    checked_limits,
-    emit,
-    quiet,
-)
+from cosim.cli import options, tasks
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.scenario.assignment import Assignment
@@ -44,25 +28,25 @@ TRACE = (
 
 
 def run(
-    loop: Loop,
-    set_: Set = None,
-    seed: Seed = None,
+    loop: options.Loop,
+    set_: options.Set = None,
+    seed: options.Seed = None,
     seeds: Annotated[
         str | None,
         Option(metavar="FIRST..LAST|N,N", help="Run once with each seed and print the distributions."),
     ] = None,
-    workers: Workers = None,
-    engine: Engine = "native",
+    workers: options.Workers = None,
+    engine: options.Engine = "native",
     delay: Annotated[
         int | None, Option(metavar="STEPS", help="Delay of the commands in steps: 0 or 1.")
     ] = None,
     duration: Annotated[float | None, Option(metavar="S", help="Simulated time in s.")] = None,
-    json: Json = None,
+    json: options.Json = None,
     trace: Annotated[Path | None, Option(metavar="FILE.npz|.csv|...", help=TRACE)] = None,
     plot: Annotated[Path | None, Option(metavar="FILE.svg|.png|.pdf", help="Plot the run.")] = None,
-    timeout: Timeout = None,
-    memory: Memory = None,
-    in_process: InProcess = False,
+    timeout: options.Timeout = None,
+    memory: options.Memory = None,
+    in_process: options.InProcess = False,
 ) -> None:
     """Run a scenario and evaluate its criteria.
 
@@ -72,13 +56,13 @@ def run(
 
     Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not run.
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
-    options = (
+    assignments = (
         Assignment("--seed", "loop.seed", seed),
         Assignment("--delay", "loop.compute_delay", delay),
         Assignment("--duration", "loop.duration", duration),
     )
-    changes = (*(set_ or ()), *(option for option in options if option.value is not None))
-    limits = checked_limits(timeout, memory, in_process)
+    changes = (*(set_ or ()), *(option for option in assignments if option.value is not None))
+    limits = options.checked_limits(timeout, memory, in_process)
     if trace is not None:
         endings.check(trace)
     if plot is not None:
@@ -92,12 +76,12 @@ def run(
     stream = trace if trace is not None and endings.streams(trace) else None
     with whole_if(stream) as part:
         arguments = loop, changes, engine, trace, plot, stdout(), part
-        with progress_bar(loop, quiet()) as progress:
+        with progress_bar(loop, options.quiet()) as progress:
             done = tasks.perform(limits, progress, tasks.single, *arguments)
     save(done, trace, plot)
     written = [f"wrote {file}" for file in (trace, plot) if file]
-    emit(json, done.json, done.table.removesuffix("\n"), *written)
-    raise typer.Exit(FAILED if done.passed is False else 0)
+    options.emit(json, done.json, done.table.removesuffix("\n"), *written)
+    raise typer.Exit(options.FAILED if done.passed is False else 0)
 
 
 def save(report: tasks.Report, trace: Path | None, plot: Path | None) -> None:
@@ -117,7 +101,7 @@ def run_seeds(
     changes: Sequence[str | Assignment],
     text: str,
     given: Mapping[str, object],
-    engine: Engine,
+    engine: options.Engine,
     limits: Limits | None,
     workers: int | None,
     json: str | None,
@@ -139,13 +123,13 @@ def run_seeds(
     scenario = load(loop, changes)
     stale.warn_of(scenario.fmus, scenario.folder)
     chosen = seeds.parse(text)
-    with progress_bar(f"{scenario.name}, {len(chosen)} seeds", quiet()) as progress:
+    with progress_bar(f"{scenario.name}, {len(chosen)} seeds", options.quiet()) as progress:
         outcomes = seeds.run(scenario, chosen, engine, limits, progress, workers)
     found = seeds.summarize(chosen, outcomes)
     runs = [seeds.plain(seed, outcome) for seed, outcome in zip(chosen, outcomes, strict=True)]
-    emit(json, strict.text(runs), seeds.tables(scenario, found))
+    options.emit(json, strict.text(runs), seeds.tables(scenario, found))
     if found.results < found.runs:
         (_, reason), *_ = found.troubles
         report(f"{found.runs - found.results} of {found.runs} runs gave no result; the first: {reason}")
-        raise typer.Exit(COULD_NOT_RUN)
-    raise typer.Exit(FAILED if found.passed is False else 0)
+        raise typer.Exit(options.COULD_NOT_RUN)
+    raise typer.Exit(options.FAILED if found.passed is False else 0)

@@ -3,25 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer import Argument, Option
 
 from cosim import paths
-from cosim.cli import complete
-from cosim.cli.options import (
-    COULD_NOT_RUN,
-    FAILED,
-    Again,
-    Engine,
-    Json,
-    Plots,
-    Workers,
-    emit,
-    out_option,
-    quiet,
-)
+from cosim.cli import complete, options
 from cosim.errors import CosimError
 from cosim.show.console import report
 
@@ -32,24 +20,29 @@ CLUSTER = (
 )
 
 
+def study_argument(metavar: str, help_text: str) -> Any:
+    """Argument for the file of a study."""
+    return Argument(metavar=metavar, help=help_text, autocompletion=complete.studies)
+
+
+def folder_option(ending: str) -> Any:
+    """Option for the folder of a study."""
+    return options.out_option("FOLDER", f"Folder of results; default `STUDY.{ending}`.")
+
+
 def sweep(
     study: Annotated[
-        list[Path],
-        Argument(
-            metavar="STUDY.toml|merge FOLDER...",
-            help="Scenario, varied keys and design.",
-            autocompletion=complete.studies,
-        ),
+        list[Path], study_argument("STUDY.toml|merge FOLDER...", "Scenario, varied keys and design.")
     ],
-    out: Annotated[str | None, out_option("FOLDER", "Folder of results; default `STUDY.sweep`.")] = None,
-    workers: Workers = None,
-    engine: Engine = "native",
+    out: Annotated[str | None, folder_option("sweep")] = None,
+    workers: options.Workers = None,
+    engine: options.Engine = "native",
     part: Annotated[
         str, Option(metavar="I/N", help="Run only part I of N, into a folder of its own, see `merge`.")
     ] = "",
-    again: Again = False,
-    plots: Plots = True,
-    json: Json = None,
+    again: options.Again = False,
+    plots: options.Plots = True,
+    json: options.Json = None,
 ) -> None:
     """Run the cases of a study in parallel.
 
@@ -71,30 +64,24 @@ def sweep(
         file = command.of_parts(merged)
     elif folders:
         raise CosimError(f"`{folders[0]}` is a second study", "Give one study.")
-    options = command.Options(file, out, workers, engine, again, plots, quiet(), part=part, merged=merged)
-    found, tables = command.execute(options)
-    emit(json, found.to_json(), tables, f"wrote {paths.shown(Path(out or options.default))}")
+    quiet = options.quiet()
+    chosen = command.Options(file, out, workers, engine, again, plots, quiet, part=part, merged=merged)
+    found, tables = command.execute(chosen)
+    options.emit(json, found.to_json(), tables, f"wrote {paths.shown(Path(out or chosen.default))}")
     if not found.results:
         (_, reason), *_ = found.troubles
         report(f"none of the {found.rows} runs gave a result; the first: {reason}")
-        raise typer.Exit(COULD_NOT_RUN)
-    raise typer.Exit(FAILED if found.passed is False else 0)
+        raise typer.Exit(options.COULD_NOT_RUN)
+    raise typer.Exit(options.FAILED if found.passed is False else 0)
 
 
 def optimize(
-    study: Annotated[
-        Path,
-        Argument(
-            metavar="STUDY.toml",
-            help="Scenario, variables and objective.",
-            autocompletion=complete.studies,
-        ),
-    ],
-    out: Annotated[str | None, out_option("FOLDER", "Folder of results; default `STUDY.optimize`.")] = None,
-    workers: Workers = None,
-    engine: Engine = "native",
-    again: Again = False,
-    json: Json = None,
+    study: Annotated[Path, study_argument("STUDY.toml", "Scenario, variables and objective.")],
+    out: Annotated[str | None, folder_option("optimize")] = None,
+    workers: options.Workers = None,
+    engine: options.Engine = "native",
+    again: options.Again = False,
+    json: options.Json = None,
 ) -> None:
     """Find parameters that optimize a metric.
 
@@ -127,7 +114,8 @@ def optimize(
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     from cosim.optimize import results
 
-    found = results.optimize(study, out, workers=workers, engine=engine, again=again, quiet=quiet())
+    quiet = options.quiet()
+    found = results.optimize(study, out, workers=workers, engine=engine, again=again, quiet=quiet)
     repeat = [] if found.best is None else [f"repeat it with: {found.command}"]
-    emit(json, found.to_json(), found.tables(), *repeat, f"wrote {paths.shown(found.folder)}")
-    raise typer.Exit(FAILED if found.best is None else 0)
+    options.emit(json, found.to_json(), found.tables(), *repeat, f"wrote {paths.shown(found.folder)}")
+    raise typer.Exit(options.FAILED if found.best is None else 0)

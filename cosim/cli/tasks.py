@@ -139,19 +139,17 @@ def show(
 def schema(context: WorkerContext, loop: str) -> dict[str, Any]:
     """Return the JSON schema of scenarios with the FMUs and the plant of one; the FMUs are only read."""
     from cosim.loop import fmus, plant
-    from cosim.loop.place import Stage
     from cosim.loop.session import located
+    from cosim.pool.single_task import ImportPlant
     from cosim.scenario.load import load
     from cosim.schema.filled import filled_schema, settable_variables
 
     scenario = load(loop)
-    context.place.begin("", scenario.plant.name, 0, 0.0)
     with located(scenario):
         files = fmus.open_files(scenario)
-        context.place.at(Stage.BUILD_PLANT)
+        ImportPlant(scenario.plant.name, scenario.folder).run(context)
         kind = plant.plant_class(scenario.plant.name, scenario.folder)
         plant.check_class(kind)
-        context.place.at(Stage.NONE)
     found = {name: settable_variables(file.variables.values()) for name, file in files.items()}
     return filled_schema(scenario, found, kind.Parameters)
 

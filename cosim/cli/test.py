@@ -8,21 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument, Option
 
-from cosim.cli import complete
-from cosim.cli.options import (
-    COULD_NOT_RUN,
-    FAILED,
-    Engine,
-    Json,
-    Memory,
-    Plots,
-    Timeout,
-    Workers,
-    checked_limits,
-    emit,
-    out_option,
-    quiet,
-)
+from cosim.cli import complete, options
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.show.console import output, report
@@ -59,13 +45,13 @@ Document = Annotated[
 
 def run_tests(
     scenarios: Scenarios = None,
-    out: Annotated[Path | None, out_option("FOLDER", "Folder for table, results and plots.")] = None,
-    workers: Workers = None,
-    engine: Engine = "native",
-    timeout: Timeout = None,
-    memory: Memory = None,
-    plots: Plots = True,
-    json: Json = None,
+    out: Annotated[Path | None, options.out_option("FOLDER", "Folder for table, results and plots.")] = None,
+    workers: options.Workers = None,
+    engine: options.Engine = "native",
+    timeout: options.Timeout = None,
+    memory: options.Memory = None,
+    plots: options.Plots = True,
+    json: options.Json = None,
     junit: Annotated[
         str | None, Option(metavar="FILE.xml", help="Write the verdicts as JUnit XML, for CI.")
     ] = None,
@@ -103,19 +89,19 @@ def run_tests(
         if out.exists() and not out.is_dir():
             raise CosimError(f"`--out` `{out}` is not a folder", "Choose another name.")
         check_text("--out", out / TABLE, "an acceptance table", table.BEGINNING)
-    limits = checked_limits(timeout, memory, in_process=False)
-    options = runner.RunOptions(out, plots_requested(plots), workers, engine, limits, quiet())
+    limits = options.checked_limits(timeout, memory, in_process=False)
+    runs = runner.RunOptions(out, plots_requested(plots), workers, engine, limits, options.quiet())
     chosen = select(scenarios or ())
     stopped: KeyboardInterrupt | None = None
     try:
         if page is None:
-            found = runner.run(chosen, options)
+            found = runner.run(chosen, runs)
         else:
             from cosim.report import command
 
             command.check("--report", page)
             contents = command.Contents(command.TITLE, chosen, tuple(study or ()), tuple(document or ()))
-            found = command.write_report(contents, options, page).scenarios
+            found = command.write_report(contents, runs, page).scenarios
     except runner.StoppedError as error:
         found, stopped = error.outcomes, error
     shown = table.table(found)
@@ -124,7 +110,8 @@ def run_tests(
         write(text, out / TABLE)
     if junit is not None:
         write(xml.document(found), junit)
-    emit(json, strict.text(runner.plain(found)), shown if output().is_terminal else text.removesuffix("\n"))
+    printed = shown if output().is_terminal else text.removesuffix("\n")
+    options.emit(json, strict.text(runner.plain(found)), printed)
     if stopped is not None:
         raise stopped
     raise typer.Exit(exit_code(found))
@@ -132,17 +119,17 @@ def run_tests(
 
 def report_page(
     scenarios: Scenarios = None,
-    out: Annotated[Path, out_option("FILE.html")] = Path("report.html"),
+    out: Annotated[Path, options.out_option("FILE.html")] = Path("report.html"),
     study: Study = None,
     document: Document = None,
     title: Annotated[str, Option(metavar="TEXT", help="Title of the report.")] = "",
     videos: Annotated[
         bool, Option(help="Whether to add a video of each controller's first scenario (extra `replay`).")
     ] = True,
-    workers: Workers = None,
-    engine: Engine = "native",
-    timeout: Timeout = None,
-    memory: Memory = None,
+    workers: options.Workers = None,
+    engine: options.Engine = "native",
+    timeout: options.Timeout = None,
+    memory: options.Memory = None,
 ) -> None:
     """Write an HTML report.
 
@@ -160,15 +147,15 @@ def report_page(
     from cosim.report import command
 
     command.check("--out", out)
-    limits = checked_limits(timeout, memory, in_process=False)
-    options = RunOptions(None, False, workers, engine, limits, quiet())
+    limits = options.checked_limits(timeout, memory, in_process=False)
+    runs = RunOptions(None, False, workers, engine, limits, options.quiet())
     chosen = select(scenarios or ()) if scenarios or not study else ()
     contents = command.Contents(
         title or command.TITLE, chosen, tuple(study or ()), tuple(document or ()), videos
     )
-    written = command.write_report(contents, options, out)
+    written = command.write_report(contents, runs, out)
     print(f"wrote {out}")
-    raise typer.Exit(max(exit_code(written.scenarios), FAILED if False in written.studies else 0))
+    raise typer.Exit(max(exit_code(written.scenarios), options.FAILED if False in written.studies else 0))
 
 
 def exit_code(outcomes: Mapping[str, Outcome]) -> int:
@@ -177,7 +164,7 @@ def exit_code(outcomes: Mapping[str, Outcome]) -> int:
     for name, outcome in outcomes.items():
         if isinstance(outcome, CosimError):
             report(f"`{name}`: {outcome.message}", outcome.hint)
-            code = COULD_NOT_RUN
+            code = options.COULD_NOT_RUN
         elif outcome.passed is False:
-            code = max(code, FAILED)
+            code = max(code, options.FAILED)
     return code

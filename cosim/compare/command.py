@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cosim import paths
-from cosim.compare import results, sweeps, traces
+from cosim.compare import metrics, traces
 from cosim.compare.comparison import Comparison
 from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
@@ -34,12 +34,12 @@ def compare(reference: str, other: str, allowed: Tolerances) -> Comparison:
     if allowed.dt and kinds[0] != "trace":
         raise CosimError(f"`--dt` cannot be used with a {kinds[0]}", "Use `--dt` with traces only.")
     first, second, names = Path(reference), Path(other), (reference, other)
-    match kinds[0]:
-        case "trace":
-            return traces.compare(files.read(first), files.read(second), allowed, names)
-        case "result":
-            return results.compare(results.read(first), results.read(second), allowed, names)
-    return sweeps.compare(sweeps.read(first), sweeps.read(second), allowed, names)
+    if kinds[0] == "trace":
+        return traces.compare(files.read(first), files.read(second), allowed, names)
+    if kinds[0] == "result":
+        results = metrics.read_result(first), metrics.read_result(second)
+        return metrics.compare_results(*results, allowed, names)
+    return metrics.compare_sweeps(metrics.read_sweep(first), metrics.read_sweep(second), allowed, names)
 
 
 def kind_of(name: str) -> str:

@@ -1,4 +1,4 @@
-"""Two sweeps, run by run."""
+"""Metrics of two results, or of two sweeps run by run."""
 
 from __future__ import annotations
 
@@ -16,10 +16,60 @@ from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 from cosim.study.store import FILE, Row
 
+HINT = "Use a file of `cosim run --json`."
+
 log = logging.getLogger("cosim")
 
 
-def read(folder: Path) -> list[Row]:
+def read_result(path: Path) -> dict[str, Any]:
+    """Read the JSON file of a result."""
+    shown = paths.shown(path)
+    try:
+        found: Any = json.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise CosimError(f"`{shown}` is not a result: {error}", HINT) from None
+    table: dict[str, Any] = found if isinstance(found, dict) else {}
+    metrics, criteria = table.get("metrics"), table.get("criteria")
+    if not isinstance(metrics, dict) or not isinstance(criteria, list):
+        raise CosimError(f"`{shown}` is not a result: it has no `metrics` and `criteria`", HINT)
+    tables = all(isinstance(entry, dict) for entry in (*metrics.values(), *criteria))
+    if not tables or not all(isinstance(entry.get("id"), str) for entry in criteria):
+        raise CosimError(f"`{shown}` is not a result: its metrics and criteria are not tables", HINT)
+    return table
+
+
+def compare_results(
+    reference: dict[str, Any], other: dict[str, Any], allowed: Tolerances, names: tuple[str, str]
+) -> Comparison:
+    """Compare a result with a reference, both as `read_result` returns them; `names` are their names."""
+    found = Comparison("results", *names)
+    metrics, others = reference["metrics"], other["metrics"]
+    if not metrics:
+        raise CosimError(f"`{names[0]}` has no metrics to compare")
+    for name in allowed.chosen(metrics):
+        if name not in others:
+            found.differences.append(f"the metric `{name}` is missing")
+            continue
+        old, new = metrics[name], others[name]
+        units = str(old.get("unit", "")), str(new.get("unit", ""))
+        found.add_metric(name, units, ([old.get("value")], [new.get("value")]), allowed)
+    found.note_extra(metrics, others, allowed)
+    if allowed.only:
+        return found
+    verdicts = {entry["id"]: bool(entry.get("passed")) for entry in other["criteria"]}
+    for entry in reference["criteria"]:
+        name, passed = entry["id"], verdicts.get(entry["id"])
+        if passed is None:
+            found.differences.append(f"the criterion `{name}` is missing")
+        elif passed != bool(entry.get("passed")):
+            verdict, before = ("passed", "failed") if passed else ("failed", "passed")
+            found.differences.append(f"the criterion `{name}` {verdict}, but {before} in the reference")
+    return found
+
+
+def read_sweep(folder: Path) -> list[Row]:
     """Read the rows of a sweep, the last one of each run, in the order of the runs."""
     file = folder / FILE
     try:
@@ -44,7 +94,7 @@ def read(folder: Path) -> list[Row]:
     return sorted(found.values(), key=lambda row: int(row["run"]))
 
 
-def compare(
+def compare_sweeps(
     reference: list[Row], other: list[Row], allowed: Tolerances, names: tuple[str, str]
 ) -> Comparison:
     """Compare the runs of a sweep with those of a reference.
