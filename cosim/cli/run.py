@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -69,8 +69,13 @@ def run(
         check_folder(plot)
     check_apart({"--json": Path(json) if json and json != "-" else None, "--trace": trace, "--plot": plot})
     if seeds is not None:
-        given = {"--seed": seed, "--trace": trace, "--plot": plot}
-        run_seeds(loop, changes, seeds, given, engine, limits, workers, json)
+        for option, given in (("--seed", seed), ("--trace", trace), ("--plot", plot)):
+            if given is not None:
+                hint = f"Repeat one run with `--seed` to get its {option[2:]}."
+                if option == "--seed":
+                    hint = "Use `--seed 7` for one run or `--seeds 1..20` for twenty."
+                raise CosimError(f"`{option}` and `--seeds` cannot be given together", hint)
+        run_seeds(loop, changes, seeds, engine, limits, workers, json)
     if workers is not None:
         raise CosimError("`--workers` applies to several runs only", "Add `--seeds`, or omit it.")
     stream = trace if trace is not None and endings.streams(trace) else None
@@ -100,22 +105,12 @@ def run_seeds(
     loop: str,
     changes: Sequence[str | Assignment],
     text: str,
-    given: Mapping[str, object],
     engine: options.Engine,
     limits: Limits | None,
     workers: int | None,
     json: str | None,
 ) -> NoReturn:
-    """Run a scenario with several seeds, print the distributions and exit.
-
-    Of `given`, the options for a single run, all values must be None.
-    """
-    for option, value in given.items():
-        if value is not None:
-            hint = f"Repeat one run with `--seed` to get its {option[2:]}."
-            if option == "--seed":
-                hint = "Use `--seed 7` for one run or `--seeds 1..20` for twenty."
-            raise CosimError(f"`{option}` and `--seeds` cannot be given together", hint)
+    """Run a scenario with several seeds, print the distributions and exit."""
     from cosim.fmu import stale
     from cosim.scenario.load import load
     from cosim.sweep import seeds

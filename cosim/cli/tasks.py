@@ -167,7 +167,8 @@ def new(context: WorkerContext, fmu: str, plant: str, folder: Path) -> tuple[str
     from cosim.new.write import text
 
     found = draft(fmu, plant, folder, context.place)
-    return text(found), len(found.readings) + len(found.commands), sum(map(len, found.undriven.values()))
+    wired = sum(len(side.wires) for side in found.sides)
+    return text(found), wired, sum(len(side.undriven) for side in found.sides)
 
 
 def ssp(context: WorkerContext, loop: str, changes: tuple[str, ...], seed: int | None, file: Path) -> float:

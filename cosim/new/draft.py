@@ -22,13 +22,28 @@ DEFAULT_STEP, LONGEST = 0.01, 1.0
 
 
 @dataclass(frozen=True)
+class Side:
+    """The FMU or the plant: its outputs or measurements, its inputs or commands, and the wires to these."""
+
+    name: str
+    sources: list[End]
+    targets: list[End]
+    wires: list[Match]
+
+    @property
+    def undriven(self) -> list[End]:
+        """Inputs or commands without a wire."""
+        driven = {match.target for match in self.wires}
+        return [end for end in self.targets if end not in driven]
+
+
+@dataclass(frozen=True)
 class Draft:
     """Content of a new scenario.
 
     `fmu` and `plant` are names or paths for the file, empty without a plant. `parameters` has the plant's
-    parameters that are not the defaults, with value and reason. `step` is in s, `substeps` are the plant
-    steps in it, `steps` those of the run. `readings` are the wires to the FMU, `commands` those to the plant.
-    `inputs` and `outputs` belong to the FMU, `sensed` and `commanded` to the plant.
+    parameters that are not the defaults, with value and reason. `step` and `duration` are in s, `substeps`
+    are the plant steps in a step. `sides` are the FMU and the plant, which has no ports without a plant.
     """
 
     title: str
@@ -37,22 +52,8 @@ class Draft:
     parameters: dict[str, tuple[str, str]]
     step: float
     substeps: int
-    steps: int
-    readings: list[Match]
-    commands: list[Match]
-    inputs: list[End]
-    outputs: list[End]
-    sensed: list[End]
-    commanded: list[End]
-
-    @property
-    def undriven(self) -> dict[str, list[End]]:
-        """Inputs of the FMU and commands of the plant without a wire, by the side that has them."""
-        sides = {"controller": (self.inputs, self.readings), "plant": (self.commanded, self.commands)}
-        return {
-            side: [end for end in ends if end not in {match.target for match in matches}]
-            for side, (ends, matches) in sides.items()
-        }
+    duration: float
+    sides: tuple[Side, Side]
 
 
 def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
@@ -84,19 +85,17 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
         substeps = max(1, round(step / timestep))
         step = float(f"{substeps * timestep:.12g}")
     return Draft(
-        title=f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
-        fmu=relative_name(fmu, file.path, folder),
-        plant=relative_name(plant_name, paths.expanded(plant_name), folder),
-        parameters=required,
-        step=step,
-        substeps=substeps,
-        steps=max(1, round(LONGEST / step)),
-        readings=match(sensed, inputs),
-        commands=match(outputs, commanded),
-        inputs=inputs,
-        outputs=outputs,
-        sensed=sensed,
-        commanded=commanded,
+        f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
+        relative_name(fmu, file.path, folder),
+        relative_name(plant_name, paths.expanded(plant_name), folder),
+        required,
+        step,
+        substeps,
+        duration=max(1, round(LONGEST / step)) * step,
+        sides=(
+            Side("controller", outputs, inputs, match(sensed, inputs)),
+            Side("plant", sensed, commanded, match(outputs, commanded)),
+        ),
     )
 
 

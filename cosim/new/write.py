@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Iterator
 
-from cosim.new.draft import Draft
+from cosim.new.draft import Draft, Side
 from cosim.new.match import End
 from cosim.scenario.injection import INJECTED
 
@@ -21,7 +21,7 @@ def text(draft: Draft) -> str:
 
 def head(draft: Draft) -> Iterator[str]:
     """Title, loop, FMU and plant."""
-    names = [port(side, end) for side, ends in draft.undriven.items() for end in ends]
+    names = [port(side, end) for side in draft.sides for end in side.undriven]
     undriven = f"""
 # undriven: remove the `# `; the list names inputs that keep their start value
 # undriven = [{", ".join(names)}]"""
@@ -30,7 +30,7 @@ def head(draft: Draft) -> Iterator[str]:
     yield f"""\
 [loop]
 {noted(f"step = {draft.step!r}", "s, communication step of the FMU")}{substeps if draft.plant else ""}
-{noted(f"duration = {seconds(draft.steps * draft.step)}", "s")}
+{noted(f"duration = {seconds(draft.duration)}", "s")}
 
 [controller]
 fmu = {quoted(draft.fmu)}
@@ -44,49 +44,47 @@ fmu = {quoted(draft.fmu)}
 
 def wires(draft: Draft) -> Iterator[str]:
     """Wires between ends that fit."""
-    ends = [("plant", "controller", match) for match in draft.readings]
-    ends += [("controller", "plant", match) for match in draft.commands]
-    for source, target, match in ends:
-        doubt = "" if match.sure else "# the only remaining pair: check it\n"
-        scale, offset = match.conversion
-        line = noted(f"scale = {scale!r}", f"{match.source.unit} to {match.target.unit}")
-        scaled = f"\n{line}" if match.conversion.changes else ""
-        moved = f"\noffset = {offset!r}" if offset else ""
-        from_, to = port(source, match.source), port(target, match.target)
-        yield f"{doubt}[[wire]]\nfrom = {from_}\nto = {to}{scaled}{moved}"
+    for target, source in zip(draft.sides, reversed(draft.sides), strict=True):
+        for match in target.wires:
+            doubt = "" if match.sure else "# the only remaining pair: check it\n"
+            scale, offset = match.conversion
+            line = noted(f"scale = {scale!r}", f"{match.source.unit} to {match.target.unit}")
+            scaled = f"\n{line}" if match.conversion.changes else ""
+            moved = f"\noffset = {offset!r}" if offset else ""
+            from_, to = port(source, match.source), port(target, match.target)
+            yield f"{doubt}[[wire]]\nfrom = {from_}\nto = {to}{scaled}{moved}"
 
 
 def left(draft: Draft) -> Iterator[str]:
     """List undriven and unused ports as comments."""
-    titles = {"controller": "undriven inputs of the FMU", "plant": "undriven commands"}
-    for side, rest in draft.undriven.items():
-        if rest:
-            yield f"# {titles[side]}: remove the `# ` of a signal, or make it a wire with `from`"
-        for end in rest:
+    for side, what in zip(draft.sides, ("undriven inputs of the FMU", "undriven commands"), strict=True):
+        if side.undriven:
+            yield f"# {what}: remove the `# ` of a signal, or make it a wire with `from`"
+        for end in side.undriven:
             yield f"""\
 # {end.note or "(no description)"}
 # [[signal]]
 # to = {port(side, end)}
 # times = [0.0]
 # values = [{end.start}]"""
-    sources = {"controller": (draft.outputs, draft.commands), "plant": (draft.sensed, draft.readings)}
-    for side, (ends, matches) in sources.items():
-        used = {match.source for match in matches}
-        if unread := [f"\n#   {side}.{end.name}: {end.note}" for end in ends if end not in used]:
+    for side, other in zip(draft.sides, reversed(draft.sides), strict=True):
+        used = {match.source for match in other.wires}
+        if unread := [f"\n#   {side.name}.{end.name}: {end.note}" for end in side.sources if end not in used]:
             yield f"# not wired:{''.join(unread)}"
 
 
 def examples(draft: Draft) -> Iterator[str]:
     """Fault of the first measurement, metric of the first output, and a criterion to fill in."""
     others = ", ".join(kind for kind in INJECTED if kind != "frozen")
-    for match in draft.readings[:1]:
+    controller, _ = draft.sides
+    for match in controller.wires[:1]:
         yield f"""\
 # a fault on the wire: remove the `# ` and check the reaction of the FMU
 # [[inject]]
-# to = {port("controller", match.target)}
-# from_time = {seconds(0.5 * draft.steps * draft.step)}
+# to = {port(controller, match.target)}
+# from_time = {seconds(0.5 * draft.duration)}
 {noted("# frozen = true", f"or {others}")}"""
-    for first in draft.outputs[:1]:
+    for first in controller.sources[:1]:
         yield f"""\
 [[metric]]
 name = "peak"
@@ -110,9 +108,9 @@ def seconds(time: float) -> str:
     return repr(float(f"{time:.12g}"))
 
 
-def port(side: str, end: End) -> str:
+def port(side: Side, end: End) -> str:
     """Name of a port in TOML."""
-    return quoted(f"{side}.{end.name}")
+    return quoted(f"{side.name}.{end.name}")
 
 
 def column(name: str) -> str:
