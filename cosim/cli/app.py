@@ -18,9 +18,8 @@ from cosim.cli.batch import optimize, report_page, run_tests, sweep
 from cosim.cli.compare import compare, evaluate, plot
 from cosim.cli.new import new, ssp
 from cosim.cli.options import COULD_NOT_RUN, READER_GONE, options
-from cosim.cli.run import run
+from cosim.cli.run import run, video, view
 from cosim.cli.show import cache, check, list_scenarios, schema, show
-from cosim.cli.video import video, view
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.interrupts import INTERRUPTED

@@ -83,8 +83,7 @@ def compare(
 
     Exit code: 0 within tolerance, 1 not, 2 could not be compared.
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
-    from cosim.compare import command, tables, tolerance
-    from cosim.compare import plot as plots
+    from cosim.compare import command, display, tolerance
 
     if update:
         limits = {"--atol": atol, "--rtol": rtol, "--dt": dt, "--only": only}
@@ -100,7 +99,7 @@ def compare(
         return
     allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
     if plot is not None:
-        plots.check("trace" if other is None else command.kind_of(other), plot)
+        display.check_plot("trace" if other is None else command.kind_of(other), plot)
     if other is None:
         scenario = loaded(reference, set_ or [])
         with progress_bar(scenario.name, quiet()) as progress:
@@ -111,8 +110,8 @@ def compare(
     else:
         found = command.compare(reference, other, allowed)
     if plot is not None:
-        plots.save(found, plot)
-    emit(json, found.to_json(), tables.comparison(found))
+        display.save_plot(found, plot)
+    emit(json, found.to_json(), display.comparison(found))
     raise typer.Exit(0 if found.within else FAILED)
 
 
