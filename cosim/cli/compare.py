@@ -97,7 +97,7 @@ def compare(
         file = str(command.baseline_of(scenario))
         emit(json, strict.text({"baseline": file, **result.to_dict()}), f"wrote {file}")
         return
-    allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
+    allowed = tolerance.tolerances(atol or [], rtol or [], dt or [], only or [])
     if plot is not None:
         display.check_plot("trace" if other is None else command.kind_of(other), plot)
     if other is None:

@@ -27,19 +27,21 @@ HINT = f"Give traces ({endings.listed(endings.READ)}), results (`{RESULT}`) or f
 
 def compare(reference: str, other: str, allowed: Tolerances) -> Comparison:
     """Compare two files or folders of the same kind."""
-    kinds = kind_of(reference), kind_of(other)
-    if kinds[0] != kinds[1]:
-        problem = f"`{reference}` is a {kinds[0]} and `{other}` a {kinds[1]}"
+    kind, another = kind_of(reference), kind_of(other)
+    if kind != another:
+        problem = f"`{reference}` is a {kind} and `{other}` a {another}"
         raise CosimError(problem, "Give two files of the same kind.")
-    if allowed.dt and kinds[0] != "trace":
-        raise CosimError(f"`--dt` cannot be used with a {kinds[0]}", "Use `--dt` with traces only.")
-    first, second, names = Path(reference), Path(other), (reference, other)
-    if kinds[0] == "trace":
-        return traces.compare(files.read(first), files.read(second), allowed, names)
-    if kinds[0] == "result":
-        results = metrics.read_result(first), metrics.read_result(second)
-        return metrics.compare_results(*results, allowed, names)
-    return metrics.compare_sweeps(metrics.read_sweep(first), metrics.read_sweep(second), allowed, names)
+    if allowed.dt and kind != "trace":
+        raise CosimError(f"`--dt` cannot be used with a {kind}", "Use `--dt` with traces only.")
+    found = Comparison(f"{kind}s", reference, other, allowed)
+    first, second = Path(reference), Path(other)
+    if kind == "trace":
+        traces.compare(found, files.read(first), files.read(second))
+    elif kind == "result":
+        metrics.compare_results(found, metrics.read_result(first), metrics.read_result(second))
+    else:
+        metrics.compare_sweeps(found, metrics.read_sweep(first), metrics.read_sweep(second))
+    return found
 
 
 def kind_of(name: str) -> str:
@@ -68,7 +70,9 @@ def compare_baseline(
     before = files.read(file)
     result = run(scenario, progress=progress, engine=engine, isolated=True)
     now = StoredTrace(Path(), result.columns, result.units, result.items)
-    return traces.compare(before, now, allowed, (shown, f"{result.scenario}, seed {result.seed}"))
+    found = Comparison("traces", shown, f"{result.scenario}, seed {result.seed}", allowed)
+    traces.compare(found, before, now)
+    return found
 
 
 def update_baseline(scenario: Scenario, engine: Engine, progress: Progress | None) -> Result:

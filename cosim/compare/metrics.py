@@ -12,7 +12,6 @@ import numpy as np
 
 from cosim import paths
 from cosim.compare.comparison import Comparison
-from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 from cosim.study.store import FILE, Row
 
@@ -40,24 +39,21 @@ def read_result(path: Path) -> dict[str, Any]:
     return table
 
 
-def compare_results(
-    reference: dict[str, Any], other: dict[str, Any], allowed: Tolerances, names: tuple[str, str]
-) -> Comparison:
-    """Compare a result with a reference, both as `read_result` returns them; `names` are their names."""
-    found = Comparison("results", *names)
+def compare_results(found: Comparison, reference: dict[str, Any], other: dict[str, Any]) -> None:
+    """Compare a result with a reference, both as `read_result` returns them."""
     metrics, others = reference["metrics"], other["metrics"]
     if not metrics:
-        raise CosimError(f"`{names[0]}` has no metrics to compare")
-    for name in allowed.chosen(metrics):
+        raise CosimError(f"`{found.reference}` has no metrics to compare")
+    for name in found.allowed.chosen(metrics):
         if name not in others:
             found.differences.append(f"the metric `{name}` is missing")
             continue
         old, new = metrics[name], others[name]
         units = str(old.get("unit", "")), str(new.get("unit", ""))
-        found.add_metric(name, units, ([old.get("value")], [new.get("value")]), allowed)
-    found.note_extra(metrics, others, allowed)
-    if allowed.only:
-        return found
+        found.add_metric(name, units, ([old.get("value")], [new.get("value")]))
+    found.note_extra(metrics, others)
+    if found.allowed.only:
+        return
     verdicts = {entry["id"]: bool(entry.get("passed")) for entry in other["criteria"]}
     for entry in reference["criteria"]:
         name, passed = entry["id"], verdicts.get(entry["id"])
@@ -66,7 +62,6 @@ def compare_results(
         elif passed != bool(entry.get("passed")):
             verdict, before = ("passed", "failed") if passed else ("failed", "passed")
             found.differences.append(f"the criterion `{name}` {verdict}, but {before} in the reference")
-    return found
 
 
 def read_sweep(folder: Path) -> list[Row]:
@@ -94,19 +89,16 @@ def read_sweep(folder: Path) -> list[Row]:
     return sorted(found.values(), key=lambda row: int(row["run"]))
 
 
-def compare_sweeps(
-    reference: list[Row], other: list[Row], allowed: Tolerances, names: tuple[str, str]
-) -> Comparison:
+def compare_sweeps(found: Comparison, reference: list[Row], other: list[Row]) -> None:
     """Compare the runs of a sweep with those of a reference.
 
     Two runs are a pair if they have the same hash. Otherwise, for example after a change of the program,
     they are a pair if they have the same settings and the same seed.
     """
-    found = Comparison("sweeps", *names)
     pairs, missing, extra = matched(reference, other)
     if not pairs:
         hint = "Compare sweeps with equal hashes, or with equal settings and seeds."
-        raise CosimError(f"no run of `{names[0]}` is in `{names[1]}`", hint)
+        raise CosimError(f"no run of `{found.reference}` is in `{found.other}`", hint)
     if missing:
         text = f"{runs(missing)} missing, the first is run {missing[0]['run']} of the reference"
         found.differences.append(text)
@@ -121,10 +113,9 @@ def compare_sweeps(
         found.differences.append(text)
     known = list(dict.fromkeys(name for old, _ in pairs for name in old["metrics"]))
     if not known and not found.differences:
-        raise CosimError(f"the runs of `{names[0]}` have no metrics to compare")
-    for name in allowed.chosen(known):
-        compare_metric(found, name, pairs, allowed)
-    return found
+        raise CosimError(f"the runs of `{found.reference}` have no metrics to compare")
+    for name in found.allowed.chosen(known):
+        compare_metric(found, name, pairs)
 
 
 def matched(reference: list[Row], other: list[Row]) -> tuple[list[tuple[Row, Row]], list[Row], list[Row]]:
@@ -143,7 +134,7 @@ def case_of(row: Row) -> str:
     return json.dumps([row.get("set"), row.get("seed")], sort_keys=True)
 
 
-def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]], allowed: Tolerances) -> None:
+def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]]) -> None:
     """Compare a metric over all runs in which both have it."""
     both = [(old, new) for old, new in pairs if name in old["metrics"] and new["metrics"]]
     if not any(name in new["metrics"] for _, new in both):
@@ -153,7 +144,7 @@ def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]], a
     units = str(old["units"].get(name, "")), str(new["units"].get(name, ""))
     before, now = ([row["metrics"].get(name) for row in rows] for rows in zip(*both, strict=True))
     numbers = np.array([float(old["run"]) for old, _ in both])
-    found.add_metric(name, units, (before, now), allowed, numbers)
+    found.add_metric(name, units, (before, now), numbers)
 
 
 def runs(rows: list[Any]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -48,9 +48,7 @@ class Tolerances:
         return [name for name in known if not self.only or any(fits(name, p) for p in self.only)]
 
 
-def tolerances(
-    atol: Sequence[str] = (), rtol: Sequence[str] = (), dt: Sequence[str] = (), only: Sequence[str] = ()
-) -> Tolerances:
+def tolerances(atol: list[str], rtol: list[str], dt: list[str], only: list[str]) -> Tolerances:
     """Tolerances from the texts of the command line."""
     return Tolerances(
         tuple(limit("--atol", text, math.inf) for text in atol),

@@ -6,8 +6,7 @@ import json
 import re
 from collections.abc import Iterator
 
-from cosim.new.draft import Draft, Side
-from cosim.new.match import End
+from cosim.new.draft import Draft, End, Side
 from cosim.scenario.injection import INJECTED
 
 PLAIN = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*|\[\d+\])*")
