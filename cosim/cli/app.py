@@ -14,43 +14,31 @@ import typer.exceptions
 from typer.core import TyperCommand, TyperGroup, TyperOption
 
 from cosim import RENAMED, errors, interrupts
-from cosim.cli.cache import cache
-from cosim.cli.check import check
-from cosim.cli.compare import compare
-from cosim.cli.evaluate import evaluate, plot
-from cosim.cli.new import new
-from cosim.cli.options import COULD_NOT_RUN, INTERRUPTED, READER_GONE, options
-from cosim.cli.run import run
-from cosim.cli.show import list_scenarios, schema, show
-from cosim.cli.ssp import ssp
-from cosim.cli.sweep import optimize, sweep
-from cosim.cli.test import report_page, run_tests
-from cosim.cli.video import video, view
+from cosim.cli.batch import optimize, report_page, run_tests, sweep
+from cosim.cli.compare import compare, evaluate, plot
+from cosim.cli.new import new, ssp
+from cosim.cli.options import COULD_NOT_RUN, READER_GONE, options
+from cosim.cli.run import run, video, view
+from cosim.cli.show import cache, check, list_scenarios, schema, show
 from cosim.errors import CosimError
 from cosim.formatting import strict
+from cosim.interrupts import INTERRUPTED
 from cosim.show.console import configure_logging, report
 from cosim.warned import once
 from cosim.writing import write
 
 NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC))
 """Disk errors of a redirected stdout."""
-COMPLETING = "_COSIM_COMPLETE"
-"""Set by a shell that requests completions; typer prints them and ends the process."""
-COMPLETION = ("--install-completion", "--show-completion")
-"""Options that typer handles before it ends the process; exit code 1 is an unknown shell."""
-
 log = logging.getLogger("cosim")
 
 
-def flag(short: str, name: str, help_text: str) -> TyperOption:
-    """Option that is given or not."""
-    return TyperOption(param_decls=[short, f"--{name}"], is_flag=True, default=False, help=help_text)
-
-
-VERBOSITY = (
-    flag("-v", "verbose", "Log events of the FMU and the origin of errors."),
-    flag("-q", "quiet", "Log errors only, no progress."),
-)
+VERBOSITY = [
+    TyperOption(param_decls=[short, long], is_flag=True, default=False, help=help_text)
+    for short, long, help_text in (
+        ("-v", "--verbose", "Log events of the FMU and the origin of errors."),
+        ("-q", "--quiet", "Log errors only, no progress."),
+    )
+]
 """Options before or after any command."""
 
 
@@ -101,24 +89,10 @@ app = typer.Typer(
 )
 app.callback()(options)
 COMMANDS: dict[str, Callable[..., None]] = {
-    "list": list_scenarios,
-    "show": show,
-    "new": new,
-    "check": check,
-    "run": run,
-    "test": run_tests,
-    "report": report_page,
-    "view": view,
-    "video": video,
-    "evaluate": evaluate,
-    "compare": compare,
-    "plot": plot,
-    "sweep": sweep,
-    "optimize": optimize,
-    "schema": schema,
-    "ssp": ssp,
-    "cache": cache,
-}
+    "list": list_scenarios, "show": show, "new": new, "check": check, "run": run, "test": run_tests,
+    "report": report_page, "view": view, "video": video, "evaluate": evaluate, "compare": compare,
+    "plot": plot, "sweep": sweep, "optimize": optimize, "schema": schema, "ssp": ssp, "cache": cache,
+}  # fmt: skip
 for name, command in COMMANDS.items():
     app.command(name, cls=Command)(command)
 
@@ -145,7 +119,8 @@ def failed(error: BaseException) -> int:
         # typer ends silently when the reader of its output is gone; any other exit is unexpected
         if isinstance(error.__context__, BrokenPipeError):
             return READER_GONE
-        if COMPLETING in os.environ or about_completion():
+        # a shell that requests completions sets the variable; typer prints them and ends the process
+        if "_COSIM_COMPLETE" in os.environ or about_completion():
             return 0
     if isinstance(error, typer.Abort) or is_interrupt(error):
         report("interrupted")
@@ -168,8 +143,8 @@ def failed(error: BaseException) -> int:
 
 
 def about_completion() -> bool:
-    """Whether the command line requests only shell completion."""
-    return sys.argv[1:2] in ([option] for option in COMPLETION)
+    """Whether the command line requests only shell completion, which typer handles."""
+    return sys.argv[1:2] in (["--install-completion"], ["--show-completion"])
 
 
 def is_interrupt(error: BaseException | None) -> bool:

@@ -1,4 +1,4 @@
-"""`cosim compare`."""
+"""`cosim evaluate`, `cosim compare` and `cosim plot`: stored traces and results."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer import Argument, Option
 
-from cosim.cli.options import FAILED, Engine, Json, Set, quiet
+from cosim.cli.options import FAILED, Engine, Json, Loop, Set, emit, out_option, quiet
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.show.console import output, progress_bar
+from cosim.show.console import progress_bar
 from cosim.trace.endings import READ, listed
-from cosim.writing import write
 
 if TYPE_CHECKING:
     from cosim.scenario.model import Scenario
@@ -84,49 +83,36 @@ def compare(
 
     Exit code: 0 within tolerance, 1 not, 2 could not be compared.
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
-    from cosim.compare import baseline, command, tables, tolerance
-    from cosim.compare import plot as plots
+    from cosim.compare import command, display, tolerance
 
     if update:
-        limits = (("--atol", atol), ("--rtol", rtol), ("--dt", dt), ("--only", only))
-        for name, given in (("OTHER", other), ("--set", set_), ("--plot", plot), *limits):
+        limits = {"--atol": atol, "--rtol": rtol, "--dt": dt, "--only": only}
+        for name, given in ({"OTHER": other, "--set": set_, "--plot": plot} | limits).items():
             if given:
                 hint = "Update the baseline of an unchanged scenario."
                 raise CosimError(f"`{name}` cannot be combined with `--update`", hint)
-        write_baseline(loaded(reference, []), engine, json)
+        scenario = loaded(reference, [])
+        with progress_bar(scenario.name, quiet()) as progress:
+            result = command.update_baseline(scenario, engine, progress)
+        file = str(command.baseline_of(scenario))
+        emit(json, strict.text({"baseline": file, **result.to_dict()}), f"wrote {file}")
         return
-    allowed = tolerance.tolerances(atol or (), rtol or (), dt or (), only or ())
+    allowed = tolerance.tolerances(atol or [], rtol or [], dt or [], only or [])
     if plot is not None:
-        plots.check("trace" if other is None else command.kind_of(other), plot)
+        display.check_plot("trace" if other is None else command.kind_of(other), plot)
     if other is None:
         scenario = loaded(reference, set_ or [])
         with progress_bar(scenario.name, quiet()) as progress:
-            found = baseline.compare(scenario, allowed, engine, progress)
+            found = command.compare_baseline(scenario, allowed, engine, progress)
     elif set_:
         hint = "Use it with a scenario and its baseline."
         raise CosimError("`--set` cannot be combined with two files", hint)
     else:
         found = command.compare(reference, other, allowed)
     if plot is not None:
-        plots.save(found, plot)
-    if json is not None:
-        write(found.to_json(), json)
-    if json != "-":
-        output().print(tables.comparison(found))
+        display.save_plot(found, plot)
+    emit(json, found.to_json(), display.comparison(found))
     raise typer.Exit(0 if found.within else FAILED)
-
-
-def write_baseline(scenario: Scenario, engine: Engine, json: str | None) -> None:
-    """Write the baseline of a scenario and print its file name."""
-    from cosim.compare import baseline
-
-    with progress_bar(scenario.name, quiet()) as progress:
-        result = baseline.update(scenario, engine, progress)
-    file = baseline.file_of(scenario)
-    if json is not None:
-        write(strict.text({"baseline": str(file), **result.to_dict()}), json)
-    if json != "-":
-        print(f"wrote {file}")
 
 
 def loaded(loop: str, changes: list[str]) -> Scenario:
@@ -137,3 +123,62 @@ def loaded(loop: str, changes: list[str]) -> Scenario:
         hint = "Give a second file, or only a scenario."
         raise CosimError(f"`{loop}` needs a second file to compare", hint)
     return load(loop, changes)
+
+
+def evaluate(
+    trace: Annotated[Path, Argument(metavar="TRACE", help=f"File of `cosim run --trace`: {listed(READ)}.")],
+    loop: Loop,
+    set_: Set = None,
+    json: Json = None,
+) -> None:
+    """Evaluate a stored trace without a run.
+
+    Use it after a change of metrics or criteria of the scenario. The numbers of
+    the trace do not change. The trace must hold every column that they name.
+    All formats except `.csv` also hold the units and the items of enumerations.
+
+    \b
+        cosim run dob --trace dob.npz
+        cosim evaluate dob.npz dob --set criterion.depth.maximum=4e-7
+
+    Exit code: 0 all criteria passed, 1 a criterion failed, 2 could not be evaluated.
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
+    if trace.suffix not in READ and Path(loop).suffix in READ:
+        hint = f"Give the trace first: `cosim evaluate {loop} {trace}`."
+        raise CosimError(f"`{trace}` is not a trace", hint)
+    from cosim.loop.evaluate import evaluate as evaluated
+    from cosim.scenario.load import load
+    from cosim.show import display
+    from cosim.trace import files
+
+    result = evaluated(load(loop, set_ or ()), files.read(trace))
+    emit(json, result.to_json(), display.result(result))
+    raise typer.Exit(FAILED if result.passed is False else 0)
+
+
+def plot(
+    traces: Annotated[
+        list[Path], Argument(metavar="TRACE...", help=f"Traces ({listed(READ)}); several are overlaid.")
+    ],
+    out: Annotated[Path, out_option("FILE.svg|.png|.pdf")] = Path("plot.svg"),
+    column: Annotated[
+        list[str] | None,
+        Option(metavar="PATTERN", help="Plot matching columns, such as `plant.*`. May be repeated."),
+    ] = None,
+) -> None:
+    """Plot columns of stored traces.
+
+    One trace has a panel for each unit, several traces have one for each column.
+
+    \b
+        cosim plot dob.npz --column plant.depth --column 'controller.force.*'
+        cosim plot before.npz after.npz -o difference.png
+
+    Requires the extra `report`.
+    """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
+    from cosim.show import figure, overlay
+    from cosim.trace.files import read
+
+    figure.check(out)
+    overlay.save([read(trace) for trace in traces], column or (), out)
+    print(f"wrote {out}")

@@ -1,4 +1,7 @@
-"""Shell completion: scenarios, studies, files and keys for `--set`; never raises errors."""
+"""Shell completion: scenarios, studies, files and keys for `--set`; never raises errors.
+
+The functions may return more than fits: typer drops names without the incomplete text as prefix.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ import contextlib
 import dataclasses
 import glob
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -23,22 +26,17 @@ ITEM_KEYS = {
 
 def loops(incomplete: str) -> list[str]:
     """Names of scenarios, and scenario files of the working directory."""
-    return [*beginning(incomplete, (name for name, _ in paths.list_scenarios())), *files(incomplete)]
+    return [*dict(paths.list_scenarios()), *files(incomplete)]
 
 
 def studies(incomplete: str) -> list[str]:
     """Names of the project's own studies, and files of the working directory."""
-    return list(dict.fromkeys([*beginning(incomplete, paths.list_studies()), *files(incomplete)]))
+    return list(dict.fromkeys([*paths.list_studies(), *files(incomplete)]))
 
 
 def any_files(incomplete: str) -> list[str]:
     """Names and files of scenarios and studies."""
     return list(dict.fromkeys([*loops(incomplete), *studies(incomplete)]))
-
-
-def beginning(incomplete: str, names: Iterable[str]) -> list[str]:
-    """Names with a given prefix."""
-    return [name for name in names if name.startswith(incomplete)]
 
 
 def files(incomplete: str) -> list[str]:
@@ -50,11 +48,6 @@ def files(incomplete: str) -> list[str]:
     wanted = [file for file in found if start.startswith(".") or not file.name.startswith(".")]
     shown = [prefix + file.name + ("/" if file.is_dir() else "") for file in wanted]
     return [name for name in shown if name.endswith((".toml", "/"))]
-
-
-def parts(incomplete: str) -> list[str]:
-    """Usual parts of `cosim show`."""
-    return beginning(incomplete, ("controller", "plant", "inputs", "outputs", "parameters", "wires"))
 
 
 def keys(ctx: typer.Context, incomplete: str) -> list[str]:
@@ -73,7 +66,7 @@ def keys(ctx: typer.Context, incomplete: str) -> list[str]:
         # the class is imported only for its own keys
         if incomplete.startswith("plant.") and "plant" in table:
             found.update(plant_keys(table["plant"]["name"], file.parent))
-    return [f"{key}=" for key in beginning(incomplete, sorted(found))]
+    return [f"{key}=" for key in sorted(found)]
 
 
 def scenario_keys(table: dict[str, Any]) -> Iterator[str]:

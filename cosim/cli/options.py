@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import logging
 import platform
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer import Argument, Option
 
-from cosim import interrupts
 from cosim.cli import complete
 from cosim.errors import CosimError
 from cosim.extras import PROJECT, version
 from cosim.loop import engines
 from cosim.pool.limits import Limits
-from cosim.writing import JSON, check_text
+from cosim.show.console import output
+from cosim.writing import JSON, check_text, write
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 FAILED = 1
 """Exit code: a criterion failed."""
 COULD_NOT_RUN = 2
 """Exit code: the run could not be done."""
-INTERRUPTED = interrupts.INTERRUPTED
-"""Exit code: Ctrl-C."""
 READER_GONE = 141
 """Exit code: the reader of stdout is gone, as a shell reports SIGPIPE."""
 DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
@@ -66,7 +67,7 @@ Engine = Annotated[
     Option(
         parser=engines.checked,
         metavar="native|reference",
-        autocompletion=lambda incomplete: complete.beginning(incomplete, engines.ENGINES),
+        autocompletion=lambda incomplete: engines.ENGINES,
         help="`reference` (FMPy) checks `native`: the results are bit-identical.",
     ),
 ]
@@ -110,11 +111,6 @@ def options(version: Version = False) -> None:
     """Options before any command."""
 
 
-def verbose() -> bool:
-    """Whether `-v` is given."""
-    return log.isEnabledFor(logging.DEBUG)
-
-
 def quiet() -> bool:
     """Whether `-q` is given."""
     return not log.isEnabledFor(logging.WARNING)
@@ -127,3 +123,15 @@ def checked_limits(timeout: float | None, memory: float | None, in_process: bool
         if value is not None and in_process:
             raise CosimError(f"`{name}` needs a separate process", "Omit `--in-process`.")
     return None if in_process else limits
+
+
+def emit(json: str | None, text: str, *parts: RenderableType) -> None:
+    """Write a result as JSON if requested; print its tables and lines, unless stdout is for the JSON."""
+    if json is not None:
+        write(text, json)
+    for part in () if json == "-" else parts:
+        if isinstance(part, str):
+            # not wrapped, so that it can be copied
+            print(part, flush=True)
+        else:
+            output().print(part, crop=False)

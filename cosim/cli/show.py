@@ -1,20 +1,24 @@
-"""`cosim list`, `cosim show` and `cosim schema`."""
+"""`cosim list`, `cosim show`, `cosim check`, `cosim schema` and `cosim cache`: nothing runs."""
 
 from __future__ import annotations
 
 import logging
 from typing import Annotated, Literal
 
+import typer
 from typer import Argument, Option
 
 from cosim import paths
+from cosim.check.checked import Checked
 from cosim.cli import complete, tasks
-from cosim.cli.options import InProcess, Loop, Set, Timeout, checked_limits
+from cosim.cli.options import COULD_NOT_RUN, InProcess, Json, Loop, Set, Timeout, checked_limits, emit
 from cosim.errors import CosimError
 from cosim.formatting import strict
-from cosim.show import console
-from cosim.show.console import output
+from cosim.show.console import output, report, stdout
 from cosim.writing import write
+
+PARTS = ("controller", "plant", "inputs", "outputs", "parameters", "wires")
+"""Usual parts of `cosim show`."""
 
 log = logging.getLogger("cosim")
 
@@ -48,7 +52,7 @@ def show(
         Argument(
             metavar="[PART]...",
             help="Only some parts, for example `plant`, `controller`, `parameters` or `wires`.",
-            autocompletion=complete.parts,
+            autocompletion=lambda incomplete: PARTS,
         ),
     ] = None,
     set_: Set = None,
@@ -64,9 +68,51 @@ def show(
         cosim show dob inputs outputs
     """  # noqa: D301 - click keeps the lines of a paragraph that starts with a backspace
     limits = checked_limits(timeout, None, in_process)
-    device = console.stdout()
-    text = tasks.perform(limits, None, tasks.show, loop, tuple(set_ or ()), tuple(parts or ()), device)
+    text = tasks.perform(limits, None, tasks.show, loop, tuple(set_ or ()), tuple(parts or ()), stdout())
     print(text, end="", flush=True)
+
+
+def check(
+    files: Annotated[
+        list[str],
+        Argument(
+            metavar="SCENARIO|FILE.toml...",
+            help="Scenarios, studies and optimizations.",
+            autocompletion=complete.any_files,
+        ),
+    ],
+    timeout: Timeout = None,
+    in_process: InProcess = False,
+    json: Json = None,
+) -> None:
+    """Check scenario, study and optimization files.
+
+    Checks names, types, units, ranges, wires and metrics. Nothing runs.
+    """
+    found = []
+    with tasks.place(checked_limits(timeout, None, in_process)) as do:
+        for file in files:
+            outcome = do(tasks.TaskCall(tasks.check, (file,)))
+            # an error here is that of a check that ended its process
+            is_error = isinstance(outcome, CosimError)
+            found.append(Checked(file, error=outcome, runs=0) if is_error else outcome)
+    emit(json, strict.text([entry.to_dict() for entry in found]))
+    for entry in found if json != "-" else ():
+        print_checked(entry)
+    raise typer.Exit(COULD_NOT_RUN if any(entry.error for entry in found) else 0)
+
+
+def print_checked(entry: Checked) -> None:
+    """Print one line for a valid file; print errors and warnings on stderr."""
+    if entry.error is not None:
+        names = f"`{entry.name}`", f"`{paths.shown(paths.expanded(entry.name))}`"
+        message = entry.error.message
+        report(message if message.startswith(names) else f"{names[0]}: {message}", entry.error.hint)
+        return
+    for warning in entry.warnings:
+        log.warning("`%s`: %s", entry.name, warning)
+    runs = f", {entry.runs} runs" if entry.kind != "scenario" else ""
+    print(f"{entry.name}: {entry.kind}{runs}, valid")
 
 
 def schema(
@@ -103,3 +149,23 @@ def schema(
     from cosim.schema.files import SCHEMAS
 
     write(strict.text(SCHEMAS[file]()), "-")
+
+
+def cache(
+    action: Annotated[
+        Literal["dir", "clean"], Argument(metavar="dir|clean", help="Print the folder, or empty it.")
+    ],
+) -> None:
+    """Show or clean the cache of extracted FMUs.
+
+    The cache is in the user's cache folder, or in the folder that COSIM_CACHE names. FMUs that
+    were not used for 7 days are removed in any case.
+    """
+    folder = paths.cache_folder()
+    if action == "dir":
+        print(folder)
+        return
+    from cosim.fmu.cache import remove_unused
+
+    removed = remove_unused(folder, days=0.0) if folder.is_dir() else 0
+    print(f"removed {removed} extracted FMUs from {folder}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 T = TypeVar("T")
+
+log = logging.getLogger("cosim")
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,6 @@ def single(
     loop: str,
     changes: tuple[str | Assignment, ...],
     engine: Engine,
-    verbose: bool,
     trace: Path | None,
     plot: Path | None,
     sheet: Sheet,
@@ -90,8 +92,8 @@ def single(
 ) -> Report:
     """Run a scenario once.
 
-    The FMU logs events if `verbose`. `stream` is the file that the run writes and that becomes the trace,
-    if its format allows that. The plot is checked before the run.
+    `stream` is the file that the run writes and that becomes the trace, if its format allows that. The plot
+    is checked before the run.
     """
     from cosim.fmu import stale
     from cosim.loop import time_series
@@ -100,7 +102,7 @@ def single(
     from cosim.trace import files
 
     scenario = load(loop, changes)
-    session = context.session(scenario, engine, verbose)
+    session = context.session(scenario, engine, log.isEnabledFor(logging.DEBUG))
     stale.warn_of(scenario.fmus, scenario.folder)
     if plot is not None:
         from cosim.show import figure
@@ -137,19 +139,17 @@ def show(
 def schema(context: WorkerContext, loop: str) -> dict[str, Any]:
     """Return the JSON schema of scenarios with the FMUs and the plant of one; the FMUs are only read."""
     from cosim.loop import fmus, plant
-    from cosim.loop.place import Stage
     from cosim.loop.session import located
+    from cosim.pool.single_task import ImportPlant
     from cosim.scenario.load import load
     from cosim.schema.filled import filled_schema, settable_variables
 
     scenario = load(loop)
-    context.place.begin("", scenario.plant.name, 0, 0.0)
     with located(scenario):
         files = fmus.open_files(scenario)
-        context.place.at(Stage.BUILD_PLANT)
+        ImportPlant(scenario.plant.name, scenario.folder).run(context)
         kind = plant.plant_class(scenario.plant.name, scenario.folder)
         plant.check_class(kind)
-        context.place.at(Stage.NONE)
     found = {name: settable_variables(file.variables.values()) for name, file in files.items()}
     return filled_schema(scenario, found, kind.Parameters)
 
@@ -167,7 +167,8 @@ def new(context: WorkerContext, fmu: str, plant: str, folder: Path) -> tuple[str
     from cosim.new.write import text
 
     found = draft(fmu, plant, folder, context.place)
-    return text(found), len(found.readings) + len(found.commands), sum(map(len, found.undriven.values()))
+    wired = sum(len(side.wires) for side in found.sides)
+    return text(found), wired, sum(len(side.undriven) for side in found.sides)
 
 
 def ssp(context: WorkerContext, loop: str, changes: tuple[str, ...], seed: int | None, file: Path) -> float:
@@ -202,24 +203,21 @@ def recorded(context: WorkerContext, source: str, loop: str, changes: tuple[str,
     return of_trace(load(name, changes), trace)
 
 
-def view(
-    context: WorkerContext, source: str, loop: str, changes: tuple[str, ...], options: ReplayOptions
-) -> None:
-    """Show a run until the window is closed."""
-    from cosim.replay import viewer
-
-    viewer.show(recorded(context, source, loop, changes), options)
-
-
-def video(
+def replay(
     context: WorkerContext,
     source: str,
     loop: str,
     changes: tuple[str, ...],
     options: ReplayOptions,
-    file: Path,
+    file: Path | None = None,
 ) -> None:
-    """Make a video of a run."""
-    from cosim.replay import video_file
+    """Make a video file of a run; without a file, show the run until the window is closed."""
+    run = recorded(context, source, loop, changes)
+    if file is not None:
+        from cosim.replay import video_file
 
-    video_file.save(recorded(context, source, loop, changes), options, file, context.progress)
+        video_file.save(run, options, file, context.progress)
+    else:
+        from cosim.replay import viewer
+
+        viewer.show(run, options)

@@ -52,7 +52,7 @@ class ComparedColumn:
 
 @dataclass
 class Comparison:
-    """Two things compared; `kind` is `traces`, `results` or `sweeps`.
+    """Two things compared with the `allowed` deviations; `kind` is `traces`, `results` or `sweeps`.
 
     `reference` and `other` are the names of the compared files, as the user gave them. `deviations` has the
     quantities that both have, `differences` all others, one sentence each. `notes` are no differences.
@@ -61,6 +61,7 @@ class Comparison:
     kind: str
     reference: str
     other: str
+    allowed: Tolerances
     deviations: list[Deviation] = field(default_factory=list)
     differences: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -90,11 +91,11 @@ class Comparison:
         }
         return strict.text(found)
 
-    def note_extra(self, reference: Iterable[str], other: Iterable[str], allowed: Tolerances) -> None:
+    def note_extra(self, reference: Iterable[str], other: Iterable[str]) -> None:
         """Note the names that the reference does not have, unless the compared names are selected."""
         known = set(reference)
         extra = [f"`{name}`" for name in other if name not in known]
-        if extra and not allowed.only:
+        if extra and not self.allowed.only:
             self.notes.append("not in the reference: " + ", ".join(extra))
 
     def add_metric(
@@ -102,13 +103,12 @@ class Comparison:
         name: str,
         units: tuple[str, str],
         values: tuple[Sequence[Any], Sequence[Any]],
-        allowed: Tolerances,
         at: NDArray[np.float64] | None = None,
     ) -> None:
         """Compare the values of a metric, also texts such as `NaN`; of each pair the reference is first."""
         self.differences += same_units(name, *units)
         before, now = (np.array([number_of(value) for value in side]) for side in values)
-        atol, rtol, _ = allowed.of(name)
+        atol, rtol, _ = self.allowed.of(name)
         around = Tube(before, before, np.isnan(before), atol, rtol)
         self.deviations.append(worst(name, units[0], around, now, at))
 

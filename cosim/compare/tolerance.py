@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 from cosim.errors import CosimError, closest
 
 EVERYTHING = "*"
+Limit = tuple[str, float]
+"""A pattern of names, and the number for the names that match it."""
 
 
 @dataclass(frozen=True)
@@ -27,33 +29,26 @@ class Tolerances:
 
     def of(self, name: str) -> tuple[float, float, float]:
         """Absolute and relative tolerance of a name, and its time shift."""
-        return value_for(self.atol, name), value_for(self.rtol, name), value_for(self.dt, name)
+        atol, rtol, dt = (
+            next((value for pattern, value in reversed(limits) if fits(name, pattern)), 0.0)
+            for limits in (self.atol, self.rtol, self.dt)
+        )
+        return atol, rtol, dt
 
     def chosen(self, names: Iterable[str]) -> list[str]:
         """Names that are compared; a pattern that matches none is an error."""
         known = list(names)
         limits = {"--atol": self.atol, "--rtol": self.rtol, "--dt": self.dt}
         given = [("--only", pattern) for pattern in self.only]
-        given += [(option, limit.pattern) for option, found in limits.items() for limit in found]
+        given += [(option, pattern) for option, found in limits.items() for pattern, _ in found]
         for option, pattern in given:
             if pattern != EVERYTHING and not any(fits(name, pattern) for name in known):
-                raise CosimError(
-                    f"`{option} {pattern}` matches none of the compared names", closest(pattern, known)
-                )
+                problem = f"`{option} {pattern}` matches none of the compared names"
+                raise CosimError(problem, closest(pattern, known))
         return [name for name in known if not self.only or any(fits(name, p) for p in self.only)]
 
 
-@dataclass(frozen=True)
-class Limit:
-    """A number for the names that match a pattern."""
-
-    pattern: str
-    value: float
-
-
-def tolerances(
-    atol: Sequence[str] = (), rtol: Sequence[str] = (), dt: Sequence[str] = (), only: Sequence[str] = ()
-) -> Tolerances:
+def tolerances(atol: list[str], rtol: list[str], dt: list[str], only: list[str]) -> Tolerances:
     """Tolerances from the texts of the command line."""
     return Tolerances(
         tuple(limit("--atol", text, math.inf) for text in atol),
@@ -64,7 +59,7 @@ def tolerances(
 
 
 def limit(option: str, text: str, below: float) -> Limit:
-    """Limit from `VALUE` or `PATTERN=VALUE`."""
+    """Return the limit of `VALUE` or `PATTERN=VALUE`."""
     pattern, _, number = text.rpartition("=")
     try:
         value = float(number)
@@ -74,12 +69,7 @@ def limit(option: str, text: str, below: float) -> Limit:
     if not 0.0 <= value < below:
         bound = "finite" if math.isinf(below) else f"below {below:g}"
         raise CosimError(f"`{option} {text}` is out of range: it must not be negative, and {bound}")
-    return Limit(pattern.strip() or EVERYTHING, value)
-
-
-def value_for(limits: Sequence[Limit], name: str) -> float:
-    """Value of the last limit that matches a name, 0 for none."""
-    return next((limit.value for limit in reversed(limits) if fits(name, limit.pattern)), 0.0)
+    return pattern.strip() or EVERYTHING, value
 
 
 def fits(name: str, pattern: str) -> bool:

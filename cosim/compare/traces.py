@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.compare.comparison import ComparedColumn, Comparison, same_units, worst
-from cosim.compare.tolerance import Tolerances
 from cosim.compare.tube import tube
 from cosim.errors import CosimError
 from cosim.trace.columns import stepped
@@ -16,18 +15,14 @@ SAME = 1e-3
 """Tolerance of equal steps and times, as a fraction of a step."""
 
 
-def compare(
-    reference: StoredTrace, other: StoredTrace, allowed: Tolerances, names: tuple[str, str]
-) -> Comparison:
-    """Compare a trace with a reference; `names` are their names."""
-    found = Comparison("traces", *names)
-    chosen = allowed.chosen(reference.columns)
+def compare(found: Comparison, reference: StoredTrace, other: StoredTrace) -> None:
+    """Compare a trace with a reference."""
+    allowed, chosen = found.allowed, found.allowed.chosen(reference.columns)
     if not chosen:
-        raise CosimError(f"`{names[0]}` has no columns to compare")
+        raise CosimError(f"`{found.reference}` has no columns to compare")
     present = [name for name in chosen if name in other.columns]
-    missing = [name for name in chosen if name not in other.columns]
-    found.differences += [f"the column `{name}` is missing" for name in missing]
-    found.note_extra(reference.columns, other.columns, allowed)
+    found.differences += [f"the column `{name}` is missing" for name in chosen if name not in other.columns]
+    found.note_extra(reference.columns, other.columns)
     compare_times(found, reference.times, other.times, min((allowed.of(n)[2] for n in present), default=0.0))
     for name in present:
         found.differences += meanings(name, reference, other)
@@ -37,7 +32,6 @@ def compare(
         found.deviations.append(worst(name, unit, around, others, other.times))
         items = other.items.get(name) or reference.items.get(name) or {}
         found.curves[name] = ComparedColumn(other.times, others, around, items)
-    return found
 
 
 def meanings(name: str, reference: StoredTrace, other: StoredTrace) -> list[str]:

@@ -1,9 +1,12 @@
-"""Draft of a scenario: opens FMU and plant, matches ports, chooses the steps."""
+"""Draft of a scenario: opens FMU and plant, matches ports by names and units, chooses the steps."""
 
 from __future__ import annotations
 
+import difflib
 import math
 import os
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,10 +18,56 @@ from cosim.fmu.archive import FmuFile, Variable, open_fmu
 from cosim.loop import plant
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Channel
-from cosim.new.match import End, Match, match
+from cosim.units import UNCHANGED, Conversion, conversion
 
 DEFAULT_STEP, LONGEST = 0.01, 1.0
 """Default communication step, and duration of the first run, s."""
+ENOUGH = 0.65
+"""Similarity of two names above which they match."""
+OTHER_THING = 0.3
+"""Penalty for names with the same words about different parts."""
+SAME_UNIT = 0.1
+"""Bonus for equal units."""
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of a wire: an input, output, measurement or command.
+
+    The unit is empty if unknown. `note` has type, unit, range and description for a comment. `start` is the
+    start value as TOML.
+    """
+
+    name: str
+    unit: str = ""
+    note: str = ""
+    start: str = "0.0"
+
+
+@dataclass(frozen=True)
+class Match:
+    """Two matching ports; `conversion` is that of the unit, `sure` is true if the names match."""
+
+    source: End
+    target: End
+    conversion: Conversion = UNCHANGED
+    sure: bool = True
+
+
+@dataclass(frozen=True)
+class Side:
+    """The FMU or the plant: its outputs or measurements, its inputs or commands, and the wires to these."""
+
+    name: str
+    sources: list[End]
+    targets: list[End]
+    wires: list[Match]
+
+    @property
+    def undriven(self) -> list[End]:
+        """Inputs or commands without a wire."""
+        driven = {match.target for match in self.wires}
+        return [end for end in self.targets if end not in driven]
 
 
 @dataclass(frozen=True)
@@ -26,9 +75,8 @@ class Draft:
     """Content of a new scenario.
 
     `fmu` and `plant` are names or paths for the file, empty without a plant. `parameters` has the plant's
-    parameters that are not the defaults, with value and reason. `step` is in s, `substeps` are the plant
-    steps in it, `steps` those of the run. `readings` are the wires to the FMU, `commands` those to the plant.
-    `inputs` and `outputs` belong to the FMU, `sensed` and `commanded` to the plant.
+    parameters that are not the defaults, with value and reason. `step` and `duration` are in s, `substeps`
+    are the plant steps in a step. `sides` are the FMU and the plant, which has no ports without a plant.
     """
 
     title: str
@@ -37,22 +85,8 @@ class Draft:
     parameters: dict[str, tuple[str, str]]
     step: float
     substeps: int
-    steps: int
-    readings: list[Match]
-    commands: list[Match]
-    inputs: list[End]
-    outputs: list[End]
-    sensed: list[End]
-    commanded: list[End]
-
-    @property
-    def undriven(self) -> dict[str, list[End]]:
-        """Inputs of the FMU and commands of the plant without a wire, by the side that has them."""
-        sides = {"controller": (self.inputs, self.readings), "plant": (self.commanded, self.commands)}
-        return {
-            side: [end for end in ends if end not in {match.target for match in matches}]
-            for side, (ends, matches) in sides.items()
-        }
+    duration: float
+    sides: tuple[Side, Side]
 
 
 def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
@@ -63,9 +97,7 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
     file = open_fmu(paths.find_fmu(fmu, Path.cwd()))
     inputs, outputs = variables(file, "input"), variables(file, "output")
     required: dict[str, tuple[str, str]] = {}
-    sensed: list[End] = []
-    commanded: list[End] = []
-    timestep = 0.0
+    timestep, sensed, commanded = 0.0, list[End](), list[End]()
     place.begin(file.name, plant_name, 0, 0.0)
     if plant_name:
         place.at(Stage.BUILD_PLANT)
@@ -81,34 +113,43 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
         place.at(Stage.CLOSE_PLANT)
         plant.close(driven, plant_name)
         place.at(Stage.NONE)
-    step, substeps = steps(wanted_step(file), timestep)
+    step, substeps = wanted_step(file), 1
+    if timestep > 0.0:
+        substeps = max(1, round(step / timestep))
+        step = float(f"{substeps * timestep:.12g}")
     return Draft(
-        title=f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
-        fmu=relative_name(fmu, file.path, folder),
-        plant=relative_name(plant_name, paths.expanded(plant_name), folder),
-        parameters=required,
-        step=step,
-        substeps=substeps,
-        steps=max(1, round(LONGEST / step)),
-        readings=match(sensed, inputs),
-        commands=match(outputs, commanded),
-        inputs=inputs,
-        outputs=outputs,
-        sensed=sensed,
-        commanded=commanded,
+        f"{file.name} and {Path(plant_name).stem}" if plant_name else f"{file.name} alone",
+        relative_name(fmu, file.path, folder),
+        relative_name(plant_name, paths.expanded(plant_name), folder),
+        required,
+        step,
+        substeps,
+        duration=max(1, round(LONGEST / step)) * step,
+        sides=(
+            Side("controller", outputs, inputs, match(sensed, inputs)),
+            Side("plant", sensed, commanded, match(outputs, commanded)),
+        ),
     )
 
 
 def variables(file: FmuFile, causality: str) -> list[End]:
     """List numeric inputs or outputs of an FMU."""
-    found = []
-    for one in file.named(causality):
-        if one.kind != "String":
-            limits = " | ".join(name for name, _ in one.items) or limits_text(one.minimum, one.maximum)
-            found.append(
-                End(one.name, one.unit, note(one.kind, one.unit, limits, one.description), start(one))
-            )
-    return found
+    return [
+        end(one, one.kind, " | ".join(name for name, _ in one.items) or limits_text(one), start(one))
+        for one in file.named(causality)
+        if one.kind != "String"
+    ]
+
+
+def channels(found: tuple[Channel, ...]) -> list[End]:
+    """List measurements or commands of a plant."""
+    return [end(one, "", limits_text(one), repr(plant.start(one))) for one in found]
+
+
+def end(one: Variable | Channel, kind: str, limits: str, start: str) -> End:
+    """End of a wire with a note in one line."""
+    note = ", ".join(filter(None, (kind, one.unit, limits, one.description)))
+    return End(one.name, one.unit, " ".join(note.split()), start)
 
 
 def start(found: Variable) -> str:
@@ -120,31 +161,13 @@ def start(found: Variable) -> str:
     return str(int(found.start or 0))
 
 
-def channels(found: tuple[Channel, ...]) -> list[End]:
-    """List measurements or commands of a plant."""
-    return [
-        End(
-            one.name,
-            one.unit,
-            note(one.unit, limits_text(one.minimum, one.maximum), one.description),
-            repr(plant.start(one)),
-        )
-        for one in found
-    ]
-
-
-def limits_text(minimum: float | str, maximum: float | str) -> str:
+def limits_text(one: Variable | Channel) -> str:
     """Range with optional ends."""
-    low, high = (
-        f"{float(end):g}" if end not in ("", None) and math.isfinite(float(end)) else ""
-        for end in (minimum, maximum)
-    )
-    return f"{low} .. {high}".strip() if low or high else ""
-
-
-def note(*parts: str) -> str:
-    """Text of a comment, in one line."""
-    return " ".join(", ".join(part for part in parts if part).split())
+    ends = [
+        f"{float(limit):g}" if limit not in ("", None) and math.isfinite(float(limit)) else ""
+        for limit in (one.minimum, one.maximum)
+    ]
+    return " .. ".join(ends).strip() if any(ends) else ""
 
 
 def wanted_step(file: FmuFile) -> float:
@@ -154,16 +177,61 @@ def wanted_step(file: FmuFile) -> float:
     return step if step > 0.0 else DEFAULT_STEP
 
 
-def steps(wanted: float, timestep: float) -> tuple[float, int]:
-    """Communication step nearest to the requested one, and the number of plant steps in it."""
-    if timestep <= 0.0:
-        return wanted, 1
-    substeps = max(1, round(wanted / timestep))
-    return float(f"{substeps * timestep:.12g}"), substeps
-
-
 def relative_name(name: str, file: Path, folder: Path) -> str:
     """Name in the scenario: a path is relative to its folder."""
     if name.endswith((".fmu", *plant.MJCF)) or os.sep in name:
         return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
     return name
+
+
+def match(sources: Sequence[End], targets: Sequence[End]) -> list[Match]:
+    """Pair sources with targets, the most similar first; each is used once.
+
+    One remaining source and one remaining target with compatible units also are a pair.
+    """
+    found: dict[str, Match] = {}
+    used: set[str] = set()
+    pairs = [(likeness(source, target), source, target) for source in sources for target in targets]
+    for value, source, target in sorted(pairs, key=lambda pair: -pair[0]):
+        if value >= ENOUGH and source.name not in used and target.name not in found:
+            found[target.name] = Match(source, target, converted(source.unit, target.unit) or UNCHANGED)
+            used.add(source.name)
+    left = [source for source in sources if source.name not in used]
+    open_ = [target for target in targets if target.name not in found]
+    if len(left) == len(open_) == 1 and (change := converted(left[0].unit, open_[0].unit)) is not None:
+        found[open_[0].name] = Match(left[0], open_[0], change, sure=False)
+    return [found[target.name] for target in targets if target.name in found]
+
+
+def likeness(source: End, target: End) -> float:
+    """From 0 to a little above 1; 0 for units that contradict each other."""
+    if converted(source.unit, target.unit) is None:
+        return 0.0
+    known = source.unit == target.unit and source.unit not in ("", "1")
+    return same_words(source.name, target.name) + (SAME_UNIT if known else 0.0)
+
+
+def same_words(one: str, other: str) -> float:
+    """Similarity of two names, 1 for the same words; slightly less if one contains the other."""
+    mine, others = words(one), words(other)
+    if not mine or not others:
+        return float(one == other)
+    fewer, more = sorted((set(mine), set(others)), key=len)
+    # a letter or an index alone names a component: the output `y` is not `force.y`
+    named = any(len(word) > 1 and not word.isdigit() for word in fewer)
+    if fewer <= more and (named or fewer == more):
+        return 1.0 - 0.02 * abs(len(mine) - len(others))
+    whole = difflib.SequenceMatcher(None, "_".join(mine), "_".join(others)).ratio()
+    # `x.position` and `y.position` differ in the significant word
+    return whole - OTHER_THING if mine[-1] == others[-1] and len(mine) == len(others) else whole
+
+
+def words(name: str) -> list[str]:
+    """Words of a name in small letters: `Slide.posX[1]` is slide, pos, x, 1."""
+    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
+    return [part.lower() for part in parts]
+
+
+def converted(before: str, after: str) -> Conversion | None:
+    """Conversion from one unit to another; no change if one is unknown, None if they are incompatible."""
+    return UNCHANGED if {before, after} & {"", "1"} else conversion(before, after)

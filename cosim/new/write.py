@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
-from cosim.new.draft import Draft
-from cosim.new.match import End, Match
+from cosim.new.draft import Draft, End, Side
 from cosim.scenario.injection import INJECTED
 
 PLAIN = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*|\[\d+\])*")
@@ -16,119 +15,101 @@ PLAIN = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*|\[\d+\])*")
 
 def text(draft: Draft) -> str:
     """Write a scenario that can run; unconnected ports are comments."""
-    return "\n".join([*head(draft), *wires(draft), *left(draft), *faults(draft), *demands(draft)]) + "\n"
+    return "\n\n".join([*head(draft), *wires(draft), *left(draft), *examples(draft)]) + "\n"
 
 
 def head(draft: Draft) -> Iterator[str]:
-    """Loop, FMU and plant."""
-    yield f"title = {quoted(draft.title)}"
-    names = [f"{side}.{end.name}" for side, ends in draft.undriven.items() for end in ends]
-    if names:
-        yield "# undriven: remove the `# `; the list names inputs that keep their start value"
-        yield f"# undriven = [{', '.join(map(quoted, names))}]"
-    yield ""
-    yield "[loop]"
-    yield f"step = {draft.step!r}".ljust(26) + "# s, communication step of the FMU"
+    """Title, loop, FMU and plant."""
+    names = [port(side, end) for side in draft.sides for end in side.undriven]
+    undriven = f"""
+# undriven: remove the `# `; the list names inputs that keep their start value
+# undriven = [{", ".join(names)}]"""
+    yield f"title = {quoted(draft.title)}{undriven if names else ''}"
+    substeps = "\n" + noted(f"substeps = {draft.substeps}", "plant steps in each communication step")
+    yield f"""\
+[loop]
+{noted(f"step = {draft.step!r}", "s, communication step of the FMU")}{substeps if draft.plant else ""}
+{noted(f"duration = {seconds(draft.duration)}", "s")}
+
+[controller]
+fmu = {quoted(draft.fmu)}
+
+[controller.parameters]    # `cosim show` lists them"""
     if draft.plant:
-        yield f"substeps = {draft.substeps}".ljust(26) + "# plant steps in each communication step"
-    yield f"duration = {float(f'{draft.steps * draft.step:.12g}')!r}".ljust(26) + "# s"
-    yield ""
-    yield "[controller]"
-    yield f"fmu = {quoted(draft.fmu)}"
-    yield ""
-    yield "[controller.parameters]    # `cosim show` lists them"
-    yield ""
-    if draft.plant:
-        yield "[plant]"
-        yield f"name = {quoted(draft.plant)}"
-        yield ""
-        yield "[plant.parameters]"
-        for name, (value, reason) in draft.parameters.items():
-            yield f"{name} = {quoted(value)}    # {reason}"
-        yield ""
+        values = draft.parameters.items()
+        parameters = [f"\n{name} = {quoted(value)}    # {reason}" for name, (value, reason) in values]
+        yield f"[plant]\nname = {quoted(draft.plant)}\n\n[plant.parameters]{''.join(parameters)}"
 
 
 def wires(draft: Draft) -> Iterator[str]:
     """Wires between ends that fit."""
-    for match in draft.readings:
-        yield from wire(match, "plant", "controller")
-    for match in draft.commands:
-        yield from wire(match, "controller", "plant")
-
-
-def wire(match: Match, source: str, target: str) -> Iterator[str]:
-    """One wire."""
-    if not match.sure:
-        yield "# the only remaining pair: check it"
-    yield "[[wire]]"
-    yield f"from = {quoted(f'{source}.{match.source.name}')}"
-    yield f"to = {quoted(f'{target}.{match.target.name}')}"
-    if match.conversion.changes:
-        scale, offset = match.conversion
-        yield f"scale = {scale!r}".ljust(26) + f"# {match.source.unit} to {match.target.unit}"
-        if offset:
-            yield f"offset = {offset!r}"
-    yield ""
+    for target, source in zip(draft.sides, reversed(draft.sides), strict=True):
+        for match in target.wires:
+            doubt = "" if match.sure else "# the only remaining pair: check it\n"
+            scale, offset = match.conversion
+            line = noted(f"scale = {scale!r}", f"{match.source.unit} to {match.target.unit}")
+            scaled = f"\n{line}" if match.conversion.changes else ""
+            moved = f"\noffset = {offset!r}" if offset else ""
+            from_, to = port(source, match.source), port(target, match.target)
+            yield f"{doubt}[[wire]]\nfrom = {from_}\nto = {to}{scaled}{moved}"
 
 
 def left(draft: Draft) -> Iterator[str]:
     """List undriven and unused ports as comments."""
-    yield from signals("controller", draft.undriven["controller"], "undriven inputs of the FMU")
-    yield from signals("plant", draft.undriven["plant"], "undriven commands")
-    yield from unread("controller", draft.outputs, draft.commands)
-    yield from unread("plant", draft.sensed, draft.readings)
+    for side, what in zip(draft.sides, ("undriven inputs of the FMU", "undriven commands"), strict=True):
+        if side.undriven:
+            yield f"# {what}: remove the `# ` of a signal, or make it a wire with `from`"
+        for end in side.undriven:
+            yield f"""\
+# {end.note or "(no description)"}
+# [[signal]]
+# to = {port(side, end)}
+# times = [0.0]
+# values = [{end.start}]"""
+    for side, other in zip(draft.sides, reversed(draft.sides), strict=True):
+        used = {match.source for match in other.wires}
+        if unread := [f"\n#   {side.name}.{end.name}: {end.note}" for end in side.sources if end not in used]:
+            yield f"# not wired:{''.join(unread)}"
 
 
-def signals(side: str, rest: list[End], title: str) -> Iterator[str]:
-    """Signals for ends without a wire, as comments."""
-    if rest:
-        yield f"# {title}: remove the `# ` of a signal, or make it a wire with `from`"
-        yield ""
-    for end in rest:
-        yield f"# {end.note}" if end.note else "# (no description)"
-        yield "# [[signal]]"
-        yield f"# to = {quoted(f'{side}.{end.name}')}"
-        yield "# times = [0.0]"
-        yield f"# values = [{end.start}]"
-        yield ""
+def examples(draft: Draft) -> Iterator[str]:
+    """Fault of the first measurement, metric of the first output, and a criterion to fill in."""
+    others = ", ".join(kind for kind in INJECTED if kind != "frozen")
+    controller, _ = draft.sides
+    for match in controller.wires[:1]:
+        yield f"""\
+# a fault on the wire: remove the `# ` and check the reaction of the FMU
+# [[inject]]
+# to = {port(controller, match.target)}
+# from_time = {seconds(0.5 * draft.duration)}
+{noted("# frozen = true", f"or {others}")}"""
+    for first in controller.sources[:1]:
+        yield f"""\
+[[metric]]
+name = "peak"
+value = {quoted(f"max(abs({column(first.name)}))")}
+
+# set your limit and remove the `# `
+# [[criterion]]
+# id = "peak"
+# claim = {quoted(f"{first.name} stays small")}
+# metric = "peak"
+# maximum = 1.0"""
 
 
-def unread(side: str, ends: Sequence[End], matches: list[Match]) -> Iterator[str]:
-    """List sources without a wire as comments."""
-    used = {match.source for match in matches}
-    rest = [end for end in ends if end not in used]
-    if rest:
-        yield "# not wired:"
-        yield from (f"#   {side}.{end.name}: {end.note}" for end in rest)
-        yield ""
+def noted(line: str, note: str) -> str:
+    """Line with a note."""
+    return f"{line:<26}# {note}"
 
 
-def faults(draft: Draft) -> Iterator[str]:
-    """Fault of the first measurement, as a comment."""
-    for match in draft.readings[:1]:
-        yield "# a fault on the wire: remove the `# ` and check the reaction of the FMU"
-        yield "# [[inject]]"
-        yield f"# to = {quoted(f'controller.{match.target.name}')}"
-        yield f"# from_time = {float(f'{0.5 * draft.steps * draft.step:.12g}')!r}"
-        yield "# frozen = true".ljust(26) + f"# or {', '.join(kind for kind in INJECTED if kind != 'frozen')}"
-        yield ""
+def seconds(time: float) -> str:
+    """Time without the rounding errors of its computation."""
+    return repr(float(f"{time:.12g}"))
 
 
-def demands(draft: Draft) -> Iterator[str]:
-    """Metric of the first output, and a criterion to fill in."""
-    if not draft.outputs:
-        return
-    first = draft.outputs[0]
-    yield "[[metric]]"
-    yield 'name = "peak"'
-    yield f"value = {quoted(f'max(abs({column(first.name)}))')}"
-    yield ""
-    yield "# set your limit and remove the `# `"
-    yield "# [[criterion]]"
-    yield '# id = "peak"'
-    yield f"# claim = {quoted(f'{first.name} stays small')}"
-    yield '# metric = "peak"'
-    yield "# maximum = 1.0"
+def port(side: Side, end: End) -> str:
+    """Name of a port in TOML."""
+    return quoted(f"{side.name}.{end.name}")
 
 
 def column(name: str) -> str:

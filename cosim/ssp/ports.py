@@ -69,26 +69,18 @@ def ports_of(scenario: Scenario, files: Mapping[str, FmuFile]) -> Ports:
         owner, _, name = end.partition(".")
         with concerning(key):
             variable = lookup(files[owner].variables, name)
-        if variable.causality not in ("input", "output"):
-            problem = (
-                f"`{end}` has causality `{variable.causality}`: masters of SSP connect inputs and outputs"
-            )
-            is_local = variable.causality == "local"
-            raise rejected(
-                key, problem, "Build an FMU of `cargo fmu` with `--outputs all`." if is_local else ""
-            )
+        if (causality := variable.causality) not in ("input", "output"):
+            problem = f"`{end}` has causality `{causality}`: masters of SSP connect inputs and outputs"
+            hint = "Build an FMU of `cargo fmu` with `--outputs all`." if causality == "local" else ""
+            raise rejected(key, problem, hint)
         return Port(owner, variable)
 
     targets = [("wire", wire.to) for wire in scenario.wire if side_of(wire.source) == PLANT]
     targets += [("signal", signal.to) for signal in scenario.signal if side_of(signal.to) != PLANT]
     driven = {to: port(f"{section}.{to}.to", to) for section, to in targets}
-    held = {
-        signal.to: signal.values[0]
-        for signal in scenario.signal
-        if len(signal.values) == 1
-        and signal.to in driven
-        and driven[signal.to].variable.kind == "Enumeration"
-    }
+    items = {to for to, port in driven.items() if port.variable.kind == "Enumeration"}
+    constant = [signal for signal in scenario.signal if len(signal.values) == 1]
+    held = {signal.to: signal.values[0] for signal in constant if signal.to in items}
     commands = [wire for wire in scenario.wire if side_of(wire.to) == PLANT]
     commanding = {wire.source: port(f"wire.{wire.to}.from", wire.source) for wire in commands}
     direct = tuple(wire for wire in scenario.wire if is_direct(wire))

@@ -52,7 +52,10 @@ def system(
     sub(oms, "oms:FixedStepMaster", description="oms-ma", stepSize=scenario.loop.step)
     enumerate_items(root, connectors)
     define_units(root, descriptions.values())
-    experiment(root, scenario)
+    experiment = sub(root, "ssd:DefaultExperiment", startTime=0.0, stopTime=scenario.loop.duration)
+    # in SSP 1.0 the step is only an annotation; this is that of libcosim
+    osp = sub(sub(experiment, "ssd:Annotations"), "ssc:Annotation", type="com.opensimulationplatform")
+    sub(sub(osp, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=scenario.loop.step)
     return text(root)
 
 
@@ -138,23 +141,12 @@ def define_units(root: Element, descriptions: Iterable[Any]) -> None:
             sub(sub(made, "ssc:Unit", name=name), "ssc:BaseUnit", **kept)
 
 
-def experiment(root: Element, scenario: Scenario) -> None:
-    """Append duration and communication step; in SSP 1.0 the step is only an annotation."""
-    loop = scenario.loop
-    made = sub(root, "ssd:DefaultExperiment", startTime=0.0, stopTime=loop.duration)
-    notes = sub(made, "ssd:Annotations")
-    # as libcosim keeps it
-    osp = sub(sub(notes, "ssc:Annotation", type="com.opensimulationplatform"), "osp:Algorithm")
-    sub(osp, "osp:FixedStepAlgorithm", baseStepSize=loop.step)
-
-
 def parameter_set(choice: FmuChoice, file: FmuFile, ports: Ports) -> str:
     """Return the parameter set of an FMU: parameters of the scenario and constant inputs."""
-    parameters = []
-    for variable, value in expand(file.variables, choice.parameters | ports.starts(choice.name)):
-        items: dict[Any, Any] = {number: item for item, number in variable.items}
-        parameters.append((variable.name, variable.kind, items.get(value, value)))
-    return values(parameters)
+    given = expand(file.variables, choice.parameters | ports.starts(choice.name))
+    # the items of enumerations by name
+    items: dict[Any, str] = {(one.name, number): item for one, _ in given for item, number in one.items}
+    return values((one.name, one.kind, items.get((one.name, value)) or value) for one, value in given)
 
 
 def values(parameters: Iterable[tuple[str, str, Any]]) -> str:

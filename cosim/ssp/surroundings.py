@@ -48,41 +48,29 @@ class Surroundings(Fmi2Slave):
         self.default_experiment = DefaultExperiment(0.0, loop.duration, loop.step)
         # the FMUs need not be where this one runs
         driven, commanding = (tuple(map(Port.of, settings[end])) for end in ("driven", "commanding"))
-        self.plant = plant.build(
-            self.scenario.plant.name, self.scenario.plant.parameters, self.scenario.folder
-        )
+        choice = self.scenario.plant
+        self.plant = plant.build(choice.name, choice.parameters, self.scenario.folder)
         self.commands = plant.starts(self.plant.commands)
         self.places = {f"{PLANT}.{channel.name}": k for k, channel in enumerate(self.plant.commands)}
+        self.channels = {f"{PLANT}.{channel.name}": channel for channel in self.plant.readings}
+        self.measured = [f"{PLANT}.{one.name}" for one in (*self.plant.readings, *self.plant.truths)]
         self.k = 0
-        self.given: dict[str, float] = {port.name: start(port) for port in commanding}
-        self.driven: dict[str, float] = {port.name: start(port) for port in driven}
-        self.seen: dict[str, float] = {
-            f"{PLANT}.{channel.name}": 0.0 for channel in (*self.plant.readings, *self.plant.truths)
-        }
+        self.given = {port.name: start(port) for port in commanding}
+        self.driven = {port.name: start(port) for port in driven}
+        self.seen = dict.fromkeys(self.measured, 0.0)
         self.kinds = {port.name: port.variable.kind for port in driven}
-        self.signals: dict[str, Any] = {}
-        for signal in self.scenario.signal:
-            # what is left is the start value of an input
-            if signal.to in self.places or signal.to in self.driven:
-                self.signals[signal.to] = self.samples(signal, driven)
+        # what is left is the start value of an input
+        signals = [one for one in self.scenario.signal if one.to in self.places or one.to in self.driven]
+        self.signals = {signal.to: self.samples(signal, driven) for signal in signals}
         self.links: list[tuple[str, str, Shape, Delay]] = []
-        self.register(driven, commanding)
-
-    def register(self, driven: tuple[Port, ...], commanding: tuple[Port, ...]) -> None:
-        """Make the variables of the FMU."""
         for port in commanding:
             self.put(port.name, port.variable.kind, self.given, Fmi2Causality.input)
         for port in driven:
             self.put(port.name, port.variable.kind, self.driven, Fmi2Causality.output)
         for name in self.seen:
             self.put(name, "Real", self.seen, Fmi2Causality.output)
-        seed = Integer(
-            "seed",
-            causality=Fmi2Causality.parameter,
-            variability=Fmi2Variability.fixed,
-            description="Seed of all noise",
-        )
-        self.register_variable(seed)
+        fixed = {"causality": Fmi2Causality.parameter, "variability": Fmi2Variability.fixed}
+        self.register_variable(Integer("seed", **fixed, description="Seed of all noise"))
 
     def put(self, name: str, kind: str, values: dict[str, float], causality: Any) -> None:
         """Register a variable whose value is kept in a table."""
@@ -96,28 +84,23 @@ class Surroundings(Fmi2Slave):
         """Values of a signal, one for each step and one for the end."""
         loop = self.scenario.loop
         times: Any = signal.times
-        values: Any = signal.values
+        values: Any
         if signal.file:
             found = time_series.read(time_series.find(signal.file, self.scenario.folder), signal.column)
             times, values = found.times, found.values
         else:
-            for port in driven:
-                if port.name == signal.to:
-                    values = [encode(port.variable, value) for value in values]
-            values = [float(value) for value in values]
+            variable = next((port.variable for port in driven if port.name == signal.to), None)
+            values = [float(encode(variable, value) if variable else value) for value in signal.values]
         return time_series.sample(times, values, loop.step, loop.steps + 1, signal.interpolation)
 
     def exit_initialization_mode(self) -> None:
         """Initialize the plant and take the first measurements."""
         loop = self.scenario.loop
-        readings = {f"{PLANT}.{channel.name}": channel for channel in self.plant.readings}
+        commands = {to: self.plant.commands[place] for to, place in self.places.items()}
         self.links.clear()
         for wire in self.scenario.wire:
-            from_plant = wire.source in readings
-            if from_plant or wire.to in self.places:
-                channel: Any = (
-                    readings[wire.source] if from_plant else self.plant.commands[self.places[wire.to]]
-                )
+            from_plant = wire.source in self.channels
+            if channel := self.channels.get(wire.source) or commands.get(wire.to):
                 samples = noise(wire, channel, self.seed, loop.steps + 1)
                 shape = shaper(wire, channel, from_plant, samples)
                 self.links.append((wire.source, wire.to, shape, Delay(wire.delay)))
@@ -131,7 +114,7 @@ class Surroundings(Fmi2Slave):
         if abs(step_size - loop.step) > STEP_TOLERANCE * loop.step:
             raise ValueError(f"the communication step is {step_size} s, but the scenario has {loop.step} s")
         # what is given was put out in the step before
-        sample = self.sample(max(self.k - 1, 0))
+        sample = min(max(self.k - 1, 0), loop.steps)
         for source, to, shape, delay in self.links:
             if to in self.places:
                 self.commands[self.places[to]] = delay(shape(self.given[source], sample), self.k)
@@ -146,21 +129,15 @@ class Surroundings(Fmi2Slave):
 
     def look(self) -> None:
         """Read measurements and ground truth of the plant, and the inputs of the FMUs."""
-        channels = (*self.plant.readings, *self.plant.truths)
+        loop = self.scenario.loop
         values = np.concatenate([self.plant.sense(), self.plant.truth()])
-        self.seen.update(
-            (f"{PLANT}.{channel.name}", float(value)) for channel, value in zip(channels, values, strict=True)
-        )
+        self.seen.update(zip(self.measured, map(float, values), strict=True))
         for source, to, shape, delay in self.links:
             if source in self.seen:
-                self.drive(to, delay(shape(self.seen[source], self.sample(self.k)), self.k))
+                self.drive(to, delay(shape(self.seen[source], min(self.k, loop.steps)), self.k))
         for to, samples in self.signals.items():
             if to not in self.places:
                 self.drive(to, samples.item(self.at(samples)))
-
-    def sample(self, k: int) -> int:
-        """Index of a step in the noise, limited to the end of the run."""
-        return min(k, self.scenario.loop.steps)
 
     def at(self, values: Any) -> int:
         """Index of the present step in a signal, which holds its last value."""

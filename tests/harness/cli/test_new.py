@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import cosim as api
-from cosim.new.match import End, match
+from cosim.new.draft import End, match
 
 from ..conftest import DATA
 from .commands import called, cosim

@@ -16,7 +16,7 @@ from cosim.check import lint
 from cosim.errors import ExpressionError
 from cosim.metrics.criteria import compile_metrics, converted, drawn, unit_of
 from cosim.metrics.expression import Expression, Items
-from cosim.new.match import End, match
+from cosim.new.draft import End, match
 from cosim.scenario.model import Criterion, Metric
 from cosim.units import BASES, CONSTANTS, Definition, Unit, conversion, defined, of_fmu
 

@@ -1,16 +1,22 @@
-"""Tables of a comparison for a terminal."""
+"""Tables of a comparison for a terminal; its plot with tubes, compared curves, and rows outside."""
 
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
 from cosim.compare.comparison import Comparison, Deviation
+from cosim.errors import CosimError
 from cosim.formatting.quantity import number, text
+from cosim.show import figure as figures
 from cosim.show.listing import plain_table
 
+MAX_PANELS = 6
 NAMES = {"traces": "column", "results": "metric", "sweeps": "metric"}
 
 
@@ -38,17 +44,12 @@ def deviations(found: Comparison, shown: list[Deviation]) -> RenderableType:
         values = [items.get(value) or text(value, one.unit, 6) for value in (one.reference, one.value)]
         where = [] if one.at is None else [f"{one.at:g} s" if found.kind == "traces" else f"{one.at:.0f}"]
         counts = [f"{one.outside} of {one.compared}"] if places else []
+        is_nan = math.isnan(one.reference) or math.isnan(one.value)
+        distance = "not a number" if is_nan else text(one.deviation, one.unit)
         yes = Text("NO", style="bold red") if one.outside else Text("yes", style="green")
-        cells = [*values, distance(one), text(one.tolerance, one.unit), *where, *counts]
+        cells = [*values, distance, text(one.tolerance, one.unit), *where, *counts]
         table.add_row(Text(one.name), *map(Text, cells), yes)
     return table
-
-
-def distance(found: Deviation) -> str:
-    """Deviation as text."""
-    if math.isnan(found.reference) or math.isnan(found.value):
-        return "not a number" if found.deviation else "0"
-    return text(found.deviation, found.unit)
 
 
 def verdict(found: Comparison) -> Text:
@@ -59,10 +60,42 @@ def verdict(found: Comparison) -> Text:
     what = f"`{found.other}` against `{found.reference}`: "
     if outside:
         what += f"{outside} of {number(count)} {noun} beyond tolerance"
-    elif equal == count:
-        what += f"{count} {noun} equal"
     else:
-        what += f"{count} {noun} within tolerance, {equal} of them equal"
+        what += f"{count} {noun} {'' if equal == count else f'within tolerance, {equal} of them '}equal"
     if found.differences:
         what += f", {len(found.differences)} other difference{'s' if len(found.differences) > 1 else ''}"
     return Text(what, style="bold green" if found.within else "bold red")
+
+
+def check_plot(kind: str, path: Path) -> None:
+    """Check before the comparison that the plot can be made."""
+    if kind != "trace":
+        raise CosimError(f"`--plot` cannot be used with a {kind}", "Use `--plot` with traces only.")
+    figures.check(path)
+
+
+def save_plot(found: Comparison, path: Path) -> None:
+    """Plot up to six columns with the largest deviations relative to their tolerance."""
+    drawn = sorted(found.deviations, key=lambda d: (not d.outside, -d.outside))[:MAX_PANELS]
+    with figures.styled((9.0, 1.2 + 1.7 * len(drawn))) as figure:
+        grid = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)
+        for (axes,), deviation in zip(grid, drawn, strict=True):
+            plot_column(axes, found, deviation)
+        grid[0][0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
+        grid[-1][0].set_xlabel("time (s)")
+        figure.suptitle(f"{found.other} against {found.reference}", fontsize=10)
+        figures.save(figure, path)
+
+
+def plot_column(axes: Any, found: Comparison, deviation: Deviation) -> None:
+    """Plot one column."""
+    curve = found.curves[deviation.name]
+    low, high = curve.tube.walls
+    axes.fill_between(curve.times, low, high, color="tab:green", alpha=0.3, label="tolerance")
+    axes.plot(curve.times, 0.5 * (low + high), color="tab:green", linewidth=0.8, label="reference")
+    axes.plot(curve.times, curve.values, color="tab:blue", linewidth=0.8, label="other")
+    outside = curve.tube.deviation(curve.values) > curve.tube.tolerance(curve.values)
+    where = np.where(outside, curve.values, np.nan)
+    axes.plot(curve.times, where, ".", color="tab:red", markersize=3.0, label="outside", rasterized=True)
+    unit = f" ({deviation.unit})" if deviation.unit not in ("", "1") else ""
+    axes.set_title(f"{deviation.name}{unit}", fontsize=9, loc="left")

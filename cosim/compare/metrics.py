@@ -1,4 +1,4 @@
-"""Two sweeps, run by run."""
+"""Metrics of two results, or of two sweeps run by run."""
 
 from __future__ import annotations
 
@@ -12,14 +12,59 @@ import numpy as np
 
 from cosim import paths
 from cosim.compare.comparison import Comparison
-from cosim.compare.tolerance import Tolerances
 from cosim.errors import CosimError
 from cosim.study.store import FILE, Row
+
+HINT = "Use a file of `cosim run --json`."
 
 log = logging.getLogger("cosim")
 
 
-def read(folder: Path) -> list[Row]:
+def read_result(path: Path) -> dict[str, Any]:
+    """Read the JSON file of a result."""
+    shown = paths.shown(path)
+    try:
+        found: Any = json.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise CosimError(f"cannot read `{shown}`: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise CosimError(f"`{shown}` is not a result: {error}", HINT) from None
+    table: dict[str, Any] = found if isinstance(found, dict) else {}
+    metrics, criteria = table.get("metrics"), table.get("criteria")
+    if not isinstance(metrics, dict) or not isinstance(criteria, list):
+        raise CosimError(f"`{shown}` is not a result: it has no `metrics` and `criteria`", HINT)
+    tables = all(isinstance(entry, dict) for entry in (*metrics.values(), *criteria))
+    if not tables or not all(isinstance(entry.get("id"), str) for entry in criteria):
+        raise CosimError(f"`{shown}` is not a result: its metrics and criteria are not tables", HINT)
+    return table
+
+
+def compare_results(found: Comparison, reference: dict[str, Any], other: dict[str, Any]) -> None:
+    """Compare a result with a reference, both as `read_result` returns them."""
+    metrics, others = reference["metrics"], other["metrics"]
+    if not metrics:
+        raise CosimError(f"`{found.reference}` has no metrics to compare")
+    for name in found.allowed.chosen(metrics):
+        if name not in others:
+            found.differences.append(f"the metric `{name}` is missing")
+            continue
+        old, new = metrics[name], others[name]
+        units = str(old.get("unit", "")), str(new.get("unit", ""))
+        found.add_metric(name, units, ([old.get("value")], [new.get("value")]))
+    found.note_extra(metrics, others)
+    if found.allowed.only:
+        return
+    verdicts = {entry["id"]: bool(entry.get("passed")) for entry in other["criteria"]}
+    for entry in reference["criteria"]:
+        name, passed = entry["id"], verdicts.get(entry["id"])
+        if passed is None:
+            found.differences.append(f"the criterion `{name}` is missing")
+        elif passed != bool(entry.get("passed")):
+            verdict, before = ("passed", "failed") if passed else ("failed", "passed")
+            found.differences.append(f"the criterion `{name}` {verdict}, but {before} in the reference")
+
+
+def read_sweep(folder: Path) -> list[Row]:
     """Read the rows of a sweep, the last one of each run, in the order of the runs."""
     file = folder / FILE
     try:
@@ -44,23 +89,19 @@ def read(folder: Path) -> list[Row]:
     return sorted(found.values(), key=lambda row: int(row["run"]))
 
 
-def compare(
-    reference: list[Row], other: list[Row], allowed: Tolerances, names: tuple[str, str]
-) -> Comparison:
+def compare_sweeps(found: Comparison, reference: list[Row], other: list[Row]) -> None:
     """Compare the runs of a sweep with those of a reference.
 
     Two runs are a pair if they have the same hash. Otherwise, for example after a change of the program,
     they are a pair if they have the same settings and the same seed.
     """
-    found = Comparison("sweeps", *names)
     pairs, missing, extra = matched(reference, other)
     if not pairs:
         hint = "Compare sweeps with equal hashes, or with equal settings and seeds."
-        raise CosimError(f"no run of `{names[0]}` is in `{names[1]}`", hint)
+        raise CosimError(f"no run of `{found.reference}` is in `{found.other}`", hint)
     if missing:
-        found.differences.append(
-            f"{runs(missing)} missing, the first is run {missing[0]['run']} of the reference"
-        )
+        text = f"{runs(missing)} missing, the first is run {missing[0]['run']} of the reference"
+        found.differences.append(text)
     if extra:
         found.notes.append(f"{runs(extra)} not in the reference")
     changed: dict[tuple[str, str], list[Row]] = defaultdict(list)
@@ -72,23 +113,18 @@ def compare(
         found.differences.append(text)
     known = list(dict.fromkeys(name for old, _ in pairs for name in old["metrics"]))
     if not known and not found.differences:
-        raise CosimError(f"the runs of `{names[0]}` have no metrics to compare")
-    for name in allowed.chosen(known):
-        compare_metric(found, name, pairs, allowed)
-    return found
+        raise CosimError(f"the runs of `{found.reference}` have no metrics to compare")
+    for name in found.allowed.chosen(known):
+        compare_metric(found, name, pairs)
 
 
 def matched(reference: list[Row], other: list[Row]) -> tuple[list[tuple[Row, Row]], list[Row], list[Row]]:
     """Pairs of equal runs, and the runs that are only in one of the sweeps."""
     by_hash = {row["hash"]: row for row in other}
     by_case = {case_of(row): row for row in other}
-    pairs, missing = [], []
-    for row in reference:
-        partner = by_hash.get(row["hash"]) or by_case.get(case_of(row))
-        if partner is None:
-            missing.append(row)
-        else:
-            pairs.append((row, partner))
+    partners = [(row, by_hash.get(row["hash"]) or by_case.get(case_of(row))) for row in reference]
+    pairs = [(row, partner) for row, partner in partners if partner]
+    missing = [row for row, partner in partners if not partner]
     taken = {partner["hash"] for _, partner in pairs}
     return pairs, missing, [row for row in other if row["hash"] not in taken]
 
@@ -98,7 +134,7 @@ def case_of(row: Row) -> str:
     return json.dumps([row.get("set"), row.get("seed")], sort_keys=True)
 
 
-def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]], allowed: Tolerances) -> None:
+def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]]) -> None:
     """Compare a metric over all runs in which both have it."""
     both = [(old, new) for old, new in pairs if name in old["metrics"] and new["metrics"]]
     if not any(name in new["metrics"] for _, new in both):
@@ -108,7 +144,7 @@ def compare_metric(found: Comparison, name: str, pairs: list[tuple[Row, Row]], a
     units = str(old["units"].get(name, "")), str(new["units"].get(name, ""))
     before, now = ([row["metrics"].get(name) for row in rows] for rows in zip(*both, strict=True))
     numbers = np.array([float(old["run"]) for old, _ in both])
-    found.add_metric(name, units, (before, now), allowed, numbers)
+    found.add_metric(name, units, (before, now), numbers)
 
 
 def runs(rows: list[Any]) -> str:
