@@ -165,7 +165,7 @@ class Lost(Lag):
 """
 
 
-def test_a_column_or_measurement_with_nan_is_reported_once(
+def test_a_column_or_measurement_with_nan_is_reported_once_in_a_run(
     write: Write, folder: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     (folder / "nan_plants.py").write_text(NAN)
@@ -173,7 +173,7 @@ def test_a_column_or_measurement_with_nan_is_reported_once(
     for _ in range(2):
         assert cosim.run(cosim.load(file, set=["plant.name=nan_plants:Lost"])).passed is True
     reported = [text for text in caplog.messages if "was NaN during the run" in text]
-    assert [text.split()[0] for text in reported] == ["`plant.lost`", "`plant.unwired`"]
+    assert [text.split()[0] for text in reported] == ["`plant.lost`", "`plant.unwired`"] * 2
 
 
 def test_an_output_with_nan_is_reported(write: Write, folder: Path, caplog: pytest.LogCaptureFixture) -> None:

@@ -190,7 +190,7 @@ def test_what_cannot_draw_costs_the_picture_alone(folder: Path) -> None:
         (("cart.toml", "-o", "cart.avi"), "cannot write a video to `cart.avi`"),
         (("cart.toml", "-o", "nowhere/cart.mp4"), "cannot write `nowhere/cart.mp4`"),
         (("cart.toml", "--size", "63x48"), "`--size` is `63x48`"),
-        (("cart.toml", "--size", "large"), "`large` is not a size such as `640x480`"),
+        (("cart.toml", "--size", "large"), "`--size` is `large`"),
         (("cart.toml", "cart.toml"), "`cart.toml` is not a trace"),
         (("gone.npz",), "cannot read `gone.npz`"),
         (("cart.toml", "--seconds", "-1"), "`--seconds` is `-1`"),
