@@ -179,7 +179,16 @@ def test_the_module_for_arm_linux_is_imported_under_qemu(tmp_path: Path) -> None
         archive.extractall(tmp_path)
     code = "import machining_native as m, platform; m.Circuit().reset(); print(platform.machine(), *vars(m))"
     libraries = str(PLATFORMS / "qemu/usr/lib/x86_64-linux-gnu")
-    options = ["-U", "LD_LIBRARY_PATH", "-L", system, python.resolve(), "-c", code]
-    done = run([emulator, *options], tmp_path, LD_LIBRARY_PATH=libraries, PYTHONPATH=str(tmp_path))
+    command: list[str | Path] = [
+        emulator,
+        "-U",
+        "LD_LIBRARY_PATH",
+        "-L",
+        system,
+        python.resolve(),
+        "-c",
+        code,
+    ]
+    done = run(command, tmp_path, LD_LIBRARY_PATH=libraries, PYTHONPATH=str(tmp_path))
     assert done.stdout.startswith("aarch64 "), done.stderr
     assert {"Circuit", "Stepper", "low_pass"} <= set(done.stdout.split())
