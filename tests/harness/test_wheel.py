@@ -12,6 +12,7 @@ import subprocess
 import sys
 import venv
 import zipfile
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -107,6 +108,7 @@ def test_the_wheel_runs_in_a_fresh_environment(tmp_path: Path) -> None:
     assert "4 of 4 runs" in sweep.stdout
 
 
+@cache
 def wheel_for(platform: str) -> Path:
     """Build a wheel for a platform; the first one takes minutes, because it builds the release set."""
     subprocess.run(["cargo", "xtask", "wheel", "--platform", platform], cwd=ROOT, check=True)
