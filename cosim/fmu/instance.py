@@ -294,21 +294,22 @@ def start(variable: Variable) -> Value:
 def load_library(file: FmuFile, name: str) -> Fmi2 | Fmi3:
     """Load the FMU's library for an instance of that name."""
     check_library(file)
-    try:
-        folder = os.getcwd()  # noqa: PTH109
-    except FileNotFoundError:
-        raise FmuError("the working directory no longer exists", "Change to another directory.") from None
-    try:
-        # FMPy does not restore the working directory if a library cannot be loaded
-        with _loading, contextlib.chdir(folder):
-            return VERSIONS[file.version](file, name)
-    except AttributeError as error:
-        raise FmuError(
-            f"the library of `{file.name}` lacks an FMI function: {error}",
-            "Check the FMU with `fmpy validate`.",
-        ) from None
-    except Exception as error:  # FMPy raises bare exceptions here
-        raise FmuError(
-            f"cannot load the library of `{file.name}`: {error}",
-            "Check the platform of the library and its dependencies.",
-        ) from None
+    with _loading:
+        try:
+            folder = os.getcwd()  # noqa: PTH109
+        except FileNotFoundError:
+            raise FmuError("the working directory no longer exists", "Change to another directory.") from None
+        try:
+            # FMPy does not restore the working directory if a library cannot be loaded
+            with contextlib.chdir(folder):
+                return VERSIONS[file.version](file, name)
+        except AttributeError as error:
+            raise FmuError(
+                f"the library of `{file.name}` lacks an FMI function: {error}",
+                "Check the FMU with `fmpy validate`.",
+            ) from None
+        except Exception as error:  # FMPy raises bare exceptions here
+            raise FmuError(
+                f"cannot load the library of `{file.name}`: {error}",
+                "Check the platform of the library and its dependencies.",
+            ) from None
