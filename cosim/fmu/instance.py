@@ -7,6 +7,7 @@ import logging
 import os
 import threading
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 from fmpy.fmi1 import FMICallException
@@ -117,7 +118,7 @@ class Instance(Closing):
         if self.closed:
             raise FmuError(f"`{self.called}` is closed; a new run needs a new session")
         if self.dead:
-            failed = f"`{self.called}` has failed permanently ({self.fmi.prefix}Fatal)"
+            failed = f"`{self.called}` has failed permanently ({self.fmi.prefix}Fatal or a crash)"
             raise FmuError(f"{failed}; a new run needs a new instance")
         if self.used:
             self._reset()
@@ -223,6 +224,8 @@ class Instance(Closing):
             raise
         except FMICallException as error:
             raise self.failure(action, error) from None
+        except OSError as error:
+            raise self.crashed(action, error) from None
         except Exception as error:  # FMPy raises bare exceptions, for example when instantiation fails
             words = self.messages.take()
             raise FmuError(f"{refusal(action)}: {words or error}") from None
@@ -235,6 +238,12 @@ class Instance(Closing):
         known = error.status in range(len(STATUS))
         status = self.fmi.prefix + STATUS[error.status] if known else str(error.status)
         return FmuError(f"{refusal(action)}: {words} ({error.function} returned {status})")
+
+    def crashed(self, action: str, error: OSError) -> FmuError:
+        """Error of an access violation, which ctypes reports on Windows; the instance is not called again."""
+        self.running, self.dead = False, True
+        words = self.messages.take()
+        return FmuError(f"{refusal(action)}: {error}" + (f"; {words}" if words else ""))
 
     def read_all(self) -> None:
         """Read every number after a run, once in a process for each file; log the first rejected variable.
@@ -266,14 +275,19 @@ class Instance(Closing):
 
     def _free(self) -> None:
         if not self.dead:
-            self.fmi.slave.freeInstance()
+            self._last("free", self.fmi.slave.freeInstance)
 
     def terminate(self) -> None:
         """End the run; a failing FMU is logged."""
+        self._last("terminate", partial(self.fmi.call, "Terminate"))
+
+    def _last(self, action: str, function: Callable[[], object]) -> None:
+        """Call a function after a run; a failing FMU is logged."""
         try:
-            self.fmi.call("Terminate")
-        except FMICallException as error:
-            log.warning("%s", self.failure(f"terminate `{self.called}`", error).message)
+            with self.errors(f"{action} `{self.called}`"):
+                function()
+        except FmuError as error:
+            log.warning("%s", error.message)
 
 
 def refusal(action: str) -> str:
