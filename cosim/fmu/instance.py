@@ -72,7 +72,11 @@ class Instance(Closing):
         self.closed = False
         self.warned: tuple[str, float] | None = None
         self.ended: float | None = None
-        self._instantiate()
+        try:
+            self._instantiate()
+        except BaseException:
+            self.messages.close()
+            raise
 
     def _instantiate(self) -> None:
         self.fmi = load_library(self.file, self.name)
