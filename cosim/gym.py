@@ -33,9 +33,9 @@ class Environment(gymnasium.Env[Values, Values]):
 
     `reset` executes the first communication step, in which the actions are 0 or the bound next to it. `step`
     writes its action in the next `loop.record_every` communication steps and returns the row of the last one.
-    An episode is terminated if `loop.stop_when` is true and truncated by the last row of `loop.duration`. All
-    other wires, signals and injections act as in `cosim run`. FMUs and plant run in this process, in the
-    reference engine.
+    An episode is terminated if `loop.stop_when` is true or an FMU ends the run, and truncated by the last row
+    of `loop.duration`. All other wires, signals and injections act as in `cosim run`. FMUs and plant run in
+    this process, in the reference engine.
 
     Parameters
     ----------
