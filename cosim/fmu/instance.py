@@ -279,14 +279,14 @@ class Instance(Closing):
 
     def _free(self) -> None:
         if not self.dead:
-            self._last("free", self.fmi.slave.freeInstance)
+            self._logged("free", self.fmi.slave.freeInstance)
 
     def terminate(self) -> None:
         """End the run; a failing FMU is logged."""
-        self._last("terminate", partial(self.fmi.call, "Terminate"))
+        self._logged("terminate", partial(self.fmi.call, "Terminate"))
 
-    def _last(self, action: str, function: Callable[[], object]) -> None:
-        """Call a function after a run; a failing FMU is logged."""
+    def _logged(self, action: str, function: Callable[[], object]) -> None:
+        """Call a function at the end of an instance or run; a failure is logged."""
         try:
             with self.errors(f"{action} `{self.called}`"):
                 function()
