@@ -33,9 +33,9 @@ class Environment(gymnasium.Env[Values, Values]):
 
     `reset` executes the first communication step, in which the actions are 0 or the bound next to it. `step`
     writes its action in the next `loop.record_every` communication steps and returns the row of the last one.
-    An episode is terminated if `loop.stop_when` is true and truncated by the last row of `loop.duration`. All
-    other wires, signals and injections act as in `cosim run`. FMUs and plant run in this process, in the
-    reference engine.
+    An episode is terminated if `loop.stop_when` is true or an FMU ends the run, and truncated by the last row
+    of `loop.duration`. All other wires, signals and injections act as in `cosim run`. FMUs and plant run in
+    this process, in the reference engine.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class Environment(gymnasium.Env[Values, Values]):
             parts = replace(self.session.start(seed), stop_when=None)
         self.courses = courses(parts.scenario, parts.connections, [*self.actions])
         self.rows = reference.steps(parts, reference.recording(parts))
-        self.k, row = self._row(self.rows)
+        row = self._next_row()
         return row[self.observed], {"time": float(row[0]), "seed": seed}
 
     def step(self, action: Values) -> tuple[Values, float, bool, bool, dict[str, Any]]:
@@ -121,7 +121,7 @@ class Environment(gymnasium.Env[Values, Values]):
         loop = self.session.scenario.loop
         for course, value in zip(self.courses, np.asarray(action, np.float64), strict=True):
             course[self.k + 1 : self.k + 1 + loop.record_every] = value
-        self.k, row = self._row(self.rows)
+        row = self._next_row()
         stop, fmus = self.session.stop, self.session.fmus
         terminated = any(fmu.ended is not None for fmu in fmus) or (stop is not None and bool(stop(row)))
         truncated = self.k + loop.record_every >= loop.steps
@@ -129,10 +129,20 @@ class Environment(gymnasium.Env[Values, Values]):
             self._end()
         return row[self.observed], float(self.reward(row)), terminated, truncated, {"time": float(row[0])}
 
-    def _row(self, rows: Generator[tuple[int, Values | None]]) -> tuple[int, Values]:
-        """Run to the next row; return its step too."""
-        with located(self.session.scenario):
-            return next((k, row) for k, row in rows if row is not None)
+    def _next_row(self) -> Values:
+        """Run to the next row; the last one again if an FMU ends the run before. A failed run has ended."""
+        assert self.rows is not None
+        try:
+            with located(self.session.scenario):
+                for k, row in self.rows:
+                    self.k = k
+                    if row is not None:
+                        self.row = row
+                        break
+        except BaseException:
+            self._end()
+            raise
+        return self.row
 
     def _end(self) -> None:
         """End the episode."""

@@ -5,6 +5,7 @@ pytest imports this module at every start, so it imports the harness only if `--
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Iterator
 from pathlib import Path
@@ -64,12 +65,12 @@ class ScenarioFile(pytest.File):
 
     @functools.cached_property
     def outcome(self) -> Result | Exception:
-        """Result of the run, or the error that ended it."""
+        """Result of the run without its trace, or the error that ended it."""
         from cosim.errors import CosimError
         from cosim.pool.runs import run
 
         try:
-            return run(self.scenario, engine="native", isolated=True)
+            return dataclasses.replace(run(self.scenario, engine="native", isolated=True), trace=None)
         except CosimError as error:
             return error
 

@@ -7,6 +7,7 @@ import logging
 import os
 import threading
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 from fmpy.fmi1 import FMICallException
@@ -71,7 +72,11 @@ class Instance(Closing):
         self.closed = False
         self.warned: tuple[str, float] | None = None
         self.ended: float | None = None
-        self._instantiate()
+        try:
+            self._instantiate()
+        except BaseException:
+            self.messages.close()
+            raise
 
     def _instantiate(self) -> None:
         self.fmi = load_library(self.file, self.name)
@@ -117,7 +122,7 @@ class Instance(Closing):
         if self.closed:
             raise FmuError(f"`{self.called}` is closed; a new run needs a new session")
         if self.dead:
-            failed = f"`{self.called}` has failed permanently ({self.fmi.prefix}Fatal)"
+            failed = f"`{self.called}` has failed permanently ({self.fmi.prefix}Fatal or a crash)"
             raise FmuError(f"{failed}; a new run needs a new instance")
         if self.used:
             self._reset()
@@ -223,6 +228,8 @@ class Instance(Closing):
             raise
         except FMICallException as error:
             raise self.failure(action, error) from None
+        except OSError as error:
+            raise self.crashed(action, error) from None
         except Exception as error:  # FMPy raises bare exceptions, for example when instantiation fails
             words = self.messages.take()
             raise FmuError(f"{refusal(action)}: {words or error}") from None
@@ -235,6 +242,12 @@ class Instance(Closing):
         known = error.status in range(len(STATUS))
         status = self.fmi.prefix + STATUS[error.status] if known else str(error.status)
         return FmuError(f"{refusal(action)}: {words} ({error.function} returned {status})")
+
+    def crashed(self, action: str, error: OSError) -> FmuError:
+        """Error of an access violation, which ctypes reports on Windows; the instance is not called again."""
+        self.running, self.dead = False, True
+        words = self.messages.take()
+        return FmuError(f"{refusal(action)}: {error}" + (f"; {words}" if words else ""))
 
     def read_all(self) -> None:
         """Read every number after a run, once in a process for each file; log the first rejected variable.
@@ -266,14 +279,19 @@ class Instance(Closing):
 
     def _free(self) -> None:
         if not self.dead:
-            self.fmi.slave.freeInstance()
+            self._logged("free", self.fmi.slave.freeInstance)
 
     def terminate(self) -> None:
         """End the run; a failing FMU is logged."""
+        self._logged("terminate", partial(self.fmi.call, "Terminate"))
+
+    def _logged(self, action: str, function: Callable[[], object]) -> None:
+        """Call a function at the end of an instance or run; a failure is logged."""
         try:
-            self.fmi.call("Terminate")
-        except FMICallException as error:
-            log.warning("%s", self.failure(f"terminate `{self.called}`", error).message)
+            with self.errors(f"{action} `{self.called}`"):
+                function()
+        except FmuError as error:
+            log.warning("%s", error.message)
 
 
 def refusal(action: str) -> str:
@@ -294,21 +312,22 @@ def start(variable: Variable) -> Value:
 def load_library(file: FmuFile, name: str) -> Fmi2 | Fmi3:
     """Load the FMU's library for an instance of that name."""
     check_library(file)
-    try:
-        folder = os.getcwd()  # noqa: PTH109
-    except FileNotFoundError:
-        raise FmuError("the working directory no longer exists", "Change to another directory.") from None
-    try:
-        # FMPy does not restore the working directory if a library cannot be loaded
-        with _loading, contextlib.chdir(folder):
-            return VERSIONS[file.version](file, name)
-    except AttributeError as error:
-        raise FmuError(
-            f"the library of `{file.name}` lacks an FMI function: {error}",
-            "Check the FMU with `fmpy validate`.",
-        ) from None
-    except Exception as error:  # FMPy raises bare exceptions here
-        raise FmuError(
-            f"cannot load the library of `{file.name}`: {error}",
-            "Check the platform of the library and its dependencies.",
-        ) from None
+    with _loading:
+        try:
+            folder = os.getcwd()  # noqa: PTH109
+        except FileNotFoundError:
+            raise FmuError("the working directory no longer exists", "Change to another directory.") from None
+        try:
+            # FMPy does not restore the working directory if a library cannot be loaded
+            with contextlib.chdir(folder):
+                return VERSIONS[file.version](file, name)
+        except AttributeError as error:
+            raise FmuError(
+                f"the library of `{file.name}` lacks an FMI function: {error}",
+                "Check the FMU with `fmpy validate`.",
+            ) from None
+        except Exception as error:  # FMPy raises bare exceptions here
+            raise FmuError(
+                f"cannot load the library of `{file.name}`: {error}",
+                "Check the platform of the library and its dependencies.",
+            ) from None

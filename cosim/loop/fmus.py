@@ -36,7 +36,8 @@ def open_files(scenario: Scenario) -> dict[str, FmuFile]:
             file = open_fmu(paths.find_fmu(choice.fmu, scenario.folder))
             for name, other in files.items():
                 both = f"`{name}` and `{choice.name}`"
-                if file.once and other is file:
+                # copies of a file share their extracted library
+                if file.once and other.folder == file.folder:
                     problem = f"{both} are both `{file.path.name}`, which a process can instantiate only once"
                     raise FmuError(problem, "Use each such FMU once (`canBeInstantiatedOnlyOncePerProcess`).")
                 if shared := clash(file, other):

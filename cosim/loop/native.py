@@ -141,7 +141,9 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
                     progress(reported, steps)
             done = stepper.k
             parts.interrupt()
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a panic of Rust is no `Exception`
         raise reference.located(error, fmu, scenario, stepper.k) from error
     if stepper.warned is not None:
         number, time = stepper.warned

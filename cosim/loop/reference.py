@@ -196,6 +196,9 @@ def steps(parts: Parts, recorder: Recorder) -> Generator[tuple[int, NDArray[np.f
     except (KeyboardInterrupt, GeneratorExit):
         raise
     except BaseException as error:  # a panic of Rust is no `Exception`
+        # on Windows an access violation in the library of an FMU is an OSError
+        if page.stage == Stage.STEP and isinstance(error, OSError):
+            raise fmu.crashed(f"{fmu.owner.who} failed {moment(scenario, k)}", error) from error
         raise located(error, fmu, scenario, k) from error
 
 
@@ -247,12 +250,17 @@ def arrive(inputs: Inputs, k: int) -> None:
 
 def located(error: BaseException, fmu: Instance, scenario: Scenario, k: int) -> CosimError:
     """Error of a run with step and time, and with the message of the FMU if it failed."""
-    when = f"at t = {k * scenario.loop.step:.9g} s (step {k})"
+    when = moment(scenario, k)
     if isinstance(error, FMICallException):
         return fmu.failure(f"{fmu.owner.who} failed {when}", error)
     if isinstance(error, CosimError):
         return type(error)(f"{error.message} {when}", error.hint)
     return failed_plant(f"the plant `{scenario.plant.name}` failed {when}", error)
+
+
+def moment(scenario: Scenario, k: int) -> str:
+    """Time and number of a step in messages."""
+    return f"at t = {k * scenario.loop.step:.9g} s (step {k})"
 
 
 def failed_plant(action: str, error: BaseException) -> PlantError:

@@ -100,7 +100,8 @@ class WorkerHandle:
         try:
             while True:
                 self.received.put(self.channel.receive())
-        except (EOFError, OSError, ValueError, NoMessageError) as error:
+        except (EOFError, OSError, ValueError, MemoryError, NoMessageError) as error:
+            # without it the supervisor would wait forever
             self.received.put(error)
 
     def receive(self, timeout: float) -> Frame | None:

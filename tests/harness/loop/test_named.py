@@ -102,6 +102,9 @@ def test_an_fmu_that_allows_one_instance_is_rejected_twice(
     with pytest.raises(CosimError, match=r"`b\.fmu`|`a` and `b` are both `once.fmu`") as caught:
         run(write(text=text))
     assert "canBeInstantiatedOnlyOncePerProcess" in caught.value.hint
+    (folder / "copy.fmu").write_bytes((folder / "once.fmu").read_bytes())
+    with pytest.raises(CosimError, match="`a` and `b` are both"):
+        run(write(text=text.replace('"once.fmu"', '"copy.fmu"', 1)))
     assert run(write(text=text.replace('"once.fmu"', '"probe"', 1))).metrics["end"].value == 16.0
 
 

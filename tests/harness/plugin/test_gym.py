@@ -12,6 +12,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import cosim
+from cosim.fmu.instance import Instance
 from cosim.gym import Environment
 
 from ..conftest import entry
@@ -128,3 +129,22 @@ def test_a_failed_run_is_an_error_with_its_time(write: Write) -> None:
         with pytest.raises(cosim.CosimError, match=r"0\.003 s .*failed on request"):
             episode(environment, 1)
         environment.reset(seed=1)
+
+
+@pytest.mark.parametrize(
+    ("last", "times"), [(0, [0.0, 0.0]), (17, [0.0, 0.01, 0.01]), (20, [0.0, 0.01, 0.02])]
+)
+def test_an_fmu_that_ends_the_run_ends_the_episode(
+    write: Write, monkeypatch: pytest.MonkeyPatch, last: int, times: list[float]
+) -> None:
+    def compute(fmu: Instance, time: float, step: float) -> bool:
+        fmu.ended = time if time >= (last - 0.5) * step else None
+        return original(fmu, time, step) or fmu.ended is not None
+
+    original = Instance.compute
+    monkeypatch.setattr(Instance, "compute", compute)
+    scenario = cosim.load(write(), set=["loop.record_every=10"])
+    with Environment(scenario, BOUNDS, ["time"], "1") as environment:
+        rows = episode(environment, 1)
+    assert [row[0][0] for row in rows] == times
+    assert rows[-1][2:] == (True, False)
