@@ -182,13 +182,14 @@ def folder_option(ending: str) -> Any:
 
 def sweep(
     study: Annotated[
-        list[Path], study_argument("STUDY.toml|merge FOLDER...", "Scenario, varied keys and design.")
+        list[Path],
+        study_argument("STUDY.toml|merge FOLDER...", "A study, or `merge` and the folders of its parts."),
     ],
     out: Annotated[str | None, folder_option("sweep")] = None,
     workers: options.Workers = None,
     engine: options.Engine = "native",
     part: Annotated[
-        str, Option(metavar="I/N", help="Run only part I of N, into a folder of its own, see `merge`.")
+        str, Option(metavar="I/N", help="Run only part I of N; the default folder is `STUDY.I-of-N.sweep`.")
     ] = "",
     again: options.Again = False,
     plots: options.Plots = True,
@@ -197,8 +198,8 @@ def sweep(
     """Run the cases of a study in parallel.
 
     Completed runs are not repeated: the command continues an interrupted sweep.
-    On machines without a common scheduler, run each part, then merge the folders
-    into that of an undivided sweep:
+    To use several machines, run one part on each, then merge the folders. The
+    result is that of an undivided sweep:
 
     \b
         cosim sweep STUDY.toml --part 1/20
@@ -211,6 +212,8 @@ def sweep(
     file, *folders = study
     merged = tuple(folders) if str(file) == "merge" else ()
     if str(file) == "merge":
+        if part:
+            raise CosimError("`--part` and `merge` cannot be given together", "Omit `--part`.")
         file = command.of_parts(merged)
     elif folders:
         raise CosimError(f"`{folders[0]}` is a second study", "Give one study.")

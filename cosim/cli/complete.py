@@ -103,7 +103,8 @@ def fmu_keys(table: dict[str, Any], folder: Path) -> Iterator[str]:
         path = paths.find_fmu(entry["fmu"], folder)
         with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as file:
             for _, element in ElementTree.iterparse(file):
-                if element.tag == "ScalarVariable" and element.get("causality") == "parameter":
+                # a `ScalarVariable` in FMI 2.0, an element named by its type in FMI 3.0
+                if element.get("causality") == "parameter":
                     yield f"{name}.{element.get('name')}"
 
 

@@ -1,1 +1,1 @@
-"""Sweeps: the cases of a study, on worker processes or a cluster, and their results."""
+"""Sweeps: the cases of a study, on worker processes, and their results."""

@@ -23,7 +23,7 @@ from cosim.writing import whole
 
 log = logging.getLogger("cosim")
 Pool = Callable[[Iterable[Numbered]], Generator[Finished]]
-"""Runs jobs and yields their outcomes in order of completion: on this machine or on a cluster."""
+"""Runs jobs on worker processes and yields their outcomes in order of completion."""
 TRACES, ENDINGS = "traces", (".npz", ".svg")
 MAX_PLOTS = 3
 """Maximum plots of the worst runs: a plot takes longer than a run."""

@@ -93,6 +93,7 @@ def test_a_result_replaces_a_run_without_one(study: Path) -> None:
         (["merge"], "`merge` has no folder"),
         (["merge", "gone"], "`gone` is not the folder of a sweep"),
         (["merge", "grid.sweep", "other.sweep"], "the folders have several studies"),
+        (["merge", "grid.sweep", "--part", "1/2"], "`--part` and `merge` cannot be given together"),
         (["grid.toml", "other.toml"], "`other.toml` is a second study"),
         *(
             (["grid.toml", "--part", part], f"`--part` is `{part}`")
