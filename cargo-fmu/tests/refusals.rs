@@ -98,7 +98,10 @@ fn a_profile_that_aborts() {
 #[test]
 fn a_library_that_does_not_build() {
     let folder = project(&[("Cargo.toml", &manifest("spring", CDYLIB)), ("src/lib.rs", "fn broken( {}")]);
-    has(&refusal(&folder, &["--offline"]), &["src/lib.rs:1", "rustc ", " --profile release ", "failed: exit status: 101"]);
+    has(
+        &refusal(&folder, &["--offline"]),
+        &["src/lib.rs:1", "rustc ", " --profile release ", "failed: exit status: 101"],
+    );
 }
 
 #[test]
