@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError, closest
 from cosim.extras import hint
 from cosim.loop import reference
+from cosim.loop.repeats import NewProcessError
 from cosim.loop.session import Session, located
 from cosim.loop.wires.connect import PLANT, side_of
 from cosim.loop.wires.connections import Connections
@@ -35,7 +37,8 @@ class Environment(gymnasium.Env[Values, Values]):
     writes its action in the next `loop.record_every` communication steps and returns the row of the last one.
     An episode is terminated if `loop.stop_when` is true or an FMU ends the run, and truncated by the last row
     of `loop.duration`. All other wires, signals and injections act as in `cosim run`. FMUs and plant run in
-    this process, in the reference engine.
+    this process, in the reference engine. The second `reset` repeats the first episode, to check that FMUs
+    and plant keep no state.
 
     Parameters
     ----------
@@ -70,6 +73,9 @@ class Environment(gymnasium.Env[Values, Values]):
                 raise CosimError(f"the bounds of `{name}` are `{bounds}`, they must be finite and increasing")
         self.actions = dict(zip(actions, np.clip(0.0, low, high).tolist(), strict=True))
         self.rows: Generator[tuple[int, Values | None]] | None = None
+        self.first: list[int | Values] = []
+        """Seed and actions of the first episode, until it is repeated."""
+        self.repeated = False
         self.session = Session(driven(loaded(scenario), self.actions), engine="reference")
         columns = self.session.columns
         try:
@@ -96,17 +102,44 @@ class Environment(gymnasium.Env[Values, Values]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Values, dict[str, Any]]:
-        """Begin an episode with the noise of `seed`, or of a new seed; `info["seed"]` is the one in use."""
+        """Begin an episode with the noise of `seed`, or of a new seed; `info["seed"]` is the one in use.
+
+        Raises
+        ------
+        CosimError
+            The run failed; or FMU or plant keep state, so that a repeated episode gives other rows.
+        """
         super().reset(seed=seed, options=options)
         self._end()
         seed = int(self.np_random.integers(2**31)) if seed is None else seed
+        if self.first and not self.repeated:
+            self._repeat_first()
+        row = self._begin(seed)
+        if not self.repeated:
+            self.first = [seed]
+        return row[self.observed], {"time": float(row[0]), "seed": seed}
+
+    def _repeat_first(self) -> None:
+        """Repeat the first episode; reject other rows."""
+        expected = self.checksum.digest()
+        self._begin(self.first[0])
+        for action in self.first[1:]:
+            self._advance(action)
+        self._end()
+        if self.checksum.digest() != expected:
+            problem = f"{self.session.place.ran()} keeps state: a repeated episode gives other rows"
+            raise NewProcessError(problem, "Run each episode in a new process.")
+        self.first, self.repeated = [], True
+
+    def _begin(self, seed: Any) -> Values:
+        """Begin an episode; return its first row."""
+        self.checksum = hashlib.sha256()
         with located(self.session.scenario):
             # `step` checks the condition itself
             parts = replace(self.session.start(seed), stop_when=None)
         self.courses = courses(parts.scenario, parts.connections, [*self.actions])
         self.rows = reference.steps(parts, reference.recording(parts))
-        row = self._next_row()
-        return row[self.observed], {"time": float(row[0]), "seed": seed}
+        return self._next_row()
 
     def step(self, action: Values) -> tuple[Values, float, bool, bool, dict[str, Any]]:
         """Apply an action until the next row; `info["time"]` is the time of the row, s.
@@ -119,15 +152,22 @@ class Environment(gymnasium.Env[Values, Values]):
         if self.rows is None:
             raise CosimError("the episode has ended or did not begin", "Call `reset`.")
         loop = self.session.scenario.loop
-        for course, value in zip(self.courses, np.asarray(action, np.float64), strict=True):
-            course[self.k + 1 : self.k + 1 + loop.record_every] = value
-        row = self._next_row()
+        row = self._advance(action)
+        if not self.repeated:
+            self.first.append(np.array(action, np.float64))
         stop, fmus = self.session.stop, self.session.fmus
         terminated = any(fmu.ended is not None for fmu in fmus) or (stop is not None and bool(stop(row)))
         truncated = self.k + loop.record_every >= loop.steps
         if terminated or truncated:
             self._end()
         return row[self.observed], float(self.reward(row)), terminated, truncated, {"time": float(row[0])}
+
+    def _advance(self, action: Any) -> Values:
+        """Write an action; return the next row."""
+        length = self.session.scenario.loop.record_every
+        for course, value in zip(self.courses, np.asarray(action, np.float64), strict=True):
+            course[self.k + 1 : self.k + 1 + length] = value
+        return self._next_row()
 
     def _next_row(self) -> Values:
         """Run to the next row; the last one again if an FMU ends the run before. A failed run has ended."""
@@ -138,6 +178,7 @@ class Environment(gymnasium.Env[Values, Values]):
                     self.k = k
                     if row is not None:
                         self.row = row
+                        self.checksum.update(row.tobytes())
                         break
         except BaseException:
             self._end()

@@ -12,9 +12,11 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import cosim
+from cosim.errors import CosimError
 from cosim.fmu.instance import Instance
 from cosim.gym import Environment
 
+from ..bad_inputs import fmus
 from ..conftest import entry
 
 Write = Callable[..., Path]
@@ -148,3 +150,14 @@ def test_an_fmu_that_ends_the_run_ends_the_episode(
         rows = episode(environment, 1)
     assert [row[0][0] for row in rows] == times
     assert rows[-1][2:] == (True, False)
+
+
+def test_an_fmu_whose_reset_does_nothing_has_one_episode(
+    write: Write, folder: Path, broken_library: bytes
+) -> None:
+    fmus.defect("reset_nothing")(folder / "keeping.fmu", broken_library)
+    scenario = cosim.load(write(), set=["controller.fmu=keeping.fmu"])
+    with Environment(scenario, BOUNDS, COLUMNS, "0") as environment:
+        episode(environment, 7, count=5)
+        with pytest.raises(CosimError, match=r"keeps state: a repeated episode gives other rows\nhint: Run"):
+            environment.reset(seed=8)
