@@ -14,12 +14,13 @@ import typer.exceptions
 from typer.core import TyperCommand, TyperGroup, TyperOption
 
 from cosim import RENAMED, errors, interrupts
-from cosim.cli.batch import optimize, report_page, run_tests, sweep
 from cosim.cli.compare import compare, evaluate, plot
 from cosim.cli.new import new, ssp
 from cosim.cli.options import COULD_NOT_RUN, READER_GONE, options
 from cosim.cli.run import run, video, view
 from cosim.cli.show import cache, check, list_scenarios, schema, show
+from cosim.cli.sweep import optimize, sweep
+from cosim.cli.test import report_page, run_tests
 from cosim.errors import CosimError
 from cosim.formatting import strict
 from cosim.interrupts import INTERRUPTED
