@@ -14,7 +14,7 @@ from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
 
 from cosim.errors import FmuError
-from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.description import FmuFile, Variable
 from cosim.fmu.messages import Messages
 
 DISCARD = 2

@@ -14,8 +14,8 @@ from fmpy.fmi1 import FMICallException
 
 from cosim.closing import Closing
 from cosim.errors import FmuError, concerning
-from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.binding import VERSIONS, Bank, Fmi2, Fmi3
+from cosim.fmu.description import FmuFile, Variable
 from cosim.fmu.library import check_headers, check_library
 from cosim.fmu.messages import Messages
 from cosim.fmu.named import ALONE, NamedFmu

@@ -10,7 +10,8 @@ from typing import Any
 import fmpy
 
 from cosim.errors import FmuError
-from cosim.fmu.archive import FmuFile, binaries
+from cosim.fmu.archive import binaries
+from cosim.fmu.description import FmuFile
 from cosim.fmu.messages import readable
 from cosim.warned import warn_once
 

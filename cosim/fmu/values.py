@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import FmuError, closest, concerning, show, similar
-from cosim.fmu.archive import Variable
+from cosim.fmu.description import Variable
 from cosim.fmu.named import ALONE, NamedFmu
 
 Value = float | int | bool | str

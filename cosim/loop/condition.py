@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cosim.errors import CosimError, ExpressionError, concerning
-from cosim.fmu.archive import Variable
+from cosim.fmu.description import Variable
 from cosim.metrics.expression import Expression
 
 Program = list[tuple[str, float]]

@@ -8,7 +8,8 @@ from pathlib import Path
 from cosim import paths
 from cosim.errors import FmuError, concerning
 from cosim.fmu import bundled
-from cosim.fmu.archive import FmuFile, Variable, open_fmu
+from cosim.fmu.archive import open_fmu
+from cosim.fmu.description import FmuFile, Variable
 from cosim.fmu.instance import Instance
 from cosim.fmu.named import NamedFmu
 from cosim.loop import recorder, repeats

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
-from cosim.fmu.archive import FmuFile
 from cosim.fmu.binding import Bank
+from cosim.fmu.description import FmuFile
 from cosim.fmu.instance import Instance
 from cosim.loop import condition, reference
 from cosim.loop.engines import Engine

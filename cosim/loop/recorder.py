@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cosim.errors import CosimError
-from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.description import FmuFile, Variable
 from cosim.fmu.instance import Instance
 from cosim.loop.condition import Program
 from cosim.loop.plant import Plant, one_each

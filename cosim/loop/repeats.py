@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from cosim.errors import FmuError
 
 if TYPE_CHECKING:
-    from cosim.fmu.archive import FmuFile
+    from cosim.fmu.description import FmuFile
     from cosim.loop.engines import Engine
     from cosim.scenario.model import Scenario
 

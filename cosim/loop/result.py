@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.extras import PROJECT, version
-from cosim.fmu.archive import DisplayUnit
+from cosim.fmu.description import DisplayUnit
 from cosim.formatting import html, strict
 from cosim.formatting.frame import dataframe
 from cosim.formatting.strict import plain

@@ -13,7 +13,7 @@ from typing import Any
 from cosim import interrupts
 from cosim.closing import Closing
 from cosim.errors import CosimError, FmuError, PlantError, concerning
-from cosim.fmu.archive import FmuFile
+from cosim.fmu.description import FmuFile
 from cosim.fmu.instance import Instance
 from cosim.loop import condition, fmus, native, plant, recorder, reference, repeats, undriven
 from cosim.loop.engines import Engine, checked

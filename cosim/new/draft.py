@@ -14,7 +14,8 @@ import fmpy
 
 from cosim import paths
 from cosim.errors import FmuError
-from cosim.fmu.archive import FmuFile, Variable, open_fmu
+from cosim.fmu.archive import open_fmu
+from cosim.fmu.description import FmuFile, Variable
 from cosim.loop import plant
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Channel

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from cosim.fmu.archive import Variable
+from cosim.fmu.description import Variable
 from cosim.fmu.named import ALONE
 from cosim.scenario.model import Scenario
 from cosim.schema import files as schema

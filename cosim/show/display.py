@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cosim.errors import CosimError, closest
-from cosim.fmu.archive import Variable
+from cosim.fmu.description import Variable
 from cosim.fmu.instance import Instance
 from cosim.formatting.quantity import number, text
 from cosim.formatting.verdicts import cells, columns, counted, outcome

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from cosim.fmu.archive import DisplayUnit
+from cosim.fmu.description import DisplayUnit
 from cosim.formatting.quantity import text
 from cosim.loop.result import Result
 from cosim.metrics import criteria

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cosim.fmu.archive import DisplayUnit
+from cosim.fmu.description import DisplayUnit
 from cosim.formatting.quantity import prefixed
 from cosim.loop.result import Result
 from cosim.metrics import drawable

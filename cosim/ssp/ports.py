@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from cosim.errors import ScenarioError, concerning
-from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.description import FmuFile, Variable
 from cosim.fmu.values import lookup
 from cosim.loop.wires.connect import PLANT, side_of
 from cosim.scenario.model import Scenario, Wire

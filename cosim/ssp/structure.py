@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
-from cosim.fmu.archive import FmuFile
+from cosim.fmu.description import FmuFile
 from cosim.fmu.values import expand
 from cosim.loop.wires.connect import PLANT
 from cosim.scenario.model import FmuChoice, Scenario

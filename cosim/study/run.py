@@ -11,7 +11,7 @@ from typing import Any
 from cosim import paths
 from cosim.errors import ScenarioError, closest, concerning
 from cosim.fmu import stale
-from cosim.fmu.archive import FmuFile
+from cosim.fmu.description import FmuFile
 from cosim.fmu.values import expand
 from cosim.loop import fmus, plant, time_series
 from cosim.loop.engines import Engine

@@ -11,7 +11,7 @@ from typing import Any, overload
 import numpy as np
 
 from cosim.errors import CosimError
-from cosim.fmu.archive import FmuFile
+from cosim.fmu.description import FmuFile
 from cosim.fmu.named import NamedFmu
 from cosim.fmu.values import expand
 from cosim.loop import plant

@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 
 import cosim
 from cosim.errors import CosimError
-from cosim.fmu.archive import DisplayUnit, open_fmu
+from cosim.fmu.archive import open_fmu
+from cosim.fmu.description import DisplayUnit
 from cosim.formatting.quantity import text
 from cosim.metrics.criteria import Verdict
 from cosim.scenario.model import Criterion

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import cosim
-from cosim.fmu.archive import Variable
+from cosim.fmu.description import Variable
 
 from . import record
 

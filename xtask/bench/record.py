@@ -11,8 +11,8 @@ import numpy as np
 from part import part
 
 import cosim
-from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.binding import Fmi2
+from cosim.fmu.description import FmuFile, Variable
 from cosim.fmu.values import Value, expand
 
 

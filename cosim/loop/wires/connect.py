@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cosim.errors import CosimError, ScenarioError, closest, concerning, show, similar
-from cosim.fmu.archive import FmuFile, Variable
 from cosim.fmu.binding import Bank
+from cosim.fmu.description import FmuFile, Variable
 from cosim.fmu.instance import Instance
 from cosim.fmu.values import encode, lookup
 from cosim.loop.plant import Channel, Plant, starts

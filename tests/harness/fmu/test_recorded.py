@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cosim.fmu.archive import FmuFile, Variable
+from cosim.fmu.description import FmuFile, Variable
 from cosim.loop.recorder import LOCALS_MAX, recorded
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import cosim
 from cosim.errors import ExpressionError
-from cosim.fmu.archive import Variable
+from cosim.fmu.description import Variable
 from cosim.loop import condition
 from cosim.metrics.expression import Expression, Items
 
