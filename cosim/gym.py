@@ -212,5 +212,5 @@ def courses(scenario: Scenario, connections: Connections, names: Sequence[str]) 
     for side, inputs in zip(sides, [*connections.fmus, connections.plant], strict=True):
         targets = [signal.to for signal in scenario.signal if side_of(signal.to) == side]
         # the start values that injections hold follow the signals
-        found |= {to: drive.course for to, drive in zip(targets, inputs.drives, strict=False)}
+        found |= {to: stimulus.samples for to, stimulus in zip(targets, inputs.stimuli, strict=False)}
     return [found[name] for name in names]

@@ -91,7 +91,7 @@ def links(connections: Connections) -> SimpleNamespace:
         sensed=connections.sensed,
         commands=connections.commands,
         readings=fmu.wires,
-        drives=[*fmu.drives, *plant.drives],
+        stimuli=[*fmu.stimuli, *plant.stimuli],
         input_faults=fmu.faults,
         outputs=plant.wires,
         command_faults=plant.faults,

@@ -139,14 +139,14 @@ def arrive_first(inputs: Inputs, fmu: Instance, scenario: Scenario) -> None:
     """Write the inputs of t = 0 of an FMU in its initialization mode."""
     if inputs.held or any(wire.late for wire in inputs.wires):
         fmu.read_inputs()
-    for drive in inputs.held:
-        drive.course.fill(drive.target.read())
+    for stimulus in inputs.held:
+        stimulus.samples.fill(stimulus.target.read())
     with locating(fmu, scenario):
         for wire in inputs.wires:
             if not wire.late:
                 # a delay starts with the first value
                 wire.target.write(wire.transformed(0))
-        arrive(Inputs(drives=inputs.drives, faults=inputs.faults), 0)
+        arrive(Inputs(stimuli=inputs.stimuli, faults=inputs.faults), 0)
 
 
 def steps(parts: Parts, recorder: Recorder) -> Generator[tuple[int, NDArray[np.float64] | None]]:
@@ -238,8 +238,8 @@ def arrive(inputs: Inputs, k: int) -> None:
     """Apply wires, then signals, then injections to their targets."""
     for wire in inputs.wires:
         wire.target.write(wire.delay(wire.transformed(k), k))
-    for drive in inputs.drives:
-        drive.target.write(drive.course.item(k))
+    for stimulus in inputs.stimuli:
+        stimulus.target.write(stimulus.samples.item(k))
     for fault in inputs.faults:
         since = k - fault.begin.read()
         value = fault.change(fault.target.read(), k, since)

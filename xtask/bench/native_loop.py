@@ -45,7 +45,7 @@ class Bench:
         banks = self.fmu.inputs
         self.inputs = [Slot(bank.values, i, bank.base) for bank in banks for i in range(bank.values.size)]
         self.states: list[list[NDArray[np.float64]]] = []
-        self.courses, self.given = self.record()
+        self.samples, self.given = self.record()
         self.placing = self.cost_of_placing()
 
     def reset(self) -> Any:
@@ -84,18 +84,18 @@ class Bench:
     def served(self) -> Stepper:
         """Tie plant and FMU to commands and inputs of the closed loop; no wires, no trace."""
         self.initialise()
-        drives = [Stimulus(course, place) for course, place in zip(self.given, self.inputs, strict=True)]
-        return self.driven(native.controller(self.fmu), drives)
+        stimuli = [Stimulus(samples, slot) for samples, slot in zip(self.given, self.inputs, strict=True)]
+        return self.driven(native.controller(self.fmu), stimuli)
 
     def driven(self, controller: Any, inputs: list[Stimulus]) -> Stepper:
         """Tie the plant to the commands of the closed loop."""
         machine = self.reset()
-        drives = [Stimulus(course, Slot(self.commands, i)) for i, course in enumerate(self.courses)]
+        stimuli = [Stimulus(samples, Slot(self.commands, i)) for i, samples in enumerate(self.samples)]
         links = Connections(
             np.zeros(len(self.plant.readings)),
             self.commands,
-            [Inputs(drives=inputs)],
-            Inputs(drives=drives),
+            [Inputs(stimuli=inputs)],
+            Inputs(stimuli=stimuli),
         )
         return self.stepper(machine, controller, links, None)
 

@@ -22,7 +22,7 @@ mod wire;
 pub use condition::{Condition, Operation};
 pub use failure::Failure;
 pub use fault::FaultEffect;
-pub use links::{Drive, Injection, Link, Links};
+pub use links::{Injection, Link, Links, Stimulus};
 pub use log::{Log, Trigger};
 pub use machine::Machine;
 pub use stepper::{End, Stepper};

@@ -22,9 +22,9 @@ pub struct Link {
 
 /// One signal: sample k is written in step k.
 #[derive(Clone, Copy, Debug)]
-pub struct Drive {
+pub struct Stimulus {
     /// the samples
-    pub course: Series,
+    pub samples: Series,
     /// target
     pub target: Slot,
 }
@@ -52,7 +52,7 @@ pub struct Links {
     /// wires from measurements to inputs
     pub readings: Vec<Link>,
     /// signals
-    pub drives: Vec<Drive>,
+    pub stimuli: Vec<Stimulus>,
     /// injections at inputs
     pub input_faults: Vec<Injection>,
     /// wires from outputs to commands
@@ -69,8 +69,8 @@ impl Links {
         for (wire, link) in self.readings.iter_mut().enumerate() {
             link.carry(k, |value| Failure::Reading { wire, value })?;
         }
-        for drive in &self.drives {
-            drive.target.write(drive.course.at(k)).map_err(Failure::Integer)?;
+        for stimulus in &self.stimuli {
+            stimulus.target.write(stimulus.samples.at(k)).map_err(Failure::Integer)?;
         }
         inject(&mut self.input_faults, k)
     }

@@ -116,13 +116,13 @@ class Connector:
         for signal in self.scenario.signal:
             with concerning(f"signal.{signal.to}"):
                 stimulus = self.stimulus(signal)
-            sides[side_of(signal.to)].drives.append(stimulus)
+            sides[side_of(signal.to)].stimuli.append(stimulus)
         # hold the start values of targets that only injections write, to restore them afterwards
         written = {to for section, to in targets(self.scenario) if section != "inject"}
         for to in dict.fromkeys(entry.to for entry in self.scenario.inject if entry.to not in written):
             target = self.target(to)
             hold = Stimulus(np.full(self.scenario.loop.steps, target.read()), target)
-            sides[side_of(to)].drives.append(hold)
+            sides[side_of(to)].stimuli.append(hold)
             sides[side_of(to)].held.append(hold)
         begins = np.full(len(self.scenario.inject), NEVER)
         for index, injection in enumerate(self.scenario.inject):

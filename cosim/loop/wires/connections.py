@@ -70,9 +70,9 @@ class Connection:
 
 @dataclass(frozen=True)
 class Stimulus:
-    """One signal: `course[k]` is written in step `k`."""
+    """One signal: `samples[k]` is written in step `k`."""
 
-    course: NDArray[np.float64]
+    samples: NDArray[np.float64]
     target: Slot
 
 
@@ -94,7 +94,7 @@ class Inputs:
     """
 
     wires: list[Connection] = field(default_factory=list)
-    drives: list[Stimulus] = field(default_factory=list)
+    stimuli: list[Stimulus] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
     held: list[Stimulus] = field(default_factory=list)
 

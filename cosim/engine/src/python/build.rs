@@ -5,11 +5,11 @@ use plants::python::Cell;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::rows::{DriveRow, FaultEffectRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, ShapeRow, TriggerRow};
+use super::rows::{FaultEffectRow, FaultRow, LinkRow, LinksRow, LogRow, MachineRow, ShapeRow, StimulusRow, TriggerRow};
 use crate::condition::{Condition, Operation};
 use crate::fault::FaultEffect;
 use crate::ffi::{Bank, Exports};
-use crate::links::{Drive, Injection, Link, Links};
+use crate::links::{Injection, Link, Links, Stimulus};
 use crate::log::{Log, Trigger};
 use crate::machine::Machine;
 use crate::wire::{Delay, Shape};
@@ -24,7 +24,7 @@ pub fn links(exports: &mut Exports, row: LinksRow) -> PyResult<Links> {
         sensed: exports.slots(&row.sensed)?,
         commands: exports.slots(&row.commands)?,
         readings,
-        drives: row.drives.iter().map(|row| drive(exports, row)).collect::<PyResult<_>>()?,
+        stimuli: row.stimuli.iter().map(|row| stimulus(exports, row)).collect::<PyResult<_>>()?,
         input_faults,
         outputs,
         command_faults,
@@ -42,8 +42,8 @@ fn link(exports: &mut Exports, row: LinkRow) -> PyResult<Link> {
     })
 }
 
-fn drive(exports: &mut Exports, row: &DriveRow) -> PyResult<Drive> {
-    Ok(Drive { course: exports.series(&row.course)?, target: exports.slot(&row.target)? })
+fn stimulus(exports: &mut Exports, row: &StimulusRow) -> PyResult<Stimulus> {
+    Ok(Stimulus { samples: exports.series(&row.samples)?, target: exports.slot(&row.target)? })
 }
 
 fn injection(exports: &mut Exports, row: FaultRow) -> PyResult<Injection> {

@@ -77,8 +77,8 @@ pub struct LinkRow<'py> {
 
 /// A signal.
 #[derive(FromPyObject)]
-pub struct DriveRow<'py> {
-    pub course: Bound<'py, PyAny>,
+pub struct StimulusRow<'py> {
+    pub samples: Bound<'py, PyAny>,
     pub target: PlaceRow<'py>,
 }
 
@@ -114,7 +114,7 @@ pub struct LinksRow<'py> {
     pub sensed: Bound<'py, PyAny>,
     pub commands: Bound<'py, PyAny>,
     pub readings: Vec<LinkRow<'py>>,
-    pub drives: Vec<DriveRow<'py>>,
+    pub stimuli: Vec<StimulusRow<'py>>,
     pub input_faults: Vec<FaultRow<'py>>,
     pub outputs: Vec<LinkRow<'py>>,
     pub command_faults: Vec<FaultRow<'py>>,
