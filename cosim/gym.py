@@ -103,7 +103,7 @@ class Environment(gymnasium.Env[Values, Values]):
         with located(self.session.scenario):
             # `step` checks the condition itself
             parts = replace(self.session.start(seed), stop_when=None)
-        self.courses = courses(parts.scenario, parts.connections, [*self.actions])
+        self.signals = signal_values(parts.scenario, parts.connections, [*self.actions])
         self.rows = reference.steps(parts, reference.recording(parts))
         row = self._next_row()
         return row[self.observed], {"time": float(row[0]), "seed": seed}
@@ -119,8 +119,8 @@ class Environment(gymnasium.Env[Values, Values]):
         if self.rows is None:
             raise CosimError("the episode has ended or did not begin", "Call `reset`.")
         loop = self.session.scenario.loop
-        for course, value in zip(self.courses, np.asarray(action, np.float64), strict=True):
-            course[self.k + 1 : self.k + 1 + loop.record_every] = value
+        for signal, value in zip(self.signals, np.asarray(action, np.float64), strict=True):
+            signal[self.k + 1 : self.k + 1 + loop.record_every] = value
         row = self._next_row()
         stop, fmus = self.session.stop, self.session.fmus
         terminated = any(fmu.ended is not None for fmu in fmus) or (stop is not None and bool(stop(row)))
@@ -164,7 +164,7 @@ def driven(scenario: Scenario, actions: Mapping[str, float]) -> Scenario:
     return replace(scenario, wire=tuple(wires), signal=(*signals, *added))
 
 
-def courses(scenario: Scenario, connections: Connections, names: Sequence[str]) -> list[Values]:
+def signal_values(scenario: Scenario, connections: Connections, names: Sequence[str]) -> list[Values]:
     """Values of some signals in every step of a run, which may be changed before the step."""
     found: dict[str, Values] = {}
     sides = [*(choice.name for choice in scenario.fmus), PLANT]
