@@ -38,7 +38,7 @@ class Deviation:
     @property
     def ratio(self) -> float:
         """Deviation relative to the tolerance."""
-        return ratio(np.float64(self.deviation), np.float64(self.tolerance)).item()
+        return float(ratio(np.float64(self.deviation), np.float64(self.tolerance)))
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""
