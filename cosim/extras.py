@@ -11,6 +11,8 @@ from cosim.errors import CosimError
 
 PROJECT = "machining-fmus"
 """The distribution that cosim is a part of."""
+DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
+"""Programs that compute the results, with their distributions."""
 REQUIREMENT = re.compile(r"""(([\w.-]+)(\[.*\])?[^;]*?)\s*;\s*extra\s*==\s*['"](\w+)['"]""")
 """A package of an extra: the requirement, name and extras of the package, and name of the extra."""
 

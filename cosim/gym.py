@@ -137,7 +137,7 @@ class Environment(gymnasium.Env[Values, Values]):
         with located(self.session.scenario):
             # `step` checks the condition itself
             parts = replace(self.session.start(seed), stop_when=None)
-        self.courses = courses(parts.scenario, parts.connections, [*self.actions])
+        self.signals = signal_values(parts.scenario, parts.connections, [*self.actions])
         self.rows = reference.steps(parts, reference.recording(parts))
         return self._next_row()
 
@@ -165,8 +165,8 @@ class Environment(gymnasium.Env[Values, Values]):
     def _advance(self, action: Any) -> Values:
         """Write an action; return the next row."""
         length = self.session.scenario.loop.record_every
-        for course, value in zip(self.courses, np.asarray(action, np.float64), strict=True):
-            course[self.k + 1 : self.k + 1 + length] = value
+        for signal, value in zip(self.signals, np.asarray(action, np.float64), strict=True):
+            signal[self.k + 1 : self.k + 1 + length] = value
         return self._next_row()
 
     def _next_row(self) -> Values:
@@ -205,7 +205,7 @@ def driven(scenario: Scenario, actions: Mapping[str, float]) -> Scenario:
     return replace(scenario, wire=tuple(wires), signal=(*signals, *added))
 
 
-def courses(scenario: Scenario, connections: Connections, names: Sequence[str]) -> list[Values]:
+def signal_values(scenario: Scenario, connections: Connections, names: Sequence[str]) -> list[Values]:
     """Values of some signals in every step of a run, which may be changed before the step."""
     found: dict[str, Values] = {}
     sides = [*(choice.name for choice in scenario.fmus), PLANT]

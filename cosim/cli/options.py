@@ -11,7 +11,7 @@ from typer import Argument, Option
 
 from cosim.cli import complete
 from cosim.errors import CosimError
-from cosim.extras import PROJECT, version
+from cosim.extras import DISTRIBUTIONS, version
 from cosim.loop import engines
 from cosim.pool.limits import Limits
 from cosim.show.console import output
@@ -26,8 +26,6 @@ COULD_NOT_RUN = 2
 """Exit code: the run could not be done."""
 READER_GONE = 141
 """Exit code: the reader of stdout is gone, as a shell reports SIGPIPE."""
-DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
-"""Distribution of each program whose version is shown."""
 
 log = logging.getLogger("cosim")
 

@@ -35,6 +35,11 @@ class Deviation:
     outside: int
     compared: int
 
+    @property
+    def ratio(self) -> float:
+        """Deviation relative to the tolerance."""
+        return float(ratio(np.float64(self.deviation), np.float64(self.tolerance)))
+
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data for JSON."""
         return {"name": self.name, "unit": self.unit, "within": not self.outside} | asdict(self)
@@ -118,9 +123,8 @@ def worst(
 ) -> Deviation:
     """Deviation of values from a tube: the first with the largest ratio to its tolerance."""
     deviation, tolerance = tube.deviation(values), tube.tolerance(values)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(deviation == 0.0, 0.0, deviation / tolerance)
-    index = int(np.lexsort((-np.arange(len(values)), deviation, share))[-1])
+    order = np.lexsort((-np.arange(len(values)), deviation, ratio(deviation, tolerance)))
+    index = int(order[-1])
     nearest = tube.high if values[index] > tube.high[index] else tube.low
     inside = deviation[index] == 0.0
     return Deviation(
@@ -134,6 +138,12 @@ def worst(
         int(np.sum(deviation > tolerance)),
         len(values),
     )
+
+
+def ratio(deviation: Any, tolerance: Any) -> Any:
+    """Deviations relative to their tolerances; 0 without a deviation, also if the tolerance is 0."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(deviation == 0.0, 0.0, deviation / tolerance)
 
 
 def same_units(name: str, before: str, now: str) -> list[str]:

@@ -76,7 +76,7 @@ def check_plot(kind: str, path: Path) -> None:
 
 def save_plot(found: Comparison, path: Path) -> None:
     """Plot up to six columns with the largest deviations relative to their tolerance."""
-    drawn = sorted(found.deviations, key=lambda d: (not d.outside, -d.outside))[:MAX_PANELS]
+    drawn = sorted(found.deviations, key=lambda d: (-d.ratio, -d.outside))[:MAX_PANELS]
     with figures.styled((9.0, 1.2 + 1.7 * len(drawn))) as figure:
         grid = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)
         for (axes,), deviation in zip(grid, drawn, strict=True):

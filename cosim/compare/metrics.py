@@ -81,7 +81,7 @@ def read_sweep(folder: Path) -> list[Row]:
         except (ValueError, KeyError, TypeError, RecursionError):
             log.warning("line %d of `%s` is not a row and is skipped", number, paths.shown(file))
             continue
-        # the last row of a run counts: those of a program before it stay in the file
+        # the last row of a run is valid: rows of earlier versions of the program stay in the file
         found.pop(case_of(row), None)
         found[case_of(row)] = row
     if not found:

@@ -71,8 +71,8 @@ class Variable:
 class FmuFile:
     """A checked co-simulation FMU for this platform; `version` is the major version of FMI.
 
-    `once` states that a process can instantiate it only once. `start_time` (s) and `tolerance` are those of
-    its default experiment. `warning` names flaws of the model description.
+    `once` states that a process can instantiate it only once. `start_time` (s), `step_size` (s) and
+    `tolerance` are those of its default experiment. `warning` names flaws of the model description.
     """
 
     path: Path
@@ -85,6 +85,7 @@ class FmuFile:
     version: int = 2
     once: bool = False
     start_time: float = 0.0
+    step_size: float = 0.0
     tolerance: float | None = None
     warning: str = ""
 
@@ -125,6 +126,7 @@ def describe(path: Path, folder: Path, description: Any) -> FmuFile:
         variables={variable.name: variable for variable in variables},
         once=bool(description.coSimulation.canBeInstantiatedOnlyOncePerProcess),
         start_time=experiment("startTime") or 0.0,
+        step_size=experiment("stepSize") or 0.0,
         tolerance=experiment("tolerance"),
     )
 

@@ -30,7 +30,8 @@ TAKEN = {
     "field": ("parts", "function"),
 }
 """Special keys accepted by each kind of chart."""
-SOME = sorted({key for keys in TAKEN.values() for key in keys})
+SPECIAL = sorted({key for keys in TAKEN.values() for key in keys})
+"""Keys that not all kinds of charts accept."""
 COUNTS = {
     "map": ("y", 1, "Make one map for each."),
     "bode": ("y", 2, "Give gain, and phase in rad."),
@@ -85,8 +86,8 @@ def check_keys(chart: Chart, where: str) -> None:
     needed = NEEDED.get(chart.kind, ("y",))
     if missing := [name for name in needed if not getattr(chart, name)]:
         problem = f"`{where}` {kind} has no `{missing[0]}`"
-        raise ScenarioError(problem, "It needs " + " and ".join(f"`{name}`" for name in needed))
-    for key in SOME:
+        raise ScenarioError(problem, f"Give {' and '.join(f'`{name}`' for name in needed)}.")
+    for key in SPECIAL:
         if key not in TAKEN[chart.kind] and getattr(chart, key) != getattr(Chart, key):
             kinds = ", ".join(f"`{name}`" for name, keys in TAKEN.items() if key in keys)
             raise ScenarioError(f"`{where}` {kind} does not accept `{key}`", f"Use it for {kinds}.")
@@ -98,7 +99,7 @@ def check_keys(chart: Chart, where: str) -> None:
         raise ScenarioError(f"`{where}` {kind} has {has} `{key}` and needs {needs}", hint)
     if chart.kind == "field" and not all(chart.function.partition(":")):
         raise ScenarioError(f"`{where}.function` is `{chart.function}`", "Name the function `module:name`.")
-    # a threshold parts both
+    # both parts of a `roc` make one line
     count = len(chart.y) * (1 if chart.kind == "roc" else max(1, len(chart.parts)))
     if chart.names and len(chart.names) != count:
         raise ScenarioError(f"`{where}.names` has {len(chart.names)} names for {count} lines")

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import difflib
-import math
 import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-
-import fmpy
 
 from cosim import paths
 from cosim.errors import FmuError
@@ -19,6 +16,7 @@ from cosim.fmu.description import FmuFile, Variable
 from cosim.loop import plant
 from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Channel
+from cosim.show.display import limits_text
 from cosim.units import UNCHANGED, Conversion, conversion
 
 DEFAULT_STEP, LONGEST = 0.01, 1.0
@@ -136,7 +134,7 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
 def variables(file: FmuFile, causality: str) -> list[End]:
     """List numeric inputs or outputs of an FMU."""
     return [
-        end(one, one.kind, " | ".join(name for name, _ in one.items) or limits_text(one), start(one))
+        end(one, one.kind, " | ".join(name for name, _ in one.items), start(one))
         for one in file.named(causality)
         if one.kind != "String"
     ]
@@ -144,11 +142,12 @@ def variables(file: FmuFile, causality: str) -> list[End]:
 
 def channels(found: tuple[Channel, ...]) -> list[End]:
     """List measurements or commands of a plant."""
-    return [end(one, "", limits_text(one), repr(plant.start(one))) for one in found]
+    return [end(one, "", "", repr(plant.start(one))) for one in found]
 
 
-def end(one: Variable | Channel, kind: str, limits: str, start: str) -> End:
-    """End of a wire with a note in one line."""
+def end(one: Variable | Channel, kind: str, items: str, start: str) -> End:
+    """End of a wire with a note in one line; `items` are those of an enumeration."""
+    limits = items or limits_text(one.minimum, one.maximum).strip()
     note = ", ".join(filter(None, (kind, one.unit, limits, one.description)))
     return End(one.name, one.unit, " ".join(note.split()), start)
 
@@ -162,20 +161,9 @@ def start(found: Variable) -> str:
     return str(int(found.start or 0))
 
 
-def limits_text(one: Variable | Channel) -> str:
-    """Range with optional ends."""
-    ends = [
-        f"{float(limit):g}" if limit not in ("", None) and math.isfinite(float(limit)) else ""
-        for limit in (one.minimum, one.maximum)
-    ]
-    return " .. ".join(ends).strip() if any(ends) else ""
-
-
 def wanted_step(file: FmuFile) -> float:
     """Step that the description of an FMU proposes."""
-    experiment = fmpy.read_model_description(str(file.path), validate=False).defaultExperiment
-    step = float(experiment.stepSize or 0.0) if experiment is not None else 0.0
-    return step if step > 0.0 else DEFAULT_STEP
+    return file.step_size if file.step_size > 0.0 else DEFAULT_STEP
 
 
 def relative_name(name: str, file: Path, folder: Path) -> str:

@@ -78,8 +78,9 @@ class ChartData:
 
     @property
     def integer(self) -> bool:
-        """Whether all `x` are integers."""
-        return bool(self.lines) and all(np.all(line.x == np.round(line.x)) for line in self.lines)
+        """Whether the `x` axis has ticks only at integers: all `x` are, and it is not logarithmic."""
+        integers = (bool(np.all(line.x == np.round(line.x))) for line in self.lines)
+        return bool(self.lines) and not self.chart.x_log and all(integers)
 
     def packed(self) -> dict[str, Any]:
         """Return plain data for the script of the page."""

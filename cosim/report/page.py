@@ -14,12 +14,10 @@ from typing import Any
 
 from cosim import extras, paths
 from cosim.errors import CosimError
-from cosim.extras import PROJECT, version
+from cosim.extras import DISTRIBUTIONS, version
 from cosim.formatting import strict
 
 FOLDER = Path(__file__).parent / "templates"
-DISTRIBUTIONS = {"cosim": PROJECT, "FMPy": "fmpy", "MuJoCo": "mujoco-core", "numpy": "numpy"}
-"""Programs that compute the results, with their distributions."""
 SOURCES = {"paper": "from the paper", "prediction": "prediction", "choice": "choice"}
 """Source of a limit, as in the report."""
 Section = dict[str, Any]

@@ -214,7 +214,7 @@ def assign(merged: Overrides, key: str, value: Any, origin: str) -> None:
 
 def key_path(merged: Overrides, key: str, origin: str) -> KeyPath:
     """Path in the merged tables for a dotted key."""
-    tables = parameterised(merged.table)
+    tables = parameterized(merged.table)
     section, _, name = key.partition(".")
     if section in tables and name:
         path, own = tables[section]
@@ -235,7 +235,7 @@ def key_path(merged: Overrides, key: str, origin: str) -> KeyPath:
     return [section, name] if section == "loop" else item_path(merged, section, name, origin)
 
 
-def parameterised(table: dict[str, Any]) -> dict[str, tuple[KeyPath, tuple[str, ...]]]:
+def parameterized(table: dict[str, Any]) -> dict[str, tuple[KeyPath, tuple[str, ...]]]:
     """Paths of the tables with parameters, by their names in keys, and their other keys."""
     found: dict[str, tuple[KeyPath, tuple[str, ...]]] = {"controller": (["controller"], ("fmu",))}
     if is_tables(table.get("fmu")):

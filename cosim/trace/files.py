@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import importlib
-import json
 import tokenize
 import zipfile
 import zlib
@@ -24,7 +23,7 @@ MODULES |= dict.fromkeys(endings.PARQUET, "parquet")
 HINT = "Use a file of `cosim run --trace`, or a CSV or Parquet file with a column `time`."
 BROKEN = (
     *(MemoryError, ValueError, KeyError, EOFError, NotImplementedError, RecursionError, SyntaxError),
-    *(csv.Error, tokenize.TokenError, zipfile.BadZipFile, zlib.error, json.JSONDecodeError),
+    *(csv.Error, tokenize.TokenError, zipfile.BadZipFile, zlib.error),
 )
 """Exceptions of numpy, zipfile, csv and pyarrow for damaged files."""
 

@@ -46,7 +46,7 @@ class Bare(Plant):
 
     def shape(self, spec: Any, p: Any) -> None:
         """Choose the integrator; the other parameters are written into the compiled model."""
-        # what is none of them the file says itself, and the base refuses it
+        # RK4 is not one of them: that of the file stays, and the base class rejects it
         spec.option.integrator = INTEGRATORS.get(named(p)["integrator"], spec.option.integrator)
 
     def _undress(self, spec: Any) -> None:
@@ -71,7 +71,7 @@ def load(file: Path) -> type[Bare]:
         MuJoCo cannot read or compile the file, or two channels have one name.
     """
     model, spec = compiled(file)
-    # two channels of one name are a mistake of the file
+    # reject two channels of one name before a run
     channels.truths(model, mujoco.MjData(model))
     rk4 = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
     members = {
@@ -100,15 +100,15 @@ def fingerprint(file: Path) -> str:
 
 def compiled(file: Path) -> tuple[Any, Any]:
     """Model and specification of an MJCF file; an invalid number is an error, although MuJoCo only warns."""
-    heard: list[str] = []
+    warnings: list[str] = []
     before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(heard.append)
+    mujoco.set_mju_user_warning(warnings.append)
     try:
         spec = mujoco.MjSpec.from_file(str(file))
         model = spec.compile()
-        if nan := [text for text in heard if "NaN" in text]:
+        if nan := [text for text in warnings if "NaN" in text]:
             raise ValueError(nan[0])
-        for text in dict.fromkeys(heard):
+        for text in dict.fromkeys(warnings):
             log.warning("MuJoCo warns of `%s`: %s", file.name, text)
         return model, spec
     except ValueError as error:
